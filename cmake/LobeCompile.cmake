@@ -1,0 +1,21 @@
+# One place for what every target of the project is compiled with.
+if(PROJECT_IS_TOP_LEVEL)
+  if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+  endif()
+  set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+endif()
+
+# -ffp-contract=off: the same bits whatever the instruction set.
+add_library(lobe_compile INTERFACE)
+target_compile_features(lobe_compile INTERFACE cxx_std_20)
+target_compile_options(lobe_compile INTERFACE -ffp-contract=off)
+target_compile_definitions(lobe_compile INTERFACE EIGEN_MPL2_ONLY)
+if(PROJECT_IS_TOP_LEVEL)
+  target_compile_options(lobe_compile INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)
+endif()
+if(LOBE_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()

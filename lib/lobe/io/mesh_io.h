@@ -1,0 +1,41 @@
+// Tetrahedral meshes in and out.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "lobe/mesh/tet_mesh.h"
+
+namespace lobe {
+
+// Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
+// (legacy 2.0 … 5.1, ascii and binary), .msh (Gmsh 2.2 and 4.1, ascii and binary), .mesh (MEDIT ascii),
+// .node/.ele (TetGen; either name finds the other). Cells other than tetrahedra are ignored and counted.
+// Throws InputError naming file, line or section, and what was expected. Calls prepare().
+struct MeshFile {
+  TetMesh mesh;
+  PrepareReport prepared;
+  Index ignored_cells = 0;
+  std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
+  std::map<std::string, Eigen::MatrixXd> cell_data;   // #components × #tetrahedra (VTU only)
+};
+MeshFile read_mesh(const std::filesystem::path& file);
+
+// One array of a VTU file: #components × #points or #cells.
+struct DataArray {
+  std::string name;
+  Eigen::MatrixXd values;
+  enum class Type { float32, float64, int32 } type = Type::float64;
+};
+
+// Writes a VTU (appended raw, little endian; ParaView, VTK and read_mesh() open it), with the labels as cell
+// data "label". Written to a temporary name and renamed, so that a file is whole or absent.
+void write_vtu(const std::filesystem::path& file, const TetMesh& mesh,
+               const std::vector<DataArray>& point_data = {}, const std::vector<DataArray>& cell_data = {});
+
+// A ParaView collection: DIR/series.pvd naming frames that lie beside it.
+void write_pvd(const std::filesystem::path& file, const std::vector<std::pair<double, std::string>>& frames);
+
+}  // namespace lobe

@@ -1,0 +1,137 @@
+// A scene as plain structs: what the JSON of docs/scene.md says, in SI units, defaults included.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+// ---- Selectors: a tetrahedron is selected by its barycentre, a boundary face when its three vertices are.
+struct Selector;
+struct SelectAll {};
+struct SelectBox {
+  Vec3d min, max;
+};  // [m]
+struct SelectSphere {
+  Vec3d center;
+  double radius = 0;
+};  // [m]
+struct SelectPlane {
+  enum class Side { within, above, below };
+  Vec3d point, normal;  // `above` is where the normal points
+  Side side = Side::within;
+  double within = 0;  // [m], for Side::within
+};
+struct SelectNearest {
+  Vec3d point;
+  int count = 1;
+};  // the `count` nearest vertices (or tetrahedra)
+struct SelectLabel {
+  std::vector<int> labels;
+};  // tetrahedra; vertices of such tetrahedra
+struct SelectVertices {
+  std::vector<Index> vertices;
+};
+struct SelectTetrahedra {
+  std::vector<Index> tetrahedra;
+};
+struct SelectAnyOf {
+  std::vector<Selector> parts;
+};
+struct SelectAllOf {
+  std::vector<Selector> parts;
+};
+struct SelectNot {
+  std::vector<Selector> part;
+};  // exactly one
+struct Selector {
+  std::variant<SelectAll, SelectBox, SelectSphere, SelectPlane, SelectNearest, SelectLabel, SelectVertices,
+               SelectTetrahedra, SelectAnyOf, SelectAllOf, SelectNot>
+      value;
+};
+
+// ---- What the scene is made of. `pointer` is the JSON pointer of the entry, for messages ("" if built in
+// code).
+struct Material {
+  std::string name = "tissue";
+  std::optional<Selector> where;  // the first material without one is the default
+  double lame_lambda = 4e4;       // [Pa]
+  double lame_mu = 1e4;           // [Pa]
+  double density = 1000;          // [kg/m³]
+  std::string pointer;
+};
+
+enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2 };
+enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
+
+struct Region {
+  std::string name;
+  RegionModel model = RegionModel::nonlinear;
+  std::optional<Selector> where;
+  std::string pointer;
+};
+
+struct Boundary {
+  enum class Kind { fix, displacement, traction, force };
+  Kind kind = Kind::fix;
+  Vec3d value = Vec3d::Zero();  // displacement [m], traction [Pa], total force [N]
+  Selector where;
+  std::string pointer;
+};
+
+struct PathPoint {
+  double time = 0;                 // [s]
+  Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
+};
+
+struct Tool {
+  enum class Type { grasp, cautery };
+  std::string name;
+  Type type = Type::grasp;
+  std::optional<Selector> where;  // grasp: the vertices it takes hold of
+  double radius = 0;              // cautery: of its spherical tip [m]
+  std::vector<PathPoint> path;    // times strictly increasing; acts from the first to the last
+  bool release = false;           // grasp: let go after the last path point (otherwise hold on there)
+  std::string pointer;
+};
+
+enum class LoosePieces : std::uint8_t { fall, vanish, stay };
+enum class Precision : std::uint8_t { single_precision, double_precision };
+
+struct Time {
+  double duration = 1;      // [s]
+  double frame = 1.0 / 30;  // [s], one call of advance()
+  double damping = 0;       // γ [1/s], mass-proportional
+  double safety = 0.9;      // time step = safety × 2/ω_max
+  double ramp = 0.1;        // [s] over which prescribed displacements are reached
+  Precision precision = Precision::single_precision;
+  std::string integrator = "explicit";
+};
+
+struct Output {
+  double every = 1.0 / 30;       // [s] between VTU frames
+  std::vector<double> pictures;  // times [s] of PNG pictures
+};
+
+struct Scene {
+  std::filesystem::path file;  // where it was read from
+  std::filesystem::path mesh;  // absolute, or relative to the scene file
+  std::vector<Material> materials;
+  double volume_penalty = 0;    // κ [Pa]
+  std::vector<Region> regions;  // first match wins; where none matches: nonlinear
+  std::vector<Boundary> boundary;
+  Vec3d gravity = Vec3d::Zero();  // [m/s²]
+  std::vector<Tool> tools;
+  LoosePieces loose_pieces = LoosePieces::fall;
+  Evaluator evaluator = Evaluator::direct;
+  Time time;
+  Output output;
+};
+
+}  // namespace lobe

@@ -1,0 +1,65 @@
+// What a scene comes to on one mesh: plain arrays per tetrahedron and vertex, from which a World is built.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lobe/mesh/tet_mesh.h"
+#include "lobe/scene/scene.h"
+
+namespace lobe {
+
+struct FaceLoad {  // dead load on one boundary face, in rest area
+  Index tet = 0;
+  int face = 0;                    // opposite to this corner
+  Vec3d traction = Vec3d::Zero();  // [Pa]
+};
+
+struct VertexLoad {
+  Index vertex = 0;
+  Vec3d force = Vec3d::Zero();  // [N]
+};
+
+struct PrescribedVertex {
+  Index vertex = 0;
+  Vec3d displacement = Vec3d::Zero();  // [m], zero where the vertex is fixed
+};
+
+struct Elastic {
+  double lambda = 4e4, mu = 1e4;  // [Pa]
+  double density = 1000;          // [kg/m³]
+};
+
+struct GraspSetup {
+  std::string name;
+  std::vector<Index> vertices;
+  std::vector<PathPoint> path;  // offsets
+  bool release = false;
+};
+
+struct CauterySetup {
+  std::string name;
+  double radius = 0;            // [m]
+  std::vector<PathPoint> path;  // positions of the tip
+};
+
+struct Setup {
+  TetMesh mesh;
+  std::vector<Elastic> materials;
+  std::vector<std::uint16_t> material_of;  // per tetrahedron
+  std::vector<RegionModel> region_of;      // per tetrahedron
+  std::vector<PrescribedVertex> prescribed;
+  std::vector<FaceLoad> face_loads;
+  std::vector<VertexLoad> vertex_loads;
+  Vec3d gravity = Vec3d::Zero();
+  double volume_penalty = 0;
+  Evaluator evaluator = Evaluator::direct;
+  LoosePieces loose_pieces = LoosePieces::fall;
+  double damping = 0;  // [1/s]
+  double safety = 0.9;
+  double ramp = 0.1;  // [s]
+  std::vector<GraspSetup> grasps;
+  std::vector<CauterySetup> cauteries;
+};
+
+}  // namespace lobe

@@ -1,0 +1,75 @@
+#include "lobe/fem/nonlinear_tensor_mass.h"
+
+#include "lobe/fem/hooke.h"
+
+namespace lobe {
+namespace {
+
+// The coefficients of one tetrahedron without V, as in the header.
+struct Coefficients {
+  const Mat34<double>& alpha;
+  double lambda, mu;
+
+  double dot(int j, int k) const { return alpha.col(j).dot(alpha.col(k)); }
+
+  Mat3<double> B(int j, int k) const { return hooke_block<double>(alpha.col(j), alpha.col(k), lambda, mu); }
+
+  Vec3d C(int j, int k, int l) const {
+    return 0.5 * lambda * dot(k, l) * alpha.col(j) + 0.5 * mu * (dot(j, k) * alpha.col(l) + dot(j, l) * alpha.col(k));
+  }
+
+  double D(int j, int k, int l, int m) const {
+    return lambda / 8 * dot(j, k) * dot(l, m) + mu / 8 * (dot(j, l) * dot(k, m) + dot(j, m) * dot(k, l));
+  }
+};
+
+}  // namespace
+
+VertexTerms vertex_terms(const Shape& s, double lambda, double mu, int i) {
+  const Coefficients c{s.gradients, lambda, mu};
+  VertexTerms terms;
+  double* v = terms.values.data();
+  Eigen::Map<Mat3<double>>{v} = s.volume * c.B(i, i);
+  Eigen::Map<Vec3d>{v + 9} = s.volume * c.C(i, i, i);
+  v[12] = s.volume * c.D(i, i, i, i);
+  return terms;
+}
+
+EdgeTerms edge_terms(const Shape& s, double lambda, double mu, int i, int j) {
+  const Coefficients c{s.gradients, lambda, mu};
+  EdgeTerms terms;
+  double* v = terms.values.data();
+  Eigen::Map<Mat3<double>>{v} = s.volume * c.B(i, j);
+  Eigen::Map<Vec3d>{v + 9} = s.volume * 2 * c.C(i, i, j);
+  Eigen::Map<Vec3d>{v + 12} = s.volume * c.C(j, i, i);
+  Eigen::Map<Vec3d>{v + 15} = s.volume * 2 * c.C(j, j, i);
+  Eigen::Map<Vec3d>{v + 18} = s.volume * c.C(i, j, j);
+  v[21] = s.volume * 2 * c.D(i, i, j, j);
+  v[22] = s.volume * 4 * c.D(i, j, i, j);
+  v[23] = s.volume * 4 * c.D(i, i, i, j);
+  v[24] = s.volume * 4 * c.D(j, j, i, j);
+  return terms;
+}
+
+TriangleTerms triangle_terms(const Shape& s, double lambda, double mu, int i, int j, int k) {
+  const Coefficients c{s.gradients, lambda, mu};
+  TriangleTerms terms;
+  double* v = terms.values.data();
+  Eigen::Map<Vec3d>{v} = s.volume * 2 * c.C(i, j, k);
+  Eigen::Map<Vec3d>{v + 3} = s.volume * 2 * c.C(j, i, k);
+  Eigen::Map<Vec3d>{v + 6} = s.volume * 2 * c.C(k, i, j);
+  v[9] = s.volume * 4 * c.D(i, i, j, k);
+  v[10] = s.volume * 4 * c.D(j, j, i, k);
+  v[11] = s.volume * 4 * c.D(k, k, i, j);
+  v[12] = s.volume * 8 * c.D(i, j, i, k);
+  v[13] = s.volume * 8 * c.D(j, i, j, k);
+  v[14] = s.volume * 8 * c.D(k, i, k, j);
+  return terms;
+}
+
+TetTerms tet_terms(const Shape& s, double lambda, double mu, int i, int j, int k, int l) {
+  const Coefficients c{s.gradients, lambda, mu};
+  return {{s.volume * 8 * c.D(i, j, k, l), s.volume * 8 * c.D(i, k, j, l), s.volume * 8 * c.D(i, l, j, k)}};
+}
+
+}  // namespace lobe

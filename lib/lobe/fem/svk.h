@@ -1,0 +1,58 @@
+// St Venant-Kirchhoff: W = V (λ/2 (tr E)² + μ tr E²), E = ½(∇u + ∇uᵀ + ∇uᵀ∇u). [PDA] section 3.1, closed form.
+//
+// It softens under compression (uniaxial peak at stretch 1/√3) and does not resist inversion: volume_term.h does.
+#pragma once
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+template <class T>
+Mat3<T> green_strain(const Mat3<T>& H)  // E from ∇u
+{
+  return (H + H.transpose() + H.transpose().lazyProduct(H)) * T(0.5);
+}
+
+template <class T>
+T svk_energy_density(const Mat3<T>& H, const T& lambda, const T& mu)  // [Pa] → [J/m³]
+{
+  const Mat3<T> E = green_strain(H);
+  const T trace = E(0, 0) + E(1, 1) + E(2, 2);
+  return T(0.5) * lambda * trace * trace + mu * E.cwiseProduct(E).sum();
+}
+
+template <class T>
+Mat3<T> svk_second_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // S = λ tr(E) I + 2μ E [Pa]
+{
+  const Mat3<T> E = green_strain(H);
+  const T pressure = lambda * (E(0, 0) + E(1, 1) + E(2, 2));
+  Mat3<T> S = E * (mu + mu);
+  for (int i = 0; i < 3; ++i) S(i, i) += pressure;
+  return S;
+}
+
+template <class T>
+Mat3<T> svk_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // first Piola-Kirchhoff P = F S [Pa]
+{
+  const Mat3<T> S = svk_second_stress(H, lambda, mu);
+  return S + H.lazyProduct(S);
+}
+
+// ∂²W/∂u_j² / V = (α·Sα) I + (λ + μ)(Fα)⊗(Fα) + μ (α·α) F Fᵀ at the current state, α = α_j: what one vertex
+// feels when it moves alone. The time step follows it.
+template <class T>
+Mat3<T> svk_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& lambda, const T& mu)  // [Pa/m²]
+{
+  const Mat3<T> S = svk_second_stress(H, lambda, mu);
+  const Vec3<T> Fa = alpha + H.lazyProduct(alpha);
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) += T(1);
+  const T aa = alpha.cwiseProduct(alpha).sum();
+  const Vec3<T> Sa = S.lazyProduct(alpha);
+  Mat3<T> block = Fa.lazyProduct(Fa.transpose()) * (lambda + mu) + F.lazyProduct(F.transpose()) * (mu * aa);
+  const T geometric = alpha.cwiseProduct(Sa).sum();
+  for (int i = 0; i < 3; ++i) block(i, i) += geometric;
+  return block;
+}
+
+}  // namespace lobe

@@ -1,0 +1,63 @@
+// Resistance to change of volume, [PDA] section 4 with erratum 4: the printed force has no sign and conserves no
+// momentum; this is the energy that it stands for, W = κ V |v|³/3 with v = (V_now − V)/V = det F − 1.
+// The force on vertex p is −κ v|v| ∂V_now/∂x_p, and V ∂v/∂F = V cof F, so that it adds κ v|v| cof F to P.
+#pragma once
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+template <class T>
+Mat3<T> cofactor(const Mat3<T>& A) {
+  Mat3<T> C;
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    for (int i = 0; i < 3; ++i) {
+      const int m = (i + 1) % 3, n = (i + 2) % 3;
+      C(i, j) = A(m, k) * A(n, l) - A(m, l) * A(n, k);
+    }
+  }
+  return C;
+}
+
+// v = det(I + H) − 1 = tr H + (principal minors of H) + det H, free of cancellation for small H.
+template <class T>
+T volume_change(const Mat3<T>& H) {
+  const T minors = H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1) +
+                   H(0, 0) * H(2, 2) - H(0, 2) * H(2, 0);
+  const T det = H(0, 0) * (H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1)) - H(0, 1) * (H(1, 0) * H(2, 2) - H(1, 2) * H(2, 0)) +
+                H(0, 2) * (H(1, 0) * H(2, 1) - H(1, 1) * H(2, 0));
+  return H(0, 0) + H(1, 1) + H(2, 2) + minors + det;
+}
+
+template <class T>
+T volume_energy_density(const Mat3<T>& H, const T& kappa)  // [Pa] → [J/m³]
+{
+  using std::abs;
+  const T v = abs(volume_change(H));
+  return kappa * v * v * v / T(3);
+}
+
+template <class T>
+Mat3<T> volume_stress(const Mat3<T>& H, const T& kappa)  // adds to the first Piola-Kirchhoff stress [Pa]
+{
+  using std::abs;
+  const T v = volume_change(H);
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) += T(1);
+  return cofactor(F) * (kappa * v * abs(v));
+}
+
+// ∂²W/∂u_j² / V = 2κ|v| g⊗g with g = cof(F) α_j (det F is linear in each vertex).
+template <class T>
+Mat3<T> volume_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& kappa)  // [Pa/m²]
+{
+  using std::abs;
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) += T(1);
+  const Vec3<T> g = cofactor(F).lazyProduct(alpha);
+  const T scale = T(2) * kappa * abs(volume_change(H));
+  return g.lazyProduct(g.transpose()) * scale;
+}
+
+}  // namespace lobe

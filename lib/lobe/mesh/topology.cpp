@@ -1,0 +1,209 @@
+#include "lobe/mesh/topology.h"
+
+#include <algorithm>
+#include <array>
+
+namespace lobe {
+namespace {
+
+struct FaceKey {
+  std::array<Index, 3> vertices;  // ascending
+  Index code;
+  bool operator<(const FaceKey& other) const { return vertices < other.vertices; }
+};
+
+std::vector<FaceKey> sorted_faces(const Tets& tets) {
+  std::vector<FaceKey> faces;
+  faces.reserve(std::size_t(4 * tets.cols()));
+  for (Index t = 0; t < tets.cols(); ++t)
+    for (int f = 0; f < 4; ++f) {
+      const int* c = face_corners[f];
+      FaceKey key{{tets(c[0], t), tets(c[1], t), tets(c[2], t)}, 4 * t + f};
+      std::sort(key.vertices.begin(), key.vertices.end());
+      faces.push_back(key);
+    }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+std::vector<Index> tets_per_vertex(const TetMesh& mesh) {
+  std::vector<Index> count(std::size_t(mesh.vertex_count()), 0);
+  for (Index i = 0; i < mesh.tets.size(); ++i) ++count[std::size_t(mesh.tets.data()[i])];
+  return count;
+}
+
+int corner_of(const Tets& tets, Index t, Index v) {
+  for (int c = 0; c < 4; ++c)
+    if (tets(c, t) == v) return c;
+  return -1;
+}
+
+}  // namespace
+
+Topology::Topology(const TetMesh& mesh)
+    : tets_(mesh.tets),
+      neighbours_(Tets::Constant(4, mesh.tet_count(), -1)),
+      alive_(std::size_t(mesh.tet_count()), 1),
+      alive_count_(mesh.tet_count()),
+      around_(tets_per_vertex(mesh)),
+      boundary_slot_(std::size_t(4 * mesh.tet_count()), -1) {
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    for (int c = 0; c < 4; ++c) around_.append(tets_(c, t), t);
+  const std::vector<FaceKey> faces = sorted_faces(tets_);
+  for (std::size_t i = 0; i + 1 < faces.size(); ++i)
+    if (faces[i].vertices == faces[i + 1].vertices) {
+      neighbours_.data()[faces[i].code] = faces[i + 1].code / 4;
+      neighbours_.data()[faces[i + 1].code] = faces[i].code / 4;
+    }
+  for (Index code = 0; code < 4 * mesh.tet_count(); ++code)
+    if (neighbours_.data()[code] < 0) open_face(code);
+}
+
+Eigen::Vector3i Topology::face(Index code) const {
+  const int* c = face_corners[code % 4];
+  const Index t = code / 4;
+  return {tets_(c[0], t), tets_(c[1], t), tets_(c[2], t)};
+}
+
+void Topology::open_face(Index code) {
+  boundary_slot_[code] = static_cast<Index>(boundary_.size());
+  boundary_.push_back(code);
+}
+
+void Topology::close_face(Index code) {
+  const Index slot = boundary_slot_[code];
+  boundary_[slot] = boundary_.back();
+  boundary_slot_[boundary_[slot]] = slot;
+  boundary_.pop_back();
+  boundary_slot_[code] = -1;
+}
+
+void Topology::unlink(Index tet) {
+  alive_[tet] = 0;
+  --alive_count_;
+  for (int f = 0; f < 4; ++f) {
+    around_.erase_value(tets_(f, tet), tet);
+    const Index other = neighbours_(f, tet);
+    if (other < 0) {
+      close_face(4 * tet + f);
+      continue;
+    }
+    for (int g = 0; g < 4; ++g)
+      if (neighbours_(g, other) == tet) {
+        neighbours_(g, other) = -1;
+        open_face(4 * other + g);
+      }
+    neighbours_(f, tet) = -1;
+  }
+}
+
+MeshEdit Topology::remove(std::span<const Index> tets) {
+  MeshEdit edit;
+  std::vector<Index> touched;
+  for (Index t : tets) {
+    if (!alive(t)) continue;
+    unlink(t);
+    edit.removed.push_back(t);
+    for (int c = 0; c < 4; ++c) touched.push_back(tets_(c, t));
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  for (Index v : touched) split_if_apart(v, edit.splits);
+  return edit;
+}
+
+// Numbers the face-connected parts of the tetrahedra around v; part_of runs parallel to around(v).
+Index Topology::parts_around(Index v, std::vector<Index>& part_of) const {
+  const std::span<const Index> star = around(v);
+  part_of.assign(star.size(), -1);
+  std::vector<std::size_t> front;
+  Index parts = 0;
+  for (std::size_t first = 0; first < star.size(); ++first) {
+    if (part_of[first] >= 0) continue;
+    part_of[first] = parts;
+    front.assign(1, first);
+    while (!front.empty()) {
+      const Index t = star[front.back()];
+      front.pop_back();
+      for (int f = 0; f < 4; ++f) {
+        const Index other = neighbours_(f, t);
+        if (other < 0 || tets_(f, t) == v) continue;
+        const std::size_t at = std::size_t(std::find(star.begin(), star.end(), other) - star.begin());
+        if (part_of[at] >= 0) continue;
+        part_of[at] = parts;
+        front.push_back(at);
+      }
+    }
+    ++parts;
+  }
+  return parts;
+}
+
+void Topology::split_if_apart(Index v, std::vector<VertexSplit>& splits) {
+  std::vector<Index> part_of;
+  const Index parts = parts_around(v, part_of);
+  if (parts < 2) return;
+  const std::vector<Index> star(around(v).begin(), around(v).end());
+  std::vector<Index> size(std::size_t(parts), 0);
+  for (Index part : part_of) ++size[part];
+  const Index keeps = static_cast<Index>(std::max_element(size.begin(), size.end()) - size.begin());
+  for (Index part = 0; part < parts; ++part) {
+    if (part == keeps) continue;
+    VertexSplit split{v, vertex_count(), {}};
+    around_.add_vertex();
+    for (std::size_t i = 0; i < star.size(); ++i) {
+      if (part_of[i] != part) continue;
+      around_.erase_value(v, star[i]);
+      around_.append(split.copy, star[i]);
+      tets_(corner_of(tets_, star[i], v), star[i]) = split.copy;
+      split.tets.push_back(star[i]);
+    }
+    splits.push_back(std::move(split));
+  }
+}
+
+std::vector<std::vector<Index>> Topology::pieces() const {
+  std::vector<std::vector<Index>> pieces;
+  std::vector<std::uint8_t> seen(alive_.size(), 0);
+  for (Index first = 0; first < tet_count(); ++first) {
+    if (!alive(first) || seen[first]) continue;
+    std::vector<Index>& piece = pieces.emplace_back(1, first);
+    seen[first] = 1;
+    for (std::size_t at = 0; at < piece.size(); ++at)
+      for (int f = 0; f < 4; ++f) {
+        const Index other = neighbours_(f, piece[at]);
+        if (other < 0 || seen[other]) continue;
+        seen[other] = 1;
+        piece.push_back(other);
+      }
+  }
+  return pieces;
+}
+
+CompactMesh compact(const Topology& topology, const Mat3X<double>& points, const std::vector<int>& labels) {
+  CompactMesh result;
+  result.vertex_target.assign(std::size_t(topology.vertex_count()), -1);
+  result.tet_target.assign(std::size_t(topology.tet_count()), -1);
+  for (Index v = 0; v < topology.vertex_count(); ++v) {
+    if (topology.around(v).empty()) continue;
+    result.vertex_target[v] = static_cast<Index>(result.vertex_source.size());
+    result.vertex_source.push_back(v);
+  }
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    if (!topology.alive(t)) continue;
+    result.tet_target[t] = static_cast<Index>(result.tet_source.size());
+    result.tet_source.push_back(t);
+  }
+  result.mesh.points.resize(3, Eigen::Index(result.vertex_source.size()));
+  for (std::size_t v = 0; v < result.vertex_source.size(); ++v)
+    result.mesh.points.col(Eigen::Index(v)) = points.col(result.vertex_source[v]);
+  result.mesh.tets.resize(4, Eigen::Index(result.tet_source.size()));
+  for (std::size_t t = 0; t < result.tet_source.size(); ++t) {
+    for (int c = 0; c < 4; ++c)
+      result.mesh.tets(c, Eigen::Index(t)) = result.vertex_target[topology.tets()(c, result.tet_source[t])];
+    result.mesh.labels.push_back(labels[result.tet_source[t]]);
+  }
+  return result;
+}
+
+}  // namespace lobe

@@ -1,0 +1,82 @@
+// Who touches whom in a mesh that is being cut: neighbours across faces, the tetrahedra around each vertex, the
+// boundary surface. It is edited in place; every other structure follows the record that an edit returns.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lobe/mesh/tet_mesh.h"
+#include "lobe/mesh/vertex_lists.h"
+
+namespace lobe {
+
+// A vertex whose tetrahedra no longer hang together by faces: some of them take a copy of it.
+struct VertexSplit {
+  Index vertex = 0;
+  Index copy = 0;            // a new vertex, numbered after all others
+  std::vector<Index> tets;   // those that now have the copy for a corner
+};
+
+// One edit of the mesh, in this order: tetrahedra removed, then vertices split.
+struct MeshEdit {
+  std::vector<Index> removed;
+  std::vector<VertexSplit> splits;
+
+  bool empty() const { return removed.empty() && splits.empty(); }
+};
+
+class Topology {
+ public:
+  explicit Topology(const TetMesh& mesh);
+
+  // Numbers never change; a removed tetrahedron keeps its number and its last corners.
+  Index vertex_count() const { return around_.vertex_count(); }
+  Index tet_count() const { return static_cast<Index>(tets_.cols()); }
+  Index alive_count() const { return alive_count_; }
+  bool alive(Index tet) const { return alive_[tet] != 0; }
+  const Tets& tets() const { return tets_; }
+  Eigen::Vector4i corners(Index tet) const { return tets_.col(tet); }
+
+  // Alive tetrahedra that have v for a corner; a vertex without any is an orphan and stays where it is.
+  std::span<const Index> around(Index v) const { return around_[v]; }
+  // Across the face opposite to a corner; −1 on the boundary.
+  Index neighbour(Index tet, int face) const { return neighbours_(face, tet); }
+  // The boundary as codes 4 × tetrahedron + corner opposite to the face, in no particular order.
+  const std::vector<Index>& boundary_faces() const { return boundary_; }
+  Eigen::Vector3i face(Index code) const;
+
+  // Removes the alive ones of these tetrahedra. Where what is left around a vertex falls into parts that share no
+  // face, the vertex is split, so that nothing hangs by a vertex alone. O(tetrahedra removed).
+  MeshEdit remove(std::span<const Index> tets);
+
+  // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first. O(#tets).
+  std::vector<std::vector<Index>> pieces() const;
+
+ private:
+  void unlink(Index tet);
+  void open_face(Index code);
+  void close_face(Index code);
+  void split_if_apart(Index v, std::vector<VertexSplit>& splits);
+  Index parts_around(Index v, std::vector<Index>& part_of) const;
+
+  Tets tets_;
+  Tets neighbours_;
+  std::vector<std::uint8_t> alive_;
+  Index alive_count_ = 0;
+  VertexLists<Index> around_;
+  std::vector<Index> boundary_;
+  std::vector<Index> boundary_slot_;  // per face code: where it stands in boundary_, −1 inside
+};
+
+// The mesh that is left, renumbered without removed tetrahedra and orphans, in the old order.
+struct CompactMesh {
+  TetMesh mesh;
+  std::vector<Index> vertex_source;  // per new vertex: its old number
+  std::vector<Index> tet_source;
+  std::vector<Index> vertex_target;  // per old vertex: its new number, −1 if orphan
+  std::vector<Index> tet_target;
+};
+CompactMesh compact(const Topology& topology, const Mat3X<double>& points,  // 3 × topology.vertex_count() [m]
+                    const std::vector<int>& labels);
+
+}  // namespace lobe

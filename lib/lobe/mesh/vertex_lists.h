@@ -1,0 +1,76 @@
+// One short list per vertex, all in one array, that follows edits: appending and erasing cost O(1), and a list
+// that outgrows its place moves to the end of the array.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+template <class Item>
+class VertexLists {
+ public:
+  VertexLists() = default;
+
+  // Lists of the given lengths, all empty, so that filling them moves nothing.
+  explicit VertexLists(const std::vector<Index>& lengths) {
+    begin_.reserve(lengths.size());
+    std::size_t total = 0;
+    for (Index length : lengths) {
+      begin_.push_back(total);
+      total += static_cast<std::size_t>(length);
+    }
+    count_.assign(lengths.size(), 0);
+    capacity_ = lengths;
+    items_.resize(total);
+  }
+
+  Index vertex_count() const { return static_cast<Index>(count_.size()); }
+  std::span<const Item> operator[](Index v) const { return {items_.data() + begin_[v], std::size_t(count_[v])}; }
+  std::span<Item> operator[](Index v) { return {items_.data() + begin_[v], std::size_t(count_[v])}; }
+
+  void add_vertex() {
+    begin_.push_back(items_.size());
+    count_.push_back(0);
+    capacity_.push_back(0);
+  }
+
+  void append(Index v, const Item& item) {
+    if (count_[v] == capacity_[v]) grow(v);
+    items_[begin_[v] + std::size_t(count_[v]++)] = item;
+  }
+
+  // The last item takes the erased one's place.
+  void erase(Index v, const Item* item) {
+    std::span<Item> list = (*this)[v];
+    list[std::size_t(item - list.data())] = list.back();
+    --count_[v];
+  }
+
+  void erase_value(Index v, const Item& value) {
+    const std::span<Item> list = (*this)[v];
+    const auto found = std::find(list.begin(), list.end(), value);
+    if (found != list.end()) erase(v, &*found);
+  }
+
+  void clear(Index v) { count_[v] = 0; }
+
+ private:
+  void grow(Index v) {
+    const Index capacity = std::max<Index>(4, 2 * capacity_[v]);
+    const std::size_t begin = items_.size();
+    items_.resize(begin + std::size_t(capacity));
+    std::copy_n(items_.begin() + std::ptrdiff_t(begin_[v]), count_[v], items_.begin() + std::ptrdiff_t(begin));
+    begin_[v] = begin;
+    capacity_[v] = capacity;
+  }
+
+  std::vector<std::size_t> begin_;
+  std::vector<Index> count_, capacity_;
+  std::vector<Item> items_;
+};
+
+}  // namespace lobe

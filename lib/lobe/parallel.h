@@ -1,0 +1,42 @@
+// Persistent threads that sleep when idle. Work is cut into ranges that depend on its size only, and each item
+// writes to its own place, so that results have the same bits on any number of threads.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+class Parallel {
+ public:
+  explicit Parallel(int threads = 1);
+  ~Parallel();
+  Parallel(Parallel&&) noexcept;
+  Parallel& operator=(Parallel&&) noexcept;
+
+  int threads() const { return threads_; }
+
+  // body(begin, end) over [0, count) in ranges of about `grain` items; in the calling thread if that is all.
+  template <class Body>
+  void for_ranges(Index count, Index grain, Body&& body) {
+    if (threads_ == 1 || count <= grain) {
+      if (count > 0) body(Index(0), count);
+      return;
+    }
+    using B = std::remove_reference_t<Body>;
+    run(count, grain, [](void* b, Index begin, Index end) { (*static_cast<B*>(b))(begin, end); },
+        const_cast<void*>(static_cast<const void*>(&body)));
+  }
+
+ private:
+  using Function = void (*)(void*, Index, Index);
+  void run(Index count, Index grain, Function function, void* body);
+
+  struct Arena;
+  std::unique_ptr<Arena> arena_;
+  int threads_ = 1;
+};
+
+}  // namespace lobe

@@ -1,0 +1,38 @@
+// The rest data that every region reads: the mesh as it is being cut, its materials and its regions.
+#pragma once
+
+#include <vector>
+
+#include "lobe/fem/shape.h"
+#include "lobe/mesh/topology.h"
+#include "lobe/sim/setup.h"
+
+namespace lobe {
+
+struct Elements {
+  explicit Elements(const Setup& setup);
+
+  Topology topology;
+  Mat3X<double> points;  // 3 × topology.vertex_count(), rest positions [m]
+  std::vector<int> labels;
+  std::vector<Elastic> materials;
+  std::vector<std::uint16_t> material_of;
+  std::vector<RegionModel> region_of;
+  double volume_penalty = 0;  // κ [Pa], of the non-linear region
+
+  Mat34<double> corner_points(Index tet) const;  // [m]
+  Shape shape_of(Index tet) const { return shape(corner_points(tet)); }
+  const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
+};
+
+// What an edit of the mesh or of the regions' tags means for the regions.
+struct RegionEdit {
+  std::vector<Index> left;      // tetrahedra that were removed, or changed corners or region
+  std::vector<Index> entered;   // alive tetrahedra that changed corners or region
+  std::vector<Index> vertices;  // all vertices, old and new, of these; sorted
+};
+
+// Lumped mass ∫ρ/4 per corner of the alive tetrahedra around one vertex [kg]. [PDA] section 3.2.
+double lumped_mass(const Elements& elements, Index vertex);
+
+}  // namespace lobe

@@ -1,0 +1,41 @@
+// The non-linear region: SVK tetrahedra with large displacements, by one of two evaluators with one result.
+#pragma once
+
+#include "lobe/region/element_blocks.h"
+#include "lobe/region/stored_terms.h"
+
+namespace lobe {
+
+template <class Real>
+class NonlinearRegion {
+ public:
+  // The volume term is no polynomial of low degree: with the stored evaluator it is still evaluated directly.
+  explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct) : evaluator_(evaluator) {}
+
+  void follow(const Elements& elements, const RegionEdit& edit) {
+    elements_.follow(elements, edit.left, edit.entered);
+    if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.vertices);
+  }
+
+  Index tet_count() const { return elements_.tet_count(); }
+
+  void add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+    if (tet_count() == 0) return;
+    using Part = typename ElementBlocks<Real>::Part;
+    if (evaluator_ == Evaluator::stored) terms_.add_forces(u, f, parallel);
+    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? Part::volume_term : Part::both, parallel);
+  }
+
+  double energy(const Mat3X<Real>& u) const { return elements_.energy(u); }  // [J]
+
+  typename ElementBlocks<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const {
+    return elements_.add_diagonal_stiffness(u, K);
+  }
+
+ private:
+  Evaluator evaluator_;
+  ElementBlocks<Real> elements_;
+  StoredTerms<Real> terms_;
+};
+
+}  // namespace lobe

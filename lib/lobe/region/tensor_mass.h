@@ -1,0 +1,41 @@
+// The linear tensor-mass region ([PDA] section 2.3): one 3 × 3 block per edge end, f_i = −Σ_j K_ij (u_j − u_i).
+//
+// The block of a vertex is minus the sum of those of its edges (a translation costs no energy), so that only the
+// edges' are stored, and a translation gives no force to the last bit.
+#pragma once
+
+#include "lobe/mesh/vertex_lists.h"
+#include "lobe/parallel.h"
+#include "lobe/region/element_blocks.h"
+#include "lobe/region/elements.h"
+
+namespace lobe {
+
+template <class Real>
+class TensorMassRegion {
+ public:
+  // Gathers anew the rows of the vertices of an edit, from the tetrahedra that are left around them.
+  void follow(const Elements& elements, const RegionEdit& edit);
+
+  Index tet_count() const { return tet_count_; }
+
+  void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
+                  Mat3X<Real>& f,        // 3 × #vertices [N]
+                  Parallel& parallel) const;
+  double energy(const Mat3X<Real>& u) const;  // [J]
+  void add_diagonal_stiffness(DiagonalStiffness& K) const;
+
+ private:
+  struct Entry {
+    Index vertex = 0;
+    Mat3<Real> block;  // K_ij [N/m]
+  };
+  void gather_row(const Elements& elements, Index vertex);
+  Vec3<Real> force(const Mat3X<Real>& u, Index vertex) const;
+
+  VertexLists<Entry> rows_;
+  std::vector<std::uint8_t> member_;  // per tetrahedron
+  Index tet_count_ = 0;
+};
+
+}  // namespace lobe

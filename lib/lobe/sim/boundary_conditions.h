@@ -1,0 +1,42 @@
+// What acts on the vertices from outside: dead loads, and the vertices whose motion is prescribed.
+#pragma once
+
+#include <vector>
+
+#include "lobe/region/elements.h"
+
+namespace lobe {
+
+// Consistent nodal forces of the dead loads [N]: a third of t A on each vertex of a face, in rest area; vertex loads
+// as they are. Loads on faces of removed tetrahedra are gone.
+Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
+                         const std::vector<VertexLoad>& vertex_loads);
+
+// Position on a path at a time, linear between its points, constant before and after. [m]
+Vec3d path_at(const std::vector<PathPoint>& path, double time);
+
+// Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a grasp
+// (holder 1 + its number). The first who holds a vertex keeps it.
+class HeldVertices {
+ public:
+  struct Held {
+    Index vertex = 0;
+    int holder = 0;
+    Vec3d start = Vec3d::Zero();  // displacement when it was taken hold of [m]
+    Vec3d goal = Vec3d::Zero();   // holder 0: displacement after the ramp [m]
+  };
+  static constexpr int boundary = 0;
+
+  bool holds(Index v) const { return v < static_cast<Index>(held_.size()) && held_[v]; }
+  const std::vector<Held>& all() const { return items_; }
+
+  void hold(const Held& item);
+  void release(int holder);
+  void split(Index vertex, Index copy);  // the copy is held as the vertex is
+
+ private:
+  std::vector<Held> items_;
+  std::vector<std::uint8_t> held_;  // per vertex
+};
+
+}  // namespace lobe

@@ -1,0 +1,76 @@
+#include "lobe/sim/rebuild.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace lobe {
+namespace {
+
+double relative(double difference, double scale) {
+  if (difference == 0) return 0;
+  return scale > 0 ? difference / scale : std::numeric_limits<double>::infinity();
+}
+
+// Boundary triangles with their vertices renamed and rotated to start with the smallest, sorted.
+std::vector<std::array<Index, 3>> boundary(const Topology& topology, const std::vector<Index>* rename) {
+  std::vector<std::array<Index, 3>> faces;
+  for (Index code : topology.boundary_faces()) {
+    const Eigen::Vector3i v = topology.face(code);
+    std::array<Index, 3> face{v[0], v[1], v[2]};
+    if (rename)
+      for (Index& i : face) i = (*rename)[i];
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    faces.push_back(face);
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+}  // namespace
+
+double RebuildDifference::largest() const {
+  if (!same_boundary || !same_regions) return std::numeric_limits<double>::infinity();
+  return std::max({mass, force, frequency});
+}
+
+template <class Real>
+RebuildDifference compare_with_rebuilt(World<Real>& world) {
+  RebuildDifference d;
+  if (world.elements().topology.alive_count() == 0) {
+    d.mass = *std::max_element(world.mass().begin(), world.mass().end());
+    d.same_boundary = world.elements().topology.boundary_faces().empty();
+    return d;
+  }
+  CompactMesh c;
+  const Setup setup = world.current_setup(c);
+  World<Real> fresh(setup);
+  State<Real> state;
+  state.u = world.state().u(Eigen::all, c.vertex_source);
+  state.v = world.state().v(Eigen::all, c.vertex_source);
+  state.time = world.time();
+  fresh.set_state(state);
+  const Mat3X<Real>& mine = world.forces();
+  const Mat3X<Real>& fresh_forces = fresh.forces();
+  double mass_scale = 0, force_scale = 0;
+  for (Index v = 0; v < fresh.elements().topology.vertex_count(); ++v) {
+    const Index source = c.vertex_source[v];
+    mass_scale = std::max(mass_scale, fresh.mass()[v]);
+    d.mass = std::max(d.mass, std::abs(world.mass()[source] - fresh.mass()[v]));
+    force_scale = std::max(force_scale, double(fresh_forces.col(v).norm()));
+    d.force = std::max(d.force, double((mine.col(source) - fresh_forces.col(v)).norm()));
+  }
+  d.mass = relative(d.mass, mass_scale);
+  d.force = relative(d.force, force_scale);
+  const double omega = fresh.highest_vertex().omega;
+  d.frequency = relative(std::abs(world.highest_vertex().omega - omega), omega);
+  d.same_boundary = boundary(world.elements().topology, &c.vertex_target) == boundary(fresh.elements().topology, nullptr);
+  for (Index t = 0; t < fresh.elements().topology.tet_count(); ++t)
+    d.same_regions = d.same_regions && fresh.elements().region_of[t] == world.elements().region_of[c.tet_source[t]];
+  return d;
+}
+
+template RebuildDifference compare_with_rebuilt(World<float>&);
+template RebuildDifference compare_with_rebuilt(World<double>&);
+
+}  // namespace lobe

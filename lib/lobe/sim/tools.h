@@ -1,0 +1,84 @@
+// The instruments of a scene, played along their paths: grasps hold vertices, cauteries sweep.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lobe/cut/cautery.h"
+#include "lobe/sim/boundary_conditions.h"
+
+namespace lobe {
+
+class Tools {
+ public:
+  explicit Tools(const Setup& setup) : grasps_(setup.grasps), cauteries_(setup.cauteries) {
+    state_.assign(grasps_.size(), State::waiting);
+  }
+
+  // Takes hold and lets go, as the paths say at this time. `displacement(v)` gives u of a vertex [m]. Returns whether
+  // anything changed.
+  template <class Displacement>
+  bool update_grasps(double time, HeldVertices& held, Displacement&& displacement) {
+    bool changed = false;
+    for (std::size_t g = 0; g < grasps_.size(); ++g) {
+      const GraspSetup& grasp = grasps_[g];
+      if (state_[g] == State::waiting && time >= grasp.path.front().time) {
+        for (Index v : grasp.vertices) held.hold({v, holder(g), displacement(v), Vec3d::Zero()});
+        state_[g] = State::holding;
+        changed = true;
+      }
+      if (state_[g] == State::holding && grasp.release && time >= grasp.path.back().time) {
+        held.release(holder(g));
+        state_[g] = State::released;
+        changed = true;
+      }
+    }
+    return changed;
+  }
+
+  // Displacement of a vertex that a grasp holds. [m]
+  Vec3d grasped(const HeldVertices::Held& item, double time) const {
+    return item.start + path_at(grasps_[std::size_t(item.holder - 1)].path, time);
+  }
+
+  // What the cauteries sweep between two times.
+  std::vector<Sweep> sweeps(double from, double to) const;
+
+  // Where the tools are, for pictures and recordings.
+  struct Pose {
+    std::string name;
+    Tool::Type type = Tool::Type::grasp;
+    double radius = 0;                  // [m]
+    Vec3d position = Vec3d::Zero();     // [m]
+    std::vector<Index> vertices;        // held
+  };
+  template <class Position>
+  std::vector<Pose> poses(double time, const HeldVertices& held, Position&& position_of) const {
+    std::vector<Pose> poses;
+    for (std::size_t g = 0; g < grasps_.size(); ++g) {
+      Pose pose{grasps_[g].name, Tool::Type::grasp, 0, Vec3d::Zero(), {}};
+      for (const HeldVertices::Held& item : held.all())
+        if (item.holder == holder(g)) {
+          pose.vertices.push_back(item.vertex);
+          pose.position += position_of(item.vertex);
+        }
+      if (pose.vertices.empty()) continue;
+      pose.position /= double(pose.vertices.size());
+      poses.push_back(std::move(pose));
+    }
+    for (const CauterySetup& c : cauteries_)
+      if (time >= c.path.front().time && time <= c.path.back().time)
+        poses.push_back({c.name, Tool::Type::cautery, c.radius, path_at(c.path, time), {}});
+    return poses;
+  }
+
+ private:
+  enum class State { waiting, holding, released };
+  static int holder(std::size_t grasp) { return 1 + static_cast<int>(grasp); }
+
+  std::vector<GraspSetup> grasps_;
+  std::vector<CauterySetup> cauteries_;
+  std::vector<State> state_;
+};
+
+}  // namespace lobe

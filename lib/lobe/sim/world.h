@@ -1,0 +1,92 @@
+// A model in motion: central differences in velocity form on lumped masses ([PDA] section 3.2 with erratum 3), with
+// regions that share vertices at their interfaces, tools and cuts.
+//
+//   World<float> world(setup);
+//   while (world.time() < 2) world.advance(1.0 / 30);
+#pragma once
+
+#include <vector>
+
+#include "lobe/region/nonlinear.h"
+#include "lobe/region/tensor_mass.h"
+#include "lobe/sim/report.h"
+#include "lobe/sim/tools.h"
+
+namespace lobe {
+
+template <class Real>
+struct State {
+  Mat3X<Real> u;    // 3 × #vertices, displacement [m]
+  Mat3X<Real> v;    // 3 × #vertices, velocity [m/s]
+  double time = 0;  // [s]
+};
+
+template <class Real>
+class World {
+ public:
+  // Throws InputError if the setup is inconsistent or asks for a region model that is not available.
+  explicit World(const Setup& setup, int threads = 1);
+
+  // Plays tools and cuts, then takes as many steps as the time step limit asks for. Never throws, never leaves a
+  // NaN behind: on trouble the frame is run again with smaller steps, and if that fails the state at its start is
+  // restored and the report says why.
+  Report advance(double duration);  // [s], > 0
+  void step(double dt);             // one step without tools, cuts and checks [s]
+
+  const State<Real>& state() const { return state_; }
+  void set_state(const State<Real>& state);
+  const Elements& elements() const { return elements_; }
+  const HeldVertices& held() const { return held_; }
+  const std::vector<double>& mass() const { return mass_; }  // per vertex [kg], 0 for orphans
+  double time() const { return state_.time; }
+  std::vector<Tools::Pose> tool_poses() const;
+
+  double time_step_limit();  // 2/ω_max at the current state [s]; infinite if nothing is free
+  VertexFrequency highest_vertex();
+  const Mat3X<Real>& forces();        // internal and external, at the current state [N]
+  Vec3d reaction(int holder);         // force that who holds these vertices must apply now [N]
+  Energies energies();
+
+  // Edits. Both update stiffness, mass, loads, boundary and time step around what changed only.
+  Index remove_tets(const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
+  void set_region(const std::vector<Index>& tets, RegionModel model);
+
+  // The cut body as a setup of its own, from which an equal world can be built, and where its parts come from.
+  Setup current_setup(CompactMesh& compacted) const;
+
+ private:
+  void follow(const MeshEdit& edit);
+  void refresh_vertices(const std::vector<Index>& vertices);
+  void refresh_inverse_mass(Index v);
+  Index treat_loose_pieces();
+  bool is_held(const std::vector<Index>& piece) const;
+  void play_tools(double duration, Report& report);
+  void integrate(double dt);
+  void move_held(double dt);
+  bool run_steps(int steps, double dt, Report& report);
+
+  Setup setup_;  // loads, gravity, damping …; its mesh is only the start
+  Elements elements_;
+  TensorMassRegion<Real> tensor_mass_;
+  NonlinearRegion<Real> nonlinear_;
+  Tools tools_;
+  HeldVertices held_;
+  std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]: 0 where held or orphan
+  std::vector<Real> step_mass_;              // inverse_mass_ in the precision of the step
+  Mat3X<double> dead_loads_;                 // [N]
+  Mat3X<Real> external_;                     // gravity and dead loads [N]
+  double frequency_ratio_ = 1;               // ω_max / vertex estimate, measured at rest
+  double longest_move_ = 0;                  // a step that moves a vertex further is trouble [m]
+  bool floating_ = false;                    // nothing was fixed at the start
+
+  State<Real> state_;
+  Mat3X<Real> forces_;           // scratch
+  DiagonalStiffness stiffness_;  // scratch
+  double fastest_ = 0;           // highest speed of the last step [m/s]
+  double volume_ratio_ = 1;
+  Index volume_ratio_tet_ = -1;
+  std::vector<Condition> pending_;  // found by edits, handed out with the next report
+  Parallel parallel_;
+};
+
+}  // namespace lobe

@@ -1,5 +1,5 @@
-// Persistent threads that sleep when idle. Work is cut into ranges that depend on its size only, and each item
-// writes to its own place, so that results have the same bits on any number of threads.
+// Persistent threads that sleep when idle. Work is cut into ranges that depend on its size only, and each
+// item writes to its own place, so that results have the same bits on any number of threads.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,8 @@ class Parallel {
       return;
     }
     using B = std::remove_reference_t<Body>;
-    run(count, grain, [](void* b, Index begin, Index end) { (*static_cast<B*>(b))(begin, end); },
+    run(
+        count, grain, [](void* b, Index begin, Index end) { (*static_cast<B*>(b))(begin, end); },
         const_cast<void*>(static_cast<const void*>(&body)));
   }
 

@@ -39,7 +39,9 @@ std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& p
   return touched;
 }
 
-template std::vector<Index> touched_tets(const Topology&, const Mat3X<double>&, const Mat3X<float>&, const Sweep&);
-template std::vector<Index> touched_tets(const Topology&, const Mat3X<double>&, const Mat3X<double>&, const Sweep&);
+template std::vector<Index> touched_tets(const Topology&, const Mat3X<double>&, const Mat3X<float>&,
+                                         const Sweep&);
+template std::vector<Index> touched_tets(const Topology&, const Mat3X<double>&, const Mat3X<double>&,
+                                         const Sweep&);
 
 }  // namespace lobe

@@ -6,12 +6,12 @@
 namespace lobe {
 
 template <class T>
-T hooke_energy_density(const Mat3<T>& H,  // ∇u
+T hooke_energy_density(const Mat3<T>& H,              // ∇u
                        const T& lambda, const T& mu)  // [Pa] → [J/m³]
 {
-  const Mat3<T> e = (H + H.transpose()) * T(0.5);
+  const Mat3<T> e = (H + H.transpose()) * T(0.5f);
   const T trace = e(0, 0) + e(1, 1) + e(2, 2);
-  return T(0.5) * lambda * trace * trace + mu * e.cwiseProduct(e).sum();
+  return T(0.5f) * lambda * trace * trace + mu * e.cwiseProduct(e).sum();
 }
 
 template <class T>
@@ -23,7 +23,8 @@ Mat3<T> hooke_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // σ [Pa]
   return stress;
 }
 
-// ∂²W/∂u_j∂u_k = V B_jk, B_jk = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I). [PDA] eq. (3) gives half of it (erratum 1).
+// ∂²W/∂u_j∂u_k = V B_jk, B_jk = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I). [PDA] eq. (3) gives half of it
+// (erratum 1).
 template <class Real>
 Mat3<Real> hooke_block(const Vec3<Real>& alpha_j, const Vec3<Real>& alpha_k, Real lambda, Real mu)  // [Pa/m²]
 {

@@ -15,7 +15,8 @@ struct Coefficients {
   Mat3<double> B(int j, int k) const { return hooke_block<double>(alpha.col(j), alpha.col(k), lambda, mu); }
 
   Vec3d C(int j, int k, int l) const {
-    return 0.5 * lambda * dot(k, l) * alpha.col(j) + 0.5 * mu * (dot(j, k) * alpha.col(l) + dot(j, l) * alpha.col(k));
+    return 0.5 * lambda * dot(k, l) * alpha.col(j) +
+           0.5 * mu * (dot(j, k) * alpha.col(l) + dot(j, l) * alpha.col(k));
   }
 
   double D(int j, int k, int l, int m) const {

@@ -1,13 +1,12 @@
 // The coefficients of the non-linear tensor-mass model, [PDA] eq. (3), (6), (7) and table 1.
 //
 // The SVK energy of one tetrahedron is a polynomial in the displacements of its vertices,
-//   W = V (½ Σ u_jᵀ B_jk u_k + Σ (u_j·C_jkl)(u_k·u_l) + Σ D_jklm (u_j·u_k)(u_l·u_m))        (erratum 1: ½ and V)
-//   B_jk   = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I)
-//   C_jkl  = λ/2 α_j (α_k·α_l) + μ/2 (α_l (α_j·α_k) + α_k (α_j·α_l))
-//   D_jklm = λ/8 (α_j·α_k)(α_l·α_m) + μ/4 (α_j·α_m)(α_k·α_l)
+//   W = V (½ Σ u_jᵀ B_jk u_k + Σ (u_j·C_jkl)(u_k·u_l) + Σ D_jklm (u_j·u_k)(u_l·u_m))        (erratum 1: ½ and
+//   V) B_jk   = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I) C_jkl  = λ/2 α_j (α_k·α_l) + μ/2 (α_l (α_j·α_k) + α_k
+//   (α_j·α_l)) D_jklm = λ/8 (α_j·α_k)(α_l·α_m) + μ/4 (α_j·α_m)(α_k·α_l)
 // Its terms are sorted by the set of vertices they touch: a vertex, an edge, a triangle, the tetrahedron. The
-// coefficients of a shared vertex, edge or triangle add up over its tetrahedra, so that each is evaluated once.
-// D enters only through its part that is symmetric in j↔k, l↔m and (jk)↔(lm),
+// coefficients of a shared vertex, edge or triangle add up over its tetrahedra, so that each is evaluated
+// once. D enters only through its part that is symmetric in j↔k, l↔m and (jk)↔(lm),
 //   D_jk,lm = λ/8 (jk)(lm) + μ/8 ((jl)(km) + (jm)(kl)),  (jk) = α_j·α_k.
 #pragma once
 
@@ -33,7 +32,8 @@ struct EdgeTerms {
   std::array<double, size> values{};  // B, C1 … C4, D1 … D4
 };
 
-// (uᵢ·C1)(uⱼ·uₖ) + (uⱼ·C2)(uᵢ·uₖ) + (uₖ·C3)(uᵢ·uⱼ) + D1 (uᵢ·uᵢ)(uⱼ·uₖ) + D2 (uⱼ·uⱼ)(uᵢ·uₖ) + D3 (uₖ·uₖ)(uᵢ·uⱼ)
+// (uᵢ·C1)(uⱼ·uₖ) + (uⱼ·C2)(uᵢ·uₖ) + (uₖ·C3)(uᵢ·uⱼ) + D1 (uᵢ·uᵢ)(uⱼ·uₖ) + D2 (uⱼ·uⱼ)(uᵢ·uₖ) + D3
+// (uₖ·uₖ)(uᵢ·uⱼ)
 // + D4 (uᵢ·uⱼ)(uᵢ·uₖ) + D5 (uⱼ·uᵢ)(uⱼ·uₖ) + D6 (uₖ·uᵢ)(uₖ·uⱼ)
 struct TriangleTerms {
   static constexpr int vertices = 3, size = 9 + 6;
@@ -46,8 +46,8 @@ struct TetTerms {
   std::array<double, size> values{};  // D1 … D3
 };
 
-// Contributions of one tetrahedron to the terms of its corners i, j, k, in the order in which their displacements
-// will be handed to the evaluation.
+// Contributions of one tetrahedron to the terms of its corners i, j, k, in the order in which their
+// displacements will be handed to the evaluation.
 VertexTerms vertex_terms(const Shape& s, double lambda, double mu, int i);
 EdgeTerms edge_terms(const Shape& s, double lambda, double mu, int i, int j);
 TriangleTerms triangle_terms(const Shape& s, double lambda, double mu, int i, int j, int k);
@@ -78,11 +78,12 @@ void edge_forces(const T* c, const Vec3<T>& ui, const Vec3<T>& uj, Vec3<T>& fi, 
 }
 
 template <class T>
-void triangle_forces(const T* c, const Vec3<T>& ui, const Vec3<T>& uj, const Vec3<T>& uk, Vec3<T>& fi, Vec3<T>& fj,
-                     Vec3<T>& fk) {
+void triangle_forces(const T* c, const Vec3<T>& ui, const Vec3<T>& uj, const Vec3<T>& uk, Vec3<T>& fi,
+                     Vec3<T>& fj, Vec3<T>& fk) {
   const Eigen::Map<const Mat3<T>> C(c);
   const T* D = c + 9;
-  const T ii = ui.dot(ui), jj = uj.dot(uj), kk = uk.dot(uk), ij = ui.dot(uj), ik = ui.dot(uk), jk = uj.dot(uk);
+  const T ii = ui.dot(ui), jj = uj.dot(uj), kk = uk.dot(uk), ij = ui.dot(uj), ik = ui.dot(uk),
+          jk = uj.dot(uk);
   const T w_ii = D[0] * jk, w_jj = D[1] * ik, w_kk = D[2] * ij;
   const T w_jk = C.col(0).dot(ui) + D[0] * ii + D[4] * ij + D[5] * ik;
   const T w_ik = C.col(1).dot(uj) + D[1] * jj + D[3] * ij + D[5] * jk;

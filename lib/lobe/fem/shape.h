@@ -25,8 +25,8 @@ inline Shape shape(const Mat34<double>& X)  // 3 × 4, rest positions [m], posit
 
 // ∇u = Σ u_j ⊗ α_j, from differences to corner 0, so that a translation gives exactly zero.
 template <class T>
-Mat3<T> displacement_gradient(const Mat34<T>& u,      // 3 × 4 [m]
-                              const Mat3<T>& alpha)   // α_1, α_2, α_3 [1/m]
+Mat3<T> displacement_gradient(const Mat34<T>& u,     // 3 × 4 [m]
+                              const Mat3<T>& alpha)  // α_1, α_2, α_3 [1/m]
 {
   Mat3<T> d;
   for (int j = 0; j < 3; ++j) d.col(j) = u.col(j + 1) - u.col(0);

@@ -1,6 +1,8 @@
-// St Venant-Kirchhoff: W = V (λ/2 (tr E)² + μ tr E²), E = ½(∇u + ∇uᵀ + ∇uᵀ∇u). [PDA] section 3.1, closed form.
+// St Venant-Kirchhoff: W = V (λ/2 (tr E)² + μ tr E²), E = ½(∇u + ∇uᵀ + ∇uᵀ∇u). [PDA] section 3.1, closed
+// form.
 //
-// It softens under compression (uniaxial peak at stretch 1/√3) and does not resist inversion: volume_term.h does.
+// It softens under compression (uniaxial peak at stretch 1/√3) and does not resist inversion: volume_term.h
+// does.
 #pragma once
 
 #include "lobe/types.h"
@@ -10,7 +12,7 @@ namespace lobe {
 template <class T>
 Mat3<T> green_strain(const Mat3<T>& H)  // E from ∇u
 {
-  return (H + H.transpose() + H.transpose().lazyProduct(H)) * T(0.5);
+  return (H + H.transpose() + H.transpose().lazyProduct(H)) * T(0.5f);
 }
 
 template <class T>
@@ -18,7 +20,7 @@ T svk_energy_density(const Mat3<T>& H, const T& lambda, const T& mu)  // [Pa] �
 {
   const Mat3<T> E = green_strain(H);
   const T trace = E(0, 0) + E(1, 1) + E(2, 2);
-  return T(0.5) * lambda * trace * trace + mu * E.cwiseProduct(E).sum();
+  return T(0.5f) * lambda * trace * trace + mu * E.cwiseProduct(E).sum();
 }
 
 template <class T>

@@ -1,6 +1,6 @@
-// Resistance to change of volume, [PDA] section 4 with erratum 4: the printed force has no sign and conserves no
-// momentum; this is the energy that it stands for, W = κ V |v|³/3 with v = (V_now − V)/V = det F − 1.
-// The force on vertex p is −κ v|v| ∂V_now/∂x_p, and V ∂v/∂F = V cof F, so that it adds κ v|v| cof F to P.
+// Resistance to change of volume, [PDA] section 4 with erratum 4: the printed force has no sign and conserves
+// no momentum; this is the energy that it stands for, W = κ V |v|³/3 with v = (V_now − V)/V = det F − 1. The
+// force on vertex p is −κ v|v| ∂V_now/∂x_p, and V ∂v/∂F = V cof F, so that it adds κ v|v| cof F to P.
 #pragma once
 
 #include "lobe/types.h"
@@ -25,7 +25,8 @@ template <class T>
 T volume_change(const Mat3<T>& H) {
   const T minors = H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1) +
                    H(0, 0) * H(2, 2) - H(0, 2) * H(2, 0);
-  const T det = H(0, 0) * (H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1)) - H(0, 1) * (H(1, 0) * H(2, 2) - H(1, 2) * H(2, 0)) +
+  const T det = H(0, 0) * (H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1)) -
+                H(0, 1) * (H(1, 0) * H(2, 2) - H(1, 2) * H(2, 0)) +
                 H(0, 2) * (H(1, 0) * H(2, 1) - H(1, 1) * H(2, 0));
   return H(0, 0) + H(1, 1) + H(2, 2) + minors + det;
 }

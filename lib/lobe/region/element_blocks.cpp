@@ -77,7 +77,8 @@ Mat34<Pack<Real>> ElementBlocks<Real>::gather(const Block& block, const Mat3X<Re
   Mat34<Pack<Real>> corners;
   for (int c = 0; c < 4; ++c)
     for (int d = 0; d < 3; ++d)
-      corners(d, c) = Pack<Real>([&](auto lane) { return u.data()[3 * std::size_t(block.corners[c][lane]) + d]; });
+      corners(d, c) =
+          Pack<Real>([&](auto lane) { return u.data()[3 * std::size_t(block.corners[c][lane]) + d]; });
   return corners;
 }
 
@@ -139,8 +140,8 @@ double ElementBlocks<Real>::energy(const Mat3X<Real>& u) const {
 }
 
 template <class Real>
-typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
-                                                                                   DiagonalStiffness& K) const {
+typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffness(
+    const Mat3X<Real>& u, DiagonalStiffness& K) const {
   static constexpr int upper[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
   Stiffness result;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {

@@ -1,6 +1,7 @@
-// SVK tetrahedra (with or without the volume term) in blocks of one register width: the closed-form evaluator.
-// Each element writes the forces on its corners to a place of its own; each vertex then sums the places that are
-// its own, in the order of a list, so that the result does not depend on threads. About 90 flops per corner.
+// SVK tetrahedra (with or without the volume term) in blocks of one register width: the closed-form
+// evaluator. Each element writes the forces on its corners to a place of its own; each vertex then sums the
+// places that are its own, in the order of a list, so that the result does not depend on threads. About 90
+// flops per corner.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,8 @@
 
 namespace lobe {
 
-// Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves alone [N/m].
+// Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves alone
+// [N/m].
 using DiagonalStiffness = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 template <class Real>
@@ -23,8 +25,8 @@ class ElementBlocks {
   Index tet_count() const { return static_cast<Index>(tet_of_slot_.size()); }
 
   enum class Part { svk, volume_term, both };  // svk alone where κ = 0, whatever is asked
-  void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
-                  Mat3X<Real>& f,        // 3 × #vertices [N]
+  void add_forces(const Mat3X<Real>& u,        // 3 × #vertices [m]
+                  Mat3X<Real>& f,              // 3 × #vertices [N]
                   Part part, Parallel& parallel);
   double energy(const Mat3X<Real>& u) const;  // [J]
 
@@ -37,12 +39,14 @@ class ElementBlocks {
  private:
   static constexpr int width = static_cast<int>(Pack<Real>::size());
   struct Block {
-    Pack<Real> alpha[9];                        // α_1, α_2, α_3 [1/m], column by column
-    Pack<Real> lambda_V, mu_V, kappa_V;         // [J], zero in empty lanes
+    Pack<Real> alpha[9];                 // α_1, α_2, α_3 [1/m], column by column
+    Pack<Real> lambda_V, mu_V, kappa_V;  // [J], zero in empty lanes
     Index corners[4][static_cast<std::size_t>(width)] = {};
   };
 
-  static Index output(Index slot, int corner) { return 12 * width * (slot / width) + 3 * width * corner + slot % width; }
+  static Index output(Index slot, int corner) {
+    return 12 * width * (slot / width) + 3 * width * corner + slot % width;
+  }
   static Mat34<Pack<Real>> gather(const Block& block, const Mat3X<Real>& u);
   static Mat3<Pack<Real>> gradients(const Block& block);
   template <Part part>
@@ -50,12 +54,13 @@ class ElementBlocks {
 
   void add(const Elements& elements, Index tet);
   void remove(Index tet);
-  void write(Index slot, const Shape& shape, const Elastic& elastic, double kappa, const Eigen::Vector4i& corners);
+  void write(Index slot, const Shape& shape, const Elastic& elastic, double kappa,
+             const Eigen::Vector4i& corners);
   void move(Index from, Index to);
 
   std::vector<Block> blocks_;
   std::vector<Index> tet_of_slot_, slot_of_tet_;
-  VertexLists<Index> outputs_of_;  // per vertex: places in corner_forces_
+  VertexLists<Index> outputs_of_;    // per vertex: places in corner_forces_
   std::vector<Real> corner_forces_;  // scratch: per block, corner, component: one lane per tetrahedron
   bool volume_term_ = false;
 };

@@ -28,7 +28,8 @@ class NonlinearRegion {
 
   double energy(const Mat3X<Real>& u) const { return elements_.energy(u); }  // [J]
 
-  typename ElementBlocks<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const {
+  typename ElementBlocks<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u,
+                                                                 DiagonalStiffness& K) const {
     return elements_.add_diagonal_stiffness(u, K);
   }
 

@@ -71,7 +71,8 @@ void TermSet<Real, Terms>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Para
 
 namespace {
 
-// Calls add(corners in ascending order of their vertices) for every subset of n corners with a vertex in `fresh`.
+// Calls add(corners in ascending order of their vertices) for every subset of n corners with a vertex in
+// `fresh`.
 template <int n, class Add>
 void for_subsets(const Eigen::Vector4i& corners, const std::vector<std::uint8_t>& fresh, Add&& add) {
   std::array<int, 4> order{0, 1, 2, 3};
@@ -113,7 +114,9 @@ void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index
     const auto [lambda, mu, density] = elements.elastic_of(t);
     const double l = lambda, m = mu;
     for_subsets<1>(v, fresh, [&](const auto& i) { vertices_.add({v[i[0]]}, vertex_terms(s, l, m, i[0])); });
-    for_subsets<2>(v, fresh, [&](const auto& i) { edges_.add({v[i[0]], v[i[1]]}, edge_terms(s, l, m, i[0], i[1])); });
+    for_subsets<2>(v, fresh, [&](const auto& i) {
+      edges_.add({v[i[0]], v[i[1]]}, edge_terms(s, l, m, i[0], i[1]));
+    });
     for_subsets<3>(v, fresh, [&](const auto& i) {
       triangles_.add({v[i[0]], v[i[1]], v[i[2]]}, triangle_terms(s, l, m, i[0], i[1], i[2]));
     });
@@ -136,8 +139,8 @@ std::size_t StoredTerms<Real>::bytes() const {
   const auto of = [](const auto& set, std::size_t values, std::size_t vertices) {
     return std::size_t(set.count()) * (values * sizeof(Real) + vertices * sizeof(Index));
   };
-  return of(vertices_, VertexTerms::size, 1) + of(edges_, EdgeTerms::size, 2) + of(triangles_, TriangleTerms::size, 3) +
-         of(tets_, TetTerms::size, 4);
+  return of(vertices_, VertexTerms::size, 1) + of(edges_, EdgeTerms::size, 2) +
+         of(triangles_, TriangleTerms::size, 3) + of(tets_, TetTerms::size, 4);
 }
 
 template class StoredTerms<float>;

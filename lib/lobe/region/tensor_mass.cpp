@@ -33,9 +33,10 @@ void TensorMassRegion<Real>::gather_row(const Elements& elements, Index vertex) 
     while (corners[own] != vertex) ++own;
     for (int c = 0; c < 4; ++c) {
       if (c == own) continue;
-      const Mat3<double> block =
-          s.volume * hooke_block<double>(s.gradients.col(own), s.gradients.col(c), elastic.lambda, elastic.mu);
-      const auto found = std::find_if(row.begin(), row.end(), [&](const Sum& sum) { return sum.vertex == corners[c]; });
+      const Mat3<double> block = s.volume * hooke_block<double>(s.gradients.col(own), s.gradients.col(c),
+                                                                elastic.lambda, elastic.mu);
+      const auto found =
+          std::find_if(row.begin(), row.end(), [&](const Sum& sum) { return sum.vertex == corners[c]; });
       if (found == row.end())
         row.push_back({corners[c], block});
       else

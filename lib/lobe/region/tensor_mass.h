@@ -1,7 +1,8 @@
-// The linear tensor-mass region ([PDA] section 2.3): one 3 × 3 block per edge end, f_i = −Σ_j K_ij (u_j − u_i).
+// The linear tensor-mass region ([PDA] section 2.3): one 3 × 3 block per edge end, f_i = −Σ_j K_ij (u_j −
+// u_i).
 //
-// The block of a vertex is minus the sum of those of its edges (a translation costs no energy), so that only the
-// edges' are stored, and a translation gives no force to the last bit.
+// The block of a vertex is minus the sum of those of its edges (a translation costs no energy), so that only
+// the edges' are stored, and a translation gives no force to the last bit.
 #pragma once
 
 #include "lobe/mesh/vertex_lists.h"

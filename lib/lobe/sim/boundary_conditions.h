@@ -7,16 +7,16 @@
 
 namespace lobe {
 
-// Consistent nodal forces of the dead loads [N]: a third of t A on each vertex of a face, in rest area; vertex loads
-// as they are. Loads on faces of removed tetrahedra are gone.
+// Consistent nodal forces of the dead loads [N]: a third of t A on each vertex of a face, in rest area;
+// vertex loads as they are. Loads on faces of removed tetrahedra are gone.
 Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
                          const std::vector<VertexLoad>& vertex_loads);
 
 // Position on a path at a time, linear between its points, constant before and after. [m]
 Vec3d path_at(const std::vector<PathPoint>& path, double time);
 
-// Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a grasp
-// (holder 1 + its number). The first who holds a vertex keeps it.
+// Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
+// grasp (holder 1 + its number). The first who holds a vertex keeps it.
 class HeldVertices {
  public:
   struct Held {

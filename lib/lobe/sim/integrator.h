@@ -1,8 +1,8 @@
 // Central differences in velocity form, mass-proportional damping γ:
 //   v⁺ = ((1 − γΔt/2) v⁻ + Δt f/m) / (1 + γΔt/2),  u⁺ = u + Δt v⁺
-// the same scheme as (m/Δt² + γ'/2Δt) x⁺ = R − F_int + (2m/Δt²) x − (m/Δt² − γ'/2Δt) x⁻ with γ' = γ m, [PDA] section
-// 3.2, whose damping signs are reversed in print (erratum 3). Stable for Δt < 2/ω_max whatever γ ≥ 0. In single
-// precision the velocity form follows double far closer than the position form.
+// the same scheme as (m/Δt² + γ'/2Δt) x⁺ = R − F_int + (2m/Δt²) x − (m/Δt² − γ'/2Δt) x⁻ with γ' = γ m, [PDA]
+// section 3.2, whose damping signs are reversed in print (erratum 3). Stable for Δt < 2/ω_max whatever γ ≥ 0.
+// In single precision the velocity form follows double far closer than the position form.
 #pragma once
 
 #include <algorithm>

@@ -64,9 +64,11 @@ RebuildDifference compare_with_rebuilt(World<Real>& world) {
   d.force = relative(d.force, force_scale);
   const double omega = fresh.highest_vertex().omega;
   d.frequency = relative(std::abs(world.highest_vertex().omega - omega), omega);
-  d.same_boundary = boundary(world.elements().topology, &c.vertex_target) == boundary(fresh.elements().topology, nullptr);
+  d.same_boundary =
+      boundary(world.elements().topology, &c.vertex_target) == boundary(fresh.elements().topology, nullptr);
   for (Index t = 0; t < fresh.elements().topology.tet_count(); ++t)
-    d.same_regions = d.same_regions && fresh.elements().region_of[t] == world.elements().region_of[c.tet_source[t]];
+    d.same_regions =
+        d.same_regions && fresh.elements().region_of[t] == world.elements().region_of[c.tet_source[t]];
   return d;
 }
 

@@ -11,11 +11,12 @@ namespace lobe {
 
 struct Condition {
   enum class Kind {
-    diverged,       // the state was restored and the world stands still: smaller load, more damping, a volume penalty
-    sub_stepped,    // a frame was run again with smaller steps: nothing to do
-    near_inversion, // a tetrahedron is below 5 % of its volume: a volume penalty, or a finer mesh there
-    pieces,         // a cut set pieces loose: as the scene's loose_pieces says
-    everything_cut  // no tetrahedron is left
+    diverged,     // the state was restored and the world stands still: smaller load, more damping, a volume
+                  // penalty
+    sub_stepped,  // a frame was run again with smaller steps: nothing to do
+    near_inversion,  // a tetrahedron is below 5 % of its volume: a volume penalty, or a finer mesh there
+    pieces,          // a cut set pieces loose: as the scene's loose_pieces says
+    everything_cut   // no tetrahedron is left
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy
@@ -28,9 +29,9 @@ inline constexpr int phase_count = 4;
 inline constexpr const char* phase_names[phase_count] = {"forces", "integration", "time_step", "cutting"};
 
 struct Report {
-  bool ok = true;           // false: the world could not be advanced
+  bool ok = true;  // false: the world could not be advanced
   int steps = 0;
-  double time_step = 0;     // the smallest that was taken [s]
+  double time_step = 0;        // the smallest that was taken [s]
   double time_step_limit = 0;  // 2/ω_max at the start of the frame [s]
   Index tets_removed = 0;
   double smallest_volume_ratio = 1;  // of det F over the non-linear region, at the start of the frame

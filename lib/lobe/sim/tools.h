@@ -15,8 +15,8 @@ class Tools {
     state_.assign(grasps_.size(), State::waiting);
   }
 
-  // Takes hold and lets go, as the paths say at this time. `displacement(v)` gives u of a vertex [m]. Returns whether
-  // anything changed.
+  // Takes hold and lets go, as the paths say at this time. `displacement(v)` gives u of a vertex [m]. Returns
+  // whether anything changed.
   template <class Displacement>
   bool update_grasps(double time, HeldVertices& held, Displacement&& displacement) {
     bool changed = false;
@@ -48,9 +48,9 @@ class Tools {
   struct Pose {
     std::string name;
     Tool::Type type = Tool::Type::grasp;
-    double radius = 0;                  // [m]
-    Vec3d position = Vec3d::Zero();     // [m]
-    std::vector<Index> vertices;        // held
+    double radius = 0;               // [m]
+    Vec3d position = Vec3d::Zero();  // [m]
+    std::vector<Index> vertices;     // held
   };
   template <class Position>
   std::vector<Pose> poses(double time, const HeldVertices& held, Position&& position_of) const {

@@ -61,11 +61,16 @@ double mean_edge(const Elements& elements) {
 
 const char* name(Condition::Kind kind) {
   switch (kind) {
-    case Condition::Kind::diverged: return "diverged";
-    case Condition::Kind::sub_stepped: return "sub_stepped";
-    case Condition::Kind::near_inversion: return "near_inversion";
-    case Condition::Kind::pieces: return "pieces";
-    case Condition::Kind::everything_cut: return "everything_cut";
+    case Condition::Kind::diverged:
+      return "diverged";
+    case Condition::Kind::sub_stepped:
+      return "sub_stepped";
+    case Condition::Kind::near_inversion:
+      return "near_inversion";
+    case Condition::Kind::pieces:
+      return "pieces";
+    case Condition::Kind::everything_cut:
+      return "everything_cut";
   }
   return "";
 }
@@ -106,7 +111,8 @@ void World<Real>::step(double dt) {
 
 template <class Real>
 void World<Real>::integrate(double dt) {
-  const Real fastest = central_difference(forces_, step_mass_, Real(dt), Real(setup_.damping), state_.u, state_.v);
+  const Real fastest =
+      central_difference(forces_, step_mass_, Real(dt), Real(setup_.damping), state_.u, state_.v);
   fastest_ = std::sqrt(double(fastest));
   state_.time += dt;
   move_held(dt);
@@ -124,8 +130,9 @@ template <class Real>
 void World<Real>::move_held(double dt) {
   const double ramp = setup_.ramp > 0 ? std::min(1.0, state_.time / setup_.ramp) : 1.0;
   for (const HeldVertices::Held& item : held_.all()) {
-    const Vec3d u = item.holder == HeldVertices::boundary ? Vec3d(item.start + ramp * (item.goal - item.start))
-                                                          : tools_.grasped(item, state_.time);
+    const Vec3d u = item.holder == HeldVertices::boundary
+                        ? Vec3d(item.start + ramp * (item.goal - item.start))
+                        : tools_.grasped(item, state_.time);
     const Vec3<Real> goal = u.cast<Real>();
     state_.v.col(item.vertex) = (goal - state_.u.col(item.vertex)) / Real(dt);
     state_.u.col(item.vertex) = goal;
@@ -169,20 +176,21 @@ Report World<Real>::advance(double duration) {
     report.time_step = duration / steps;
     if (run_steps(steps, report.time_step, report)) {
       if (attempt > 0)
-        report.conditions.push_back({Condition::Kind::sub_stepped,
-                                     "the frame needed " + std::to_string(1 << attempt) + " times smaller steps",
-                                     start.time});
+        report.conditions.push_back(
+            {Condition::Kind::sub_stepped,
+             "the frame needed " + std::to_string(1 << attempt) + " times smaller steps", start.time});
       return report;
     }
     state_ = start;
     if (steps > most_steps / 2) break;
   }
   report.ok = false;
-  report.conditions.push_back({Condition::Kind::diverged,
-                               "no step down to " + std::to_string(report.time_step) +
-                                   " s was stable; the state before it is kept. Use a smaller load or tool speed, "
-                                   "more damping, or a volume_penalty",
-                               state_.time});
+  report.conditions.push_back(
+      {Condition::Kind::diverged,
+       "no step down to " + std::to_string(report.time_step) +
+           " s was stable; the state before it is kept. Use a smaller load or tool speed, "
+           "more damping, or a volume_penalty",
+       state_.time});
   return report;
 }
 
@@ -201,8 +209,10 @@ void World<Real>::play_tools(double duration, Report& report) {
 template <class Real>
 void World<Real>::set_state(const State<Real>& state) {
   if (state.u.cols() != state_.u.cols() || state.v.cols() != state_.v.cols())
-    throw InputError("state", "it must have one column per vertex of the world, " + std::to_string(state_.u.cols()));
-  if (!state.u.allFinite() || !state.v.allFinite()) throw InputError("state", "it holds values that are not finite");
+    throw InputError("state",
+                     "it must have one column per vertex of the world, " + std::to_string(state_.u.cols()));
+  if (!state.u.allFinite() || !state.v.allFinite())
+    throw InputError("state", "it holds values that are not finite");
   state_ = state;
 }
 
@@ -389,7 +399,8 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   }
   setup.prescribed.clear();
   for (const HeldVertices::Held& item : held_.all())
-    if (c.vertex_target[item.vertex] >= 0) setup.prescribed.push_back({c.vertex_target[item.vertex], item.goal});
+    if (c.vertex_target[item.vertex] >= 0)
+      setup.prescribed.push_back({c.vertex_target[item.vertex], item.goal});
   std::erase_if(setup.face_loads, [&](const FaceLoad& load) { return c.tet_target[load.tet] < 0; });
   for (FaceLoad& load : setup.face_loads) load.tet = c.tet_target[load.tet];
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });

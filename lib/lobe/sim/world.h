@@ -1,5 +1,5 @@
-// A model in motion: central differences in velocity form on lumped masses ([PDA] section 3.2 with erratum 3), with
-// regions that share vertices at their interfaces, tools and cuts.
+// A model in motion: central differences in velocity form on lumped masses ([PDA] section 3.2 with erratum
+// 3), with regions that share vertices at their interfaces, tools and cuts.
 //
 //   World<float> world(setup);
 //   while (world.time() < 2) world.advance(1.0 / 30);
@@ -9,6 +9,7 @@
 
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
+#include "lobe/sim/frequency.h"
 #include "lobe/sim/report.h"
 #include "lobe/sim/tools.h"
 
@@ -27,9 +28,9 @@ class World {
   // Throws InputError if the setup is inconsistent or asks for a region model that is not available.
   explicit World(const Setup& setup, int threads = 1);
 
-  // Plays tools and cuts, then takes as many steps as the time step limit asks for. Never throws, never leaves a
-  // NaN behind: on trouble the frame is run again with smaller steps, and if that fails the state at its start is
-  // restored and the report says why.
+  // Plays tools and cuts, then takes as many steps as the time step limit asks for. Never throws, never
+  // leaves a NaN behind: on trouble the frame is run again with smaller steps, and if that fails the state at
+  // its start is restored and the report says why.
   Report advance(double duration);  // [s], > 0
   void step(double dt);             // one step without tools, cuts and checks [s]
 
@@ -43,15 +44,17 @@ class World {
 
   double time_step_limit();  // 2/ω_max at the current state [s]; infinite if nothing is free
   VertexFrequency highest_vertex();
-  const Mat3X<Real>& forces();        // internal and external, at the current state [N]
-  Vec3d reaction(int holder);         // force that who holds these vertices must apply now [N]
+  const Mat3X<Real>& forces();  // internal and external, at the current state [N]
+  Vec3d reaction(int holder);   // force that who holds these vertices must apply now [N]
   Energies energies();
 
   // Edits. Both update stiffness, mass, loads, boundary and time step around what changed only.
-  Index remove_tets(const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
+  Index remove_tets(
+      const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
   void set_region(const std::vector<Index>& tets, RegionModel model);
 
-  // The cut body as a setup of its own, from which an equal world can be built, and where its parts come from.
+  // The cut body as a setup of its own, from which an equal world can be built, and where its parts come
+  // from.
   Setup current_setup(CompactMesh& compacted) const;
 
  private:

@@ -1,0 +1,160 @@
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "lobe/sim/rebuild.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// Every boundary edge belongs to an even number of boundary faces, each vertex of it to one fan of
+// tetrahedra.
+void check_topology(const Topology& topology) {
+  std::map<std::pair<Index, Index>, int> edges;
+  for (Index code : topology.boundary_faces()) {
+    REQUIRE(topology.alive(code / 4));
+    const Eigen::Vector3i f = topology.face(code);
+    for (int i = 0; i < 3; ++i) edges[std::minmax(f[i], f[(i + 1) % 3])]++;
+  }
+  for (const auto& [edge, count] : edges) CHECK(count % 2 == 0);
+  Index corners = 0;
+  for (Index v = 0; v < topology.vertex_count(); ++v) corners += Index(topology.around(v).size());
+  CHECK(corners == 4 * topology.alive_count());
+}
+
+template <class Real>
+void remove_everything(Setup setup, double tolerance, int batch) {
+  const Index tets = setup.mesh.tet_count();
+  setup.gravity = {0, 0, -9.81};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  World<Real> world(setup);
+  State<Real> state = world.state();
+  state.u = random_displacement<Real>(setup.mesh.vertex_count(), 1e-3);
+  state.v = random_displacement<Real>(setup.mesh.vertex_count(), 1e-2);
+  world.set_state(state);
+  std::vector<Index> order(tets);
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(11));
+  Index removed = 0;
+  for (Index i = 0; i < tets; i += batch) {
+    const std::vector<Index> now(order.begin() + i, order.begin() + std::min(tets, i + batch));
+    removed += world.remove_tets(now);
+    CHECK(compare_with_rebuilt(world).largest() <= tolerance);
+    check_topology(world.elements().topology);
+  }
+  CHECK(removed == tets);
+  CHECK(world.elements().topology.alive_count() == 0);
+  CHECK(world.elements().topology.boundary_faces().empty());
+  CHECK(world.forces().norm() == 0);
+  CHECK(*std::max_element(world.mass().begin(), world.mass().end()) == 0);
+  const Report report = world.advance(0.1);
+  CHECK(report.ok);
+}
+
+}  // namespace
+
+TEST_CASE("cut = rebuilt, tetrahedron by tetrahedron in random order down to nothing") {
+  remove_everything<double>(hybrid_setup(irregular_box(2)), 1e-12, 1);
+}
+
+TEST_CASE("cut = rebuilt with the stored evaluator") {
+  Setup setup = hybrid_setup(irregular_box(2));
+  setup.evaluator = Evaluator::stored;
+  remove_everything<double>(setup, 1e-12, 1);
+}
+
+TEST_CASE("cut = rebuilt in batches, in double and single precision, pieces falling, vanishing and staying") {
+  for (LoosePieces pieces : {LoosePieces::fall, LoosePieces::vanish, LoosePieces::stay}) {
+    Setup setup = hybrid_setup(irregular_box(4));
+    setup.loose_pieces = pieces;
+    remove_everything<double>(setup, 1e-12, 23);
+    remove_everything<float>(setup, 3e-6, 23);
+  }
+}
+
+TEST_CASE("a cut at rest leaves zero force") {
+  const TetMesh mesh = irregular_box(3);
+  World<double> world(hybrid_setup(mesh));
+  std::vector<Index> some;
+  for (Index t = 0; t < mesh.tet_count(); t += 5) some.push_back(t);
+  world.remove_tets(some);
+  CHECK(world.forces().norm() == 0);
+  CHECK(world.remove_tets(some) == 0);
+}
+
+TEST_CASE("tetrahedra that would hang by an edge or a vertex alone come apart") {
+  // A fan around the edge 0-1, then one more that shares only vertex 0 with the first.
+  TetMesh mesh;
+  mesh.points.resize(3, 7);
+  mesh.points << 0, 0, 1, 0.5, -0.5, -1, -1, 0, 0, 0, 1, 1, 0, -0.5, 0, 1, 0, 0, 0, 0, -1;
+  mesh.tets.resize(4, 4);
+  mesh.tets << 0, 0, 0, 0, 1, 1, 1, 4, 2, 3, 4, 5, 3, 4, 5, 6;
+  for (Index t = 0; t < 4; ++t)
+    if (signed_volume(tet_points(mesh, t)) < 0) std::swap(mesh.tets(2, t), mesh.tets(3, t));
+  mesh.labels.assign(4, 0);
+  Topology edge(mesh);
+  const MeshEdit by_edge = edge.remove(std::vector<Index>{1});  // 0 and 2 share the edge 0-1 only
+  REQUIRE(by_edge.splits.size() == 2);
+  CHECK(by_edge.splits[0].vertex == 0);
+  CHECK(by_edge.splits[1].vertex == 1);
+  CHECK(edge.vertex_count() == 9);
+  CHECK(edge.pieces().size() == 2);
+  Topology vertex(mesh);
+  const MeshEdit by_vertex = vertex.remove(std::vector<Index>{1, 2});  // 0 and 3 share vertex 0 only
+  REQUIRE(by_vertex.splits.size() == 1);
+  CHECK(by_vertex.splits[0].vertex == 0);
+  CHECK(by_vertex.splits[0].copy == 7);
+  CHECK(vertex.pieces().size() == 2);
+}
+
+TEST_CASE("pieces that nothing holds fall, vanish or stay as asked") {
+  const TetMesh mesh = box_mesh({0.04, 0.01, 0.01}, 8, 2, 2);
+  std::vector<Index> middle;
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    if (std::abs(barycentre(mesh, t).x() - 0.02) < 0.004) middle.push_back(t);
+  const Index tip = mesh.vertex_count() - 1;
+  for (LoosePieces pieces : {LoosePieces::fall, LoosePieces::vanish, LoosePieces::stay}) {
+    Setup setup = setup_of(mesh, RegionModel::tensor_mass);
+    setup.loose_pieces = pieces;
+    setup.gravity = {0, 0, -9.81};
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      if (mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
+    World<double> world(setup);
+    const Index removed = world.remove_tets(middle);
+    const Index left = world.elements().topology.alive_count();
+    CHECK(left == mesh.tet_count() - removed);
+    for (int i = 0; i < 10; ++i) REQUIRE(world.advance(0.01).ok);
+    const double fall = world.state().u(2, tip);
+    if (pieces == LoosePieces::fall) CHECK(fall == doctest::Approx(-0.5 * 9.81 * 0.01).epsilon(0.05));
+    if (pieces == LoosePieces::vanish) CHECK(removed > Index(middle.size()));
+    if (pieces == LoosePieces::stay) CHECK(fall == 0);
+  }
+}
+
+TEST_CASE("cautery removes what the sphere touches along its path, in the deformed body") {
+  const TetMesh mesh = box_mesh({0.04, 0.04, 0.04}, 8, 8, 8);
+  const Topology topology(mesh);
+  const Mat3X<double> rest = Mat3X<double>::Zero(3, mesh.vertex_count());
+  const Mat3X<double> moved = Vec3d(1, 0, 0).replicate(1, mesh.vertex_count());
+  const Sweep sweep{{0.02, -0.1, 0.02}, {0.02, 0.1, 0.02}, 0.004};
+  const std::vector<Index> touched = touched_tets(topology, mesh.points, rest, sweep);
+  CHECK(!touched.empty());
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    // Distance of the barycentre to the axis of the sweep: surely in within the radius, surely out beyond a
+    // cell.
+    const Vec3d b = barycentre(mesh, t);
+    const double r = std::hypot(b.x() - 0.02, b.z() - 0.02);
+    const bool in = std::binary_search(touched.begin(), touched.end(), t);
+    if (r < 0.0039) CHECK(in);
+    if (r > 0.004 + 0.005 * std::sqrt(3.0)) CHECK(!in);
+  }
+  CHECK(touched_tets(topology, mesh.points, moved, sweep).empty());
+}

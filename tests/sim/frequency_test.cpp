@@ -1,0 +1,82 @@
+#include "lobe/sim/frequency.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "lobe/fem/hooke.h"
+#include "lobe/sim/world.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// All of M^-½ K M^-½ as a dense matrix: ω_max without any iteration.
+double dense_frequency(const Setup& setup) {
+  const Elements elements(setup);
+  const Index n = setup.mesh.vertex_count();
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Shape s = elements.shape_of(t);
+    const Elastic& e = elements.elastic_of(t);
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        K.block<3, 3>(3 * setup.mesh.tets(i, t), 3 * setup.mesh.tets(j, t)) +=
+            s.volume * hooke_block<double>(s.gradients.col(i), s.gradients.col(j), e.lambda, e.mu);
+  }
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < n; ++j)
+      K.block<3, 3>(3 * i, 3 * j) /= std::sqrt(lumped_mass(elements, i) * lumped_mass(elements, j));
+  return std::sqrt(
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the time step limit is within 1 % of 2/ω_max of a dense eigenvalue solution, and on the safe side of "
+    "1.001") {
+  for (RegionModel model : {RegionModel::tensor_mass, RegionModel::nonlinear}) {
+    const Setup setup = setup_of(irregular_box(4), model);
+    const double exact = 2 / dense_frequency(setup);
+    World<double> world(setup);
+    CHECK(world.time_step_limit() / exact == doctest::Approx(1).epsilon(0.01));
+    CHECK(world.time_step_limit() < 1.001 * exact);
+    CHECK(rest_time_step(setup.mesh, seed_material) ==
+          doctest::Approx(world.time_step_limit()).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("the vertex estimate is a lower bound of ω_max within 25 % on an irregular box") {
+  const Setup setup = hybrid_setup(irregular_box(4));
+  World<double> world(setup);
+  const double exact = dense_frequency(setup);
+  CHECK(world.highest_vertex().omega < exact);
+  CHECK(world.highest_vertex().omega > 0.75 * exact);
+}
+
+TEST_CASE("steps at 0.9 of the limit are stable for a long time, at 1.1 they are not") {
+  const Setup setup = setup_of(irregular_box(3), RegionModel::tensor_mass);
+  for (double factor : {0.9, 1.1}) {
+    World<double> world(setup);
+    State<double> state = world.state();
+    state.v = random_displacement(setup.mesh.vertex_count(), 1e-3);
+    world.set_state(state);
+    const double before = world.energies().total(), dt = factor * world.time_step_limit();
+    for (int i = 0; i < 20000 && world.energies().total() < 1e6 * before; ++i) world.step(dt);
+    CHECK((world.energies().total() < 10 * before) == (factor < 1));
+  }
+}
+
+TEST_CASE("the limit follows the deformation: a stretched body is stiffer") {
+  const TetMesh mesh = irregular_box(3);
+  World<double> world(setup_of(mesh));
+  const double at_rest = world.time_step_limit();
+  State<double> state = world.state();
+  state.u = affine_displacement(mesh.points, 1.5 * Mat3<double>::Identity());
+  world.set_state(state);
+  // K at F = sI: s² times the rest stiffness plus the geometric part: shorter than 1/s
+  CHECK(world.time_step_limit() < at_rest / 1.5);
+}

@@ -1,0 +1,65 @@
+#include "lobe/sim/integrator.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace lobe;
+
+namespace {
+
+// A damped oscillator of mass 1 and stiffness ω², released at 1. Returns u at time 1.
+double oscillator(double omega, double damping, int steps) {
+  Mat3X<double> u = Mat3X<double>::Zero(3, 1), v = u, f = u;
+  const double dt = 1.0 / steps;
+  u(0) = 1;
+  v(0) = omega * omega * dt / 2;  // v at −Δt/2 of an oscillator that starts at rest
+  v(0) *= 1 + damping * dt / 2;
+  for (int i = 0; i < steps; ++i) {
+    f(0) = -omega * omega * u(0);
+    central_difference(f, {1.0}, dt, damping, u, v);
+  }
+  return u(0);
+}
+
+double exact(double omega, double damping) {
+  const double a = damping / 2, w = std::sqrt(omega * omega - a * a);
+  return std::exp(-a) * (std::cos(w) + a / w * std::sin(w));
+}
+
+}  // namespace
+
+TEST_CASE("central differences converge with order 2, damped or not") {
+  for (double damping : {0.0, 3.0}) {
+    const double coarse = std::abs(oscillator(10, damping, 200) - exact(10, damping));
+    const double fine = std::abs(oscillator(10, damping, 400) - exact(10, damping));
+    CHECK(std::log2(coarse / fine) > 1.9);
+  }
+}
+
+TEST_CASE("erratum 3: the printed damping signs make an oscillator grow, ours make it decay") {
+  const double omega = 10, damping = 1, dt = 1e-3;
+  const auto largest_late = [&](double sign) {
+    // [PDA] section 3.2 for m = 1, R = 0; sign = 1 ours, −1 printed
+    double before = 1, now = 1, largest = 0;
+    for (int i = 0; i < 10000; ++i) {
+      const double next = (-omega * omega * now + 2 / (dt * dt) * now -
+                           (1 / (dt * dt) - sign * damping / (2 * dt)) * before) /
+                          (1 / (dt * dt) + sign * damping / (2 * dt));
+      before = now;
+      now = next;
+      if (i > 9000) largest = std::max(largest, std::abs(now));
+    }
+    return largest;
+  };
+  CHECK(largest_late(1) < 0.02);
+  CHECK(largest_late(-1) > 50);
+}
+
+TEST_CASE("a vertex without inverse mass stays where it is, and what is not a number is reported") {
+  Mat3X<double> u = Mat3X<double>::Zero(3, 2), v = u, f = Mat3X<double>::Ones(3, 2);
+  CHECK(central_difference(f, {0.0, 1.0}, 0.1, 0.0, u, v) == doctest::Approx(0.03));
+  CHECK(u.col(0).norm() == 0);
+  f(0, 1) = std::nan("");
+  CHECK(std::isinf(central_difference(f, {0.0, 1.0}, 0.1, 0.0, u, v)));
+}

@@ -1,0 +1,161 @@
+#include "lobe/sim/world.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+
+#include "lobe/error.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+Setup beam(RegionModel model = RegionModel::nonlinear) {
+  const TetMesh mesh = box_mesh({0.1, 0.02, 0.02}, 10, 2, 2);
+  Setup setup = setup_of(mesh, model);
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+}  // namespace
+
+TEST_CASE("free fall follows ½ g t² and keeps the shape") {
+  Setup setup = setup_of(irregular_box());
+  setup.gravity = {0, 0, -9.81};
+  World<double> world(setup);
+  for (int i = 0; i < 10; ++i) REQUIRE(world.advance(0.02).ok);
+  CHECK(world.time() == doctest::Approx(0.2));
+  const Mat3X<double>& u = world.state().u;
+  CHECK(u.row(2).mean() == doctest::Approx(-0.5 * 9.81 * 0.04).epsilon(0.01));
+  CHECK(u.row(2).maxCoeff() - u.row(2).minCoeff() < 1e-12);
+}
+
+TEST_CASE("a beam at rest stays exactly at rest") {
+  World<float> world(beam());
+  for (int i = 0; i < 30; ++i) world.advance(1.0 / 30);
+  CHECK(world.state().u.norm() == 0);
+}
+
+TEST_CASE("a free body keeps momentum and, undamped, its energy") {
+  Setup setup = setup_of(irregular_box(3));
+  World<double> world(setup);
+  State<double> state = world.state();
+  state.v = random_displacement(setup.mesh.vertex_count(), 0.05);
+  world.set_state(state);
+  const auto momentum = [&] {
+    Vec3d p = Vec3d::Zero();
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v) p += world.mass()[v] * world.state().v.col(v);
+    return p;
+  };
+  const Vec3d p = momentum();
+  const double energy = world.energies().total(), dt = 0.2 * world.time_step_limit();
+  for (int i = 0; i < 5000; ++i) world.step(dt);
+  CHECK((momentum() - p).norm() < 1e-12 * p.norm());
+  CHECK(world.energies().total() == doctest::Approx(energy).epsilon(0.05));
+}
+
+TEST_CASE("a damped loaded beam comes to rest where the clamp carries its weight") {
+  for (RegionModel model : {RegionModel::tensor_mass, RegionModel::nonlinear}) {
+    Setup setup = beam(model);
+    setup.gravity = {0, 0, -3};
+    setup.damping = 20;
+    World<double> world(setup);
+    for (int i = 0; i < 60; ++i) REQUIRE(world.advance(1.0 / 30).ok);
+    const double weight = 3 * 1000 * 0.1 * 0.02 * 0.02;
+    CHECK(world.reaction(HeldVertices::boundary).z() == doctest::Approx(weight).epsilon(1e-3));
+    CHECK(world.energies().kinetic < 1e-8);
+    CHECK(world.state().u.row(2).minCoeff() < -0.001);
+  }
+}
+
+TEST_CASE("dead loads: a traction gives each face vertex a third, a force is what it says") {
+  Setup setup = beam();
+  const Topology topology(setup.mesh);
+  for (Index code : topology.boundary_faces()) {
+    const Eigen::Vector3i f = topology.face(code);
+    if ((setup.mesh.points(0, {f[0], f[1], f[2]}).array() > 0.1 - 1e-9).all())
+      setup.face_loads.push_back({code / 4, code % 4, {0, 0, -100}});
+  }
+  setup.vertex_loads.push_back({setup.mesh.vertex_count() - 1, {0.5, 0, 0}});
+  World<double> world(setup);
+  const Vec3d total = world.forces().rowwise().sum();
+  CHECK(total.z() == doctest::Approx(-100 * 0.02 * 0.02).epsilon(1e-12));
+  CHECK(total.x() == doctest::Approx(0.5).epsilon(1e-12));
+}
+
+TEST_CASE("a grasp takes hold, follows its path and lets go") {
+  Setup setup = beam();
+  const Index tip = setup.mesh.vertex_count() - 1;
+  setup.damping = 20;
+  setup.grasps.push_back(
+      {"grasper", {tip}, {{0.1, {0, 0, 0}}, {0.3, {0, 0, 0.01}}, {3, {0, 0, 0.01}}}, true});
+  World<double> world(setup);
+  const auto until = [&](double time) {
+    while (world.time() < time - 1e-9) REQUIRE(world.advance(0.02).ok);
+  };
+  until(0.1);
+  CHECK(world.state().u.norm() == 0);
+  until(0.2);
+  CHECK(world.state().u(2, tip) == doctest::Approx(0.005).epsilon(1e-9));
+  until(2.9);
+  CHECK(world.state().u(2, tip) == doctest::Approx(0.01).epsilon(1e-9));
+  CHECK(world.reaction(1).z() > 0);
+  CHECK(world.tool_poses().size() == 1);
+  until(3.3);
+  CHECK(std::abs(world.state().u(2, tip)) < 0.008);
+  CHECK(world.tool_poses().empty());
+}
+
+TEST_CASE("prescribed displacements are reached over the ramp") {
+  Setup setup = beam();
+  setup.prescribed.push_back({setup.mesh.vertex_count() - 1, {0.004, 0, 0}});
+  setup.ramp = 0.1;
+  World<double> world(setup);
+  world.advance(0.05);
+  CHECK(world.state().u(0, setup.mesh.vertex_count() - 1) == doctest::Approx(0.002).epsilon(1e-9));
+  world.advance(0.1);
+  CHECK(world.state().u(0, setup.mesh.vertex_count() - 1) == doctest::Approx(0.004).epsilon(1e-12));
+}
+
+TEST_CASE("two runs, on one and on two threads, give the same bits") {
+  Setup setup = hybrid_setup(irregular_box(12));
+  setup.gravity = {0, 0, -9.81};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  setup.cauteries.push_back({"bipolar", 0.012, {{0, {0.06, -0.05, 0.06}}, {0.05, {0.06, 0.2, 0.06}}}});
+  World<float> first(setup, 1), second(setup, 2);
+  Index removed = 0;
+  for (int i = 0; i < 6; ++i) {
+    removed += first.advance(0.01).tets_removed;
+    second.advance(0.01);
+    REQUIRE(first.state().u == second.state().u);
+  }
+  CHECK(removed > 0);
+}
+
+TEST_CASE("a load beyond what the model can bear ends in a report, not in a NaN") {
+  Setup setup = beam();
+  setup.vertex_loads.push_back({setup.mesh.vertex_count() - 1, {-1e6, 0, 0}});
+  World<float> world(setup);
+  Report report;
+  for (int i = 0; i < 50 && report.ok; ++i) report = world.advance(0.01);
+  CHECK(!report.ok);
+  CHECK(report.conditions.back().kind == Condition::Kind::diverged);
+  CHECK(world.state().u.allFinite());
+  CHECK(world.state().v.allFinite());
+}
+
+TEST_CASE("an inconsistent setup is refused with a message") {
+  Setup setup = beam();
+  setup.region_of[3] = RegionModel::precomputed;
+  CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("not available yet"), InputError);
+  setup = beam();
+  setup.materials[0].mu = -1;
+  CHECK_THROWS_AS(World<double>{setup}, InputError);
+  setup = beam();
+  setup.material_of[0] = 7;
+  CHECK_THROWS_AS(World<double>{setup}, InputError);
+}

@@ -1,4 +1,4 @@
-// Private to io/: a file that is whole or absent.
+// A file that is whole or absent.
 #pragma once
 
 #include <filesystem>

@@ -1,0 +1,81 @@
+#include "lobe/diagnostics/fields.h"
+
+#include <cmath>
+
+#include "lobe/fem/hooke.h"
+#include "lobe/fem/svk.h"
+#include "lobe/fem/volume_term.h"
+
+namespace lobe {
+namespace {
+
+Eigen::Matrix<double, 6, 1> voigt(const Mat3<double>& a) {
+  return {a(0, 0), a(1, 1), a(2, 2), a(0, 1), a(1, 2), a(0, 2)};
+}
+
+Mat34<double> corner_displacements(const Elements& elements, Index tet, const Mat3X<double>& u) {
+  Mat34<double> corners;
+  for (int c = 0; c < 4; ++c) corners.col(c) = u.col(elements.topology.tets()(c, tet));
+  return corners;
+}
+
+}  // namespace
+
+TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u) {
+  const Shape s = elements.shape_of(tet);
+  const Elastic& elastic = elements.elastic_of(tet);
+  const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
+  TetFields fields;
+  fields.volume_ratio = 1 + volume_change(H);
+  if (elements.region_of[tet] == RegionModel::nonlinear) {
+    const Mat3<double> F = Mat3<double>::Identity() + H;
+    const Mat3<double> P =
+        svk_stress(H, elastic.lambda, elastic.mu) + volume_stress(H, elements.volume_penalty);
+    fields.strain = green_strain(H);
+    fields.stress = P * F.transpose() / fields.volume_ratio;
+  } else {
+    fields.strain = (H + H.transpose()) / 2;
+    fields.stress = hooke_stress(H, elastic.lambda, elastic.mu);
+  }
+  const Mat3<double> deviator = fields.stress - fields.stress.trace() / 3 * Mat3<double>::Identity();
+  fields.von_mises = std::sqrt(1.5) * deviator.norm();
+  return fields;
+}
+
+void write_frame(const std::filesystem::path& file, const Elements& elements, const Mat3X<double>& u,
+                 const Mat3X<double>& v) {
+  using Type = DataArray::Type;
+  const Topology& topology = elements.topology;
+  const Eigen::Index n = topology.alive_count();
+  TetMesh mesh{elements.points, Tets(4, n), {}};
+  DataArray region{"region", Eigen::MatrixXd(1, n), Type::int32}, source{"source", Eigen::MatrixXd(1, n), Type::int32};
+  DataArray ratio{"volume_ratio", Eigen::MatrixXd(1, n), Type::float32};
+  DataArray strain{"strain", Eigen::MatrixXd(6, n), Type::float32}, stress{"stress", Eigen::MatrixXd(6, n), Type::float32};
+  DataArray von_mises{"von_mises", Eigen::MatrixXd(1, n), Type::float32};
+  Eigen::Index at = 0;
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    if (!topology.alive(t)) continue;
+    const TetFields fields = tet_fields(elements, t, corner_displacements(elements, t, u));
+    mesh.tets.col(at) = topology.tets().col(t);
+    mesh.labels.push_back(elements.labels[t]);
+    region.values(0, at) = static_cast<int>(elements.region_of[t]);
+    source.values(0, at) = t;
+    ratio.values(0, at) = fields.volume_ratio;
+    strain.values.col(at) = voigt(fields.strain);
+    stress.values.col(at) = voigt(fields.stress);
+    von_mises.values(0, at) = fields.von_mises;
+    ++at;
+  }
+  write_vtu(file, mesh, {{"displacement", u, Type::float64}, {"velocity", v, Type::float64}},
+            {region, ratio, strain, stress, von_mises, source});
+}
+
+double current_volume(const Elements& elements, const Mat3X<double>& u) {
+  double volume = 0;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    if (elements.topology.alive(t))
+      volume += signed_volume(elements.corner_points(t) + corner_displacements(elements, t, u));
+  return volume;
+}
+
+}  // namespace lobe

@@ -1,0 +1,29 @@
+// Fields of a deformed body, per tetrahedron, for recordings and pictures.
+#pragma once
+
+#include "lobe/io/mesh_io.h"
+#include "lobe/region/elements.h"
+
+namespace lobe {
+
+struct TetFields {
+  double volume_ratio = 1;  // det F
+  Mat3<double> strain;      // non-linear region: Green-St Venant E; linear: ε
+  Mat3<double> stress;      // Cauchy, volume term included; linear: σ [Pa]
+  double von_mises = 0;     // [Pa]
+};
+
+// At displacements u of the four corners [m], with the model of the tetrahedron's region.
+TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u);
+
+// The body as it is cut now: all vertices at rest positions, the tetrahedra that are left in the input's order,
+// with point data displacement [m], velocity [m/s] and cell data region, volume_ratio, strain, stress (xx, yy, zz,
+// xy, yz, xz) [Pa], von_mises [Pa], source (the input's tetrahedron), and the labels. Throws InputError if the
+// file cannot be written.
+void write_frame(const std::filesystem::path& file, const Elements& elements, const Mat3X<double>& u,
+                 const Mat3X<double>& v);
+
+// Volume of the deformed body [m³].
+double current_volume(const Elements& elements, const Mat3X<double>& u);
+
+}  // namespace lobe

@@ -1,0 +1,75 @@
+#include "lobe/run/recorder.h"
+
+#include <cstdio>
+
+#include "lobe/diagnostics/fields.h"
+#include "lobe/io/atomic_file.h"
+
+namespace lobe {
+namespace {
+
+constexpr double just_before = 1e-9;  // times are sums of steps [s]
+
+std::string numbered(const char* format, std::size_t number) {
+  char name[64];
+  std::snprintf(name, sizeof name, format, number);
+  return name;
+}
+
+nlohmann::ordered_json tool_json(const Tools::Pose& pose, const Mat3X<double>& x) {
+  const auto array = [](const Vec3d& p) { return nlohmann::ordered_json{p[0], p[1], p[2]}; };
+  nlohmann::ordered_json tool{{"type", pose.type == Tool::Type::grasp ? "grasp" : "cautery"},
+                              {"name", pose.name},
+                              {"position", array(pose.position)}};
+  if (pose.radius > 0) tool["radius"] = pose.radius;
+  for (Index v : pose.vertices) tool["points"].push_back(array(x.col(v)));
+  return tool;
+}
+
+}  // namespace
+
+template <class Real>
+void Recorder::record(const World<Real>& world, bool last) {
+  const bool frame_due = world.time() >= next_frame_ - just_before;
+  const bool picture_due =
+      next_picture_ < output_.pictures.size() && world.time() >= output_.pictures[next_picture_] - just_before;
+  if (!frame_due && !picture_due && !last) return;
+  const std::string frame = numbered("frame_%04zu.vtu", frames_.size());
+  write_frame(directory_ / frame, world.elements(), world.state().u.template cast<double>(),
+              world.state().v.template cast<double>());
+  frames_.emplace_back(world.time(), frame);
+  while (world.time() >= next_frame_ - just_before) next_frame_ += output_.every;
+  if (picture_due || last) add_pictures(world, frame);
+}
+
+template <class Real>
+void Recorder::add_pictures(const World<Real>& world, const std::string& frame) {
+  const Mat3X<double> x = world.elements().points + world.state().u.template cast<double>();
+  for (; next_picture_ < output_.pictures.size() && world.time() >= output_.pictures[next_picture_] - just_before;
+       ++next_picture_) {
+    char out[64], title[64];
+    std::snprintf(out, sizeof out, "picture_%.3f.png", output_.pictures[next_picture_]);
+    std::snprintf(title, sizeof title, "t = %.2f s", world.time());
+    nlohmann::ordered_json panel{{"mesh", frame}, {"title", title}, {"color", "region"}, {"edges", true}};
+    panel["tools"] = nlohmann::ordered_json::array();
+    for (const Tools::Pose& pose : world.tool_poses()) panel["tools"].push_back(tool_json(pose, x));
+    nlohmann::ordered_json picture{{"out", out}};
+    picture["panels"].push_back(std::move(panel));
+    pictures_.push_back(std::move(picture));
+  }
+}
+
+std::filesystem::path Recorder::finish() const {
+  write_pvd(directory_ / "series.pvd", frames_);
+  if (pictures_.empty()) return {};
+  const std::filesystem::path file = directory_ / "pictures.json";
+  io::AtomicFile request(file);
+  request.stream() << nlohmann::ordered_json{{"pictures", pictures_}}.dump(1) << '\n';
+  request.commit();
+  return file;
+}
+
+template void Recorder::record(const World<float>&, bool);
+template void Recorder::record(const World<double>&, bool);
+
+}  // namespace lobe

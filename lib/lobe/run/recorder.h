@@ -1,0 +1,40 @@
+// Frames and the picture request of a run.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lobe/scene/scene.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+class Recorder {
+ public:
+  Recorder(const Output& output, std::filesystem::path directory) : output_(output), directory_(std::move(directory)) {}
+
+  // Writes a frame if one is due at the world's time, or a picture is; `last`: in any case.
+  template <class Real>
+  void record(const World<Real>& world, bool last);
+
+  // DIR/series.pvd and, if pictures were asked for, DIR/pictures.json, whose path is returned (else empty).
+  std::filesystem::path finish() const;
+
+  std::size_t frame_count() const { return frames_.size(); }
+
+ private:
+  template <class Real>
+  void add_pictures(const World<Real>& world, const std::string& frame);
+
+  Output output_;
+  std::filesystem::path directory_;
+  std::vector<std::pair<double, std::string>> frames_;
+  nlohmann::ordered_json pictures_ = nlohmann::ordered_json::array();
+  double next_frame_ = 0;         // [s]
+  std::size_t next_picture_ = 0;
+};
+
+}  // namespace lobe

@@ -1,0 +1,190 @@
+#include "lobe/run/run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "lobe/diagnostics/fields.h"
+#include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
+#include "lobe/run/recorder.h"
+
+namespace lobe {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Sums of the reports of all frames.
+struct Totals {
+  long long steps = 0;
+  double smallest_step = 0, largest_step = 0;  // [s]
+  double smallest_volume_ratio = 1;
+  double simulation_seconds = 0, slowest_frame = 0, output_seconds = 0;  // wall
+  std::array<double, phase_count> phases{};
+  Json cuts = Json::array(), conditions = Json::array(), series = Json::array();
+  Index tets_removed = 0;
+  std::vector<std::string> warnings;
+
+  void add(const Report& report, double time, double wall);
+};
+
+void Totals::add(const Report& report, double time, double wall) {
+  steps += report.steps;
+  smallest_step = smallest_step > 0 ? std::min(smallest_step, report.time_step) : report.time_step;
+  largest_step = std::max(largest_step, report.time_step);
+  smallest_volume_ratio = std::min(smallest_volume_ratio, report.smallest_volume_ratio);
+  simulation_seconds += wall;
+  slowest_frame = std::max(slowest_frame, wall);
+  for (int p = 0; p < phase_count; ++p) phases[p] += report.seconds[p];
+  tets_removed += report.tets_removed;
+  if (report.tets_removed > 0) cuts.push_back({{"time", time}, {"tetrahedra", report.tets_removed}});
+  for (const Condition& c : report.conditions) {
+    conditions.push_back({{"time", c.time}, {"condition", name(c.kind)}, {"text", c.text}});
+    if (c.kind == Condition::Kind::diverged) warnings.push_back(c.text);
+  }
+}
+
+template <class Real>
+Json state_json(World<Real>& world) {
+  const Energies e = world.energies();
+  return {{"time", world.time()},
+          {"tetrahedra", world.elements().topology.alive_count()},
+          {"volume", current_volume(world.elements(), world.state().u.template cast<double>())},
+          {"energy",
+           {{"kinetic", e.kinetic}, {"elastic_linear", e.elastic_linear}, {"elastic_nonlinear", e.elastic_nonlinear},
+            {"loads", e.loads}, {"total", e.total()}}}};
+}
+
+Json region_counts(const Elements& elements) {
+  std::array<Index, 3> count{};
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    if (elements.topology.alive(t)) ++count[std::size_t(elements.region_of[t])];
+  return {{"tensor-mass", count[0]}, {"precomputed", count[1]}, {"nonlinear", count[2]}};
+}
+
+Json timing_json(const Totals& totals, double simulated, double setup_seconds) {
+  Json phases;
+  double known = 0;
+  for (int p = 0; p < phase_count; ++p) {
+    phases[phase_names[p]] = totals.phases[p];
+    known += totals.phases[p];
+  }
+  phases["other"] = std::max(0.0, totals.simulation_seconds - known);
+  return {{"setup_s", setup_seconds},
+          {"simulation_s", totals.simulation_seconds},
+          {"output_s", totals.output_seconds},
+          {"slowest_frame_s", totals.slowest_frame},
+          {"real_time_factor", totals.simulation_seconds > 0 ? simulated / totals.simulation_seconds : 0},
+          {"phases_s", phases}};
+}
+
+std::string summary_of(const Json& report) {
+  const Json& timing = report["timing"];
+  char line[512];
+  std::snprintf(line, sizeof line,
+                "simulated %.3f s in %lld steps of %.4g … %.4g s\n"
+                "wall time %.3f s on %d thread(s): %.2f times real time; slowest frame %.1f ms\n"
+                "tetrahedra removed %d, left %d; volume %.6g → %.6g m³\n",
+                report["simulated_s"].get<double>(), report["steps"].get<long long>(),
+                report["time_step_s"]["smallest"].get<double>(), report["time_step_s"]["largest"].get<double>(),
+                timing["simulation_s"].get<double>(), report["threads"].get<int>(),
+                timing["real_time_factor"].get<double>(), 1e3 * timing["slowest_frame_s"].get<double>(),
+                report["tetrahedra_removed"].get<int>(), report["series"].back()["tetrahedra"].get<int>(),
+                report["series"].front()["volume"].get<double>(), report["series"].back()["volume"].get<double>());
+  return line;
+}
+
+// The files that an earlier run left in the directory.
+void clear_earlier_run(const std::filesystem::path& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (!std::filesystem::is_directory(directory, error))
+    throw InputError(directory.string(), "cannot be made a directory for the results");
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
+    const std::string file = entry.path().filename().string();
+    const bool ours = (file.starts_with("frame_") && file.ends_with(".vtu")) ||
+                      (file.starts_with("picture_") && file.ends_with(".png")) || file == "report.json" ||
+                      file == "series.pvd" || file == "pictures.json";
+    if (ours) std::filesystem::remove(entry.path(), error);
+  }
+}
+
+template <class Real>
+bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder, Totals& totals) {
+  const long frames = std::max(1L, std::lround(scene.time.duration / scene.time.frame));
+  const double frame = scene.time.duration / double(frames);
+  const auto record = [&](bool last) {
+    const Clock::time_point start = Clock::now();
+    recorder.record(world, last);
+    totals.series.push_back(state_json(world));
+    totals.output_seconds += seconds_since(start);
+  };
+  record(false);
+  for (long i = 0; i < frames; ++i) {
+    const Clock::time_point start = Clock::now();
+    const double time = world.time();
+    const Report report = world.advance(frame);
+    totals.add(report, time, seconds_since(start));
+    record(!report.ok || i + 1 == frames);
+    if (options.progress) options.progress(double(i + 1) / double(frames));
+    if (!report.ok) return false;
+  }
+  return true;
+}
+
+template <class Real>
+RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
+  const Clock::time_point start = Clock::now();
+  World<Real> world(resolved.setup, options.threads);
+  const double setup_seconds = seconds_since(start);
+  clear_earlier_run(options.directory);
+  Recorder recorder(scene.output, options.directory);
+  Totals totals;
+  RunResult result;
+  result.warnings = resolved.warnings;
+  const Json regions = region_counts(world.elements());
+  const double limit = world.time_step_limit();
+  result.ok = play(world, scene, options, recorder, totals);
+  result.picture_request = recorder.finish();
+  result.warnings.insert(result.warnings.end(), totals.warnings.begin(), totals.warnings.end());
+  Json report{{"ok", result.ok},
+              {"scene", scene.file.string()},
+              {"mesh",
+               {{"vertices", resolved.setup.mesh.vertex_count()}, {"tetrahedra", resolved.setup.mesh.tet_count()}}},
+              {"precision", scene.time.precision == Precision::single_precision ? "single" : "double"},
+              {"threads", options.threads},
+              {"regions", regions},
+              {"regions_at_end", region_counts(world.elements())},
+              {"simulated_s", world.time()},
+              {"steps", totals.steps},
+              {"time_step_s",
+               {{"limit_at_rest", limit}, {"safety", scene.time.safety}, {"smallest", totals.smallest_step}, {"largest", totals.largest_step}}},
+              {"smallest_volume_ratio", totals.smallest_volume_ratio},
+              {"tetrahedra_removed", totals.tets_removed},
+              {"timing", timing_json(totals, world.time(), setup_seconds)},
+              {"frames", recorder.frame_count()},
+              {"warnings", result.warnings},
+              {"conditions", totals.conditions},
+              {"cuts", totals.cuts},
+              {"series", totals.series}};
+  result.report = options.directory / "report.json";
+  io::AtomicFile file(result.report);
+  file.stream() << report.dump(1) << '\n';
+  file.commit();
+  result.summary = summary_of(report);
+  return result;
+}
+
+}  // namespace
+
+RunResult run_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
+  if (scene.time.precision == Precision::double_precision) return run<double>(scene, resolved, options);
+  return run<float>(scene, resolved, options);
+}
+
+}  // namespace lobe

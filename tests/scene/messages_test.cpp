@@ -54,6 +54,10 @@ TEST_CASE("syntax errors have line and column") {
   CHECK(message("{\"mesh\": \"a\nb\"}").find('\n') == std::string::npos);
 }
 
+TEST_CASE("an integer beyond 64 bits signed is a number, not a negative one") {
+  CHECK(message(with(R"({"volume_penalty": 18446744073709551615})")) == "");
+}
+
 TEST_CASE("a key given twice is refused") {
   CHECK(
       message(

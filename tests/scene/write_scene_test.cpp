@@ -63,7 +63,7 @@ TEST_CASE("a scene built in code is checked like one that was read") {
   scene.regions.push_back({"", RegionModel::nonlinear, Selector{SelectNot{}}, ""});
   CHECK_THROWS_WITH_AS(check_scene(scene),
                        "/gravity/2: null, must be a number\n"
-                       "/materials/0/density: -1, must be above 0\n"
+                       "/materials/0/density: -1.0, must be above 0\n"
                        "/regions/0/where/not: null, must be an object",
                        InputError);
   scene = parse_scene(small_scene);

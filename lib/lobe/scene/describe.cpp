@@ -1,5 +1,6 @@
 #include "lobe/scene/describe.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -170,7 +170,8 @@ class Explainer {
   }
 
   void check_dependencies(const json& object, const json& schema, const std::string& place) {
-    for (const auto& [key, partners] : schema.value("dependencies", json::object()).items()) {
+    const json& dependencies = schema.contains("dependencies") ? schema["dependencies"] : empty_;
+    for (const auto& [key, partners] : dependencies.items()) {
       if (!object.contains(key)) continue;
       for (const std::string partner : partners) {
         if (!object.contains(partner))

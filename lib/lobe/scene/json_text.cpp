@@ -1,6 +1,7 @@
 #include "lobe/scene/json_text.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "lobe/error.h"
@@ -42,7 +43,10 @@ class DocumentBuilder : public nlohmann::json_sax<json> {
   bool null() override { return add(nullptr); }
   bool boolean(bool value) override { return add(value); }
   bool number_integer(number_integer_t value) override { return add(value); }
-  bool number_unsigned(number_unsigned_t value) override { return add(value); }
+  // What no signed integer holds becomes a floating-point number: the validator would take it as negative.
+  bool number_unsigned(number_unsigned_t value) override {
+    return value > INT64_MAX ? add(static_cast<double>(value)) : add(value);
+  }
   bool number_float(number_float_t value, const string_t&) override { return add(value); }
   bool string(string_t& value) override { return add(std::move(value)); }
   bool binary(binary_t&) override { return false; }

@@ -37,7 +37,7 @@ TEST_CASE("MEDIT: bad files are refused at their line") {
   CHECK_CONTAINS(fault(head + vertices + "Tetrahedra 1\n1 2 3 4 99999999999"), "a reference is 99999999999");
   CHECK_CONTAINS(fault(head + "Tetrahedra 1\n1 2 3 4 0"), "Tetrahedra before Vertices");
   CHECK_CONTAINS(fault(head + vertices + "Tetrahedra 1\n1 2 3 4 0\n1 2"), "expected a keyword or End");
-  CHECK_CONTAINS(fault(head + "Vertices 4\n0 0 zero 0"), "'zero', expected a coordinate");
+  CHECK_CONTAINS(fault(head + "Vertices 1\n0 0 zero 0"), "'zero', expected a coordinate");
   CHECK_CONTAINS(fault(head + "Vertices 4000000\n0 0 0 0"), "4000000 vertices are announced");
   CHECK_CONTAINS(fault(head + vertices + "Triangles 1\n1 2 3 0\nEnd"), "has no 4-node tetrahedron");
   CHECK_CONTAINS(fault(head + vertices + "End"), "has no tetrahedron");

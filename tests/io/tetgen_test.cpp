@@ -40,7 +40,7 @@ TEST_CASE("TetGen: bad files are refused at their line") {
   CHECK_CONTAINS(fault(nodes, "1 4 1\n1 1 2 3 4 1.5"), "the region of a tetrahedron must be a whole number");
   CHECK_CONTAINS(fault(nodes, "100 4 0\n1 1 2 3 4"), "100 tetrahedra are announced");
   CHECK_CONTAINS(fault(nodes, "0 4 0\n"), "has no tetrahedron");
-  CHECK_CONTAINS(fault("4 2 0 0\n", "1 4 0\n"), "t.node:1: the dimension is 2");
+  CHECK_CONTAINS(fault("0 2 0 0\n", "1 4 0\n"), "t.node:1: the dimension is 2");
   CHECK_CONTAINS(fault(fixture::edited(nodes, "3 0 1 0", "7 0 1 0"), ""),
                  "t.node:5: vertex number 7, expected 3");
   CHECK_CONTAINS(fault(fixture::edited(nodes, "3 0 1 0", "3 0 nan 0"), "1 4 0\n1 1 2 3 4"), "vertex 2");

@@ -42,7 +42,7 @@ TEST_CASE("legacy VTK: bad files are refused at their line") {
   CHECK_CONTAINS(fault(head + "POINTS 6000000000000000000 float\n0"),
                  "6000000000000000000 points are announced");
   CHECK_CONTAINS(fault(head + "POINTS 1 quad\n0 0 0"), "type 'quad' of points, expected float");
-  CHECK_CONTAINS(fault(head + "POINTS 1 float\n0 0 x"), "v.vtk:6: 'x', expected a number of points");
+  CHECK_CONTAINS(fault(head + "POINTS 1 float\n0 0 x"), "v.vtk:6: 'x', expected a value of points");
   CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "4 1 2 3 4", "4 1 2 3 5")),
                  "v.vtk: cell 1: names vertex 5, expected 0 … 4");
   CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "4 1 2 3 4", "4 1 2 3 -1")), "names vertex -1");

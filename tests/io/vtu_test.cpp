@@ -55,7 +55,7 @@ TEST_CASE("VTU: labels are found under their other names, which stay cell data")
 TEST_CASE("VTU: bad files are refused, naming the line and the array") {
   CHECK(fault_with("3 4", "3 4") == "no fault");
   CHECK_CONTAINS(fault("solid x"), "v.vtu");
-  CHECK_CONTAINS(fault_with("</Cells>", "</Sells>"), "v.vtu:15: is not XML");
+  CHECK_CONTAINS(fault_with("</Cells>", "</Sells>"), "v.vtu:14: is not XML");
   CHECK_CONTAINS(fault_with("type=\"UnstructuredGrid\"", "type=\"PolyData\""),
                  "v.vtu:1: VTKFile: type 'PolyData', expected UnstructuredGrid");
   CHECK_CONTAINS(fault_with("LittleEndian\"", "LittleEndian\" compressor=\"vtkLZ4DataCompressor\""),
@@ -68,16 +68,16 @@ TEST_CASE("VTU: bad files are refused, naming the line and the array") {
   CHECK_CONTAINS(fault_with("NumberOfCells=\"2\"", "NumberOfCells=\"99999999999\""),
                  "NumberOfCells is '99999999999'");
   CHECK_CONTAINS(fault_with("Name=\"offsets\"", "Name=\"off\""),
-                 "v.vtu:11: Cells: has no DataArray 'offsets'");
+                 "v.vtu:10: Cells: has no DataArray 'offsets'");
   CHECK_CONTAINS(fault_with("0 1 2 3 1", "0 1 2 three 1"),
-                 "v.vtu:12: 'three', expected a number of DataArray 'connectivity'");
+                 "v.vtu:11: 'three', expected a value of DataArray 'connectivity'");
   CHECK_CONTAINS(fault_with("0 1 2 3 1", "0 1 2 5 1"), "v.vtu: cell 0: names vertex 5, expected 0 … 4");
   CHECK_CONTAINS(fault_with("0 1 2 3 1", "0 1 2 -3 1"), "names vertex -3");
   CHECK_CONTAINS(fault_with(">4 8<", ">4 9<"), "cell 1: its offset is 9, expected 4 … 8");
   CHECK_CONTAINS(fault_with(">4 8<", ">4 3<"), "cell 1: its offset is 3");
   CHECK_CONTAINS(fault_with(">10 10<", ">5 5<"), "has no 4-node tetrahedron, only 2 other cells");
   CHECK_CONTAINS(fault_with("1 1 1</", "1 1 nan</"), "vertex 4: its position is (1, 1, nan)");
-  CHECK_CONTAINS(fault_with("1 1 1</", "0 0 0.5</"), "v.vtu: tetrahedron 1: is flat");
+  CHECK_CONTAINS(fault_with("1 1 1</", "1 0 0</"), "v.vtu: tetrahedron 1: is flat");
   CHECK_CONTAINS(fault_with("1 2 3 4</", "2 1 3 0</"), "has the same vertices");
   CHECK_CONTAINS(fault_with("1 1 1</", "1 1 1 1</"), "16 coordinates, expected three of each point");
   CHECK_CONTAINS(fault_with(">3 4<", ">3 4.5<"),

@@ -102,10 +102,10 @@ class Evaluation {
     if (kind_ == Kind::vertices) return vertices;
     Mask tets(size());
     for (Index t = 0; t < mesh_.tet_count(); ++t) {
-      tets[static_cast<std::size_t>(t)] = (mesh_.tets.col(t).array().unaryExpr([&](Index v) -> Index {
-                                            return vertices[static_cast<std::size_t>(v)];
-                                          }) != 0)
-                                              .all();
+      const auto corners = mesh_.tets.col(t);
+      tets[static_cast<std::size_t>(t)] = std::all_of(corners.begin(), corners.end(), [&](Index v) {
+        return vertices[static_cast<std::size_t>(v)] != 0;
+      });
     }
     return tets;
   }

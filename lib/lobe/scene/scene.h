@@ -120,6 +120,7 @@ struct Output {
 };
 
 struct Scene {
+  std::string name;            // what reports call it
   std::filesystem::path file;  // where it was read from
   std::filesystem::path mesh;  // absolute, or relative to the scene file
   std::vector<Material> materials;

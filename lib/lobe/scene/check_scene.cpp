@@ -1,0 +1,111 @@
+#include "lobe/scene/check_scene.h"
+
+#include <cmath>
+
+#include "lobe/scene/json_text.h"
+#include "lobe/scene/validate.h"
+#include "lobe/scene/write_scene.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+class MeaningChecker {
+ public:
+  explicit MeaningChecker(const Scene& scene) : scene_(scene) {}
+
+  std::vector<Fault> check() {
+    for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+      check_material(scene_.materials[i], child_pointer("/materials", i));
+    }
+    for (std::size_t i = 0; i < scene_.regions.size(); ++i) {
+      check_where(scene_.regions[i].where, child_pointer("/regions", i));
+    }
+    for (std::size_t i = 0; i < scene_.boundary.size(); ++i) {
+      check_selector(scene_.boundary[i].where, child_pointer("/boundary", i) + "/where");
+    }
+    for (std::size_t i = 0; i < scene_.tools.size(); ++i) {
+      check_where(scene_.tools[i].where, child_pointer("/tools", i));
+      check_path(scene_.tools[i].path, child_pointer("/tools", i) + "/path");
+    }
+    for (std::size_t i = 0; i < scene_.output.pictures.size(); ++i) {
+      const double time = scene_.output.pictures[i];
+      if (time > scene_.time.duration) {
+        add(child_pointer("/output/pictures", i),
+            exact(time) + ", must be at most the duration, " + exact(scene_.time.duration));
+      }
+    }
+    return std::move(faults_);
+  }
+
+ private:
+  void add(const std::string& place, const std::string& message) { faults_.push_back({place, message}); }
+
+  // Positive definite: μ > 0 and the bulk modulus λ + 2μ/3 > 0.
+  void check_material(const Material& material, const std::string& place) {
+    const double lambda = material.lame_lambda, mu = material.lame_mu;
+    if (!std::isfinite(lambda + 2 * mu)) {
+      add(place, "too stiff for double precision");
+    } else if (3 * lambda + 2 * mu <= 0) {
+      add(place + "/lame_lambda",
+          exact(lambda) + ", must be above -2/3 lame_mu = " + exact(-2 * mu / 3) + " (unstable material)");
+    }
+    check_where(material.where, place);
+  }
+
+  void check_path(const std::vector<PathPoint>& path, const std::string& place) {
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      if (path[i].time > path[i - 1].time) continue;
+      const bool same = path[i].time == path[i - 1].time;
+      add(child_pointer(place, i) + "/0",
+          "time " + exact(path[i].time) +
+              (same ? " is given twice; times must increase"
+                    : " goes back (previous " + exact(path[i - 1].time) + ")"));
+    }
+  }
+
+  void check_where(const std::optional<Selector>& where, const std::string& place) {
+    if (where) check_selector(*where, place + "/where");
+  }
+
+  void check_selector(const Selector& selector, const std::string& place) {
+    if (const auto* box = std::get_if<SelectBox>(&selector.value)) {
+      for (int i = 0; i < 3; ++i) {
+        if (box->min[i] <= box->max[i]) continue;
+        add(place + "/box/max/" + std::to_string(i),
+            exact(box->max[i]) + ", must be at least min, " + exact(box->min[i]));
+      }
+    } else if (const auto* plane = std::get_if<SelectPlane>(&selector.value)) {
+      const double length = plane->normal.stableNorm();
+      if (!(length > 0 && std::isfinite(length))) {
+        add(place + "/plane/normal", "has length " + exact(length) + ", must be above 0");
+      }
+    } else if (const auto* any = std::get_if<SelectAnyOf>(&selector.value)) {
+      check_parts(any->parts, place + "/any_of");
+    } else if (const auto* all = std::get_if<SelectAllOf>(&selector.value)) {
+      check_parts(all->parts, place + "/all_of");
+    } else if (const auto* negated = std::get_if<SelectNot>(&selector.value)) {
+      for (const Selector& part : negated->part) check_selector(part, place + "/not");
+    }
+  }
+
+  void check_parts(const std::vector<Selector>& parts, const std::string& place) {
+    for (std::size_t i = 0; i < parts.size(); ++i) check_selector(parts[i], child_pointer(place, i));
+  }
+
+  const Scene& scene_;
+  std::vector<Fault> faults_;
+};
+
+}  // namespace
+
+std::vector<Fault> meaning_faults(const Scene& scene) { return MeaningChecker(scene).check(); }
+
+void check_scene(const Scene& scene) {
+  const std::string name = scene.file.empty() ? "scene" : scene.file.string();
+  std::vector<Fault> faults = schema_faults(parse_json(to_json(scene), name), name);
+  if (faults.empty()) faults = meaning_faults(scene);
+  if (!faults.empty()) throw InputError(std::move(faults));
+}
+
+}  // namespace lobe

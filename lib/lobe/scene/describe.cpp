@@ -1,0 +1,208 @@
+#include "lobe/scene/describe.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "lobe/scene/material_constants.h"
+#include "lobe/scene/suspicions.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* model_names[] = {"tensor-mass", "precomputed", "nonlinear"};
+
+ordered_json vector(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+
+ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
+  std::map<std::string, Index> labels;
+  for (const int label : mesh.labels) ++labels[std::to_string(label)];
+  return {{"file", scene.mesh.string()},
+          {"vertices", mesh.vertex_count()},
+          {"tetrahedra", mesh.tet_count()},
+          {"labels", labels},
+          {"volume_m3", total_volume(mesh)},
+          {"box_min_m", vector(mesh.points.rowwise().minCoeff())},
+          {"box_max_m", vector(mesh.points.rowwise().maxCoeff())}};
+}
+
+ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
+  std::vector<Index> counts(setup.materials.size(), 0);
+  for (const std::uint16_t material : setup.material_of) ++counts[material];
+  const double g = scene.gravity.norm() > 0 ? scene.gravity.norm() : standard_gravity;
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < setup.materials.size(); ++i) {
+    const Elastic& m = setup.materials[i];
+    list.push_back({{"name", scene.materials[i].name},
+                    {"tetrahedra", counts[i]},
+                    {"young_modulus_Pa", young_modulus(m.lambda, m.mu)},
+                    {"poisson_ratio", poisson_ratio(m.lambda, m.mu)},
+                    {"density_kg_m3", m.density},
+                    {"wave_speed_m_s", wave_speed(m.lambda, m.mu, m.density)},
+                    {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
+  }
+  return list;
+}
+
+ordered_json summarise_regions(const Setup& setup) {
+  ordered_json counts;
+  for (const char* name : model_names) counts[name] = 0;
+  for (const RegionModel model : setup.region_of) {
+    auto& count = counts[model_names[static_cast<int>(model)]];
+    count = count.get<Index>() + 1;
+  }
+  return counts;
+}
+
+Vec3d area_vector(const TetMesh& mesh, const FaceLoad& load) {
+  const auto corner = [&](int i) -> Vec3d {
+    return mesh.points.col(mesh.tets(face_corners[load.face][i], load.tet));
+  };
+  return 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0));
+}
+
+ordered_json summarise_loads(const Setup& setup) {
+  Vec3d forces = Vec3d::Zero(), tractions = Vec3d::Zero();
+  double area = 0, mass = 0;
+  for (const VertexLoad& load : setup.vertex_loads) forces += load.force;
+  for (const FaceLoad& load : setup.face_loads) {
+    const double face = area_vector(setup.mesh, load).norm();
+    area += face;
+    tractions += face * load.traction;
+  }
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Elastic& m = setup.materials[setup.material_of[static_cast<std::size_t>(t)]];
+    mass += m.density * signed_volume(tet_points(setup.mesh, t));
+  }
+  return {{"force_N", vector(forces)},
+          {"loaded_area_m2", area},
+          {"traction_force_N", vector(tractions)},
+          {"mass_kg", mass},
+          {"weight_N", vector(mass * setup.gravity)}};
+}
+
+ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
+  ordered_json list = ordered_json::array();
+  std::size_t grasps = 0;
+  for (const Tool& tool : scene.tools) {
+    const bool grasp = tool.type == Tool::Type::grasp;
+    ordered_json entry = {{"name", tool.name},
+                          {"type", grasp ? "grasp" : "cautery"},
+                          {"from_s", tool.path.front().time},
+                          {"to_s", tool.path.back().time}};
+    if (grasp) {
+      entry["vertices"] = setup.grasps[grasps++].vertices.size();
+      entry["release"] = tool.release;
+    } else {
+      entry["radius_m"] = tool.radius;
+    }
+    list.push_back(entry);
+  }
+  return list;
+}
+
+ordered_json summarise(const Scene& scene, const Resolved& resolved) {
+  const Setup& setup = resolved.setup;
+  const auto moved = std::count_if(setup.prescribed.begin(), setup.prescribed.end(),
+                                   [](const PrescribedVertex& p) { return !p.displacement.isZero(0); });
+  const bool single = scene.time.precision == Precision::single_precision;
+  ordered_json summary;
+  summary["scene"] = scene.file.string();
+  summary["name"] = scene.name;
+  summary["mesh"] = summarise_mesh(scene, setup.mesh);
+  summary["materials"] = summarise_materials(scene, setup);
+  summary["volume_penalty_Pa"] = setup.volume_penalty;
+  summary["regions"] = summarise_regions(setup);
+  summary["fixed_vertices"] = setup.prescribed.size() - static_cast<std::size_t>(moved);
+  summary["moved_vertices"] = moved;
+  summary["loads"] = summarise_loads(setup);
+  summary["tools"] = summarise_tools(scene, setup);
+  summary["duration_s"] = scene.time.duration;
+  summary["frame_s"] = scene.time.frame;
+  summary["precision"] = single ? "single" : "double";
+  summary["integrator"] = scene.time.integrator;
+  summary["vtu_frames"] = 1 + std::floor(scene.time.duration / scene.output.every + 1e-9);
+  summary["pictures"] = scene.output.pictures.size();
+  summary["warnings"] = resolved.warnings;
+  return summary;
+}
+
+std::string triple(const ordered_json& v) {
+  return "[" + rounded(v[0]) + ", " + rounded(v[1]) + ", " + rounded(v[2]) + "]";
+}
+
+double norm(const ordered_json& v) { return Vec3d(v[0], v[1], v[2]).norm(); }
+
+void print_materials(std::ostream& out, const ordered_json& materials) {
+  for (const ordered_json& m : materials) {
+    out << "material   " << m["name"].get<std::string>() << ": " << m["tetrahedra"] << " tetrahedra, E "
+        << rounded(m["young_modulus_Pa"]) << " Pa, nu " << rounded(m["poisson_ratio"]) << ", density "
+        << rounded(m["density_kg_m3"]) << " kg/m³, waves " << rounded(m["wave_speed_m_s"])
+        << " m/s, sag under gravity about " << rounded(m["expected_sag_m"]) << " m\n";
+  }
+}
+
+void print_loads(std::ostream& out, const ordered_json& summary) {
+  const ordered_json& loads = summary["loads"];
+  out << "held       " << summary["fixed_vertices"] << " vertices fixed, " << summary["moved_vertices"]
+      << " moved\n";
+  out << "loads      force " << triple(loads["force_N"]) << " N, traction "
+      << triple(loads["traction_force_N"]) << " N on " << rounded(loads["loaded_area_m2"]) << " m²\n";
+  out << "weight     " << rounded(norm(loads["weight_N"])) << " N, mass " << rounded(loads["mass_kg"])
+      << " kg\n";
+}
+
+void print_tools(std::ostream& out, const ordered_json& tools) {
+  for (const ordered_json& tool : tools) {
+    out << "tool       " << tool["name"].get<std::string>() << ": " << tool["type"].get<std::string>() << ", "
+        << rounded(tool["from_s"]) << " to " << rounded(tool["to_s"]) << " s, ";
+    if (tool.contains("vertices")) {
+      out << tool["vertices"] << " vertices" << (tool["release"].get<bool>() ? ", then released" : "")
+          << "\n";
+    } else {
+      out << "radius " << rounded(tool["radius_m"]) << " m\n";
+    }
+  }
+}
+
+}  // namespace
+
+std::string describe_json(const Scene& scene, const Resolved& resolved) {
+  return summarise(scene, resolved).dump(2, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+std::string describe(const Scene& scene, const Resolved& resolved) {
+  const ordered_json summary = summarise(scene, resolved);
+  const ordered_json& mesh = summary["mesh"];
+  std::ostringstream out;
+  if (!scene.name.empty()) out << "scene      " << scene.name << "\n";
+  out << "mesh       " << mesh["file"].get<std::string>() << ": " << mesh["vertices"] << " vertices, "
+      << mesh["tetrahedra"] << " tetrahedra, " << rounded(mesh["volume_m3"]) << " m³, "
+      << triple(mesh["box_min_m"]) << " to " << triple(mesh["box_max_m"]) << " m\n";
+  print_materials(out, summary["materials"]);
+  out << "volume     penalty " << rounded(summary["volume_penalty_Pa"]) << " Pa\n";
+  out << "regions   ";
+  const char* separator = " ";
+  for (const auto& [name, count] : summary["regions"].items()) {
+    out << separator << name << " " << count;
+    separator = ", ";
+  }
+  out << " tetrahedra\n";
+  print_loads(out, summary);
+  print_tools(out, summary["tools"]);
+  out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)
+      << " s, " << summary["integrator"].get<std::string>() << ", " << summary["precision"].get<std::string>()
+      << " precision\n";
+  out << "output     " << rounded(summary["vtu_frames"]) << " VTU frames, " << summary["pictures"]
+      << " pictures\n";
+  for (const std::string& warning : resolved.warnings) out << "warning    " << warning << "\n";
+  return out.str();
+}
+
+}  // namespace lobe

@@ -1,0 +1,16 @@
+// What will be run: the report of `lobe check`.
+#pragma once
+
+#include <string>
+
+#include "lobe/scene/resolve.h"
+
+namespace lobe {
+
+// For people: several lines, warnings last. O(#tetrahedra).
+std::string describe(const Scene& scene, const Resolved& resolved);
+
+// The same for programs: one JSON object, indented.
+std::string describe_json(const Scene& scene, const Resolved& resolved);
+
+}  // namespace lobe

@@ -1,0 +1,25 @@
+// Internal: JSON text to a document, stricter than the parser underneath. Not part of the public interface.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+namespace lobe {
+
+inline constexpr std::size_t max_json_bytes = std::size_t{64} << 20;
+inline constexpr std::size_t max_json_depth = 64;  // of nested arrays and objects
+
+// Throws InputError: a syntax error as "NAME:line:column: …", a key given twice (the parser would silently
+// keep the last), a number beyond double precision, too much nesting, too long a text.
+nlohmann::json parse_json(std::string_view text, const std::string& name);
+
+// A JSON pointer (RFC 6901) one level down, control characters spelt out so that it stays on one line.
+std::string child_pointer(const std::string& pointer, std::string_view key);
+std::string child_pointer(const std::string& pointer, std::size_t index);
+
+// A value as messages show it: compact, on one line, cut after some 40 bytes.
+std::string excerpt(const nlohmann::json& value);
+
+}  // namespace lobe

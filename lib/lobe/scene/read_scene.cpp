@@ -1,0 +1,166 @@
+#include "lobe/scene/read_scene.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "lobe/error.h"
+#include "lobe/scene/check_scene.h"
+#include "lobe/scene/json_text.h"
+#include "lobe/scene/material_constants.h"
+#include "lobe/scene/read_selector.h"
+#include "lobe/scene/validate.h"
+
+namespace lobe {
+namespace {
+
+using nlohmann::json;
+
+// Overwrites a default where the key is given.
+template <class Value>
+void read(const json& object, const char* key, Value& value) {
+  if (object.contains(key)) value = object[key].template get<Value>();
+}
+
+std::optional<Selector> read_where(const json& entry) {
+  if (!entry.contains("where")) return std::nullopt;
+  return read_selector(entry["where"]);
+}
+
+Material read_material(const json& entry, const std::string& pointer) {
+  Material material;
+  read(entry, "name", material.name);
+  read(entry, "density", material.density);
+  if (entry.contains("young_modulus")) {
+    const LamePair lame = lame_from_young(entry["young_modulus"], entry["poisson_ratio"]);
+    material.lame_lambda = lame.lambda;
+    material.lame_mu = lame.mu;
+  } else {
+    material.lame_lambda = entry["lame_lambda"];
+    material.lame_mu = entry["lame_mu"];
+  }
+  material.where = read_where(entry);
+  material.pointer = pointer;
+  return material;
+}
+
+Region read_region(const json& entry, const std::string& pointer) {
+  const std::string model = entry["model"];
+  Region region;
+  region.name = model;
+  read(entry, "name", region.name);
+  region.model = model == "tensor-mass"   ? RegionModel::tensor_mass
+                 : model == "precomputed" ? RegionModel::precomputed
+                                          : RegionModel::nonlinear;
+  region.where = read_where(entry);
+  region.pointer = pointer;
+  return region;
+}
+
+Boundary read_boundary(const json& entry, const std::string& pointer) {
+  Boundary boundary;
+  boundary.where = read_selector(entry["where"]);
+  boundary.pointer = pointer;
+  const auto take = [&](const char* key, Boundary::Kind kind) {
+    if (!entry.contains(key)) return;
+    boundary.kind = kind;
+    boundary.value = read_vector(entry[key]);
+  };
+  take("displacement", Boundary::Kind::displacement);
+  take("traction", Boundary::Kind::traction);
+  take("force", Boundary::Kind::force);
+  return boundary;
+}
+
+Tool read_tool(const json& entry, const std::string& pointer) {
+  Tool tool;
+  tool.name = entry["type"];
+  tool.type = tool.name == "grasp" ? Tool::Type::grasp : Tool::Type::cautery;
+  read(entry, "name", tool.name);
+  read(entry, "radius", tool.radius);
+  read(entry, "release", tool.release);
+  tool.where = read_where(entry);
+  for (const json& row : entry["path"]) {
+    tool.path.push_back(
+        {row[0].get<double>(), Vec3d(row[1].get<double>(), row[2].get<double>(), row[3].get<double>())});
+  }
+  tool.pointer = pointer;
+  return tool;
+}
+
+void read_time(const json& object, Time& time) {
+  read(object, "duration", time.duration);
+  read(object, "frame", time.frame);
+  read(object, "damping", time.damping);
+  read(object, "safety", time.safety);
+  read(object, "ramp", time.ramp);
+  read(object, "integrator", time.integrator);
+  if (object.value("precision", "single") == "double") time.precision = Precision::double_precision;
+}
+
+template <class Entry>
+void read_entries(const json& document, const char* key, std::vector<Entry>& entries,
+                  Entry (*read_entry)(const json&, const std::string&)) {
+  if (!document.contains(key)) return;
+  const std::string pointer = child_pointer("", key);
+  for (const json& entry : document[key]) {
+    entries.push_back(read_entry(entry, child_pointer(pointer, entries.size())));
+  }
+}
+
+// Of a document that satisfies the schema.
+Scene from_document(const json& document) {
+  if (document.contains("regions") && document["regions"].is_object()) {
+    throw InputError("/regions/auto", "not available yet; list the regions, or leave \"regions\" out");
+  }
+  Scene scene;
+  read(document, "name", scene.name);
+  const auto mesh = document["mesh"].get<std::string>();
+  scene.mesh = std::u8string(mesh.begin(), mesh.end());
+  read(document, "volume_penalty", scene.volume_penalty);
+  read_entries(document, "materials", scene.materials, read_material);
+  read_entries(document, "regions", scene.regions, read_region);
+  read_entries(document, "boundary", scene.boundary, read_boundary);
+  read_entries(document, "tools", scene.tools, read_tool);
+  if (document.contains("gravity")) scene.gravity = read_vector(document["gravity"]);
+  const std::string pieces = document.value("loose_pieces", "fall");
+  if (pieces == "vanish") scene.loose_pieces = LoosePieces::vanish;
+  if (pieces == "stay") scene.loose_pieces = LoosePieces::stay;
+  if (document.value("evaluator", "direct") == "stored") scene.evaluator = Evaluator::stored;
+  if (document.contains("time")) read_time(document["time"], scene.time);
+  if (document.contains("output")) {
+    read(document["output"], "every", scene.output.every);
+    read(document["output"], "pictures", scene.output.pictures);
+  }
+  return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (error) throw InputError(file.string(), "cannot be read: " + error.message());
+  if (size > max_json_bytes) {
+    throw InputError(file.string(), "longer than " + std::to_string(max_json_bytes >> 20) + " MB");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(size, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(size));
+  if (!stream) throw InputError(file.string(), "cannot be read");
+  return parse_scene(text, file);
+}
+
+Scene parse_scene(std::string_view text, const std::filesystem::path& file) {
+  const json document = parse_json(text, file.string());
+  std::vector<Fault> faults = schema_faults(document, file.string());
+  if (!faults.empty()) throw InputError(std::move(faults));
+  Scene scene = from_document(document);
+  scene.file = file;
+  faults = meaning_faults(scene);
+  if (!faults.empty()) throw InputError(std::move(faults));
+  return scene;
+}
+
+std::filesystem::path mesh_path(const Scene& scene) { return scene.file.parent_path() / scene.mesh; }
+
+}  // namespace lobe

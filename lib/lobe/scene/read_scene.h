@@ -1,0 +1,24 @@
+// A scene from its JSON: docs/scene.md is the reference, scene.schema.json the grammar.
+//
+// Bad input throws one InputError that carries every fault, each with its JSON pointer, the value found and
+// what was expected: "/materials/1/poisson_ratio: 0.5, must be below 0.5". Unknown keys are refused, with the
+// nearest known key as a suggestion; so are keys given twice.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "lobe/scene/scene.h"
+
+namespace lobe {
+
+// Files of at most 64 MB, nested at most 64 levels deep.
+Scene read_scene(const std::filesystem::path& file);
+
+// `file` is what messages call the text, and what relative paths are relative to; it is not opened.
+Scene parse_scene(std::string_view text, const std::filesystem::path& file = "scene.json");
+
+// Where the scene's mesh lies.
+std::filesystem::path mesh_path(const Scene& scene);
+
+}  // namespace lobe

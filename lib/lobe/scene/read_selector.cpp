@@ -1,0 +1,53 @@
+#include "lobe/scene/read_selector.h"
+
+#include <nlohmann/json.hpp>
+
+namespace lobe {
+namespace {
+
+using nlohmann::json;
+
+SelectPlane read_plane(const json& plane) {
+  SelectPlane select{read_vector(plane["point"]), read_vector(plane["normal"])};
+  if (plane.contains("within")) {
+    select.within = plane["within"];
+  } else {
+    select.side = plane["side"] == "above" ? SelectPlane::Side::above : SelectPlane::Side::below;
+  }
+  return select;
+}
+
+SelectLabel read_labels(const json& label) {
+  if (label.is_array()) return {label.get<std::vector<int>>()};
+  return {{label.get<int>()}};
+}
+
+std::vector<Selector> read_parts(const json& array) {
+  std::vector<Selector> parts;
+  for (const json& part : array) parts.push_back(read_selector(part));
+  return parts;
+}
+
+}  // namespace
+
+Vec3d read_vector(const nlohmann::json& row) {
+  return Vec3d(row[0].get<double>(), row[1].get<double>(), row[2].get<double>());
+}
+
+Selector read_selector(const nlohmann::json& object) {
+  const std::string& key = object.begin().key();
+  const json& value = object.front();
+  if (key == "box") return {SelectBox{read_vector(value["min"]), read_vector(value["max"])}};
+  if (key == "sphere") return {SelectSphere{read_vector(value["center"]), value["radius"].get<double>()}};
+  if (key == "plane") return {read_plane(value)};
+  if (key == "nearest") return {SelectNearest{read_vector(value["point"]), value["count"].get<int>()}};
+  if (key == "label") return {read_labels(value)};
+  if (key == "vertices") return {SelectVertices{value.get<std::vector<Index>>()}};
+  if (key == "tetrahedra") return {SelectTetrahedra{value.get<std::vector<Index>>()}};
+  if (key == "any_of") return {SelectAnyOf{read_parts(value)}};
+  if (key == "all_of") return {SelectAllOf{read_parts(value)}};
+  if (key == "not") return {SelectNot{{read_selector(value)}}};
+  return {SelectAll{}};
+}
+
+}  // namespace lobe

@@ -1,0 +1,157 @@
+#include "lobe/scene/resolve.h"
+
+#include <set>
+
+#include "lobe/scene/check_scene.h"
+#include "lobe/scene/resolve_parts.h"
+
+namespace lobe {
+namespace {
+
+void refuse_what_is_not_there_yet(Resolution& resolution) {
+  const Scene& scene = resolution.scene;
+  for (std::size_t i = 0; i < scene.regions.size(); ++i) {
+    if (scene.regions[i].model != RegionModel::precomputed) continue;
+    resolution.fail("/regions/" + std::to_string(i) + "/model",
+                    "\"precomputed\" is not available yet; use \"tensor-mass\"");
+  }
+  if (scene.time.integrator == "implicit") {
+    resolution.fail("/time/integrator", "\"implicit\" is not available yet; use \"explicit\"");
+  }
+}
+
+std::string triple(const Vec3d& v) {
+  return "[" + rounded(v[0]) + ", " + rounded(v[1]) + ", " + rounded(v[2]) + "]";
+}
+
+std::string labels_of(const TetMesh& mesh) {
+  const std::set<int> labels(mesh.labels.begin(), mesh.labels.end());
+  std::string text;
+  for (const int label : labels) {
+    if (text.size() > 60) return text + ", …";
+    text += (text.empty() ? "" : ", ") + std::to_string(label);
+  }
+  return text;
+}
+
+// Hands the entries' tetrahedra out: the first match wins. `assign(entry, tet)` for each; returns what is
+// left.
+template <class Entry, class Assign>
+std::vector<char> first_match(Resolution& resolution, const std::vector<Entry>& entries, const char* list,
+                              const Assign& assign) {
+  std::vector<char> left(static_cast<std::size_t>(resolution.mesh().tet_count()), 1);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!entries[i].where) continue;
+    const std::string place = list + std::to_string(i) + "/where";
+    const std::size_t faults_before = resolution.faults.size();
+    const std::vector<Index> tets =
+        resolution.selected([&] { return select_tets(*entries[i].where, resolution.mesh(), place); });
+    if (resolution.faults.size() > faults_before) continue;
+    if (tets.empty()) resolution.fail_empty(place, "tetrahedron");
+    std::size_t taken = 0;
+    for (const Index t : tets) {
+      char& free = left[static_cast<std::size_t>(t)];
+      if (!free) continue;
+      free = 0;
+      assign(i, static_cast<std::size_t>(t));
+      ++taken;
+    }
+    if (taken == 0 && !tets.empty()) {
+      resolution.warn(place, "earlier entries have taken all of its " +
+                                 counted(tets.size(), "tetrahedron", "tetrahedra"));
+    }
+  }
+  return left;
+}
+
+}  // namespace
+
+void Resolution::fail_empty(const std::string& place, const char* what) {
+  const Vec3d low = mesh().points.rowwise().minCoeff(), high = mesh().points.rowwise().maxCoeff();
+  fail(place, std::string("selects no ") + what + "; the mesh spans " + triple(low) + " to " + triple(high) +
+                  " m, its labels are " + labels_of(mesh()));
+}
+
+void resolve_materials(Resolution& resolution) {
+  const std::vector<Material>& materials = resolution.scene.materials;
+  Setup& setup = resolution.result.setup;
+  setup.material_of.assign(static_cast<std::size_t>(setup.mesh.tet_count()), 0);
+  for (const Material& m : materials) setup.materials.push_back({m.lame_lambda, m.lame_mu, m.density});
+
+  std::size_t standard = materials.size();
+  for (std::size_t i = materials.size(); i-- > 0;) {
+    if (!materials[i].where) standard = i;
+  }
+  for (std::size_t i = standard + 1; i < materials.size(); ++i) {
+    if (materials[i].where) continue;
+    resolution.warn("/materials/" + std::to_string(i),
+                    "never used: /materials/" + std::to_string(standard) + " is the default already");
+  }
+  const std::vector<char> left =
+      first_match(resolution, materials, "/materials/", [&](std::size_t entry, std::size_t tet) {
+        setup.material_of[tet] = static_cast<std::uint16_t>(entry);
+      });
+  std::size_t unmatched = 0, example = 0;
+  for (std::size_t t = left.size(); t-- > 0;) {
+    if (!left[t]) continue;
+    setup.material_of[t] = static_cast<std::uint16_t>(standard);
+    ++unmatched;
+    example = t;
+  }
+  if (standard == materials.size() && unmatched > 0) {
+    resolution.fail("/materials", counted(unmatched, "tetrahedron has", "tetrahedra have") +
+                                      " no material (the first: " + std::to_string(example) +
+                                      "); add one without \"where\" as the default");
+  }
+}
+
+// An entry without `where` takes all that is left, wherever the next ones lie: the first match wins.
+void resolve_regions(Resolution& resolution) {
+  const std::vector<Region>& regions = resolution.scene.regions;
+  Setup& setup = resolution.result.setup;
+  setup.region_of.assign(static_cast<std::size_t>(setup.mesh.tet_count()), RegionModel::nonlinear);
+  std::vector<Region> reachable;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (!reachable.empty() && !reachable.back().where) {
+      resolution.warn("/regions/" + std::to_string(i), "never used: /regions/" +
+                                                           std::to_string(reachable.size() - 1) +
+                                                           " has no \"where\" and takes everything");
+    } else {
+      reachable.push_back(regions[i]);
+    }
+  }
+  std::vector<char> left =
+      first_match(resolution, reachable, "/regions/",
+                  [&](std::size_t entry, std::size_t tet) { setup.region_of[tet] = reachable[entry].model; });
+  if (reachable.empty() || reachable.back().where) return;
+  for (std::size_t t = 0; t < left.size(); ++t) {
+    if (left[t]) setup.region_of[t] = reachable.back().model;
+  }
+}
+
+Resolved resolve(const Scene& scene, TetMesh mesh) {
+  check_scene(scene);
+  if (mesh.tet_count() == 0) throw InputError(scene.mesh.string(), "the mesh has no tetrahedron");
+  Resolution resolution{scene, {}, {}};
+  Setup& setup = resolution.result.setup;
+  setup.mesh = std::move(mesh);
+  setup.mesh.labels.resize(static_cast<std::size_t>(setup.mesh.tet_count()), 0);
+  setup.gravity = scene.gravity;
+  setup.volume_penalty = scene.volume_penalty;
+  setup.evaluator = scene.evaluator;
+  setup.loose_pieces = scene.loose_pieces;
+  setup.damping = scene.time.damping;
+  setup.safety = scene.time.safety;
+  setup.ramp = scene.time.ramp;
+
+  refuse_what_is_not_there_yet(resolution);
+  resolve_materials(resolution);
+  resolve_regions(resolution);
+  resolve_boundary(resolution);
+  resolve_tools(resolution);
+  if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
+  suspect_units(resolution);
+  return std::move(resolution.result);
+}
+
+}  // namespace lobe

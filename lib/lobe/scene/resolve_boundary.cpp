@@ -1,0 +1,125 @@
+#include <algorithm>
+
+#include "lobe/scene/resolve_parts.h"
+
+namespace lobe {
+namespace {
+
+constexpr int nobody = -1;
+
+class BoundaryResolver {
+ public:
+  explicit BoundaryResolver(Resolution& resolution)
+      : resolution_(resolution),
+        setup_(resolution.result.setup),
+        holder_(static_cast<std::size_t>(setup_.mesh.vertex_count()), nobody) {}
+
+  void run() {
+    const std::vector<Boundary>& entries = resolution_.scene.boundary;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      if (is_held(entries[i])) prescribe(entries[i], static_cast<int>(i));
+    }
+    write_prescribed();
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      if (entries[i].kind == Boundary::Kind::force) share_force(entries[i], place(i));
+      if (entries[i].kind == Boundary::Kind::traction) load_faces(entries[i], place(i));
+    }
+  }
+
+ private:
+  static bool is_held(const Boundary& entry) {
+    return entry.kind == Boundary::Kind::fix || entry.kind == Boundary::Kind::displacement;
+  }
+  static Vec3d displacement(const Boundary& entry) {
+    return entry.kind == Boundary::Kind::fix ? Vec3d::Zero().eval() : entry.value;
+  }
+  static std::string place(std::size_t entry) { return "/boundary/" + std::to_string(entry); }
+  bool is_held(Index vertex) const { return holder_[static_cast<std::size_t>(vertex)] != nobody; }
+
+  std::vector<Index> vertices_of(const Boundary& entry, const std::string& where) {
+    const std::size_t before = resolution_.faults.size();
+    auto vertices = resolution_.selected([&] { return select_vertices(entry.where, setup_.mesh, where); });
+    if (vertices.empty() && resolution_.faults.size() == before) resolution_.fail_empty(where, "vertex");
+    return vertices;
+  }
+
+  // The first entry wins at each vertex.
+  void prescribe(const Boundary& entry, int index) {
+    const std::string here = place(static_cast<std::size_t>(index));
+    const std::vector<Boundary>& entries = resolution_.scene.boundary;
+    std::size_t conflicts = 0;
+    Index first = 0;
+    for (const Index v : vertices_of(entry, here + "/where")) {
+      int& holder = holder_[static_cast<std::size_t>(v)];
+      if (holder == nobody) {
+        holder = index;
+      } else if (displacement(entries[static_cast<std::size_t>(holder)]) != displacement(entry)) {
+        if (conflicts++ == 0) first = v;
+      }
+    }
+    if (conflicts == 0) return;
+    const int winner = holder_[static_cast<std::size_t>(first)];
+    resolution_.warn(here, counted(conflicts, "vertex is", "vertices are") +
+                               " moved differently by earlier entries, which win (vertex " +
+                               std::to_string(first) + " by " + place(static_cast<std::size_t>(winner)) +
+                               ")");
+  }
+
+  void write_prescribed() {
+    for (Index v = 0; v < setup_.mesh.vertex_count(); ++v) {
+      if (!is_held(v)) continue;
+      const auto entry = static_cast<std::size_t>(holder_[static_cast<std::size_t>(v)]);
+      setup_.prescribed.push_back({v, displacement(resolution_.scene.boundary[entry])});
+    }
+    if (setup_.prescribed.empty()) {
+      resolution_.warn(
+          "", "nothing is fixed: the body floats; add {\"fix\": true, \"where\": …} to \"boundary\"");
+    }
+  }
+
+  void share_force(const Boundary& entry, const std::string& here) {
+    const std::vector<Index> vertices = vertices_of(entry, here + "/where");
+    const Vec3d share = entry.value / static_cast<double>(std::max<std::size_t>(1, vertices.size()));
+    std::size_t held = 0;
+    for (const Index v : vertices) {
+      setup_.vertex_loads.push_back({v, share});
+      held += is_held(v);
+    }
+    if (held == 0) return;
+    resolution_.warn(here, std::to_string(held) + " of the " +
+                               counted(vertices.size(), "vertex", "vertices") +
+                               " that share the force are fixed: their share has no effect");
+  }
+
+  void load_faces(const Boundary& entry, const std::string& here) {
+    if (outer_.empty()) outer_ = outer_faces(setup_.mesh);
+    const std::size_t before = resolution_.faults.size();
+    const auto faces =
+        resolution_.selected([&] { return select_faces(entry.where, setup_.mesh, outer_, here + "/where"); });
+    if (faces.empty() && resolution_.faults.size() == before) {
+      resolution_.fail_empty(here + "/where", "boundary face");
+    }
+    std::size_t held = 0;
+    for (const TetFace& face : faces) {
+      setup_.face_loads.push_back({face.tet, face.face, entry.value});
+      const auto& corners = face_corners[face.face];
+      held += std::all_of(std::begin(corners), std::end(corners),
+                          [&](int corner) { return is_held(setup_.mesh.tets(corner, face.tet)); });
+    }
+    if (held == 0) return;
+    resolution_.warn(here, std::to_string(held) + " of the " +
+                               counted(faces.size(), "loaded face", "loaded faces") +
+                               " have only fixed vertices: their load has no effect");
+  }
+
+  Resolution& resolution_;
+  Setup& setup_;
+  std::vector<int> holder_;  // per vertex: the entry that holds it
+  std::vector<TetFace> outer_;
+};
+
+}  // namespace
+
+void resolve_boundary(Resolution& resolution) { BoundaryResolver(resolution).run(); }
+
+}  // namespace lobe

@@ -1,0 +1,50 @@
+// Internal: the steps of resolve(). Not part of the public interface.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lobe/error.h"
+#include "lobe/scene/resolve.h"
+#include "lobe/scene/select.h"
+#include "lobe/text.h"
+
+namespace lobe {
+
+struct Resolution {
+  const Scene& scene;
+  Resolved result;
+  std::vector<Fault> faults;
+
+  const TetMesh& mesh() const { return result.setup.mesh; }
+  void warn(const std::string& place, const std::string& message) {
+    result.warnings.push_back(place.empty() ? message : place + ": " + message);
+  }
+  void fail(const std::string& place, const std::string& message) { faults.push_back({place, message}); }
+
+  // "selects no vertex; the mesh spans [0, 0, 0] to [1, 1, 1] m"
+  void fail_empty(const std::string& place, const char* what);
+  // Runs a selection; one that names an index beyond the mesh becomes a fault, and selects nothing.
+  template <class Select>
+  auto selected(const Select& select) -> decltype(select()) {
+    try {
+      return select();
+    } catch (const InputError& error) {
+      faults.insert(faults.end(), error.faults().begin(), error.faults().end());
+      return {};
+    }
+  }
+};
+
+// "1 vertex", "2 vertices"
+inline std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+void resolve_materials(Resolution& resolution);
+void resolve_regions(Resolution& resolution);
+void resolve_boundary(Resolution& resolution);
+void resolve_tools(Resolution& resolution);
+void suspect_units(Resolution& resolution);
+
+}  // namespace lobe

@@ -1,0 +1,78 @@
+#include <algorithm>
+#include <set>
+
+#include "lobe/scene/resolve_parts.h"
+
+namespace lobe {
+namespace {
+
+// Does the segment from a to b meet the box? Slabs: the parameters s at which a + s(b − a) is inside each.
+bool meets_box(const Vec3d& a, const Vec3d& b, const Vec3d& low, const Vec3d& high) {
+  double enter = 0, leave = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double step = b[i] - a[i];
+    if (step == 0) {
+      if (a[i] < low[i] || a[i] > high[i]) return false;
+      continue;
+    }
+    const double s = (low[i] - a[i]) / step, t = (high[i] - a[i]) / step;
+    enter = std::max(enter, std::min(s, t));
+    leave = std::min(leave, std::max(s, t));
+  }
+  return enter <= leave;
+}
+
+bool passes_near(const Tool& tool, const TetMesh& mesh) {
+  const Vec3d low = mesh.points.rowwise().minCoeff().array() - tool.radius;
+  const Vec3d high = mesh.points.rowwise().maxCoeff().array() + tool.radius;
+  for (std::size_t i = 0; i < tool.path.size(); ++i) {
+    const std::size_t next = std::min(i + 1, tool.path.size() - 1);
+    if (meets_box(tool.path[i].position, tool.path[next].position, low, high)) return true;
+  }
+  return false;
+}
+
+void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& here) {
+  Setup& setup = resolution.result.setup;
+  const std::size_t before = resolution.faults.size();
+  const auto vertices =
+      resolution.selected([&] { return select_vertices(*tool.where, setup.mesh, here + "/where"); });
+  if (vertices.empty() && resolution.faults.size() == before) {
+    resolution.fail_empty(here + "/where", "vertex");
+  }
+  std::set<Index> held;
+  for (const PrescribedVertex& p : setup.prescribed) held.insert(p.vertex);
+  const auto fixed =
+      std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return held.contains(v); });
+  if (fixed > 0) {
+    resolution.warn(here, std::to_string(fixed) + " of the " +
+                              counted(vertices.size(), "vertex", "vertices") +
+                              " it grasps are held by \"boundary\"");
+  }
+  setup.grasps.push_back({tool.name, vertices, tool.path, tool.release});
+}
+
+}  // namespace
+
+void resolve_tools(Resolution& resolution) {
+  const Scene& scene = resolution.scene;
+  for (std::size_t i = 0; i < scene.tools.size(); ++i) {
+    const Tool& tool = scene.tools[i];
+    const std::string here = "/tools/" + std::to_string(i);
+    if (tool.type == Tool::Type::grasp) {
+      resolve_grasp(resolution, tool, here);
+    } else {
+      resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path});
+      if (!passes_near(tool, resolution.mesh())) {
+        resolution.warn(here + "/path", "never comes within its radius of the mesh's bounding box");
+      }
+    }
+    const double end = tool.path.back().time;
+    if (end > scene.time.duration) {
+      resolution.warn(here + "/path", "ends at " + rounded(end) + " s, after the run's duration of " +
+                                          rounded(scene.time.duration) + " s");
+    }
+  }
+}
+
+}  // namespace lobe

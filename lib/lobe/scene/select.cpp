@@ -1,0 +1,237 @@
+#include "lobe/scene/select.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "lobe/error.h"
+
+namespace lobe {
+namespace {
+
+using Mask = std::vector<char>;  // one per vertex or per tetrahedron
+
+// Evaluates a selector on the points of one kind of item: vertices, or barycentres of tetrahedra.
+class Evaluation {
+ public:
+  enum class Kind { vertices, tets };
+
+  Evaluation(const TetMesh& mesh, Kind kind) : mesh_(mesh), kind_(kind) {
+    if (kind == Kind::vertices) {
+      points_ = mesh.points;
+    } else {
+      points_.resize(3, mesh.tet_count());
+      for (Index t = 0; t < mesh.tet_count(); ++t) points_.col(t) = barycentre(mesh, t);
+    }
+  }
+
+  Mask mask(const Selector& selector, const std::string& place) const {
+    return std::visit([&](const auto& select) { return mask(select, place); }, selector.value);
+  }
+
+  Mask in_use() const {
+    if (kind_ == Kind::tets) return Mask(size(), 1);
+    Mask used(size(), 0);
+    for (Index t = 0; t < mesh_.tet_count(); ++t) mark_corners(t, used);
+    return used;
+  }
+
+ private:
+  std::size_t size() const { return static_cast<std::size_t>(points_.cols()); }
+
+  template <class Test>
+  Mask where(const Test& test) const {
+    Mask chosen(size());
+    for (std::size_t i = 0; i < size(); ++i) chosen[i] = test(points_.col(static_cast<Index>(i)));
+    return chosen;
+  }
+
+  Mask mask(const SelectAll&, const std::string&) const { return Mask(size(), 1); }
+
+  Mask mask(const SelectBox& box, const std::string&) const {
+    return where([&](const Vec3d& x) {
+      return (x.array() >= box.min.array()).all() && (x.array() <= box.max.array()).all();
+    });
+  }
+
+  Mask mask(const SelectSphere& sphere, const std::string&) const {
+    return where([&](const Vec3d& x) { return (x - sphere.center).norm() <= sphere.radius; });
+  }
+
+  Mask mask(const SelectPlane& plane, const std::string&) const {
+    const Vec3d n = plane.normal.stableNormalized();
+    return where([&](const Vec3d& x) {
+      const double height = n.dot(x - plane.point);
+      if (plane.side == SelectPlane::Side::above) return height >= 0;
+      if (plane.side == SelectPlane::Side::below) return height <= 0;
+      return std::abs(height) <= plane.within;
+    });
+  }
+
+  // Equal distances: the lower index first.
+  Mask mask(const SelectNearest& nearest, const std::string&) const {
+    const Mask used = in_use();
+    std::vector<std::pair<double, std::size_t>> candidates;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (used[i]) candidates.push_back({(points_.col(static_cast<Index>(i)) - nearest.point).norm(), i});
+    }
+    const std::size_t count =
+        std::min(candidates.size(), static_cast<std::size_t>(std::max(0, nearest.count)));
+    const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(count);
+    std::partial_sort(candidates.begin(), end, candidates.end());
+    Mask chosen(size(), 0);
+    for (auto it = candidates.begin(); it != end; ++it) chosen[it->second] = 1;
+    return chosen;
+  }
+
+  Mask mask(const SelectLabel& select, const std::string&) const {
+    Mask tets(static_cast<std::size_t>(mesh_.tet_count()), 0);
+    for (std::size_t t = 0; t < tets.size() && t < mesh_.labels.size(); ++t) {
+      tets[t] = std::find(select.labels.begin(), select.labels.end(), mesh_.labels[t]) != select.labels.end();
+    }
+    return kind_ == Kind::tets ? tets : corners_of(tets);
+  }
+
+  Mask mask(const SelectTetrahedra& select, const std::string& place) const {
+    const Mask tets = listed(select.tetrahedra, mesh_.tet_count(), "tetrahedra", place);
+    return kind_ == Kind::tets ? tets : corners_of(tets);
+  }
+
+  Mask mask(const SelectVertices& select, const std::string& place) const {
+    const Mask vertices = listed(select.vertices, mesh_.vertex_count(), "vertices", place);
+    if (kind_ == Kind::vertices) return vertices;
+    Mask tets(size());
+    for (Index t = 0; t < mesh_.tet_count(); ++t) {
+      const auto corners = mesh_.tets.col(t);
+      tets[static_cast<std::size_t>(t)] = std::all_of(corners.begin(), corners.end(), [&](Index v) {
+        return vertices[static_cast<std::size_t>(v)] != 0;
+      });
+    }
+    return tets;
+  }
+
+  Mask mask(const SelectAnyOf& any, const std::string& place) const {
+    Mask chosen(size(), 0);
+    for (std::size_t i = 0; i < any.parts.size(); ++i) {
+      const Mask part = mask(any.parts[i], place + "/any_of/" + std::to_string(i));
+      for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] |= part[k];
+    }
+    return chosen;
+  }
+
+  Mask mask(const SelectAllOf& all, const std::string& place) const {
+    Mask chosen(size(), 1);
+    for (std::size_t i = 0; i < all.parts.size(); ++i) {
+      const Mask part = mask(all.parts[i], place + "/all_of/" + std::to_string(i));
+      for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] &= part[k];
+    }
+    return chosen;
+  }
+
+  Mask mask(const SelectNot& negated, const std::string& place) const {
+    Mask chosen = mask(negated.part.at(0), place + "/not");
+    for (char& item : chosen) item = !item;
+    return chosen;
+  }
+
+  Mask listed(const std::vector<Index>& items, Index count, const std::string& what,
+              const std::string& place) const {
+    Mask chosen(static_cast<std::size_t>(count), 0);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      if (items[i] < 0 || items[i] >= count) {
+        throw InputError(place + "/" + what + "/" + std::to_string(i),
+                         std::to_string(items[i]) + ", must be from 0 to " + std::to_string(count - 1) +
+                             ": the mesh has " + std::to_string(count) + " " + what);
+      }
+      chosen[static_cast<std::size_t>(items[i])] = 1;
+    }
+    return chosen;
+  }
+
+  void mark_corners(Index tet, Mask& vertices) const {
+    for (int k = 0; k < 4; ++k) vertices[static_cast<std::size_t>(mesh_.tets(k, tet))] = 1;
+  }
+
+  Mask corners_of(const Mask& tets) const {
+    Mask vertices(static_cast<std::size_t>(mesh_.vertex_count()), 0);
+    for (std::size_t t = 0; t < tets.size(); ++t) {
+      if (tets[t]) mark_corners(static_cast<Index>(t), vertices);
+    }
+    return vertices;
+  }
+
+  const TetMesh& mesh_;
+  Kind kind_;
+  Mat3X<double> points_;  // 3 × #items [m]
+};
+
+Mask vertex_mask(const Selector& selector, const TetMesh& mesh, const std::string& place) {
+  const Evaluation evaluation(mesh, Evaluation::Kind::vertices);
+  Mask chosen = evaluation.mask(selector, place);
+  const Mask used = evaluation.in_use();
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] &= used[i];
+  return chosen;
+}
+
+std::vector<Index> indices(const Mask& mask) {
+  std::vector<Index> list;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask[i]) list.push_back(static_cast<Index>(i));
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<TetFace> outer_faces(const TetMesh& mesh) {
+  struct Entry {
+    std::array<Index, 3> vertices;
+    TetFace face;
+  };
+  std::vector<Entry> entries;
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    for (int k = 0; k < 4; ++k) {
+      Entry entry{{}, {t, k}};
+      for (std::size_t i = 0; i < 3; ++i) entry.vertices[i] = mesh.tets(face_corners[k][i], t);
+      std::sort(entry.vertices.begin(), entry.vertices.end());
+      entries.push_back(entry);
+    }
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return a.vertices < b.vertices; });
+  std::vector<TetFace> faces;
+  for (std::size_t i = 0; i < entries.size();) {
+    std::size_t end = i + 1;
+    while (end < entries.size() && entries[end].vertices == entries[i].vertices) ++end;
+    if (end == i + 1) faces.push_back(entries[i].face);
+    i = end;
+  }
+  std::sort(faces.begin(), faces.end(), [](const TetFace& a, const TetFace& b) {
+    return std::pair(a.tet, a.face) < std::pair(b.tet, b.face);
+  });
+  return faces;
+}
+
+std::vector<Index> select_vertices(const Selector& selector, const TetMesh& mesh, const std::string& place) {
+  return indices(vertex_mask(selector, mesh, place));
+}
+
+std::vector<Index> select_tets(const Selector& selector, const TetMesh& mesh, const std::string& place) {
+  return indices(Evaluation(mesh, Evaluation::Kind::tets).mask(selector, place));
+}
+
+std::vector<TetFace> select_faces(const Selector& selector, const TetMesh& mesh,
+                                  const std::vector<TetFace>& faces, const std::string& place) {
+  const Mask chosen = vertex_mask(selector, mesh, place);
+  std::vector<TetFace> selected;
+  for (const TetFace& face : faces) {
+    const auto inside = [&](int corner) {
+      return chosen[static_cast<std::size_t>(mesh.tets(corner, face.tet))] != 0;
+    };
+    const auto& corners = face_corners[face.face];
+    if (inside(corners[0]) && inside(corners[1]) && inside(corners[2])) selected.push_back(face);
+  }
+  return selected;
+}
+
+}  // namespace lobe

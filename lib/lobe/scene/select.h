@@ -1,0 +1,33 @@
+// Which vertices, tetrahedra, boundary faces a selector means on one mesh.
+//
+// A tetrahedron is selected by its barycentre, a boundary face when its three vertices are. Boxes, spheres
+// and planes include their surface; "above" and "below" both include the plane. Vertices that belong to no
+// tetrahedron are never selected. O(#vertices + #tetrahedra) per simple selector.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lobe/mesh/tet_mesh.h"
+#include "lobe/scene/scene.h"
+
+namespace lobe {
+
+struct TetFace {
+  Index tet = 0;
+  int face = 0;  // opposite to this corner
+  bool operator==(const TetFace&) const = default;
+};
+
+// Faces that belong to exactly one tetrahedron, ordered by tetrahedron and face.
+std::vector<TetFace> outer_faces(const TetMesh& mesh);
+
+// All results are ascending. An index beyond the mesh throws InputError; `place` is the selector's JSON
+// pointer.
+std::vector<Index> select_vertices(const Selector& selector, const TetMesh& mesh,
+                                   const std::string& place = "");
+std::vector<Index> select_tets(const Selector& selector, const TetMesh& mesh, const std::string& place = "");
+std::vector<TetFace> select_faces(const Selector& selector, const TetMesh& mesh,
+                                  const std::vector<TetFace>& faces, const std::string& place = "");
+
+}  // namespace lobe

@@ -1,0 +1,57 @@
+// What is possible but most likely a mistake in units: millimetres, kilopascals, g/cm³.
+#include "lobe/scene/suspicions.h"
+#include "lobe/scene/material_constants.h"
+#include "lobe/scene/resolve_parts.h"
+
+namespace lobe {
+namespace {
+
+void suspect_size(Resolution& resolution, double size) {
+  if (size >= 1e-3 && size <= 2) return;
+  resolution.warn("mesh", "its bounding box has a diagonal of " + rounded(size) + " m; " +
+                              (size > 2 ? "if it is in millimetres, scale it by 0.001"
+                                        : "if it was scaled from millimetres twice, scale it by 1000"));
+}
+
+void suspect_material(Resolution& resolution, const Elastic& m, double size, const std::string& place) {
+  const double nu = poisson_ratio(m.lambda, m.mu);
+  if (nu > 0.45) {
+    resolution.warn(place, "Poisson's ratio " + rounded(nu) +
+                               ": linear tetrahedra lock (respond too stiffly) above 0.45");
+  }
+  if (m.density < 100 || m.density > 10000) {
+    resolution.warn(place + "/density",
+                    rounded(m.density) + " kg/m³ is unlike tissue" +
+                        (m.density < 100 ? "; if it is in g/cm³, multiply it by 1000" : ""));
+  }
+  const Vec3d& gravity = resolution.scene.gravity;
+  const double g = gravity.norm() > 0 ? gravity.norm() : standard_gravity;
+  const double sag = expected_sag(m, g, size);
+  if (sag <= size && sag >= 1e-6 * size) return;
+  resolution.warn(
+      place, "under gravity of " + rounded(g) + " m/s² a body of " + rounded(size) +
+                 " m sags by ρ g L²/E = " + rounded(sag) +
+                 " m: " + (sag > size ? "too soft or too large" : "next to nothing: too stiff or too small") +
+                 "; are moduli in Pa and coordinates in m?");
+}
+
+}  // namespace
+
+double box_diagonal(const TetMesh& mesh) {
+  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+}
+
+double expected_sag(const Elastic& m, double gravity, double size) {
+  return m.density * gravity * size * size / young_modulus(m.lambda, m.mu);
+}
+
+void suspect_units(Resolution& resolution) {
+  const double size = box_diagonal(resolution.mesh());
+  suspect_size(resolution, size);
+  const std::vector<Elastic>& materials = resolution.result.setup.materials;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    suspect_material(resolution, materials[i], size, "/materials/" + std::to_string(i));
+  }
+}
+
+}  // namespace lobe

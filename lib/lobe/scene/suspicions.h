@@ -1,0 +1,18 @@
+// Estimates by which a mistake in units shows.
+#pragma once
+
+#include "lobe/sim/setup.h"
+
+namespace lobe {
+
+inline constexpr double standard_gravity = 9.81;  // [m/s²]
+
+double box_diagonal(const TetMesh& mesh);  // of the bounding box [m]
+
+// How far a body of one material sags under its weight, to an order of magnitude: ρ g L²/E [m], of the strain
+// ρ g L/E that a column of height L feels at its foot.
+double expected_sag(const Elastic& material,
+                    double gravity,  // g [m/s²]
+                    double size);    // L [m]
+
+}  // namespace lobe

@@ -1,0 +1,136 @@
+#include "lobe/scene/write_scene.h"
+
+#include <nlohmann/json.hpp>
+
+namespace lobe {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json vector(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+
+std::string utf8(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
+
+ordered_json selector(const Selector& value);
+
+ordered_json parts(const std::vector<Selector>& selectors) {
+  ordered_json array = ordered_json::array();
+  for (const Selector& part : selectors) array.push_back(selector(part));
+  return array;
+}
+
+ordered_json write(const SelectAll&) { return {{"all", true}}; }
+ordered_json write(const SelectBox& box) {
+  return {{"box", {{"min", vector(box.min)}, {"max", vector(box.max)}}}};
+}
+ordered_json write(const SelectSphere& sphere) {
+  return {{"sphere", {{"center", vector(sphere.center)}, {"radius", sphere.radius}}}};
+}
+ordered_json write(const SelectPlane& plane) {
+  ordered_json object = {{"point", vector(plane.point)}, {"normal", vector(plane.normal)}};
+  if (plane.side == SelectPlane::Side::within) {
+    object["within"] = plane.within;
+  } else {
+    object["side"] = plane.side == SelectPlane::Side::above ? "above" : "below";
+  }
+  return {{"plane", object}};
+}
+ordered_json write(const SelectNearest& nearest) {
+  return {{"nearest", {{"point", vector(nearest.point)}, {"count", nearest.count}}}};
+}
+ordered_json write(const SelectLabel& label) { return {{"label", label.labels}}; }
+ordered_json write(const SelectVertices& select) { return {{"vertices", select.vertices}}; }
+ordered_json write(const SelectTetrahedra& select) { return {{"tetrahedra", select.tetrahedra}}; }
+ordered_json write(const SelectAnyOf& any) { return {{"any_of", parts(any.parts)}}; }
+ordered_json write(const SelectAllOf& all) { return {{"all_of", parts(all.parts)}}; }
+ordered_json write(const SelectNot& negated) {
+  return {{"not", negated.part.size() == 1 ? selector(negated.part[0]) : ordered_json(nullptr)}};
+}
+
+ordered_json selector(const Selector& value) {
+  return std::visit([](const auto& select) { return write(select); }, value.value);
+}
+
+void add_where(ordered_json& entry, const std::optional<Selector>& where) {
+  if (where) entry["where"] = selector(*where);
+}
+
+ordered_json write(const Material& material) {
+  ordered_json entry = {{"name", material.name},
+                        {"lame_lambda", material.lame_lambda},
+                        {"lame_mu", material.lame_mu},
+                        {"density", material.density}};
+  add_where(entry, material.where);
+  return entry;
+}
+
+ordered_json write(const Region& region) {
+  static constexpr const char* models[] = {"tensor-mass", "precomputed", "nonlinear"};
+  ordered_json entry = {{"name", region.name}, {"model", models[static_cast<int>(region.model)]}};
+  add_where(entry, region.where);
+  return entry;
+}
+
+ordered_json write(const Boundary& boundary) {
+  static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force"};
+  const ordered_json value =
+      boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector(boundary.value);
+  return {{kinds[static_cast<int>(boundary.kind)], value}, {"where", selector(boundary.where)}};
+}
+
+ordered_json write(const Tool& tool) {
+  ordered_json path = ordered_json::array();
+  for (const auto& [time, p] : tool.path) path.push_back({time, p[0], p[1], p[2]});
+  ordered_json entry = {{"name", tool.name}};
+  if (tool.type == Tool::Type::grasp) {
+    entry["type"] = "grasp";
+    add_where(entry, tool.where);
+    entry["path"] = path;
+    entry["release"] = tool.release;
+  } else {
+    entry.update({{"type", "cautery"}, {"radius", tool.radius}, {"path", path}});
+  }
+  return entry;
+}
+
+template <class Entry>
+ordered_json entries(const std::vector<Entry>& list) {
+  ordered_json array = ordered_json::array();
+  for (const Entry& entry : list) array.push_back(write(entry));
+  return array;
+}
+
+ordered_json write(const Time& time) {
+  return {{"duration", time.duration},
+          {"frame", time.frame},
+          {"damping", time.damping},
+          {"safety", time.safety},
+          {"ramp", time.ramp},
+          {"precision", time.precision == Precision::single_precision ? "single" : "double"},
+          {"integrator", time.integrator}};
+}
+
+}  // namespace
+
+std::string to_json(const Scene& scene) {
+  static constexpr const char* pieces[] = {"fall", "vanish", "stay"};
+  ordered_json document;
+  document["name"] = scene.name;
+  document["mesh"] = utf8(scene.mesh);
+  document["materials"] = entries(scene.materials);
+  document["volume_penalty"] = scene.volume_penalty;
+  document["regions"] = entries(scene.regions);
+  document["boundary"] = entries(scene.boundary);
+  document["gravity"] = vector(scene.gravity);
+  document["tools"] = entries(scene.tools);
+  document["loose_pieces"] = pieces[static_cast<int>(scene.loose_pieces)];
+  document["evaluator"] = scene.evaluator == Evaluator::direct ? "direct" : "stored";
+  document["time"] = write(scene.time);
+  document["output"] = {{"every", scene.output.every}, {"pictures", scene.output.pictures}};
+  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace lobe

@@ -1,0 +1,14 @@
+// A scene back to JSON.
+#pragma once
+
+#include <string>
+
+#include "lobe/scene/scene.h"
+
+namespace lobe {
+
+// Canonical: every key, defaults filled in, materials by their Lamé coefficients; parse_scene() of it gives
+// the same scene to the last bit. A number that is not finite becomes null, which parse_scene() refuses.
+std::string to_json(const Scene& scene);
+
+}  // namespace lobe

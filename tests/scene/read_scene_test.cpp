@@ -1,0 +1,123 @@
+#include "lobe/scene/read_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "lobe/error.h"
+#include "scene/scenes.h"
+
+using namespace lobe;
+
+namespace {
+
+template <class Select>
+const Select& as(const Selector& selector) {
+  REQUIRE(std::holds_alternative<Select>(selector.value));
+  return std::get<Select>(selector.value);
+}
+
+}  // namespace
+
+TEST_CASE("materials are read in either form") {
+  const Scene scene = parse_scene(full_scene, "dir/liver.json");
+  REQUIRE(scene.materials.size() == 3);
+  CHECK(scene.materials[0].name == "parenchyma");
+  CHECK(!scene.materials[0].where);
+  CHECK(scene.materials[0].lame_lambda == 4e4);
+  CHECK(scene.materials[0].lame_mu == 1e4);
+  CHECK(scene.materials[0].density == 1060);
+  // λ = Eν/((1+ν)(1−2ν)) = 2.8e4/0.28, μ = E/(2(1+ν)) = 7e4/2.8
+  CHECK(scene.materials[1].lame_lambda == doctest::Approx(1e5).epsilon(1e-14));
+  CHECK(scene.materials[1].lame_mu == doctest::Approx(2.5e4).epsilon(1e-14));
+  CHECK(scene.materials[1].density == 1000);
+  CHECK(scene.materials[1].pointer == "/materials/1");
+  CHECK(as<SelectLabel>(*scene.materials[1].where).labels == std::vector<int>{2});
+  CHECK(scene.materials[2].name == "tissue");
+  CHECK(as<SelectLabel>(*scene.materials[2].where).labels == std::vector<int>{3, 4});
+}
+
+TEST_CASE("regions and their selectors are read") {
+  const Scene scene = parse_scene(full_scene);
+  REQUIRE(scene.regions.size() == 4);
+  CHECK(scene.regions[0].name == "held part");
+  CHECK(scene.regions[0].model == RegionModel::precomputed);
+  CHECK(as<SelectBox>(*scene.regions[0].where).min == Vec3d(-0.1, -0.2, -0.3));
+  CHECK(as<SelectBox>(*scene.regions[0].where).max == Vec3d(0, 0.1, 0.2));
+  CHECK(scene.regions[1].name == "tensor-mass");
+  CHECK(scene.regions[1].model == RegionModel::tensor_mass);
+  CHECK(as<SelectSphere>(*scene.regions[1].where).center == Vec3d(0.01, 0, 0));
+  CHECK(as<SelectSphere>(*scene.regions[1].where).radius == 0.02);
+  const auto& any = as<SelectAnyOf>(*scene.regions[2].where);
+  REQUIRE(any.parts.size() == 2);
+  CHECK(as<SelectTetrahedra>(any.parts[0]).tetrahedra == std::vector<Index>{1, 2});
+  REQUIRE(as<SelectNot>(any.parts[1]).part.size() == 1);
+  as<SelectAll>(as<SelectNot>(any.parts[1]).part[0]);
+  CHECK(scene.regions[3].model == RegionModel::nonlinear);
+  CHECK(!scene.regions[3].where);
+}
+
+TEST_CASE("boundary conditions are read") {
+  const Scene scene = parse_scene(full_scene);
+  REQUIRE(scene.boundary.size() == 4);
+  CHECK(scene.boundary[0].kind == Boundary::Kind::fix);
+  const auto& below = as<SelectPlane>(as<SelectAllOf>(scene.boundary[0].where).parts.at(1));
+  CHECK(below.side == SelectPlane::Side::below);
+  CHECK(below.normal == Vec3d(0, 0, 2));
+  CHECK(scene.boundary[1].kind == Boundary::Kind::displacement);
+  CHECK(scene.boundary[1].value == Vec3d(0.01, 0, 0));
+  CHECK(as<SelectVertices>(scene.boundary[1].where).vertices == std::vector<Index>{12, 13});
+  CHECK(scene.boundary[2].kind == Boundary::Kind::traction);
+  CHECK(as<SelectPlane>(scene.boundary[2].where).side == SelectPlane::Side::within);
+  CHECK(as<SelectPlane>(scene.boundary[2].where).within == 1e-6);
+  CHECK(scene.boundary[3].kind == Boundary::Kind::force);
+  CHECK(as<SelectNearest>(scene.boundary[3].where).count == 20);
+  CHECK(as<SelectNearest>(scene.boundary[3].where).point == Vec3d(0.1, 0, 0));
+}
+
+TEST_CASE("tools, time and output are read") {
+  const Scene scene = parse_scene(full_scene, "dir/liver.json");
+  REQUIRE(scene.tools.size() == 2);
+  CHECK(scene.tools[0].type == Tool::Type::grasp);
+  CHECK(scene.tools[0].release);
+  CHECK(scene.tools[0].path.at(1).time == 1);
+  CHECK(scene.tools[0].path.at(1).position == Vec3d(0, 0.05, 0.02));
+  CHECK(scene.tools[1].type == Tool::Type::cautery);
+  CHECK(scene.tools[1].name == "cautery");
+  CHECK(scene.tools[1].radius == 0.006);
+  CHECK(scene.name == "liver");
+  CHECK(mesh_path(scene) == std::filesystem::path("dir/meshes/liver.vtu"));
+  CHECK(scene.volume_penalty == 1e5);
+  CHECK(scene.gravity == Vec3d(0, 0, -9.81));
+  CHECK(scene.loose_pieces == LoosePieces::vanish);
+  CHECK(scene.evaluator == Evaluator::stored);
+  CHECK(scene.time.duration == 2);
+  CHECK(scene.time.frame == 0.02);
+  CHECK(scene.time.damping == 20);
+  CHECK(scene.time.safety == 0.8);
+  CHECK(scene.time.ramp == 0.25);
+  CHECK(scene.time.precision == Precision::double_precision);
+  CHECK(scene.time.integrator == "implicit");
+  CHECK(scene.output.every == 0.04);
+  CHECK(scene.output.pictures == std::vector<double>{0.5, 1.5});
+}
+
+TEST_CASE("an absolute mesh path stays absolute") {
+  const Scene scene = parse_scene(
+      R"({"mesh": "/data/a.vtu", "materials": [{"lame_lambda": 1, "lame_mu": 1}]})", "dir/scene.json");
+  CHECK(mesh_path(scene) == std::filesystem::path("/data/a.vtu"));
+}
+
+TEST_CASE("a scene is read from its file") {
+  const auto file = std::filesystem::temp_directory_path() / "lobe_read_scene_test.json";
+  std::ofstream(file) << full_scene;
+  const Scene scene = read_scene(file);
+  CHECK(scene.file == file);
+  CHECK(mesh_path(scene) == file.parent_path() / "meshes/liver.vtu");
+  std::ofstream(file) << "{";
+  CHECK_THROWS_WITH_AS(read_scene(file), doctest::Contains((file.string() + ":1:2: ").c_str()), InputError);
+  std::filesystem::remove(file);
+  CHECK_THROWS_WITH_AS(read_scene(file),
+                       (file.string() + ": cannot be read: No such file or directory").c_str(), InputError);
+}

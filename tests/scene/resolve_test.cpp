@@ -1,0 +1,268 @@
+// On a bar of 0.4 × 0.1 × 0.1 m in 4 × 1 × 1 cells, held at x = 0.
+#include "lobe/scene/resolve.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "lobe/error.h"
+#include "lobe/mesh/generators.h"
+#include "lobe/scene/read_scene.h"
+
+using namespace lobe;
+using nlohmann::json;
+
+namespace {
+
+TetMesh bar(double scale = 1) { return box_mesh(Vec3d(0.4, 0.1, 0.1) * scale, 4, 1, 1); }
+
+// A scene without any warning, with some of its keys replaced.
+Scene scene(const std::string& patch = "{}") {
+  json document = json::parse(R"({
+    "mesh": "bar.vtu",
+    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4}],
+    "boundary": [{"fix": true, "where": {"box": {"min": [-1, -1, -1], "max": [0, 1, 1]}}}]
+  })");
+  document.update(json::parse(patch));
+  return parse_scene(document.dump());
+}
+
+Resolved resolved(const std::string& patch) { return resolve(scene(patch), bar()); }
+
+std::string faults(const std::string& patch) {
+  try {
+    resolved(patch);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string warnings(const std::string& patch, double scale = 1) {
+  std::string text;
+  for (const std::string& warning : resolve(scene(patch), bar(scale)).warnings) {
+    text += (text.empty() ? "" : "\n") + warning;
+  }
+  return text;
+}
+
+const std::string spans = "; the mesh spans [0, 0, 0] to [0.4, 0.1, 0.1] m, its labels are 0";
+const std::string end_face = R"({"plane": {"point": [0.4, 0, 0], "normal": [1, 0, 0], "within": 1e-9}})";
+const std::string clamp = R"({"fix": true, "where": {"box": {"min": [-1, -1, -1], "max": [0, 1, 1]}}})";
+
+}  // namespace
+
+TEST_CASE("a plain scene resolves without a warning") {
+  const Resolved result = resolved(R"({"volume_penalty": 5, "gravity": [0, 0, -9.81], "evaluator": "stored",
+    "loose_pieces": "stay", "time": {"damping": 3, "safety": 0.5, "ramp": 0.2}})");
+  const Setup& setup = result.setup;
+  CHECK(result.warnings.empty());
+  CHECK(setup.mesh.tet_count() == 24);
+  REQUIRE(setup.materials.size() == 1);
+  CHECK(setup.materials[0].lambda == 4e4);
+  CHECK(setup.materials[0].mu == 1e4);
+  CHECK(setup.materials[0].density == 1000);
+  CHECK(setup.material_of == std::vector<std::uint16_t>(24, 0));
+  CHECK(setup.region_of == std::vector<RegionModel>(24, RegionModel::nonlinear));
+  REQUIRE(setup.prescribed.size() == 4);
+  for (const PrescribedVertex& p : setup.prescribed) {
+    CHECK(setup.mesh.points(0, p.vertex) == 0);
+    CHECK(p.displacement == Vec3d::Zero());
+  }
+  CHECK(setup.volume_penalty == 5);
+  CHECK(setup.gravity == Vec3d(0, 0, -9.81));
+  CHECK(setup.evaluator == Evaluator::stored);
+  CHECK(setup.loose_pieces == LoosePieces::stay);
+  CHECK(setup.damping == 3);
+  CHECK(setup.safety == 0.5);
+  CHECK(setup.ramp == 0.2);
+}
+
+TEST_CASE("the first matching material wins, the one without where is the default") {
+  const Resolved result = resolved(R"({"materials": [
+    {"lame_lambda": 4e4, "lame_mu": 1e4},
+    {"lame_lambda": 5e4, "lame_mu": 1e4, "where": {"tetrahedra": [0, 1, 2]}},
+    {"lame_lambda": 6e4, "lame_mu": 1e4, "where": {"tetrahedra": [2, 3]}}]})");
+  std::vector<std::uint16_t> expected(24, 0);
+  expected[0] = expected[1] = expected[2] = 1;
+  expected[3] = 2;
+  CHECK(result.setup.material_of == expected);
+  CHECK(result.setup.materials[2].lambda == 6e4);
+  CHECK(result.warnings.empty());
+}
+
+TEST_CASE("every tetrahedron needs a material") {
+  CHECK(
+      faults(
+          R"({"materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "where": {"not": {"tetrahedra": [7, 9]}}}]})") ==
+      "/materials: 2 tetrahedra have no material (the first: 7); add one without \"where\" as the default");
+}
+
+TEST_CASE("the first matching region wins, what is left is nonlinear") {
+  const auto models = [](const std::string& regions) {
+    return resolved("{\"regions\": " + regions + "}").setup.region_of;
+  };
+  std::vector<RegionModel> expected(24, RegionModel::nonlinear);
+  expected[0] = expected[1] = RegionModel::tensor_mass;
+  CHECK(models(R"([{"model": "tensor-mass", "where": {"tetrahedra": [0, 1]}}])") == expected);
+  CHECK(
+      models(
+          R"([{"model": "nonlinear", "where": {"not": {"tetrahedra": [0, 1]}}}, {"model": "tensor-mass"}])") ==
+      expected);
+  CHECK(models(R"([{"model": "tensor-mass"}])") == std::vector<RegionModel>(24, RegionModel::tensor_mass));
+}
+
+TEST_CASE("entries that come too late are pointed out") {
+  CHECK(warnings(
+            R"({"regions": [{"model": "tensor-mass"}, {"model": "nonlinear", "where": {"label": 99}}]})") ==
+        "/regions/1: never used: /regions/0 has no \"where\" and takes everything");
+  CHECK(warnings(R"({"regions": [{"model": "tensor-mass", "where": {"all": true}},
+                                 {"model": "nonlinear", "where": {"tetrahedra": [1, 2]}}]})") ==
+        "/regions/1/where: earlier entries have taken all of its 2 tetrahedra");
+  CHECK(warnings(
+            R"({"materials": [{"lame_lambda": 4e4, "lame_mu": 1e4}, {"lame_lambda": 1, "lame_mu": 1e4}]})") ==
+        "/materials/1: never used: /materials/0 is the default already");
+}
+
+TEST_CASE("selections that select nothing are refused, all at once") {
+  CHECK(
+      faults(
+          R"({"materials": [{"lame_lambda": 4e4, "lame_mu": 1e4}, {"lame_lambda": 4e4, "lame_mu": 1e4, "where": {"label": 3}}],
+    "regions": [{"model": "tensor-mass", "where": {"sphere": {"center": [9, 9, 9], "radius": 1}}}],
+    "boundary": [{"fix": true, "where": {"box": {"min": [1, 1, 1], "max": [2, 2, 2]}}},
+                 {"force": [0, 0, 1], "where": {"not": {"all": true}}},
+                 {"traction": [0, 0, 1], "where": {"nearest": {"point": [0, 0, 0], "count": 2}}}],
+    "tools": [{"type": "grasp", "where": {"sphere": {"center": [9, 9, 9], "radius": 1}}, "path": [[0, 0, 0, 0]]}]})") ==
+      "/materials/1/where: selects no tetrahedron" + spans + "\n/regions/0/where: selects no tetrahedron" +
+          spans + "\n/boundary/0/where: selects no vertex" + spans +
+          "\n/boundary/1/where: selects no vertex" + spans + "\n/boundary/2/where: selects no boundary face" +
+          spans + "\n/tools/0/where: selects no vertex" + spans);
+}
+
+TEST_CASE("indices beyond the mesh are refused with their place, once") {
+  CHECK(faults(R"({"regions": [{"model": "tensor-mass", "where": {"tetrahedra": [24]}}],
+                   "boundary": [{"fix": true, "where": {"vertices": [0, 99]}}],
+                   "tools": [{"type": "grasp", "where": {"vertices": [20]}, "path": [[0, 0, 0, 0]]}]})") ==
+        "/regions/0/where/tetrahedra/0: 24, must be from 0 to 23: the mesh has 24 tetrahedra\n"
+        "/boundary/0/where/vertices/1: 99, must be from 0 to 19: the mesh has 20 vertices\n"
+        "/tools/0/where/vertices/0: 20, must be from 0 to 19: the mesh has 20 vertices");
+}
+
+TEST_CASE("what is not available yet is refused") {
+  CHECK(faults(R"({"regions": [{"model": "precomputed"}], "time": {"integrator": "implicit"}})") ==
+        "/regions/0/model: \"precomputed\" is not available yet; use \"tensor-mass\"\n"
+        "/time/integrator: \"implicit\" is not available yet; use \"explicit\"");
+  CHECK_THROWS_WITH_AS(resolve(scene(), TetMesh{}), "bar.vtu: the mesh has no tetrahedron", InputError);
+}
+
+TEST_CASE("the first boundary entry wins at a vertex, conflicts are pointed out") {
+  const Resolved result = resolved(R"({"boundary": [
+    {"fix": true, "where": {"vertices": [0, 1]}},
+    {"displacement": [0, 0, 0], "where": {"vertices": [1]}},
+    {"displacement": [0.01, 0, 0], "where": {"vertices": [1, 2]}}]})");
+  REQUIRE(result.setup.prescribed.size() == 3);
+  CHECK(result.setup.prescribed[1].displacement == Vec3d::Zero());
+  CHECK(result.setup.prescribed[2].displacement == Vec3d(0.01, 0, 0));
+  CHECK(result.warnings ==
+        std::vector<std::string>{"/boundary/2: 1 vertex is moved differently by earlier entries, "
+                                 "which win (vertex 1 by /boundary/0)"});
+}
+
+TEST_CASE("a force is shared equally, a traction lies on boundary faces") {
+  const Resolved result =
+      resolved("{\"boundary\": [" + clamp + ", {\"force\": [0, 0, -2], \"where\": " + end_face +
+               "}, {\"traction\": [0, 7, 0], \"where\": " + end_face + "}]}");
+  const Setup& setup = result.setup;
+  REQUIRE(setup.vertex_loads.size() == 4);
+  for (const VertexLoad& load : setup.vertex_loads) {
+    CHECK(load.force == Vec3d(0, 0, -0.5));
+    CHECK(setup.mesh.points(0, load.vertex) == doctest::Approx(0.4));
+  }
+  REQUIRE(setup.face_loads.size() == 2);
+  for (const FaceLoad& load : setup.face_loads) {
+    CHECK(load.traction == Vec3d(0, 7, 0));
+    for (const int corner : face_corners[load.face]) {
+      CHECK(setup.mesh.points(0, setup.mesh.tets(corner, load.tet)) == doctest::Approx(0.4));
+    }
+  }
+  CHECK(result.warnings.empty());
+}
+
+TEST_CASE("loads without effect are pointed out") {
+  CHECK(warnings("{\"boundary\": [" + clamp + R"(, {"force": [1, 0, 0], "where": {"all": true}},
+      {"traction": [1, 0, 0], "where": {"all": true}}]})") ==
+        "/boundary/1: 4 of the 20 vertices that share the force are fixed: their share has no effect\n"
+        "/boundary/2: 2 of the 36 loaded faces have only fixed vertices: their load has no effect");
+  CHECK(warnings(R"({"boundary": []})") ==
+        "nothing is fixed: the body floats; add {\"fix\": true, \"where\": …} to \"boundary\"");
+}
+
+TEST_CASE("tools are resolved, and doubtful ones pointed out") {
+  const std::string tools = R"({"tools": [
+    {"name": "g", "type": "grasp", "where": {"vertices": [4]}, "path": [[0, 0, 0, 0], [1, 0, 0, 0.1]], "release": true},
+    {"name": "c", "type": "cautery", "radius": 0.01, "path": [[0, 0.2, -1, 0.05], [1, 0.2, 1, 0.05]]}]})";
+  const Resolved result = resolved(tools);
+  CHECK(result.warnings.empty());
+  REQUIRE(result.setup.grasps.size() == 1);
+  CHECK(result.setup.grasps[0].name == "g");
+  CHECK(result.setup.grasps[0].vertices == std::vector<Index>{4});
+  CHECK(result.setup.grasps[0].path.size() == 2);
+  CHECK(result.setup.grasps[0].release);
+  REQUIRE(result.setup.cauteries.size() == 1);
+  CHECK(result.setup.cauteries[0].name == "c");
+  CHECK(result.setup.cauteries[0].radius == 0.01);
+  CHECK(result.setup.cauteries[0].path.at(1).position == Vec3d(0.2, 1, 0.05));
+  CHECK(warnings(R"({"tools": [
+    {"type": "grasp", "where": {"vertices": [0, 1]}, "path": [[0, 0, 0, 0], [1.5, 0, 0, 0]]},
+    {"type": "cautery", "radius": 0.01, "path": [[0, -0.1, 0.3, 0], [0.5, 0.5, 0.3, 0]]}]})") ==
+        "/tools/0: 1 of the 2 vertices it grasps are held by \"boundary\"\n"
+        "/tools/0/path: ends at 1.5 s, after the run's duration of 1 s\n"
+        "/tools/1/path: never comes within its radius of the mesh's bounding box");
+}
+
+TEST_CASE("a cautery that only passes through between two points is near") {
+  CHECK(
+      warnings(
+          R"({"tools": [{"type": "cautery", "radius": 0.001, "path": [[0, 0.5, 0.05, 0.05], [1, -0.5, 0.05, 0.05]]}]})")
+          .empty());
+  CHECK(warnings(R"({"tools": [{"type": "cautery", "radius": 0.001, "path": [[0, 0.2, 0.05, 0.05]]}]})")
+            .empty());
+  // The corner of the box lies between the two points, but beside their line.
+  CHECK(
+      !warnings(
+           R"({"tools": [{"type": "cautery", "radius": 0.001, "path": [[0, 0.5, 0.05, 0], [1, 0.35, 0.25, 0]]}]})")
+           .empty());
+}
+
+TEST_CASE("mistakes in units are suspected") {
+  const auto contains = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  CHECK(contains(
+      warnings("{}", 1000),
+      "mesh: its bounding box has a diagonal of 424.3 m; if it is in millimetres, scale it by 0.001"));
+  CHECK(contains(warnings("{}", 0.001),
+                 "mesh: its bounding box has a diagonal of 0.0004243 m; if it was scaled from millimetres "
+                 "twice, scale it by 1000"));
+  CHECK(warnings(R"({"materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "density": 1.06}]})") ==
+        "/materials/0/density: 1.06 kg/m³ is unlike tissue; if it is in g/cm³, multiply it by 1000");
+  CHECK(warnings(R"({"materials": [{"lame_lambda": 4e5, "lame_mu": 1e5, "density": 20000}]})") ==
+        "/materials/0/density: 2e+04 kg/m³ is unlike tissue");
+  // L² = 0.18 m², sag = 1000 · 9.81 · 0.18 / 10 m
+  CHECK(warnings(R"({"materials": [{"young_modulus": 10, "poisson_ratio": 0.3}]})") ==
+        "/materials/0: under gravity of 9.81 m/s² a body of 0.4243 m sags by ρ g L²/E = 176.6 m: too soft or "
+        "too "
+        "large; are moduli in Pa and coordinates in m?");
+  CHECK(contains(warnings(R"({"materials": [{"young_modulus": 7e10, "poisson_ratio": 0.3}]})"),
+                 "next to nothing: too stiff or too small"));
+  CHECK(warnings(R"({"materials": [{"young_modulus": 1e4, "poisson_ratio": 0.46}]})") ==
+        "/materials/0: Poisson's ratio 0.46: linear tetrahedra lock (respond too stiffly) above 0.45");
+  CHECK(warnings(R"({"materials": [{"young_modulus": 1e4, "poisson_ratio": 0.45}]})") == "");
+}
+
+TEST_CASE("a scene built in code is checked before it is resolved") {
+  Scene bad = scene();
+  bad.materials[0].lame_mu = -1;
+  CHECK_THROWS_WITH_AS(resolve(bad, bar()), "/materials/0/lame_mu: -1.0, must be above 0", InputError);
+}

@@ -1,0 +1,45 @@
+// Scenes as text, for the tests of this folder.
+#pragma once
+
+#include <string>
+
+namespace lobe {
+
+// Every key and every selector of the format.
+inline const std::string full_scene = R"({
+  "$schema": "scene.schema.json",
+  "name": "liver",
+  "comment": "every key",
+  "mesh": "meshes/liver.vtu",
+  "materials": [
+    {"name": "parenchyma", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1060},
+    {"name": "tumour", "where": {"label": 2}, "young_modulus": 7e4, "poisson_ratio": 0.4},
+    {"where": {"label": [3, 4]}, "lame_lambda": 0, "lame_mu": 1e3}
+  ],
+  "volume_penalty": 1e5,
+  "regions": [
+    {"name": "held part", "model": "precomputed", "where": {"box": {"min": [-0.1, -0.2, -0.3], "max": [0, 0.1, 0.2]}}},
+    {"model": "tensor-mass", "where": {"sphere": {"center": [0.01, 0, 0], "radius": 0.02}}},
+    {"model": "tensor-mass", "where": {"any_of": [{"tetrahedra": [1, 2]}, {"not": {"all": true}}]}},
+    {"name": "free part", "model": "nonlinear"}
+  ],
+  "boundary": [
+    {"fix": true, "where": {"all_of": [{"all": true}, {"plane": {"point": [0, 0, 0], "normal": [0, 0, 2], "side": "below"}}]}},
+    {"displacement": [0.01, 0, 0], "where": {"vertices": [12, 13]}},
+    {"traction": [0, 0, -120], "where": {"plane": {"point": [0.1, 0, 0], "normal": [1, 0, 0], "within": 1e-6}}},
+    {"force": [0, 0, -1.5], "where": {"nearest": {"point": [0.1, 0, 0], "count": 20}}}
+  ],
+  "gravity": [0, 0, -9.81],
+  "tools": [
+    {"name": "grasper", "type": "grasp", "where": {"sphere": {"center": [0.1, 0, 0], "radius": 0.01}},
+     "path": [[0.0, 0, 0, 0], [1.0, 0, 0.05, 0.02]], "release": true},
+    {"type": "cautery", "radius": 0.006, "path": [[0.5, 0.03, -0.05, 0], [1.5, 0.03, 0.05, 0]]}
+  ],
+  "loose_pieces": "vanish",
+  "evaluator": "stored",
+  "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "ramp": 0.25, "precision": "double",
+           "integrator": "implicit"},
+  "output": {"every": 0.04, "pictures": [0.5, 1.5]}
+})";
+
+}  // namespace lobe

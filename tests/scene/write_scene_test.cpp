@@ -1,0 +1,72 @@
+#include "lobe/scene/write_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "lobe/error.h"
+#include "lobe/scene/check_scene.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/schema.h"
+#include "scene/scenes.h"
+
+using namespace lobe;
+using nlohmann::json;
+
+namespace {
+
+const std::string small_scene = R"({"mesh": "a.vtu", "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4}]})";
+
+// Every "default" of the schema's object against the value that the library fills in.
+int compare_defaults(const json& properties, const json& written) {
+  int compared = 0;
+  for (const auto& [key, property] : properties.items()) {
+    if (!property.contains("default")) continue;
+    CAPTURE(key);
+    REQUIRE(written.contains(key));
+    CHECK(written[key] == property["default"]);
+    ++compared;
+  }
+  return compared;
+}
+
+}  // namespace
+
+TEST_CASE("a scene survives being written and read") {
+  const std::string once = to_json(parse_scene(full_scene));
+  CHECK(to_json(parse_scene(once)) == once);
+  const json before = json::parse(full_scene), after = json::parse(once);
+  for (const char* key : {"mesh", "boundary", "gravity", "time", "output", "evaluator", "loose_pieces"}) {
+    CAPTURE(key);
+    CHECK(after[key] == before[key]);
+  }
+  CHECK(after["regions"][2]["where"] == before["regions"][2]["where"]);
+  CHECK(after["tools"][0] == before["tools"][0]);
+}
+
+TEST_CASE("the schema's defaults are the library's") {
+  const json schema = json::parse(scene_schema());
+  const json written = json::parse(to_json(parse_scene(small_scene)));
+  const json& definitions = schema["definitions"];
+  CHECK(compare_defaults(schema["properties"], written) == 8);
+  CHECK(compare_defaults(definitions["material"]["properties"], written["materials"][0]) == 2);
+  CHECK(compare_defaults(definitions["time"]["properties"], written["time"]) == 7);
+  CHECK(compare_defaults(definitions["output"]["properties"], written["output"]) == 2);
+}
+
+TEST_CASE("a scene built in code is checked like one that was read") {
+  Scene scene = parse_scene(small_scene);
+  CHECK_NOTHROW(check_scene(scene));
+  scene.materials[0].density = -1;
+  scene.gravity[2] = std::numeric_limits<double>::quiet_NaN();
+  scene.regions.push_back({"", RegionModel::nonlinear, Selector{SelectNot{}}, ""});
+  CHECK_THROWS_WITH_AS(check_scene(scene),
+                       "/gravity/2: null, must be a number\n"
+                       "/materials/0/density: -1.0, must be above 0\n"
+                       "/regions/0/where/not: null, must be an object",
+                       InputError);
+  scene = parse_scene(small_scene);
+  scene.materials[0].lame_lambda = -1e5;
+  CHECK_THROWS_AS(check_scene(scene), InputError);
+}

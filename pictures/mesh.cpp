@@ -1,0 +1,136 @@
+#include "mesh.h"
+
+#include <vtkCellData.h>
+#include <vtkDataSetSurfaceFilter.h>
+#include <vtkErrorCode.h>
+#include <vtkExtractGeometry.h>
+#include <vtkOBJReader.h>
+#include <vtkPLYReader.h>
+#include <vtkPlane.h>
+#include <vtkPointData.h>
+#include <vtkSTLReader.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace picture {
+namespace {
+
+template <class Reader>
+vtkSmartPointer<vtkPointSet> read_with(const std::filesystem::path& file) {
+  vtkNew<Reader> reader;
+  reader->SetFileName(file.c_str());
+  reader->Update();
+  if (reader->GetErrorCode() != vtkErrorCode::NoError)
+    throw std::runtime_error(file.string() + ": cannot be read");
+  return reader->GetOutput();
+}
+
+vtkSmartPointer<vtkPointSet> read_points_and_cells(const std::filesystem::path& file) {
+  const std::string type = file.extension().string();
+  if (type == ".vtu") return read_with<vtkXMLUnstructuredGridReader>(file);
+  if (type == ".vtp") return read_with<vtkXMLPolyDataReader>(file);
+  if (type == ".obj") return read_with<vtkOBJReader>(file);
+  if (type == ".stl") return read_with<vtkSTLReader>(file);
+  if (type == ".ply") return read_with<vtkPLYReader>(file);
+  throw std::runtime_error(file.string() + ": must be .vtu, .vtp, .obj, .stl or .ply");
+}
+
+vtkSmartPointer<vtkPointSet> read_mesh(const std::filesystem::path& file) {
+  const auto mesh = read_points_and_cells(file);
+  if (mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
+    throw std::runtime_error(file.string() + ": is empty or is not a mesh");
+  return mesh;
+}
+
+// Keeps the cells that are not wholly beyond the plane.
+vtkSmartPointer<vtkUnstructuredGrid> clipped(vtkDataSet* mesh, const Clip& clip) {
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(clip.point.data());
+  plane->SetNormal(clip.normal.data());
+  vtkNew<vtkExtractGeometry> extract;
+  extract->SetInputData(mesh);
+  extract->SetImplicitFunction(plane);
+  extract->ExtractInsideOn();
+  extract->ExtractBoundaryCellsOn();
+  extract->Update();
+  return extract->GetOutput();
+}
+
+vtkSmartPointer<vtkPolyData> boundary(vtkDataSet* mesh, const std::optional<Clip>& clip) {
+  vtkNew<vtkDataSetSurfaceFilter> filter;
+  if (clip)
+    filter->SetInputData(clipped(mesh, *clip));
+  else
+    filter->SetInputData(mesh);
+  filter->Update();
+  return filter->GetOutput();
+}
+
+// A face, known by the rest positions of its corners: those survive renumbering and the doubling of vertices.
+using Face = std::array<std::array<double, 3>, 3>;
+
+Face face_of(vtkPolyData* surface, vtkIdType cell) {
+  vtkIdType size = 0;
+  const vtkIdType* corner = nullptr;
+  surface->GetCellPoints(cell, size, corner);
+  Face face{};
+  for (int i = 0; i < 3 && i < size; ++i) surface->GetPoint(corner[i], face[i].data());
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+// `surface` is still at rest here.
+void mark_exposed(vtkPolyData* surface, const Panel& panel, const std::optional<Clip>& clip) {
+  vtkNew<vtkUnsignedCharArray> exposed;
+  exposed->SetName("exposed");
+  exposed->SetNumberOfValues(surface->GetNumberOfCells());
+  exposed->Fill(0);
+  if (!panel.first.empty()) {
+    const vtkSmartPointer<vtkPolyData> skin = boundary(read_mesh(panel.first), clip);
+    std::set<Face> outside;
+    for (vtkIdType i = 0; i < skin->GetNumberOfCells(); ++i) outside.insert(face_of(skin, i));
+    for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
+      exposed->SetValue(i, !outside.contains(face_of(surface, i)));
+  } else if (vtkDataArray* cut = surface->GetCellData()->GetArray("cut")) {
+    for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) exposed->SetValue(i, cut->GetTuple1(i) != 0);
+  }
+  surface->GetCellData()->AddArray(exposed);
+}
+
+void move_by_displacement(vtkPolyData* surface, const std::filesystem::path& file) {
+  vtkDataArray* displacement = surface->GetPointData()->GetArray("displacement");
+  if (displacement && displacement->GetNumberOfComponents() != 3)
+    throw std::runtime_error(file.string() + ": displacement must have 3 components");
+  vtkNew<vtkPoints> moved;
+  moved->SetDataTypeToDouble();
+  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i) {
+    Vec3 x = Eigen::Map<const Vec3>(surface->GetPoint(i));
+    if (displacement) x += Eigen::Map<const Vec3>(displacement->GetTuple3(i));
+    if (!x.allFinite())
+      throw std::runtime_error(file.string() + ": a coordinate or displacement is not finite");
+    moved->InsertNextPoint(x.data());
+  }
+  surface->SetPoints(moved);
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkPolyData> read_surface(const Panel& panel, const std::optional<Clip>& clip) {
+  const vtkSmartPointer<vtkPointSet> mesh = read_mesh(panel.mesh);
+  const vtkSmartPointer<vtkPolyData> surface = boundary(mesh, clip);
+  if (surface->GetNumberOfCells() == 0)
+    throw std::runtime_error(panel.mesh.string() + ": nothing is left on the kept side of the clip plane");
+  mark_exposed(surface, panel, clip);
+  move_by_displacement(surface, panel.mesh);
+  return surface;
+}
+
+}  // namespace picture

@@ -1,0 +1,171 @@
+#include "organ.h"
+
+#include <vtkActor.h>
+#include <vtkCellData.h>
+#include <vtkColorTransferFunction.h>
+#include <vtkPointData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkPolyDataNormals.h>
+#include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace picture {
+namespace {
+
+constexpr Color organ_color = {0.62, 0.20, 0.16};
+constexpr Color flesh_color = {0.86, 0.42, 0.36};  // what a cut lays open
+constexpr double flesh_share = 0.45;               // of it in the colour of an exposed face
+
+int region_of(vtkDataArray* region, vtkIdType cell) {
+  return std::clamp(static_cast<int>(region->GetTuple1(cell)), 0, 2);
+}
+
+// One colour per face: of its region or of the organ, towards flesh where a cut has exposed it.
+vtkSmartPointer<vtkUnsignedCharArray> face_colors(vtkPolyData* surface, bool by_region) {
+  vtkDataArray* region = by_region ? surface->GetCellData()->GetArray("region") : nullptr;
+  vtkDataArray* exposed = surface->GetCellData()->GetArray("exposed");
+  auto colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  colors->SetName("face color");
+  colors->SetNumberOfComponents(3);
+  colors->SetNumberOfTuples(surface->GetNumberOfCells());
+  for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) {
+    const Color& base = region ? region_styles()[region_of(region, i)].color : organ_color;
+    const double share = exposed->GetTuple1(i) != 0 ? flesh_share : 0;
+    for (int k = 0; k < 3; ++k)
+      colors->SetComponent(i, k, std::round(255 * ((1 - share) * base[k] + share * flesh_color[k])));
+  }
+  return colors;
+}
+
+// Smooth, but sharp where faces meet at more than 45 degrees: rims and cuts.
+vtkSmartPointer<vtkPolyData> with_normals(vtkPolyData* surface) {
+  vtkNew<vtkPolyDataNormals> normals;
+  normals->SetInputData(surface);
+  normals->SetFeatureAngle(45);
+  normals->SplittingOn();
+  normals->ConsistencyOn();
+  normals->Update();
+  return normals->GetOutput();
+}
+
+vtkNew<vtkActor> wet_skin(vtkPolyData* shaded, const Panel& panel, vtkLookupTable* colors) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(shaded);
+  // Mesh lines lie in front of the faces, by 2e-4 of the depth that is drawn.
+  mapper->SetResolveCoincidentTopologyToPolygonOffset();
+  mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(0, 200);
+  if (shows_array(panel)) {
+    const bool of_points = shaded->GetPointData()->HasArray(panel.color.c_str());
+    of_points ? mapper->SetScalarModeToUsePointFieldData() : mapper->SetScalarModeToUseCellFieldData();
+    mapper->SelectColorArray(panel.color.c_str());
+    mapper->SetLookupTable(colors);
+    mapper->UseLookupTableScalarRangeOn();
+    mapper->InterpolateScalarsBeforeMappingOn();
+  } else {
+    mapper->SetScalarModeToUseCellFieldData();
+    mapper->SelectColorArray("face color");
+    mapper->SetColorModeToDirectScalars();
+  }
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  vtkProperty* property = actor->GetProperty();
+  property->SetInterpolationToPhong();
+  property->SetAmbient(0.20);
+  property->SetDiffuse(0.88);
+  property->SetSpecular(shows_array(panel) ? 0.12 : 0.38);
+  property->SetSpecularPower(38);
+  return actor;
+}
+
+vtkNew<vtkActor> mesh_lines(vtkPolyData* shaded) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(shaded);
+  mapper->ScalarVisibilityOff();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  vtkProperty* property = actor->GetProperty();
+  property->SetRepresentationToWireframe();
+  property->LightingOff();
+  property->SetColor(0.10, 0.04, 0.04);
+  property->SetOpacity(0.22);
+  property->SetLineWidth(1);
+  return actor;
+}
+
+}  // namespace
+
+const std::array<RegionStyle, 3>& region_styles() {
+  static const std::array<RegionStyle, 3> styles = {{{"tensor-mass", {0.29, 0.52, 0.75}},
+                                                     {"pre-computed", {0.40, 0.62, 0.50}},
+                                                     {"non-linear", {0.66, 0.23, 0.18}}}};
+  return styles;
+}
+
+std::vector<int> regions_shown(vtkPolyData* surface) {
+  std::set<int> shown;
+  if (vtkDataArray* region = surface->GetCellData()->GetArray("region"))
+    for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) shown.insert(region_of(region, i));
+  return {shown.begin(), shown.end()};
+}
+
+bool shows_array(const Panel& panel) { return panel.color != "none" && panel.color != "region"; }
+
+Eigen::Vector2d array_range(vtkPolyData* surface, const Panel& panel) {
+  vtkDataArray* array = surface->GetPointData()->GetArray(panel.color.c_str());
+  if (!array) array = surface->GetCellData()->GetArray(panel.color.c_str());
+  if (array) {
+    Eigen::Vector2d range;
+    array->GetFiniteRange(range.data(), array->GetNumberOfComponents() == 1 ? 0 : -1);
+    return range.allFinite() ? range : Eigen::Vector2d(0, 1);
+  }
+  std::string names = "none, region";
+  for (vtkFieldData* data : {static_cast<vtkFieldData*>(surface->GetPointData()),
+                             static_cast<vtkFieldData*>(surface->GetCellData())})
+    for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+      if (const char* name = data->GetArrayName(i)) names += std::string(", ") + name;
+  throw std::runtime_error(panel.mesh.string() + ": no array \"" + panel.color + "\"; there are: " + names);
+}
+
+vtkSmartPointer<vtkLookupTable> color_map(const Eigen::Vector2d& range) {
+  // Viridis (CC0) at equal distances.
+  constexpr std::array<Color, 9> viridis = {{{0.267, 0.005, 0.329},
+                                             {0.279, 0.175, 0.483},
+                                             {0.230, 0.322, 0.546},
+                                             {0.173, 0.449, 0.558},
+                                             {0.128, 0.567, 0.551},
+                                             {0.158, 0.684, 0.502},
+                                             {0.369, 0.789, 0.383},
+                                             {0.678, 0.864, 0.190},
+                                             {0.993, 0.906, 0.144}}};
+  vtkNew<vtkColorTransferFunction> function;
+  for (std::size_t i = 0; i < viridis.size(); ++i)
+    function->AddRGBPoint(static_cast<double>(i) / (viridis.size() - 1), viridis[i][0], viridis[i][1],
+                          viridis[i][2]);
+  auto table = vtkSmartPointer<vtkLookupTable>::New();
+  table->SetNumberOfTableValues(256);
+  for (int i = 0; i < 256; ++i) {
+    Color color{};
+    function->GetColor(i / 255.0, color.data());
+    table->SetTableValue(i, color[0], color[1], color[2]);
+  }
+  table->SetVectorModeToMagnitude();
+  table->SetNanColor(0.6, 0.6, 0.6, 1);
+  table->SetTableRange(range[0], range[1] > range[0] ? range[1] : range[0] + 1);
+  return table;
+}
+
+void add_organ(vtkRenderer* renderer, vtkPolyData* surface, const Panel& panel, vtkLookupTable* colors) {
+  if (panel.color == "region" && !surface->GetCellData()->HasArray("region"))
+    throw std::runtime_error(panel.mesh.string() + ": has no cell array \"region\"");
+  if (!shows_array(panel)) surface->GetCellData()->AddArray(face_colors(surface, panel.color == "region"));
+  const vtkSmartPointer<vtkPolyData> shaded = with_normals(surface);
+  renderer->AddActor(wet_skin(shaded, panel, colors));
+  if (panel.edges) renderer->AddActor(mesh_lines(shaded));
+}
+
+}  // namespace picture

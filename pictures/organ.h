@@ -1,0 +1,42 @@
+// An organ's surface as VTK actors.
+#pragma once
+
+#include <vtkLookupTable.h>
+#include <vtkPolyData.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "request.h"
+
+namespace picture {
+
+using Color = std::array<double, 3>;
+
+// Names and colours of the values 0, 1, 2 of the cell array `region`.
+struct RegionStyle {
+  const char* name;
+  Color color;
+};
+const std::array<RegionStyle, 3>& region_styles();
+
+// The values of `region` that occur on the surface, ascending.
+std::vector<int> regions_shown(vtkPolyData* surface);
+
+// True for the colours that are an array of the file: not "none", not "region".
+bool shows_array(const Panel& panel);
+
+// Smallest and largest value (magnitude of vectors) of the panel's array. Throws std::runtime_error if the
+// surface has no such array; the message lists those it has.
+Eigen::Vector2d array_range(vtkPolyData* surface, const Panel& panel);
+
+// From dark blue over green to yellow, over the range.
+vtkSmartPointer<vtkLookupTable> color_map(const Eigen::Vector2d& range);
+
+// `colors` is used only if shows_array(panel).
+void add_organ(vtkRenderer* renderer, vtkPolyData* surface, const Panel& panel, vtkLookupTable* colors);
+
+}  // namespace picture

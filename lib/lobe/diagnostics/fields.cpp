@@ -48,9 +48,11 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   const Topology& topology = elements.topology;
   const Eigen::Index n = topology.alive_count();
   TetMesh mesh{elements.points, Tets(4, n), {}};
-  DataArray region{"region", Eigen::MatrixXd(1, n), Type::int32}, source{"source", Eigen::MatrixXd(1, n), Type::int32};
+  DataArray region{"region", Eigen::MatrixXd(1, n), Type::int32},
+      source{"source", Eigen::MatrixXd(1, n), Type::int32};
   DataArray ratio{"volume_ratio", Eigen::MatrixXd(1, n), Type::float32};
-  DataArray strain{"strain", Eigen::MatrixXd(6, n), Type::float32}, stress{"stress", Eigen::MatrixXd(6, n), Type::float32};
+  DataArray strain{"strain", Eigen::MatrixXd(6, n), Type::float32},
+      stress{"stress", Eigen::MatrixXd(6, n), Type::float32};
   DataArray von_mises{"von_mises", Eigen::MatrixXd(1, n), Type::float32};
   Eigen::Index at = 0;
   for (Index t = 0; t < topology.tet_count(); ++t) {

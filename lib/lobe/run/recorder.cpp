@@ -31,8 +31,8 @@ nlohmann::ordered_json tool_json(const Tools::Pose& pose, const Mat3X<double>& x
 template <class Real>
 void Recorder::record(const World<Real>& world, bool last) {
   const bool frame_due = world.time() >= next_frame_ - just_before;
-  const bool picture_due =
-      next_picture_ < output_.pictures.size() && world.time() >= output_.pictures[next_picture_] - just_before;
+  const bool picture_due = next_picture_ < output_.pictures.size() &&
+                           world.time() >= output_.pictures[next_picture_] - just_before;
   if (!frame_due && !picture_due && !last) return;
   const std::string frame = numbered("frame_%04zu.vtu", frames_.size());
   write_frame(directory_ / frame, world.elements(), world.state().u.template cast<double>(),
@@ -45,7 +45,8 @@ void Recorder::record(const World<Real>& world, bool last) {
 template <class Real>
 void Recorder::add_pictures(const World<Real>& world, const std::string& frame) {
   const Mat3X<double> x = world.elements().points + world.state().u.template cast<double>();
-  for (; next_picture_ < output_.pictures.size() && world.time() >= output_.pictures[next_picture_] - just_before;
+  for (; next_picture_ < output_.pictures.size() &&
+         world.time() >= output_.pictures[next_picture_] - just_before;
        ++next_picture_) {
     char out[64], title[64];
     std::snprintf(out, sizeof out, "picture_%.3f.png", output_.pictures[next_picture_]);

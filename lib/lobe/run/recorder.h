@@ -14,7 +14,8 @@ namespace lobe {
 
 class Recorder {
  public:
-  Recorder(const Output& output, std::filesystem::path directory) : output_(output), directory_(std::move(directory)) {}
+  Recorder(const Output& output, std::filesystem::path directory)
+      : output_(output), directory_(std::move(directory)) {}
 
   // Writes a frame if one is due at the world's time, or a picture is; `last`: in any case.
   template <class Real>
@@ -33,7 +34,7 @@ class Recorder {
   std::filesystem::path directory_;
   std::vector<std::pair<double, std::string>> frames_;
   nlohmann::ordered_json pictures_ = nlohmann::ordered_json::array();
-  double next_frame_ = 0;         // [s]
+  double next_frame_ = 0;  // [s]
   std::size_t next_picture_ = 0;
 };
 

@@ -17,7 +17,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // Sums of the reports of all frames.
 struct Totals {
@@ -56,8 +58,11 @@ Json state_json(World<Real>& world) {
           {"tetrahedra", world.elements().topology.alive_count()},
           {"volume", current_volume(world.elements(), world.state().u.template cast<double>())},
           {"energy",
-           {{"kinetic", e.kinetic}, {"elastic_linear", e.elastic_linear}, {"elastic_nonlinear", e.elastic_nonlinear},
-            {"loads", e.loads}, {"total", e.total()}}}};
+           {{"kinetic", e.kinetic},
+            {"elastic_linear", e.elastic_linear},
+            {"elastic_nonlinear", e.elastic_nonlinear},
+            {"loads", e.loads},
+            {"total", e.total()}}}};
 }
 
 Json region_counts(const Elements& elements) {
@@ -86,16 +91,17 @@ Json timing_json(const Totals& totals, double simulated, double setup_seconds) {
 std::string summary_of(const Json& report) {
   const Json& timing = report["timing"];
   char line[512];
-  std::snprintf(line, sizeof line,
-                "simulated %.3f s in %lld steps of %.4g … %.4g s\n"
-                "wall time %.3f s on %d thread(s): %.2f times real time; slowest frame %.1f ms\n"
-                "tetrahedra removed %d, left %d; volume %.6g → %.6g m³\n",
-                report["simulated_s"].get<double>(), report["steps"].get<long long>(),
-                report["time_step_s"]["smallest"].get<double>(), report["time_step_s"]["largest"].get<double>(),
-                timing["simulation_s"].get<double>(), report["threads"].get<int>(),
-                timing["real_time_factor"].get<double>(), 1e3 * timing["slowest_frame_s"].get<double>(),
-                report["tetrahedra_removed"].get<int>(), report["series"].back()["tetrahedra"].get<int>(),
-                report["series"].front()["volume"].get<double>(), report["series"].back()["volume"].get<double>());
+  std::snprintf(
+      line, sizeof line,
+      "simulated %.3f s in %lld steps of %.4g … %.4g s\n"
+      "wall time %.3f s on %d thread(s): %.2f times real time; slowest frame %.1f ms\n"
+      "tetrahedra removed %d, left %d; volume %.6g → %.6g m³\n",
+      report["simulated_s"].get<double>(), report["steps"].get<long long>(),
+      report["time_step_s"]["smallest"].get<double>(), report["time_step_s"]["largest"].get<double>(),
+      timing["simulation_s"].get<double>(), report["threads"].get<int>(),
+      timing["real_time_factor"].get<double>(), 1e3 * timing["slowest_frame_s"].get<double>(),
+      report["tetrahedra_removed"].get<int>(), report["series"].back()["tetrahedra"].get<int>(),
+      report["series"].front()["volume"].get<double>(), report["series"].back()["volume"].get<double>());
   return line;
 }
 
@@ -115,7 +121,8 @@ void clear_earlier_run(const std::filesystem::path& directory) {
 }
 
 template <class Real>
-bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder, Totals& totals) {
+bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder,
+          Totals& totals) {
   const long frames = std::max(1L, std::lround(scene.time.duration / scene.time.frame));
   const double frame = scene.time.duration / double(frames);
   const auto record = [&](bool last) {
@@ -152,26 +159,30 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   result.ok = play(world, scene, options, recorder, totals);
   result.picture_request = recorder.finish();
   result.warnings.insert(result.warnings.end(), totals.warnings.begin(), totals.warnings.end());
-  Json report{{"ok", result.ok},
-              {"scene", scene.file.string()},
-              {"mesh",
-               {{"vertices", resolved.setup.mesh.vertex_count()}, {"tetrahedra", resolved.setup.mesh.tet_count()}}},
-              {"precision", scene.time.precision == Precision::single_precision ? "single" : "double"},
-              {"threads", options.threads},
-              {"regions", regions},
-              {"regions_at_end", region_counts(world.elements())},
-              {"simulated_s", world.time()},
-              {"steps", totals.steps},
-              {"time_step_s",
-               {{"limit_at_rest", limit}, {"safety", scene.time.safety}, {"smallest", totals.smallest_step}, {"largest", totals.largest_step}}},
-              {"smallest_volume_ratio", totals.smallest_volume_ratio},
-              {"tetrahedra_removed", totals.tets_removed},
-              {"timing", timing_json(totals, world.time(), setup_seconds)},
-              {"frames", recorder.frame_count()},
-              {"warnings", result.warnings},
-              {"conditions", totals.conditions},
-              {"cuts", totals.cuts},
-              {"series", totals.series}};
+  Json report{
+      {"ok", result.ok},
+      {"scene", scene.file.string()},
+      {"mesh",
+       {{"vertices", resolved.setup.mesh.vertex_count()}, {"tetrahedra", resolved.setup.mesh.tet_count()}}},
+      {"precision", scene.time.precision == Precision::single_precision ? "single" : "double"},
+      {"threads", options.threads},
+      {"regions", regions},
+      {"regions_at_end", region_counts(world.elements())},
+      {"simulated_s", world.time()},
+      {"steps", totals.steps},
+      {"time_step_s",
+       {{"limit_at_rest", limit},
+        {"safety", scene.time.safety},
+        {"smallest", totals.smallest_step},
+        {"largest", totals.largest_step}}},
+      {"smallest_volume_ratio", totals.smallest_volume_ratio},
+      {"tetrahedra_removed", totals.tets_removed},
+      {"timing", timing_json(totals, world.time(), setup_seconds)},
+      {"frames", recorder.frame_count()},
+      {"warnings", result.warnings},
+      {"conditions", totals.conditions},
+      {"cuts", totals.cuts},
+      {"series", totals.series}};
   result.report = options.directory / "report.json";
   io::AtomicFile file(result.report);
   file.stream() << report.dump(1) << '\n';

@@ -11,21 +11,22 @@
 namespace lobe {
 
 struct RunOptions {
-  std::filesystem::path directory;              // of everything that is written; made if missing
+  std::filesystem::path directory;  // of everything that is written; made if missing
   int threads = 1;
   std::function<void(double fraction)> progress;  // called once per frame, 0 … 1
 };
 
 struct RunResult {
-  bool ok = true;  // false: it ended early; the report says why
-  std::filesystem::path report;            // DIR/report.json
-  std::filesystem::path picture_request;   // DIR/pictures.json for lobe-picture, empty if no pictures were asked for
-  std::vector<std::string> warnings;       // of the scene and of the run, one line each
-  std::string summary;                     // for people, several lines
+  bool ok = true;                // false: it ended early; the report says why
+  std::filesystem::path report;  // DIR/report.json
+  std::filesystem::path
+      picture_request;  // DIR/pictures.json for lobe-picture, empty if no pictures were asked for
+  std::vector<std::string> warnings;  // of the scene and of the run, one line each
+  std::string summary;                // for people, several lines
 };
 
-// Writes DIR/series.pvd, DIR/frame_NNNN.vtu, DIR/pictures.json and DIR/report.json (written last). Throws InputError
-// for bad input and for files that cannot be written.
+// Writes DIR/series.pvd, DIR/frame_NNNN.vtu, DIR/pictures.json and DIR/report.json (written last). Throws
+// InputError for bad input and for files that cannot be written.
 RunResult run_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options);
 
 }  // namespace lobe

@@ -1,0 +1,153 @@
+#include "commands.h"
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "console.h"
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/mesh/quality.h"
+#include "lobe/run/run.h"
+#include "lobe/scene/describe.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/sim/frequency.h"
+#include "pictures.h"
+
+namespace lobe::program {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Loaded {
+  Scene scene;
+  Resolved resolved;
+};
+
+Loaded load(const std::filesystem::path& file) {
+  Scene scene = read_scene(file);
+  MeshFile mesh = read_mesh(mesh_path(scene));
+  std::vector<std::string> warnings = mesh.prepared.warnings();
+  Resolved resolved = resolve(scene, std::move(mesh.mesh));
+  resolved.warnings.insert(resolved.warnings.begin(), warnings.begin(), warnings.end());
+  return {std::move(scene), std::move(resolved)};
+}
+
+Json info_json(const MeshFile& file, const InfoOptions& options) {
+  const TetMesh& mesh = file.mesh;
+  const Quality q = mesh_quality(mesh);
+  std::map<std::string, Index> labels;
+  for (int label : mesh.labels) ++labels[std::to_string(label)];
+  const auto array = [](const Vec3d& p) { return Json{p[0], p[1], p[2]}; };
+  const Elastic elastic{options.lame_lambda, options.lame_mu, options.density};
+  return {
+      {"mesh", options.mesh.string()},
+      {"vertices", mesh.vertex_count()},
+      {"tetrahedra", mesh.tet_count()},
+      {"labels", labels},
+      {"reoriented", file.prepared.reoriented},
+      {"unreferenced_vertices", file.prepared.unreferenced},
+      {"ignored_cells", file.ignored_cells},
+      {"bounding_box_m", {{"min", array(q.box_min)}, {"max", array(q.box_max)}}},
+      {"volume_m3", q.volume},
+      {"smallest_tetrahedron_m3", q.smallest_tet_volume},
+      {"dihedral_deg",
+       {{"smallest", q.min_dihedral},
+        {"median_smallest", q.median_min_dihedral},
+        {"largest", q.max_dihedral}}},
+      {"dihedral_histogram_10_deg", q.dihedral_histogram},
+      {"smallest_altitude_m", q.smallest_altitude},
+      {"smallest_altitude_ratio", q.smallest_altitude_ratio},
+      {"worst_tetrahedron", q.worst_tet},
+      {"mean_edge_m", q.mean_edge},
+      {"material", {{"lame_lambda", elastic.lambda}, {"lame_mu", elastic.mu}, {"density", elastic.density}}},
+      {"stable_time_step_s", rest_time_step(mesh, elastic)}};
+}
+
+void print_info(const Json& j) {
+  const auto number = [&](const char* pointer) { return j[Json::json_pointer(pointer)].get<double>(); };
+  std::printf("%s\n", j["mesh"].get<std::string>().c_str());
+  std::printf("vertices            %d\ntetrahedra          %d\n", j["vertices"].get<int>(),
+              j["tetrahedra"].get<int>());
+  for (const auto& [label, count] : j["labels"].items())
+    std::printf("  label %-11s %d\n", label.c_str(), count.get<int>());
+  std::printf("bounding box        [%g, %g, %g] … [%g, %g, %g] m\n", number("/bounding_box_m/min/0"),
+              number("/bounding_box_m/min/1"), number("/bounding_box_m/min/2"),
+              number("/bounding_box_m/max/0"), number("/bounding_box_m/max/1"),
+              number("/bounding_box_m/max/2"));
+  std::printf("volume              %.6g m³\n", number("/volume_m3"));
+  std::printf("dihedral angles     %.2f … %.2f°, median of the smallest %.2f°\n",
+              number("/dihedral_deg/smallest"), number("/dihedral_deg/largest"),
+              number("/dihedral_deg/median_smallest"));
+  std::printf("smallest altitude   %.4g m, worst ratio to the longest edge %.3f (tetrahedron %d)\n",
+              number("/smallest_altitude_m"), number("/smallest_altitude_ratio"),
+              j["worst_tetrahedron"].get<int>());
+  std::printf("mean edge           %.4g m\n", number("/mean_edge_m"));
+  std::printf("stable time step    %.4g s for λ = %g Pa, μ = %g Pa, ρ = %g kg/m³\n",
+              number("/stable_time_step_s"), number("/material/lame_lambda"), number("/material/lame_mu"),
+              number("/material/density"));
+}
+
+}  // namespace
+
+int info(const InfoOptions& options) {
+  const Elastic e{options.lame_lambda, options.lame_mu, options.density};
+  if (!(e.mu > 0) || !(3 * e.lambda + 2 * e.mu > 0) || !(e.density > 0))
+    throw InputError("material", "needs mu > 0, 3 lambda + 2 mu > 0 and density > 0");
+  const MeshFile file = read_mesh(options.mesh);
+  print_warnings(file.prepared.warnings());
+  const Json j = info_json(file, options);
+  if (options.json)
+    std::cout << j.dump(1) << '\n';
+  else
+    print_info(j);
+  return done;
+}
+
+int check(const SceneOptions& options) {
+  const Loaded loaded = load(options.scene);
+  if (options.json)
+    std::cout << describe_json(loaded.scene, loaded.resolved) << '\n';
+  else
+    std::cout << describe(loaded.scene, loaded.resolved);
+  return done;
+}
+
+int run(const SceneOptions& options) {
+  const Loaded loaded = load(options.scene);
+  print_warnings(loaded.resolved.warnings);
+  RunResult result;
+  {
+    ProgressBar bar("simulating");
+    RunOptions run_options{options.output, options.threads, {}};
+    run_options.progress = [&](double fraction) { bar.show(fraction); };
+    result = run_scene(loaded.scene, loaded.resolved, run_options);
+  }
+  if (!result.picture_request.empty() && !options.no_pictures) {
+    const std::string trouble = render_pictures(result.picture_request);
+    if (!trouble.empty()) print_warnings({trouble});
+  }
+  if (options.json)
+    std::cout << std::ifstream(result.report).rdbuf();
+  else
+    std::cout << result.summary << "written to " << options.output.string() << '\n';
+  if (result.ok) return done;
+  print_errors(result.warnings.back());
+  return ended_early;
+}
+
+int regions(const SceneOptions& options) {
+  const Loaded loaded = load(options.scene);
+  print_warnings(loaded.resolved.warnings);
+  const Setup& setup = loaded.resolved.setup;
+  DataArray region{"region", Eigen::MatrixXd(1, setup.mesh.tet_count()), DataArray::Type::int32};
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    region.values(0, t) = static_cast<int>(setup.region_of[t]);
+  write_vtu(options.output, setup.mesh, {}, {region});
+  std::cout << "written to " << options.output.string() << '\n';
+  return done;
+}
+
+}  // namespace lobe::program

@@ -1,0 +1,28 @@
+// The commands of `lobe`. Each prints its result, throws InputError for bad input, and returns an exit
+// status.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace lobe::program {
+
+struct InfoOptions {
+  std::filesystem::path mesh;
+  double lame_lambda = 4e4, lame_mu = 1e4, density = 1000;  // [Pa], [Pa], [kg/m³]: for the stable time step
+  bool json = false;
+};
+int info(const InfoOptions& options);
+
+struct SceneOptions {
+  std::filesystem::path scene;
+  std::filesystem::path output;  // a directory (run) or a mesh (regions)
+  int threads = 1;
+  bool json = false;
+  bool no_pictures = false;
+};
+int check(const SceneOptions& options);
+int run(const SceneOptions& options);
+int regions(const SceneOptions& options);
+
+}  // namespace lobe::program

@@ -1,0 +1,36 @@
+// What the commands share: exit statuses, one line per fault, a progress bar.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lobe::program {
+
+enum Status { done = 0, ended_early = 1, bad_input = 2 };
+
+// "lobe: error: …" for every line of text, on standard error.
+void print_errors(const std::string& text);
+void print_warnings(const std::vector<std::string>& warnings);
+
+// A bar on standard error, only if that is a terminal.
+class ProgressBar {
+ public:
+  explicit ProgressBar(std::string what);
+  ~ProgressBar();
+  void show(double fraction);
+
+ private:
+  std::string what_;
+  bool terminal_;
+  int shown_ = -1;
+};
+
+// The program of this name beside the running one, else the one that the PATH finds.
+std::filesystem::path sibling(const std::string& program);
+
+// Runs a program to its end, without a shell. Returns its exit status, 127 if it could not be started, 128 +
+// n if signal n ended it.
+int run_program(const std::vector<std::string>& arguments);
+
+}  // namespace lobe::program

@@ -1,0 +1,83 @@
+// The command `lobe`: docs/commands.md lists its commands and their options.
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <functional>
+
+#include "commands.h"
+#include "console.h"
+#include "lobe/error.h"
+
+namespace {
+
+using namespace lobe::program;
+using Action = std::function<int()>;
+
+// `lobe mesh …` is lobe-mesh, a program of its own for the sake of its licence.
+int forward_to_mesher(int argc, char** argv) {
+  std::vector<std::string> arguments{sibling("lobe-mesh").string()};
+  arguments.insert(arguments.end(), argv + 2, argv + argc);
+  const int status = run_program(arguments);
+  if (status == 127) print_errors("lobe-mesh is not installed: build lobe with LOBE_MESHING=ON");
+  return status == 127 ? static_cast<int>(bad_input) : status;
+}
+
+void add_info(CLI::App& app, InfoOptions& options, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("info", "Counts, labels, quality, volume, stable time step of a mesh");
+  command->add_option("MESH", options.mesh, "vtu, vtk, msh, mesh, node/ele")->required();
+  command->add_option("--lambda", options.lame_lambda, "Lamé λ for the time step [Pa]")
+      ->capture_default_str();
+  command->add_option("--mu", options.lame_mu, "Lamé μ for the time step [Pa]")->capture_default_str();
+  command->add_option("--density", options.density, "for the time step [kg/m³]")->capture_default_str();
+  command->add_flag("--json", options.json, "print JSON alone");
+  command->callback([&] { action = [&] { return info(options); }; });
+}
+
+CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, SceneOptions& options,
+                            Action& action, int (*function)(const SceneOptions&)) {
+  CLI::App* command = app.add_subcommand(name, help);
+  command->add_option("SCENE", options.scene, "scene file (docs/scene.md)")->required();
+  command->callback(
+      [&options, &action, function] { action = [&options, function] { return function(options); }; });
+  return command;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "mesh") return forward_to_mesher(argc, argv);
+  CLI::App app{"Hybrid linear / non-linear organ models in real time"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", LOBE_VERSION);
+  Action action;
+  InfoOptions info_options;
+  SceneOptions options;
+  app.add_subcommand("mesh", "From a surface to a mesh: runs lobe-mesh");
+  add_info(app, info_options, action);
+  CLI::App* check_command =
+      add_scene_command(app, "check", "Validate a scene and print what will be run", options, action, check);
+  check_command->add_flag("--json", options.json, "print JSON alone");
+  CLI::App* run_command =
+      add_scene_command(app, "run", "Play a scene: frames, pictures, report", options, action, run);
+  run_command->add_option("-o,--output", options.output, "directory for the results")->required();
+  run_command->add_option("--threads", options.threads, "threads of the simulation")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  run_command->add_flag("--no-pictures", options.no_pictures, "do not render pictures");
+  run_command->add_flag("--json", options.json, "print the report alone");
+  CLI::App* regions_command =
+      add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
+  regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();
+
+  try {
+    app.parse(argc, argv);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? static_cast<int>(done) : static_cast<int>(bad_input);
+  } catch (const lobe::InputError& error) {
+    print_errors(error.what());
+  } catch (const std::exception& error) {
+    print_errors(error.what());
+  }
+  return bad_input;
+}

@@ -1,0 +1,13 @@
+// Pictures of a run, by the program lobe-picture.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace lobe::program {
+
+// Renders a request of Recorder, off-screen if there is no display. Returns an empty string, or why there are
+// no pictures and what to do about it.
+std::string render_pictures(const std::filesystem::path& request);
+
+}  // namespace lobe::program

@@ -1,0 +1,21 @@
+#include "lobe/io/mesh_io.h"
+
+#include "lobe/error.h"
+#include "lobe/io/raw_mesh.h"
+
+namespace lobe {
+
+MeshFile read_mesh(const std::filesystem::path& file) {
+  const std::string name = file.string(), extension = io::lower_case(file.extension().string());
+  if (extension == ".node" || extension == ".ele") return io::finish(io::read_tetgen(file), name);
+  const auto bytes = [&] { return io::read_file(file); };
+  if (extension == ".vtu") return io::read_vtu(name, bytes());
+  if (extension == ".vtk") return io::finish(io::read_vtk_legacy(name, bytes()), name);
+  if (extension == ".msh") return io::finish(io::read_gmsh(name, bytes()), name);
+  if (extension == ".mesh") return io::finish(io::read_medit(name, bytes()), name);
+  throw InputError(name, "unknown extension '" + extension +
+                             "', expected .vtu, .vtk, .msh, .mesh, .node or .ele; surfaces (.stl, .obj, "
+                             ".ply, .off) are meshed by lobe-mesh");
+}
+
+}  // namespace lobe

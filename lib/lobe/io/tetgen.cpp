@@ -1,0 +1,72 @@
+// TetGen's pair of files: .node with the vertices, .ele with the tetrahedra. They count from 0 or 1.
+#include "lobe/error.h"
+#include "lobe/io/numeric.h"
+#include "lobe/io/raw_mesh.h"
+
+namespace lobe::io {
+namespace {
+
+// Returns the number of the first vertex, 0 or 1.
+std::int64_t read_nodes(Scanner& scan, RawMesh& raw) {
+  const std::size_t count = scan.count("vertices", 8);
+  scan.integer("the dimension", 3, 3);
+  const std::int64_t attributes = scan.integer("the number of attributes", 0, 1000);
+  const std::int64_t markers = scan.integer("the number of boundary markers", 0, 1);
+  raw.coordinates.reserve(3 * count);
+  std::int64_t base = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t id = scan.integer("the number of a vertex");
+    if (i == 0 && (id == 0 || id == 1)) base = id;
+    if (id != base + static_cast<std::int64_t>(i))
+      scan.fail("vertex number " + std::to_string(id) + ", expected " +
+                std::to_string(base + static_cast<std::int64_t>(i)) +
+                "; vertices are numbered one after the other from 0 or 1");
+    for (int k = 0; k < 3; ++k) raw.coordinates.push_back(scan.real("a coordinate"));
+    for (std::int64_t k = 0; k < attributes + markers; ++k) scan.word("an attribute or marker of a vertex");
+  }
+  return base;
+}
+
+void read_elements(Scanner& scan, std::int64_t base, RawMesh& raw) {
+  const auto vertices = static_cast<std::int64_t>(raw.coordinates.size() / 3);
+  const std::size_t count = scan.count("tetrahedra", 10);
+  if (scan.integer("the number of vertices of a tetrahedron") != 4)
+    scan.fail("quadratic tetrahedra, expected 4 vertices each; run TetGen without -o2");
+  const std::int64_t attributes = scan.integer("the number of attributes", 0, 1000);
+  raw.corners.reserve(4 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    scan.integer("the number of a tetrahedron");
+    for (int k = 0; k < 4; ++k)
+      raw.corners.push_back(
+          static_cast<Index>(scan.integer("a vertex of a tetrahedron", base, base + vertices - 1) - base));
+    for (std::int64_t k = 0; k < attributes; ++k) {
+      const auto region = whole_number(scan.real("a region"), -max_index, max_index);
+      if (k > 0) continue;
+      if (!region) scan.fail("the region of a tetrahedron must be a whole number below 2^31");
+      raw.labels.push_back(static_cast<int>(*region));
+    }
+  }
+}
+
+std::filesystem::path partner(const std::filesystem::path& file, const char* extension) {
+  std::filesystem::path other = file;
+  other.replace_extension(extension);
+  if (!std::filesystem::exists(other))
+    throw InputError(other.string(), "no such file; TetGen's .node and .ele belong together");
+  return other;
+}
+
+}  // namespace
+
+RawMesh read_tetgen(const std::filesystem::path& node_or_ele) {
+  const auto node = partner(node_or_ele, ".node"), ele = partner(node_or_ele, ".ele");
+  RawMesh raw;
+  const std::string node_bytes = read_file(node), ele_bytes = read_file(ele);
+  Scanner node_scan(node.string(), node_bytes, '#');
+  const std::int64_t base = read_nodes(node_scan, raw);
+  Scanner ele_scan(ele.string(), ele_bytes, '#');
+  read_elements(ele_scan, base, raw);
+  return raw;
+}
+
+}  // namespace lobe::io

@@ -1,0 +1,141 @@
+// Legacy VTK files (VTK user's guide, "Simple legacy formats"), versions 2.0 to 5.1. Binary parts are
+// big-endian and begin after the line that announces them.
+#include "lobe/io/vtk_legacy.h"
+
+#include "lobe/io/vtk_cells.h"
+
+namespace lobe::io {
+namespace {
+
+struct LegacyMesh {
+  RawMesh raw;
+  VtkCells cells;
+  bool has_cells = false;
+};
+
+// Returns the major version.
+int read_header(Scanner& scan) {
+  constexpr std::string_view magic = "# vtk DataFile Version ";
+  const std::string first(scan.line());
+  if (first.substr(0, magic.size()) != magic)
+    scan.fail("expected '# vtk DataFile Version …'; is this a legacy VTK file?");
+  const char major = first.size() > magic.size() ? first[magic.size()] : '\0';
+  if (major < '1' || major > '5') scan.fail("unknown version, expected 2.0 … 5.1");
+  scan.line();  // the title
+  const std::string encoding = lower_case(scan.word("ASCII or BINARY"));
+  if (encoding != "ascii" && encoding != "binary") scan.fail("expected ASCII or BINARY");
+  if (encoding == "binary") scan.set_binary(std::endian::native == std::endian::little);
+  scan.expect("DATASET");
+  if (lower_case(scan.word("a data set")) != "unstructured_grid")
+    scan.fail("expected DATASET UNSTRUCTURED_GRID; a surface is meshed by lobe-mesh");
+  return major - '0';
+}
+
+void read_points(Scanner& scan, RawMesh& raw) {
+  const std::size_t count = scan.count("points", 3);
+  const std::string type = lower_case(scan.word("the type of the points"));
+  raw.coordinates = read_legacy_array(scan, type, 3 * count, "points");
+}
+
+// Up to version 4.2: for each cell the number of its vertices, and the vertices.
+void read_cells_4(Scanner& scan, VtkCells& cells) {
+  const std::size_t count = scan.count("cells", 1), size = scan.count("numbers", 1);
+  const std::vector<double> numbers = read_legacy_array(scan, "int", size, "cells");
+  std::size_t at = 0;
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    const auto left = static_cast<std::int64_t>(size - at) - 1;
+    const auto vertices = left < 0 ? std::nullopt : whole_number(numbers[at], 0, left);
+    if (!vertices)
+      scan.fail("the vertices of cell " + std::to_string(cell) + " go beyond the " + std::to_string(size) +
+                " numbers of CELLS");
+    for (std::int64_t k = 0; k < *vertices; ++k) cells.connectivity.push_back(numbers[++at]);
+    ++at;
+    cells.ends.push_back(static_cast<double>(cells.connectivity.size()));
+  }
+}
+
+std::vector<double> read_named_array(Scanner& scan, const char* keyword, std::size_t count) {
+  scan.expect(keyword);
+  const std::string type = lower_case(scan.word("a type"));
+  return read_legacy_array(scan, type, count, keyword);
+}
+
+// From version 5: OFFSETS, one more than cells, and CONNECTIVITY.
+void read_cells_5(Scanner& scan, VtkCells& cells) {
+  const std::size_t offsets = scan.count("offsets", 1), size = scan.count("numbers", 1);
+  cells.ends = read_named_array(scan, "OFFSETS", offsets);
+  if (!cells.ends.empty()) cells.ends.erase(cells.ends.begin());  // always 0
+  cells.connectivity = read_named_array(scan, "CONNECTIVITY", size);
+}
+
+void read_block(Scanner& scan, const std::string& keyword, int version, LegacyMesh& mesh) {
+  if (keyword == "points") {
+    read_points(scan, mesh.raw);
+  } else if (keyword == "cells") {
+    version >= 5 ? read_cells_5(scan, mesh.cells) : read_cells_4(scan, mesh.cells);
+    mesh.has_cells = true;
+  } else if (keyword == "cell_types") {
+    const std::size_t count = scan.count("cell types", 1);
+    mesh.cells.types = read_legacy_array(scan, "int", count, "cell types");
+  } else if (keyword == "field") {
+    read_legacy_field(scan, nullptr);
+  } else if (keyword == "metadata") {
+    skip_legacy_metadata(scan);
+  } else {
+    scan.fail("unknown keyword, expected POINTS, CELLS, CELL_TYPES, POINT_DATA or CELL_DATA");
+  }
+}
+
+void add_labels(const LegacyArrays& arrays, const std::vector<std::size_t>& tets, const std::string& name,
+                RawMesh& raw) {
+  for (const char* label : label_names)
+    if (const auto found = arrays.find(label); found != arrays.end()) {
+      raw.labels = labels_of(found->second, tets, name + ": " + label);
+      return;
+    }
+}
+
+}  // namespace
+
+std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std::size_t count,
+                                      const std::string& what) {
+  if (type == "bit" && scan.is_binary()) {  // eight to a byte
+    scan.line();
+    scan.bytes(count / 8 + (count % 8 != 0), what);
+    return std::vector<double>(count, 0.0);
+  }
+  const auto number = type == "bit" ? Number::u8 : legacy_number(type);
+  if (!number)
+    scan.fail("type '" + std::string(type.substr(0, 40)) + "' of " + what +
+              ", expected float, double, int …");
+  if (scan.is_binary()) {
+    scan.line();
+    const std::size_t size = size_of(*number);
+    scan.require_room(count, size, what);
+    return decode(*number, scan.bytes(count * size, what), scan.swaps());
+  }
+  scan.require_room(count, 2, what);
+  std::vector<double> values(count);
+  for (double& value : values) value = scan.real("a number of " + what);
+  return values;
+}
+
+RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes) {
+  Scanner scan(name, bytes);
+  const int version = read_header(scan);
+  LegacyMesh mesh;
+  LegacyArrays arrays;
+  while (!scan.at_end()) {
+    const std::string keyword = lower_case(scan.word("a keyword"));
+    if (keyword == "point_data" || keyword == "cell_data")
+      arrays = read_legacy_attributes(scan, keyword, mesh.raw.coordinates.size() / 3, mesh.cells.ends.size());
+    else
+      read_block(scan, keyword, version, mesh);
+  }
+  if (!mesh.has_cells) scan.fail("the file has no CELLS; it is truncated");
+  const auto tets = add_tetrahedra(mesh.cells, name, mesh.raw);
+  add_labels(arrays, tets, name, mesh.raw);
+  return std::move(mesh.raw);
+}
+
+}  // namespace lobe::io

@@ -1,0 +1,27 @@
+#include "lobe/mesh/tet_mesh.h"
+
+#include <Eigen/LU>
+
+namespace lobe {
+
+Mat34<double> tet_points(const TetMesh& mesh, Index tet) {
+  Mat34<double> corners;
+  for (int k = 0; k < 4; ++k) corners.col(k) = mesh.points.col(mesh.tets(k, tet));
+  return corners;
+}
+
+// V = det[X1−X0, X2−X0, X3−X0] / 6
+double signed_volume(const Mat34<double>& corners) {
+  const Mat3<double> edges = corners.rightCols<3>().colwise() - corners.col(0);
+  return edges.determinant() / 6;
+}
+
+double total_volume(const TetMesh& mesh) {
+  double volume = 0;
+  for (Index t = 0; t < mesh.tet_count(); ++t) volume += signed_volume(tet_points(mesh, t));
+  return volume;
+}
+
+Vec3d barycentre(const TetMesh& mesh, Index tet) { return tet_points(mesh, tet).rowwise().mean(); }
+
+}  // namespace lobe

@@ -1,7 +1,6 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include <algorithm>
 #include <fstream>
-#include <iomanip>
 #include <iterator>
 
 #include "lobe/error.h"
@@ -56,34 +55,6 @@ Surface read_surface(const std::filesystem::path& file) {
   Surface surface = to_surface(parse_stl(text), text);
   weld(surface);
   return surface;
-}
-
-void write_surface(const std::filesystem::path& file, const Surface& surface) {
-  const std::string extension = extension_of(file);
-  std::ofstream out(file);
-  out << std::setprecision(17);
-  const auto row = [&](const char* prefix, const auto& column) {
-    out << prefix << column[0] << ' ' << column[1] << ' ' << column[2] << '\n';
-  };
-  if (extension == ".off" || extension == ".obj") {
-    const bool off = extension == ".off";
-    if (off) out << "OFF\n" << surface.point_count() << ' ' << surface.triangle_count() << " 0\n";
-    for (const auto& p : surface.points.colwise()) row(off ? "" : "v ", p);
-    for (const auto& t : surface.triangles.colwise()) {
-      row(off ? "3 " : "f ", off ? t.eval() : (t.array() + 1).matrix().eval());
-    }
-  } else if (extension == ".stl") {
-    out << "solid lobe\n";
-    for (const auto& t : surface.triangles.colwise()) {
-      out << "facet normal 0 0 0\nouter loop\n";
-      for (const Index v : t) row("vertex ", surface.points.col(v));
-      out << "endloop\nendfacet\n";
-    }
-    out << "endsolid lobe\n";
-  } else {
-    throw InputError(file.string(), "unknown extension '" + extension + "', expected .off, .obj or .stl");
-  }
-  if (!out.flush()) throw InputError(file.string(), "cannot be written");
 }
 
 }  // namespace lobe::meshing

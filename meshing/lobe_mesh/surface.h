@@ -19,13 +19,11 @@ struct Surface {
   Index triangle_count() const { return static_cast<Index>(triangles.cols()); }
 };
 
+// (Written by write_surface() of lobe/io/surface_io.h.)
 // Reads by extension: .stl and .ply (ascii and binary), .obj, .off. Polygons are triangulated; STL, which has
 // no indices, gets equal points welded. Coordinates that are not finite are kept for diagnose(). Throws
 // InputError naming file and line (or byte): missing, empty, truncated or garbled files, wrong indices.
 Surface read_surface(const std::filesystem::path& file);
-
-// Writes .off, .obj or .stl (ascii), by extension.
-void write_surface(const std::filesystem::path& file, const Surface& surface);
 
 double enclosed_volume(const Surface& surface);  // [m³], negative if the triangles face inwards
 double box_diagonal(const Surface& surface);     // [m], over the vertices that triangles use

@@ -71,7 +71,7 @@ std::vector<std::pair<Index, Index>> self_intersections(const Surface& surface, 
     }
     std::vector<std::pair<Index, Index>> pairs;
     const auto test = [&](const Box& a, const Box& b) {
-      const auto [low, high] = std::minmax(a.info(), b.info());
+      const auto [low, high] = std::minmax({a.info(), b.info()});
       if (!intersect(soup.points, soup.triangles[low], soup.triangles[high])) return;
       pairs.emplace_back(low, high);
       if (pairs.size() >= most) throw Enough{};

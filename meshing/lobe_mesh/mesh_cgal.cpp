@@ -25,8 +25,8 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 // Radii in units of the edge aimed at, calibrated so that the mean volume of the optimised mesh is that of
 // the regular tetrahedron (tests/meshing/tetrahedralise_test.cpp holds it to ±30 %).
-constexpr double facet_radius = 0.62;
-constexpr double cell_radius = 0.70;
+constexpr double facet_radius = 0.68;
+constexpr double cell_radius = 0.78;
 constexpr double facet_distance = 0.3;  // tighter values ruin the time step
 
 // Raises a flag when the time is over, unless it is destroyed before.

@@ -15,7 +15,7 @@ namespace lobe::meshing {
 namespace {
 
 // Largest volume of a tetrahedron in units of the regular one, calibrated as in mesh_cgal.cpp.
-constexpr double volume_factor = 1.6;
+constexpr double volume_factor = 2.0;
 
 // How often the surface winds around a point (solid angle / 4π): 1 inside, 0 outside or in a cavity.
 double winding_number(const Surface& surface, const Vec3d& p) {

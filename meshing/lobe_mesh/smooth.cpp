@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include <algorithm>
-#include <map>
+#include <array>
+#include <limits>
 #include <set>
 
 #include "lobe/mesh/quality.h"
@@ -9,19 +10,31 @@
 namespace lobe::meshing {
 namespace {
 
-std::vector<bool> boundary_vertices(const TetMesh& mesh) {
-  std::map<std::array<Index, 3>, std::array<Index, 3>> single;
+using Face = std::array<Index, 3>;
+
+Face sorted_face(const TetMesh& mesh, Index t, int opposite) {
+  Face face{mesh.tets(face_corners[opposite][0], t), mesh.tets(face_corners[opposite][1], t),
+            mesh.tets(face_corners[opposite][2], t)};
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+// Faces of one tetrahedron only.
+std::set<Face> boundary_faces(const TetMesh& mesh) {
+  std::set<Face> single;
   for (Index t = 0; t < mesh.tet_count(); ++t) {
-    for (const auto& face : face_corners) {
-      const std::array<Index, 3> corners{mesh.tets(face[0], t), mesh.tets(face[1], t), mesh.tets(face[2], t)};
-      auto key = corners;
-      std::sort(key.begin(), key.end());
-      if (!single.insert({key, corners}).second) single.erase(key);
+    for (int k = 0; k < 4; ++k) {
+      const auto [entry, is_new] = single.insert(sorted_face(mesh, t, k));
+      if (!is_new) single.erase(entry);
     }
   }
+  return single;
+}
+
+std::vector<bool> boundary_vertices(const TetMesh& mesh) {
   std::vector<bool> on_boundary(mesh.vertex_count(), false);
-  for (const auto& [key, corners] : single) {
-    for (const Index v : corners) on_boundary[v] = true;
+  for (const Face& face : boundary_faces(mesh)) {
+    for (const Index v : face) on_boundary[v] = true;
   }
   return on_boundary;
 }
@@ -68,6 +81,31 @@ void smooth_interior(TetMesh& mesh, int rounds) {
       if (!on_boundary[v] && !tets_at[v].empty()) improve(mesh, v, tets_at[v]);
     }
   }
+}
+
+void peel_flat_tets(TetMesh& mesh) {
+  constexpr double flat = 0.03;  // smallest altitude over longest edge
+  const std::set<Face> boundary = boundary_faces(mesh);
+  std::set<std::pair<Index, Index>> boundary_edges;
+  for (const Face& f : boundary) {
+    for (const auto& edge : {std::pair{f[0], f[1]}, {f[1], f[2]}, {f[0], f[2]}}) boundary_edges.insert(edge);
+  }
+  Index kept = 0;
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    const Mat34<double> corners = tet_points(mesh, t);
+    const auto heights = altitudes(corners);
+    double longest = 0;
+    for (const auto& e : edge_corners)
+      longest = std::max(longest, (corners.col(e[0]) - corners.col(e[1])).norm());
+    std::vector<Index> outer;  // corners opposite to boundary faces: the new edge joins them
+    for (int k = 0; k < 4; ++k) {
+      if (boundary.contains(sorted_face(mesh, t, k))) outer.push_back(mesh.tets(k, t));
+    }
+    const bool peel = *std::min_element(heights.begin(), heights.end()) < flat * longest &&
+                      outer.size() == 2 && boundary_edges.insert(std::minmax(outer[0], outer[1])).second;
+    if (!peel) mesh.tets.col(kept++) = mesh.tets.col(t).eval();
+  }
+  mesh.tets.conservativeResize(4, kept);
 }
 
 }  // namespace lobe::meshing

@@ -39,4 +39,8 @@ TetMesh mesh_with_tetgen(const Surface& surface, double edge, const MeshOptions&
 // Moves interior vertices to where the smallest altitude around them is larger; the boundary stays.
 void smooth_interior(TetMesh& mesh, int rounds);
 
+// Removes almost flat tetrahedra that lie on the boundary with two faces; to the surface that is a flipped
+// edge. Smoothing cannot help those whose vertices are all on the boundary.
+void peel_flat_tets(TetMesh& mesh);
+
 }  // namespace lobe::meshing

@@ -33,6 +33,27 @@ EdgeLengths sharp_edges(const Surface& surface, double angle) {
   return sharp;
 }
 
+// Removes lines that end somewhere (a vertex with one edge) or turn by more than 60° without a branch.
+void drop_creases(const Surface& surface, EdgeLengths& edges) {
+  for (bool changed = true; changed;) {
+    std::map<Index, std::vector<Index>> next;
+    for (const auto& [edge, length] : edges) {
+      next[edge.first].push_back(edge.second);
+      next[edge.second].push_back(edge.first);
+    }
+    const auto loose = [&](Index v) {
+      const std::vector<Index>& around = next[v];
+      if (around.size() != 2) return around.size() < 2;
+      const Vec3d in = surface.points.col(v) - surface.points.col(around[0]);
+      const Vec3d out = surface.points.col(around[1]) - surface.points.col(v);
+      return in.dot(out) < 0.5 * in.norm() * out.norm();
+    };
+    changed = std::erase_if(edges, [&](const auto& entry) {
+                return loose(entry.first.first) || loose(entry.first.second);
+              }) > 0;
+  }
+}
+
 // Removes connected groups of edges whose total length is below `shortest`.
 void drop_short_groups(EdgeLengths& edges, double shortest) {
   std::map<Index, Index> parent;
@@ -88,6 +109,7 @@ Mat3X<double> UnitBox::from_unit(const Mat3X<double>& points) const {
 
 std::vector<Polyline> feature_lines(const Surface& surface, double angle, double shortest) {
   EdgeLengths edges = sharp_edges(surface, angle);
+  drop_creases(surface, edges);
   drop_short_groups(edges, shortest);
   std::map<Index, std::set<Index>> next;
   for (const auto& [edge, length] : edges) {

@@ -43,8 +43,9 @@ struct UnitBox {
 // One feature line: vertices in order, first = last for a closed one.
 using Polyline = std::vector<Index>;
 
-// Edges whose two triangles turn by more than `angle` [degrees], as lines from corner to corner. Connected
-// groups shorter than `shortest` [m] are creases of a coarse surface, not features, and are left out.
+// Edges whose two triangles turn by more than `angle` [degrees], as lines from corner to corner. Creases of a
+// coarse or rough surface are left out: lines that end on a smooth part or zigzag, and connected groups
+// shorter than `shortest` [m]. The edges of a box and the rims of a cylinder stay.
 std::vector<Polyline> feature_lines(const Surface& surface, double angle, double shortest);
 
 }  // namespace lobe::meshing

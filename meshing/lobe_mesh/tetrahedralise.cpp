@@ -20,7 +20,7 @@ namespace {
 
 constexpr double most_tets = 20e6;
 // Remeshing to this multiple of the edge gives boundary tetrahedra of the volume aimed at.
-constexpr double surface_edge_factor = 1.0;
+constexpr double surface_edge_factor = 1.08;
 constexpr int smoothing_rounds = 8;
 
 double regular_volume(double edge) { return edge * edge * edge / (6 * std::numbers::sqrt2); }
@@ -45,6 +45,7 @@ void check(const MeshOptions& options, const Surface& surface) {
   positive("time limit", options.time_limit, false);
   positive("memory limit", options.memory_limit, false);
   positive("feature angle", options.feature_angle, false);
+  if (options.tries < 0 || options.tries > 8) faults.push_back({"tries", "must be from 1 to 8"});
   if (!faults.empty()) throw InputError(std::move(faults));
   if (options.edge == 0) return;
   const double diagonal = box_diagonal(surface);
@@ -66,13 +67,22 @@ class Stopwatch {
   explicit Stopwatch(MeshReport& report) : report_(report) {}
   void phase(const std::string& name) {
     const auto now = std::chrono::steady_clock::now();
-    report_.phases.push_back({name, std::chrono::duration<double>(now - last_).count()});
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    const auto same = [&](const Phase& phase) { return phase.name == name; };
+    const auto known = std::find_if(report_.phases.begin(), report_.phases.end(), same);
+    if (known != report_.phases.end())
+      known->seconds += seconds;
+    else
+      report_.phases.push_back({name, seconds});
     last_ = now;
+  }
+  double elapsed() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
 
  private:
   MeshReport& report_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
 };
 
 // Remeshing may fold thin parts onto themselves, which TetGen refuses: then a finer surface is tried.
@@ -115,6 +125,33 @@ void measure(const TetMesh& mesh, const MeshOptions& options, MeshReport& report
   }
 }
 
+// One mesh of the surface, which is scaled to unit size.
+TetMesh mesh_once(const Surface& surface, const std::vector<Polyline>& features, double edge,
+                  const MeshOptions& options, const UnitBox& unit, Stopwatch& stopwatch) {
+  TetMesh mesh;
+  if (options.mesher == Mesher::cgal) {
+    mesh = mesh_with_cgal(surface, features, edge, options.time_limit);
+    stopwatch.phase("cgal");
+  } else {
+    const Surface remeshed = remesh_without_intersections(surface, features, edge);
+    stopwatch.phase("remesh");
+    mesh = mesh_with_tetgen(remeshed, edge, options);
+    stopwatch.phase("tetgen");
+    smooth_interior(mesh, smoothing_rounds);
+    peel_flat_tets(mesh);
+    stopwatch.phase("smooth");
+  }
+  if (mesh.tet_count() == 0) throw MeshingFailure("no tetrahedra: choose a shorter --edge");
+  mesh.points = unit.from_unit(mesh.points);
+  try {
+    prepare(mesh, "mesh");
+  } catch (const InputError& error) {
+    throw MeshingFailure(std::string("the mesher left an unusable mesh (") + error.what() +
+                         "): try another --edge");
+  }
+  return mesh;
+}
+
 }  // namespace
 
 TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshReport& report) {
@@ -127,32 +164,33 @@ TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshR
   report.edge = options.edge > 0 ? options.edge : box_diagonal(surface) / 25;
   const double edge = report.edge / unit.size;
   if (!diagnose(scaled).meshable()) throw InputError("surface", "not closed and manifold: repair it first");
-  const auto features = feature_lines(scaled, options.feature_angle, 4 * edge);
+  const auto features = feature_lines(scaled, options.feature_angle, 6 * edge);
   stopwatch.phase("check");
 
-  TetMesh mesh;
-  if (options.mesher == Mesher::cgal) {
-    mesh = mesh_with_cgal(scaled, features, edge, options.time_limit);
-    stopwatch.phase("cgal");
-  } else {
-    const Surface remeshed = remesh_without_intersections(scaled, features, edge);
-    stopwatch.phase("remesh");
-    mesh = mesh_with_tetgen(remeshed, edge, options);
-    stopwatch.phase("tetgen");
-    smooth_interior(mesh, smoothing_rounds);
-    stopwatch.phase("smooth");
+  // A try that fails is replaced by another one; which one is best depends on chance more than on the edge.
+  const int wanted = options.tries > 0 ? options.tries : options.mesher == Mesher::cgal ? 1 : 3;
+  TetMesh best;
+  double best_step = 0;
+  int done = 0;
+  std::string failure;
+  for (const double factor : {1.0, 0.97, 1.03, 0.94, 1.05, 0.91, 1.02, 0.98}) {
+    if (done == wanted) break;
+    try {
+      TetMesh mesh = mesh_once(scaled, features, factor * edge, options, unit, stopwatch);
+      const double step = rest_time_step(mesh, options.lambda, options.mu, options.density);
+      ++done;
+      if (step <= best_step) continue;
+      best = std::move(mesh);
+      best_step = step;
+    } catch (const MeshingFailure& error) {
+      if (failure.empty()) failure = error.what();
+      if (stopwatch.elapsed() > options.time_limit) break;
+    }
   }
-  if (mesh.tet_count() == 0) throw MeshingFailure("no tetrahedra: choose a shorter --edge");
-  mesh.points = unit.from_unit(mesh.points);
-  try {
-    prepare(mesh, "mesh");
-  } catch (const InputError& error) {
-    throw MeshingFailure(std::string("the mesher left an unusable mesh (") + error.what() +
-                         "): try another --edge");
-  }
-  measure(mesh, options, report);
+  if (done == 0) throw MeshingFailure(failure);
+  measure(best, options, report);
   stopwatch.phase("measure");
-  return mesh;
+  return best;
 }
 
 }  // namespace lobe::meshing

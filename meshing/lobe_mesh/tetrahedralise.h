@@ -21,13 +21,16 @@ enum class Mesher {
 struct MeshOptions {
   double edge = 0;  // [m] edge of the regular tetrahedron of mean volume to aim at; 0: diagonal / 25
   Mesher mesher = Mesher::cgal;
-  double feature_angle = 60;             // [degrees] edges that turn by more are kept sharp
-  double time_limit = 600;               // [s] of wall-clock time for the mesher
-  double memory_limit = 8e9;             // [bytes] of TetGen's process
-  double lambda = 4e4;                   // [Pa] material that the stable time step is reported for
-  double mu = 1e4;                       // [Pa]
-  double density = 1000;                 // [kg/m³]
-  std::filesystem::path tetgen_program;  // empty: lobe-tetgen beside the running program, or on the PATH
+
+  int tries = 0;  // meshes of slightly different edges, the one with the largest time step is kept; 0: cgal
+                  // 1, tetgen 3
+  double feature_angle = 60;                  // [degrees] edges that turn by more are kept sharp
+  double time_limit = 600;                    // [s] of wall-clock time for the mesher
+  double memory_limit = 8e9;                  // [bytes] of TetGen's process
+  double lambda = 4e4;                        // [Pa] material that the stable time step is reported for
+  double mu = 1e4;                            // [Pa]
+  double density = 1000;                      // [kg/m³]
+  std::filesystem::path tetgen_program = {};  // empty: lobe-tetgen beside the running program, or on the PATH
 };
 
 struct Phase {

@@ -52,6 +52,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--wrap-alpha", o.repair.wrap_alpha,
                  "gaps that wrapping bridges [m]; default: diagonal / 60");
   app.add_option("--wrap-offset", o.repair.wrap_offset, "distance of the wrapping [m]; default: alpha / 30");
+  app.add_option("--tries", o.mesh.tries, "meshes to choose the best from; default: cgal 1, tetgen 3");
   app.add_option("--feature-angle", o.mesh.feature_angle, "edges that turn by more stay sharp [degrees]")
       ->capture_default_str();
   app.add_option("--time-limit", o.mesh.time_limit, "for the mesher [s]")->capture_default_str();

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,9 +26,12 @@ namespace {
     const rlimit both{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
     setrlimit(resource, &both);
   };
+#ifndef __SANITIZE_ADDRESS__  // reserves terabytes of addresses
   limit(RLIMIT_AS, limits.memory_bytes);
+#endif
   limit(RLIMIT_CPU, std::ceil(limits.seconds) + 1);
   limit(RLIMIT_CORE, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // never outlives this program
   const int nothing = open("/dev/null", O_RDWR);
   for (int stream = 0; stream < 3; ++stream) dup2(nothing, stream);
   execv(arguments[0], arguments);

@@ -38,6 +38,8 @@ Surface renumbered(const Surface& surface, const std::vector<Index>& target, con
 
 }  // namespace
 
+bool usable(const Vec3d& point) { return point.allFinite() && point.cwiseAbs().maxCoeff() < 1e50; }
+
 std::vector<Index> first_of_equal_points(const Mat3X<double>& points) {
   const auto coordinates = [&](Index i) { return std::array{points(0, i), points(1, i), points(2, i)}; };
   std::vector<Index> order(points.cols());

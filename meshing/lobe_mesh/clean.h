@@ -9,6 +9,9 @@
 
 namespace lobe::meshing {
 
+// Finite, and not so large (1e50) that its cube overflows.
+bool usable(const Vec3d& point);
+
 // For every point the first one with the same coordinates (itself, if there is none).
 std::vector<Index> first_of_equal_points(const Mat3X<double>& points);
 

@@ -57,8 +57,7 @@ void check_points(const Surface& surface, Diagnosis& d) {
   const std::vector<Index> first = first_of_equal_points(surface.points);
   for (Index i = 0; i < surface.point_count(); ++i) {
     const std::string name = "vertex " + std::to_string(i);
-    if (!surface.points.col(i).allFinite())
-      add(d.not_finite, name + " at " + position(surface.points.col(i)));
+    if (!usable(surface.points.col(i))) add(d.not_finite, name + " at " + position(surface.points.col(i)));
     if (!used[i])
       ++d.unused_points;
     else if (first[i] != i)

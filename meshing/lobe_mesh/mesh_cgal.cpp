@@ -5,7 +5,9 @@
 #include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
 #include <CGAL/make_mesh_3.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -32,7 +34,10 @@ constexpr double facet_distance = 0.3;  // tighter values ruin the time step
 // Raises a flag when the time is over, unless it is destroyed before.
 class Alarm {
  public:
-  explicit Alarm(double seconds) : thread_([this, seconds] { wait(seconds); }) {}
+  explicit Alarm(double seconds)
+      : end_(Clock::now() +
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))),
+        thread_([this] { wait(); }) {}
   ~Alarm() {
     {
       const std::lock_guard lock(mutex_);
@@ -45,14 +50,17 @@ class Alarm {
   Alarm& operator=(const Alarm&) = delete;
 
   std::atomic<bool>* flag() { return &ringing_; }
+  double seconds_left() const { return std::chrono::duration<double>(end_ - Clock::now()).count(); }
 
  private:
-  void wait(double seconds) {
+  using Clock = std::chrono::steady_clock;
+
+  void wait() {
     std::unique_lock lock(mutex_);
-    if (!condition_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return done_; }))
-      ringing_ = true;
+    if (!condition_.wait_until(lock, end_, [this] { return done_; })) ringing_ = true;
   }
 
+  Clock::time_point end_;
   std::atomic<bool> ringing_ = false;
   bool done_ = false;
   std::mutex mutex_;
@@ -93,7 +101,7 @@ TetMesh to_tet_mesh(const Complex& complex) {
   return mesh;
 }
 
-Complex run(const Domain& domain, double edge, double time_limit, Alarm& alarm) {
+Complex run(const Domain& domain, double edge, Alarm& alarm) {
   using namespace CGAL::parameters;
   const Criteria criteria(edge_size = edge, facet_angle = 25, facet_size = facet_radius * edge,
                           CGAL::parameters::facet_distance = meshing::facet_distance * edge,
@@ -101,11 +109,11 @@ Complex run(const Domain& domain, double edge, double time_limit, Alarm& alarm) 
   Complex complex =
       CGAL::make_mesh_3<Complex>(domain, criteria, manifold(), no_lloyd(), no_odt(), no_perturb(), no_exude(),
                                  mesh_3_options(pointer_to_stop_atomic_boolean = alarm.flag()));
-  if (*alarm.flag()) return complex;
-  CGAL::odt_optimize_mesh_3(complex, domain, CGAL::parameters::time_limit = time_limit);
-  CGAL::lloyd_optimize_mesh_3(complex, domain, CGAL::parameters::time_limit = time_limit);
-  CGAL::perturb_mesh_3(complex, domain, CGAL::parameters::time_limit = time_limit);
-  CGAL::exude_mesh_3(complex, CGAL::parameters::time_limit = time_limit);
+  const auto left = [&] { return std::max(0.01, alarm.seconds_left()); };
+  CGAL::odt_optimize_mesh_3(complex, domain, CGAL::parameters::time_limit = left());
+  CGAL::lloyd_optimize_mesh_3(complex, domain, CGAL::parameters::time_limit = left());
+  CGAL::perturb_mesh_3(complex, domain, CGAL::parameters::time_limit = left());
+  CGAL::exude_mesh_3(complex, CGAL::parameters::time_limit = left());
   return complex;
 }
 
@@ -119,8 +127,8 @@ TetMesh mesh_with_cgal(const Surface& surface, const std::vector<Polyline>& feat
     Domain domain(polyhedron, &random);
     if (!features.empty()) add_features(domain, surface, features);
     Alarm alarm(time_limit);
-    const Complex complex = run(domain, edge, time_limit, alarm);
-    if (*alarm.flag()) {
+    const Complex complex = run(domain, edge, alarm);
+    if (*alarm.flag() || alarm.seconds_left() <= 0) {
       throw MeshingFailure("the mesher cgal did not finish within the time limit of " +
                            std::to_string(static_cast<int>(time_limit)) +
                            " s: choose a longer edge or --time-limit");

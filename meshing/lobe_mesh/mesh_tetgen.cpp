@@ -10,6 +10,7 @@
 #include "lobe_mesh/errors.h"
 #include "lobe_mesh/steps.h"
 #include "lobe_mesh/tetgen_files.h"
+#include "lobe_mesh/tetrahedralise.h"
 
 namespace lobe::meshing {
 namespace {

@@ -22,7 +22,7 @@ Surface remesh(const Surface& surface, const std::vector<Polyline>& features, do
                                  .number_of_relaxation_steps(2)
                                  .edge_is_constrained_map(sharp)
                                  .protect_constraints(false)
-                                 .relax_constraints(true));
+                                 .relax_constraints(false));
     mesh.collect_garbage();
     return from_cgal(mesh);
   });

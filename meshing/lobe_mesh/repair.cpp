@@ -16,14 +16,15 @@ namespace {
 
 void refuse_hopeless(const Surface& surface) {
   for (Index i = 0; i < surface.point_count(); ++i) {
-    if (surface.points.col(i).allFinite()) continue;
-    throw InputError("vertex " + std::to_string(i), "a coordinate is not a finite number");
+    if (usable(surface.points.col(i))) continue;
+    throw InputError("vertex " + std::to_string(i), "a coordinate is not a finite number (below 1e50)");
   }
   if (surface.triangle_count() < 4) {
     throw InputError("surface", std::to_string(surface.triangle_count()) +
                                     (surface.triangle_count() == 1 ? " triangle" : " triangles") +
                                     " cannot enclose a volume, at least 4 are needed");
   }
+  if (!(box_diagonal(surface) > 1e-50)) throw InputError("surface", "has no extent");
   const UnitBox unit(surface);
   Mat3<double> spread = Mat3<double>::Zero();
   Vec3d mean = Vec3d::Zero();

@@ -9,13 +9,13 @@
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
 #include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/stitch_borders.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 
 #include <sstream>
 
 #include "lobe_mesh/cgal_common.h"
+#include "lobe_mesh/repair.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {
@@ -144,8 +144,8 @@ void remove_degenerate(CgalMesh& mesh, RepairReport& report) {
 }
 
 void remove_intersections(CgalMesh& mesh, RepairReport& report) {
-  std::vector<std::pair<Face, Face>> pairs;
-  pmp::self_intersections(mesh, std::back_inserter(pairs));
+  // Not CGAL's test: to that, pieces that were taken apart at a common edge intersect.
+  const auto pairs = self_intersections(from_cgal(mesh));
   if (pairs.empty()) return;
   if (!pmp::experimental::remove_self_intersections(mesh, CGAL::parameters::preserve_genus(false))) {
     throw InputError("self-intersections",

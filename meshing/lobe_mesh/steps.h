@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "lobe/mesh/tet_mesh.h"
-#include "lobe_mesh/repair.h"
 #include "lobe_mesh/surface.h"
-#include "lobe_mesh/tetrahedralise.h"
 
 namespace lobe::meshing {
+
+struct MeshOptions;
+struct RepairReport;
 
 // Pairs of triangles that intersect other than in what they share. Welded surface expected; at most `most`.
 std::vector<std::pair<Index, Index>> self_intersections(const Surface& surface, std::size_t most = 100000);

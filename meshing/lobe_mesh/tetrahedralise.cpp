@@ -45,6 +45,8 @@ void check(const MeshOptions& options, const Surface& surface) {
   positive("time limit", options.time_limit, false);
   positive("memory limit", options.memory_limit, false);
   positive("feature angle", options.feature_angle, false);
+  if (options.time_limit > 1e7) faults.push_back({"time limit", "must be at most 1e7 s"});
+  if (options.memory_limit > 1e15) faults.push_back({"memory limit", "must be at most 1e15 bytes"});
   if (options.tries < 0 || options.tries > 8) faults.push_back({"tries", "must be from 1 to 8"});
   if (!faults.empty()) throw InputError(std::move(faults));
   if (options.edge == 0) return;
@@ -127,7 +129,8 @@ void measure(const TetMesh& mesh, const MeshOptions& options, MeshReport& report
 
 // One mesh of the surface, which is scaled to unit size.
 TetMesh mesh_once(const Surface& surface, const std::vector<Polyline>& features, double edge,
-                  const MeshOptions& options, const UnitBox& unit, Stopwatch& stopwatch) {
+                  MeshOptions options, const UnitBox& unit, Stopwatch& stopwatch) {
+  options.time_limit = std::max(0.001, options.time_limit - stopwatch.elapsed());
   TetMesh mesh;
   if (options.mesher == Mesher::cgal) {
     mesh = mesh_with_cgal(surface, features, edge, options.time_limit);
@@ -171,10 +174,10 @@ TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshR
   const int wanted = options.tries > 0 ? options.tries : options.mesher == Mesher::cgal ? 1 : 3;
   TetMesh best;
   double best_step = 0;
-  int done = 0;
+  int done = 0, failed = 0;
   std::string failure;
-  for (const double factor : {1.0, 0.97, 1.03, 0.94, 1.05, 0.91, 1.02, 0.98}) {
-    if (done == wanted) break;
+  for (const double factor : {1.0, 0.97, 1.03, 0.94, 1.05, 0.91, 1.02, 0.98, 0.92, 1.01}) {
+    if (done == wanted || failed > 2) break;
     try {
       TetMesh mesh = mesh_once(scaled, features, factor * edge, options, unit, stopwatch);
       const double step = rest_time_step(mesh, options.lambda, options.mu, options.density);
@@ -183,6 +186,7 @@ TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshR
       best = std::move(mesh);
       best_step = step;
     } catch (const MeshingFailure& error) {
+      ++failed;
       if (failure.empty()) failure = error.what();
       if (stopwatch.elapsed() > options.time_limit) break;
     }

@@ -25,7 +25,7 @@ struct MeshOptions {
   int tries = 0;  // meshes of slightly different edges, the one with the largest time step is kept; 0: cgal
                   // 1, tetgen 3
   double feature_angle = 60;                  // [degrees] edges that turn by more are kept sharp
-  double time_limit = 600;                    // [s] of wall-clock time for the mesher
+  double time_limit = 600;                    // [s] of wall-clock time for all tries of the mesher
   double memory_limit = 8e9;                  // [bytes] of TetGen's process
   double lambda = 4e4;                        // [Pa] material that the stable time step is reported for
   double mu = 1e4;                            // [Pa]

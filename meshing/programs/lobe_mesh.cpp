@@ -3,11 +3,14 @@
 // lobe-mesh: from a surface model to tetrahedra. Exit status: 0 done, 1 a mesher gave up, 2 bad input.
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <sstream>
+
+#include <unistd.h>
 
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
@@ -55,7 +58,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--tries", o.mesh.tries, "meshes to choose the best from; default: cgal 1, tetgen 3");
   app.add_option("--feature-angle", o.mesh.feature_angle, "edges that turn by more stay sharp [degrees]")
       ->capture_default_str();
-  app.add_option("--time-limit", o.mesh.time_limit, "for the mesher [s]")->capture_default_str();
+  app.add_option("--time-limit", o.mesh.time_limit, "for the whole run [s]")->capture_default_str();
   app.add_option("--memory-limit", o.mesh.memory_limit, "for TetGen [bytes]")->capture_default_str();
   app.add_option("--lambda", o.mesh.lambda, "of the reported time step [Pa]")->capture_default_str();
   app.add_option("--mu", o.mesh.mu, "of the reported time step [Pa]")->capture_default_str();
@@ -150,6 +153,17 @@ int run(const Options& o) {
   return 0;
 }
 
+// The meshers keep the time limit themselves; this is for everything else, some seconds later.
+void limit_time(double seconds) {
+  std::signal(SIGALRM, [](int) {
+    static constexpr char message[] =
+        "lobe-mesh: error: the time limit is over: choose a longer --time-limit\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, message, sizeof message - 1);
+    _exit(1);
+  });
+  if (seconds > 0 && seconds < 1e7) alarm(static_cast<unsigned>(std::ceil(seconds)) + 3);
+}
+
 void print_errors(const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) std::cerr << "lobe-mesh: error: " << line << "\n";
@@ -172,6 +186,7 @@ int main(int argc, char** argv) {
   }
   try {
     check(app, options);
+    limit_time(options.mesh.time_limit);
     return run(options);
   } catch (const InputError& error) {
     print_errors(error.what());

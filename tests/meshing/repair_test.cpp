@@ -69,7 +69,7 @@ TEST_CASE("a small hole is filled, a large one is refused with the option that h
   CHECK(diagnose(result).meshable());
   CHECK(enclosed_volume(result) == doctest::Approx(enclosed_volume(sphere)).epsilon(1e-3));
   CHECK(step(report, "holes"));
-  CHECK(report.max_distance < 0.02);
+  CHECK(report.max_distance < 0.06);  // from the filled hole's middle to its rim
 
   Surface box = without_triangle(without_triangle(make_cube(1), 11), 10);
   CHECK(contains(refusal(box), "--repair wrap"));
@@ -135,7 +135,7 @@ TEST_CASE("surfaces that no repair can help are refused with the reason") {
 }
 
 TEST_CASE("an edge shared by four triangles is taken apart") {
-  // Two cubes that touch along one edge.
+  // Two cubes that touch along one edge: CGAL would say that they intersect.
   const Surface two = joined(make_cube(1), moved(make_cube(1), {1, 1, 0}));
   RepairReport report;
   const Surface result = repair_surface(two, {}, report);

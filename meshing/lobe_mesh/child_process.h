@@ -1,0 +1,41 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lobe::meshing {
+
+struct ChildLimits {
+  double seconds = 600;  // wall clock and processor time
+  double memory_bytes = 8e9;
+};
+
+struct ChildResult {
+  enum class End { normal, timed_out, killed, not_started } end = End::normal;
+  int status = 0;  // exit status, or the signal that killed it
+  std::string in_words() const;
+};
+
+// Runs a program to its end, with its output thrown away. A crash of it is a result, not our crash.
+ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                      const ChildLimits& limits);
+
+// A program that belongs to this one: beside the running program, else on the PATH. Empty if not found.
+std::filesystem::path find_program(const std::string& name);
+
+// A private folder below the system's temporary one, removed with everything in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace lobe::meshing

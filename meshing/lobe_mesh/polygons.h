@@ -1,0 +1,57 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+//
+// What the readers of the formats share.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lobe_mesh/surface.h"
+
+namespace lobe::meshing {
+
+// Points and polygons as they stand in a file.
+struct Polygons {
+  std::vector<Vec3d> points;
+  std::vector<std::vector<std::int64_t>> corners;  // per polygon, 0-based; checked by to_surface()
+};
+
+// One file's content with a place in it, for messages. The readers below parse such a file.
+struct FileText {
+  std::string name;
+  std::string text;
+
+  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void fail_line(std::size_t line, const std::string& message) const;
+};
+
+Polygons parse_stl(const FileText& file);
+Polygons parse_obj(const FileText& file);
+Polygons parse_off(const FileText& file);
+Polygons parse_ply(const FileText& file);
+
+// Checks every index, triangulates, refuses a file without triangles.
+Surface to_surface(const Polygons& polygons, const FileText& file);
+
+// Lines of a text with their numbers; a comment from `#` on and surrounding blanks are cut off, empty lines
+// skipped.
+class Lines {
+ public:
+  explicit Lines(const FileText& file, std::size_t start = 0) : file_(file), position_(start) {}
+  bool next(std::vector<std::string_view>& words);
+  std::size_t number() const { return number_; }
+  void count_from(std::size_t number) { number_ = number; }
+
+ private:
+  const FileText& file_;
+  std::size_t position_ = 0;
+  std::size_t number_ = 0;
+};
+
+std::optional<double> to_number(std::string_view word);  // accepts nan and inf
+std::optional<std::int64_t> to_integer(std::string_view word);
+
+}  // namespace lobe::meshing

@@ -1,0 +1,154 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include "lobe_mesh/repair.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "lobe/error.h"
+#include "lobe_mesh/clean.h"
+#include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/steps.h"
+
+namespace lobe::meshing {
+namespace {
+
+void refuse_hopeless(const Surface& surface) {
+  for (Index i = 0; i < surface.point_count(); ++i) {
+    if (usable(surface.points.col(i))) continue;
+    throw InputError("vertex " + std::to_string(i), "a coordinate is not a finite number (below 1e50)");
+  }
+  if (surface.triangle_count() < 4) {
+    throw InputError("surface", std::to_string(surface.triangle_count()) +
+                                    (surface.triangle_count() == 1 ? " triangle" : " triangles") +
+                                    " cannot enclose a volume, at least 4 are needed");
+  }
+  if (!(box_diagonal(surface) > 1e-50)) throw InputError("surface", "has no extent");
+  const UnitBox unit(surface);
+  Mat3<double> spread = Mat3<double>::Zero();
+  Vec3d mean = Vec3d::Zero();
+  const Mat3X<double> points = unit.to_unit(surface.points);
+  for (const Index v : surface.triangles.reshaped()) mean += points.col(v) / (3.0 * surface.triangle_count());
+  for (const Index v : surface.triangles.reshaped()) {
+    spread += (points.col(v) - mean) * (points.col(v) - mean).transpose() / (3.0 * surface.triangle_count());
+  }
+  const Vec3d variances = Eigen::SelfAdjointEigenSolver<Mat3<double>>(spread).eigenvalues();
+  if (!(variances[0] > 1e-14 * variances[2])) {
+    throw InputError("surface", "flat: all its vertices lie in one plane, so it encloses no volume");
+  }
+}
+
+void refuse_unless_meshable(const Diagnosis& d, const std::string& remedy) {
+  if (d.meshable()) return;
+  std::vector<Fault> faults;
+  for (const Finding* finding : d.findings()) {
+    if (finding->count == 0 || finding == &d.duplicate_points) continue;
+    faults.push_back({"surface", std::to_string(finding->count) + " " + finding->name +
+                                     ", first: " + finding->places.front() + "; " + remedy});
+  }
+  if (faults.empty()) {
+    const std::string what = d.inverted ? "inverted: its triangles face inwards" : "encloses no volume";
+    faults.push_back({"surface", what + "; " + remedy});
+  }
+  throw InputError(std::move(faults));
+}
+
+void note(RepairReport& report, const std::string& name, Index count, const std::string& done) {
+  if (count > 0) report.steps.push_back({name, count, std::to_string(count) + " " + done});
+}
+
+Surface clean_up(const Surface& surface, RepairReport& report) {
+  CleanReport cleaned;
+  Surface result = clean(surface, cleaned);
+  note(report, "weld", cleaned.welded, "duplicate vertices welded");
+  note(report, "repeated", cleaned.repeated, "triangles that used a vertex twice dropped");
+  note(report, "duplicates", cleaned.duplicates, "duplicate triangles dropped");
+  note(report, "unused", cleaned.unused, "vertices without a triangle dropped");
+  const Index near = weld_open_edges(result, 1e-6);
+  note(report, "weld near", near, "vertices of open edges welded within 1e-6 of the size");
+  CleanReport again;
+  return near > 0 ? clean(result, again) : result;
+}
+
+// Bodies and cavities: components with positive and with negative volume.
+void count_pieces(const Surface& surface, RepairReport& report) {
+  std::vector<Index> parent(surface.point_count());
+  for (Index i = 0; i < surface.point_count(); ++i) parent[i] = i;
+  const auto root = [&](Index v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& t : surface.triangles.colwise()) {
+    parent[root(t[0])] = root(t[1]);
+    parent[root(t[1])] = root(t[2]);
+  }
+  std::map<Index, double> volume;
+  for (const auto& t : surface.triangles.colwise()) {
+    const auto corner = [&](int k) -> Vec3d {
+      return surface.points.col(t[k]) - surface.points.col(root(t[0]));
+    };
+    volume[root(t[0])] += corner(0).dot(corner(1).cross(corner(2)));
+  }
+  for (const auto& [piece, value] : volume) ++(value > 0 ? report.pieces : report.cavities);
+}
+
+void compare(const Surface& input, const Surface& result, RepairReport& report) {
+  report.volume_after = enclosed_volume(result);
+  if (!report.steps.empty()) {
+    const UnitBox unit(input);
+    report.max_distance = unit.size * sampled_distance({unit.to_unit(input.points), input.triangles},
+                                                       {unit.to_unit(result.points), result.triangles});
+  }
+  count_pieces(result, report);
+  if (report.pieces > 1) {
+    report.warnings.push_back(std::to_string(report.pieces) + " separate pieces: each of them is meshed");
+  }
+  const double change = 100 * (report.volume_after / std::abs(report.volume_before) - 1);
+  if (std::abs(change) > 1) {
+    std::ostringstream text;
+    text << "the repair changed the enclosed volume by " << std::round(10 * change) / 10 << " %";
+    report.warnings.push_back(text.str());
+  }
+}
+
+Surface wrap(const Surface& surface, const UnitBox& unit, const RepairOptions& options,
+             RepairReport& report) {
+  const double diagonal = box_diagonal(surface);
+  const double alpha = options.wrap_alpha > 0 ? options.wrap_alpha / unit.size : diagonal / 60;
+  const double offset = options.wrap_offset > 0 ? options.wrap_offset / unit.size : alpha / 30;
+  const Surface result = alpha_wrap(surface, alpha, offset);
+  std::ostringstream text;
+  text << "wrapped: a new surface of " << result.triangle_count() << " triangles, " << offset * unit.size
+       << " outside the old one, bridging gaps below " << alpha * unit.size;
+  report.steps.push_back({"wrap", result.triangle_count(), text.str()});
+  return result;
+}
+
+}  // namespace
+
+Surface repair_surface(const Surface& surface, const RepairOptions& options, RepairReport& report) {
+  refuse_hopeless(surface);
+  report = {};
+  report.volume_before = enclosed_volume(surface);
+  const Diagnosis before = diagnose(surface);
+  if (options.level == Repair::none) refuse_unless_meshable(before, "use --repair basic");
+  const UnitBox unit(surface);
+  Surface result{unit.to_unit(surface.points), surface.triangles};
+  if (options.level == Repair::wrap) {
+    result = wrap(clean_up(result, report), unit, options, report);
+  } else if (options.level == Repair::basic && !(before.meshable() && before.components == 1)) {
+    result = repair_by_rungs(clean_up(result, report), options.largest_hole, report);
+  } else {
+    CleanReport ignored;
+    result = before.unused_points > 0 ? clean(surface, ignored) : surface;
+    compare(surface, result, report);
+    return result;
+  }
+  refuse_unless_meshable(diagnose(result), "this is left after the repair: use --repair wrap");
+  result.points = unit.from_unit(result.points);
+  compare(surface, result, report);
+  return result;
+}
+
+}  // namespace lobe::meshing

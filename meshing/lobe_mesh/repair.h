@@ -1,0 +1,46 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+//
+// Makes a surface closed, manifold, free of self-intersections and facing outwards.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lobe_mesh/surface.h"
+
+namespace lobe::meshing {
+
+enum class Repair {
+  none,   // check only: anything that cannot be meshed is refused
+  basic,  // weld, orient, stitch, drop specks, fill small holes, undo self-intersections
+  wrap,   // a new surface around the old one: always closed, but larger; the last resort
+};
+
+struct RepairOptions {
+  Repair level = Repair::basic;
+  double largest_hole = 0.15;  // of the surface's diagonal: wider holes are refused, not filled
+  double wrap_alpha = 0;       // [m] gaps narrower than this are bridged; 0: diagonal / 60
+  double wrap_offset = 0;      // [m] distance of the wrapping from the surface; 0: alpha / 30
+};
+
+// What one rung of the ladder did; rungs that changed nothing are not listed.
+struct RepairStep {
+  std::string name;
+  Index count = 0;      // of what was changed
+  std::string message;  // "filled 2 holes with 17 triangles"
+};
+
+struct RepairReport {
+  std::vector<RepairStep> steps;
+  std::vector<std::string> warnings;
+  double volume_before = 0;  // [m³] enclosed by the input; of little meaning if that is open
+  double volume_after = 0;   // [m³]
+  double max_distance = 0;   // [m] largest sampled distance between input and result, either way
+  int pieces = 0;            // bodies (outer shells) in the result
+  int cavities = 0;          // inner shells
+};
+
+// Throws InputError, with the option that would help, if the surface is beyond the chosen level.
+Surface repair_surface(const Surface& surface, const RepairOptions& options, RepairReport& report);
+
+}  // namespace lobe::meshing

@@ -1,0 +1,16 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#pragma once
+
+#include <string>
+
+#include "lobe_mesh/repair.h"
+#include "lobe_mesh/tetrahedralise.h"
+
+namespace lobe::meshing {
+
+// Everything about one run of lobe-mesh; units as in the structs.
+std::string in_json(const std::string& surface_file, const std::string& mesh_file, const MeshOptions& options,
+                    const RepairReport& repair, const MeshReport& report);
+std::string in_words(const MeshReport& report);
+
+}  // namespace lobe::meshing

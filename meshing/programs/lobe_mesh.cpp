@@ -1,0 +1,204 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+//
+// lobe-mesh: from a surface model to tetrahedra. Exit status: 0 done, 1 a mesher gave up, 2 bad input.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <sstream>
+
+#include <unistd.h>
+
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/errors.h"
+#include "lobe_mesh/repair.h"
+#include "lobe_mesh/report_json.h"
+#include "lobe_mesh/surface.h"
+#include "lobe_mesh/tetrahedralise.h"
+
+namespace {
+
+using namespace lobe;
+using namespace lobe::meshing;
+
+struct Options {
+  std::vector<std::string> surfaces;
+  std::string output, report;
+  double scale = 1;
+  bool edge_given = false, diagnose = false, json = false, quiet = false;
+  RepairOptions repair;
+  MeshOptions mesh;
+};
+
+void declare(CLI::App& app, Options& o) {
+  static const std::map<std::string, Mesher> meshers{{"cgal", Mesher::cgal}, {"tetgen", Mesher::tetgen}};
+  static const std::map<std::string, Repair> levels{
+      {"none", Repair::none}, {"basic", Repair::basic}, {"wrap", Repair::wrap}};
+  app.add_option("SURFACE", o.surfaces, "closed surface: .stl, .obj, .ply or .off")->required();
+  app.add_option("-o,--output", o.output, "mesh to write: .vtu");
+  app.add_flag("--diagnose", o.diagnose, "only say what is wrong with the surface");
+  app.add_option("--edge", o.mesh.edge, "edge of the tetrahedra [m]; default: diagonal / 25");
+  app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")
+      ->capture_default_str();
+  app.add_option("--mesher", o.mesh.mesher, "cgal (better angles) or tetgen (faster)")
+      ->transform(CLI::CheckedTransformer(meshers));
+  app.add_option("--repair", o.repair.level, "none, basic (default) or wrap (last resort)")
+      ->transform(CLI::CheckedTransformer(levels));
+  app.add_option("--largest-hole", o.repair.largest_hole,
+                 "widest hole that is filled, of the surface's diagonal")
+      ->capture_default_str();
+  app.add_option("--wrap-alpha", o.repair.wrap_alpha,
+                 "gaps that wrapping bridges [m]; default: diagonal / 60");
+  app.add_option("--wrap-offset", o.repair.wrap_offset, "distance of the wrapping [m]; default: alpha / 30");
+  app.add_option("--tries", o.mesh.tries, "meshes to choose the best from; default: cgal 1, tetgen 3");
+  app.add_option("--feature-angle", o.mesh.feature_angle, "edges that turn by more stay sharp [degrees]")
+      ->capture_default_str();
+  app.add_option("--time-limit", o.mesh.time_limit, "for the whole run [s]")->capture_default_str();
+  app.add_option("--memory-limit", o.mesh.memory_limit, "for TetGen [bytes]")->capture_default_str();
+  app.add_option("--lambda", o.mesh.lambda, "of the reported time step [Pa]")->capture_default_str();
+  app.add_option("--mu", o.mesh.mu, "of the reported time step [Pa]")->capture_default_str();
+  app.add_option("--density", o.mesh.density, "of the reported time step [kg/m³]")->capture_default_str();
+  app.add_option("--report", o.report, "file for the report (JSON)");
+  app.add_flag("--json", o.json, "the report alone on standard output");
+  app.add_flag("--quiet", o.quiet, "no progress on standard error");
+}
+
+void check(const CLI::App& app, const Options& o) {
+  std::vector<Fault> faults;
+  if (o.surfaces.size() > 1) {
+    faults.push_back(
+        {"SURFACE", "several surfaces were given, one is meshed at a time: join them in one file"});
+  }
+  if (!o.diagnose && o.output.empty())
+    faults.push_back({"--output", "missing: give -o MESH.vtu (or --diagnose)"});
+  const std::filesystem::path output(o.output), folder = output.parent_path();
+  if (!o.output.empty() && output.extension() != ".vtu") {
+    faults.push_back({"--output", o.output + ": expected a name that ends in .vtu"});
+  }
+  for (const std::filesystem::path& file : {output, std::filesystem::path(o.report)}) {
+    if (file.has_parent_path() && !std::filesystem::is_directory(file.parent_path())) {
+      faults.push_back({file.string(), "there is no folder " + file.parent_path().string()});
+    }
+  }
+  const auto positive = [&](const char* name, double value) {
+    if (app.count(name) > 0 && !(std::isfinite(value) && value > 0)) {
+      faults.push_back({name, "must be a positive number"});
+    }
+  };
+  positive("--edge", o.mesh.edge);
+  positive("--scale", o.scale);
+  positive("--largest-hole", o.repair.largest_hole);
+  positive("--wrap-alpha", o.repair.wrap_alpha);
+  positive("--wrap-offset", o.repair.wrap_offset);
+  if (!faults.empty()) throw InputError(std::move(faults));
+}
+
+void warn(const std::string& message) { std::cerr << "lobe-mesh: warning: " << message << "\n"; }
+
+// Whole or absent, like the mesh itself.
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::path temporary = file;
+  temporary += ".part";
+  {
+    std::ofstream out(temporary);
+    out << text << "\n";
+    if (!out.flush()) throw InputError(file.string(), "cannot be written");
+  }
+  std::filesystem::rename(temporary, file);
+}
+
+int run(const Options& o) {
+  const std::string& file = o.surfaces.front();
+  const auto say = [&](const std::string& text) {
+    if (!o.quiet) std::cerr << text;
+  };
+  Surface surface = read_surface(file);
+  surface.points *= o.scale;
+  if (o.diagnose) {
+    const Diagnosis diagnosis = diagnose(surface);
+    std::cout << (o.json ? in_json(diagnosis) + "\n" : in_words(diagnosis));
+    return 0;
+  }
+  say(file + ": " + std::to_string(surface.triangle_count()) + " triangles\n");
+  RepairReport repair;
+  try {
+    surface = repair_surface(surface, o.repair, repair);
+  } catch (const InputError& error) {
+    std::vector<Fault> faults = error.faults();
+    for (Fault& fault : faults) fault.place = file + ": " + fault.place;
+    throw InputError(std::move(faults));
+  }
+  for (const RepairStep& step : repair.steps) say("repair: " + step.message + "\n");
+  for (const std::string& warning : repair.warnings) warn(warning);
+  if (box_diagonal(surface) > 2) {
+    std::ostringstream text;
+    text << "the body is " << box_diagonal(surface)
+         << " m large: if the file is in millimetres, use --scale 0.001";
+    warn(text.str());
+  }
+  say("meshing…\n");
+  MeshReport report;
+  const TetMesh mesh = tetrahedralise(surface, o.mesh, report);
+  for (const std::string& warning : report.warnings) warn(warning);
+  write_vtu(o.output, mesh);
+  const std::string json = in_json(file, o.output, o.mesh, repair, report);
+  if (!o.report.empty()) write_text(o.report, json);
+  if (o.json) std::cout << json << "\n";
+  say(in_words(report));
+  return 0;
+}
+
+// The meshers keep the time limit themselves; this is for everything else, some seconds later.
+void limit_time(double seconds) {
+  std::signal(SIGALRM, [](int) {
+    static constexpr char message[] =
+        "lobe-mesh: error: the time limit is over: choose a longer --time-limit\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, message, sizeof message - 1);
+    _exit(1);
+  });
+  if (seconds > 0 && seconds < 1e7) alarm(static_cast<unsigned>(std::ceil(seconds)) + 3);
+}
+
+void print_errors(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) std::cerr << "lobe-mesh: error: " << line << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("From a surface model to tetrahedra: repair, mesh, report quality and stable time step.",
+               "lobe-mesh");
+  Options options;
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    print_errors(error.what());
+    return 2;
+  }
+  try {
+    check(app, options);
+    limit_time(options.mesh.time_limit);
+    return run(options);
+  } catch (const InputError& error) {
+    print_errors(error.what());
+    return 2;
+  } catch (const MeshingFailure& failure) {
+    print_errors(failure.what());
+    return 1;
+  } catch (const std::bad_alloc&) {
+    print_errors("out of memory");
+    return 1;
+  } catch (const std::exception& error) {
+    print_errors(error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,123 @@
+// The program lobe-mesh itself: exit status, messages, files.
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "lobe/io/mesh_io.h"
+#include "meshing/shapes.h"
+
+using namespace lobe;
+using namespace lobe::meshing;
+
+namespace {
+
+struct Run {
+  int status = 0;
+  std::string out, err;
+};
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Run lobe_mesh(const std::string& arguments) {
+  const TestFolder folder;
+  const std::string out = (folder / "out").string(), err = (folder / "err").string();
+  const int status = std::system((LOBE_BIN_DIR "/lobe-mesh " + arguments + " >" + out + " 2>" + err).c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
+}
+
+}  // namespace
+
+TEST_CASE("lobe-mesh writes a mesh and a report that agree") {
+  const TestFolder folder;
+  const std::string surface = folder.write("s.stl", scaled(make_sphere(1, 3), 50)).string();  // millimetres
+  for (const std::string mesher : {"cgal", "tetgen"}) {
+    const std::string mesh = (folder / (mesher + ".vtu")).string(),
+                      report = (folder / (mesher + ".json")).string();
+    const Run run = lobe_mesh(surface + " -o " + mesh + " --scale 0.001 --edge 0.015 --json --mesher " +
+                              mesher + " --report " + report);
+    CHECK_MESSAGE(run.status == 0, run.err);
+    const auto json = nlohmann::json::parse(run.out);
+    CHECK(json == nlohmann::json::parse(text_of(report)));
+    const MeshFile read = read_mesh(mesh);
+    CHECK(json["tets"] == read.mesh.tet_count());
+    CHECK(json["vertices"] == read.mesh.vertex_count());
+    CHECK(json["volume"].get<double>() == doctest::Approx(total_volume(read.mesh)));
+    CHECK(json["volume"].get<double>() == doctest::Approx(5.2e-4).epsilon(0.05));
+    CHECK(json["time_step"].get<double>() > 0);
+  }
+  CHECK(folder.files() == 5);
+}
+
+TEST_CASE("lobe-mesh --diagnose describes a bad surface and ends well") {
+  const TestFolder folder;
+  const std::string surface = folder.write("s.off", without_triangle(make_cube(1), 0)).string();
+  const Run words = lobe_mesh(surface + " --diagnose");
+  CHECK(words.status == 0);
+  CHECK(contains(words.out, "3 open edges"));
+  const Run json = lobe_mesh(surface + " --diagnose --json");
+  CHECK(nlohmann::json::parse(json.out)["meshable"] == false);
+}
+
+TEST_CASE("bad input ends with one line per fault, status 2 and nothing written") {
+  const TestFolder folder;
+  const Surface cube = make_cube(0.1), sphere = make_sphere(0.05, 2);
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    CAPTURE(arguments);
+    const std::size_t files = folder.files();
+    const Run run = lobe_mesh(arguments + " --quiet -o " + (folder / "m.vtu").string());
+    CHECK(run.status == 2);
+    CHECK_MESSAGE(contains(run.err, message), run.err);
+    CHECK(run.err.starts_with("lobe-mesh: error: "));
+    CHECK(std::count(run.err.begin(), run.err.end(), '\n') == 1);
+    CHECK(folder.files() == files);
+  };
+  const auto file = [&](const std::string& name, const auto& content) {
+    return folder.write(name, content).string();
+  };
+  refused((folder / "none.obj").string(), "no such file");
+  refused(file("empty.stl", std::string()), "empty file");
+  refused(file("x.txt", std::string("hello")), "unknown extension");
+  refused(file("open.off", without_triangle(without_triangle(cube, 11), 10)), "--repair wrap");
+  refused(file("two.off", joined(sphere, moved(sphere, {0.03, 0, 0}))), "intersect");
+  Surface flat = cube;
+  flat.points.row(0).setZero();
+  refused(file("flat.off", flat), "flat");
+  refused(file("nan.obj",
+               std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 nan\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")),
+          "vertex 3");
+  const std::string good = file("cube.off", cube);
+  for (const std::string edge : {"-1", "0", "nan", "inf", "long"})
+    refused(good + " --edge " + edge, "--edge");
+  refused(good + " --edge 1e-6", "million");
+  refused(good + " --edge 1", "too long");
+  refused(good + " --mesher gmsh", "gmsh");
+  refused(good + " --colour red", "--colour");
+  refused(good + " " + good, "one");
+  refused(good + " --report " + (folder / "no/r.json").string(), "there is no folder");
+  const Run no_output = lobe_mesh(good);
+  CHECK(no_output.status == 2);
+  CHECK(contains(no_output.err, "-o MESH.vtu"));
+}
+
+TEST_CASE("repairs and doubts are reported on standard error") {
+  const TestFolder folder;
+  const std::string mesh = (folder / "m.vtu").string();
+  const Surface sphere = make_sphere(50, 2);
+  const Run inside_out =
+      lobe_mesh(folder.write("i.off", inverted(sphere)).string() + " --edge 25 -o " + mesh);
+  CHECK_MESSAGE(inside_out.status == 0, inside_out.err);
+  CHECK(contains(inside_out.err, "inverted piece"));
+  CHECK(contains(inside_out.err, "--scale 0.001"));
+  const Surface two = joined(sphere, moved(sphere, {150, 0, 0}));
+  const Run pieces = lobe_mesh(folder.write("p.off", two).string() + " --edge 0.025 --scale 1e-3 -o " + mesh);
+  CHECK_MESSAGE(pieces.status == 0, pieces.err);
+  CHECK(contains(pieces.err, "2 separate pieces"));
+}

@@ -1,0 +1,106 @@
+#include "lobe_mesh/surface.h"
+
+#include <cmath>
+#include <limits>
+
+#include "lobe_mesh/diagnose.h"
+#include "meshing/shapes.h"
+
+using namespace lobe;
+using namespace lobe::meshing;
+
+TEST_CASE("every format gives back the volume of what was written") {
+  const TestFolder folder;
+  const Surface sphere = make_sphere(0.05, 2);
+  for (const std::string name : {"a.obj", "a.off", "a.ply", "a.stl"}) {
+    CAPTURE(name);
+    const Surface read = read_surface(folder.write(name, sphere));
+    CHECK(read.point_count() == sphere.point_count());
+    CHECK(read.triangle_count() == sphere.triangle_count());
+    CHECK(enclosed_volume(read) == doctest::Approx(enclosed_volume(sphere)).epsilon(1e-6));
+    CHECK(diagnose(read).meshable());
+  }
+}
+
+TEST_CASE("ascii STL and PLY, quadrilaterals and negative OBJ indices are read") {
+  const TestFolder folder;
+  const std::string stl =
+      "solid x\nfacet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n endloop\n"
+      "endfacet\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 "
+      "0\nendloop\nendfacet\n"
+      "endsolid x\n";
+  const Surface two = read_surface(folder.write("a.stl", stl));
+  CHECK(two.point_count() == 4);
+  CHECK(two.triangle_count() == 2);
+  const Surface quad =
+      read_surface(folder.write("q.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf -4//1 -3//1 -2//1 -1//1\n"));
+  CHECK(quad.triangle_count() == 2);
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 255\n1 0 0 255\n0 1 0 255\n3 0 1 2\n";
+  CHECK(read_surface(folder.write("p.ply", ply)).triangle_count() == 1);
+}
+
+TEST_CASE("a concave polygon is triangulated inside its outline") {
+  const TestFolder folder;
+  const Surface arrow =
+      read_surface(folder.write("c.off", "OFF\n4 1 0\n0 0 0\n2 1 0\n0 2 0\n1 1 0\n4 0 1 2 3\n"));
+  REQUIRE(arrow.triangle_count() == 2);
+  double area = 0;
+  for (const auto& t : arrow.triangles.colwise()) {
+    const Vec3d a = arrow.points.col(t[1]) - arrow.points.col(t[0]),
+                b = arrow.points.col(t[2]) - arrow.points.col(t[0]);
+    area += (a[0] * b[1] - a[1] * b[0]) / 2;
+    CHECK(a[0] * b[1] - a[1] * b[0] > 0);
+  }
+  CHECK(area == doctest::Approx(1));
+}
+
+TEST_CASE("files that are missing, empty, truncated or garbled are refused by name") {
+  const TestFolder folder;
+  const auto error = [&](const std::filesystem::path& file) {
+    const std::string text = input_error([&] { read_surface(file); });
+    CHECK(contains(text, file.string()));
+    return text;
+  };
+  CHECK(contains(error(folder / "no.obj"), "no such file"));
+  CHECK(contains(error(folder.write("a.xyz", "hello")), "unknown extension"));
+  std::string garbage;
+  for (int i = 0; i < 2000; ++i) garbage += static_cast<char>(i * i * 7 + i / 3);
+  for (const std::string extension : {".obj", ".off", ".ply", ".stl"}) {
+    CAPTURE(extension);
+    CHECK(contains(error(folder.write("empty" + extension, "")), "empty file"));
+    CHECK(error(folder.write("garbage" + extension, garbage)) != "");
+    const auto whole = folder.write("whole" + extension, make_sphere(1, 1));
+    const auto size = std::filesystem::file_size(whole);
+    std::filesystem::resize_file(whole, extension == ".obj" ? size / 5 : size * 2 / 3);
+    CHECK(error(whole) != "");
+  }
+  CHECK(contains(error(folder.write("i.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n")), "uses vertex 6"));
+  CHECK(contains(error(folder.write("j.obj", "v 0 0 0\nv 1 zero 0\n")), "line 2"));
+  CHECK(contains(error(folder.write("k.off", "OFF\n99999999999 1 0\n0 0 0\n")), "truncated"));
+}
+
+TEST_CASE("the diagnosis counts each kind of fault and says where it is") {
+  Surface cube = make_cube(1);
+  CHECK(diagnose(cube).meshable());
+  CHECK(diagnose(cube).volume == doctest::Approx(1));
+  CHECK(diagnose(without_triangle(cube, 3)).open_edges.count == 3);
+  CHECK(diagnose(inverted(cube)).inverted);
+  CHECK(diagnose(joined(cube, moved(cube, {3, 0, 0}))).components == 2);
+  CHECK(diagnose(joined(cube, moved(cube, {0.5, 0.5, 0.5}))).self_intersections.count > 0);
+  CHECK(diagnose(joined(cube, cube)).duplicate_points.count == 8);
+  Surface flipped = cube;
+  std::swap(flipped.triangles(0, 0), flipped.triangles(1, 0));
+  CHECK(diagnose(flipped).inconsistent_edges.count == 3);
+  Surface fin = cube;
+  fin.triangles.conservativeResize(3, 13);
+  fin.triangles.col(12) << 0, 1, 7;
+  CHECK(diagnose(fin).non_manifold_edges.count == 2);
+  Surface nan = cube;
+  nan.points(1, 5) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(diagnose(nan).not_finite.count == 1);
+  CHECK(contains(in_words(diagnose(nan)), "vertex 5"));
+  CHECK(contains(in_json(diagnose(nan)), "\"meshable\": false"));
+}

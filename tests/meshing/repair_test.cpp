@@ -1,0 +1,153 @@
+#include "lobe_mesh/repair.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "lobe_mesh/diagnose.h"
+#include "meshing/shapes.h"
+
+using namespace lobe;
+using namespace lobe::meshing;
+
+namespace {
+
+const RepairStep* step(const RepairReport& report, const std::string& name) {
+  for (const RepairStep& s : report.steps) {
+    if (s.name == name) return &s;
+  }
+  return nullptr;
+}
+
+std::string refusal(const Surface& surface, Repair level = Repair::basic) {
+  RepairReport report;
+  return input_error([&] { repair_surface(surface, {.level = level}, report); });
+}
+
+}  // namespace
+
+TEST_CASE("a good surface comes back unchanged, bit for bit") {
+  const Surface sphere = make_sphere(0.05, 2);
+  for (const Repair level : {Repair::none, Repair::basic}) {
+    RepairReport report;
+    const Surface result = repair_surface(sphere, {.level = level}, report);
+    CHECK(result.points == sphere.points);
+    CHECK(result.triangles == sphere.triangles);
+    CHECK(report.steps.empty());
+    CHECK(report.pieces == 1);
+  }
+}
+
+TEST_CASE("inverted, doubled and badly oriented surfaces are repaired and the change is reported") {
+  const Surface sphere = make_sphere(1, 2);
+  const double volume = enclosed_volume(sphere);
+  RepairReport report;
+  Surface result = repair_surface(inverted(sphere), {}, report);
+  CHECK(enclosed_volume(result) == doctest::Approx(volume));
+  REQUIRE(step(report, "inverted"));
+  CHECK(step(report, "inverted")->count == sphere.triangle_count());
+
+  result = repair_surface(joined(sphere, sphere), {}, report);
+  CHECK(enclosed_volume(result) == doctest::Approx(volume));
+  CHECK(result.point_count() == sphere.point_count());
+  REQUIRE(step(report, "weld"));
+  CHECK(step(report, "weld")->count == sphere.point_count());
+  CHECK(step(report, "duplicates")->count == sphere.triangle_count());
+
+  Surface flipped = sphere;
+  for (const Index t : {3, 50, 200}) std::swap(flipped.triangles(0, t), flipped.triangles(1, t));
+  result = repair_surface(flipped, {}, report);
+  CHECK(enclosed_volume(result) == doctest::Approx(volume));
+  REQUIRE(step(report, "orient"));
+  CHECK(step(report, "orient")->count == 3);
+}
+
+TEST_CASE("a small hole is filled, a large one is refused with the option that helps") {
+  const Surface sphere = make_sphere(1, 3);
+  RepairReport report;
+  const Surface result = repair_surface(without_triangle(sphere, 77), {}, report);
+  CHECK(diagnose(result).meshable());
+  CHECK(enclosed_volume(result) == doctest::Approx(enclosed_volume(sphere)).epsilon(1e-3));
+  CHECK(step(report, "holes"));
+  CHECK(report.max_distance < 0.06);  // from the filled hole's middle to its rim
+
+  Surface box = without_triangle(without_triangle(make_cube(1), 11), 10);
+  CHECK(contains(refusal(box), "--repair wrap"));
+  CHECK(contains(refusal(box), "hole"));
+}
+
+TEST_CASE("wrapping closes what repair refuses, and says what it cost") {
+  const Surface box = without_triangle(make_cube(1), 11);
+  RepairReport report;
+  const Surface result =
+      repair_surface(box, {.level = Repair::wrap, .wrap_alpha = 2, .wrap_offset = 0.05}, report);
+  CHECK(diagnose(result).meshable());
+  CHECK(report.volume_after > 0.5);
+  CHECK(report.max_distance > 0.04);
+  CHECK(step(report, "wrap"));
+}
+
+TEST_CASE("a dent that pierces the other side is undone") {
+  Surface sphere = make_sphere(1, 3);
+  sphere.points.col(0) *= -1.02;  // one vertex drawn through the opposite side
+  REQUIRE(diagnose(sphere).self_intersections.count > 0);
+  RepairReport report;
+  const Surface result = repair_surface(sphere, {}, report);
+  CHECK(diagnose(result).meshable());
+  CHECK(step(report, "self-intersections"));
+  CHECK(enclosed_volume(result) == doctest::Approx(4.1).epsilon(0.1));
+}
+
+TEST_CASE("second bodies and cavities stay, specks go, and all are counted") {
+  const Surface sphere = make_sphere(1, 2);
+  RepairReport report;
+  Surface result = repair_surface(joined(sphere, moved(sphere, {3, 0, 0})), {}, report);
+  CHECK(report.pieces == 2);
+  REQUIRE(report.warnings.size() == 1);
+  CHECK(contains(report.warnings[0], "2 separate pieces"));
+  CHECK(enclosed_volume(result) == doctest::Approx(2 * enclosed_volume(sphere)));
+
+  result = repair_surface(joined(sphere, scaled(sphere, 0.5)), {}, report);
+  CHECK(report.pieces == 1);
+  CHECK(report.cavities == 1);
+  CHECK(enclosed_volume(result) == doctest::Approx(0.875 * enclosed_volume(sphere)));
+
+  result = repair_surface(joined(sphere, moved(make_cube(0.005), {3, 0, 0})), {}, report);
+  CHECK(report.pieces == 1);
+  REQUIRE(step(report, "specks"));
+  CHECK(step(report, "specks")->count == 1);
+}
+
+TEST_CASE("surfaces that no repair can help are refused with the reason") {
+  Surface sphere = make_sphere(1, 1);
+  Surface nan = sphere;
+  nan.points(2, 7) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(contains(refusal(nan), "vertex 7"));
+  Surface flat = sphere;
+  flat.points.row(2).setZero();
+  CHECK(contains(refusal(flat), "flat"));
+  Surface triangle = make_cube(1);
+  triangle.triangles.conservativeResize(3, 1);
+  CHECK(contains(refusal(triangle), "1 triangle cannot enclose"));
+  CHECK(contains(refusal(joined(sphere, moved(sphere, {0.5, 0.3, 0.1}))), "intersect"));
+  CHECK(contains(refusal(inverted(sphere), Repair::none), "inverted"));
+  CHECK(contains(refusal(without_triangle(sphere, 0), Repair::none), "3 open edges"));
+}
+
+TEST_CASE("an edge shared by four triangles is taken apart") {
+  // Two cubes that touch along one edge: CGAL would say that they intersect.
+  const Surface two = joined(make_cube(1), moved(make_cube(1), {1, 1, 0}));
+  RepairReport report;
+  const Surface result = repair_surface(two, {}, report);
+  CHECK(diagnose(result).closed());
+  CHECK(enclosed_volume(result) == doctest::Approx(2));
+}
+
+TEST_CASE("the unit of length does not matter") {
+  Surface broken = without_triangle(inverted(make_sphere(1, 3)), 5);
+  for (const double factor : {1e-6, 1.0, 1e6}) {
+    RepairReport report;
+    const Surface result = repair_surface(scaled(broken, factor), {}, report);
+    CHECK(enclosed_volume(result) / std::pow(factor, 3) == doctest::Approx(4.15).epsilon(0.01));
+  }
+}

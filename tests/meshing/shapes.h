@@ -1,0 +1,56 @@
+// Surfaces of known volume, and a folder to write them to.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "lobe/error.h"
+#include "lobe/mesh/tet_mesh.h"
+#include "lobe_mesh/surface.h"
+
+namespace lobe::meshing {
+
+Surface make_cube(double side);                                     // 12 triangles, corner at the origin
+Surface make_sphere(double radius, int subdivisions);               // 20 · 4^n triangles
+Surface make_cylinder(double radius, double height, int segments);  // sharp rims
+Surface joined(const Surface& a, const Surface& b);
+Surface moved(Surface surface, const Vec3d& by);
+Surface scaled(Surface surface, double factor);
+Surface inverted(Surface surface);
+Surface without_triangle(const Surface& surface, Index triangle);
+
+// A folder of the test's own, removed at the end.
+class TestFolder {
+ public:
+  TestFolder();
+  ~TestFolder();
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::filesystem::path write(const std::string& name, const std::string& text) const;
+  std::filesystem::path write(const std::string& name, const Surface& surface) const;
+  std::size_t files() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+// The message of the InputError that `action` throws; "" if it throws none.
+template <class Action>
+std::string input_error(const Action& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != text.npos;
+}
+
+// Every face belongs to one or two tetrahedra, and those with one form a closed manifold surface.
+void check_boundary(const TetMesh& mesh);
+
+}  // namespace lobe::meshing

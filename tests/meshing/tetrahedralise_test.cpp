@@ -1,0 +1,130 @@
+#include "lobe_mesh/tetrahedralise.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "lobe_mesh/errors.h"
+#include "lobe_mesh/rest_time_step.h"
+#include "meshing/shapes.h"
+
+using namespace lobe;
+using namespace lobe::meshing;
+
+namespace {
+
+constexpr Mesher both_meshers[] = {Mesher::cgal, Mesher::tetgen};
+
+TetMesh mesh_of(const Surface& surface, double edge, Mesher mesher, MeshReport& report) {
+  return tetrahedralise(surface, {.edge = edge, .mesher = mesher}, report);
+}
+
+void check_good(const TetMesh& mesh, const MeshReport& report) {
+  CHECK(report.quality.min_dihedral > 5);
+  CHECK(report.quality.smallest_tet_volume > 0);
+  CHECK(report.time_step > 0);
+  CHECK(std::abs(report.volume_error) < 5);
+  check_boundary(mesh);
+  // The mean volume is that of the regular tetrahedron of the edge asked for, ± 30 %.
+  CHECK(std::pow(report.mean_edge / report.edge, 3) > 0.7);
+  CHECK(std::pow(report.mean_edge / report.edge, 3) < 1.3);
+}
+
+std::string refusal(const MeshOptions& options) {
+  MeshReport report;
+  return input_error([&] { tetrahedralise(make_cube(0.1), options, report); });
+}
+
+}  // namespace
+
+TEST_CASE("spheres become good meshes of the size asked for") {
+  const Surface sphere = make_sphere(0.05, 4);
+  for (const Mesher mesher : both_meshers) {
+    for (const double edge : {0.014, 0.008}) {
+      CAPTURE(edge);
+      CAPTURE(static_cast<int>(mesher));
+      MeshReport report;
+      check_good(mesh_of(sphere, edge, mesher, report), report);
+      CHECK(report.time_step_star > 0.2);
+    }
+  }
+}
+
+TEST_CASE("the edges of a cube and the rims of a cylinder stay sharp") {
+  for (const Mesher mesher : both_meshers) {
+    CAPTURE(static_cast<int>(mesher));
+    MeshReport report;
+    check_good(mesh_of(make_cube(0.1), 0.02, mesher, report), report);
+    CHECK(report.volume_error == doctest::Approx(0).epsilon(1e-6));
+    check_good(mesh_of(make_cylinder(0.02, 0.1, 48), 0.007, mesher, report), report);
+    CHECK(std::abs(report.volume_error) < 2);
+  }
+}
+
+TEST_CASE("several bodies are meshed, a cavity is left empty") {
+  const Surface sphere = make_sphere(0.05, 3);
+  for (const Mesher mesher : both_meshers) {
+    CAPTURE(static_cast<int>(mesher));
+    MeshReport report;
+    check_good(mesh_of(joined(sphere, moved(sphere, {0.15, 0, 0})), 0.015, mesher, report), report);
+    check_good(mesh_of(joined(sphere, inverted(scaled(sphere, 0.4))), 0.012, mesher, report), report);
+    CHECK(report.surface_volume < 0.95 * enclosed_volume(sphere));
+  }
+}
+
+TEST_CASE("the same input gives the same mesh, bit for bit, in any unit") {
+  const Surface sphere = make_sphere(0.05, 3);
+  for (const Mesher mesher : both_meshers) {
+    MeshReport report;
+    const TetMesh first = mesh_of(sphere, 0.015, mesher, report),
+                  second = mesh_of(sphere, 0.015, mesher, report);
+    CHECK(first.points == second.points);
+    CHECK(first.tets == second.tets);
+    for (const double factor : {std::exp2(-20), std::exp2(20)}) {
+      const TetMesh other = mesh_of(scaled(sphere, factor), 0.015 * factor, mesher, report);
+      CHECK(other.tets == first.tets);
+    }
+  }
+}
+
+TEST_CASE("options that make no sense for the body are refused with numbers") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(contains(refusal({.edge = -1}), "must not be negative"));
+  CHECK(contains(refusal({.edge = nan}), "edge"));
+  CHECK(contains(refusal({.edge = 5}), "too long"));
+  CHECK(contains(refusal({.edge = 1e-5}), "million tetrahedra"));
+  CHECK(contains(refusal({.edge = 0.02, .density = 0}), "density"));
+}
+
+TEST_CASE("an open surface is refused, whatever the mesher") {
+  MeshReport report;
+  CHECK(contains(input_error([&] { tetrahedralise(without_triangle(make_cube(1), 0), {}, report); }),
+                 "repair"));
+}
+
+TEST_CASE("a mesher that runs out of time or memory is a failure with a message, not a crash") {
+  const Surface sphere = make_sphere(0.05, 4);
+  MeshReport report;
+  MeshOptions options{.edge = 0.0015, .mesher = Mesher::cgal, .time_limit = 0.3};
+  CHECK_THROWS_AS(tetrahedralise(sphere, options, report), MeshingFailure);
+  options = {.edge = 0.004, .mesher = Mesher::tetgen, .time_limit = 0.001};
+  CHECK_THROWS_WITH_AS(tetrahedralise(sphere, options, report), doctest::Contains("ran out of time"),
+                       MeshingFailure);
+  options = {.edge = 0.004, .mesher = Mesher::tetgen, .memory_limit = 2e7};
+  CHECK_THROWS_AS(tetrahedralise(sphere, options, report), MeshingFailure);
+  options = {.edge = 0.01, .mesher = Mesher::tetgen, .tetgen_program = "/nowhere/lobe-tetgen"};
+  CHECK_THROWS_WITH_AS(tetrahedralise(sphere, options, report), doctest::Contains("could not be started"),
+                       MeshingFailure);
+}
+
+TEST_CASE("the stable step of one tetrahedron is that of its worst vertex") {
+  // Corner 0 of the unit tetrahedron: α = (−1, −1, −1), K = V [(λ + μ) α⊗α + 3μ I], λ_max = V (3λ + 6μ); no
+  // other corner is stiffer. m = ρ V / 4.
+  TetMesh mesh;
+  mesh.points.resize(3, 4);
+  mesh.points << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
+  mesh.tets.resize(4, 1);
+  mesh.tets << 0, 1, 2, 3;
+  CHECK(rest_time_step(mesh, 4e4, 1e4, 1000) ==
+        doctest::Approx(2 / std::sqrt((3 * 4e4 + 6 * 1e4) * 4 / 1000.0)));
+}

@@ -144,6 +144,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.damping = scene.time.damping;
   setup.safety = scene.time.safety;
   setup.ramp = scene.time.ramp;
+  setup.load_ramp = scene.time.load_ramp;
 
   refuse_what_is_not_there_yet(resolution);
   resolve_materials(resolution);

@@ -4,10 +4,26 @@
 #include "lobe/io/raw_mesh.h"
 
 namespace lobe {
+namespace {
+
+MeshFile read_tetgen_pair(const std::filesystem::path& either) {
+  const auto bytes_of = [&](const char* extension, std::string& name) {
+    std::filesystem::path file = either;
+    name = file.replace_extension(extension).string();
+    if (!std::filesystem::exists(file))
+      throw InputError(name, "no such file; TetGen's .node and .ele belong together");
+    return io::read_file(file);
+  };
+  std::string node, ele;
+  const std::string node_bytes = bytes_of(".node", node), ele_bytes = bytes_of(".ele", ele);
+  return io::finish(io::read_tetgen(node, node_bytes, ele, ele_bytes), ele);
+}
+
+}  // namespace
 
 MeshFile read_mesh(const std::filesystem::path& file) {
   const std::string name = file.string(), extension = io::lower_case(file.extension().string());
-  if (extension == ".node" || extension == ".ele") return io::finish(io::read_tetgen(file), name);
+  if (extension == ".node" || extension == ".ele") return read_tetgen_pair(file);
   const auto bytes = [&] { return io::read_file(file); };
   if (extension == ".vtu") return io::read_vtu(name, bytes());
   if (extension == ".vtk") return io::finish(io::read_vtk_legacy(name, bytes()), name);

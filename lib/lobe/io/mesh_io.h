@@ -12,14 +12,17 @@ namespace lobe {
 
 // Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
 // (legacy 2.0 … 5.1, ascii and binary), .msh (Gmsh 2.2 and 4.1, ascii and binary), .mesh (MEDIT ascii),
-// .node/.ele (TetGen; either name finds the other). Cells other than tetrahedra are ignored and counted.
-// Throws InputError naming file, line or section, and what was expected. Calls prepare().
+// .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of the file. Cells
+// other than 4-node tetrahedra are ignored and counted. Labels are the cell data "label", else
+// "gmsh:physical", "medit:ref" or "CellEntityIds" (VTK), the first physical group (Gmsh), the reference
+// (MEDIT), the region (TetGen). Throws InputError naming file, line or section, and what was expected. Calls
+// prepare().
 struct MeshFile {
   TetMesh mesh;
   PrepareReport prepared;
   Index ignored_cells = 0;
   std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
-  std::map<std::string, Eigen::MatrixXd> cell_data;   // #components × #tetrahedra (VTU only)
+  std::map<std::string, Eigen::MatrixXd> cell_data;   // #components × #tetrahedra (VTU only), but "label"
 };
 MeshFile read_mesh(const std::filesystem::path& file);
 

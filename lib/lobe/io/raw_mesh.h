@@ -25,7 +25,8 @@ MeshFile finish(RawMesh raw, const std::string& name);
 RawMesh read_gmsh(const std::string& name, std::string_view bytes);
 RawMesh read_medit(const std::string& name, std::string_view bytes);
 RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes);
-RawMesh read_tetgen(const std::filesystem::path& node_or_ele);
+RawMesh read_tetgen(const std::string& node_name, std::string_view node, const std::string& ele_name,
+                    std::string_view ele);
 MeshFile read_vtu(const std::string& name, std::string_view bytes);
 
 }  // namespace lobe::io

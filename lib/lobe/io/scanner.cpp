@@ -81,6 +81,11 @@ std::string_view Scanner::word(const std::string& what) {
   return bytes_.substr(token_, at_ - token_);
 }
 
+bool Scanner::next_is(std::string_view keyword) {
+  skip_blanks();
+  return bytes_.substr(at_).starts_with(keyword);
+}
+
 void Scanner::expect(std::string_view keyword) {
   const std::string_view found = word(std::string(keyword));
   if (lower_case(found) != lower_case(keyword)) fail(quoted(found) + ", expected " + std::string(keyword));

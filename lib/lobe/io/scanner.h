@@ -26,6 +26,7 @@ class Scanner {
   char peek();                                     // first character of the next word, '\0' at the end
   std::string_view word(const std::string& what);  // `what` names it in messages
   void expect(std::string_view keyword);           // the next word, in any case
+  bool next_is(std::string_view keyword);          // whether the next word begins so
   std::string_view line();                         // the rest of this line, without its end
   bool skip_past_line(std::string_view whole);     // to after the next line that equals `whole`
   double real(const std::string& what);            // "nan" and "inf" are numbers, too

@@ -1,5 +1,4 @@
 // TetGen's pair of files: .node with the vertices, .ele with the tetrahedra. They count from 0 or 1.
-#include "lobe/error.h"
 #include "lobe/io/numeric.h"
 #include "lobe/io/raw_mesh.h"
 
@@ -48,24 +47,13 @@ void read_elements(Scanner& scan, std::int64_t base, RawMesh& raw) {
   }
 }
 
-std::filesystem::path partner(const std::filesystem::path& file, const char* extension) {
-  std::filesystem::path other = file;
-  other.replace_extension(extension);
-  if (!std::filesystem::exists(other))
-    throw InputError(other.string(), "no such file; TetGen's .node and .ele belong together");
-  return other;
-}
-
 }  // namespace
 
-RawMesh read_tetgen(const std::filesystem::path& node_or_ele) {
-  const auto node = partner(node_or_ele, ".node"), ele = partner(node_or_ele, ".ele");
+RawMesh read_tetgen(const std::string& node_name, std::string_view node, const std::string& ele_name,
+                    std::string_view ele) {
   RawMesh raw;
-  const std::string node_bytes = read_file(node), ele_bytes = read_file(ele);
-  Scanner node_scan(node.string(), node_bytes, '#');
-  const std::int64_t base = read_nodes(node_scan, raw);
-  Scanner ele_scan(ele.string(), ele_bytes, '#');
-  read_elements(ele_scan, base, raw);
+  Scanner node_scan(node_name, node, '#'), ele_scan(ele_name, ele, '#');
+  read_elements(ele_scan, read_nodes(node_scan, raw), raw);
   return raw;
 }
 

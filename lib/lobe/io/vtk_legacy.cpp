@@ -35,6 +35,7 @@ void read_points(Scanner& scan, RawMesh& raw) {
   const std::size_t count = scan.count("points", 3);
   const std::string type = lower_case(scan.word("the type of the points"));
   raw.coordinates = read_legacy_array(scan, type, 3 * count, "points");
+  skip_legacy_metadata(scan, 3);
 }
 
 // Up to version 4.2: for each cell the number of its vertices, and the vertices.
@@ -79,8 +80,6 @@ void read_block(Scanner& scan, const std::string& keyword, int version, LegacyMe
     mesh.cells.types = read_legacy_array(scan, "int", count, "cell types");
   } else if (keyword == "field") {
     read_legacy_field(scan, nullptr);
-  } else if (keyword == "metadata") {
-    skip_legacy_metadata(scan);
   } else {
     scan.fail("unknown keyword, expected POINTS, CELLS, CELL_TYPES, POINT_DATA or CELL_DATA");
   }
@@ -116,7 +115,7 @@ std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std:
   }
   scan.require_room(count, 2, what);
   std::vector<double> values(count);
-  for (double& value : values) value = scan.real("a number of " + what);
+  for (double& value : values) value = scan.real("a value of " + what);
   return values;
 }
 

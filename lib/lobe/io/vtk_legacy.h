@@ -11,8 +11,8 @@ namespace lobe::io {
 std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std::size_t count,
                                       const std::string& what);
 
-// Skips a METADATA block: up to an empty line.
-void skip_legacy_metadata(Scanner& scan);
+// Skips the METADATA block, if there is one, that follows an array of so many components.
+void skip_legacy_metadata(Scanner& scan, std::size_t components);
 
 // FIELD name n, and n arrays; those with one value per cell go to `cell_arrays`, if not null.
 using LegacyArrays = std::map<std::string, std::vector<double>>;

@@ -39,9 +39,11 @@ void read_values(Scanner& scan, const std::string& name, const std::string& type
   if (tuples > 0) scan.require_room(components, 1, "components of " + name);
   scan.require_room(tuples, components > 0 && type != "bit" ? 1 : 0, "values of " + name);
   const std::size_t count = components * tuples;
-  if (type == "string" || type == "utf8_string") return skip_strings(scan, count);
-  auto values = read_legacy_array(scan, type, count, name);
-  if (arrays && components == 1) arrays->emplace(name, std::move(values));
+  if (type == "string" || type == "utf8_string")
+    skip_strings(scan, count);
+  else if (auto values = read_legacy_array(scan, type, count, name); arrays && components == 1)
+    arrays->emplace(name, std::move(values));
+  skip_legacy_metadata(scan, components);
 }
 
 void read_scalars(Scanner& scan, std::size_t tuples, LegacyArrays* arrays) {
@@ -87,8 +89,6 @@ bool read_attribute(Scanner& scan, const std::string& keyword, std::size_t tuple
     read_colours(scan, keyword == "lookup_table", tuples);
   else if (keyword == "field")
     read_legacy_field(scan, arrays);
-  else if (keyword == "metadata")
-    skip_legacy_metadata(scan);
   else
     return false;
   return true;
@@ -96,9 +96,15 @@ bool read_attribute(Scanner& scan, const std::string& keyword, std::size_t tuple
 
 }  // namespace
 
-void skip_legacy_metadata(Scanner& scan) {
+// An empty line ends the block; but names of components, one on each line, may be empty, too.
+void skip_legacy_metadata(Scanner& scan, std::size_t components) {
+  if (!scan.next_is("METADATA")) return;
   scan.line();
-  while (scan.remaining() > 0 && !scan.line().empty()) {
+  while (scan.remaining() > 0) {
+    const std::string_view line = scan.line();
+    if (line.empty()) return;
+    if (line == "COMPONENT_NAMES")
+      for (std::size_t k = 0; k < components && scan.remaining() > 0; ++k) scan.line();
   }
 }
 
@@ -106,11 +112,7 @@ void read_legacy_field(Scanner& scan, LegacyArrays* arrays) {
   scan.word("the name of a field");
   const std::size_t count = scan.count("arrays", 4);
   for (std::size_t i = 0; i < count; ++i) {
-    std::string name(scan.word("the name of an array"));
-    while (name == "METADATA") {
-      skip_legacy_metadata(scan);
-      name = scan.word("the name of an array");
-    }
+    const std::string name(scan.word("the name of an array"));
     const std::size_t components = scan.count("components", 0);
     const std::size_t tuples = scan.count("tuples", 0);
     read_values(scan, name, next_type(scan), components, tuples, arrays);

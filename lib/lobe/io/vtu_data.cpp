@@ -131,7 +131,7 @@ std::vector<double> read_ascii(const VtuContext& context, const pugi::xml_node& 
   std::vector<double> values;
   const std::string_view text = array.text().get();
   Scanner scan(context.file, text, '\0', line_of(context, array));
-  const std::string what = std::string("a number of DataArray '") + array.attribute("Name").value() + "'";
+  const std::string what = std::string("a value of DataArray '") + array.attribute("Name").value() + "'";
   while (!scan.at_end()) values.push_back(scan.real(what));
   return values;
 }

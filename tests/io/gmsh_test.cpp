@@ -1,0 +1,104 @@
+#include "io/fixture.h"
+#include "lobe/io/raw_mesh.h"
+
+using namespace lobe;
+
+namespace {
+
+MeshFile read(const std::string& text) { return io::finish(io::read_gmsh("g.msh", text), "g.msh"); }
+std::string fault(const std::string& text) {
+  return fixture::fault_of([&] { read(text); });
+}
+
+const std::string format22 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+const std::string nodes22 = "$Nodes\n4\n10 0 0 0\n7 1 0 0\n3000000000 0 1 0\n2 0 0 1\n$EndNodes\n";
+const std::string tet22 = "$Elements\n1\n1 4 2 5 9 10 7 3000000000 2\n$EndElements\n";
+
+const std::string format41 = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+const std::string entities41 =
+    "$Entities\n1 1 1 2\n1 0 0 0 1 99\n1 0 0 0 1 1 1 0 2 1 -1\n1 0 0 0 1 1 1 1 98 1 1\n"
+    "4 0 0 0 1 1 1 2 -6 8 1 1\n5 0 0 0 1 1 1 0 0\n$EndEntities\n";
+const std::string nodes41 =
+    "$Nodes\n2 5 1 50\n1 1 1 1\n50\n0 0 0 0.5\n3 4 0 4\n1\n2\n3\n4\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n";
+const std::string tets41 = "$Elements\n2 2 1 2\n3 4 4 1\n1 50 1 2 3\n3 5 4 1\n2 1 2 3 4\n$EndElements\n";
+
+}  // namespace
+
+TEST_CASE("Gmsh 2.2: node numbers with gaps, comments and other sections") {
+  const MeshFile file = read(format22 + "$Comments\nmade $Nodes\n by hand\n$EndComments\n" +
+                             "$PhysicalNames\n1\n3 5 \"liver\"\n$EndPhysicalNames\n" + nodes22 + tet22 +
+                             "$NodeData\n1\n\"T\"\n$EndNodeData\n");
+  CHECK(file.mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
+  CHECK(file.mesh.points.col(1) == Vec3d(1, 0, 0));
+  CHECK(file.mesh.labels == std::vector<int>{5});
+}
+
+TEST_CASE("Gmsh 2.2: elements may come before the nodes' order and without tags") {
+  const MeshFile file =
+      read(format22 + nodes22 + "$Elements\n2\n1 15 0 10\n2 4 0 7 10 3000000000 2\n$EndElements");
+  CHECK(file.ignored_cells == 1);
+  CHECK(file.mesh.labels == std::vector<int>{0});
+  CHECK(file.prepared.reoriented == 1);
+}
+
+TEST_CASE("Gmsh 4.1: the label is the first physical group of the volume, parametric nodes are read") {
+  const MeshFile file = read(format41 + entities41 + nodes41 + tets41);
+  CHECK(file.mesh.labels == std::vector<int>{6, 0});
+  CHECK(file.mesh.points.col(4) == Vec3d(1, 1, 1));
+  CHECK(file.mesh.tets.col(0) == Eigen::Vector4i(0, 1, 2, 3));
+}
+
+TEST_CASE("Gmsh: binary files of the other byte order are read") {
+  std::string text = "$MeshFormat\n2.2 1 8\n";
+  const auto put = [&](auto value) {
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    for (std::size_t k = sizeof value; k-- > 0;) text += raw[k];
+  };
+  put(1);
+  text += "\n$EndMeshFormat\n$Nodes\n4\n";
+  const double corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int i = 0; i < 4; ++i) {
+    put(i + 1);
+    for (const double x : corners[i]) put(x);
+  }
+  text += "\n$EndNodes\n$Elements\n1\n";
+  for (const int n : {4, 1, 2, 1, 33, 0, 1, 2, 3, 4}) put(n);
+  text += "\n$EndElements\n";
+  CHECK(read(text).mesh.labels == std::vector<int>{33});
+  CHECK(read(text).mesh.points.col(3) == Vec3d(0, 0, 1));
+}
+
+TEST_CASE("Gmsh: bad files are refused at their line") {
+  CHECK_CONTAINS(fault("solid"), "g.msh:1: expected a section, such as $Nodes");
+  CHECK_CONTAINS(fault("$Nodes\n"), "expected $MeshFormat before any other section");
+  CHECK_CONTAINS(fault("$MeshFormat\n4.0 0 8\n$EndMeshFormat"),
+                 "Gmsh format 4.0, expected 2.2 or 4.1; convert it");
+  CHECK_CONTAINS(fault(format22), "has no $Nodes section");
+  CHECK_CONTAINS(fault(format22 + nodes22), "has no tetrahedron");
+  CHECK_CONTAINS(fault(format22 + "$Nodes\n3\n1 0 0 0\n1 1 0 0\n2 0 1 0\n"),
+                 "g.msh:7: node 1 is given twice");
+  CHECK_CONTAINS(fault(format22 + "$Nodes\n400000\n1 0 0 0\n"), "g.msh:5: 400000 nodes are announced");
+  CHECK_CONTAINS(fault(format22 + "$Nodes\n1\n1 0 0 0\n2 0 0 0\n$EndNodes"), "'2', expected $EndNodes");
+  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n7 4 2 5 9 10 7 11 2\n"),
+                 "element 7 uses node 11, which $Nodes does not have");
+  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 4 1 9999999999 10 7 2 2\n"),
+                 "physical group 9999999999");
+  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 777 0 10 7 2 2\n"), "unknown element type 777");
+  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 2 0 10 7 2\n$EndElements"),
+                 "has no 4-node tetrahedron, only 1 other cells");
+  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 4 0 10 7 7 2\n$EndElements"),
+                 "uses a vertex twice");
+  CHECK_CONTAINS(fault(format22 + fixture::edited(nodes22, "7 1 0 0", "7 inf 0 0") + tet22),
+                 "vertex 1: its position is (inf, 0, 0)");
+  CHECK_CONTAINS(fault(format22 + fixture::edited(nodes22, "2 0 0 1", "2 1 1 0") + tet22), "is flat");
+  CHECK_CONTAINS(fault(format22 + "$Periodic\n1\n"), "expected $EndPeriodic");
+  CHECK_CONTAINS(fault(format41 + "$PartitionedEntities\n1\n"), "save it in one piece");
+  CHECK_CONTAINS(fault(format41 + nodes41 + fixture::edited(tets41, "4 1\n1 50", "4 -1\n1 50")),
+                 "a negative number of elements");
+}
+
+TEST_CASE("Gmsh: binary faults name the byte") {
+  const std::string bytes = fixture::bytes("gmsh41_binary.msh");
+  CHECK_CONTAINS(fault(bytes.substr(0, bytes.size() / 2)), "g.msh: byte ");
+}

@@ -1,0 +1,61 @@
+#include "lobe/io/surface_io.h"
+
+#include "io/fixture.h"
+
+using namespace lobe;
+
+namespace {
+
+struct Surface {
+  Mat3X<double> points;
+  Triangles triangles;
+};
+
+Surface tetrahedron() {
+  Surface surface{Mat3X<double>(3, 4), Triangles(3, 4)};
+  surface.points << 0, 0.1, 0, 0, /**/ 0, 0, 1, 0, /**/ 0, 0, 0, 1;
+  surface.triangles << 0, 0, 0, 1, /**/ 2, 1, 3, 2, /**/ 1, 3, 2, 3;
+  return surface;
+}
+
+std::string written(const fixture::Folder& folder, const char* name) {
+  const Surface surface = tetrahedron();
+  write_surface(folder.path / name, surface.points, surface.triangles);
+  return io::read_file(folder.path / name);
+}
+
+}  // namespace
+
+TEST_CASE("surfaces as OBJ and OFF are exact text") {
+  const fixture::Folder folder;
+  CHECK(written(folder, "a.obj") ==
+        "v 0 0 0\nv 0.1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  CHECK(written(folder, "a.OFF") ==
+        "OFF\n4 4 0\n0 0 0\n0.1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+}
+
+TEST_CASE("surfaces as PLY and STL have the size their header announces") {
+  const fixture::Folder folder;
+  const std::string ply = written(folder, "a.ply"), end = "end_header\n";
+  CHECK(ply.size() - ply.find(end) - end.size() == 4 * 24 + 4 * 13);
+  const std::string stl = written(folder, "a.stl");
+  CHECK(stl.size() == 84 + 4 * 50);
+  float normal[3];
+  std::memcpy(normal, stl.data() + 84, sizeof normal);  // the face z = 0 looks down
+  CHECK(normal[0] == 0);
+  CHECK(normal[1] == 0);
+  CHECK(normal[2] == -1);
+}
+
+TEST_CASE("surfaces of unknown extension, with bad vertices or without a folder are refused") {
+  const fixture::Folder folder;
+  Surface surface = tetrahedron();
+  const auto fault = [&](const std::filesystem::path& file) {
+    return fixture::fault_of([&] { write_surface(file, surface.points, surface.triangles); });
+  };
+  CHECK_CONTAINS(fault(folder.path / "a.x3d"), "unknown extension '.x3d', expected .obj");
+  CHECK_CONTAINS(fault(folder.path / "none" / "a.obj"), "cannot be written: No such file");
+  surface.triangles(0, 2) = 4;
+  CHECK_CONTAINS(fault(folder.path / "a.obj"), "triangle 2 names a vertex beyond 0 … 3");
+  CHECK(folder.file_count() == 0);
+}

@@ -1,5 +1,8 @@
 #include "lobe/region/element_blocks.h"
 
+#include <algorithm>
+
+#include "lobe/fem/simd.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
 
@@ -59,10 +62,10 @@ void ElementBlocks<Real>::move(Index from, Index to) {
   const Block& source = blocks_[from / width];
   Block& target = blocks_[to / width];
   const int a = from % width, b = to % width;
-  for (int i = 0; i < 9; ++i) target.alpha[i][b] = Real(source.alpha[i][a]);
-  target.lambda_V[b] = Real(source.lambda_V[a]);
-  target.mu_V[b] = Real(source.mu_V[a]);
-  target.kappa_V[b] = Real(source.kappa_V[a]);
+  for (int i = 0; i < 9; ++i) target.alpha[i][b] = source.alpha[i][a];
+  target.lambda_V[b] = source.lambda_V[a];
+  target.mu_V[b] = source.mu_V[a];
+  target.kappa_V[b] = source.kappa_V[a];
   for (int c = 0; c < 4; ++c) {
     const Index v = target.corners[c][b] = source.corners[c][a];
     for (Index& place : outputs_of_[v])
@@ -73,39 +76,43 @@ void ElementBlocks<Real>::move(Index from, Index to) {
 }
 
 template <class Real>
-Mat34<Pack<Real>> ElementBlocks<Real>::gather(const Block& block, const Mat3X<Real>& u) {
-  Mat34<Pack<Real>> corners;
-  for (int c = 0; c < 4; ++c)
-    for (int d = 0; d < 3; ++d)
-      corners(d, c) =
-          Pack<Real>([&](auto lane) { return u.data()[3 * std::size_t(block.corners[c][lane]) + d]; });
-  return corners;
-}
+struct ElementBlocks<Real>::Lanes {
+  using T = Pack<Real>;
+  static constexpr int count = static_cast<int>(T::size());
 
-template <class Real>
-Mat3<Pack<Real>> ElementBlocks<Real>::gradients(const Block& block) {
-  Mat3<Pack<Real>> alpha;
-  for (int i = 0; i < 9; ++i) alpha(i % 3, i / 3) = block.alpha[i];
-  return alpha;
-}
+  Lanes(const Block& block, int first, const Mat3X<Real>& u)
+      : lambda_V(&block.lambda_V[first], stdx::element_aligned),
+        mu_V(&block.mu_V[first], stdx::element_aligned),
+        kappa_V(&block.kappa_V[first], stdx::element_aligned) {
+    Mat34<T> at_corners;
+    for (int c = 0; c < 4; ++c)
+      for (int d = 0; d < 3; ++d)
+        at_corners(d, c) =
+            T([&](auto lane) { return u.data()[3 * std::size_t(block.corners[c][first + lane]) + d]; });
+    for (int i = 0; i < 9; ++i) alpha(i % 3, i / 3).copy_from(&block.alpha[i][first], stdx::element_aligned);
+    H = displacement_gradient(at_corners, alpha);
+  }
+
+  T lambda_V, mu_V, kappa_V;
+  Mat3<T> alpha, H;  // α_1, α_2, α_3; ∇u
+};
 
 template <class Real>
 template <typename ElementBlocks<Real>::Part part>
 void ElementBlocks<Real>::evaluate(const Mat3X<Real>& u, Index begin, Index end) {
-  for (Index b = begin; b < end; ++b) {
-    const Block& block = blocks_[b];
-    const Mat3<Pack<Real>> alpha = gradients(block);
-    const Mat3<Pack<Real>> H = displacement_gradient(gather(block, u), alpha);
-    Mat3<Pack<Real>> VP;
-    if constexpr (part == Part::volume_term)
-      VP = volume_stress(H, block.kappa_V);
-    else
-      VP = svk_stress(H, block.lambda_V, block.mu_V);
-    if constexpr (part == Part::both) VP += volume_stress(H, block.kappa_V);
-    const Mat34<Pack<Real>> f = corner_forces(VP, alpha);
-    Real* place = corner_forces_.data() + std::size_t(b) * 12 * width;
-    for (int i = 0; i < 12; ++i) f(i % 3, i / 3).copy_to(place + i * width, stdx::element_aligned);
-  }
+  for (Index b = begin; b < end; ++b)
+    for (int first = 0; first < width; first += Lanes::count) {
+      const Lanes e(blocks_[b], first, u);
+      Mat3<Pack<Real>> VP;
+      if constexpr (part == Part::volume_term)
+        VP = volume_stress(e.H, e.kappa_V);
+      else
+        VP = svk_stress(e.H, e.lambda_V, e.mu_V);
+      if constexpr (part == Part::both) VP += volume_stress(e.H, e.kappa_V);
+      const Mat34<Pack<Real>> f = corner_forces(VP, e.alpha);
+      Real* place = corner_forces_.data() + std::size_t(b) * 12 * width + first;
+      for (int i = 0; i < 12; ++i) f(i % 3, i / 3).copy_to(place + i * width, stdx::element_aligned);
+    }
 }
 
 template <class Real>
@@ -130,12 +137,13 @@ void ElementBlocks<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Part 
 template <class Real>
 double ElementBlocks<Real>::energy(const Mat3X<Real>& u) const {
   double sum = 0;
-  for (const Block& block : blocks_) {
-    const Mat3<Pack<Real>> H = displacement_gradient(gather(block, u), gradients(block));
-    Pack<Real> W = svk_energy_density(H, block.lambda_V, block.mu_V);
-    if (volume_term_) W += volume_energy_density(H, block.kappa_V);
-    for (int lane = 0; lane < width; ++lane) sum += double(Real(W[lane]));
-  }
+  for (const Block& block : blocks_)
+    for (int first = 0; first < width; first += Lanes::count) {
+      const Lanes e(block, first, u);
+      Pack<Real> W = svk_energy_density(e.H, e.lambda_V, e.mu_V);
+      if (volume_term_) W += volume_energy_density(e.H, e.kappa_V);
+      for (int lane = 0; lane < Lanes::count; ++lane) sum += double(Real(W[lane]));
+    }
   return sum;
 }
 
@@ -144,25 +152,26 @@ typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffn
     const Mat3X<Real>& u, DiagonalStiffness& K) const {
   static constexpr int upper[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
   Stiffness result;
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Block& block = blocks_[b];
-    const Mat3<Pack<Real>> alpha = gradients(block);
-    const Mat3<Pack<Real>> H = displacement_gradient(gather(block, u), alpha);
-    const Pack<Real> change = volume_change(H);
-    const int lanes = std::min<int>(width, tet_count() - static_cast<Index>(b) * width);
-    for (int lane = 0; lane < lanes; ++lane)
+  for (Index begin = 0; begin < tet_count(); begin += Lanes::count) {
+    const Block& block = blocks_[begin / width];
+    const int first = begin % width;
+    const Lanes e(block, first, u);
+    const Pack<Real> change = volume_change(e.H);
+    const int used = std::min<int>(Lanes::count, tet_count() - begin);
+    for (int lane = 0; lane < used; ++lane)
       if (1 + Real(change[lane]) < result.smallest_volume_ratio) {
         result.smallest_volume_ratio = 1 + Real(change[lane]);
-        result.smallest_tet = tet_of_slot_[b * width + lane];
+        result.smallest_tet = tet_of_slot_[begin + lane];
       }
     for (int c = 0; c < 4; ++c) {
-      const Vec3<Pack<Real>> a = c == 0 ? Vec3<Pack<Real>>(-(alpha.col(0) + alpha.col(1) + alpha.col(2)))
-                                        : Vec3<Pack<Real>>(alpha.col(c - 1));
-      Mat3<Pack<Real>> own = svk_diagonal_block(H, a, block.lambda_V, block.mu_V);
-      if (volume_term_) own += volume_diagonal_block(H, a, block.kappa_V);
+      const Vec3<Pack<Real>> a = c == 0
+                                     ? Vec3<Pack<Real>>(-(e.alpha.col(0) + e.alpha.col(1) + e.alpha.col(2)))
+                                     : Vec3<Pack<Real>>(e.alpha.col(c - 1));
+      Mat3<Pack<Real>> own = svk_diagonal_block(e.H, a, e.lambda_V, e.mu_V);
+      if (volume_term_) own += volume_diagonal_block(e.H, a, e.kappa_V);
       for (int i = 0; i < 6; ++i)
-        for (int lane = 0; lane < lanes; ++lane)
-          K(i, block.corners[c][lane]) += double(Real(own(upper[i][0], upper[i][1])[lane]));
+        for (int lane = 0; lane < used; ++lane)
+          K(i, block.corners[c][first + lane]) += double(Real(own(upper[i][0], upper[i][1])[lane]));
     }
   }
   return result;

@@ -4,9 +4,9 @@
 // flops per corner.
 #pragma once
 
+#include <array>
 #include <vector>
 
-#include "lobe/fem/simd.h"
 #include "lobe/mesh/vertex_lists.h"
 #include "lobe/parallel.h"
 #include "lobe/region/elements.h"
@@ -37,18 +37,19 @@ class ElementBlocks {
   Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;  // at the state u
 
  private:
-  static constexpr int width = static_cast<int>(Pack<Real>::size());
-  struct Block {
-    Pack<Real> alpha[9];                 // α_1, α_2, α_3 [1/m], column by column
-    Pack<Real> lambda_V, mu_V, kappa_V;  // [J], zero in empty lanes
-    Index corners[4][static_cast<std::size_t>(width)] = {};
+  static constexpr int width =
+      64 / sizeof(Real);  // tetrahedra per block, a multiple of every register's width
+  using Row = std::array<Real, std::size_t(width)>;
+  struct alignas(64) Block {
+    std::array<Row, 9> alpha{};         // α_1, α_2, α_3 [1/m], column by column
+    Row lambda_V{}, mu_V{}, kappa_V{};  // [J], zero in empty lanes
+    std::array<std::array<Index, std::size_t(width)>, 4> corners{};
   };
+  struct Lanes;  // as many tetrahedra of a block as a register holds
 
   static Index output(Index slot, int corner) {
     return 12 * width * (slot / width) + 3 * width * corner + slot % width;
   }
-  static Mat34<Pack<Real>> gather(const Block& block, const Mat3X<Real>& u);
-  static Mat3<Pack<Real>> gradients(const Block& block);
   template <Part part>
   void evaluate(const Mat3X<Real>& u, Index begin, Index end);
 

@@ -19,7 +19,6 @@ std::string numbered(const char* format, std::size_t number) {
 nlohmann::ordered_json tool_json(const Tools::Pose& pose, const Mat3X<double>& x) {
   const auto array = [](const Vec3d& p) { return nlohmann::ordered_json{p[0], p[1], p[2]}; };
   nlohmann::ordered_json tool{{"type", pose.type == Tool::Type::grasp ? "grasp" : "cautery"},
-                              {"name", pose.name},
                               {"position", array(pose.position)}};
   if (pose.radius > 0) tool["radius"] = pose.radius;
   for (Index v : pose.vertices) tool["points"].push_back(array(x.col(v)));
@@ -51,7 +50,7 @@ void Recorder::add_pictures(const World<Real>& world, const std::string& frame) 
     char out[64], title[64];
     std::snprintf(out, sizeof out, "picture_%.3f.png", output_.pictures[next_picture_]);
     std::snprintf(title, sizeof title, "t = %.2f s", world.time());
-    nlohmann::ordered_json panel{{"mesh", frame}, {"title", title}, {"color", "region"}, {"edges", true}};
+    nlohmann::ordered_json panel{{"mesh", frame}, {"title", title}, {"color", "region"}, {"edges", true}, {"first", frames_.front().second}};
     panel["tools"] = nlohmann::ordered_json::array();
     for (const Tools::Pose& pose : world.tool_poses()) panel["tools"].push_back(tool_json(pose, x));
     nlohmann::ordered_json picture{{"out", out}};

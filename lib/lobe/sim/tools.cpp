@@ -1,8 +1,18 @@
 #include "lobe/sim/tools.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace lobe {
+
+double Tools::next_grasp_change(double time) const {
+  double next = std::numeric_limits<double>::infinity();
+  for (const GraspSetup& grasp : grasps_) {
+    if (grasp.path.front().time > time) next = std::min(next, grasp.path.front().time);
+    if (grasp.release && grasp.path.back().time > time) next = std::min(next, grasp.path.back().time);
+  }
+  return next;
+}
 
 std::vector<Sweep> Tools::sweeps(double from, double to) const {
   std::vector<Sweep> sweeps;

@@ -15,19 +15,20 @@ class Tools {
     state_.assign(grasps_.size(), State::waiting);
   }
 
-  // Takes hold and lets go, as the paths say at this time. `displacement(v)` gives u of a vertex [m]. Returns
-  // whether anything changed.
-  template <class Displacement>
-  bool update_grasps(double time, HeldVertices& held, Displacement&& displacement) {
+  // Takes hold of the vertices that exist(v), and lets go, as the paths say at this time. displacement(v)
+  // gives u [m]. Returns whether anything changed.
+  template <class Displacement, class Exists>
+  bool update_grasps(double time, HeldVertices& held, Displacement&& displacement, Exists&& exists) {
     bool changed = false;
     for (std::size_t g = 0; g < grasps_.size(); ++g) {
       const GraspSetup& grasp = grasps_[g];
-      if (state_[g] == State::waiting && time >= grasp.path.front().time) {
-        for (Index v : grasp.vertices) held.hold({v, holder(g), displacement(v), Vec3d::Zero()});
+      if (state_[g] == State::waiting && time >= grasp.path.front().time - just_before) {
+        for (Index v : grasp.vertices)
+          if (exists(v)) held.hold({v, holder(g), displacement(v), Vec3d::Zero()});
         state_[g] = State::holding;
         changed = true;
       }
-      if (state_[g] == State::holding && grasp.release && time >= grasp.path.back().time) {
+      if (state_[g] == State::holding && grasp.release && time >= grasp.path.back().time - just_before) {
         held.release(holder(g));
         state_[g] = State::released;
         changed = true;
@@ -36,7 +37,10 @@ class Tools {
     return changed;
   }
 
-  // Displacement of a vertex that a grasp holds. [m]
+  // The next time after `time` at which a grasp takes hold or lets go, infinite if there is none. [s]
+  double next_grasp_change(double time) const;
+
+  // Displacement of a vertex that a grasp holds: the path's offset from where it was taken hold of. [m]
   Vec3d grasped(const HeldVertices::Held& item, double time) const {
     return item.start + path_at(grasps_[std::size_t(item.holder - 1)].path, time);
   }
@@ -73,6 +77,7 @@ class Tools {
   }
 
  private:
+  static constexpr double just_before = 1e-9;  // times are sums of steps [s]
   enum class State { waiting, holding, released };
   static int holder(std::size_t grasp) { return 1 + static_cast<int>(grasp); }
 

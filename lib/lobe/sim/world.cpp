@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "lobe/error.h"
+#include "lobe/sim/check_setup.h"
 #include "lobe/sim/integrator.h"
 
 namespace lobe {
@@ -26,27 +27,6 @@ class Timed {
   double& sum_;
   Clock::time_point start_;
 };
-
-void check(const Setup& setup) {
-  std::vector<Fault> faults;
-  const auto tets = std::size_t(setup.mesh.tet_count());
-  if (tets == 0) faults.push_back({"setup", "the mesh has no tetrahedron"});
-  if (setup.material_of.size() != tets || setup.region_of.size() != tets || setup.mesh.labels.size() != tets)
-    faults.push_back({"setup", "materials, regions and labels must have one entry per tetrahedron"});
-  for (std::uint16_t m : setup.material_of)
-    if (m >= setup.materials.size()) {
-      faults.push_back({"setup", "material number out of range"});
-      break;
-    }
-  for (const Elastic& e : setup.materials)
-    if (!(e.mu > 0) || !(3 * e.lambda + 2 * e.mu > 0) || !(e.density > 0))
-      faults.push_back({"setup", "a material needs mu > 0, 3 lambda + 2 mu > 0 and density > 0"});
-  if (std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed))
-    faults.push_back({"setup", "precomputed regions are not available yet; use tensor-mass"});
-  if (!(setup.volume_penalty >= 0) || !(setup.damping >= 0) || !(setup.safety > 0 && setup.safety <= 1))
-    faults.push_back({"setup", "volume penalty and damping must not be negative, safety in (0, 1]"});
-  if (!faults.empty()) throw InputError(std::move(faults));
-}
 
 double mean_edge(const Elements& elements) {
   double sum = 0;
@@ -77,7 +57,7 @@ const char* name(Condition::Kind kind) {
 
 template <class Real>
 World<Real>::World(const Setup& setup, int threads)
-    : setup_((check(setup), setup)),
+    : setup_((check_setup(setup), setup)),
       elements_(setup),
       nonlinear_(setup.evaluator),
       tools_(setup),
@@ -85,7 +65,6 @@ World<Real>::World(const Setup& setup, int threads)
   const Index n = elements_.topology.vertex_count();
   state_.u = Mat3X<Real>::Zero(3, n);
   state_.v = state_.u;
-  floating_ = setup.prescribed.empty();
   longest_move_ = mean_edge(elements_);
   for (const PrescribedVertex& p : setup.prescribed)
     held_.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement});
@@ -97,8 +76,10 @@ World<Real>::World(const Setup& setup, int threads)
   tensor_mass_.follow(elements_, everything);
   nonlinear_.follow(elements_, everything);
   refresh_vertices(everything.vertices);
+  find_bodies();
   const double vertex = highest_vertex().omega;
   if (vertex > 0) frequency_ratio_ = std::max(1.0, lanczos_frequency(elements_, inverse_mass_) / vertex);
+  rest_frequency_ = frequency_ratio_ * vertex;
 }
 
 // ---- Stepping
@@ -158,13 +139,26 @@ bool World<Real>::run_steps(int steps, double dt, Report& report) {
 
 template <class Real>
 Report World<Real>::advance(double duration) {
+  if (!(duration > 0) || !std::isfinite(duration))
+    throw InputError("advance", "the duration must be above 0 s and finite, not " + std::to_string(duration));
   Report report;
+  const double end = state_.time + duration, shortest = 1e-9 * duration;
+  while (report.ok && state_.time < end - shortest) {
+    const double next = tools_.next_grasp_change(state_.time + shortest);
+    advance_to(next < end - shortest ? next : end, report);
+  }
+  return report;
+}
+
+template <class Real>
+void World<Real>::advance_to(double end, Report& report) {
+  const double duration = end - state_.time;
   play_tools(duration, report);
   {
     const Timed timed(report, Phase::time_step);
     report.time_step_limit = time_step_limit();
   }
-  report.smallest_volume_ratio = volume_ratio_;
+  report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, volume_ratio_);
   if (volume_ratio_ < 0.05)
     report.conditions.push_back({Condition::Kind::near_inversion,
                                  "tetrahedron " + std::to_string(volume_ratio_tet_) + " is at " +
@@ -174,34 +168,39 @@ Report World<Real>::advance(double duration) {
   const double wanted = std::ceil(duration / (setup_.safety * report.time_step_limit) * (1 - 1e-12));
   int steps = static_cast<int>(std::clamp(wanted, 1.0, double(most_steps)));
   const State<Real> start = state_;
-  for (int attempt = 0; attempt < most_tries; ++attempt, steps *= 2) {
-    report.time_step = duration / steps;
-    if (run_steps(steps, report.time_step, report)) {
+  double step = 0;
+  for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt, steps *= 2) {
+    step = duration / steps;
+    if (run_steps(steps, step, report)) {
+      state_.time = end;
+      report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
       if (attempt > 0)
-        report.conditions.push_back(
-            {Condition::Kind::sub_stepped,
-             "the frame needed " + std::to_string(1 << attempt) + " times smaller steps", start.time});
-      return report;
+        report.conditions.push_back({Condition::Kind::sub_stepped,
+                                     "it took " + std::to_string(1 << attempt) + " times smaller steps",
+                                     start.time});
+      return;
     }
     state_ = start;
-    if (steps > most_steps / 2) break;
   }
   report.ok = false;
+  report.time_step = step;
   report.conditions.push_back(
       {Condition::Kind::diverged,
-       "no step down to " + std::to_string(report.time_step) +
-           " s was stable; the state before it is kept. Use a smaller load or tool speed, "
-           "more damping, or a volume_penalty",
+       "no step down to " + std::to_string(step) +
+           " s was stable; displacements and velocities before it are kept. Use a smaller "
+           "load or tool speed, more damping, or a volume_penalty",
        state_.time});
-  return report;
 }
 
 template <class Real>
 void World<Real>::play_tools(double duration, Report& report) {
   const Timed timed(report, Phase::cutting);
   const auto displacement = [&](Index v) -> Vec3d { return state_.u.col(v).template cast<double>(); };
-  if (tools_.update_grasps(state_.time, held_, displacement))
+  const auto exists = [&](Index v) { return mass_[v] > 0; };
+  if (tools_.update_grasps(state_.time, held_, displacement, exists)) {
     for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
+    report.tets_removed += treat_loose_pieces();
+  }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
     report.tets_removed += remove_tets(touched_tets(elements_.topology, elements_.points, state_.u, sweep));
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
@@ -232,7 +231,8 @@ VertexFrequency World<Real>::highest_vertex() {
 
 template <class Real>
 double World<Real>::time_step_limit() {
-  const double omega = frequency_ratio_ * highest_vertex().omega;
+  // SVK softens when crushed; a step far beyond that of the body at rest would still be rash.
+  const double omega = std::max(frequency_ratio_ * highest_vertex().omega, rest_frequency_ / 4);
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 
@@ -268,6 +268,7 @@ std::vector<Tools::Pose> World<Real>::tool_poses() const {
 
 template <class Real>
 Index World<Real>::remove_tets(const std::vector<Index>& tets) {
+  check_tets(tets);
   const MeshEdit edit = elements_.topology.remove(tets);
   if (edit.empty()) return 0;
   follow(edit);
@@ -336,6 +337,7 @@ template <class Real>
 void World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) {
   if (model == RegionModel::precomputed)
     throw InputError("region", "precomputed regions are not available yet; use tensor-mass");
+  check_tets(tets);
   RegionEdit edit;
   for (Index t : tets) {
     if (!elements_.topology.alive(t) || elements_.region_of[t] == model) continue;
@@ -358,33 +360,62 @@ bool World<Real>::is_held(const std::vector<Index>& piece) const {
   });
 }
 
-// Pieces that nothing holds. If nothing was fixed from the start, the largest piece is the body.
+template <class Real>
+void World<Real>::find_bodies() {
+  body_of_.assign(std::size_t(elements_.topology.tet_count()), 0);
+  for (const std::vector<Index>& piece : elements_.topology.pieces()) {
+    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
+    body_was_held_.push_back(is_held(piece));
+  }
+}
+
+// A piece that nothing holds is loose if its body was held, or if it is not the largest that is left of its
+// body.
 template <class Real>
 Index World<Real>::treat_loose_pieces() {
-  std::vector<std::vector<Index>> pieces = elements_.topology.pieces();
-  if (pieces.size() < 2) return 0;
-  const auto largest = std::max_element(pieces.begin(), pieces.end(),
-                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  if (floating_) pieces.erase(largest);
+  const std::vector<std::vector<Index>> pieces = elements_.topology.pieces();
+  std::vector<std::size_t> largest(body_was_held_.size(), 0);
+  for (const std::vector<Index>& piece : pieces)
+    largest[body_of_[piece[0]]] = std::max(largest[body_of_[piece[0]]], piece.size());
   Index vanished = 0;
   for (const std::vector<Index>& piece : pieces) {
-    if (is_held(piece)) continue;
-    if (setup_.loose_pieces == LoosePieces::vanish) {
-      follow(elements_.topology.remove(piece));
-      vanished += static_cast<Index>(piece.size());
-    } else if (setup_.loose_pieces == LoosePieces::fall) {
-      set_region(piece, RegionModel::nonlinear);  // it will turn: a linear piece would grow
-    } else {
-      for (Index t : piece)
-        for (int c = 0; c < 4; ++c) {
-          const Index v = elements_.topology.tets()(c, t);
-          const Vec3d u = state_.u.col(v).template cast<double>();
-          held_.hold({v, HeldVertices::boundary, u, u});
-          refresh_inverse_mass(v);
-        }
-    }
+    const Index body = body_of_[piece[0]];
+    if (is_held(piece) || (!body_was_held_[body] && piece.size() == largest[body])) continue;
+    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
+    body_was_held_.push_back(false);
+    vanished += treat_loose_piece(piece);
   }
   return vanished;
+}
+
+template <class Real>
+Index World<Real>::treat_loose_piece(const std::vector<Index>& piece) {
+  const std::string text = std::to_string(piece.size()) + " tetrahedra came loose";
+  pending_.push_back({Condition::Kind::pieces, text, state_.time});
+  if (setup_.loose_pieces == LoosePieces::vanish) {
+    follow(elements_.topology.remove(piece));
+    return static_cast<Index>(piece.size());
+  }
+  if (setup_.loose_pieces == LoosePieces::fall) {
+    set_region(piece, RegionModel::nonlinear);  // it will turn: a linear piece would grow
+    return 0;
+  }
+  for (Index t : piece)
+    for (int c = 0; c < 4; ++c) {
+      const Index v = elements_.topology.tets()(c, t);
+      const Vec3d u = state_.u.col(v).template cast<double>();
+      held_.hold({v, HeldVertices::boundary, u, u});
+      refresh_inverse_mass(v);
+    }
+  return 0;
+}
+
+template <class Real>
+void World<Real>::check_tets(const std::vector<Index>& tets) const {
+  for (Index t : tets)
+    if (t < 0 || t >= elements_.topology.tet_count())
+      throw InputError("tetrahedron " + std::to_string(t),
+                       "there are " + std::to_string(elements_.topology.tet_count()) + ", numbered from 0");
 }
 
 template <class Real>

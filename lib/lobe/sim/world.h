@@ -28,9 +28,11 @@ class World {
   // Throws InputError if the setup is inconsistent or asks for a region model that is not available.
   explicit World(const Setup& setup, int threads = 1);
 
-  // Plays tools and cuts, then takes as many steps as the time step limit asks for. Never throws, never
-  // leaves a NaN behind: on trouble the frame is run again with smaller steps, and if that fails the state at
-  // its start is restored and the report says why.
+  // Plays tools and cuts, then takes as many steps as the time step limit asks for. Tools cut at the start of
+  // a frame what they will sweep during it; grasps take hold and let go on time. Throws InputError for a
+  // duration that is not positive and finite, nothing else, and never leaves a NaN behind: on trouble the
+  // frame is run again with smaller steps, and if that fails the displacements and velocities at its start
+  // are restored (cuts stay) and the report says why.
   Report advance(double duration);  // [s], > 0
   void step(double dt);             // one step without tools, cuts and checks [s]
 
@@ -48,7 +50,8 @@ class World {
   Vec3d reaction(int holder);   // force that who holds these vertices must apply now [N]
   Energies energies();
 
-  // Edits. Both update stiffness, mass, loads, boundary and time step around what changed only.
+  // Edits. Stiffness, mass and boundary are updated around what changed only; loads and pieces in O(#tets).
+  // The time step limit is always that of the current state.
   Index remove_tets(
       const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
   void set_region(const std::vector<Index>& tets, RegionModel model);
@@ -61,8 +64,12 @@ class World {
   void follow(const MeshEdit& edit);
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
+  void find_bodies();
   Index treat_loose_pieces();
+  Index treat_loose_piece(const std::vector<Index>& piece);
+  void check_tets(const std::vector<Index>& tets) const;
   bool is_held(const std::vector<Index>& piece) const;
+  void advance_to(double end, Report& report);
   void play_tools(double duration, Report& report);
   void integrate(double dt);
   void move_held(double dt);
@@ -80,7 +87,9 @@ class World {
   Mat3X<Real> external_;                     // gravity and dead loads at full size [N]
   double frequency_ratio_ = 1;               // ω_max / vertex estimate, measured at rest
   double longest_move_ = 0;                  // a step that moves a vertex further is trouble [m]
-  bool floating_ = false;                    // nothing was fixed at the start
+  double rest_frequency_ = 0;                // ω_max at the start [rad/s]
+  std::vector<Index> body_of_;  // per tetrahedron: the piece it belonged to at the start, or since
+  std::vector<bool> body_was_held_;
 
   State<Real> state_;
   Mat3X<Real> forces_;           // scratch

@@ -1,0 +1,124 @@
+#include "lobe/sim/check_setup.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/error.h"
+
+namespace lobe {
+namespace {
+
+class Checker {
+ public:
+  explicit Checker(const Setup& setup) : setup_(setup) {}
+
+  void expect(bool holds, const std::string& message) {
+    if (!holds) faults_.push_back({"setup", message});
+  }
+
+  bool is_vertex(Index v) const { return v >= 0 && v < setup_.mesh.vertex_count(); }
+  bool is_tet(Index t) const { return t >= 0 && t < setup_.mesh.tet_count(); }
+
+  void check_mesh();
+  void check_materials();
+  void check_boundary();
+  void check_path(const std::string& tool, const std::vector<PathPoint>& path);
+  void check_tools();
+
+  void finish() {
+    if (!faults_.empty()) throw InputError(std::move(faults_));
+  }
+
+ private:
+  const Setup& setup_;
+  std::vector<Fault> faults_;
+};
+
+void Checker::check_mesh() {
+  const TetMesh& mesh = setup_.mesh;
+  const auto tets = std::size_t(mesh.tet_count());
+  expect(tets > 0, "the mesh has no tetrahedron");
+  expect(setup_.material_of.size() == tets && setup_.region_of.size() == tets && mesh.labels.size() == tets,
+         "materials, regions and labels must have one entry per tetrahedron");
+  expect(mesh.points.allFinite(), "a vertex position is not finite");
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    const auto v = mesh.tets.col(t);
+    const bool in_range = is_vertex(v[0]) && is_vertex(v[1]) && is_vertex(v[2]) && is_vertex(v[3]);
+    if (in_range && signed_volume(tet_points(mesh, t)) > 0) continue;
+    expect(false, "tetrahedron " + std::to_string(t) +
+                      (in_range ? " is flat or inverted" : " names no vertex of the mesh") +
+                      ": call prepare() on the mesh");
+    break;
+  }
+}
+
+void Checker::check_materials() {
+  for (const Elastic& e : setup_.materials)
+    expect(std::isfinite(e.lambda) && std::isfinite(e.mu) && std::isfinite(e.density) && e.mu > 0 &&
+               3 * e.lambda + 2 * e.mu > 0 && e.density > 0,
+           "a material needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
+  expect(std::all_of(setup_.material_of.begin(), setup_.material_of.end(),
+                     [&](std::uint16_t m) { return m < setup_.materials.size(); }),
+         "a material number is out of range");
+  expect(!std::count(setup_.region_of.begin(), setup_.region_of.end(), RegionModel::precomputed),
+         "precomputed regions are not available yet; use tensor-mass");
+  const auto not_negative = [](double x) { return std::isfinite(x) && x >= 0; };
+  expect(not_negative(setup_.volume_penalty), "volume_penalty must be finite and not negative");
+  expect(not_negative(setup_.damping), "damping must be finite and not negative");
+  expect(not_negative(setup_.ramp) && not_negative(setup_.load_ramp),
+         "ramps must be finite and not negative");
+  expect(setup_.safety > 0 && setup_.safety <= 1, "safety must be in (0, 1]");
+  expect(setup_.gravity.allFinite(), "gravity is not finite");
+}
+
+void Checker::check_boundary() {
+  const auto all = [](const auto& list, auto&& holds) {
+    return std::all_of(list.begin(), list.end(), holds);
+  };
+  expect(all(setup_.prescribed,
+             [&](const PrescribedVertex& p) { return is_vertex(p.vertex) && p.displacement.allFinite(); }),
+         "a prescribed vertex is out of range, or its displacement not finite");
+  expect(all(setup_.vertex_loads,
+             [&](const VertexLoad& l) { return is_vertex(l.vertex) && l.force.allFinite(); }),
+         "a loaded vertex is out of range, or its force not finite");
+  expect(all(setup_.face_loads,
+             [&](const FaceLoad& l) {
+               return is_tet(l.tet) && l.face >= 0 && l.face < 4 && l.traction.allFinite();
+             }),
+         "a loaded face is out of range, or its traction not finite");
+}
+
+void Checker::check_path(const std::string& tool, const std::vector<PathPoint>& path) {
+  expect(!path.empty(), tool + " has no path");
+  bool in_order = true;
+  for (std::size_t i = 0; i < path.size(); ++i)
+    in_order = in_order && std::isfinite(path[i].time) && path[i].position.allFinite() &&
+               (i == 0 || path[i].time > path[i - 1].time);
+  expect(in_order, tool + ": the times of its path must increase, and all its values be finite");
+}
+
+void Checker::check_tools() {
+  for (const GraspSetup& grasp : setup_.grasps) {
+    check_path("grasp \"" + grasp.name + "\"", grasp.path);
+    expect(std::all_of(grasp.vertices.begin(), grasp.vertices.end(), [&](Index v) { return is_vertex(v); }),
+           "grasp \"" + grasp.name + "\" names no vertex of the mesh");
+  }
+  for (const CauterySetup& cautery : setup_.cauteries) {
+    check_path("cautery \"" + cautery.name + "\"", cautery.path);
+    expect(std::isfinite(cautery.radius) && cautery.radius > 0,
+           "cautery \"" + cautery.name + "\" needs a radius above 0");
+  }
+}
+
+}  // namespace
+
+void check_setup(const Setup& setup) {
+  Checker checker(setup);
+  checker.check_mesh();
+  checker.check_materials();
+  checker.check_boundary();
+  checker.check_tools();
+  checker.finish();
+}
+
+}  // namespace lobe

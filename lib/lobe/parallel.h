@@ -1,8 +1,9 @@
-// Persistent threads that sleep when idle. Work is cut into ranges that depend on its size only, and each
-// item writes to its own place, so that results have the same bits on any number of threads.
+// Persistent threads that sleep when idle. Each item of work writes to its own place and sums in its own order, so that
+// results have the same bits on any number of threads, however the work is cut into ranges.
 #pragma once
 
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "lobe/types.h"

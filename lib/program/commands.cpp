@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "console.h"
 #include "lobe/error.h"
@@ -101,7 +101,7 @@ int info(const InfoOptions& options) {
   print_warnings(file.prepared.warnings());
   const Json j = info_json(file, options);
   if (options.json)
-    std::cout << j.dump(1) << '\n';
+    std::cout << j.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
   else
     print_info(j);
   return done;
@@ -140,6 +140,8 @@ int run(const SceneOptions& options) {
 }
 
 int regions(const SceneOptions& options) {
+  if (options.output.extension() != ".vtu")
+    throw InputError(options.output.string(), "the mesh is written as VTU; give a name that ends in .vtu");
   const Loaded loaded = load(options);
   print_warnings(loaded.resolved.warnings);
   const Setup& setup = loaded.resolved.setup;

@@ -6,7 +6,7 @@
 
 namespace lobe::program {
 
-// Renders a request of Recorder, off-screen if there is no display. Returns an empty string, or why there are
+// Renders a request of Recorder, off-screen. Returns an empty string, or why there are
 // no pictures and what to do about it.
 std::string render_pictures(const std::filesystem::path& request);
 

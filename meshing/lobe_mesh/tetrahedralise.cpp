@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "lobe/error.h"
+#include "lobe/sim/frequency.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
-#include "lobe_mesh/rest_time_step.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {
@@ -129,7 +129,7 @@ void measure(const TetMesh& mesh, const MeshOptions& options, MeshReport& report
   report.quality = mesh_quality(mesh);
   report.volume_error = 100 * (report.quality.volume / report.surface_volume - 1);
   report.mean_edge = regular_edge(report.quality.volume / report.tets);
-  report.time_step = rest_time_step(mesh, options.lambda, options.mu, options.density);
+  report.time_step = rest_time_step(mesh, {options.lambda, options.mu, options.density});
   const double wave_speed = std::sqrt((options.lambda + 2 * options.mu) / options.density);
   report.time_step_star = report.time_step * wave_speed / report.mean_edge;
   if (std::abs(report.volume_error) > 5) {
@@ -192,7 +192,7 @@ TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshR
     if (done == wanted || failed > 2) break;
     try {
       TetMesh mesh = mesh_once(scaled, features, factor * edge, options, unit, stopwatch);
-      const double step = rest_time_step(mesh, options.lambda, options.mu, options.density);
+      const double step = rest_time_step(mesh, {options.lambda, options.mu, options.density});
       ++done;
       if (step <= best_step) continue;
       best = std::move(mesh);

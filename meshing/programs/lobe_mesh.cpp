@@ -30,7 +30,7 @@ struct Options {
   std::vector<std::string> surfaces;
   std::string output, report;
   double scale = 1;
-  bool edge_given = false, diagnose = false, json = false, quiet = false;
+  bool diagnose = false, json = false, quiet = false;
   RepairOptions repair;
   MeshOptions mesh;
 };

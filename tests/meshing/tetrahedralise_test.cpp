@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "lobe_mesh/errors.h"
-#include "lobe_mesh/rest_time_step.h"
 #include "meshing/shapes.h"
 
 using namespace lobe;
@@ -115,16 +114,4 @@ TEST_CASE("a mesher that runs out of time or memory is a failure with a message,
   options = {.edge = 0.01, .mesher = Mesher::tetgen, .tetgen_program = "/nowhere/lobe-tetgen"};
   CHECK_THROWS_WITH_AS(tetrahedralise(sphere, options, report), doctest::Contains("could not be started"),
                        MeshingFailure);
-}
-
-TEST_CASE("the stable step of one tetrahedron is that of its worst vertex") {
-  // Corner 0 of the unit tetrahedron: α = (−1, −1, −1), K = V [(λ + μ) α⊗α + 3μ I], λ_max = V (3λ + 6μ); no
-  // other corner is stiffer. m = ρ V / 4.
-  TetMesh mesh;
-  mesh.points.resize(3, 4);
-  mesh.points << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
-  mesh.tets.resize(4, 1);
-  mesh.tets << 0, 1, 2, 3;
-  CHECK(rest_time_step(mesh, 4e4, 1e4, 1000) ==
-        doctest::Approx(2 / std::sqrt((3 * 4e4 + 6 * 1e4) * 4 / 1000.0)));
 }

@@ -1,5 +1,6 @@
 #include "lobe/cut/cautery.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lobe/cut/distance.h"

@@ -13,8 +13,9 @@ struct Sweep {
   double radius = 0;  // [m], > 0
 };
 
-// Alive tetrahedra of the deformed body within reach of the sweep, in ascending order. The sweep is sampled
-// every quarter of the radius (the reach between samples is short of the radius by less than 1 %). O(#tets).
+// Alive tetrahedra of the deformed body within reach of the sweep, in ascending order. The sweep is sampled every
+// quarter of the radius (between samples the reach is short of the radius by less than 1 %), in at most 10,000 places.
+// O(#tets).
 template <class Real>
 std::vector<Index> touched_tets(const Topology& topology,
                                 const Mat3X<double>& points,  // 3 × #vertices, rest positions [m]

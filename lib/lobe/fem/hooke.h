@@ -23,8 +23,8 @@ Mat3<T> hooke_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // σ [Pa]
   return stress;
 }
 
-// ∂²W/∂u_j∂u_k = V B_jk, B_jk = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I). [PDA] eq. (3) gives half of it
-// (erratum 1).
+// ∂²W/∂u_j∂u_k = V B_jk, B_jk = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I). [PDA] eq. (3)
+// sums these blocks without the ½ of the energy (erratum 1).
 template <class Real>
 Mat3<Real> hooke_block(const Vec3<Real>& alpha_j, const Vec3<Real>& alpha_k, Real lambda, Real mu)  // [Pa/m²]
 {

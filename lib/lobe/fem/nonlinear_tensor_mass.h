@@ -1,9 +1,11 @@
 // The coefficients of the non-linear tensor-mass model, [PDA] eq. (3), (6), (7) and table 1.
 //
 // The SVK energy of one tetrahedron is a polynomial in the displacements of its vertices,
-//   W = V (½ Σ u_jᵀ B_jk u_k + Σ (u_j·C_jkl)(u_k·u_l) + Σ D_jklm (u_j·u_k)(u_l·u_m))        (erratum 1: ½ and
-//   V) B_jk   = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I) C_jkl  = λ/2 α_j (α_k·α_l) + μ/2 (α_l (α_j·α_k) + α_k
-//   (α_j·α_l)) D_jklm = λ/8 (α_j·α_k)(α_l·α_m) + μ/4 (α_j·α_m)(α_k·α_l)
+//   W      = V (½ Σ u_jᵀ B_jk u_k + Σ (u_j·C_jkl)(u_k·u_l) + Σ D_jklm (u_j·u_k)(u_l·u_m))
+//   B_jk   = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I)
+//   C_jkl  = λ/2 α_j (α_k·α_l) + μ/2 (α_l (α_j·α_k) + α_k (α_j·α_l))
+//   D_jklm = λ/8 (α_j·α_k)(α_l·α_m) + μ/4 (α_j·α_m)(α_k·α_l)
+// (the print lacks the ½ and the volume: erratum 1).
 // Its terms are sorted by the set of vertices they touch: a vertex, an edge, a triangle, the tetrahedron. The
 // coefficients of a shared vertex, edge or triangle add up over its tetrahedra, so that each is evaluated
 // once. D enters only through its part that is symmetric in j↔k, l↔m and (jk)↔(lm),
@@ -32,8 +34,8 @@ struct EdgeTerms {
   std::array<double, size> values{};  // B, C1 … C4, D1 … D4
 };
 
-// (uᵢ·C1)(uⱼ·uₖ) + (uⱼ·C2)(uᵢ·uₖ) + (uₖ·C3)(uᵢ·uⱼ) + D1 (uᵢ·uᵢ)(uⱼ·uₖ) + D2 (uⱼ·uⱼ)(uᵢ·uₖ) + D3
-// (uₖ·uₖ)(uᵢ·uⱼ)
+// (uᵢ·C1)(uⱼ·uₖ) + (uⱼ·C2)(uᵢ·uₖ) + (uₖ·C3)(uᵢ·uⱼ)
+// + D1 (uᵢ·uᵢ)(uⱼ·uₖ) + D2 (uⱼ·uⱼ)(uᵢ·uₖ) + D3 (uₖ·uₖ)(uᵢ·uⱼ)
 // + D4 (uᵢ·uⱼ)(uᵢ·uₖ) + D5 (uⱼ·uᵢ)(uⱼ·uₖ) + D6 (uₖ·uᵢ)(uₖ·uⱼ)
 struct TriangleTerms {
   static constexpr int vertices = 3, size = 9 + 6;

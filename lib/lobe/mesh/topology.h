@@ -13,8 +13,8 @@ namespace lobe {
 // A vertex whose tetrahedra no longer hang together by faces: some of them take a copy of it.
 struct VertexSplit {
   Index vertex = 0;
-  Index copy = 0;            // a new vertex, numbered after all others
-  std::vector<Index> tets;   // those that now have the copy for a corner
+  Index copy = 0;           // a new vertex, numbered after all others
+  std::vector<Index> tets;  // those that now have the copy for a corner
 };
 
 // One edit of the mesh, in this order: tetrahedra removed, then vertices split.
@@ -45,8 +45,8 @@ class Topology {
   const std::vector<Index>& boundary_faces() const { return boundary_; }
   Eigen::Vector3i face(Index code) const;
 
-  // Removes the alive ones of these tetrahedra. Where what is left around a vertex falls into parts that share no
-  // face, the vertex is split, so that nothing hangs by a vertex alone. O(tetrahedra removed).
+  // Removes the alive ones of these tetrahedra. Where what is left around one of their vertices falls into parts that
+  // share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra around these vertices).
   MeshEdit remove(std::span<const Index> tets);
 
   // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first. O(#tets).

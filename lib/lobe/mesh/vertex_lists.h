@@ -29,7 +29,9 @@ class VertexLists {
   }
 
   Index vertex_count() const { return static_cast<Index>(count_.size()); }
-  std::span<const Item> operator[](Index v) const { return {items_.data() + begin_[v], std::size_t(count_[v])}; }
+  std::span<const Item> operator[](Index v) const {
+    return {items_.data() + begin_[v], std::size_t(count_[v])};
+  }
   std::span<Item> operator[](Index v) { return {items_.data() + begin_[v], std::size_t(count_[v])}; }
 
   void add_vertex() {
@@ -63,7 +65,8 @@ class VertexLists {
     const Index capacity = std::max<Index>(4, 2 * capacity_[v]);
     const std::size_t begin = items_.size();
     items_.resize(begin + std::size_t(capacity));
-    std::copy_n(items_.begin() + std::ptrdiff_t(begin_[v]), count_[v], items_.begin() + std::ptrdiff_t(begin));
+    std::copy_n(items_.begin() + std::ptrdiff_t(begin_[v]), count_[v],
+                items_.begin() + std::ptrdiff_t(begin));
     begin_[v] = begin;
     capacity_[v] = capacity;
   }

@@ -1,9 +1,11 @@
 #include "lobe/run/recorder.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/io/atomic_file.h"
+#include "lobe/text.h"
 
 namespace lobe {
 namespace {
@@ -37,7 +39,7 @@ void Recorder::record(const World<Real>& world, bool last) {
   write_frame(directory_ / frame, world.elements(), world.state().u.template cast<double>(),
               world.state().v.template cast<double>());
   frames_.emplace_back(world.time(), frame);
-  while (world.time() >= next_frame_ - just_before) next_frame_ += output_.every;
+  if (frame_due) next_frame_ = output_.every * (std::floor((world.time() + just_before) / output_.every) + 1);
   if (picture_due || last) add_pictures(world, frame);
 }
 
@@ -47,13 +49,16 @@ void Recorder::add_pictures(const World<Real>& world, const std::string& frame) 
   for (; next_picture_ < output_.pictures.size() &&
          world.time() >= output_.pictures[next_picture_] - just_before;
        ++next_picture_) {
-    char out[64], title[64];
-    std::snprintf(out, sizeof out, "picture_%.3f.png", output_.pictures[next_picture_]);
+    char title[64];
     std::snprintf(title, sizeof title, "t = %.2f s", world.time());
-    nlohmann::ordered_json panel{{"mesh", frame}, {"title", title}, {"color", "region"}, {"edges", true}, {"first", frames_.front().second}};
+    nlohmann::ordered_json panel{{"mesh", frame},
+                                 {"title", title},
+                                 {"color", "region"},
+                                 {"edges", true},
+                                 {"first", frames_.front().second}};
     panel["tools"] = nlohmann::ordered_json::array();
     for (const Tools::Pose& pose : world.tool_poses()) panel["tools"].push_back(tool_json(pose, x));
-    nlohmann::ordered_json picture{{"out", out}};
+    nlohmann::ordered_json picture{{"out", "picture_" + exact(output_.pictures[next_picture_]) + ".png"}};
     picture["panels"].push_back(std::move(panel));
     pictures_.push_back(std::move(picture));
   }
@@ -64,7 +69,9 @@ std::filesystem::path Recorder::finish() const {
   if (pictures_.empty()) return {};
   const std::filesystem::path file = directory_ / "pictures.json";
   io::AtomicFile request(file);
-  request.stream() << nlohmann::ordered_json{{"pictures", pictures_}}.dump(1) << '\n';
+  request.stream() << nlohmann::ordered_json{{"pictures", pictures_}}.dump(
+                          1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+                   << '\n';
   request.commit();
   return file;
 }

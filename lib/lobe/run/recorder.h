@@ -1,4 +1,4 @@
-// Frames and the picture request of a run.
+// Private to run/: frames and the picture request of a run.
 #pragma once
 
 #include <filesystem>

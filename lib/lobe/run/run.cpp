@@ -10,6 +10,7 @@
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/run/recorder.h"
+#include "lobe/scene/read_scene.h"
 
 namespace lobe {
 namespace {
@@ -105,8 +106,8 @@ std::string summary_of(const Json& report) {
   return line;
 }
 
-// The files that an earlier run left in the directory.
-void clear_earlier_run(const std::filesystem::path& directory) {
+// Removes the files that an earlier run left in the directory.
+void clear_earlier_run(const std::filesystem::path& directory, const std::filesystem::path& mesh) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (!std::filesystem::is_directory(directory, error))
@@ -116,6 +117,9 @@ void clear_earlier_run(const std::filesystem::path& directory) {
     const bool ours = (file.starts_with("frame_") && file.ends_with(".vtu")) ||
                       (file.starts_with("picture_") && file.ends_with(".png")) || file == "report.json" ||
                       file == "series.pvd" || file == "pictures.json";
+    if (ours && std::filesystem::equivalent(entry.path(), mesh, error))
+      throw InputError(mesh.string(),
+                       "the scene's mesh would be overwritten by its results; choose another directory");
     if (ours) std::filesystem::remove(entry.path(), error);
   }
 }
@@ -149,7 +153,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   const Clock::time_point start = Clock::now();
   World<Real> world(resolved.setup, options.threads);
   const double setup_seconds = seconds_since(start);
-  clear_earlier_run(options.directory);
+  clear_earlier_run(options.directory, mesh_path(scene));
   Recorder recorder(scene.output, options.directory);
   Totals totals;
   RunResult result;
@@ -185,7 +189,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"series", totals.series}};
   result.report = options.directory / "report.json";
   io::AtomicFile file(result.report);
-  file.stream() << report.dump(1) << '\n';
+  file.stream() << report.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
   file.commit();
   result.summary = summary_of(report);
   return result;

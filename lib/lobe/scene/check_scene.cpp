@@ -28,6 +28,11 @@ class MeaningChecker {
       check_where(scene_.tools[i].where, child_pointer("/tools", i));
       check_path(scene_.tools[i].path, child_pointer("/tools", i) + "/path");
     }
+    constexpr double most_frames = 1e7;
+    if (scene_.time.duration / scene_.time.frame > most_frames) {
+      add("/time/frame", exact(scene_.time.frame) + ", makes more than 10 million frames of the duration, " +
+                             exact(scene_.time.duration));
+    }
     for (std::size_t i = 0; i < scene_.output.pictures.size(); ++i) {
       const double time = scene_.output.pictures[i];
       if (time > scene_.time.duration) {

@@ -127,7 +127,8 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["frame_s"] = scene.time.frame;
   summary["precision"] = single ? "single" : "double";
   summary["integrator"] = scene.time.integrator;
-  summary["vtu_frames"] = 1 + std::floor(scene.time.duration / scene.output.every + 1e-9);
+  summary["vtu_frames"] =
+      1 + std::floor(scene.time.duration / std::max(scene.output.every, scene.time.frame) + 1e-9);
   summary["pictures"] = scene.output.pictures.size();
   summary["warnings"] = resolved.warnings;
   return summary;

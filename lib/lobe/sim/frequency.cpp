@@ -1,6 +1,7 @@
 #include "lobe/sim/frequency.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "lobe/fem/hooke.h"

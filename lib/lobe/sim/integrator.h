@@ -13,7 +13,7 @@
 
 namespace lobe {
 
-// Moves every vertex; those with inverse mass 0 stay as they are if at rest. Returns their highest speed
+// Moves every vertex but those with inverse mass 0. v lives half a step before u. Returns the highest speed
 // squared, infinite if any is not a number.
 template <class Real>
 Real central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass, Real dt, Real damping,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <set>
 
 #include "lobe/mesh/generators.h"
 #include "lobe/sim/world.h"

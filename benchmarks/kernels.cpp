@@ -40,8 +40,8 @@ std::vector<Row> checked_rows(const std::shared_ptr<const Cube>& cube, const std
 }
 
 void time_rows(std::vector<Row>& rows, const Sampling& sampling) {
-  std::vector<std::function<void()>> functions;
-  for (const Row& row : rows) functions.push_back(row.kernel.evaluate);
+  std::vector<Timed> functions;
+  for (const Row& row : rows) functions.push_back({row.kernel.evaluate, row.kernel.threads == 1});
   const std::vector<std::vector<double>> samples = sample_in_turn(functions, sampling);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].ns_per_tet = 1e9 * median(samples[i]) / rows[i].tets;
@@ -89,6 +89,11 @@ set key outside right
 set xlabel 'tetrahedra'
 set ylabel 'ns per tetrahedron, one thread'
 series(k, p) = (strcol(1) eq k && strcol(2) eq p && column(3) == 1) ? column(5) : NaN
+set linetype 1 lc '#0060ad'
+set linetype 2 lc '#c02020'
+set linetype 3 lc '#20a0d0'
+set linetype 4 lc '#2e8b30'
+set linetype 5 lc '#e08000'
 kernels = 'svk svk_stored svk_volume tensor_mass step'
 plot 'kernels.csv' using 4:(series('reference', 'double')) with linespoints lw 2 lc 'black' dt 2 title 'reference, double', \
   for [i=1:words(kernels)] '' using 4:(series(word(kernels, i), 'single')) with linespoints lw 2 lc i pt 7 \

@@ -1,31 +1,35 @@
 #include "benchmarks/timing.h"
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 
 namespace lobe::bench {
 namespace {
 
-double seconds_per_call(const std::function<void()>& function, double least) {
-  using Clock = std::chrono::steady_clock;
-  function();  // its data into the caches
-  const Clock::time_point start = Clock::now();
-  double elapsed = 0;
+double now(clockid_t clock) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double seconds_per_call(const Timed& function, double least) {
+  function.call();  // its data into the caches
+  const clockid_t clock = function.one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
+  const double start = now(clock), wall_start = now(CLOCK_MONOTONIC);
   int calls = 0;
-  while (elapsed < least) {
-    function();
+  do {
+    function.call();
     ++calls;
-    elapsed = std::chrono::duration<double>(Clock::now() - start).count();
-  }
-  return elapsed / calls;
+  } while (now(CLOCK_MONOTONIC) - wall_start < least);
+  return (now(clock) - start) / calls;
 }
 
 }  // namespace
 
-std::vector<std::vector<double>> sample_in_turn(const std::vector<std::function<void()>>& functions,
+std::vector<std::vector<double>> sample_in_turn(const std::vector<Timed>& functions,
                                                 const Sampling& sampling) {
   std::vector<std::vector<double>> samples(functions.size());
-  for (const auto& function : functions) function();
+  for (const Timed& function : functions) function.call();
   for (int round = 0; round < sampling.rounds; ++round)
     for (std::size_t i = 0; i < functions.size(); ++i)
       samples[i].push_back(seconds_per_call(functions[i], sampling.seconds));

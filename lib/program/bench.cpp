@@ -25,9 +25,9 @@ int run_benchmark(const BenchOptions& options) {
   const auto chosen = std::find_if(benchmarks.begin(), benchmarks.end(),
                                    [&](const bench::Benchmark& b) { return options.name == b.name; });
   if (chosen == benchmarks.end()) {
-    std::string message = "'" + options.name + "' is no benchmark; there are";
+    std::string message = "no such benchmark; there are:";
     for (const bench::Benchmark& b : benchmarks) message += std::string("\n  ") + b.name + ": " + b.help;
-    throw InputError("bench", message);
+    throw InputError("bench " + options.name, message);
   }
   try {
     chosen->run({options.output, options.tets, options.quick, options.threads});

@@ -1,9 +1,4 @@
 // The few types that every folder shares.
-//
-// Glossary (SI units): X rest position [m], x current position [m], u = x − X displacement [m],
-// v velocity [m/s], f force [N] acting ON a vertex, α_j gradient of the barycentric coordinate of vertex j
-// [1/m], F = I + Σ u_j ⊗ α_j, E Green-St Venant strain, S second Piola-Kirchhoff stress [Pa],
-// λ, μ Lamé coefficients [Pa], κ volume penalty [Pa], ρ density [kg/m³], V rest volume [m³].
 #pragma once
 
 #include <Eigen/Core>

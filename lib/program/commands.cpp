@@ -26,8 +26,9 @@ struct Loaded {
   Resolved resolved;
 };
 
-Loaded load(const std::filesystem::path& file) {
-  Scene scene = read_scene(file);
+Loaded load(const SceneOptions& options) {
+  Scene scene = read_scene(options.scene);
+  if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
   std::vector<std::string> warnings = mesh.prepared.warnings();
   Resolved resolved = resolve(scene, std::move(mesh.mesh));
@@ -107,7 +108,7 @@ int info(const InfoOptions& options) {
 }
 
 int check(const SceneOptions& options) {
-  const Loaded loaded = load(options.scene);
+  const Loaded loaded = load(options);
   if (options.json)
     std::cout << describe_json(loaded.scene, loaded.resolved) << '\n';
   else
@@ -116,7 +117,7 @@ int check(const SceneOptions& options) {
 }
 
 int run(const SceneOptions& options) {
-  const Loaded loaded = load(options.scene);
+  const Loaded loaded = load(options);
   print_warnings(loaded.resolved.warnings);
   RunResult result;
   {
@@ -139,7 +140,7 @@ int run(const SceneOptions& options) {
 }
 
 int regions(const SceneOptions& options) {
-  const Loaded loaded = load(options.scene);
+  const Loaded loaded = load(options);
   print_warnings(loaded.resolved.warnings);
   const Setup& setup = loaded.resolved.setup;
   DataArray region{"region", Eigen::MatrixXd(1, setup.mesh.tet_count()), DataArray::Type::int32};

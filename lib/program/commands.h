@@ -17,6 +17,7 @@ int info(const InfoOptions& options);
 
 struct SceneOptions {
   std::filesystem::path scene;
+  std::filesystem::path mesh;    // in place of the scene's, if not empty
   std::filesystem::path output;  // a directory (run) or a mesh (regions)
   int threads = 1;
   bool json = false;

@@ -37,6 +37,7 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
                             Action& action, int (*function)(const SceneOptions&)) {
   CLI::App* command = app.add_subcommand(name, help);
   command->add_option("SCENE", options.scene, "scene file (docs/scene.md)")->required();
+  command->add_option("--mesh", options.mesh, "mesh to use in place of the scene's");
   command->callback(
       [&options, &action, function] { action = [&options, function] { return function(options); }; });
   return command;

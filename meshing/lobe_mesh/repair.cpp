@@ -112,17 +112,29 @@ void compare(const Surface& input, const Surface& result, RepairReport& report) 
   }
 }
 
+// Through a gap wider than alpha the wrapping falls into the body and leaves a hollow shell: then a larger
+// alpha is taken, unless the user chose it.
 Surface wrap(const Surface& surface, const UnitBox& unit, const RepairOptions& options,
              RepairReport& report) {
   const double diagonal = box_diagonal(surface);
-  const double alpha = options.wrap_alpha > 0 ? options.wrap_alpha / unit.size : diagonal / 60;
-  const double offset = options.wrap_offset > 0 ? options.wrap_offset / unit.size : alpha / 30;
-  const Surface result = alpha_wrap(surface, alpha, offset);
-  std::ostringstream text;
-  text << "wrapped: a new surface of " << result.triangle_count() << " triangles, " << offset * unit.size
-       << " outside the old one, bridging gaps below " << alpha * unit.size;
-  report.steps.push_back({"wrap", result.triangle_count(), text.str()});
-  return result;
+  double alpha = options.wrap_alpha > 0 ? options.wrap_alpha / unit.size : diagonal / 60;
+  const double enough = 0.5 * std::abs(enclosed_volume(surface));
+  for (;; alpha *= 2) {
+    const double offset = options.wrap_offset > 0 ? options.wrap_offset / unit.size : alpha / 30;
+    const Surface result = alpha_wrap(surface, alpha, offset);
+    if (enclosed_volume(result) >= enough) {
+      std::ostringstream text;
+      text << "wrapped: a new surface of " << result.triangle_count() << " triangles, " << offset * unit.size
+           << " outside the old one, bridging gaps below " << alpha * unit.size;
+      report.steps.push_back({"wrap", result.triangle_count(), text.str()});
+      return result;
+    }
+    if (options.wrap_alpha > 0 || alpha > diagonal / 2) {
+      throw InputError("surface",
+                       "the wrapping falls through a gap and leaves a hollow shell; use a --wrap-alpha "
+                       "wider than the gap, or close it by hand");
+    }
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/tetrahedralise.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -25,6 +26,15 @@ constexpr int smoothing_rounds = 8;
 
 double regular_volume(double edge) { return edge * edge * edge / (6 * std::numbers::sqrt2); }
 double regular_edge(double volume) { return std::cbrt(volume * 6 * std::numbers::sqrt2); }
+
+double area(const Surface& surface) {
+  double sum = 0;
+  for (const auto& t : surface.triangles.colwise()) {
+    const Vec3d a = surface.points.col(t[1]) - surface.points.col(t[0]);
+    sum += a.cross(Vec3d(surface.points.col(t[2]) - surface.points.col(t[0]))).norm() / 2;
+  }
+  return sum;
+}
 
 std::string number(double value) {
   std::ostringstream text;
@@ -55,7 +65,9 @@ void check(const MeshOptions& options, const Surface& surface) {
     throw InputError("edge", number(options.edge) + " m is too long for a body of " + number(diagonal) +
                                  " m: choose at most " + number(diagonal / 4));
   }
-  const double tets = enclosed_volume(surface) / regular_volume(options.edge);
+  // About one tetrahedron per face of the boundary counts where a body is thin or has spikes.
+  const double faces = area(surface) / (std::numbers::sqrt3 / 4 * options.edge * options.edge);
+  const double tets = std::max(enclosed_volume(surface) / regular_volume(options.edge), faces);
   if (tets > most_tets) {
     throw InputError("edge",
                      number(options.edge) + " m would give about " + number(std::round(tets / 1e6)) +

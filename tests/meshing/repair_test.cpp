@@ -85,6 +85,12 @@ TEST_CASE("wrapping closes what repair refuses, and says what it cost") {
   CHECK(report.volume_after > 0.5);
   CHECK(report.max_distance > 0.04);
   CHECK(step(report, "wrap"));
+  // Left to itself it finds the width of the gap; a gap that is too narrow for the user's choice is named.
+  repair_surface(box, {.level = Repair::wrap}, report);
+  CHECK(report.volume_after > 0.5);
+  CHECK(
+      contains(input_error([&] { repair_surface(box, {.level = Repair::wrap, .wrap_alpha = 0.1}, report); }),
+               "hollow"));
 }
 
 TEST_CASE("a dent that pierces the other side is undone") {

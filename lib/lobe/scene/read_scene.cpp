@@ -93,6 +93,7 @@ void read_time(const json& object, Time& time) {
   read(object, "damping", time.damping);
   read(object, "safety", time.safety);
   read(object, "ramp", time.ramp);
+  read(object, "load_ramp", time.load_ramp);
   read(object, "integrator", time.integrator);
   if (object.value("precision", "single") == "double") time.precision = Precision::double_precision;
 }

@@ -87,6 +87,7 @@ void resolve_materials(Resolution& resolution) {
     resolution.warn("/materials/" + std::to_string(i),
                     "never used: /materials/" + std::to_string(standard) + " is the default already");
   }
+  const std::size_t faults_before = resolution.faults.size();
   const std::vector<char> left =
       first_match(resolution, materials, "/materials/", [&](std::size_t entry, std::size_t tet) {
         setup.material_of[tet] = static_cast<std::uint16_t>(entry);
@@ -98,7 +99,7 @@ void resolve_materials(Resolution& resolution) {
     ++unmatched;
     example = t;
   }
-  if (standard == materials.size() && unmatched > 0) {
+  if (standard == materials.size() && unmatched > 0 && resolution.faults.size() == faults_before) {
     resolution.fail("/materials", counted(unmatched, "tetrahedron has", "tetrahedra have") +
                                       " no material (the first: " + std::to_string(example) +
                                       "); add one without \"where\" as the default");
@@ -143,6 +144,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.damping = scene.time.damping;
   setup.safety = scene.time.safety;
   setup.ramp = scene.time.ramp;
+  setup.load_ramp = scene.time.load_ramp;
 
   refuse_what_is_not_there_yet(resolution);
   resolve_materials(resolution);

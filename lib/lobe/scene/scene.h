@@ -110,6 +110,7 @@ struct Time {
   double damping = 0;       // γ [1/s], mass-proportional
   double safety = 0.9;      // time step = safety × 2/ω_max
   double ramp = 0.1;        // [s] over which prescribed displacements are reached
+  double load_ramp = 0;     // [s] over which tractions and forces grow to their full size
   Precision precision = Precision::single_precision;
   std::string integrator = "explicit";
 };

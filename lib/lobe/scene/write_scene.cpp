@@ -109,6 +109,7 @@ ordered_json write(const Time& time) {
           {"damping", time.damping},
           {"safety", time.safety},
           {"ramp", time.ramp},
+          {"load_ramp", time.load_ramp},
           {"precision", time.precision == Precision::single_precision ? "single" : "double"},
           {"integrator", time.integrator}};
 }

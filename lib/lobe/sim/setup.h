@@ -57,7 +57,8 @@ struct Setup {
   LoosePieces loose_pieces = LoosePieces::fall;
   double damping = 0;  // [1/s]
   double safety = 0.9;
-  double ramp = 0.1;  // [s]
+  double ramp = 0.1;     // prescribed displacements are reached over this time [s]
+  double load_ramp = 0;  // dead loads grow to their full size over this time [s]
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
 };

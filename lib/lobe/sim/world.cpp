@@ -121,6 +121,8 @@ void World<Real>::integrate(double dt) {
 template <class Real>
 const Mat3X<Real>& World<Real>::forces() {
   forces_ = external_;
+  const double missing = setup_.load_ramp > 0 ? std::max(0.0, 1 - state_.time / setup_.load_ramp) : 0;
+  if (missing > 0) forces_ -= Real(missing) * dead_loads_;
   tensor_mass_.add_forces(state_.u, forces_, parallel_);
   nonlinear_.add_forces(state_.u, forces_, parallel_);
   return forces_;
@@ -282,7 +284,6 @@ void World<Real>::follow(const MeshEdit& mesh_edit) {
   elements_.points.conservativeResize(3, after);
   state_.u.conservativeResize(3, after);
   state_.v.conservativeResize(3, after);
-  external_.conservativeResize(3, after);
   RegionEdit edit;
   edit.left = mesh_edit.removed;
   for (const VertexSplit& split : mesh_edit.splits) {
@@ -314,15 +315,15 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   mass_.resize(n, 0);
   inverse_mass_.resize(n, 0);
   step_mass_.resize(n, 0);
-  external_.resize(3, Eigen::Index(n));
-  dead_loads_ = dead_loads(elements_, setup_.face_loads, setup_.vertex_loads);
+  external_.conservativeResize(3, Eigen::Index(n));
+  dead_loads_ = dead_loads(elements_, setup_.face_loads, setup_.vertex_loads).template cast<Real>();
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v);
     refresh_inverse_mass(v);
     if (elements_.topology.around(v).empty()) state_.v.col(v).setZero();
   }
   for (Index v = 0; v < static_cast<Index>(n); ++v)
-    external_.col(v) = (dead_loads_.col(v) + mass_[v] * setup_.gravity).template cast<Real>();
+    external_.col(v) = dead_loads_.col(v) + (mass_[v] * setup_.gravity).template cast<Real>();
 }
 
 template <class Real>

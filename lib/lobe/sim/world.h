@@ -76,8 +76,8 @@ class World {
   HeldVertices held_;
   std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]: 0 where held or orphan
   std::vector<Real> step_mass_;              // inverse_mass_ in the precision of the step
-  Mat3X<double> dead_loads_;                 // [N]
-  Mat3X<Real> external_;                     // gravity and dead loads [N]
+  Mat3X<Real> dead_loads_;                   // at full size [N]
+  Mat3X<Real> external_;                     // gravity and dead loads at full size [N]
   double frequency_ratio_ = 1;               // ω_max / vertex estimate, measured at rest
   double longest_move_ = 0;                  // a step that moves a vertex further is trouble [m]
   bool floating_ = false;                    // nothing was fixed at the start

@@ -1,0 +1,32 @@
+// All of lobe in one header. Folders are the chapters of the theory (docs/theory.md):
+//   mesh/         tetrahedra, topology that follows cuts, quality
+//   fem/          the mathematics of one element
+//   region/       tensor-mass and non-linear regions that share vertices
+//   cut/          instruments against tetrahedra
+//   sim/          state, time step, tools, World
+//   scene/        JSON to plain structs to a setup
+//   io/           meshes in and out
+//   diagnostics/  strain, stress, volume
+//   run/          a scene played, recorded and reported
+//
+// Glossary (SI units): X rest position [m], x current position [m], u = x − X displacement [m], v velocity
+// [m/s], f force [N] acting ON a vertex, α_j gradient of the barycentric coordinate of vertex j [1/m], F = I
+// + Σ u_j ⊗ α_j, E Green-St Venant strain, S second Piola-Kirchhoff stress [Pa], λ, μ Lamé coefficients [Pa],
+// κ volume penalty [Pa], ρ density [kg/m³], V rest volume [m³]. [PDA]: G. Picinbono, H. Delingette, N.
+// Ayache, Real-Time Large Displacement Elasticity for Surgery Simulation: Non-Linear Tensor-Mass Model; its
+// errata are in docs/errata.md.
+#pragma once
+
+#include "lobe/diagnostics/fields.h"
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/io/surface_io.h"
+#include "lobe/mesh/generators.h"
+#include "lobe/mesh/quality.h"
+#include "lobe/run/run.h"
+#include "lobe/scene/describe.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/resolve.h"
+#include "lobe/scene/select.h"
+#include "lobe/sim/rebuild.h"
+#include "lobe/sim/world.h"

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace lobe::program {
 
@@ -25,5 +26,14 @@ struct SceneOptions {
 int check(const SceneOptions& options);
 int run(const SceneOptions& options);
 int regions(const SceneOptions& options);
+
+struct BenchOptions {
+  std::string name;
+  std::filesystem::path output;  // a directory
+  std::vector<int> tets;
+  bool quick = false;
+  int threads = 1;
+};
+int run_benchmark(const BenchOptions& options);
 
 }  // namespace lobe::program

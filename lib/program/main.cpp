@@ -43,6 +43,21 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
   return command;
 }
 
+void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("bench", "Time the library against a plain loop (docs/benchmarks.md)");
+  command->add_option("NAME", options.name, "which benchmark: kernels")->required();
+  command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
+  command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
+      ->delimiter(',')
+      ->check(CLI::Range(6, 5000000));
+  command->add_flag("--quick", options.quick, "below 60 s, less precise");
+  command->add_option("--threads", options.threads, "timed beside one thread")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->callback([&] { action = [&] { return run_benchmark(options); }; });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -69,6 +84,8 @@ int main(int argc, char** argv) {
   CLI::App* regions_command =
       add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
   regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();
+  BenchOptions bench_options;
+  add_bench(app, bench_options, action);
 
   try {
     app.parse(argc, argv);

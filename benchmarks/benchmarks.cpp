@@ -1,0 +1,12 @@
+#include "benchmarks/benchmarks.h"
+
+namespace lobe::bench {
+
+std::span<const Benchmark> all_benchmarks() {
+  static constexpr Benchmark list[] = {
+      {"kernels", "cost per tetrahedron of each force kernel, against a plain loop", bench_kernels},
+  };
+  return list;
+}
+
+}  // namespace lobe::bench

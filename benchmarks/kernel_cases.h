@@ -1,0 +1,44 @@
+// The kernels that `lobe bench kernels` times, each set up on one cube beside the result expected of it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "benchmarks/reference_kernel.h"
+
+namespace lobe::bench {
+
+// An ordered cube of one material, one side held, every vertex moved at random by a tenth of a cell: strains
+// are large, and forces do not cancel out. Displacements are representable in single precision.
+struct Cube {
+  explicit Cube(int tets);  // about as many as 6 n³ tetrahedra can be
+
+  Setup setup;
+  Mat3X<double> u;  // [m]
+  std::vector<ReferenceTet> reference;
+  Mat3X<double> svk, linear, svk_volume;  // forces by the reference kernel [N]
+};
+
+inline constexpr double cube_volume_penalty = 1e5;  // κ of svk_volume [Pa]
+
+struct Kernel {
+  std::string name;
+  std::string precision;  // "single" or "double"
+  int threads = 1;
+  double bytes_per_tet = 0;                       // coefficients and vertex numbers that are kept
+  std::function<void()> evaluate;                 // all forces once; what is timed
+  std::function<Mat3X<double>()> forces;          // found by the last evaluation [N]
+  std::shared_ptr<const Mat3X<double>> expected;  // [N]
+};
+
+// `reference` first, then each kernel in both precisions on each number of threads.
+std::vector<Kernel> make_kernels(const std::shared_ptr<const Cube>& cube, const std::vector<int>& threads);
+
+// Largest difference to the expected force, as a part of the largest expected force. Call it on fresh
+// kernels only: a step moves on.
+double deviation(const Kernel& kernel);
+double allowed_deviation(const Kernel& kernel);  // 1e-11 in double, 1e-5 in single precision
+
+}  // namespace lobe::bench

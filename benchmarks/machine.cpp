@@ -1,0 +1,51 @@
+#include "benchmarks/machine.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <thread>
+
+#include "lobe/fem/simd.h"
+
+namespace lobe::bench {
+namespace {
+
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) {
+      const std::size_t name = line.find_first_not_of(" \t", line.find(':') + 1);
+      if (name != std::string::npos) return line.substr(name);
+    }
+  return "unknown processor";
+}
+
+std::string compiler() {
+#ifdef __clang__
+  std::string name = __VERSION__;
+#else
+  std::string name = std::string("GCC ") + __VERSION__;
+#endif
+#ifndef NDEBUG
+  name += " with assertions";
+#endif
+  return name;
+}
+
+}  // namespace
+
+std::string machine_line() {
+  char date[32] = "";
+  const std::time_t now = std::time(nullptr);
+  std::strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
+  double load = 0;
+  const bool known = getloadavg(&load, 1) == 1;
+  char load_text[32];
+  std::snprintf(load_text, sizeof load_text, known ? "%.1f" : "unknown", load);
+  return processor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " hardware threads; " +
+         compiler() + ", SIMD " + std::to_string(Pack<float>::size()) + " × single; " + date + ", load " +
+         load_text;
+}
+
+}  // namespace lobe::bench

@@ -1,0 +1,72 @@
+#include "benchmarks/reference_kernel.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace lobe::bench {
+namespace {
+
+Mat3<double> edges(const Mat3X<double>& x, const Eigen::Vector4i& v) {
+  Mat3<double> D;
+  D << x.col(v[1]) - x.col(v[0]), x.col(v[2]) - x.col(v[0]), x.col(v[3]) - x.col(v[0]);
+  return D;
+}
+
+}  // namespace
+
+std::vector<ReferenceTet> reference_tets(const Setup& setup) {
+  std::vector<ReferenceTet> tets;
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Elastic& elastic = setup.materials[setup.material_of[t]];
+    ReferenceTet tet;
+    tet.corners = setup.mesh.tets.col(t);
+    const Mat3<double> D = edges(setup.mesh.points, tet.corners);
+    tet.alpha.rightCols<3>() = D.inverse().transpose();
+    tet.alpha.col(0) = -tet.alpha.rightCols<3>().rowwise().sum();
+    tet.V = D.determinant() / 6;
+    tet.lambda = elastic.lambda;
+    tet.mu = elastic.mu;
+    tet.corner_mass = elastic.density * tet.V / 4;
+    tets.push_back(tet);
+  }
+  return tets;
+}
+
+void add_reference_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u, Mat3X<double>& f) {
+  const Mat3<double> I = Mat3<double>::Identity();
+  for (const ReferenceTet& tet : tets) {
+    Mat3<double> F = I;
+    for (int j = 0; j < 4; ++j) F += u.col(tet.corners[j]) * tet.alpha.col(j).transpose();
+    const Mat3<double> E = 0.5 * (F.transpose() * F - I);
+    const Mat3<double> S = tet.lambda * E.trace() * I + 2 * tet.mu * E;
+    const Mat3<double> P = F * S;
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= tet.V * (P * tet.alpha.col(j));
+  }
+}
+
+void add_reference_linear_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                 Mat3X<double>& f) {
+  for (const ReferenceTet& tet : tets) {
+    Mat3<double> H = Mat3<double>::Zero();
+    for (int j = 0; j < 4; ++j) H += u.col(tet.corners[j]) * tet.alpha.col(j).transpose();
+    const Mat3<double> stress =
+        tet.lambda * H.trace() * Mat3<double>::Identity() + tet.mu * (H + H.transpose());
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= tet.V * (stress * tet.alpha.col(j));
+  }
+}
+
+void add_reference_volume_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& x, double kappa,
+                                 Mat3X<double>& f) {
+  for (const ReferenceTet& tet : tets) {
+    const double v = (edges(x, tet.corners).determinant() / 6 - tet.V) / tet.V;
+    for (int p = 0; p < 4; ++p) {
+      const Vec3d a = x.col(tet.corners[face_corners[p][0]]), b = x.col(tet.corners[face_corners[p][1]]),
+                  c = x.col(tet.corners[face_corners[p][2]]);
+      const Vec3d volume_gradient = (c - a).cross(b - a) / 6;  // a third of the face, towards p
+      f.col(tet.corners[p]) -= kappa * v * std::abs(v) * volume_gradient;
+    }
+  }
+}
+
+}  // namespace lobe::bench

@@ -1,0 +1,43 @@
+// The plain reference kernel: the internal force of SVK tetrahedra as the formula reads, one element after
+// the other, in double precision, on one thread.
+//
+// NEVER OPTIMISE IT: no SIMD, no threads, no reordering, no clever algebra. Every ratio that a benchmark
+// prints is a time divided by the time of this loop in the same run, which is what makes figures of
+// different machines and different years comparable. It is also what every kernel's forces are checked
+// against, so it shares no code with them.
+#pragma once
+
+#include <vector>
+
+#include "lobe/sim/setup.h"
+
+namespace lobe::bench {
+
+struct ReferenceTet {
+  Eigen::Vector4i corners;
+  Mat34<double> alpha;     // α_j [1/m], one column per corner
+  double V = 0;            // [m³]
+  double lambda = 0;       // [Pa]
+  double mu = 0;           // [Pa]
+  double corner_mass = 0;  // ρV/4 [kg]
+};
+
+std::vector<ReferenceTet> reference_tets(const Setup& setup);
+
+// f_j += −V F S α_j with F = I + Σ u_j ⊗ α_j, E = ½(FᵀF − I), S = λ tr(E) I + 2μE. This is the loop that is
+// timed.
+void add_reference_forces(const std::vector<ReferenceTet>& tets,
+                          const Mat3X<double>& u,  // 3 × #vertices [m]
+                          Mat3X<double>& f);       // 3 × #vertices [N]
+
+// The same for small displacements: f_j += −V (λ tr(ε) I + 2με) α_j, ε = ½(∇u + ∇uᵀ). Only to check.
+void add_reference_linear_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                 Mat3X<double>& f);
+
+// The volume term, f_p += −κ v|v| ∂V/∂x_p (lobe/fem/volume_term.h), from area vectors. Only to check.
+void add_reference_volume_forces(const std::vector<ReferenceTet>& tets,
+                                 const Mat3X<double>& x,  // 3 × #vertices, current positions [m]
+                                 double kappa,            // [Pa]
+                                 Mat3X<double>& f);
+
+}  // namespace lobe::bench

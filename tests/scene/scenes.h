@@ -37,7 +37,7 @@ inline const std::string full_scene = R"({
   ],
   "loose_pieces": "vanish",
   "evaluator": "stored",
-  "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "ramp": 0.25, "precision": "double",
+  "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "ramp": 0.25, "load_ramp": 0.5, "precision": "double",
            "integrator": "implicit"},
   "output": {"every": 0.04, "pictures": [0.5, 1.5]}
 })";

@@ -2,7 +2,7 @@
 // every cut that the model equals one built afresh from the cut mesh.
 //
 //   build/bin/03_cut
-//   ... tetrahedra burnt, ... left; largest difference to a model built afresh: ...e-1x
+//   540 tetrahedra burnt, 5460 left; largest difference to a model built afresh: 3.8e-16
 #include <lobe/lobe.h>
 
 #include <algorithm>

@@ -84,9 +84,8 @@ int PanelSize::letter() const { return std::max(9, std::min(height / 32, width /
 void add_title(vtkRenderer* renderer, const std::string& title, const PanelSize& size) {
   if (title.empty()) return;
   const vtkNew<vtkTextActor> actor = label(title, size.letter() * 5 / 4);
-  actor->GetTextProperty()->SetJustificationToCentered();
   actor->GetTextProperty()->SetVerticalJustificationToTop();
-  actor->SetPosition(size.width / 2.0, size.height - 0.8 * size.letter());
+  actor->SetPosition(size.letter(), size.height - 0.8 * size.letter());
   renderer->AddActor2D(actor);
 }
 

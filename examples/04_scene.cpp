@@ -1,0 +1,23 @@
+// A scene from its JSON file, played from code: the resection of the README.
+//
+//   build/bin/04_scene data/scenes/liver_resection.json
+//   692 tetrahedra burnt, 9607 left
+#include <lobe/lobe.h>
+
+#include <cstdio>
+
+int main(int argc, char** argv) try {
+  const lobe::Scene scene = lobe::read_scene(argc > 1 ? argv[1] : "data/scenes/liver_resection.json");
+  const lobe::Resolved resolved = lobe::resolve(scene, lobe::read_mesh(lobe::mesh_path(scene)).mesh);
+  lobe::World<float> world(resolved.setup);
+  lobe::Index burnt = 0;
+  while (world.time() < scene.time.duration) {
+    const lobe::Report report = world.advance(scene.time.frame);  // tools, cuts, as many steps as are stable
+    if (!report.ok) return 1;                                     // it says why; no NaN ever gets out
+    burnt += report.tets_removed;
+  }
+  std::printf("%d tetrahedra burnt, %d left\n", burnt, world.elements().topology.alive_count());
+} catch (const lobe::InputError& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 2;
+}

@@ -1,0 +1,41 @@
+// Static equilibrium, the reference for everything that moves: Newton's method with the exact tangent, a line search
+// that never accepts an inverted tetrahedron, load steps that halve when an equilibrium is not found and double when
+// it is, sparse Cholesky with nested dissection (METIS).
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "lobe/region/elements.h"
+#include "lobe/sim/setup.h"
+
+namespace lobe {
+
+struct StaticOptions {
+  double tolerance = 1e-10;          // of the residual, relative to the loads and reactions
+  int most_iterations = 60;          // of Newton's method per load step
+  double smallest_load_step = 1e-4;  // as a fraction of all loads and prescribed displacements
+  std::function<void(double load_fraction)> progress;
+};
+
+struct StaticResult {
+  bool converged = false;
+  std::string reason;                // why not, in one line, with the remedy
+  double load_fraction = 0;          // reached in equilibrium, 1 = all of it
+  double residual = 0;               // relative, at that fraction
+  Mat3X<double> u;                   // 3 × #vertices, displacement in equilibrium at load_fraction [m]
+  double energy = 0;                 // elastic [J]
+  double smallest_volume_ratio = 1;  // det F, over the non-linear region
+  Index worst_tet = -1;              // where that is, or where the solver was stopped
+  int iterations = 0;                // of Newton's method, in all
+  int load_steps = 0;                // accepted
+  Index unknowns = 0;
+  long long factor_nonzeros = 0;  // fill of the Cholesky factor
+  int damped = 0;                 // iterations in which the tangent was not positive definite and was damped
+};
+
+// Dead loads, gravity and prescribed displacements of the setup; tools are ignored. Throws InputError if the setup is
+// inconsistent, or if a piece of the body is not held at three vertices that span a plane: it would move freely.
+StaticResult solve_static(const Setup& setup, const StaticOptions& options = {});
+
+}  // namespace lobe

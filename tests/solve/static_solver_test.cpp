@@ -1,0 +1,129 @@
+#include "lobe/solve/static_solver.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/scene/select.h"
+#include "lobe/sim/world.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+const std::string data = LOBE_SOLVE_DATA_DIR;
+
+Mat3X<double> read_reference(const std::string& name) {
+  std::ifstream file(data + "/" + name + ".csv");
+  std::string line;
+  std::getline(file, line);
+  std::vector<double> values;
+  while (std::getline(file, line)) {
+    double x = 0, y = 0, z = 0;
+    REQUIRE(std::sscanf(line.c_str(), "%lf,%lf,%lf", &x, &y, &z) == 3);
+    values.insert(values.end(), {x, y, z});
+  }
+  return Eigen::Map<Mat3X<double>>(values.data(), 3, Eigen::Index(values.size() / 3));
+}
+
+Setup beam(RegionModel model) {
+  const TetMesh mesh = read_mesh(data + "/beam_coarse.msh").mesh;
+  Setup setup = setup_of(mesh, model);
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+void pull_end(Setup& setup, const Vec3d& traction) {
+  const double end = setup.mesh.points.row(0).maxCoeff();
+  for (const TetFace& face : outer_faces(setup.mesh)) {
+    bool at_end = true;
+    for (int c : face_corners[face.face])
+      at_end = at_end && setup.mesh.points(0, setup.mesh.tets(c, face.tet)) > end - 1e-9;
+    if (at_end) setup.face_loads.push_back({face.tet, face.face, traction});
+  }
+}
+
+}  // namespace
+
+TEST_CASE("independent finite-element solutions of a beam are reproduced to 1e-8 at every vertex") {
+  struct Case {
+    const char* name;
+    RegionModel model;
+    double body_force, traction;  // [N/m³], [Pa]
+  };
+  for (const Case& c : {Case{"linear_body", RegionModel::tensor_mass, -3000, 0},
+                        Case{"linear_traction", RegionModel::tensor_mass, 0, -100},
+                        Case{"svk_body", RegionModel::nonlinear, -3000, 0},
+                        Case{"svk_body_large", RegionModel::nonlinear, -8000, 0},
+                        Case{"svk_traction", RegionModel::nonlinear, 0, -100},
+                        Case{"svk_traction_large", RegionModel::nonlinear, 0, -400}}) {
+    CAPTURE(c.name);
+    Setup setup = beam(c.model);
+    setup.gravity = {0, 0, c.body_force / seed_material.density};
+    pull_end(setup, {0, 0, c.traction});
+    const StaticResult result = solve_static(setup);
+    REQUIRE(result.converged);
+    CHECK(result.residual <= 1e-10);
+    const Mat3X<double> reference = read_reference(c.name);
+    REQUIRE(reference.cols() == result.u.cols());
+    CHECK((result.u - reference).norm() < 1e-8 * reference.norm());
+  }
+}
+
+TEST_CASE("the static solution is where the damped motion comes to rest, in a hybrid with the volume term") {
+  Setup setup = beam(RegionModel::nonlinear);
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    if (barycentre(setup.mesh, t).x() < 0.04) setup.region_of[t] = RegionModel::tensor_mass;
+  setup.volume_penalty = 1e5;
+  setup.gravity = {0, 0, -3};
+  setup.damping = 25;
+  const StaticResult result = solve_static(setup);
+  REQUIRE(result.converged);
+  World<double> world(setup);
+  for (int i = 0; i < 150; ++i) REQUIRE(world.advance(1.0 / 30).ok);
+  CHECK((world.state().u - result.u).norm() < 1e-8 * result.u.norm());
+}
+
+TEST_CASE("prescribed displacements are reached, and the patch test holds for the solver") {
+  Setup setup = setup_of(irregular_box(3));
+  Mat3<double> F;
+  F << 1.3, 0.2, 0, 0.1, 0.9, 0.1, 0, -0.1, 1.1;
+  const Mat3X<double> exact = affine_displacement(setup.mesh.points, F);
+  for (const TetFace& face : outer_faces(setup.mesh))
+    for (int c : face_corners[face.face]) {
+      const Index v = setup.mesh.tets(c, face.tet);
+      setup.prescribed.push_back({v, exact.col(v)});
+    }
+  const StaticResult result = solve_static(setup);
+  REQUIRE(result.converged);
+  CHECK((result.u - exact).norm() < 1e-10 * exact.norm());
+}
+
+TEST_CASE("a body that can move freely is refused, and so is one held along a line") {
+  Setup setup = setup_of(irregular_box(2));
+  CHECK_THROWS_WITH_AS(solve_static(setup), doctest::Contains("is not held"), InputError);
+  setup = setup_of(box_mesh({0.1, 0.02, 0.02}, 5, 1, 1));
+  for (Index v = 0; v < 6; ++v) setup.prescribed.push_back({v, Vec3d::Zero()});  // an edge along x
+  CHECK_THROWS_WITH_AS(solve_static(setup), doctest::Contains("do not lie on a line"), InputError);
+}
+
+TEST_CASE("a load without equilibrium ends with the fraction reached, the worst tetrahedron and a remedy") {
+  Setup setup = setup_of(box_mesh({0.03, 0.03, 0.03}, 3, 3, 3));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
+  pull_end(setup, {-30000, 0, 0});  // SVK carries at most 0.19 E in compression
+  StaticOptions options;
+  options.smallest_load_step = 0.01;
+  const StaticResult result = solve_static(setup, options);
+  CHECK(!result.converged);
+  CHECK(result.load_fraction > 0);
+  CHECK(result.load_fraction < 0.3);
+  CHECK(result.worst_tet >= 0);
+  CHECK(result.reason.find("volume_penalty") != std::string::npos);
+}

@@ -1,0 +1,44 @@
+#include "lobe/solve/tangent.h"
+
+#include <doctest/doctest.h>
+
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+TEST_CASE("the tangent is the derivative of the forces, in every region, stretched and compressed") {
+  const TetMesh mesh = irregular_box(2);
+  const Elements elements(hybrid_setup(mesh));
+  for (double size : {1e-3, 4e-3}) {
+    const Mat3X<double> u = random_displacement(mesh.vertex_count(), size);
+    std::vector<Index> unknown(mesh.vertex_count());
+    for (Index v = 0; v < mesh.vertex_count(); ++v) unknown[v] = 3 * v;
+    const Eigen::MatrixXd lower = tangent(elements, u, unknown, 3 * mesh.vertex_count());
+    const Eigen::MatrixXd K = lower.selfadjointView<Eigen::Lower>();
+    const double h = 1e-8;
+    for (Index i = 0; i < u.size(); ++i) {
+      Mat3X<double> plus = u, minus = u;
+      plus(i) += h;
+      minus(i) -= h;
+      const Mat3X<double> slope =
+          (energy_and_forces(elements, minus).forces - energy_and_forces(elements, plus).forces) / (2 * h);
+      CHECK((K.col(i) - slope.reshaped()).norm() < 1e-6 * K.norm());
+    }
+  }
+}
+
+TEST_CASE("a tetrahedron's stiffness is symmetric and costs a translation nothing") {
+  const TetMesh mesh = irregular_box(1);
+  const Elements elements(hybrid_setup(mesh));
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    const Mat34<double> u = random_displacement(4, 3e-3, unsigned(t));
+    const TetStiffness K = tet_stiffness(elements, t, u);
+    CHECK((K - K.transpose()).norm() < 1e-14 * K.norm());
+    for (int d = 0; d < 3; ++d) {
+      Eigen::Matrix<double, 12, 1> move;
+      move << Vec3d::Unit(d), Vec3d::Unit(d), Vec3d::Unit(d), Vec3d::Unit(d);
+      CHECK((K * move).norm() < 1e-13 * K.norm());
+    }
+  }
+}

@@ -4,6 +4,7 @@
 //   region/       tensor-mass and non-linear regions that share vertices
 //   cut/          instruments against tetrahedra
 //   sim/          state, time step, tools, World
+//   solve/        static equilibrium
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
 //   diagnostics/  strain, stress, volume
@@ -17,6 +18,7 @@
 // errata are in docs/errata.md.
 #pragma once
 
+#include "lobe/diagnostics/compare.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
@@ -24,9 +26,11 @@
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/run/run.h"
+#include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/select.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/world.h"
+#include "lobe/solve/static_solver.h"

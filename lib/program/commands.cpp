@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "console.h"
+#include "lobe/diagnostics/compare.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/run/run.h"
+#include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/sim/frequency.h"
@@ -91,6 +93,30 @@ void print_info(const Json& j) {
               number("/material/density"));
 }
 
+// Plays or solves a scene with a progress bar, draws what pictures it asks for, prints the result.
+int produce(const SceneOptions& options, const char* what, decltype(&run_scene) function) {
+  const Loaded loaded = load(options);
+  print_warnings(loaded.resolved.warnings);
+  RunResult result;
+  {
+    ProgressBar bar(what);
+    RunOptions run_options{options.output, options.threads, {}};
+    run_options.progress = [&](double fraction) { bar.show(fraction); };
+    result = function(loaded.scene, loaded.resolved, run_options);
+  }
+  const auto known = loaded.resolved.warnings.size();
+  print_warnings({result.warnings.begin() + std::ptrdiff_t(known), result.warnings.end()});
+  if (!result.picture_request.empty() && !options.no_pictures) {
+    const std::string trouble = render_pictures(result.picture_request);
+    if (!trouble.empty()) print_warnings({trouble});
+  }
+  if (options.json)
+    std::cout << std::ifstream(result.report).rdbuf();
+  else
+    std::cout << result.summary << "written to " << options.output.string() << '\n';
+  return result.ok ? done : ended_early;
+}
+
 }  // namespace
 
 int info(const InfoOptions& options) {
@@ -116,27 +142,40 @@ int check(const SceneOptions& options) {
   return done;
 }
 
-int run(const SceneOptions& options) {
-  const Loaded loaded = load(options);
-  print_warnings(loaded.resolved.warnings);
-  RunResult result;
-  {
-    ProgressBar bar("simulating");
-    RunOptions run_options{options.output, options.threads, {}};
-    run_options.progress = [&](double fraction) { bar.show(fraction); };
-    result = run_scene(loaded.scene, loaded.resolved, run_options);
-  }
-  if (!result.picture_request.empty() && !options.no_pictures) {
-    const std::string trouble = render_pictures(result.picture_request);
-    if (!trouble.empty()) print_warnings({trouble});
-  }
+int run(const SceneOptions& options) { return produce(options, "simulating", run_scene); }
+
+int solve(const SceneOptions& options) { return produce(options, "solving", solve_scene); }
+
+int compare(const CompareOptions& options) {
+  const auto read = [](const std::filesystem::path& file) {
+    MeshFile mesh = read_mesh(file);
+    const auto found = mesh.point_data.find("displacement");
+    if (found == mesh.point_data.end() || found->second.rows() != 3)
+      throw InputError(file.string(), "has no point data \"displacement\" of three components");
+    return mesh;
+  };
+  const MeshFile a = read(options.a), b = read(options.b);
+  if (a.mesh.points != b.mesh.points || a.mesh.tets != b.mesh.tets)
+    throw InputError(options.a.string(), "is not on the same mesh at rest as " + options.b.string() +
+                                             "; only fields of one mesh can be compared");
+  const Difference d =
+      compare_displacements(a.mesh, a.point_data.at("displacement"), b.point_data.at("displacement"));
+  const Json j{{"relative_l2", d.l2},
+               {"relative_h1", d.h1},
+               {"max_m", d.max},
+               {"relative_max", d.relative_max},
+               {"worst_vertex", d.worst_vertex},
+               {"volume_a_m3", d.volume_a},
+               {"volume_b_m3", d.volume_b}};
   if (options.json)
-    std::cout << std::ifstream(result.report).rdbuf();
+    std::cout << j.dump(1) << '\n';
   else
-    std::cout << result.summary << "written to " << options.output.string() << '\n';
-  if (result.ok) return done;
-  print_errors(result.warnings.back());
-  return ended_early;
+    std::printf(
+        "relative L2 %.6g, H1 semi-norm %.6g, largest %.6g m (%.6g of the largest displacement) at vertex "
+        "%d\n"
+        "volume %.8g and %.8g m³\n",
+        d.l2, d.h1, d.max, d.relative_max, d.worst_vertex, d.volume_a, d.volume_b);
+  return done;
 }
 
 int regions(const SceneOptions& options) {

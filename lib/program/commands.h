@@ -25,7 +25,14 @@ struct SceneOptions {
 };
 int check(const SceneOptions& options);
 int run(const SceneOptions& options);
+int solve(const SceneOptions& options);
 int regions(const SceneOptions& options);
+
+struct CompareOptions {
+  std::filesystem::path a, b;
+  bool json = false;
+};
+int compare(const CompareOptions& options);
 
 struct BenchOptions {
   std::string name;

@@ -33,6 +33,14 @@ void add_info(CLI::App& app, InfoOptions& options, Action& action) {
   command->callback([&] { action = [&] { return info(options); }; });
 }
 
+void add_compare(CLI::App& app, CompareOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand("compare", "Norms of the difference of two displacement fields");
+  command->add_option("A", options.a, "mesh with point data \"displacement\" (.vtu)")->required();
+  command->add_option("B", options.b, "the reference, on the same mesh")->required();
+  command->add_flag("--json", options.json, "print JSON alone");
+  command->callback([&] { action = [&] { return compare(options); }; });
+}
+
 CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, SceneOptions& options,
                             Action& action, int (*function)(const SceneOptions&)) {
   CLI::App* command = app.add_subcommand(name, help);
@@ -81,6 +89,12 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   run_command->add_flag("--no-pictures", options.no_pictures, "do not render pictures");
   run_command->add_flag("--json", options.json, "print the report alone");
+  CLI::App* solve_command =
+      add_scene_command(app, "solve", "Static equilibrium of a scene", options, action, solve);
+  solve_command->add_option("-o,--output", options.output, "directory for the results")->required();
+  solve_command->add_flag("--json", options.json, "print the report alone");
+  CompareOptions compare_options;
+  add_compare(app, compare_options, action);
   CLI::App* regions_command =
       add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
   regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();

@@ -1,0 +1,67 @@
+#include "lobe/run/solve.h"
+
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "lobe/diagnostics/fields.h"
+#include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
+#include "lobe/solve/static_solver.h"
+
+namespace lobe {
+
+RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
+  using Json = nlohmann::ordered_json;
+  const auto start = std::chrono::steady_clock::now();
+  StaticOptions solver;
+  solver.progress = options.progress;
+  const StaticResult solution = solve_static(resolved.setup, solver);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  RunResult result;
+  result.ok = solution.converged;
+  result.warnings = resolved.warnings;
+  if (!scene.tools.empty()) result.warnings.push_back("tools are ignored in a static solution");
+  if (!solution.converged) result.warnings.push_back(solution.reason);
+  std::error_code error;
+  std::filesystem::create_directories(options.directory, error);
+  if (!std::filesystem::is_directory(options.directory, error))
+    throw InputError(options.directory.string(), "cannot be made a directory for the results");
+  const Elements elements(resolved.setup);
+  write_frame(options.directory / "solution.vtu", elements, solution.u,
+              Mat3X<double>::Zero(3, solution.u.cols()));
+
+  const Json report{{"ok", solution.converged},
+                    {"scene", scene.file.string()},
+                    {"load_fraction", solution.load_fraction},
+                    {"relative_residual", solution.residual},
+                    {"newton_iterations", solution.iterations},
+                    {"load_steps", solution.load_steps},
+                    {"unknowns", solution.unknowns},
+                    {"ordering", "METIS nested dissection"},
+                    {"factor_nonzeros", solution.factor_nonzeros},
+                    {"damped_iterations", solution.damped},
+                    {"elastic_energy", solution.energy},
+                    {"volume", current_volume(elements, solution.u)},
+                    {"largest_displacement", solution.u.colwise().norm().maxCoeff()},
+                    {"smallest_volume_ratio", solution.smallest_volume_ratio},
+                    {"worst_tetrahedron", solution.worst_tet},
+                    {"wall_s", seconds},
+                    {"warnings", result.warnings}};
+  result.report = options.directory / "report.json";
+  io::AtomicFile file(result.report);
+  file.stream() << report.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
+  file.commit();
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "%s at %.4g %% of the load: residual %.2g after %d Newton iterations in %.2f s\n"
+                "largest displacement %.6g m, elastic energy %.6g J\n",
+                solution.converged ? "equilibrium" : "stopped", 100 * solution.load_fraction,
+                solution.residual, solution.iterations, seconds, solution.u.colwise().norm().maxCoeff(),
+                solution.energy);
+  result.summary = text;
+  return result;
+}
+
+}  // namespace lobe

@@ -89,7 +89,7 @@ void add_svk(std::vector<Kernel>& kernels, const CubePointer& cube, const std::v
   const auto direct = std::make_shared<NonlinearRegion<Real>>();
   direct->follow(elements, edit);
   add_region<Real>(kernels, "svk", cube, threads, direct, block_bytes<Real>, cube->svk);
-  const auto stored = std::make_shared<StoredTerms<Real>>();
+  const auto stored = std::make_shared<StoredTerms>();
   stored->follow(elements, edit.vertices);
   add_region<Real>(kernels, "svk_stored", cube, threads, stored,
                    double(stored->bytes()) / cube->setup.mesh.tet_count(), cube->svk);

@@ -4,6 +4,7 @@
 #include <vtkDataSetSurfaceFilter.h>
 #include <vtkErrorCode.h>
 #include <vtkExtractGeometry.h>
+#include <vtkIdList.h>
 #include <vtkOBJReader.h>
 #include <vtkPLYReader.h>
 #include <vtkPlane.h>
@@ -43,10 +44,24 @@ vtkSmartPointer<vtkPointSet> read_points_and_cells(const std::filesystem::path& 
   throw std::runtime_error(file.string() + ": must be .vtu, .vtp, .obj, .stl or .ply");
 }
 
+// VTK's readers do not look whether cells name points that exist, and its filters trust them.
+void refuse_strange_points(vtkPointSet* mesh, const std::filesystem::path& file) {
+  vtkNew<vtkIdList> corners;
+  for (vtkIdType cell = 0; cell < mesh->GetNumberOfCells(); ++cell) {
+    mesh->GetCellPoints(cell, corners);
+    for (vtkIdType i = 0; i < corners->GetNumberOfIds(); ++i)
+      if (corners->GetId(i) < 0 || corners->GetId(i) >= mesh->GetNumberOfPoints())
+        throw std::runtime_error(file.string() + ": cell " + std::to_string(cell) + " names point " +
+                                 std::to_string(corners->GetId(i)) + ", there are " +
+                                 std::to_string(mesh->GetNumberOfPoints()));
+  }
+}
+
 vtkSmartPointer<vtkPointSet> read_mesh(const std::filesystem::path& file) {
   const auto mesh = read_points_and_cells(file);
   if (mesh->GetNumberOfPoints() == 0 || mesh->GetNumberOfCells() == 0)
     throw std::runtime_error(file.string() + ": is empty or is not a mesh");
+  refuse_strange_points(mesh, file);
   return mesh;
 }
 

@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -121,8 +122,9 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
 
 int info(const InfoOptions& options) {
   const Elastic e{options.lame_lambda, options.lame_mu, options.density};
-  if (!(e.mu > 0) || !(3 * e.lambda + 2 * e.mu > 0) || !(e.density > 0))
-    throw InputError("material", "needs mu > 0, 3 lambda + 2 mu > 0 and density > 0");
+  if (!(e.mu > 0) || !(3 * e.lambda + 2 * e.mu > 0) || !(e.density > 0) || !std::isfinite(e.lambda) ||
+      !std::isfinite(e.mu) || !std::isfinite(e.density))
+    throw InputError("material", "needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
   const MeshFile file = read_mesh(options.mesh);
   print_warnings(file.prepared.warnings());
   const Json j = info_json(file, options);

@@ -105,7 +105,8 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return action();
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? static_cast<int>(done) : static_cast<int>(bad_input);
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    print_errors(error.what());
   } catch (const lobe::InputError& error) {
     print_errors(error.what());
   } catch (const std::exception& error) {

@@ -167,11 +167,25 @@ TetMesh mesh_once(const Surface& surface, const std::vector<Polyline>& features,
   return mesh;
 }
 
+// Repair takes bodies that touch along an edge or at a vertex apart, in the same place; Mesh_3 refines there without end.
+void refuse_touching(const Surface& surface) {
+  std::map<std::array<double, 3>, Index> seen;
+  for (Index v = 0; v < surface.points.cols(); ++v) {
+    const Vec3d p = surface.points.col(v);
+    if (seen.try_emplace({p.x(), p.y(), p.z()}, v).second) continue;
+    std::ostringstream place;
+    place << "two bodies touch at (" << p.x() << ", " << p.y() << ", " << p.z()
+          << ") m: use --mesher tetgen, or move them apart";
+    throw InputError("surface", place.str());
+  }
+}
+
 }  // namespace
 
 TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshReport& report) {
   report = {};
   check(options, surface);
+  if (options.mesher == Mesher::cgal) refuse_touching(surface);
   Stopwatch stopwatch(report);
   const UnitBox unit(surface);
   const Surface scaled{unit.to_unit(surface.points), surface.triangles};

@@ -35,6 +35,24 @@ struct Options {
   MeshOptions mesh;
 };
 
+// An option whose value is one of a few words.
+template <class Value>
+void add_choice(CLI::App& app, const std::string& name, Value& value,
+                const std::map<std::string, Value>& words, const std::string& help) {
+  app.add_option_function<std::string>(
+      name,
+      [name, &value, &words](const std::string& word) {
+        const auto found = words.find(word);
+        if (found == words.end()) {
+          std::string known;
+          for (const auto& [other, ignored] : words) known += (known.empty() ? "" : ", ") + other;
+          throw CLI::ValidationError(name, word + ", expected one of " + known);
+        }
+        value = found->second;
+      },
+      help);
+}
+
 void declare(CLI::App& app, Options& o) {
   static const std::map<std::string, Mesher> meshers{{"cgal", Mesher::cgal}, {"tetgen", Mesher::tetgen}};
   static const std::map<std::string, Repair> levels{
@@ -45,10 +63,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--edge", o.mesh.edge, "edge of the tetrahedra [m]; default: diagonal / 25");
   app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")
       ->capture_default_str();
-  app.add_option("--mesher", o.mesh.mesher, "cgal (better angles) or tetgen (faster)")
-      ->transform(CLI::CheckedTransformer(meshers));
-  app.add_option("--repair", o.repair.level, "none, basic (default) or wrap (last resort)")
-      ->transform(CLI::CheckedTransformer(levels));
+  add_choice(app, "--mesher", o.mesh.mesher, meshers, "cgal (better angles, default) or tetgen (faster)");
+  add_choice(app, "--repair", o.repair.level, levels, "none, basic (default) or wrap (last resort)");
   app.add_option("--largest-hole", o.repair.largest_hole,
                  "widest hole that is filled, of the surface's diagonal")
       ->capture_default_str();
@@ -85,6 +101,14 @@ void check(const CLI::App& app, const Options& o) {
       faults.push_back({file.string(), "there is no folder " + file.parent_path().string()});
     }
   }
+  if (!o.report.empty()) {
+    const std::filesystem::path report(o.report);
+    if (report.lexically_normal() == output.lexically_normal())
+      faults.push_back({"--report", o.report + ": is the name of the mesh too"});
+    if (std::filesystem::is_directory(report)) faults.push_back({"--report", o.report + ": is a folder"});
+  }
+  if (!o.output.empty() && std::filesystem::is_directory(output))
+    faults.push_back({"--output", o.output + ": is a folder"});
   const auto positive = [&](const char* name, double value) {
     if (app.count(name) > 0 && !(std::isfinite(value) && value > 0)) {
       faults.push_back({name, "must be a positive number"});

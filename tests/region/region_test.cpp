@@ -93,6 +93,20 @@ TEST_CASE("stored and direct evaluators agree, alone, in a hybrid and with the v
   }
 }
 
+TEST_CASE(
+    "a body that has moved and turned far away feels the same forces by both evaluators, in single precision "
+    "too") {
+  const TetMesh mesh = irregular_box(4);  // edges of 0.01
+  const Mat3<double> R = Eigen::AngleAxisd(2.5, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Mat3X<double> x = R * (mesh.points + random_displacement(mesh.vertex_count(), 5e-4));
+  const Mat3X<double> u = (x - mesh.points).colwise() + Vec3d(0.3, -0.2, 0.1);
+  const Mat3X<float> single = u.cast<float>();
+  const Mat3X<float> direct = forces<float>(setup_of(mesh), single);
+  const Mat3X<double> exact = forces<double>(setup_of(mesh), single.cast<double>());
+  CHECK((direct.cast<double>() - exact).norm() < 1e-4 * exact.norm());
+  CHECK((forces<float>(stored(setup_of(mesh)), single).cast<double>() - exact).norm() < 1e-6 * exact.norm());
+}
+
 TEST_CASE("forces are minus the slope of the energy in every region and at the interface") {
   const TetMesh mesh = irregular_box(2);
   const Setup setup = hybrid_setup(mesh);

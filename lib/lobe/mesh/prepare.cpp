@@ -65,14 +65,17 @@ void check_sizes(const TetMesh& mesh, const std::string& name) {
                                " tetrahedra; give one per tetrahedron, or none");
 }
 
+// Beyond these, in metres, volumes or their products leave the range of double precision.
+constexpr double largest_coordinate = 1e50, shortest_edge = 1e-50;
+
 void check_coordinates(const TetMesh& mesh, const std::string& name, std::vector<Fault>& faults) {
   Offenders bad;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3d x = mesh.points.col(v);
-    if (x.allFinite()) continue;
+    if (x.allFinite() && x.cwiseAbs().maxCoeff() < largest_coordinate) continue;
     bad.add(v, [&] {
       return "its position is (" + rounded(x[0]) + ", " + rounded(x[1]) + ", " + rounded(x[2]) +
-             "), expected finite numbers";
+             "), expected finite numbers below " + rounded(largest_coordinate);
     });
   }
   bad.report(name, "vertex", "export the mesh anew", faults);
@@ -101,6 +104,7 @@ double signed_altitude_ratio(const Mat34<double>& corners) {
   double longest = 0;
   for (const auto& [a, b] : edge_corners)
     longest = std::max(longest, (corners.col(a) - corners.col(b)).lpNorm<Eigen::Infinity>());
+  if (!(longest > shortest_edge)) return 0;
   const Mat34<double> unit = (corners.colwise() - corners.col(0).eval()) / longest;
   double longest_unit = 0;
   for (const auto& [a, b] : edge_corners)

@@ -87,10 +87,9 @@ std::array<double, 4> altitudes(const Mat34<double>& corners) {
 
 Quality mesh_quality(const TetMesh& mesh) {
   Quality quality;
-  if (mesh.vertex_count() > 0) {
-    quality.box_min = mesh.points.rowwise().minCoeff();
-    quality.box_max = mesh.points.rowwise().maxCoeff();
-  }
+  const Box box = bounding_box(mesh);
+  quality.box_min = box.min;
+  quality.box_max = box.max;
   if (mesh.tet_count() == 0) return quality;
   quality.min_dihedral = 180;
   quality.smallest_tet_volume = quality.smallest_altitude = quality.smallest_altitude_ratio =

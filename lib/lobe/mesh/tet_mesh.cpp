@@ -24,4 +24,14 @@ double total_volume(const TetMesh& mesh) {
 
 Vec3d barycentre(const TetMesh& mesh, Index tet) { return tet_points(mesh, tet).rowwise().mean(); }
 
+Box bounding_box(const TetMesh& mesh) {
+  if (mesh.tet_count() == 0) return {};
+  Box box{mesh.points.col(mesh.tets(0, 0)), mesh.points.col(mesh.tets(0, 0))};
+  for (Index v : mesh.tets.reshaped()) {
+    box.min = box.min.cwiseMin(mesh.points.col(v));
+    box.max = box.max.cwiseMax(mesh.points.col(v));
+  }
+  return box;
+}
+
 }  // namespace lobe

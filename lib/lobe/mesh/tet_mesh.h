@@ -25,7 +25,11 @@ inline constexpr int edge_corners[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3
 Mat34<double> tet_points(const TetMesh& mesh, Index tet);  // 3 × 4 [m]
 double signed_volume(const Mat34<double>& corners);        // [m³], positive if well oriented
 double total_volume(const TetMesh& mesh);                  // [m³]
-Vec3d barycentre(const TetMesh& mesh, Index tet);          // [m]
+struct Box {
+  Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  // [m]
+};
+Box bounding_box(const TetMesh& mesh);             // of the vertices that tetrahedra use
+Vec3d barycentre(const TetMesh& mesh, Index tet);  // [m]
 
 // What prepare() changed or noticed.
 struct PrepareReport {

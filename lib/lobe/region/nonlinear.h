@@ -36,7 +36,7 @@ class NonlinearRegion {
  private:
   Evaluator evaluator_;
   ElementBlocks<Real> elements_;
-  StoredTerms<Real> terms_;
+  StoredTerms terms_;
 };
 
 }  // namespace lobe

@@ -4,27 +4,27 @@
 
 namespace lobe {
 
-template <class Real, class Terms>
-std::size_t TermSet<Real, Terms>::Hash::operator()(const Key& key) const {
+template <class Terms>
+std::size_t TermSet<Terms>::Hash::operator()(const Key& key) const {
   std::uint64_t h = 1469598103934665603ull;
   for (Index v : key) h = (h ^ std::uint64_t(v)) * 1099511628211ull;
   return static_cast<std::size_t>(h ^ (h >> 29));
 }
 
-template <class Real, class Terms>
-void TermSet<Real, Terms>::add(const Key& key, const Terms& terms) {
+template <class Terms>
+void TermSet<Terms>::add(const Key& key, const Terms& terms) {
   const auto [found, is_new] = slot_of_.try_emplace(key, count());
   const Index slot = found->second;
   if (is_new) {
     keys_.push_back(key);
-    values_.emplace_back().fill(Real(0));
+    values_.emplace_back().fill(0.0);
     for (int i = 0; i < n; ++i) outputs_of_.append(key[i], n * slot + i);
   }
-  for (int i = 0; i < Terms::size; ++i) values_[slot][i] += static_cast<Real>(terms.values[i]);
+  for (int i = 0; i < Terms::size; ++i) values_[slot][i] += terms.values[i];
 }
 
-template <class Real, class Terms>
-void TermSet<Real, Terms>::erase(Index slot) {
+template <class Terms>
+void TermSet<Terms>::erase(Index slot) {
   const Index last = count() - 1;
   for (int i = 0; i < n; ++i) outputs_of_.erase_value(keys_[slot][i], n * slot + i);
   slot_of_.erase(keys_[slot]);
@@ -40,15 +40,15 @@ void TermSet<Real, Terms>::erase(Index slot) {
   values_.pop_back();
 }
 
-template <class Real, class Terms>
-void TermSet<Real, Terms>::erase_around(Index vertex) {
+template <class Terms>
+void TermSet<Terms>::erase_around(Index vertex) {
   while (!outputs_of_[vertex].empty()) erase(outputs_of_[vertex].back() / n);
 }
 
-template <class Real, class Terms>
-void TermSet<Real, Terms>::evaluate(const Mat3X<Real>& u, Index slot) {
-  const Real* c = values_[slot].data();
-  std::array<Vec3<Real>, std::size_t(n)> in, out;
+template <class Terms>
+void TermSet<Terms>::evaluate(const Mat3X<double>& u, Index slot) {
+  const double* c = values_[slot].data();
+  std::array<Vec3d, std::size_t(n)> in, out;
   for (int i = 0; i < n; ++i) in[i] = u.col(keys_[slot][i]);
   if constexpr (n == 1) out[0] = vertex_force(c, in[0]);
   if constexpr (n == 2) edge_forces(c, in[0], in[1], out[0], out[1]);
@@ -57,8 +57,8 @@ void TermSet<Real, Terms>::evaluate(const Mat3X<Real>& u, Index slot) {
   for (int i = 0; i < n; ++i) forces_.col(n * slot + i) = out[i];
 }
 
-template <class Real, class Terms>
-void TermSet<Real, Terms>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+template <class Terms>
+void TermSet<Terms>::add_forces(const Mat3X<double>& u, Mat3X<double>& f, Parallel& parallel) {
   if (forces_.cols() < n * count()) forces_.resize(3, n * count());
   parallel.for_ranges(count(), 1024, [&](Index begin, Index end) {
     for (Index slot = begin; slot < end; ++slot) evaluate(u, slot);
@@ -93,8 +93,7 @@ void for_subsets(const Eigen::Vector4i& corners, const std::vector<std::uint8_t>
 
 }  // namespace
 
-template <class Real>
-void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index>& vertices) {
+void StoredTerms::follow(const Elements& elements, const std::vector<Index>& vertices) {
   const Topology& topology = elements.topology;
   const auto for_all_sets = [&](auto&& f) { f(vertices_), f(edges_), f(triangles_), f(tets_); };
   for_all_sets([&](auto& set) { set.add_vertices(topology.vertex_count()); });
@@ -127,23 +126,25 @@ void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index
 }
 
 template <class Real>
-void StoredTerms<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-  vertices_.add_forces(u, f, parallel);
-  edges_.add_forces(u, f, parallel);
-  triangles_.add_forces(u, f, parallel);
-  tets_.add_forces(u, f, parallel);
+void StoredTerms::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  u_ = u.template cast<double>();
+  f_.setZero(3, u.cols());
+  vertices_.add_forces(u_, f_, parallel);
+  edges_.add_forces(u_, f_, parallel);
+  triangles_.add_forces(u_, f_, parallel);
+  tets_.add_forces(u_, f_, parallel);
+  f += f_.template cast<Real>();
 }
 
-template <class Real>
-std::size_t StoredTerms<Real>::bytes() const {
+std::size_t StoredTerms::bytes() const {
   const auto of = [](const auto& set, std::size_t values, std::size_t vertices) {
-    return std::size_t(set.count()) * (values * sizeof(Real) + vertices * sizeof(Index));
+    return std::size_t(set.count()) * (values * sizeof(double) + vertices * sizeof(Index));
   };
   return of(vertices_, VertexTerms::size, 1) + of(edges_, EdgeTerms::size, 2) +
          of(triangles_, TriangleTerms::size, 3) + of(tets_, TetTerms::size, 4);
 }
 
-template class StoredTerms<float>;
-template class StoredTerms<double>;
+template void StoredTerms::add_forces(const Mat3X<float>&, Mat3X<float>&, Parallel&);
+template void StoredTerms::add_forces(const Mat3X<double>&, Mat3X<double>&, Parallel&);
 
 }  // namespace lobe

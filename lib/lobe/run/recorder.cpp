@@ -40,7 +40,8 @@ void Recorder::record(const World<Real>& world, bool last) {
               world.state().v.template cast<double>());
   frames_.emplace_back(world.time(), frame);
   if (frame_due) next_frame_ = output_.every * (std::floor((world.time() + just_before) / output_.every) + 1);
-  if (picture_due || last) add_pictures(world, frame);
+  const bool something_left = world.elements().topology.alive_count() > 0;  // an empty mesh cannot be drawn
+  if (something_left && (picture_due || last)) add_pictures(world, frame);
 }
 
 template <class Real>

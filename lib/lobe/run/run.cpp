@@ -11,6 +11,7 @@
 #include "lobe/io/atomic_file.h"
 #include "lobe/run/recorder.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/text.h"
 
 namespace lobe {
 namespace {
@@ -32,6 +33,7 @@ struct Totals {
   Json cuts = Json::array(), conditions = Json::array(), series = Json::array();
   Index tets_removed = 0;
   std::vector<std::string> warnings;
+  bool warned_of_inversion = false;
 
   void add(const Report& report, double time, double wall);
 };
@@ -48,7 +50,10 @@ void Totals::add(const Report& report, double time, double wall) {
   if (report.tets_removed > 0) cuts.push_back({{"time", time}, {"tetrahedra", report.tets_removed}});
   for (const Condition& c : report.conditions) {
     conditions.push_back({{"time", c.time}, {"condition", name(c.kind)}, {"text", c.text}});
-    if (c.kind == Condition::Kind::diverged) warnings.push_back(c.text);
+    const bool first_inversion = c.kind == Condition::Kind::near_inversion && !warned_of_inversion;
+    warned_of_inversion = warned_of_inversion || first_inversion;
+    if (first_inversion || c.kind == Condition::Kind::diverged || c.kind == Condition::Kind::too_stiff)
+      warnings.push_back("at " + rounded(c.time) + " s: " + c.text);
   }
 }
 
@@ -106,6 +111,14 @@ std::string summary_of(const Json& report) {
   return line;
 }
 
+// prefix, a number, suffix.
+bool is_numbered(const std::string& file, const std::string& prefix, const std::string& suffix) {
+  if (!file.starts_with(prefix) || !file.ends_with(suffix) || file.size() <= prefix.size() + suffix.size())
+    return false;
+  const std::string number = file.substr(prefix.size(), file.size() - prefix.size() - suffix.size());
+  return number.find_first_not_of("0123456789.e-+") == std::string::npos;
+}
+
 // Removes the files that an earlier run left in the directory.
 void clear_earlier_run(const std::filesystem::path& directory, const std::filesystem::path& mesh) {
   std::error_code error;
@@ -114,9 +127,8 @@ void clear_earlier_run(const std::filesystem::path& directory, const std::filesy
     throw InputError(directory.string(), "cannot be made a directory for the results");
   for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
     const std::string file = entry.path().filename().string();
-    const bool ours = (file.starts_with("frame_") && file.ends_with(".vtu")) ||
-                      (file.starts_with("picture_") && file.ends_with(".png")) || file == "report.json" ||
-                      file == "series.pvd" || file == "pictures.json";
+    const bool ours = is_numbered(file, "frame_", ".vtu") || is_numbered(file, "picture_", ".png") ||
+                      file == "report.json" || file == "series.pvd" || file == "pictures.json";
     if (ours && std::filesystem::equivalent(entry.path(), mesh, error))
       throw InputError(mesh.string(),
                        "the scene's mesh would be overwritten by its results; choose another directory");

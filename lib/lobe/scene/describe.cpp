@@ -28,8 +28,8 @@ ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
           {"tetrahedra", mesh.tet_count()},
           {"labels", labels},
           {"volume_m3", total_volume(mesh)},
-          {"box_min_m", vector(mesh.points.rowwise().minCoeff())},
-          {"box_max_m", vector(mesh.points.rowwise().maxCoeff())}};
+          {"box_min_m", vector(bounding_box(mesh).min)},
+          {"box_max_m", vector(bounding_box(mesh).max)}};
 }
 
 ordered_json summarise_materials(const Scene& scene, const Setup& setup) {

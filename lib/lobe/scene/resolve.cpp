@@ -67,7 +67,7 @@ std::vector<char> first_match(Resolution& resolution, const std::vector<Entry>& 
 }  // namespace
 
 void Resolution::fail_empty(const std::string& place, const char* what) {
-  const Vec3d low = mesh().points.rowwise().minCoeff(), high = mesh().points.rowwise().maxCoeff();
+  const auto [low, high] = bounding_box(mesh());
   fail(place, std::string("selects no ") + what + "; the mesh spans " + triple(low) + " to " + triple(high) +
                   " m, its labels are " + labels_of(mesh()));
 }

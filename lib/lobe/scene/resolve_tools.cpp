@@ -23,8 +23,8 @@ bool meets_box(const Vec3d& a, const Vec3d& b, const Vec3d& low, const Vec3d& hi
 }
 
 bool passes_near(const Tool& tool, const TetMesh& mesh) {
-  const Vec3d low = mesh.points.rowwise().minCoeff().array() - tool.radius;
-  const Vec3d high = mesh.points.rowwise().maxCoeff().array() + tool.radius;
+  const Box box = bounding_box(mesh);
+  const Vec3d low = box.min.array() - tool.radius, high = box.max.array() + tool.radius;
   for (std::size_t i = 0; i < tool.path.size(); ++i) {
     const std::size_t next = std::min(i + 1, tool.path.size() - 1);
     if (meets_box(tool.path[i].position, tool.path[next].position, low, high)) return true;

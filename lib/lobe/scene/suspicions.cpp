@@ -38,7 +38,8 @@ void suspect_material(Resolution& resolution, const Elastic& m, double size, con
 }  // namespace
 
 double box_diagonal(const TetMesh& mesh) {
-  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+  const Box box = bounding_box(mesh);
+  return (box.max - box.min).norm();
 }
 
 double expected_sag(const Elastic& m, double gravity, double size) {

@@ -11,9 +11,10 @@ namespace lobe {
 
 struct Condition {
   enum class Kind {
-    diverged,     // the state was restored and the world stands still: smaller load, more damping, a volume
-                  // penalty
-    sub_stepped,  // a frame was run again with smaller steps: nothing to do
+    diverged,   // the state was restored and the world stands still: smaller load, more damping, a volume
+                // penalty
+    too_stiff,  // a frame needs more steps than are taken: softer material, coarser mesh, or a static solution
+    sub_stepped,     // a frame was run again with smaller steps: nothing to do
     near_inversion,  // a tetrahedron is below 5 % of its volume: a volume penalty, or a finer mesh there
     pieces,          // a cut set pieces loose: as the scene's loose_pieces says
     everything_cut   // no tetrahedron is left

@@ -43,6 +43,8 @@ const char* name(Condition::Kind kind) {
   switch (kind) {
     case Condition::Kind::diverged:
       return "diverged";
+    case Condition::Kind::too_stiff:
+      return "too_stiff";
     case Condition::Kind::sub_stepped:
       return "sub_stepped";
     case Condition::Kind::near_inversion:
@@ -162,11 +164,22 @@ void World<Real>::advance_to(double end, Report& report) {
   if (volume_ratio_ < 0.05)
     report.conditions.push_back({Condition::Kind::near_inversion,
                                  "tetrahedron " + std::to_string(volume_ratio_tet_) + " is at " +
-                                     std::to_string(volume_ratio_) + " of its volume: raise volume_penalty",
+                                     std::to_string(volume_ratio_) + " of its volume" +
+                                     (volume_ratio_ < 0 ? ", inverted" : "") +
+                                     ": a larger volume_penalty, a smaller load or a slower tool may help",
                                  state_.time});
   constexpr int most_steps = 1 << 20, most_tries = 5;
   const double wanted = std::ceil(duration / (setup_.safety * report.time_step_limit) * (1 - 1e-12));
-  int steps = static_cast<int>(std::clamp(wanted, 1.0, double(most_steps)));
+  if (!(wanted <= most_steps)) {
+    report.ok = false;
+    report.conditions.push_back({Condition::Kind::too_stiff,
+                                 "steps of " + std::to_string(1e9 * report.time_step_limit) +
+                                     " ns are all that is stable, more than a million per frame: use softer "
+                                     "materials, a coarser mesh or a shorter frame",
+                                 state_.time});
+    return;
+  }
+  int steps = std::max(1, static_cast<int>(wanted));
   const State<Real> start = state_;
   double step = 0;
   for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt, steps *= 2) {

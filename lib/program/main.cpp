@@ -2,10 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "console.h"
 #include "lobe/error.h"
+#include "lobe/scene/nearest_word.h"
 
 namespace {
 
@@ -58,6 +61,16 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   command->callback([&] { action = [&] { return run_benchmark(options); }; });
 }
 
+// CLI11 would only say that a command is missing, not that it knows none of this name.
+void check_command(CLI::App& app, const std::string& word) {
+  if (word.empty() || word.starts_with('-') || app.get_subcommand_no_throw(word) != nullptr) return;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  const std::string near = lobe::nearest_word(word, known);
+  throw lobe::InputError(word, "is no command" + (near.empty() ? "" : "; did you mean \"" + near + "\"?") +
+                                   " (lobe --help lists them)");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -88,12 +101,11 @@ int main(int argc, char** argv) {
   add_bench(app, bench_options, action);
 
   try {
+    if (argc > 1) check_command(app, argv[1]);
     app.parse(argc, argv);
     return action();
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? static_cast<int>(done) : static_cast<int>(bad_input);
-  } catch (const lobe::InputError& error) {
-    print_errors(error.what());
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const std::exception& error) {
     print_errors(error.what());
   }

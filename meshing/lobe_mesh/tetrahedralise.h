@@ -47,7 +47,7 @@ struct MeshReport {
   Quality quality;
   double surface_volume = 0;  // [m³]
   double volume_error = 0;    // [%] of the mesh against the surface
-  double time_step = 0;       // [s] largest stable step of the material (vertex estimate)
+  double time_step = 0;       // [s] largest stable step of the material
   double time_step_star = 0;  // time_step × wave speed / mean_edge: independent of size and material
   std::vector<Phase> phases;
   std::vector<std::string> warnings;

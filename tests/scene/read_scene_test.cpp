@@ -79,11 +79,11 @@ TEST_CASE("boundary conditions are read") {
 TEST_CASE("tools, time and output are read") {
   const Scene scene = parse_scene(full_scene, "dir/liver.json");
   REQUIRE(scene.tools.size() == 2);
-  CHECK(scene.tools[0].type == Tool::Type::grasp);
+  CHECK(scene.tools[0].type == ToolType::grasp);
   CHECK(scene.tools[0].release);
   CHECK(scene.tools[0].path.at(1).time == 1);
   CHECK(scene.tools[0].path.at(1).position == Vec3d(0, 0.05, 0.02));
-  CHECK(scene.tools[1].type == Tool::Type::cautery);
+  CHECK(scene.tools[1].type == ToolType::cautery);
   CHECK(scene.tools[1].name == "cautery");
   CHECK(scene.tools[1].radius == 0.006);
   CHECK(scene.name == "liver");

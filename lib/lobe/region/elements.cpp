@@ -2,14 +2,14 @@
 
 namespace lobe {
 
-Elements::Elements(const Setup& setup)
-    : topology(setup.mesh),
-      points(setup.mesh.points),
-      labels(setup.mesh.labels),
-      materials(setup.materials),
-      material_of(setup.material_of),
-      region_of(setup.region_of),
-      volume_penalty(setup.volume_penalty) {}
+Elements::Elements(const Body& body)
+    : topology(body.mesh),
+      points(body.mesh.points),
+      labels(body.mesh.labels),
+      materials(body.materials),
+      material_of(body.material_of),
+      region_of(body.region_of),
+      volume_penalty(body.volume_penalty) {}
 
 Mat34<double> Elements::corner_points(Index tet) const {
   Mat34<double> X;

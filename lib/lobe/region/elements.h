@@ -5,12 +5,12 @@
 
 #include "lobe/fem/shape.h"
 #include "lobe/mesh/topology.h"
-#include "lobe/sim/setup.h"
+#include "lobe/region/body.h"
 
 namespace lobe {
 
 struct Elements {
-  explicit Elements(const Setup& setup);
+  explicit Elements(const Body& body);
 
   Topology topology;
   Mat3X<double> points;  // 3 × topology.vertex_count(), rest positions [m]

@@ -20,7 +20,7 @@ std::string numbered(const char* format, std::size_t number) {
 
 nlohmann::ordered_json tool_json(const Tools::Pose& pose, const Mat3X<double>& x) {
   const auto array = [](const Vec3d& p) { return nlohmann::ordered_json{p[0], p[1], p[2]}; };
-  nlohmann::ordered_json tool{{"type", pose.type == Tool::Type::grasp ? "grasp" : "cautery"},
+  nlohmann::ordered_json tool{{"type", pose.type == ToolType::grasp ? "grasp" : "cautery"},
                               {"position", array(pose.position)}};
   if (pose.radius > 0) tool["radius"] = pose.radius;
   for (Index v : pose.vertices) tool["points"].push_back(array(x.col(v)));

@@ -91,7 +91,7 @@ ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
   ordered_json list = ordered_json::array();
   std::size_t grasps = 0;
   for (const Tool& tool : scene.tools) {
-    const bool grasp = tool.type == Tool::Type::grasp;
+    const bool grasp = tool.type == ToolType::grasp;
     ordered_json entry = {{"name", tool.name},
                           {"type", grasp ? "grasp" : "cautery"},
                           {"from_s", tool.path.front().time},

@@ -74,7 +74,7 @@ Boundary read_boundary(const json& entry, const std::string& pointer) {
 Tool read_tool(const json& entry, const std::string& pointer) {
   Tool tool;
   tool.name = entry["type"];
-  tool.type = tool.name == "grasp" ? Tool::Type::grasp : Tool::Type::cautery;
+  tool.type = tool.name == "grasp" ? ToolType::grasp : ToolType::cautery;
   read(entry, "name", tool.name);
   read(entry, "radius", tool.radius);
   read(entry, "release", tool.release);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lobe/sim/setup.h"
+#include "lobe/scene/scene.h"
 
 namespace lobe {
 

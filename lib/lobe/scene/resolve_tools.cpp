@@ -59,7 +59,7 @@ void resolve_tools(Resolution& resolution) {
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const Tool& tool = scene.tools[i];
     const std::string here = "/tools/" + std::to_string(i);
-    if (tool.type == Tool::Type::grasp) {
+    if (tool.type == ToolType::grasp) {
       resolve_grasp(resolution, tool, here);
     } else {
       resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path});

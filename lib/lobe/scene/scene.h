@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "lobe/sim/setup.h"
 #include "lobe/types.h"
 
 namespace lobe {
@@ -67,9 +68,6 @@ struct Material {
   std::string pointer;
 };
 
-enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2 };
-enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
-
 struct Region {
   std::string name;
   RegionModel model = RegionModel::nonlinear;
@@ -85,15 +83,9 @@ struct Boundary {
   std::string pointer;
 };
 
-struct PathPoint {
-  double time = 0;                 // [s]
-  Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
-};
-
 struct Tool {
-  enum class Type { grasp, cautery };
   std::string name;
-  Type type = Type::grasp;
+  ToolType type = ToolType::grasp;
   std::optional<Selector> where;  // grasp: the vertices it takes hold of
   double radius = 0;              // cautery: of its spherical tip [m]
   std::vector<PathPoint> path;    // times strictly increasing; acts from the first to the last
@@ -101,7 +93,6 @@ struct Tool {
   std::string pointer;
 };
 
-enum class LoosePieces : std::uint8_t { fall, vanish, stay };
 enum class Precision : std::uint8_t { single_precision, double_precision };
 
 struct Time {

@@ -85,7 +85,7 @@ ordered_json write(const Tool& tool) {
   ordered_json path = ordered_json::array();
   for (const auto& [time, p] : tool.path) path.push_back({time, p[0], p[1], p[2]});
   ordered_json entry = {{"name", tool.name}};
-  if (tool.type == Tool::Type::grasp) {
+  if (tool.type == ToolType::grasp) {
     entry["type"] = "grasp";
     add_where(entry, tool.where);
     entry["path"] = path;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lobe/region/elements.h"
+#include "lobe/sim/setup.h"
 
 namespace lobe {
 

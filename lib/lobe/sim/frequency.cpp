@@ -101,12 +101,12 @@ double lanczos_frequency(const Elements& elements, const std::vector<double>& in
 }
 
 double rest_time_step(const TetMesh& mesh, const Elastic& elastic) {
-  Setup setup;
-  setup.mesh = mesh;
-  setup.materials = {elastic};
-  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
-  const Elements elements(setup);
+  Body body;
+  body.mesh = mesh;
+  body.materials = {elastic};
+  body.material_of.assign(std::size_t(mesh.tet_count()), 0);
+  body.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  const Elements elements(body);
   std::vector<double> inverse_mass;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const double mass = lumped_mass(elements, v);

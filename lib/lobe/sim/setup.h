@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lobe/mesh/tet_mesh.h"
-#include "lobe/scene/scene.h"
+#include "lobe/region/body.h"
 
 namespace lobe {
 
@@ -25,10 +24,12 @@ struct PrescribedVertex {
   Vec3d displacement = Vec3d::Zero();  // [m], zero where the vertex is fixed
 };
 
-struct Elastic {
-  double lambda = 4e4, mu = 1e4;  // [Pa]
-  double density = 1000;          // [kg/m³]
+struct PathPoint {
+  double time = 0;                 // [s]
+  Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
 };
+
+enum class ToolType : std::uint8_t { grasp, cautery };
 
 struct GraspSetup {
   std::string name;
@@ -43,16 +44,13 @@ struct CauterySetup {
   std::vector<PathPoint> path;  // positions of the tip
 };
 
-struct Setup {
-  TetMesh mesh;
-  std::vector<Elastic> materials;
-  std::vector<std::uint16_t> material_of;  // per tetrahedron
-  std::vector<RegionModel> region_of;      // per tetrahedron
+enum class LoosePieces : std::uint8_t { fall, vanish, stay };  // what becomes of pieces that nothing holds
+
+struct Setup : Body {
   std::vector<PrescribedVertex> prescribed;
   std::vector<FaceLoad> face_loads;
   std::vector<VertexLoad> vertex_loads;
   Vec3d gravity = Vec3d::Zero();
-  double volume_penalty = 0;
   Evaluator evaluator = Evaluator::direct;
   LoosePieces loose_pieces = LoosePieces::fall;
   double damping = 0;  // [1/s]

@@ -51,7 +51,7 @@ class Tools {
   // Where the tools are, for pictures and recordings.
   struct Pose {
     std::string name;
-    Tool::Type type = Tool::Type::grasp;
+    ToolType type = ToolType::grasp;
     double radius = 0;               // [m]
     Vec3d position = Vec3d::Zero();  // [m]
     std::vector<Index> vertices;     // held
@@ -60,7 +60,7 @@ class Tools {
   std::vector<Pose> poses(double time, const HeldVertices& held, Position&& position_of) const {
     std::vector<Pose> poses;
     for (std::size_t g = 0; g < grasps_.size(); ++g) {
-      Pose pose{grasps_[g].name, Tool::Type::grasp, 0, Vec3d::Zero(), {}};
+      Pose pose{grasps_[g].name, ToolType::grasp, 0, Vec3d::Zero(), {}};
       for (const HeldVertices::Held& item : held.all())
         if (item.holder == holder(g)) {
           pose.vertices.push_back(item.vertex);
@@ -72,7 +72,7 @@ class Tools {
     }
     for (const CauterySetup& c : cauteries_)
       if (time >= c.path.front().time && time <= c.path.back().time)
-        poses.push_back({c.name, Tool::Type::cautery, c.radius, path_at(c.path, time), {}});
+        poses.push_back({c.name, ToolType::cautery, c.radius, path_at(c.path, time), {}});
     return poses;
   }
 

@@ -101,4 +101,7 @@ class World {
   Parallel parallel_;
 };
 
+extern template class World<float>;
+extern template class World<double>;
+
 }  // namespace lobe

@@ -1,0 +1,27 @@
+// A body at rest: what it is made of, and which model each of its tetrahedra follows.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lobe/mesh/tet_mesh.h"
+
+namespace lobe {
+
+enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2 };
+enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
+
+struct Elastic {
+  double lambda = 4e4, mu = 1e4;  // [Pa]
+  double density = 1000;          // [kg/m³]
+};
+
+struct Body {
+  TetMesh mesh;
+  std::vector<Elastic> materials;
+  std::vector<std::uint16_t> material_of;  // per tetrahedron: which of the materials
+  std::vector<RegionModel> region_of;      // per tetrahedron
+  double volume_penalty = 0;               // κ [Pa], of the non-linear region
+};
+
+}  // namespace lobe

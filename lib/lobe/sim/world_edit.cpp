@@ -1,0 +1,188 @@
+// Edits of a World: everything follows a cut or a change of regions around what changed.
+#include <algorithm>
+
+#include "lobe/error.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+template <class Real>
+Index World<Real>::remove_tets(const std::vector<Index>& tets) {
+  check_tets(tets);
+  const MeshEdit edit = elements_.topology.remove(tets);
+  if (edit.empty()) return 0;
+  follow(edit);
+  Index removed = static_cast<Index>(edit.removed.size());
+  removed += treat_loose_pieces();
+  if (elements_.topology.alive_count() == 0)
+    pending_.push_back({Condition::Kind::everything_cut, "no tetrahedron is left", state_.time});
+  return removed;
+}
+
+template <class Real>
+void World<Real>::follow(const MeshEdit& mesh_edit) {
+  const Index before = static_cast<Index>(state_.u.cols()), after = elements_.topology.vertex_count();
+  elements_.points.conservativeResize(3, after);
+  state_.u.conservativeResize(3, after);
+  state_.v.conservativeResize(3, after);
+  RegionEdit edit;
+  edit.left = mesh_edit.removed;
+  for (const VertexSplit& split : mesh_edit.splits) {
+    elements_.points.col(split.copy) = elements_.points.col(split.vertex);
+    state_.u.col(split.copy) = state_.u.col(split.vertex);
+    state_.v.col(split.copy) = state_.v.col(split.vertex);
+    held_.split(split.vertex, split.copy);
+    edit.entered.insert(edit.entered.end(), split.tets.begin(), split.tets.end());
+    edit.vertices.push_back(split.vertex);
+  }
+  for (Index v = before; v < after; ++v) edit.vertices.push_back(v);
+  const auto make_unique = [](std::vector<Index>& list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  make_unique(edit.entered);
+  edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
+  for (Index t : edit.left)
+    for (int c = 0; c < 4; ++c) edit.vertices.push_back(elements_.topology.tets()(c, t));
+  make_unique(edit.vertices);
+  tensor_mass_.follow(elements_, edit);
+  nonlinear_.follow(elements_, edit);
+  refresh_vertices(edit.vertices);
+}
+
+template <class Real>
+void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
+  const auto n = std::size_t(elements_.topology.vertex_count());
+  mass_.resize(n, 0);
+  inverse_mass_.resize(n, 0);
+  step_mass_.resize(n, 0);
+  external_.conservativeResize(3, Eigen::Index(n));
+  dead_loads_ = dead_loads(elements_, setup_.face_loads, setup_.vertex_loads).template cast<Real>();
+  for (Index v : vertices) {
+    mass_[v] = lumped_mass(elements_, v);
+    refresh_inverse_mass(v);
+    if (elements_.topology.around(v).empty()) state_.v.col(v).setZero();
+  }
+  for (Index v = 0; v < static_cast<Index>(n); ++v)
+    external_.col(v) = dead_loads_.col(v) + (mass_[v] * setup_.gravity).template cast<Real>();
+}
+
+template <class Real>
+void World<Real>::refresh_inverse_mass(Index v) {
+  inverse_mass_[v] = mass_[v] > 0 && !held_.holds(v) ? 1 / mass_[v] : 0;
+  step_mass_[v] = static_cast<Real>(inverse_mass_[v]);
+}
+
+template <class Real>
+void World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) {
+  if (model == RegionModel::precomputed)
+    throw InputError("region", "precomputed regions are not available yet; use tensor-mass");
+  check_tets(tets);
+  RegionEdit edit;
+  for (Index t : tets) {
+    if (!elements_.topology.alive(t) || elements_.region_of[t] == model) continue;
+    elements_.region_of[t] = model;
+    edit.left.push_back(t);
+    for (int c = 0; c < 4; ++c) edit.vertices.push_back(elements_.topology.tets()(c, t));
+  }
+  edit.entered = edit.left;
+  std::sort(edit.vertices.begin(), edit.vertices.end());
+  edit.vertices.erase(std::unique(edit.vertices.begin(), edit.vertices.end()), edit.vertices.end());
+  tensor_mass_.follow(elements_, edit);
+  nonlinear_.follow(elements_, edit);
+}
+
+template <class Real>
+bool World<Real>::is_held(const std::vector<Index>& piece) const {
+  return std::any_of(piece.begin(), piece.end(), [&](Index t) {
+    const Eigen::Vector4i v = elements_.topology.corners(t);
+    return held_.holds(v[0]) || held_.holds(v[1]) || held_.holds(v[2]) || held_.holds(v[3]);
+  });
+}
+
+template <class Real>
+void World<Real>::find_bodies() {
+  body_of_.assign(std::size_t(elements_.topology.tet_count()), 0);
+  for (const std::vector<Index>& piece : elements_.topology.pieces()) {
+    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
+    body_was_held_.push_back(is_held(piece));
+  }
+}
+
+// A piece that nothing holds is loose if its body was held, or if it is not the largest that is left of its
+// body.
+template <class Real>
+Index World<Real>::treat_loose_pieces() {
+  const std::vector<std::vector<Index>> pieces = elements_.topology.pieces();
+  std::vector<std::size_t> largest(body_was_held_.size(), 0);
+  for (const std::vector<Index>& piece : pieces)
+    largest[body_of_[piece[0]]] = std::max(largest[body_of_[piece[0]]], piece.size());
+  Index vanished = 0;
+  for (const std::vector<Index>& piece : pieces) {
+    const Index body = body_of_[piece[0]];
+    if (is_held(piece) || (!body_was_held_[body] && piece.size() == largest[body])) continue;
+    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
+    body_was_held_.push_back(false);
+    vanished += treat_loose_piece(piece);
+  }
+  return vanished;
+}
+
+template <class Real>
+Index World<Real>::treat_loose_piece(const std::vector<Index>& piece) {
+  const std::string text = std::to_string(piece.size()) + " tetrahedra came loose";
+  pending_.push_back({Condition::Kind::pieces, text, state_.time});
+  if (setup_.loose_pieces == LoosePieces::vanish) {
+    follow(elements_.topology.remove(piece));
+    return static_cast<Index>(piece.size());
+  }
+  if (setup_.loose_pieces == LoosePieces::fall) {
+    set_region(piece, RegionModel::nonlinear);  // it will turn: a linear piece would grow
+    return 0;
+  }
+  for (Index t : piece)
+    for (int c = 0; c < 4; ++c) {
+      const Index v = elements_.topology.tets()(c, t);
+      const Vec3d u = state_.u.col(v).template cast<double>();
+      held_.hold({v, HeldVertices::boundary, u, u});
+      refresh_inverse_mass(v);
+    }
+  return 0;
+}
+
+template <class Real>
+void World<Real>::check_tets(const std::vector<Index>& tets) const {
+  for (Index t : tets)
+    if (t < 0 || t >= elements_.topology.tet_count())
+      throw InputError("tetrahedron " + std::to_string(t),
+                       "there are " + std::to_string(elements_.topology.tet_count()) + ", numbered from 0");
+}
+
+template <class Real>
+Setup World<Real>::current_setup(CompactMesh& c) const {
+  c = compact(elements_.topology, elements_.points, elements_.labels);
+  Setup setup = setup_;
+  setup.mesh = c.mesh;
+  setup.material_of.clear();
+  setup.region_of.clear();
+  for (Index t : c.tet_source) {
+    setup.material_of.push_back(elements_.material_of[t]);
+    setup.region_of.push_back(elements_.region_of[t]);
+  }
+  setup.prescribed.clear();
+  for (const HeldVertices::Held& item : held_.all())
+    if (c.vertex_target[item.vertex] >= 0)
+      setup.prescribed.push_back({c.vertex_target[item.vertex], item.goal});
+  std::erase_if(setup.face_loads, [&](const FaceLoad& load) { return c.tet_target[load.tet] < 0; });
+  for (FaceLoad& load : setup.face_loads) load.tet = c.tet_target[load.tet];
+  std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
+  for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];
+  setup.grasps.clear();
+  setup.cauteries.clear();
+  return setup;
+}
+
+template class World<float>;
+template class World<double>;
+
+}  // namespace lobe

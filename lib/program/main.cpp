@@ -1,5 +1,6 @@
 // The command `lobe`: docs/commands.md lists its commands and their options.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <functional>
 #include <string>
@@ -62,13 +63,14 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
 }
 
 // CLI11 would only say that a command is missing, not that it knows none of this name.
-void check_command(CLI::App& app, const std::string& word) {
-  if (word.empty() || word.starts_with('-') || app.get_subcommand_no_throw(word) != nullptr) return;
+void refuse_unknown_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  const bool option = word.empty() || word.front() == '-';
+  if (option || std::find(known.begin(), known.end(), word) != known.end()) return;
   const std::string near = lobe::nearest_word(word, known);
-  throw lobe::InputError(word, "is no command" + (near.empty() ? "" : "; did you mean \"" + near + "\"?") +
-                                   " (lobe --help lists them)");
+  const std::string guess = near.empty() ? "" : "; did you mean \"" + near + "\"?";
+  throw lobe::InputError(word, "is no command" + guess + " (lobe --help lists them)");
 }
 
 }  // namespace
@@ -101,7 +103,7 @@ int main(int argc, char** argv) {
   add_bench(app, bench_options, action);
 
   try {
-    if (argc > 1) check_command(app, argv[1]);
+    if (argc > 1) refuse_unknown_command(app, argv[1]);
     app.parse(argc, argv);
     return action();
   } catch (const CLI::Success& help) {

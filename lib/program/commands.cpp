@@ -105,8 +105,10 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
     run_options.progress = [&](double fraction) { bar.show(fraction); };
     result = function(loaded.scene, loaded.resolved, run_options);
   }
-  const auto known = loaded.resolved.warnings.size();
-  print_warnings({result.warnings.begin() + std::ptrdiff_t(known), result.warnings.end()});
+  // The last warning of what ended early is why.
+  const auto known = std::ptrdiff_t(loaded.resolved.warnings.size());
+  print_warnings({result.warnings.begin() + known, result.warnings.end() - (result.ok ? 0 : 1)});
+  if (!result.ok) print_errors(result.warnings.back());
   if (!result.picture_request.empty() && !options.no_pictures) {
     const std::string trouble = render_pictures(result.picture_request);
     if (!trouble.empty()) print_warnings({trouble});

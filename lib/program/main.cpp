@@ -1,11 +1,15 @@
 // The command `lobe`: docs/commands.md lists its commands and their options.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "console.h"
 #include "lobe/error.h"
+#include "lobe/scene/nearest_word.h"
 
 namespace {
 
@@ -66,6 +70,17 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   command->callback([&] { action = [&] { return run_benchmark(options); }; });
 }
 
+// CLI11 would only say that a command is missing, not that it knows none of this name.
+void refuse_unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  const bool option = word.empty() || word.front() == '-';
+  if (option || std::find(known.begin(), known.end(), word) != known.end()) return;
+  const std::string near = lobe::nearest_word(word, known);
+  const std::string guess = near.empty() ? "" : "; did you mean \"" + near + "\"?";
+  throw lobe::InputError(word, "is no command" + guess + " (lobe --help lists them)");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -102,13 +117,11 @@ int main(int argc, char** argv) {
   add_bench(app, bench_options, action);
 
   try {
+    if (argc > 1) refuse_unknown_command(app, argv[1]);
     app.parse(argc, argv);
     return action();
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    print_errors(error.what());
-  } catch (const lobe::InputError& error) {
-    print_errors(error.what());
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const std::exception& error) {
     print_errors(error.what());
   }

@@ -8,9 +8,9 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
+#include "folder.h"
 #include "lobe/error.h"
 #include "lobe/io/scanner.h"
 #include "lobe/mesh/generators.h"
@@ -62,24 +62,7 @@ inline std::string edited(std::string text, const std::string& old, const std::s
   return text.replace(at, old.size(), now);
 }
 
-// A folder of its own for a test, removed at its end.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lobe_io_XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(path / name, std::ios::binary) << text;
-    return path / name;
-  }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path), {}));
-  }
-  std::filesystem::path path;
-};
+using lobe::test::Folder;
 
 template <class Call>
 std::string fault_of(const Call& call) {

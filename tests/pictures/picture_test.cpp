@@ -1,7 +1,6 @@
 // lobe-picture as its callers use it: a request and meshes in, PNG files, messages and exit statuses out.
 #include <doctest/doctest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPNGReader.h>
@@ -9,27 +8,19 @@
 #include <array>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("lobe_pictures_" + std::to_string(getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-
-  void write(const std::string& name, const std::string& text) const { std::ofstream(path / name) << text; }
-  std::string read(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(path / name).rdbuf();
-    return text.str();
-  }
+struct Folder : lobe::test::Folder {
+  std::string read(const std::string& name) const { return lobe::test::bytes_of(path / name); }
 };
 
 // Two tetrahedra on one face, the first in region 0, the second in region 2; `moved` is the displacement of

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "lobe/diagnostics/fields.h"
@@ -119,21 +120,27 @@ bool is_numbered(const std::string& file, const std::string& prefix, const std::
   return number.find_first_not_of("0123456789.e-+") == std::string::npos;
 }
 
-// Removes the files that an earlier run left in the directory.
-void clear_earlier_run(const std::filesystem::path& directory, const std::filesystem::path& mesh) {
+bool is_result(const std::string& file) {
+  return is_numbered(file, "frame_", ".vtu") || is_numbered(file, "picture_", ".png") ||
+         file == "report.json" || file == "series.pvd" || file == "pictures.json";
+}
+
+// Makes the directory and removes what an earlier run left in it; before it removes anything, it refuses to
+// remove what this run is made from.
+void clear_earlier_run(const std::filesystem::path& directory,
+                       const std::vector<std::filesystem::path>& inputs) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (!std::filesystem::is_directory(directory, error))
     throw InputError(directory.string(), "cannot be made a directory for the results");
-  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
-    const std::string file = entry.path().filename().string();
-    const bool ours = is_numbered(file, "frame_", ".vtu") || is_numbered(file, "picture_", ".png") ||
-                      file == "report.json" || file == "series.pvd" || file == "pictures.json";
-    if (ours && std::filesystem::equivalent(entry.path(), mesh, error))
-      throw InputError(mesh.string(),
-                       "the scene's mesh would be overwritten by its results; choose another directory");
-    if (ours) std::filesystem::remove(entry.path(), error);
-  }
+  std::vector<std::filesystem::path> earlier;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+    if (is_result(entry.path().filename().string())) earlier.push_back(entry.path());
+  for (const std::filesystem::path& file : earlier)
+    for (const std::filesystem::path& input : inputs)
+      if (std::filesystem::equivalent(file, input, error))
+        throw InputError(input.string(), "would be overwritten by the results; choose another directory");
+  for (const std::filesystem::path& file : earlier) std::filesystem::remove(file, error);
 }
 
 template <class Real>
@@ -165,7 +172,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   const Clock::time_point start = Clock::now();
   World<Real> world(resolved.setup, options.threads);
   const double setup_seconds = seconds_since(start);
-  clear_earlier_run(options.directory, mesh_path(scene));
+  clear_earlier_run(options.directory, {mesh_path(scene), scene.file});
   Recorder recorder(scene.output, options.directory);
   Totals totals;
   RunResult result;

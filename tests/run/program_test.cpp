@@ -1,0 +1,240 @@
+// The command `lobe` as its callers use it: exit statuses, messages, files.
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "lobe/mesh/quality.h"
+#include "run/small_scene.h"
+
+using namespace lobe;
+using namespace lobe::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Ended {
+  int status = 0;
+  std::string out, err;
+};
+
+// Runs `lobe arguments` in the folder.
+Ended lobe_in(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
+  const std::string command = "cd '" + folder.path.string() + "' && " + environment +
+                              " '" LOBE_BIN_DIR "/lobe' " + arguments + " 2>messages.txt";
+  FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  Ended ended;
+  char buffer[4096];
+  for (std::size_t n = 0; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) ended.out.append(buffer, n);
+  const int status = pclose(pipe);
+  ended.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  ended.err = bytes_of(folder.path / "messages.txt");
+  return ended;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
+
+}  // namespace
+
+TEST_CASE("lobe run writes its files and a summary, and ends with status 0") {
+  const Folder folder;
+  write_scene_files(folder);
+  const Ended run = lobe_in(folder, "run scene.json -o out");
+  CHECK_MESSAGE(run.status == 0, run.err);
+  CHECK(run.err.empty());
+  CHECK(run.out.starts_with("simulated 0.300 s in "));
+  CHECK(run.out.ends_with("written to out\n"));
+  CHECK(fs::exists(folder.path / "out" / "series.pvd"));
+  CHECK(fs::exists(folder.path / "out" / frame_name(3)));
+  CHECK(report_in(folder.path / "out")["ok"] == true);
+}
+
+TEST_CASE("lobe run --json prints the report alone; --threads changes no frame") {
+  const Folder folder;
+  write_scene_files(folder);
+  const Ended one = lobe_in(folder, "run scene.json -o one --json");
+  CHECK(one.status == 0);
+  CHECK(one.out == bytes_of(folder.path / "one" / "report.json"));
+  const Ended two = lobe_in(folder, "run scene.json -o two --json --threads 2");
+  CHECK(Json::parse(two.out)["threads"] == 2);
+  for (std::size_t i = 0; i < 4; ++i)
+    CHECK(bytes_of(folder.path / "one" / frame_name(i)) == bytes_of(folder.path / "two" / frame_name(i)));
+}
+
+TEST_CASE("lobe run --mesh takes another mesh than the scene's") {
+  const Folder folder;
+  write_scene_files(folder);
+  write_vtu(folder.path / "finer.vtu", box_mesh({0.08, 0.02, 0.02}, 16, 4, 4));
+  const Ended run = lobe_in(folder, "run scene.json --mesh finer.vtu -o out --json");
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  CHECK(Json::parse(run.out)["mesh"]["tetrahedra"] == 6 * 16 * 4 * 4);
+}
+
+TEST_CASE("a run that ends early is status 1, an error that says why, and a report") {
+  const Folder folder;
+  write_scene_files(folder, torn_scene());
+  const Ended run = lobe_in(folder, "run scene.json -o out");
+  CHECK(run.status == 1);
+  CHECK(contains(run.err, "s: no step down to "));
+  CHECK(contains(run.err, "lobe: error: at "));
+  CHECK(report_in(folder.path / "out")["ok"] == false);
+}
+
+TEST_CASE("bad input is status 2, one line per fault, and nothing is written") {
+  const Folder folder;
+  write_scene_files(folder);
+  Json scene = small_scene();
+  scene["materials"][0]["densty"] = 1000;
+  scene["gravity"] = -9.81;
+  folder.write("faulty.json", scene.dump());
+  scene = small_scene();
+  scene["boundary"][0]["where"] = {{"label", 77}};
+  folder.write("nothing.json", scene.dump());
+  folder.write("file", "");
+  const auto refused = [&](const std::string& arguments, const std::string& message, long lines = 1) {
+    CAPTURE(arguments);
+    lobe_in(folder, "--version");  // so that messages.txt exists
+    const std::size_t files = folder.file_count();
+    const Ended ended = lobe_in(folder, arguments);
+    CHECK(ended.status == 2);
+    CHECK(ended.out.empty());
+    CHECK(ended.err.starts_with("lobe: error: "));
+    CHECK_MESSAGE(contains(ended.err, message), ended.err);
+    CHECK(std::count(ended.err.begin(), ended.err.end(), '\n') == lines);
+    CHECK(folder.file_count() == files);
+  };
+  for (const std::string command : {"check ", "run -o out ", "regions -o out.vtu "}) {
+    refused(command + "faulty.json", "did you mean \"density\"?", 2);
+    refused(command + "nothing.json", "/boundary/0/where: selects no vertex");
+    refused(command + "missing.json", "missing.json");
+    refused(command + "scene.json --mesh missing.vtu", "missing.vtu");
+  }
+  refused("run scene.json -o file", "cannot be made a directory");
+  refused("regions scene.json -o out.vtk", "ends in .vtu");
+  refused("info missing.vtu", "missing.vtu");
+  refused("info scene.json", "scene.json");
+  refused("info beam.vtu --mu 0", "needs finite mu > 0");
+}
+
+TEST_CASE("a wrong command line is status 2 and says what is wrong; help is status 0") {
+  const Folder folder;
+  write_scene_files(folder);
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    CAPTURE(arguments);
+    const Ended ended = lobe_in(folder, arguments);
+    CHECK(ended.status == 2);
+    CHECK(ended.err.starts_with("lobe: error: "));
+    CHECK_MESSAGE(contains(ended.err, message), ended.err);
+    CHECK_FALSE(fs::exists(folder.path / "out"));
+  };
+  refused("", "subcommand");
+  refused("rum scene.json -o out", "rum: is no command; did you mean \"run\"?");
+  refused("fly", "fly: is no command (lobe --help lists them)");
+  refused("run scene.json", "--output");
+  refused("run -o out", "SCENE");
+  refused("run scene.json -o out --threads 0", "--threads");
+  refused("run scene.json -o out --threads two", "--threads");
+  refused("run scene.json -o out --colour", "--colour");
+  CHECK(lobe_in(folder, "--help").status == 0);
+  CHECK(contains(lobe_in(folder, "run --help").out, "--no-pictures"));
+}
+
+TEST_CASE("the scene's mesh is not overwritten by its results") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["mesh"] = "frame_0001.vtu";
+  write_scene_files(folder, scene);
+  write_vtu(folder.path / "frame_0001.vtu", beam_mesh());
+  const std::string mesh = bytes_of(folder.path / "frame_0001.vtu");
+  const Ended run = lobe_in(folder, "run scene.json -o .");
+  CHECK(run.status == 2);
+  CHECK(contains(run.err, "frame_0001.vtu: would be overwritten by the results; choose another directory"));
+  CHECK(bytes_of(folder.path / "frame_0001.vtu") == mesh);
+  CHECK_FALSE(fs::exists(folder.path / "report.json"));
+}
+
+TEST_CASE("lobe regions writes the mesh with the models that will be used") {
+  const Folder folder;
+  write_scene_files(folder);
+  const Ended ended = lobe_in(folder, "regions scene.json -o tagged.vtu");
+  CHECK(ended.status == 0);
+  CHECK(ended.out == "written to tagged.vtu\n");
+  const MeshFile tagged = read_mesh(folder.path / "tagged.vtu");
+  const TetMesh input = beam_mesh();
+  CHECK(tagged.mesh.points == input.points);
+  CHECK(tagged.mesh.tets == input.tets);
+  CHECK(tagged.mesh.labels == input.labels);
+  for (Index t = 0; t < input.tet_count(); ++t)
+    CHECK(tagged.cell_data.at("region")(0, t) == (barycentre(input, t).x() < 0.03 ? 0 : 2));
+}
+
+TEST_CASE("lobe info counts and measures a mesh") {
+  const Folder folder;
+  write_scene_files(folder);
+  const Ended ended = lobe_in(folder, "info beam.vtu --json");
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  const Json info = Json::parse(ended.out);
+  CHECK(info["vertices"] == 9 * 3 * 3);
+  CHECK(info["tetrahedra"] == 192);
+  for (const char* label : {"0", "1", "2", "3", "4", "5"}) CHECK(info["labels"][label] == 32);
+  CHECK(info["volume_m3"].get<double>() == doctest::Approx(0.08 * 0.02 * 0.02).epsilon(1e-12));
+  CHECK(info["smallest_tetrahedron_m3"].get<double>() == doctest::Approx(1e-6 / 6).epsilon(1e-9));
+  CHECK(info["bounding_box_m"] == Json::parse(R"({"min": [0.0, 0.0, 0.0], "max": [0.08, 0.02, 0.02]})"));
+  CHECK(info["dihedral_deg"]["smallest"].get<double>() == doctest::Approx(45));
+  CHECK(info["dihedral_deg"]["largest"].get<double>() == doctest::Approx(90));
+  int angles = 0;
+  for (const Json& count : info["dihedral_histogram_10_deg"]) angles += count.get<int>();
+  CHECK(angles == 6 * 192);
+  const double step = info["stable_time_step_s"];
+  CHECK(step > 0);
+  const Json heavy = Json::parse(lobe_in(folder, "info beam.vtu --json --density 4000").out);
+  CHECK(heavy["stable_time_step_s"].get<double>() == doctest::Approx(2 * step));  // ∝ √ρ
+  CHECK(contains(lobe_in(folder, "info beam.vtu").out, "tetrahedra          192\n"));
+}
+
+TEST_CASE("lobe check says what will be run") {
+  const Folder folder;
+  write_scene_files(folder);
+  const Ended ended = lobe_in(folder, "check scene.json --json");
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  const Json check = Json::parse(ended.out);
+  CHECK(check["mesh"]["tetrahedra"] == 192);
+  CHECK(check["regions"] == Json{{"tensor-mass", 72}, {"precomputed", 0}, {"nonlinear", 120}});
+  CHECK(check["fixed_vertices"] == 9);
+  CHECK(check["loads"]["mass_kg"].get<double>() == doctest::Approx(0.032));
+  CHECK(check["tools"][0]["vertices"] == 9);
+  CHECK(check["tools"][1]["radius_m"] == 0.004);
+  CHECK(check["duration_s"] == 0.3);
+  CHECK(check["warnings"].empty());
+  lobe_in(folder, "run scene.json -o out");
+  CHECK(check["vtu_frames"] == report_in(folder.path / "out")["frames"]);
+  CHECK(contains(lobe_in(folder, "check scene.json").out, "192"));
+}
+
+TEST_CASE("pictures that cannot be drawn are a warning that says how to draw them later") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["output"]["pictures"] = {0.1};
+  write_scene_files(folder, scene);
+  const Ended run = lobe_in(folder, "run scene.json -o out", "PATH=/nowhere");
+  CHECK(run.status == 0);
+  CHECK(contains(run.err, "to draw them later: xvfb-run -a lobe-picture out/pictures.json"));
+  CHECK(fs::exists(folder.path / "out" / "pictures.json"));
+  CHECK(lobe_in(folder, "run scene.json -o out --no-pictures", "PATH=/nowhere").err.empty());
+}
+
+#ifdef LOBE_DRAWS_PICTURES
+TEST_CASE("lobe-picture draws what a run asks for") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["output"]["pictures"] = {0, 0.12, 0.3};
+  write_scene_files(folder, scene);
+  const Ended run = lobe_in(folder, "run scene.json -o out");
+  CHECK(run.status == 0);
+  CHECK_MESSAGE(run.err.empty(), run.err);
+  for (const char* name : {"picture_0.png", "picture_0.12.png", "picture_0.3.png"})
+    CHECK(bytes_of(folder.path / "out" / name).starts_with("\x89PNG"));
+}
+#endif

@@ -1,0 +1,134 @@
+// report.json: its numbers must agree with each other and with the frames.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "run/small_scene.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+double number(const Json& report, const char* pointer) {
+  return report.at(Json::json_pointer(pointer)).get<double>();
+}
+
+Index sum_of(const Json& counts) {
+  Index sum = 0;
+  for (const Json& count : counts) sum += count.get<Index>();
+  return sum;
+}
+
+Index sum_of_cuts(const Json& report) {
+  Index sum = 0;
+  for (const Json& cut : report["cuts"]) sum += cut["tetrahedra"].get<Index>();
+  return sum;
+}
+
+// tetrahedra removed = sum of the cuts = those at the start − those at the end, of regions and series alike
+void check_counts(const Json& report) {
+  const Index removed = report["tetrahedra_removed"], first = report["series"].front()["tetrahedra"],
+              last = report["series"].back()["tetrahedra"];
+  CHECK(removed > 0);
+  CHECK(removed == sum_of_cuts(report));
+  CHECK(removed == first - last);
+  CHECK(first == report["mesh"]["tetrahedra"]);
+  CHECK(first == sum_of(report["regions"]));
+  CHECK(last == sum_of(report["regions_at_end"]));
+}
+
+void check_series(const Json& report, std::size_t entries) {
+  const Json& series = report["series"];
+  REQUIRE(series.size() == entries);
+  for (std::size_t i = 0; i < entries; ++i) {
+    CHECK(number(series[i], "/time") ==
+          doctest::Approx(number(report, "/simulated_s") * double(i) / double(entries - 1)));
+    CHECK(number(series[i], "/volume") > 0);
+    double sum = 0;
+    for (const char* part : {"kinetic", "elastic_linear", "elastic_nonlinear", "loads"}) {
+      const Json& energy = series[i]["energy"][part];
+      REQUIRE(energy.is_number());
+      sum += energy.get<double>();
+    }
+    CHECK(number(series[i], "/energy/total") == doctest::Approx(sum).epsilon(1e-12));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the report's numbers agree with each other and with the mesh") {
+  const Folder folder;
+  const RunResult result = play(write_scene_files(folder), folder.path / "out");
+  const Json report = report_in(folder.path / "out");
+  const TetMesh mesh = beam_mesh();
+  CHECK(report["ok"] == true);
+  CHECK(report["mesh"] == Json{{"vertices", mesh.vertex_count()}, {"tetrahedra", mesh.tet_count()}});
+  CHECK(report["regions"] == Json{{"tensor-mass", 72}, {"precomputed", 0}, {"nonlinear", 120}});
+  CHECK(report["simulated_s"].get<double>() == doctest::Approx(0.3));
+  CHECK(report["frames"] == 4);
+  CHECK(report["threads"] == 1);
+  CHECK(report["precision"] == "single");
+  CHECK(report["warnings"] == Json(result.warnings));
+  check_counts(report);
+  check_series(report, 16);
+  CHECK(number(report, "/series/0/volume") == doctest::Approx(total_volume(mesh)).epsilon(1e-12));
+  CHECK(report["series"].back()["tetrahedra"] ==
+        read_mesh(folder.path / "out" / frame_name(3)).mesh.tet_count());
+}
+
+TEST_CASE("steps and times of the report fit together") {
+  const Folder folder;
+  const RunResult result = play(write_scene_files(folder), folder.path / "out");
+  const Json report = report_in(folder.path / "out");
+  const double smallest = number(report, "/time_step_s/smallest"),
+               largest = number(report, "/time_step_s/largest");
+  CHECK(smallest > 0);
+  CHECK(smallest <= largest);
+  CHECK(number(report, "/time_step_s/limit_at_rest") > 0);
+  CHECK(number(report, "/steps") >= 0.3 / largest - 1e-6);
+  CHECK(number(report, "/steps") <= 0.3 / smallest + 1e-6);
+  CHECK(number(report, "/smallest_volume_ratio") > 0);
+  CHECK(number(report, "/smallest_volume_ratio") <= 1);
+  double phases = 0;
+  for (const Json& phase : report["timing"]["phases_s"]) phases += phase.get<double>();
+  CHECK(phases == doctest::Approx(number(report, "/timing/simulation_s")).epsilon(1e-6));
+  CHECK(number(report, "/timing/slowest_frame_s") <= number(report, "/timing/simulation_s"));
+  const std::string steps = "in " + std::to_string(report["steps"].get<int>()) + " steps";
+  CHECK(result.summary.find(steps) != std::string::npos);
+}
+
+TEST_CASE("loose pieces that vanish count as removed") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["tools"].erase(0);
+  scene["tools"][0]["radius"] = 0.02;
+  scene["loose_pieces"] = "vanish";
+  play(write_scene_files(folder, scene), folder.path / "out");
+  const Json report = report_in(folder.path / "out");
+  check_counts(report);
+  CHECK(report["conditions"][0]["condition"] == "pieces");
+  CHECK(report["series"].back()["tetrahedra"] < 120);  // nothing beyond the cut is left
+}
+
+TEST_CASE("a run that ends early says why, and its frames are finite") {
+  const Folder folder;
+  const RunResult result = play(write_scene_files(folder, torn_scene()), folder.path / "out");
+  const Json report = report_in(folder.path / "out");
+  CHECK_FALSE(result.ok);
+  CHECK(report["ok"] == false);
+  CHECK(number(report, "/simulated_s") == doctest::Approx(0.1));
+  CHECK(report["conditions"].back()["condition"] == "diverged");
+  REQUIRE(!result.warnings.empty());
+  CHECK(result.warnings.back().find("volume_penalty") != std::string::npos);  // the remedy
+  CHECK(report["warnings"].back() == result.warnings.back());
+  check_counts(report);
+  const std::size_t frames = report["frames"];
+  CHECK(frames == 3);
+  for (std::size_t i = 0; i < frames; ++i) {
+    const MeshFile frame = read_mesh(folder.path / "out" / frame_name(i));
+    for (const auto* arrays : {&frame.point_data, &frame.cell_data})
+      for (const auto& [name, values] : *arrays) CHECK_MESSAGE(values.allFinite(), name);
+  }
+  for (const Json& entry : report["series"]) CHECK(entry["energy"]["total"].is_number());
+}

@@ -170,6 +170,23 @@ TEST_CASE("the first boundary entry wins at a vertex, conflicts are pointed out"
                                  "which win (vertex 1 by /boundary/0)"});
 }
 
+TEST_CASE("components that are null stay free, and entries add up to what they prescribe together") {
+  const Resolved result = resolved(R"({"boundary": [
+    {"displacement": [0, null, null], "where": {"vertices": [0, 1]}},
+    {"displacement": [0, 0.01, null], "where": {"vertices": [1, 2]}},
+    {"displacement": [0.02, 0.02, null], "where": {"vertices": [2]}}]})");
+  REQUIRE(result.setup.prescribed.size() == 3);
+  CHECK(result.setup.prescribed[0].axes == Axes{true, false, false});
+  CHECK(result.setup.prescribed[1].axes == Axes{true, true, false});
+  CHECK(result.setup.prescribed[1].displacement == Vec3d(0, 0.01, 0));
+  CHECK(result.setup.prescribed[2].displacement == Vec3d(0, 0.01, 0));
+  CHECK(result.warnings ==
+        std::vector<std::string>{"/boundary/2: 1 vertex is moved differently by earlier entries, "
+                                 "which win (vertex 2 by /boundary/1)"});
+  CHECK(faults(R"({"boundary": [{"displacement": [null, null, null], "where": {"vertices": [0]}}]})") ==
+        "/boundary/0/displacement: every component is null, so that nothing is prescribed");
+}
+
 TEST_CASE("a force is shared equally, a traction lies on boundary faces") {
   const Resolved result =
       resolved("{\"boundary\": [" + clamp + ", {\"force\": [0, 0, -2], \"where\": " + end_face +

@@ -111,6 +111,31 @@ TEST_CASE("a grasp takes hold, follows its path and lets go") {
   CHECK(world.tool_poses().empty());
 }
 
+TEST_CASE("a vertex slides along the components that are not prescribed, and its reaction has none there") {
+  Setup setup = setup_of(box_mesh({0.03, 0.03, 0.03}, 2, 2, 2));
+  setup.gravity = {0, 0, -10};
+  setup.damping = 40;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    for (int axis = 0; axis < 3; ++axis) {
+      Axes only{};
+      only[axis] = true;
+      if (setup.mesh.points(axis, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero(), only});
+    }
+  World<double> world(setup);
+  for (int i = 0; i < 60; ++i) REQUIRE(world.advance(1.0 / 30).ok);
+  double slid = 0;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    for (int axis = 0; axis < 3; ++axis) {
+      if (setup.mesh.points(axis, v) == 0) CHECK(world.state().u(axis, v) == 0);
+      if (setup.mesh.points(2, v) == 0) slid = std::max(slid, world.state().u.col(v).head<2>().norm());
+    }
+  CHECK(slid > 1e-5);
+  const double weight = 1000 * 0.03 * 0.03 * 0.03 * 10;
+  const Vec3d reaction = world.reaction(HeldVertices::boundary);
+  CHECK(reaction.z() == doctest::Approx(weight).epsilon(1e-6));
+  CHECK(std::abs(reaction.x()) < 1e-6 * weight);
+}
+
 TEST_CASE("prescribed displacements are reached over the ramp") {
   Setup setup = beam();
   setup.prescribed.push_back({setup.mesh.vertex_count() - 1, {0.004, 0, 0}});

@@ -113,6 +113,60 @@ TEST_CASE("a body that can move freely is refused, and so is one held along a li
   CHECK_THROWS_WITH_AS(solve_static(setup), doctest::Contains("do not lie on a line"), InputError);
 }
 
+TEST_CASE("an edge that two bodies share is a hinge, a face is not") {
+  // Two tetrahedra on either side of an edge of four that they do not share a face with.
+  TetMesh mesh;
+  mesh.points.resize(3, 6);
+  mesh.points << 0, 0, 1, 1, -1, -1,  //
+      0, 0, 0, 1, 0, -1,              //
+      0, 1, 0, 0, 0, 0;
+  mesh.tets.resize(4, 2);
+  mesh.tets.col(0) << 0, 2, 3, 1;
+  mesh.tets.col(1) << 0, 4, 5, 1;
+  mesh.labels = {0, 0};
+  Setup setup = setup_of(mesh);
+  for (Index v : {0, 1, 2}) setup.prescribed.push_back({v, Vec3d::Zero()});
+  setup.gravity = {0, 0, -1};
+  CHECK_THROWS_WITH_AS(solve_static(setup), doctest::Contains("among them 1, is not held"), InputError);
+  setup.prescribed.push_back({4, Vec3d::Zero(), {false, true, false}});  // stops the swing about the edge
+  CHECK(solve_static(setup).converged);
+}
+
+TEST_CASE("rollers: uniaxial stretch with free sides has the closed form's force and lateral stretch") {
+  const double length = 0.03;
+  Setup setup = setup_of(box_mesh(Vec3d::Constant(length), 3, 3, 3));
+  const auto& [lambda, mu, density] = seed_material;
+  const double E = mu * (3 * lambda + 2 * mu) / (lambda + mu), nu = lambda / (2 * (lambda + mu));
+  for (double stretch : {0.7, 0.9, 1.1, 1.5}) {
+    setup.prescribed.clear();
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v) {
+      const Vec3d X = setup.mesh.points.col(v);
+      for (int axis = 0; axis < 3; ++axis) {
+        Axes only{};
+        only[axis] = true;
+        if (X[axis] == 0) setup.prescribed.push_back({v, Vec3d::Zero(), only});
+        if (axis == 0 && X[0] > length - 1e-9)
+          setup.prescribed.push_back({v, {(stretch - 1) * length, 9, 9}, only});
+      }
+    }
+    const StaticResult result = solve_static(setup);
+    REQUIRE(result.converged);
+    const double side = std::sqrt(1 - nu * (stretch * stretch - 1));
+    const Mat3<double> F = Vec3d(stretch, side, side).asDiagonal();
+    CHECK((result.u - affine_displacement(setup.mesh.points, F)).norm() < 1e-8 * result.u.norm());
+    // The same rollers in a world: reaction = P A, nothing sideways.
+    World<double> world(setup);
+    State<double> state = world.state();
+    state.u = result.u;
+    world.set_state(state);
+    double force = 0;
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+      if (setup.mesh.points(0, v) == 0) force += world.forces()(0, v);
+    const double P = E * stretch * (stretch * stretch - 1) / 2;
+    CHECK(force == doctest::Approx(P * length * length).epsilon(1e-8));
+  }
+}
+
 TEST_CASE("a load without equilibrium ends with the fraction reached, the worst tetrahedron and a remedy") {
   Setup setup = setup_of(box_mesh({0.03, 0.03, 0.03}, 3, 3, 3));
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)

@@ -39,7 +39,7 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
                     {"newton_iterations", solution.iterations},
                     {"load_steps", solution.load_steps},
                     {"unknowns", solution.unknowns},
-                    {"ordering", "METIS nested dissection"},
+                    {"factor", solution.factor},
                     {"factor_nonzeros", solution.factor_nonzeros},
                     {"damped_iterations", solution.damped},
                     {"elastic_energy", solution.energy},

@@ -22,7 +22,7 @@ class MeaningChecker {
       check_where(scene_.regions[i].where, child_pointer("/regions", i));
     }
     for (std::size_t i = 0; i < scene_.boundary.size(); ++i) {
-      check_selector(scene_.boundary[i].where, child_pointer("/boundary", i) + "/where");
+      check_boundary(scene_.boundary[i], child_pointer("/boundary", i));
     }
     for (std::size_t i = 0; i < scene_.tools.size(); ++i) {
       check_where(scene_.tools[i].where, child_pointer("/tools", i));
@@ -56,6 +56,12 @@ class MeaningChecker {
           exact(lambda) + ", must be above -2/3 lame_mu = " + exact(-2 * mu / 3) + " (unstable material)");
     }
     check_where(material.where, place);
+  }
+
+  void check_boundary(const Boundary& boundary, const std::string& place) {
+    if (boundary.kind == Boundary::Kind::displacement && boundary.axes == Axes{})
+      add(place + "/displacement", "every component is null, so that nothing is prescribed");
+    check_selector(boundary.where, place + "/where");
   }
 
   void check_path(const std::vector<PathPoint>& path, const std::string& place) {

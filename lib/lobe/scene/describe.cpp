@@ -109,8 +109,12 @@ ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
 
 ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   const Setup& setup = resolved.setup;
-  const auto moved = std::count_if(setup.prescribed.begin(), setup.prescribed.end(),
-                                   [](const PrescribedVertex& p) { return !p.displacement.isZero(0); });
+  const auto count = [&](auto&& holds) {
+    return std::count_if(setup.prescribed.begin(), setup.prescribed.end(), holds);
+  };
+  const auto moved = count([](const PrescribedVertex& p) { return !p.displacement.isZero(0); });
+  const auto sliding =
+      count([](const PrescribedVertex& p) { return p.displacement.isZero(0) && p.axes != all_axes; });
   const bool single = scene.time.precision == Precision::single_precision;
   ordered_json summary;
   summary["scene"] = scene.file.string();
@@ -119,7 +123,8 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["materials"] = summarise_materials(scene, setup);
   summary["volume_penalty_Pa"] = setup.volume_penalty;
   summary["regions"] = summarise_regions(setup);
-  summary["fixed_vertices"] = setup.prescribed.size() - static_cast<std::size_t>(moved);
+  summary["fixed_vertices"] = setup.prescribed.size() - static_cast<std::size_t>(moved + sliding);
+  summary["sliding_vertices"] = sliding;
   summary["moved_vertices"] = moved;
   summary["loads"] = summarise_loads(setup);
   summary["tools"] = summarise_tools(scene, setup);
@@ -151,8 +156,8 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
 
 void print_loads(std::ostream& out, const ordered_json& summary) {
   const ordered_json& loads = summary["loads"];
-  out << "held       " << summary["fixed_vertices"] << " vertices fixed, " << summary["moved_vertices"]
-      << " moved\n";
+  out << "held       " << summary["fixed_vertices"] << " vertices fixed, " << summary["sliding_vertices"]
+      << " sliding, " << summary["moved_vertices"] << " moved\n";
   out << "loads      force " << triple(loads["force_N"]) << " N, traction "
       << triple(loads["traction_force_N"]) << " N on " << rounded(loads["loaded_area_m2"]) << " m²\n";
   out << "weight     " << rounded(norm(loads["weight_N"])) << " N, mass " << rounded(loads["mass_kg"])

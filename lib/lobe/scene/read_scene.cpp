@@ -65,7 +65,14 @@ Boundary read_boundary(const json& entry, const std::string& pointer) {
     boundary.kind = kind;
     boundary.value = read_vector(entry[key]);
   };
-  take("displacement", Boundary::Kind::displacement);
+  if (entry.contains("displacement")) {
+    boundary.kind = Boundary::Kind::displacement;
+    for (int i = 0; i < 3; ++i) {
+      const json& component = entry["displacement"][std::size_t(i)];
+      boundary.axes[i] = !component.is_null();
+      boundary.value[i] = component.is_null() ? 0 : component.get<double>();
+    }
+  }
   take("traction", Boundary::Kind::traction);
   take("force", Boundary::Kind::force);
   return boundary;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "lobe/scene/resolve_parts.h"
 
@@ -12,7 +13,7 @@ class BoundaryResolver {
   explicit BoundaryResolver(Resolution& resolution)
       : resolution_(resolution),
         setup_(resolution.result.setup),
-        holder_(static_cast<std::size_t>(setup_.mesh.vertex_count()), nobody) {}
+        holder_(static_cast<std::size_t>(setup_.mesh.vertex_count()), {nobody, nobody, nobody}) {}
 
   void run() {
     const std::vector<Boundary>& entries = resolution_.scene.boundary;
@@ -34,7 +35,10 @@ class BoundaryResolver {
     return entry.kind == Boundary::Kind::fix ? Vec3d::Zero().eval() : entry.value;
   }
   static std::string place(std::size_t entry) { return "/boundary/" + std::to_string(entry); }
-  bool is_held(Index vertex) const { return holder_[static_cast<std::size_t>(vertex)] != nobody; }
+  bool is_held(Index vertex) const {
+    const auto& holder = holder_[static_cast<std::size_t>(vertex)];
+    return std::count(holder.begin(), holder.end(), nobody) == 0;
+  }
 
   std::vector<Index> vertices_of(const Boundary& entry, const std::string& where) {
     const std::size_t before = resolution_.faults.size();
@@ -43,33 +47,49 @@ class BoundaryResolver {
     return vertices;
   }
 
-  // The first entry wins at each vertex.
+  // The first entry wins at each component of a vertex.
   void prescribe(const Boundary& entry, int index) {
     const std::string here = place(static_cast<std::size_t>(index));
-    const std::vector<Boundary>& entries = resolution_.scene.boundary;
+    const Vec3d value = displacement(entry);
     std::size_t conflicts = 0;
     Index first = 0;
+    int winner = nobody;
     for (const Index v : vertices_of(entry, here + "/where")) {
-      int& holder = holder_[static_cast<std::size_t>(v)];
-      if (holder == nobody) {
-        holder = index;
-      } else if (displacement(entries[static_cast<std::size_t>(holder)]) != displacement(entry)) {
-        if (conflicts++ == 0) first = v;
-      }
+      const int before = conflict(v, entry, value);
+      for (int i = 0; i < 3; ++i)
+        if (int& holder = holder_[std::size_t(v)][i]; entry.axes[i] && holder == nobody) holder = index;
+      if (before == nobody || conflicts++ > 0) continue;
+      first = v;
+      winner = before;
     }
     if (conflicts == 0) return;
-    const int winner = holder_[static_cast<std::size_t>(first)];
     resolution_.warn(here, counted(conflicts, "vertex is", "vertices are") +
                                " moved differently by earlier entries, which win (vertex " +
                                std::to_string(first) + " by " + place(static_cast<std::size_t>(winner)) +
                                ")");
   }
 
+  // The earlier entry that moves a component of v elsewhere.
+  int conflict(Index v, const Boundary& entry, const Vec3d& value) const {
+    for (int i = 0; i < 3; ++i) {
+      const int holder = holder_[std::size_t(v)][i];
+      if (entry.axes[i] && holder != nobody &&
+          displacement(resolution_.scene.boundary[std::size_t(holder)])[i] != value[i])
+        return holder;
+    }
+    return nobody;
+  }
+
   void write_prescribed() {
     for (Index v = 0; v < setup_.mesh.vertex_count(); ++v) {
-      if (!is_held(v)) continue;
-      const auto entry = static_cast<std::size_t>(holder_[static_cast<std::size_t>(v)]);
-      setup_.prescribed.push_back({v, displacement(resolution_.scene.boundary[entry])});
+      PrescribedVertex prescribed{v, Vec3d::Zero(), {}};
+      for (int i = 0; i < 3; ++i) {
+        const int holder = holder_[std::size_t(v)][i];
+        if (holder == nobody) continue;
+        prescribed.axes[i] = true;
+        prescribed.displacement[i] = displacement(resolution_.scene.boundary[std::size_t(holder)])[i];
+      }
+      if (prescribed.axes != Axes{}) setup_.prescribed.push_back(prescribed);
     }
     if (setup_.prescribed.empty()) {
       resolution_.warn(
@@ -114,7 +134,7 @@ class BoundaryResolver {
 
   Resolution& resolution_;
   Setup& setup_;
-  std::vector<int> holder_;  // per vertex: the entry that holds it
+  std::vector<std::array<int, 3>> holder_;  // per vertex and component: the entry that holds it
   std::vector<TetFace> outer_;
 };
 

@@ -79,6 +79,7 @@ struct Boundary {
   enum class Kind { fix, displacement, traction, force };
   Kind kind = Kind::fix;
   Vec3d value = Vec3d::Zero();  // displacement [m], traction [Pa], total force [N]
+  Axes axes = all_axes;         // displacement: the components that are prescribed
   Selector where;
   std::string pointer;
 };

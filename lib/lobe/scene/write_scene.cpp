@@ -76,8 +76,9 @@ ordered_json write(const Region& region) {
 
 ordered_json write(const Boundary& boundary) {
   static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force"};
-  const ordered_json value =
-      boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector(boundary.value);
+  ordered_json value = boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector(boundary.value);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (boundary.kind == Boundary::Kind::displacement && !boundary.axes[i]) value[i] = nullptr;
   return {{kinds[static_cast<int>(boundary.kind)], value}, {"where", selector(boundary.where)}};
 }
 

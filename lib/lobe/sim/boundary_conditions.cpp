@@ -30,11 +30,32 @@ Vec3d path_at(const std::vector<PathPoint>& path, double time) {
   return path.back().position;
 }
 
+namespace {
+
+std::uint8_t bits(const Axes& axes) {
+  return static_cast<std::uint8_t>(axes[0] | axes[1] << 1 | axes[2] << 2);
+}
+
+}  // namespace
+
 void HeldVertices::hold(const Held& item) {
-  if (holds(item.vertex)) return;
+  if (holds(item.vertex)) return add_axes(item);
   if (item.vertex >= static_cast<Index>(held_.size())) held_.resize(std::size_t(item.vertex) + 1, 0);
-  held_[item.vertex] = 1;
+  held_[item.vertex] = bits(item.axes);
   items_.push_back(item);
+}
+
+void HeldVertices::add_axes(const Held& item) {
+  if (fixes(item.vertex) || item.holder != boundary) return;
+  Held& held = *std::find_if(items_.begin(), items_.end(),
+                             [&](const Held& i) { return i.vertex == item.vertex && i.holder == boundary; });
+  for (int i = 0; i < 3; ++i) {
+    if (held.axes[i] || !item.axes[i]) continue;
+    held.axes[i] = true;
+    held.start[i] = item.start[i];
+    held.goal[i] = item.goal[i];
+  }
+  held_[item.vertex] = bits(held.axes);
 }
 
 void HeldVertices::release(int holder) {

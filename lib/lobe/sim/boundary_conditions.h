@@ -17,7 +17,8 @@ Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& 
 Vec3d path_at(const std::vector<PathPoint>& path, double time);
 
 // Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
-// grasp (holder 1 + its number). The first who holds a vertex keeps it.
+// grasp (holder 1 + its number). The first who holds a vertex keeps it; boundary conditions may hold different
+// components of one vertex, the first of each component wins.
 class HeldVertices {
  public:
   struct Held {
@@ -25,10 +26,12 @@ class HeldVertices {
     int holder = 0;
     Vec3d start = Vec3d::Zero();  // displacement when it was taken hold of [m]
     Vec3d goal = Vec3d::Zero();   // holder 0: displacement after the ramp [m]
+    Axes axes = all_axes;         // holder 0: the components that are held
   };
   static constexpr int boundary = 0;
 
-  bool holds(Index v) const { return v < static_cast<Index>(held_.size()) && held_[v]; }
+  bool holds(Index v) const { return axes_of(v) != 0; }
+  bool fixes(Index v) const { return axes_of(v) == 7; }  // in all components
   const std::vector<Held>& all() const { return items_; }
 
   void hold(const Held& item);
@@ -36,8 +39,11 @@ class HeldVertices {
   void split(Index vertex, Index copy);  // the copy is held as the vertex is
 
  private:
+  void add_axes(const Held& item);
+  std::uint8_t axes_of(Index v) const { return v < static_cast<Index>(held_.size()) ? held_[v] : 0; }
+
   std::vector<Held> items_;
-  std::vector<std::uint8_t> held_;  // per vertex
+  std::vector<std::uint8_t> held_;  // per vertex: one bit per component
 };
 
 }  // namespace lobe

@@ -76,8 +76,12 @@ void Checker::check_boundary() {
     return std::all_of(list.begin(), list.end(), holds);
   };
   expect(all(setup_.prescribed,
-             [&](const PrescribedVertex& p) { return is_vertex(p.vertex) && p.displacement.allFinite(); }),
-         "a prescribed vertex is out of range, or its displacement not finite");
+             [&](const PrescribedVertex& p) {
+               return is_vertex(p.vertex) && p.displacement.allFinite() &&
+                      (p.axes[0] || p.axes[1] || p.axes[2]);
+             }),
+         "a prescribed vertex is out of range, its displacement not finite, or none of its components "
+         "prescribed");
   expect(all(setup_.vertex_loads,
              [&](const VertexLoad& l) { return is_vertex(l.vertex) && l.force.allFinite(); }),
          "a loaded vertex is out of range, or its force not finite");

@@ -1,6 +1,7 @@
 // What a scene comes to on one mesh: plain arrays per tetrahedron and vertex, from which a World is built.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,13 @@ struct VertexLoad {
   Vec3d force = Vec3d::Zero();  // [N]
 };
 
+using Axes = std::array<bool, 3>;  // which of the components x, y, z
+inline constexpr Axes all_axes{true, true, true};
+
 struct PrescribedVertex {
   Index vertex = 0;
   Vec3d displacement = Vec3d::Zero();  // [m], zero where the vertex is fixed
+  Axes axes = all_axes;  // the components that are prescribed; the vertex slides along the others
 };
 
 struct PathPoint {

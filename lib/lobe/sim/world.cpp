@@ -69,7 +69,7 @@ World<Real>::World(const Setup& setup, int threads)
   state_.v = state_.u;
   longest_move_ = mean_edge(elements_);
   for (const PrescribedVertex& p : setup.prescribed)
-    held_.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement});
+    held_.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes});
   RegionEdit everything;
   everything.entered.resize(std::size_t(elements_.topology.tet_count()));
   std::iota(everything.entered.begin(), everything.entered.end(), 0);
@@ -94,6 +94,9 @@ void World<Real>::step(double dt) {
 
 template <class Real>
 void World<Real>::integrate(double dt) {
+  for (const HeldVertices::Held& item : held_.all())
+    for (int i = 0; i < 3; ++i)
+      if (item.axes[i]) forces_(i, item.vertex) = 0;
   const Real fastest =
       central_difference(forces_, step_mass_, Real(dt), Real(setup_.damping), state_.u, state_.v);
   fastest_ = std::sqrt(double(fastest));
@@ -112,15 +115,21 @@ const Mat3X<Real>& World<Real>::forces() {
 }
 
 template <class Real>
+Vec3d World<Real>::held_displacement(const HeldVertices::Held& item, double time) const {
+  if (item.holder != HeldVertices::boundary) return tools_.grasped(item, time);
+  const double ramp = setup_.ramp > 0 ? std::clamp(time / setup_.ramp, 0.0, 1.0) : 1.0;
+  return item.start + ramp * (item.goal - item.start);
+}
+
+template <class Real>
 void World<Real>::move_held(double dt) {
-  const double ramp = setup_.ramp > 0 ? std::min(1.0, state_.time / setup_.ramp) : 1.0;
   for (const HeldVertices::Held& item : held_.all()) {
-    const Vec3d u = item.holder == HeldVertices::boundary
-                        ? Vec3d(item.start + ramp * (item.goal - item.start))
-                        : tools_.grasped(item, state_.time);
-    const Vec3<Real> goal = u.cast<Real>();
-    state_.v.col(item.vertex) = (goal - state_.u.col(item.vertex)) / Real(dt);
-    state_.u.col(item.vertex) = goal;
+    const Vec3d u = held_displacement(item, state_.time), before = held_displacement(item, state_.time - dt);
+    for (int i = 0; i < 3; ++i) {
+      if (!item.axes[i]) continue;
+      state_.v(i, item.vertex) = Real((u[i] - before[i]) / dt);
+      state_.u(i, item.vertex) = Real(u[i]);
+    }
   }
 }
 
@@ -254,7 +263,8 @@ Vec3d World<Real>::reaction(int holder) {
   forces();
   Vec3d sum = Vec3d::Zero();
   for (const HeldVertices::Held& item : held_.all())
-    if (item.holder == holder) sum -= forces_.col(item.vertex).template cast<double>();
+    for (int i = 0; i < 3; ++i)
+      if (item.holder == holder && item.axes[i]) sum[i] -= double(forces_(i, item.vertex));
   return sum;
 }
 

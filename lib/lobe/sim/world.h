@@ -72,6 +72,7 @@ class World {
   void advance_to(double end, Report& report);
   void play_tools(double duration, Report& report);
   void integrate(double dt);
+  Vec3d held_displacement(const HeldVertices::Held& item, double time) const;
   void move_held(double dt);
   bool run_steps(int steps, double dt, Report& report);
 

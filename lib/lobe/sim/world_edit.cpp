@@ -69,7 +69,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
 
 template <class Real>
 void World<Real>::refresh_inverse_mass(Index v) {
-  inverse_mass_[v] = mass_[v] > 0 && !held_.holds(v) ? 1 / mass_[v] : 0;
+  inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
   step_mass_[v] = static_cast<Real>(inverse_mass_[v]);
 }
 
@@ -172,7 +172,7 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   setup.prescribed.clear();
   for (const HeldVertices::Held& item : held_.all())
     if (c.vertex_target[item.vertex] >= 0)
-      setup.prescribed.push_back({c.vertex_target[item.vertex], item.goal});
+      setup.prescribed.push_back({c.vertex_target[item.vertex], item.goal, item.axes});
   std::erase_if(setup.face_loads, [&](const FaceLoad& load) { return c.tet_target[load.tet] < 0; });
   for (FaceLoad& load : setup.face_loads) load.tet = c.tet_target[load.tet];
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });

@@ -1,6 +1,6 @@
 // Static equilibrium, the reference for everything that moves: Newton's method with the exact tangent, a line search
-// that never accepts an inverted tetrahedron, load steps that halve when an equilibrium is not found and double when
-// it is, sparse Cholesky with nested dissection (METIS).
+// that never accepts an inverted non-linear tetrahedron, load steps that halve when an equilibrium is not found and
+// double when it is, a sparse factorisation with nested dissection.
 #pragma once
 
 #include <functional>
@@ -8,6 +8,7 @@
 
 #include "lobe/region/elements.h"
 #include "lobe/sim/setup.h"
+#include "lobe/solve/sparse_factor.h"
 
 namespace lobe {
 
@@ -15,6 +16,7 @@ struct StaticOptions {
   double tolerance = 1e-10;          // of the residual, relative to the loads and reactions
   int most_iterations = 60;          // of Newton's method per load step
   double smallest_load_step = 1e-4;  // as a fraction of all loads and prescribed displacements
+  SparseFactorMaker factor = make_ldlt;
   std::function<void(double load_fraction)> progress;
 };
 
@@ -30,12 +32,13 @@ struct StaticResult {
   int iterations = 0;                // of Newton's method, in all
   int load_steps = 0;                // accepted
   Index unknowns = 0;
-  long long factor_nonzeros = 0;  // fill of the Cholesky factor
+  std::string factor;             // method and ordering
+  long long factor_nonzeros = 0;  // fill of the factor
   int damped = 0;                 // iterations in which the tangent was not positive definite and was damped
 };
 
 // Dead loads, gravity and prescribed displacements of the setup; tools are ignored. Throws InputError if the setup is
-// inconsistent, or if a piece of the body is not held at three vertices that span a plane: it would move freely.
+// inconsistent, or if a piece of the body is free to move as a rigid body.
 StaticResult solve_static(const Setup& setup, const StaticOptions& options = {});
 
 }  // namespace lobe

@@ -1,6 +1,7 @@
 #include "lobe/solve/tangent.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "lobe/fem/hooke.h"
@@ -78,24 +79,73 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
   return K;
 }
 
-Eigen::SparseMatrix<double> tangent(const Elements& elements, const Mat3X<double>& u,
-                                    const std::vector<Index>& unknown, Index unknowns) {
+namespace {
+
+// Entry (i, j), i >= j, of a tetrahedron's matrix stands at row, column of the lower triangle; row −1 if it is given.
+struct Place {
+  Index row = -1, column = -1;
+};
+
+Place place_of(const Unknowns& unknowns, const Eigen::Vector4i& corners, int i, int j) {
+  const Index a = unknowns.number(i % 3, corners[i / 3]), b = unknowns.number(j % 3, corners[j / 3]);
+  if (a < 0 || b < 0) return {};
+  return {std::max(a, b), std::min(a, b)};
+}
+
+template <class Visit>  // visit(tetrahedron) for all that are alive
+void for_alive(const Elements& elements, Visit&& visit) {
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    if (elements.topology.alive(t)) visit(t);
+}
+
+}  // namespace
+
+Tangent::Tangent(const Elements& elements, const Unknowns& unknowns)
+    : elements_(elements), unknowns_(unknowns), matrix_(unknowns.count, unknowns.count) {
   std::vector<Eigen::Triplet<double>> entries;
+  const auto for_places = [&](auto&& visit) {
+    for_alive(elements, [&](Index t) {
+      for (int j = 0; j < 12; ++j)
+        for (int i = j; i < 12; ++i) visit(place_of(unknowns, elements.topology.corners(t), i, j));
+    });
+  };
   entries.reserve(std::size_t(elements.topology.alive_count()) * 78);
-  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    if (!elements.topology.alive(t)) continue;
-    const TetStiffness K = tet_stiffness(elements, t, corners_of(elements, t, u));
-    for (int i = 0; i < 12; ++i)
-      for (int j = 0; j < 12; ++j) {
-        const Index row = unknown[elements.topology.tets()(i / 3, t)];
-        const Index column = unknown[elements.topology.tets()(j / 3, t)];
-        if (row >= 0 && column >= 0 && row + i % 3 >= column + j % 3)
-          entries.emplace_back(row + i % 3, column + j % 3, K(i, j));
-      }
-  }
-  Eigen::SparseMatrix<double> A(unknowns, unknowns);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
+  for_places([&](Place p) {
+    if (p.row >= 0) entries.emplace_back(p.row, p.column, 0.0);
+  });
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  place_.reserve(std::size_t(elements.topology.alive_count()) * 78);
+  for_places([&](Place p) {
+    if (p.row < 0) return place_.push_back(-1);
+    const int* rows = matrix_.innerIndexPtr();
+    const int *begin = rows + matrix_.outerIndexPtr()[p.column],
+              *end = rows + matrix_.outerIndexPtr()[p.column + 1];
+    place_.push_back(static_cast<Index>(std::lower_bound(begin, end, p.row) - rows));
+  });
+}
+
+void Tangent::update(const Mat3X<double>& u) {
+  matrix_.coeffs().setZero();
+  double* values = matrix_.valuePtr();
+  auto place = place_.begin();
+  for_alive(elements_, [&](Index t) {
+    const TetStiffness K = tet_stiffness(elements_, t, corners_of(elements_, t, u));
+    for (int j = 0; j < 12; ++j)
+      for (int i = j; i < 12; ++i, ++place)
+        if (*place >= 0) values[*place] += K(i, j);
+  });
+}
+
+Eigen::VectorXd Tangent::times(const Mat3X<double>& u, const Mat3X<double>& w) const {
+  Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
+  for_alive(elements_, [&](Index t) {
+    const Mat34<double> by = corners_of(elements_, t, w);
+    if (by.isZero(0)) return;
+    const Eigen::Matrix<double, 12, 1> force =
+        tet_stiffness(elements_, t, corners_of(elements_, t, u)) * by.reshaped();
+    for (int c = 0; c < 4; ++c) f.col(elements_.topology.tets()(c, t)) += force.segment<3>(3 * c);
+  });
+  return unknowns_.gather(f);
 }
 
 }  // namespace lobe

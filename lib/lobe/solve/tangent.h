@@ -1,9 +1,9 @@
-// The exact tangent ∂²W/∂u² of a body at a state, for Newton's method.
+// The exact energy, forces and tangent ∂²W/∂u² of a body at a state, for Newton's method.
 #pragma once
 
-#include <Eigen/SparseCore>
-
 #include "lobe/region/elements.h"
+#include "lobe/solve/sparse_factor.h"
+#include "lobe/solve/unknowns.h"
 
 namespace lobe {
 
@@ -23,8 +23,27 @@ EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<double>&
 using TetStiffness = Eigen::Matrix<double, 12, 12>;
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u);
 
-// Assembled on the free vertices: `unknown` gives the first of three rows of each, −1 where held. Lower triangle.
-Eigen::SparseMatrix<double> tangent(const Elements& elements, const Mat3X<double>& u,
-                                    const std::vector<Index>& unknown, Index unknowns);
+// The tangent assembled on the unknowns: the pattern once, its values at every state.
+class Tangent {
+ public:
+  Tangent(const Elements& elements, const Unknowns& unknowns);
+
+  void update(const Mat3X<double>& u);  // 3 × #vertices [m]
+  SparseFactor::Matrix& matrix() { return matrix_; }
+  const SparseFactor::Matrix& matrix() const { return matrix_; }
+  Eigen::Index diagonal(Eigen::Index column) const {
+    return matrix_.outerIndexPtr()[column];
+  }  // place in its values
+
+  // ∂²W/∂u² w for a displacement w of given components, on the unknowns.
+  Eigen::VectorXd times(const Mat3X<double>& u, const Mat3X<double>& w) const;
+
+ private:
+  const Elements& elements_;
+  const Unknowns& unknowns_;
+  SparseFactor::Matrix matrix_;
+  std::vector<Index>
+      place_;  // per alive tetrahedron and entry of its lower triangle: where in the values, or −1
+};
 
 }  // namespace lobe

@@ -1,0 +1,32 @@
+// The factorisation of symmetric matrices that Newton's method asks for, behind one interface, so that other back
+// ends can be linked in (cholmod/ has one under the GPL).
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <functional>
+#include <memory>
+
+namespace lobe {
+
+class SparseFactor {
+ public:
+  using Matrix = Eigen::SparseMatrix<double>;  // lower triangle, compressed
+
+  virtual ~SparseFactor() = default;
+  virtual const char* name() const = 0;  // method and ordering, for reports
+  virtual bool takes_indefinite() const = 0;
+
+  virtual void analyse(const Matrix& A) = 0;  // the ordering, for a pattern
+  // A = L D Lᵀ for a matrix of the pattern analysed. False if A is singular to rounding or does not have exactly
+  // `negative` negative eigenvalues.
+  virtual bool factorise(const Matrix& A, Eigen::Index negative = 0) = 0;
+  virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
+  virtual long long nonzeros() const = 0;  // of the factor
+};
+
+using SparseFactorMaker = std::function<std::unique_ptr<SparseFactor>()>;
+
+// Eigen's simplicial L D Lᵀ with METIS nested dissection; takes indefinite matrices.
+std::unique_ptr<SparseFactor> make_ldlt();
+
+}  // namespace lobe

@@ -3,8 +3,10 @@
 #include <cmath>
 
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
+#include "lobe/region/nodal_pressure.h"
 
 namespace lobe {
 namespace {
@@ -21,7 +23,7 @@ Mat34<double> corner_displacements(const Elements& elements, Index tet, const Ma
 
 }  // namespace
 
-TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u) {
+TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u, double pressure) {
   const Shape s = elements.shape_of(tet);
   const Elastic& elastic = elements.elastic_of(tet);
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
@@ -29,8 +31,8 @@ TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u
   fields.volume_ratio = 1 + volume_change(H);
   if (elements.region_of[tet] == RegionModel::nonlinear) {
     const Mat3<double> F = Mat3<double>::Identity() + H;
-    const Mat3<double> P =
-        svk_stress(H, elastic.lambda, elastic.mu) + volume_stress(H, elements.volume_penalty);
+    const Mat3<double> P = svk_stress(H, elastic.element_lambda(), elastic.mu) +
+                           pressure_stress(H, pressure) + volume_stress(H, elements.volume_penalty);
     fields.strain = green_strain(H);
     fields.stress = P * F.transpose() / fields.volume_ratio;
   } else {
@@ -54,10 +56,11 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   DataArray strain{"strain", Eigen::MatrixXd(6, n), Type::float32},
       stress{"stress", Eigen::MatrixXd(6, n), Type::float32};
   DataArray von_mises{"von_mises", Eigen::MatrixXd(1, n), Type::float32};
+  const std::vector<double> pressures = tet_pressures(elements, PressureNodes(elements), u);
   Eigen::Index at = 0;
   for (Index t = 0; t < topology.tet_count(); ++t) {
     if (!topology.alive(t)) continue;
-    const TetFields fields = tet_fields(elements, t, corner_displacements(elements, t, u));
+    const TetFields fields = tet_fields(elements, t, corner_displacements(elements, t, u), pressures[t]);
     mesh.tets.col(at) = topology.tets().col(t);
     mesh.labels.push_back(elements.labels[t]);
     region.values(0, at) = static_cast<int>(elements.region_of[t]);

@@ -13,8 +13,10 @@ struct TetFields {
   double von_mises = 0;     // [Pa]
 };
 
-// At displacements u of the four corners [m], with the model of the tetrahedron's region.
-TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u);
+// With the model of the tetrahedron's region.
+TetFields tet_fields(const Elements& elements, Index tet,
+                     const Mat34<double>& u,  // of the four corners [m]
+                     double pressure);        // p_T of tet_pressures(), 0 without nodal pressure [Pa]
 
 // The body as it is cut now: all vertices at rest positions, the tetrahedra that are left in the input's
 // order, with point data displacement [m], velocity [m/s] and cell data region, volume_ratio, strain, stress

@@ -14,6 +14,10 @@ enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear mo
 struct Elastic {
   double lambda = 4e4, mu = 1e4;  // [Pa]
   double density = 1000;          // [kg/m³]
+  double nodal_pressure = 0;  // w: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
+
+  double nodal_lambda() const { return nodal_pressure * lambda; }    // wλ [Pa]
+  double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − w)λ [Pa]
 };
 
 struct Body {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lobe/fem/simd.h"
+#include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
 
@@ -15,21 +15,33 @@ void ElementBlocks<Real>::follow(const Elements& elements, const std::vector<Ind
   slot_of_tet_.resize(std::size_t(elements.topology.tet_count()), -1);
   while (outputs_of_.vertex_count() < elements.topology.vertex_count()) outputs_of_.add_vertex();
   volume_term_ = elements.volume_penalty > 0;
+  nodal_pressure_ = std::any_of(elements.materials.begin(), elements.materials.end(),
+                                [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
   for (Index t : leave)
     if (slot_of_tet_[t] >= 0) remove(t);
+  if (nodal_pressure_) nodes_.follow(elements, leave, enter);
   for (Index t : enter)
     if (elements.region_of[t] == RegionModel::nonlinear) add(elements, t);
   corner_forces_.resize(blocks_.size() * 12 * width);
+  if (!nodal_pressure_) return;
+  volume_strain_.resize(slot_of_tet_.size());
+  pressure_.resize(std::size_t(nodes_.count()));
+  slopes_.resize(3, 4 * Eigen::Index(slot_of_tet_.size()));
 }
 
 template <class Real>
 void ElementBlocks<Real>::add(const Elements& elements, Index tet) {
   const Index slot = tet_count();
-  if (slot % width == 0) blocks_.emplace_back();
+  if (slot % width == 0) {
+    blocks_.emplace_back();
+    if (nodal_pressure_) pressure_blocks_.emplace_back();
+  }
   tet_of_slot_.push_back(tet);
   slot_of_tet_[tet] = slot;
   const Eigen::Vector4i corners = elements.topology.corners(tet);
-  write(slot, elements.shape_of(tet), elements.elastic_of(tet), elements.volume_penalty, corners);
+  const Shape s = elements.shape_of(tet);
+  write(slot, s, elements.elastic_of(tet), elements.volume_penalty, corners);
+  if (nodal_pressure_) write_pressure(slot, s.volume, nodes_.of(tet));
   for (int c = 0; c < 4; ++c) outputs_of_.append(corners[c], output(slot, c));
 }
 
@@ -39,10 +51,17 @@ void ElementBlocks<Real>::write(Index slot, const Shape& s, const Elastic& elast
   Block& block = blocks_[slot / width];
   const int lane = slot % width;
   for (int i = 0; i < 9; ++i) block.alpha[i][lane] = static_cast<Real>(s.gradients(i % 3, 1 + i / 3));
-  block.lambda_V[lane] = static_cast<Real>(elastic.lambda * s.volume);
+  block.lambda_V[lane] = static_cast<Real>(elastic.element_lambda() * s.volume);
   block.mu_V[lane] = static_cast<Real>(elastic.mu * s.volume);
   block.kappa_V[lane] = static_cast<Real>(kappa * s.volume);
   for (int c = 0; c < 4; ++c) block.corners[c][lane] = corners[c];
+}
+
+template <class Real>
+void ElementBlocks<Real>::write_pressure(Index slot, double volume, const Eigen::Vector4i& nodes) {
+  PressureBlock& block = pressure_blocks_[slot / width];
+  block.V[slot % width] = static_cast<Real>(volume);
+  for (int c = 0; c < 4; ++c) block.nodes[c][slot % width] = nodes[c];
 }
 
 template <class Real>
@@ -52,9 +71,12 @@ void ElementBlocks<Real>::remove(Index tet) {
     outputs_of_.erase_value(blocks_[slot / width].corners[c][slot % width], output(slot, c));
   if (slot != last) move(last, slot);
   write(last, Shape{Mat34<double>::Zero(), 0}, Elastic{0, 0, 0}, 0, Eigen::Vector4i::Zero());
+  if (nodal_pressure_) write_pressure(last, 0, Eigen::Vector4i::Constant(PressureNodes::none));
   slot_of_tet_[tet] = -1;
   tet_of_slot_.pop_back();
-  if (last % width == 0) blocks_.pop_back();
+  if (last % width > 0) return;
+  blocks_.pop_back();
+  if (nodal_pressure_) pressure_blocks_.pop_back();
 }
 
 template <class Real>
@@ -70,6 +92,10 @@ void ElementBlocks<Real>::move(Index from, Index to) {
     const Index v = target.corners[c][b] = source.corners[c][a];
     for (Index& place : outputs_of_[v])
       if (place == output(from, c)) place = output(to, c);
+  }
+  if (nodal_pressure_) {
+    const PressureBlock& of = pressure_blocks_[from / width];
+    write_pressure(to, of.V[a], {of.nodes[0][a], of.nodes[1][a], of.nodes[2][a], of.nodes[3][a]});
   }
   tet_of_slot_[to] = tet_of_slot_[from];
   slot_of_tet_[tet_of_slot_[to]] = to;
@@ -93,12 +119,43 @@ struct ElementBlocks<Real>::Lanes {
     H = displacement_gradient(at_corners, alpha);
   }
 
+  Vec3<T> gradient(int corner) const {  // α of any of the four corners
+    if (corner > 0) return alpha.col(corner - 1);
+    return -(alpha.col(0) + alpha.col(1) + alpha.col(2));
+  }
+
   T lambda_V, mu_V, kappa_V;
   Mat3<T> alpha, H;  // α_1, α_2, α_3; ∇u
 };
 
 template <class Real>
-template <typename ElementBlocks<Real>::Part part>
+void ElementBlocks<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
+  parallel.for_ranges(Index(blocks_.size()), 2048 / width, [&](Index begin, Index end) {
+    for (Index b = begin; b < end; ++b)
+      for (int first = 0; first < width; first += Lanes::count) {
+        const Lanes e(blocks_[b], first, u);
+        const Pack<Real> V(&pressure_blocks_[b].V[first], stdx::element_aligned);
+        const Pack<Real> volume_strain = V * strain_trace(e.H);
+        const Index slot = b * width + first;
+        for (int lane = 0; lane < std::min<int>(Lanes::count, tet_count() - slot); ++lane)
+          volume_strain_[tet_of_slot_[slot + lane]] = Real(volume_strain[lane]);
+      }
+  });
+  nodes_.gather(volume_strain_, pressure_, parallel);
+}
+
+// V p_T of as many tetrahedra of a block as a register holds.
+template <class Real>
+Pack<Real> ElementBlocks<Real>::pressure_V(Index b, int first) const {
+  const PressureBlock& block = pressure_blocks_[b];
+  Pack<Real> sum = 0;
+  for (int c = 0; c < 4; ++c)
+    sum += Pack<Real>([&](auto lane) { return pressure_[block.nodes[c][first + lane]]; });
+  return sum * Pack<Real>(&block.V[first], stdx::element_aligned) * Real(0.25f);
+}
+
+template <class Real>
+template <typename ElementBlocks<Real>::Part part, bool nodal_pressure>
 void ElementBlocks<Real>::evaluate(const Mat3X<Real>& u, Index begin, Index end) {
   for (Index b = begin; b < end; ++b)
     for (int first = 0; first < width; first += Lanes::count) {
@@ -109,6 +166,7 @@ void ElementBlocks<Real>::evaluate(const Mat3X<Real>& u, Index begin, Index end)
       else
         VP = svk_stress(e.H, e.lambda_V, e.mu_V);
       if constexpr (part == Part::both) VP += volume_stress(e.H, e.kappa_V);
+      if constexpr (nodal_pressure) VP += pressure_stress(e.H, pressure_V(b, first));
       const Mat34<Pack<Real>> f = corner_forces(VP, e.alpha);
       Real* place = corner_forces_.data() + std::size_t(b) * 12 * width + first;
       for (int i = 0; i < 12; ++i) f(i % 3, i / 3).copy_to(place + i * width, stdx::element_aligned);
@@ -116,14 +174,24 @@ void ElementBlocks<Real>::evaluate(const Mat3X<Real>& u, Index begin, Index end)
 }
 
 template <class Real>
+template <typename ElementBlocks<Real>::Part part>
+void ElementBlocks<Real>::evaluate_ranges(const Mat3X<Real>& u, Parallel& parallel) {
+  parallel.for_ranges(Index(blocks_.size()), 2048 / width, [&](Index begin, Index end) {
+    if (part != Part::volume_term && nodal_pressure_)
+      evaluate<part, true>(u, begin, end);
+    else
+      evaluate<part, false>(u, begin, end);
+  });
+}
+
+template <class Real>
 void ElementBlocks<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Part part, Parallel& parallel) {
   if (!volume_term_ && part == Part::volume_term) return;
   if (!volume_term_) part = Part::svk;
-  parallel.for_ranges(Index(blocks_.size()), 2048 / width, [&](Index begin, Index end) {
-    if (part == Part::svk) evaluate<Part::svk>(u, begin, end);
-    if (part == Part::volume_term) evaluate<Part::volume_term>(u, begin, end);
-    if (part == Part::both) evaluate<Part::both>(u, begin, end);
-  });
+  if (nodal_pressure_) find_pressures(u, parallel);
+  if (part == Part::svk) evaluate_ranges<Part::svk>(u, parallel);
+  if (part == Part::volume_term) evaluate_ranges<Part::volume_term>(u, parallel);
+  if (part == Part::both) evaluate_ranges<Part::both>(u, parallel);
   parallel.for_ranges(outputs_of_.vertex_count(), 1024, [&](Index begin, Index end) {
     for (Index v = begin; v < end; ++v) {
       Vec3<Real> sum = Vec3<Real>::Zero();
@@ -135,28 +203,44 @@ void ElementBlocks<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Part 
 }
 
 template <class Real>
-double ElementBlocks<Real>::energy(const Mat3X<Real>& u) const {
+double ElementBlocks<Real>::energy(const Mat3X<Real>& u) {
+  Parallel one_thread;
+  if (nodal_pressure_) find_pressures(u, one_thread);
   double sum = 0;
-  for (const Block& block : blocks_)
+  for (Index b = 0; b < Index(blocks_.size()); ++b)
     for (int first = 0; first < width; first += Lanes::count) {
-      const Lanes e(block, first, u);
+      const Lanes e(blocks_[b], first, u);
       Pack<Real> W = svk_energy_density(e.H, e.lambda_V, e.mu_V);
       if (volume_term_) W += volume_energy_density(e.H, e.kappa_V);
+      if (nodal_pressure_) W += pressure_energy_density(e.H, pressure_V(b, first));
       for (int lane = 0; lane < Lanes::count; ++lane) sum += double(Real(W[lane]));
     }
   return sum;
 }
 
+// ∂(V tr E)/∂u_c = V F α_c of as many tetrahedra as a register holds, from the first one's slot on.
 template <class Real>
-typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffness(
-    const Mat3X<Real>& u, DiagonalStiffness& K) const {
+void ElementBlocks<Real>::keep_slope(Index begin, int corner, const Vec3<Pack<Real>>& slope) {
+  const PressureBlock& block = pressure_blocks_[begin / width];
+  for (int lane = 0; lane < std::min<int>(Lanes::count, tet_count() - begin); ++lane)
+    for (int d = 0; d < 3; ++d)
+      slopes_(d, 4 * tet_of_slot_[begin + lane] + corner) =
+          double(block.V[begin % width + lane]) * double(Real(slope[d][lane]));
+}
+
+template <class Real>
+typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
+                                                                                    DiagonalStiffness& K) {
   static constexpr int upper[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
+  Parallel one_thread;
+  if (nodal_pressure_) find_pressures(u, one_thread);
   Stiffness result;
   for (Index begin = 0; begin < tet_count(); begin += Lanes::count) {
     const Block& block = blocks_[begin / width];
     const int first = begin % width;
     const Lanes e(block, first, u);
     const Pack<Real> change = volume_change(e.H);
+    const Pack<Real> p_V = nodal_pressure_ ? pressure_V(begin / width, first) : Pack<Real>(0);
     const int used = std::min<int>(Lanes::count, tet_count() - begin);
     for (int lane = 0; lane < used; ++lane)
       if (1 + Real(change[lane]) < result.smallest_volume_ratio) {
@@ -164,16 +248,19 @@ typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffn
         result.smallest_tet = tet_of_slot_[begin + lane];
       }
     for (int c = 0; c < 4; ++c) {
-      const Vec3<Pack<Real>> a = c == 0
-                                     ? Vec3<Pack<Real>>(-(e.alpha.col(0) + e.alpha.col(1) + e.alpha.col(2)))
-                                     : Vec3<Pack<Real>>(e.alpha.col(c - 1));
+      const Vec3<Pack<Real>> a = e.gradient(c);
       Mat3<Pack<Real>> own = svk_diagonal_block(e.H, a, e.lambda_V, e.mu_V);
       if (volume_term_) own += volume_diagonal_block(e.H, a, e.kappa_V);
+      if (nodal_pressure_) {
+        for (int i = 0; i < 3; ++i) own(i, i) += p_V * a.cwiseProduct(a).sum();
+        keep_slope(begin, c, a + e.H.lazyProduct(a));
+      }
       for (int i = 0; i < 6; ++i)
         for (int lane = 0; lane < used; ++lane)
           K(i, block.corners[c][first + lane]) += double(Real(own(upper[i][0], upper[i][1])[lane]));
     }
   }
+  if (nodal_pressure_) nodes_.add_diagonal_stiffness(slopes_, K);
   return result;
 }
 

@@ -32,6 +32,10 @@ struct RegionEdit {
   std::vector<Index> vertices;  // all vertices, old and new, of these; sorted
 };
 
+// Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves alone
+// [N/m].
+using DiagonalStiffness = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
 // Lumped mass ∫ρ/4 per corner of the alive tetrahedra around one vertex [kg]. [PDA] section 3.2.
 double lumped_mass(const Elements& elements, Index vertex);
 

@@ -26,10 +26,9 @@ class NonlinearRegion {
     elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? Part::volume_term : Part::both, parallel);
   }
 
-  double energy(const Mat3X<Real>& u) const { return elements_.energy(u); }  // [J]
+  double energy(const Mat3X<Real>& u) { return elements_.energy(u); }  // [J]
 
-  typename ElementBlocks<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u,
-                                                                 DiagonalStiffness& K) const {
+  typename ElementBlocks<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) {
     return elements_.add_diagonal_stiffness(u, K);
   }
 

@@ -110,8 +110,7 @@ void StoredTerms::follow(const Elements& elements, const std::vector<Index>& ver
     if (elements.region_of[t] != RegionModel::nonlinear) continue;
     const Eigen::Vector4i v = topology.corners(t);
     const Shape s = elements.shape_of(t);
-    const auto [lambda, mu, density] = elements.elastic_of(t);
-    const double l = lambda, m = mu;
+    const double l = elements.elastic_of(t).lambda, m = elements.elastic_of(t).mu;
     for_subsets<1>(v, fresh, [&](const auto& i) { vertices_.add({v[i[0]]}, vertex_terms(s, l, m, i[0])); });
     for_subsets<2>(v, fresh, [&](const auto& i) {
       edges_.add({v[i[0]], v[i[1]]}, edge_terms(s, l, m, i[0], i[1]));

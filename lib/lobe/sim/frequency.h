@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "lobe/region/element_blocks.h"
 #include "lobe/region/elements.h"
 
 namespace lobe {

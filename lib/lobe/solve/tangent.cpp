@@ -31,7 +31,7 @@ EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<double>&
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
     if (!elements.topology.alive(t)) continue;
     const Shape s = elements.shape_of(t);
-    const auto& [lambda, mu, density] = elements.elastic_of(t);
+    const auto& [lambda, mu, density, nodal_pressure] = elements.elastic_of(t);
     const Mat3<double> alpha = s.gradients.rightCols<3>();
     const Mat3<double> H = displacement_gradient(corners_of(elements, t, u), alpha);
     Mat3<double> P;
@@ -57,7 +57,7 @@ EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<double>&
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u) {
   const Shape s = elements.shape_of(tet);
   const Mat34<double>& alpha = s.gradients;
-  const auto& [lambda, mu, density] = elements.elastic_of(tet);
+  const auto& [lambda, mu, density, nodal_pressure] = elements.elastic_of(tet);
   const Mat3<double> H = displacement_gradient<double>(u, alpha.rightCols<3>());
   const bool nonlinear = elements.region_of[tet] == RegionModel::nonlinear;
   const Mat3<double> F = Mat3<double>::Identity() + H, S = svk_second_stress(H, lambda, mu);

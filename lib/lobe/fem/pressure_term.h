@@ -1,0 +1,29 @@
+// The part of St Venant-Kirchhoff that nodal pressure takes over (theory, section 5): with a pressure p that comes from
+// outside, W = V p θ/2 and S = p I, θ = tr E. These add to the functions of svk.h, which keep (1 − w)λ and μ.
+#pragma once
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+template <class T>
+T strain_trace(const Mat3<T>& H)  // θ = tr E = tr H + ½ H:H
+{
+  return H(0, 0) + H(1, 1) + H(2, 2) + T(0.5f) * H.cwiseProduct(H).sum();
+}
+
+template <class T>
+T pressure_energy_density(const Mat3<T>& H, const T& p)  // [Pa] → [J/m³]
+{
+  return T(0.5f) * p * strain_trace(H);
+}
+
+template <class T>
+Mat3<T> pressure_stress(const Mat3<T>& H, const T& p)  // adds p F to the first Piola-Kirchhoff stress [Pa]
+{
+  Mat3<T> P = H * p;
+  for (int i = 0; i < 3; ++i) P(i, i) += p;
+  return P;
+}
+
+}  // namespace lobe

@@ -94,7 +94,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "\"gravity\", \"loose_pieces\", \"materials\", \"mesh\", \"name\", \"output\", \"regions\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"damping\", \"duration\", \"frame\", \"integrator\", "
-       "\"load_ramp\", \"precision\", \"ramp\", \"safety\""},
+       "\"load_ramp\", \"precision\", \"ramp\", \"safety\", \"spectral_radius\", \"step\""},
   });
 }
 

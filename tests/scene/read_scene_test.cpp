@@ -98,7 +98,7 @@ TEST_CASE("tools, time and output are read") {
   CHECK(scene.time.safety == 0.8);
   CHECK(scene.time.ramp == 0.25);
   CHECK(scene.time.precision == Precision::double_precision);
-  CHECK(scene.time.integrator == "implicit");
+  CHECK(scene.time.integrator == Integrator::generalised_alpha);
   CHECK(scene.output.every == 0.04);
   CHECK(scene.output.pictures == std::vector<double>{0.5, 1.5});
 }

@@ -187,7 +187,8 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"scene", scene.file.string()},
       {"mesh",
        {{"vertices", resolved.setup.mesh.vertex_count()}, {"tetrahedra", resolved.setup.mesh.tet_count()}}},
-      {"precision", scene.time.precision == Precision::single_precision ? "single" : "double"},
+      {"precision", scene.in_double() ? "double" : "single"},
+      {"integrator", name(scene.time.integrator)},
       {"threads", options.threads},
       {"regions", regions},
       {"regions_at_end", region_counts(world.elements())},
@@ -217,7 +218,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
 }  // namespace
 
 RunResult run_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
-  if (scene.time.precision == Precision::double_precision) return run<double>(scene, resolved, options);
+  if (scene.in_double()) return run<double>(scene, resolved, options);
   return run<float>(scene, resolved, options);
 }
 

@@ -115,7 +115,6 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   const auto moved = count([](const PrescribedVertex& p) { return !p.displacement.isZero(0); });
   const auto sliding =
       count([](const PrescribedVertex& p) { return p.displacement.isZero(0) && p.axes != all_axes; });
-  const bool single = scene.time.precision == Precision::single_precision;
   ordered_json summary;
   summary["scene"] = scene.file.string();
   summary["name"] = scene.name;
@@ -130,8 +129,8 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["tools"] = summarise_tools(scene, setup);
   summary["duration_s"] = scene.time.duration;
   summary["frame_s"] = scene.time.frame;
-  summary["precision"] = single ? "single" : "double";
-  summary["integrator"] = scene.time.integrator;
+  summary["precision"] = scene.in_double() ? "double" : "single";
+  summary["integrator"] = name(scene.time.integrator);
   summary["vtu_frames"] =
       1 + std::floor(scene.time.duration / std::max(scene.output.every, scene.time.frame) + 1e-9);
   summary["pictures"] = scene.output.pictures.size();

@@ -101,7 +101,9 @@ void read_time(const json& object, Time& time) {
   read(object, "safety", time.safety);
   read(object, "ramp", time.ramp);
   read(object, "load_ramp", time.load_ramp);
-  read(object, "integrator", time.integrator);
+  read(object, "step", time.step);
+  read(object, "spectral_radius", time.spectral_radius);
+  if (object.value("integrator", "explicit") == "implicit") time.integrator = Integrator::generalised_alpha;
   if (object.value("precision", "single") == "double") time.precision = Precision::double_precision;
 }
 

@@ -15,9 +15,6 @@ void refuse_what_is_not_there_yet(Resolution& resolution) {
     resolution.fail("/regions/" + std::to_string(i) + "/model",
                     "\"precomputed\" is not available yet; use \"tensor-mass\"");
   }
-  if (scene.time.integrator == "implicit") {
-    resolution.fail("/time/integrator", "\"implicit\" is not available yet; use \"explicit\"");
-  }
 }
 
 std::string triple(const Vec3d& v) {
@@ -143,6 +140,9 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.loose_pieces = scene.loose_pieces;
   setup.damping = scene.time.damping;
   setup.safety = scene.time.safety;
+  setup.integrator = scene.time.integrator;
+  setup.implicit_step = scene.time.step;
+  setup.spectral_radius = scene.time.spectral_radius;
   setup.ramp = scene.time.ramp;
   setup.load_ramp = scene.time.load_ramp;
 

@@ -104,7 +104,9 @@ struct Time {
   double ramp = 0.1;        // [s] over which prescribed displacements are reached
   double load_ramp = 0;     // [s] over which tractions and forces grow to their full size
   Precision precision = Precision::single_precision;
-  std::string integrator = "explicit";
+  Integrator integrator = Integrator::central_difference;
+  double step = 0;               // of the implicit integrator [s]; 0: one per frame
+  double spectral_radius = 0.8;  // of the implicit integrator at high frequencies, 1: no numerical damping
 };
 
 struct Output {
@@ -113,6 +115,11 @@ struct Output {
 };
 
 struct Scene {
+  // Implicit dynamics are always computed in double precision.
+  bool in_double() const {
+    return time.precision == Precision::double_precision || time.integrator == Integrator::generalised_alpha;
+  }
+
   std::string name;            // what reports call it
   std::filesystem::path file;  // where it was read from
   std::filesystem::path mesh;  // absolute, or relative to the scene file

@@ -112,7 +112,9 @@ ordered_json write(const Time& time) {
           {"ramp", time.ramp},
           {"load_ramp", time.load_ramp},
           {"precision", time.precision == Precision::single_precision ? "single" : "double"},
-          {"integrator", time.integrator}};
+          {"integrator", name(time.integrator)},
+          {"step", time.step},
+          {"spectral_radius", time.spectral_radius}};
 }
 
 }  // namespace

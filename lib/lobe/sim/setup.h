@@ -51,6 +51,12 @@ struct CauterySetup {
 
 enum class LoosePieces : std::uint8_t { fall, vanish, stay };  // what becomes of pieces that nothing holds
 
+enum class Integrator : std::uint8_t {
+  central_difference,  // explicit, as many steps as stability needs
+  generalised_alpha    // implicit, steps of a given size; World<double> only
+};
+inline const char* name(Integrator i) { return i == Integrator::generalised_alpha ? "implicit" : "explicit"; }
+
 struct Setup : Body {
   std::vector<PrescribedVertex> prescribed;
   std::vector<FaceLoad> face_loads;
@@ -60,8 +66,11 @@ struct Setup : Body {
   LoosePieces loose_pieces = LoosePieces::fall;
   double damping = 0;  // [1/s]
   double safety = 0.9;
-  double ramp = 0.1;     // prescribed displacements are reached over this time [s]
-  double load_ramp = 0;  // dead loads grow to their full size over this time [s]
+  Integrator integrator = Integrator::central_difference;
+  double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
+  double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping
+  double ramp = 0.1;             // prescribed displacements are reached over this time [s]
+  double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
 };

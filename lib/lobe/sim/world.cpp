@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 #include "lobe/error.h"
 #include "lobe/sim/check_setup.h"
@@ -37,6 +38,12 @@ double mean_edge(const Elements& elements) {
   return sum / (6.0 * elements.topology.tet_count());
 }
 
+template <class Real>
+void check_precision(const Setup& setup) {
+  if (setup.integrator == Integrator::generalised_alpha && !std::is_same_v<Real, double>)
+    throw InputError("setup", "the implicit integrator needs double precision");
+}
+
 }  // namespace
 
 const char* name(Condition::Kind kind) {
@@ -59,7 +66,7 @@ const char* name(Condition::Kind kind) {
 
 template <class Real>
 World<Real>::World(const Setup& setup, int threads)
-    : setup_((check_setup(setup), setup)),
+    : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
       elements_(setup),
       nonlinear_(setup.evaluator),
       tools_(setup),
@@ -79,6 +86,8 @@ World<Real>::World(const Setup& setup, int threads)
   nonlinear_.follow(elements_, everything);
   refresh_vertices(everything.vertices);
   find_bodies();
+  if (setup.integrator == Integrator::generalised_alpha)
+    implicit_ = std::make_unique<ImplicitStep>(setup.spectral_radius, make_ldlt);
   const double vertex = highest_vertex().omega;
   if (vertex > 0) frequency_ratio_ = std::max(1.0, lanczos_frequency(elements_, inverse_mass_) / vertex);
   rest_frequency_ = frequency_ratio_ * vertex;
@@ -87,9 +96,11 @@ World<Real>::World(const Setup& setup, int threads)
 // ---- Stepping
 
 template <class Real>
-void World<Real>::step(double dt) {
+bool World<Real>::step(double dt) {
+  if (implicit_) return implicit_step(dt);
   forces();
   integrate(dt);
+  return true;
 }
 
 template <class Real>
@@ -105,10 +116,14 @@ void World<Real>::integrate(double dt) {
 }
 
 template <class Real>
+double World<Real>::missing_loads(double time) const {
+  return setup_.load_ramp > 0 ? std::max(0.0, 1 - time / setup_.load_ramp) : 0;
+}
+
+template <class Real>
 const Mat3X<Real>& World<Real>::forces() {
   forces_ = external_;
-  const double missing = setup_.load_ramp > 0 ? std::max(0.0, 1 - state_.time / setup_.load_ramp) : 0;
-  if (missing > 0) forces_ -= Real(missing) * dead_loads_;
+  if (const double missing = missing_loads(state_.time); missing > 0) forces_ -= Real(missing) * dead_loads_;
   tensor_mass_.add_forces(state_.u, forces_, parallel_);
   nonlinear_.add_forces(state_.u, forces_, parallel_);
   return forces_;
@@ -133,9 +148,44 @@ void World<Real>::move_held(double dt) {
   }
 }
 
+// The accelerations of generalised-α are taken from the forces after every edit.
+template <class Real>
+bool World<Real>::implicit_step(double dt) {
+  if constexpr (std::is_same_v<Real, double>) {
+    if (implicit_is_stale_) {
+      implicit_->rebuild(elements_, held_);
+      acceleration_ = -setup_.damping * state_.v;
+      forces();
+      for (Index v = 0; v < forces_.cols(); ++v) acceleration_.col(v) += inverse_mass_[v] * forces_.col(v);
+      implicit_is_stale_ = false;
+    }
+    const double load_time = state_.time + implicit_->load_time() * dt;
+    StepLoads loads{mass_, external_ - missing_loads(load_time) * dead_loads_, state_.u, setup_.damping};
+    for (const HeldVertices::Held& item : held_.all()) {
+      const Vec3d u = held_displacement(item, state_.time + dt);
+      for (int i = 0; i < 3; ++i)
+        if (item.axes[i]) loads.given(i, item.vertex) = u[i];
+    }
+    Motion motion{state_.u, state_.v, acceleration_};
+    if (!implicit_->step(loads, dt, motion)) return false;
+    state_.u = motion.u;
+    state_.v = motion.v;
+    acceleration_ = motion.a;
+    state_.time += dt;
+    return true;
+  }
+  return false;
+}
+
 template <class Real>
 bool World<Real>::run_steps(int steps, double dt, Report& report) {
   for (int i = 0; i < steps; ++i) {
+    if (implicit_) {
+      const Timed timed(report, Phase::integration);
+      if (!implicit_step(dt)) return false;
+      ++report.steps;
+      continue;
+    }
     {
       const Timed timed(report, Phase::forces);
       forces();
@@ -178,7 +228,10 @@ void World<Real>::advance_to(double end, Report& report) {
                                      ": a larger volume_penalty, a smaller load or a slower tool may help",
                                  state_.time});
   constexpr int most_steps = 1 << 20, most_tries = 5;
-  const double wanted = std::ceil(duration / (setup_.safety * report.time_step_limit) * (1 - 1e-12));
+  const double longest = !implicit_                 ? setup_.safety * report.time_step_limit
+                         : setup_.implicit_step > 0 ? setup_.implicit_step
+                                                    : duration;
+  const double wanted = std::ceil(duration / longest * (1 - 1e-12));
   if (!(wanted <= most_steps)) {
     report.ok = false;
     report.conditions.push_back({Condition::Kind::too_stiff,
@@ -203,6 +256,7 @@ void World<Real>::advance_to(double end, Report& report) {
       return;
     }
     state_ = start;
+    implicit_is_stale_ = true;
   }
   report.ok = false;
   report.time_step = step;
@@ -237,6 +291,7 @@ void World<Real>::set_state(const State<Real>& state) {
   if (!state.u.allFinite() || !state.v.allFinite())
     throw InputError("state", "it holds values that are not finite");
   state_ = state;
+  implicit_is_stale_ = true;
 }
 
 // ---- What can be asked

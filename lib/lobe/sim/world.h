@@ -1,5 +1,6 @@
 // A model in motion: central differences in velocity form on lumped masses ([PDA] section 3.2 with erratum
-// 3), with regions that share vertices at their interfaces, tools and cuts.
+// 3), or implicit dynamics as a reference and for stiff scenes, with regions that share vertices at their
+// interfaces, tools and cuts.
 //
 //   World<float> world(setup);
 //   while (world.time() < 2) world.advance(1.0 / 30);
@@ -12,6 +13,7 @@
 #include "lobe/sim/frequency.h"
 #include "lobe/sim/report.h"
 #include "lobe/sim/tools.h"
+#include "lobe/solve/implicit_step.h"
 
 namespace lobe {
 
@@ -25,7 +27,8 @@ struct State {
 template <class Real>
 class World {
  public:
-  // Throws InputError if the setup is inconsistent or asks for a region model that is not available.
+  // Throws InputError if the setup is inconsistent, asks for a region model that is not available, or for the
+  // implicit integrator in single precision.
   explicit World(const Setup& setup, int threads = 1);
 
   // Plays tools and cuts, then takes as many steps as the time step limit asks for. Tools cut at the start of
@@ -34,7 +37,8 @@ class World {
   // frame is run again with smaller steps, and if that fails the displacements and velocities at its start
   // are restored (cuts stay) and the report says why.
   Report advance(double duration);  // [s], > 0
-  void step(double dt);             // one step without tools, cuts and checks [s]
+  // One step without tools, cuts and checks [s]; false if an implicit one was not solved: nothing has moved.
+  bool step(double dt);
 
   const State<Real>& state() const { return state_; }
   void set_state(const State<Real>& state);
@@ -75,6 +79,8 @@ class World {
   Vec3d held_displacement(const HeldVertices::Held& item, double time) const;
   void move_held(double dt);
   bool run_steps(int steps, double dt, Report& report);
+  bool implicit_step(double dt);
+  double missing_loads(double time) const;  // the share of the dead loads that the ramp still holds back
 
   Setup setup_;  // loads, gravity, damping …; its mesh is only the start
   Elements elements_;
@@ -91,6 +97,10 @@ class World {
   double rest_frequency_ = 0;                // ω_max at the start [rad/s]
   std::vector<Index> body_of_;  // per tetrahedron: the piece it belonged to at the start, or since
   std::vector<bool> body_was_held_;
+
+  std::unique_ptr<ImplicitStep> implicit_;  // none: central differences
+  bool implicit_is_stale_ = true;           // after an edit, or a state set from outside
+  Mat3X<double> acceleration_;              // of implicit dynamics [m/s²]
 
   State<Real> state_;
   Mat3X<Real> forces_;           // scratch

@@ -71,6 +71,7 @@ template <class Real>
 void World<Real>::refresh_inverse_mass(Index v) {
   inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
   step_mass_[v] = static_cast<Real>(inverse_mass_[v]);
+  implicit_is_stale_ = true;
 }
 
 template <class Real>
@@ -90,6 +91,7 @@ void World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) 
   edit.vertices.erase(std::unique(edit.vertices.begin(), edit.vertices.end()), edit.vertices.end());
   tensor_mass_.follow(elements_, edit);
   nonlinear_.follow(elements_, edit);
+  implicit_is_stale_ = true;
 }
 
 template <class Real>

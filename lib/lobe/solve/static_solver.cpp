@@ -1,17 +1,15 @@
 #include "lobe/solve/static_solver.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "lobe/sim/boundary_conditions.h"
 #include "lobe/sim/check_setup.h"
 #include "lobe/solve/floating.h"
+#include "lobe/solve/newton.h"
 #include "lobe/solve/tangent.h"
 
 namespace lobe {
 namespace {
-
-using Vector = Eigen::VectorXd;
 
 HeldVertices held_vertices(const Setup& setup) {
   HeldVertices held;
@@ -45,116 +43,95 @@ class Equations {
   Mat3X<double> prescribed, loads;  // at full load [m], [N]
 };
 
-class Newton {
+// Equilibrium at one share of the loads and prescribed displacements.
+class Equilibrium : public NewtonProblem {
  public:
-  Newton(const Equations& equations, const StaticOptions& options, StaticResult& result)
+  Equilibrium(const Equations& equations, const StaticOptions& options, StaticResult& result)
       : eq_(equations),
         options_(options),
         result_(result),
         tangent_(equations.elements, equations.unknowns),
-        factor_(options.factor()) {
-    factor_->analyse(tangent_.matrix());
+        factor_(tangent_.make_factor(options.factor)) {
     result.factor = factor_->name();
   }
 
-  // Equilibrium at a load fraction, from the equilibrium u at another; u is changed only on success.
-  bool equilibrate(double fraction, Mat3X<double>& u);
+  // From the equilibrium result.u at another fraction; the result changes its state only on success.
+  bool find(double fraction);
   const char* trouble() const { return trouble_; }  // of the last equilibrium that was not found
 
+  NewtonPoint at(const Mat3X<double>& u) const override;
+  bool direction(const NewtonPoint& at, Mat3X<double>& direction) override;
+
  private:
-  bool follow_boundary(double fraction, Mat3X<double>& x, EnergyAndForces& e);
   bool factorise(const Mat3X<double>& u);
-  double potential(const EnergyAndForces& e, const Mat3X<double>& u, double fraction) const {
-    return e.energy - fraction * eq_.loads.cwiseProduct(u).sum();
-  }
-  bool line_search(double fraction, const Vector& residual, const Vector& step, Mat3X<double>& u,
-                   EnergyAndForces& e);
+  NewtonPoint follow_boundary(const NewtonPoint& from);
 
   const Equations& eq_;
   const StaticOptions& options_;
   StaticResult& result_;
   Tangent tangent_;
   std::unique_ptr<SparseFactor> factor_;
+  double fraction_ = 0;
   const char* trouble_ = "";
 };
 
-// The tangent, damped by growing multiples of its diagonal until it is positive definite.
-bool Newton::factorise(const Mat3X<double>& u) {
+NewtonPoint Equilibrium::at(const Mat3X<double>& u) const {
+  EnergyAndForces e = energy_and_forces(eq_.elements, tangent_.nodes(), u);
+  NewtonPoint point;
+  point.u = u;
+  point.potential = e.energy - fraction_ * eq_.loads.cwiseProduct(u).sum();
+  point.residual = fraction_ * eq_.loads + e.forces;
+  point.scale =
+      std::max(fraction_ * eq_.loads.norm(), point.residual.norm());  // loads, or the reactions where held
+  eq_.unknowns.clear_given(point.residual);
+  point.smallest_volume_ratio = e.smallest_volume_ratio;
+  point.smallest_tet = e.smallest_tet;
+  return point;
+}
+
+bool Equilibrium::factorise(const Mat3X<double>& u) {
+  bool damped = false;
   tangent_.update(u);
-  bool positive = factor_->factorise(tangent_.matrix());
-  if (!positive) ++result_.damped;
-  const Vector diagonal = tangent_.matrix().diagonal();
-  for (double shift = 1e-3; !positive && shift < 1e6; shift *= 4) {
-    for (Index i = 0; i < eq_.unknowns.count; ++i)
-      tangent_.matrix().valuePtr()[tangent_.diagonal(i)] = diagonal[i] + shift * std::abs(diagonal[i]);
-    positive = factor_->factorise(tangent_.matrix());
-  }
+  const bool positive = tangent_.factorise(*factor_, damped);
+  result_.damped += damped;
   result_.factor_nonzeros = factor_->nonzeros();
-  if (!positive) trouble_ = "the tangent is singular there (a mechanism, or a collapsed tetrahedron)";
   return positive;
 }
 
-// Halves the step until no tetrahedron is inverted and the potential falls (or the residual does, where rounding hides
-// the potential).
-bool Newton::line_search(double fraction, const Vector& residual, const Vector& step, Mat3X<double>& u,
-                         EnergyAndForces& e) {
-  const double before = potential(e, u, fraction), slope = -residual.dot(step);
-  const Mat3X<double> direction = eq_.unknowns.scatter(step);
-  for (double length = 1; length > 1e-10; length /= 2) {
-    const Mat3X<double> trial = u + length * direction;
-    const EnergyAndForces at = energy_and_forces(eq_.elements, trial);
-    result_.worst_tet = at.smallest_tet;
-    trouble_ = "every step inverts it";
-    if (!(at.smallest_volume_ratio > 0)) continue;
-    trouble_ = "no step lowers the potential";
-    const bool falls = potential(at, trial, fraction) <= before + 1e-4 * length * slope;
-    const Vector r = eq_.unknowns.gather(fraction * eq_.loads + at.forces);
-    if (!falls && !(r.norm() < 0.9 * residual.norm())) continue;
-    u = trial;
-    e = at;
-    return true;
-  }
-  return false;
+bool Equilibrium::direction(const NewtonPoint& at, Mat3X<double>& direction) {
+  if (!factorise(at.u)) return false;
+  direction = eq_.unknowns.scatter(tangent_.solve(*factor_, eq_.unknowns.gather(at.residual)));
+  return true;
 }
 
-// Prescribed displacements of a load fraction, which the body first follows linearly.
-bool Newton::follow_boundary(double fraction, Mat3X<double>& x, EnergyAndForces& e) {
-  Mat3X<double> move = fraction * eq_.prescribed - x;
+// The prescribed displacements of the load fraction, which the body follows linearly at first.
+NewtonPoint Equilibrium::follow_boundary(const NewtonPoint& from) {
+  Mat3X<double> move = fraction_ * eq_.prescribed - from.u;
   for (Eigen::Index i = 0; i < move.size(); ++i)
     if (eq_.unknowns.number.data()[i] >= 0) move.data()[i] = 0;
-  if (move.isZero(0)) return true;
-  if (!factorise(x)) return false;
-  const Vector residual = eq_.unknowns.gather(fraction * eq_.loads + e.forces) - tangent_.times(x, move);
-  x += move + eq_.unknowns.scatter(factor_->solve(residual));
-  e = energy_and_forces(eq_.elements, x);
-  result_.worst_tet = e.smallest_tet;
-  trouble_ = "the prescribed displacements invert it";
-  return e.smallest_volume_ratio > 0;
+  if (move.isZero(0) || !factorise(from.u)) return from;
+  const Eigen::VectorXd residual = eq_.unknowns.gather(from.residual);
+  return at(from.u + move + eq_.unknowns.scatter(tangent_.solve(*factor_, residual, from.u, move)));
 }
 
-bool Newton::equilibrate(double fraction, Mat3X<double>& u) {
-  Mat3X<double> x = u;
-  EnergyAndForces e = energy_and_forces(eq_.elements, x);
-  if (!follow_boundary(fraction, x, e)) return false;
-  for (int i = 0; i < options_.most_iterations; ++i) {
-    const Mat3X<double> all = fraction * eq_.loads + e.forces;
-    const Vector residual = eq_.unknowns.gather(all);
-    const double scale =
-        std::max(fraction * eq_.loads.norm(), all.norm());  // loads, or the reactions where held
-    const double relative = scale > 0 ? residual.norm() / scale : 0;
-    if (relative <= options_.tolerance) {
-      u = x;
-      result_.residual = relative;
-      result_.energy = e.energy;
-      result_.smallest_volume_ratio = e.smallest_volume_ratio;
-      result_.worst_tet = e.smallest_tet;
-      return true;
-    }
-    ++result_.iterations;
-    if (!factorise(x) || !line_search(fraction, residual, factor_->solve(residual), x, e)) return false;
+bool Equilibrium::find(double fraction) {
+  fraction_ = fraction;
+  NewtonPoint point = follow_boundary(at(result_.u));
+  if (!(point.smallest_volume_ratio > 0)) {
+    result_.worst_tet = point.smallest_tet;
+    trouble_ = "the prescribed displacements invert it";
+    return false;
   }
-  trouble_ = "Newton's method did not converge";
-  return false;
+  const NewtonResult newton = minimise(*this, point, options_.tolerance, options_.most_iterations);
+  result_.iterations += newton.iterations;
+  result_.worst_tet = point.smallest_tet;
+  trouble_ = newton.trouble;
+  if (!newton.converged) return false;
+  result_.u = point.u;
+  result_.residual = point.scale > 0 ? point.residual.norm() / point.scale : 0;
+  result_.energy = point.potential + fraction * eq_.loads.cwiseProduct(point.u).sum();
+  result_.smallest_volume_ratio = point.smallest_volume_ratio;
+  return true;
 }
 
 }  // namespace
@@ -164,11 +141,11 @@ StaticResult solve_static(const Setup& setup, const StaticOptions& options) {
   StaticResult result;
   result.unknowns = equations.unknowns.count;
   result.u.setZero(3, equations.elements.topology.vertex_count());
-  Newton newton(equations, options, result);
+  Equilibrium equilibrium(equations, options, result);
   double step = 1;
   while (result.load_fraction < 1) {
     const double fraction = std::min(1.0, result.load_fraction + step);
-    if (newton.equilibrate(fraction, result.u)) {
+    if (equilibrium.find(fraction)) {
       result.load_fraction = fraction;
       ++result.load_steps;
       step *= 2;
@@ -179,7 +156,7 @@ StaticResult solve_static(const Setup& setup, const StaticOptions& options) {
     if (step >= options.smallest_load_step) continue;
     result.reason = "no equilibrium beyond " + std::to_string(100 * result.load_fraction) +
                     " % of the load; tetrahedron " + std::to_string(result.worst_tet) +
-                    " is the most compressed, and " + newton.trouble() +
+                    " is the most compressed, and " + equilibrium.trouble() +
                     ": a volume_penalty, smaller loads or a finer mesh there may help";
     return result;
   }

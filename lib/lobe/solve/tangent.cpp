@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
 
@@ -23,75 +24,6 @@ Mat3<double> cross_matrix(const Vec3d& a) {
   return A;
 }
 
-}  // namespace
-
-EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<double>& u) {
-  EnergyAndForces result;
-  result.forces.setZero(3, u.cols());
-  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    if (!elements.topology.alive(t)) continue;
-    const Shape s = elements.shape_of(t);
-    const auto& [lambda, mu, density, nodal_pressure] = elements.elastic_of(t);
-    const Mat3<double> alpha = s.gradients.rightCols<3>();
-    const Mat3<double> H = displacement_gradient(corners_of(elements, t, u), alpha);
-    Mat3<double> P;
-    if (elements.region_of[t] == RegionModel::nonlinear) {
-      const double ratio = 1 + volume_change(H);
-      if (ratio < result.smallest_volume_ratio) {
-        result.smallest_volume_ratio = ratio;
-        result.smallest_tet = t;
-      }
-      result.energy +=
-          s.volume * (svk_energy_density(H, lambda, mu) + volume_energy_density(H, elements.volume_penalty));
-      P = svk_stress(H, lambda, mu) + volume_stress(H, elements.volume_penalty);
-    } else {
-      result.energy += s.volume * hooke_energy_density(H, lambda, mu);
-      P = hooke_stress(H, lambda, mu);
-    }
-    const Mat34<double> f = corner_forces<double>(s.volume * P, alpha);
-    for (int c = 0; c < 4; ++c) result.forces.col(elements.topology.tets()(c, t)) += f.col(c);
-  }
-  return result;
-}
-
-TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u) {
-  const Shape s = elements.shape_of(tet);
-  const Mat34<double>& alpha = s.gradients;
-  const auto& [lambda, mu, density, nodal_pressure] = elements.elastic_of(tet);
-  const Mat3<double> H = displacement_gradient<double>(u, alpha.rightCols<3>());
-  const bool nonlinear = elements.region_of[tet] == RegionModel::nonlinear;
-  const Mat3<double> F = Mat3<double>::Identity() + H, S = svk_second_stress(H, lambda, mu);
-  const double kappa = elements.volume_penalty, v = volume_change(H);
-  const Mat34<double> g = cofactor(F) * alpha;
-  TetStiffness K;
-  for (int j = 0; j < 4; ++j)
-    for (int k = 0; k < 4; ++k) {
-      Mat3<double> block = hooke_block<double>(alpha.col(j), alpha.col(k), lambda, mu);
-      if (nonlinear) {
-        block = F * block * F.transpose();
-        block.diagonal().array() += alpha.col(j).dot(S * alpha.col(k));
-        const Vec3d turned = F * Vec3d(alpha.col(j)).cross(Vec3d(alpha.col(k)));
-        block += 2 * kappa * std::abs(v) * g.col(j) * g.col(k).transpose() -
-                 kappa * v * std::abs(v) * cross_matrix(turned);
-      }
-      K.block<3, 3>(3 * j, 3 * k) = s.volume * block;
-    }
-  return K;
-}
-
-namespace {
-
-// Entry (i, j), i >= j, of a tetrahedron's matrix stands at row, column of the lower triangle; row −1 if it is given.
-struct Place {
-  Index row = -1, column = -1;
-};
-
-Place place_of(const Unknowns& unknowns, const Eigen::Vector4i& corners, int i, int j) {
-  const Index a = unknowns.number(i % 3, corners[i / 3]), b = unknowns.number(j % 3, corners[j / 3]);
-  if (a < 0 || b < 0) return {};
-  return {std::max(a, b), std::min(a, b)};
-}
-
 template <class Visit>  // visit(tetrahedron) for all that are alive
 void for_alive(const Elements& elements, Visit&& visit) {
   for (Index t = 0; t < elements.topology.tet_count(); ++t)
@@ -100,52 +32,186 @@ void for_alive(const Elements& elements, Visit&& visit) {
 
 }  // namespace
 
+EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes& nodes,
+                                  const Mat3X<double>& u) {
+  EnergyAndForces result;
+  result.forces.setZero(3, u.cols());
+  const std::vector<double> pressures = tet_pressures(elements, nodes, u);
+  for_alive(elements, [&](Index t) {
+    const Shape s = elements.shape_of(t);
+    const Elastic& e = elements.elastic_of(t);
+    const Mat3<double> alpha = s.gradients.rightCols<3>();
+    const Mat3<double> H = displacement_gradient(corners_of(elements, t, u), alpha);
+    Mat3<double> P;
+    if (elements.region_of[t] == RegionModel::nonlinear) {
+      const double ratio = 1 + volume_change(H), lambda = e.element_lambda(), kappa = elements.volume_penalty;
+      if (ratio < result.smallest_volume_ratio) {
+        result.smallest_volume_ratio = ratio;
+        result.smallest_tet = t;
+      }
+      result.energy += s.volume * (svk_energy_density(H, lambda, e.mu) + volume_energy_density(H, kappa) +
+                                   pressure_energy_density(H, pressures[t]));
+      P = svk_stress(H, lambda, e.mu) + volume_stress(H, kappa) + pressure_stress(H, pressures[t]);
+    } else {
+      result.energy += s.volume * hooke_energy_density(H, e.lambda, e.mu);
+      P = hooke_stress(H, e.lambda, e.mu);
+    }
+    const Mat34<double> f = corner_forces<double>(s.volume * P, alpha);
+    for (int c = 0; c < 4; ++c) result.forces.col(elements.topology.tets()(c, t)) += f.col(c);
+  });
+  return result;
+}
+
+TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, double pressure) {
+  const Shape shape = elements.shape_of(tet);
+  const Mat34<double>& alpha = shape.gradients;
+  const Elastic& e = elements.elastic_of(tet);
+  const bool nonlinear = elements.region_of[tet] == RegionModel::nonlinear;
+  const double lambda = nonlinear ? e.element_lambda() : e.lambda;
+  const Mat3<double> H = displacement_gradient<double>(u, alpha.rightCols<3>());
+  const Mat3<double> F = Mat3<double>::Identity() + H;
+  const Mat3<double> S = svk_second_stress(H, lambda, e.mu) + pressure * Mat3<double>::Identity();
+  const double kappa = elements.volume_penalty, v = volume_change(H);
+  const Mat34<double> g = cofactor(F) * alpha;
+  TetStiffness K;
+  for (int j = 0; j < 4; ++j)
+    for (int k = 0; k < 4; ++k) {
+      Mat3<double> block = hooke_block<double>(alpha.col(j), alpha.col(k), lambda, e.mu);
+      if (nonlinear) {
+        block = F * block * F.transpose();
+        block.diagonal().array() += alpha.col(j).dot(S * alpha.col(k));
+        const Vec3d turned = F * Vec3d(alpha.col(j)).cross(Vec3d(alpha.col(k)));
+        block += 2 * kappa * std::abs(v) * g.col(j) * g.col(k).transpose() -
+                 kappa * v * std::abs(v) * cross_matrix(turned);
+      }
+      K.block<3, 3>(3 * j, 3 * k) = shape.volume * block;
+    }
+  return K;
+}
+
 Tangent::Tangent(const Elements& elements, const Unknowns& unknowns)
-    : elements_(elements), unknowns_(unknowns), matrix_(unknowns.count, unknowns.count) {
+    : elements_(elements), unknowns_(unknowns), nodes_(elements) {
+  row_of_node_.assign(std::size_t(nodes_.count()), -1);
+  for (Index n = 0; n < nodes_.count(); ++n)
+    if (nodes_.volume(n) > 0) row_of_node_[n] = unknowns.count + pressures_++;
+  const Index size = unknowns.count + pressures_;
   std::vector<Eigen::Triplet<double>> entries;
-  const auto for_places = [&](auto&& visit) {
-    for_alive(elements, [&](Index t) {
-      for (int j = 0; j < 12; ++j)
-        for (int i = j; i < 12; ++i) visit(place_of(unknowns, elements.topology.corners(t), i, j));
+  entries.reserve(std::size_t(elements.topology.alive_count()) * entry_count() + size);
+  for_alive(elements, [&](Index t) {
+    for_places(t, [&](Index row, Index column) {
+      if (row >= 0) entries.emplace_back(row, column, 0.0);
     });
-  };
-  entries.reserve(std::size_t(elements.topology.alive_count()) * 78);
-  for_places([&](Place p) {
-    if (p.row >= 0) entries.emplace_back(p.row, p.column, 0.0);
   });
+  for (Index i = 0; i < size; ++i) entries.emplace_back(i, i, 0.0);
+  matrix_.resize(size, size);
   matrix_.setFromTriplets(entries.begin(), entries.end());
-  place_.reserve(std::size_t(elements.topology.alive_count()) * 78);
-  for_places([&](Place p) {
-    if (p.row < 0) return place_.push_back(-1);
-    const int* rows = matrix_.innerIndexPtr();
-    const int *begin = rows + matrix_.outerIndexPtr()[p.column],
-              *end = rows + matrix_.outerIndexPtr()[p.column + 1];
-    place_.push_back(static_cast<Index>(std::lower_bound(begin, end, p.row) - rows));
+  place_.reserve(std::size_t(elements.topology.alive_count()) * entry_count());
+  const int* rows = matrix_.innerIndexPtr();
+  for_alive(elements, [&](Index t) {
+    for_places(t, [&](Index row, Index column) {
+      if (row < 0) return place_.push_back(-1);
+      const int *begin = rows + matrix_.outerIndexPtr()[column],
+                *end = rows + matrix_.outerIndexPtr()[column + 1];
+      place_.push_back(static_cast<Index>(std::lower_bound(begin, end, row) - rows));
+    });
   });
+}
+
+template <class Visit>
+void Tangent::for_places(Index tet, Visit&& visit) const {
+  const Eigen::Vector4i corners = elements_.topology.corners(tet), nodes = nodes_.of(tet);
+  const auto number = [&](int i) { return unknowns_.number(i % 3, corners[i / 3]); };
+  for (int j = 0; j < 12; ++j)
+    for (int i = j; i < 12; ++i) {
+      const Index a = number(i), b = number(j);
+      visit(a < 0 || b < 0 ? -1 : std::max(a, b), std::min(a, b));
+    }
+  for (int n = 0; n < 4 && nodes_.any(); ++n)
+    for (int i = 0; i < 12; ++i) visit(number(i) < 0 ? -1 : row_of_node_[nodes[n]], number(i));
+}
+
+Tangent::TetEntries Tangent::entries_of(Index tet, const Mat34<double>& u, double pressure) const {
+  TetEntries entries{};
+  const TetStiffness K = tet_stiffness(elements_, tet, u, pressure);
+  auto entry = entries.begin();
+  for (int j = 0; j < 12; ++j)
+    for (int i = j; i < 12; ++i) *entry++ = K(i, j);
+  if (nodes_.of(tet)[0] == PressureNodes::none) return entries;
+  const Shape s = elements_.shape_of(tet);
+  const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
+  const Mat34<double> g = s.volume / 4 * (s.gradients + H * s.gradients);
+  for (int n = 0; n < 4; ++n) entry = std::copy(g.data(), g.data() + 12, entry);
+  return entries;
 }
 
 void Tangent::update(const Mat3X<double>& u) {
   matrix_.coeffs().setZero();
   double* values = matrix_.valuePtr();
+  const std::vector<double> pressures = tet_pressures(elements_, nodes_, u);
   auto place = place_.begin();
   for_alive(elements_, [&](Index t) {
-    const TetStiffness K = tet_stiffness(elements_, t, corners_of(elements_, t, u));
-    for (int j = 0; j < 12; ++j)
-      for (int i = j; i < 12; ++i, ++place)
-        if (*place >= 0) values[*place] += K(i, j);
+    const TetEntries entries = entries_of(t, corners_of(elements_, t, u), pressures[t]);
+    for (int i = 0; i < entry_count(); ++i, ++place)
+      if (*place >= 0) values[*place] += entries[i];
   });
+  for (Index n = 0; n < nodes_.count(); ++n)
+    if (const Index row = row_of_node_[n]; row >= 0)
+      values[matrix_.outerIndexPtr()[row]] = -nodes_.volume(n) / nodes_.lambda(n);
 }
 
-Eigen::VectorXd Tangent::times(const Mat3X<double>& u, const Mat3X<double>& w) const {
+void Tangent::scale_and_add_mass(double scale, double weight, const std::vector<double>& mass) {
+  matrix_.coeffs() *= scale;
+  for (Eigen::Index i = 0; i < unknowns_.number.size(); ++i)
+    if (const Index row = unknowns_.number.data()[i]; row >= 0)
+      matrix_.valuePtr()[matrix_.outerIndexPtr()[row]] += weight * mass[std::size_t(i / 3)];
+}
+
+std::unique_ptr<SparseFactor> Tangent::make_factor(const SparseFactorMaker& wanted) const {
+  std::unique_ptr<SparseFactor> factor = wanted();
+  if (pressures_ > 0 && !factor->takes_indefinite()) factor = make_ldlt();
+  factor->analyse(matrix_);
+  return factor;
+}
+
+bool Tangent::factorise(SparseFactor& factor, bool& damped) {
+  bool positive = factor.factorise(matrix_, pressures_);
+  damped = !positive;
+  const Eigen::VectorXd diagonal = matrix_.diagonal().head(unknowns_.count);
+  for (double shift = 1e-3; !positive && shift < 1e6; shift *= 4) {
+    for (Index i = 0; i < unknowns_.count; ++i)
+      matrix_.valuePtr()[matrix_.outerIndexPtr()[i]] = diagonal[i] + shift * std::abs(diagonal[i]);
+    positive = factor.factorise(matrix_, pressures_);
+  }
+  return positive;
+}
+
+Eigen::VectorXd Tangent::solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const {
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix_.rows());
+  right.head(unknowns_.count) = forces;
+  return factor.solve(right).head(unknowns_.count);
+}
+
+Eigen::VectorXd Tangent::solve(const SparseFactor& factor, const Eigen::VectorXd& forces,
+                               const Mat3X<double>& u, const Mat3X<double>& w) const {
   Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix_.rows());
+  const std::vector<double> pressures = tet_pressures(elements_, nodes_, u);
   for_alive(elements_, [&](Index t) {
     const Mat34<double> by = corners_of(elements_, t, w);
     if (by.isZero(0)) return;
-    const Eigen::Matrix<double, 12, 1> force =
-        tet_stiffness(elements_, t, corners_of(elements_, t, u)) * by.reshaped();
+    const TetEntries entries = entries_of(t, corners_of(elements_, t, u), pressures[t]);
+    TetStiffness K;
+    auto entry = entries.begin();
+    for (int j = 0; j < 12; ++j)
+      for (int i = j; i < 12; ++i) K(i, j) = K(j, i) = *entry++;
+    const Eigen::Matrix<double, 12, 1> force = K * by.reshaped();
     for (int c = 0; c < 4; ++c) f.col(elements_.topology.tets()(c, t)) += force.segment<3>(3 * c);
+    const double strain = Eigen::Map<const Eigen::Matrix<double, 12, 1>>(&*entry).dot(by.reshaped());
+    for (Index n : nodes_.of(t))
+      if (row_of_node_[n] >= 0) right[row_of_node_[n]] -= strain;
   });
-  return unknowns_.gather(f);
+  right.head(unknowns_.count) = forces - unknowns_.gather(f);
+  return factor.solve(right).head(unknowns_.count);
 }
 
 }  // namespace lobe

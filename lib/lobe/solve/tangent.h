@@ -1,7 +1,9 @@
 // The exact energy, forces and tangent ∂²W/∂u² of a body at a state, for Newton's method.
 #pragma once
 
-#include "lobe/region/elements.h"
+#include <array>
+
+#include "lobe/region/nodal_pressure.h"
 #include "lobe/solve/sparse_factor.h"
 #include "lobe/solve/unknowns.h"
 
@@ -14,36 +16,57 @@ struct EnergyAndForces {
   double smallest_volume_ratio = 1;  // of det F over the non-linear tetrahedra
   Index smallest_tet = -1;
 };
-EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<double>& u);  // 3 × #vertices [m]
+EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes& nodes,
+                                  const Mat3X<double>& u);  // 3 × #vertices [m]
 
-// ∂²W/∂u_j∂u_k of one tetrahedron, a 12 × 12 matrix of 3 × 3 blocks [N/m]:
+// ∂²W/∂u_j∂u_k of one tetrahedron at given nodal pressures, a 12 × 12 matrix of 3 × 3 blocks [N/m]:
 //   linear      V B_jk                                              (hooke_block)
 //   SVK         V ((α_j·S α_k) I + F B_jk Fᵀ)
 //   volume term V (2κ|v| g_j⊗g_k + κ v|v| ∂g_j/∂x_k),  g_j = cof(F) α_j,  ∂g_j/∂x_k w = w × F(α_j × α_k)
 using TetStiffness = Eigen::Matrix<double, 12, 12>;
-TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u);
+TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u,
+                           double pressure = 0);  // mean of its nodes' [Pa]
 
-// The tangent assembled on the unknowns: the pattern once, its values at every state.
+// The tangent assembled on the unknowns: the pattern once, its values at every state. Nodal pressures (PressureNodes)
+// couple all tetrahedra around a vertex; they stay unknowns of their own, so that the matrix stays sparse,
+//   [ K   Gᵀ ] [du]   [r]
+//   [ G  −C  ] [dp] = [0],   G_n = ∂(V_n θ_n)/∂u,  C = diag(V_n / wλ),
+// which is the tangent K + Gᵀ C⁻¹ G of the energy, and has one negative eigenvalue per pressure where that is positive
+// definite.
 class Tangent {
  public:
   Tangent(const Elements& elements, const Unknowns& unknowns);
 
-  void update(const Mat3X<double>& u);  // 3 × #vertices [m]
-  SparseFactor::Matrix& matrix() { return matrix_; }
-  const SparseFactor::Matrix& matrix() const { return matrix_; }
-  Eigen::Index diagonal(Eigen::Index column) const {
-    return matrix_.outerIndexPtr()[column];
-  }  // place in its values
+  const PressureNodes& nodes() const { return nodes_; }
+  const SparseFactor::Matrix& matrix() const { return matrix_; }  // lower triangle
 
-  // ∂²W/∂u² w for a displacement w of given components, on the unknowns.
-  Eigen::VectorXd times(const Mat3X<double>& u, const Mat3X<double>& w) const;
+  void update(const Mat3X<double>& u);  // 3 × #vertices [m]
+  // scale × the tangent + weight × the lumped masses [kg], per vertex.
+  void scale_and_add_mass(double scale, double weight, const std::vector<double>& mass);
+
+  // A factor analysed for the pattern; the default one where the matrix is indefinite and the wanted one cannot.
+  std::unique_ptr<SparseFactor> make_factor(const SparseFactorMaker& wanted) const;
+  // Adds growing multiples of its diagonal to a tangent that is not positive definite until it is, and sets `damped`.
+  bool factorise(SparseFactor& factor, bool& damped);
+  Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const;  // on the unknowns
+  // The same for the forces less those of a displacement w of given components: 3 × #vertices [m].
+  Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces, const Mat3X<double>& u,
+                        const Mat3X<double>& w) const;
 
  private:
+  using TetEntries = std::array<double, 78 + 48>;  // lower triangle, then G of its four nodes
+  int entry_count() const { return nodes_.any() ? 78 + 48 : 78; }
+  TetEntries entries_of(Index tet, const Mat34<double>& u, double pressure) const;
+  template <class Visit>  // visit(row, column) of each entry; row −1 where it is not there
+  void for_places(Index tet, Visit&& visit) const;
+
   const Elements& elements_;
   const Unknowns& unknowns_;
+  PressureNodes nodes_;
+  std::vector<Index> row_of_node_;  // −1 where the node is not in use
+  Index pressures_ = 0;
   SparseFactor::Matrix matrix_;
-  std::vector<Index>
-      place_;  // per alive tetrahedron and entry of its lower triangle: where in the values, or −1
+  std::vector<Index> place_;  // per alive tetrahedron and entry: where in the values, or −1
 };
 
 }  // namespace lobe

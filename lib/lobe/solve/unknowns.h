@@ -28,6 +28,10 @@ struct Unknowns {
       if (const Index at = number.data()[i]; at >= 0) full.data()[i] = x[at];
     return full;
   }
+  void clear_given(Mat3X<double>& full) const {
+    for (Eigen::Index i = 0; i < number.size(); ++i)
+      if (number.data()[i] < 0) full.data()[i] = 0;
+  }
 
   Eigen::Matrix<Index, 3, Eigen::Dynamic> number;  // 3 × #vertices; −1 where the component is given
   Index count = 0;

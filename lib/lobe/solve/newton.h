@@ -1,0 +1,37 @@
+// Newton's method for minima of a potential over the unknown displacement components: the core of statics and of
+// implicit time steps.
+#pragma once
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+struct NewtonPoint {
+  Mat3X<double> u;         // 3 × #vertices [m]
+  double potential = 0;    // [J]
+  Mat3X<double> residual;  // minus its gradient, 3 × #vertices, zero where displacements are given [N]
+  double scale = 0;        // of the forces that the residual is the sum of [N]
+  double smallest_volume_ratio = 1;  // of det F over the non-linear region
+  Index smallest_tet = -1;
+};
+
+class NewtonProblem {
+ public:
+  virtual ~NewtonProblem() = default;
+  virtual NewtonPoint at(const Mat3X<double>& u) const = 0;
+  // A direction of descent, zero where displacements are given; false if there is none.
+  virtual bool direction(const NewtonPoint& at, Mat3X<double>& direction) = 0;
+};
+
+struct NewtonResult {
+  bool converged = false;
+  const char* trouble = "";  // why not
+  int iterations = 0;
+};
+
+// From `point` to a minimum. Steps are halved until no non-linear tetrahedron is inverted (or, from an inverted start,
+// more inverted) and the potential falls, or the residual does, where rounding hides the potential. On failure the
+// point is the last one that was accepted, but for its smallest_tet, which is that of the last one tried.
+NewtonResult minimise(NewtonProblem& problem, NewtonPoint& point, double tolerance, int most_iterations);
+
+}  // namespace lobe

@@ -101,7 +101,7 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
   RunResult result;
   {
     ProgressBar bar(what);
-    RunOptions run_options{options.output, options.threads, {}};
+    RunOptions run_options{options.output, options.threads, linked_solver.make, {}};
     run_options.progress = [&](double fraction) { bar.show(fraction); };
     result = function(loaded.scene, loaded.resolved, run_options);
   }

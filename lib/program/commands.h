@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "lobe/solve/sparse_factor.h"
+
 namespace lobe::program {
 
 struct InfoOptions {
@@ -22,7 +24,16 @@ struct SceneOptions {
   int threads = 1;
   bool json = false;
   bool no_pictures = false;
+  std::string solver = "eigen";  // of `solve`: the one that is linked, or that of a sibling program
 };
+
+// The sparse solver that this program is linked to.
+struct Solver {
+  const char* name;
+  SparseFactorMaker make;
+};
+extern const Solver linked_solver;
+
 int check(const SceneOptions& options);
 int run(const SceneOptions& options);
 int solve(const SceneOptions& options);

@@ -16,12 +16,12 @@ namespace {
 using namespace lobe::program;
 using Action = std::function<int()>;
 
-// `lobe mesh …` is lobe-mesh, a program of its own for the sake of its licence.
-int forward_to_mesher(int argc, char** argv) {
-  std::vector<std::string> arguments{sibling("lobe-mesh").string()};
-  arguments.insert(arguments.end(), argv + 2, argv + argc);
+// What is under another licence is a program of its own.
+int forward(const std::string& program, char** first, char** last, const char* remedy) {
+  std::vector<std::string> arguments{sibling(program).string()};
+  arguments.insert(arguments.end(), first, last);
   const int status = run_program(arguments);
-  if (status == 127) print_errors("lobe-mesh is not installed: build lobe with LOBE_MESHING=ON");
+  if (status == 127) print_errors(program + " is not installed: build lobe with " + remedy);
   return status == 127 ? static_cast<int>(bad_input) : status;
 }
 
@@ -84,7 +84,8 @@ void refuse_unknown_command(const CLI::App& app, const std::string& word) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "mesh") return forward_to_mesher(argc, argv);
+  if (argc > 1 && std::string_view(argv[1]) == "mesh")
+    return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING=ON");
   CLI::App app{"Hybrid linear / non-linear organ models in real time"};
   app.require_subcommand(1);
   app.set_version_flag("--version", LOBE_VERSION);
@@ -108,6 +109,10 @@ int main(int argc, char** argv) {
       add_scene_command(app, "solve", "Static equilibrium of a scene", options, action, solve);
   solve_command->add_option("-o,--output", options.output, "directory for the results")->required();
   solve_command->add_flag("--json", options.json, "print the report alone");
+  solve_command
+      ->add_option("--solver", options.solver, "sparse solver: eigen, or cholmod (GPL, a program of its own)")
+      ->check(CLI::IsMember({"eigen", "cholmod"}))
+      ->capture_default_str();
   CompareOptions compare_options;
   add_compare(app, compare_options, action);
   CLI::App* regions_command =
@@ -119,6 +124,8 @@ int main(int argc, char** argv) {
   try {
     if (argc > 1) refuse_unknown_command(app, argv[1]);
     app.parse(argc, argv);
+    if (options.solver == "cholmod" && linked_solver.name != options.solver)
+      return forward("lobe-cholmod", argv + 1, argv + argc, "LOBE_CHOLMOD=ON");
     return action();
   } catch (const CLI::Success& help) {
     return app.exit(help);

@@ -110,7 +110,7 @@ TEST_CASE("an implicit world follows grasps, rollers and cuts") {
   CHECK(world.state().u(1, setup.mesh.vertex_count() - 1) == 0);
   CHECK((world.state().u - reference.state().u).norm() < 0.05 * reference.state().u.norm());
   CHECK(world.remove_tets({100, 101, 102}) == 3);
-  for (int i = 0; i < 60; ++i) CHECK(world.advance(1.0 / 30).ok);
+  for (int i = 0; i < 120; ++i) CHECK(world.advance(1.0 / 30).ok);
   CompactMesh compacted;
   const StaticResult rest = solve_static(world.current_setup(compacted));
   const Mat3X<double> u = world.state().u(Eigen::all, compacted.vertex_source);

@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "lobe/scene/resolve.h"
+#include "lobe/solve/sparse_factor.h"
 
 namespace lobe {
 
 struct RunOptions {
   std::filesystem::path directory;  // of everything that is written; made if missing
   int threads = 1;
+  SparseFactorMaker factor = make_ldlt;           // of the static solver
   std::function<void(double fraction)> progress;  // called once per frame, 0 … 1
 };
 

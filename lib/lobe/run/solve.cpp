@@ -15,6 +15,7 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
   using Json = nlohmann::ordered_json;
   const auto start = std::chrono::steady_clock::now();
   StaticOptions solver;
+  solver.factor = options.factor;
   solver.progress = options.progress;
   const StaticResult solution = solve_static(resolved.setup, solver);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

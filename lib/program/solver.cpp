@@ -1,0 +1,7 @@
+#include "commands.h"
+
+namespace lobe::program {
+
+const Solver linked_solver{"eigen", make_ldlt};
+
+}  // namespace lobe::program

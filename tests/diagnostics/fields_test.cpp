@@ -25,7 +25,7 @@ Elements elements(RegionModel model, double volume_penalty = 0) {
 
 // The fields of one tetrahedron when the body is deformed by x = F X.
 TetFields fields_at(const Elements& body, const Mat3<double>& F, Index tet = 5) {
-  return tet_fields(body, tet, (F - I) * body.corner_points(tet));
+  return tet_fields(body, tet, (F - I) * body.corner_points(tet), 0);
 }
 
 Mat3<double> rotation(double angle) { return Eigen::AngleAxisd(angle, Vec3d::UnitZ()).toRotationMatrix(); }

@@ -129,18 +129,22 @@ struct ElementBlocks<Real>::Lanes {
 };
 
 template <class Real>
+void ElementBlocks<Real>::evaluate_strains(const Mat3X<Real>& u, Index begin, Index end) {
+  for (Index b = begin; b < end; ++b)
+    for (int first = 0; first < width; first += Lanes::count) {
+      const Lanes e(blocks_[b], first, u);
+      const Pack<Real> V(&pressure_blocks_[b].V[first], stdx::element_aligned);
+      const Pack<Real> volume_strain = V * strain_trace(e.H);
+      const Index slot = b * width + first;
+      for (int lane = 0; lane < std::min<int>(Lanes::count, tet_count() - slot); ++lane)
+        volume_strain_[tet_of_slot_[slot + lane]] = Real(volume_strain[lane]);
+    }
+}
+
+template <class Real>
 void ElementBlocks<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
-  parallel.for_ranges(Index(blocks_.size()), 2048 / width, [&](Index begin, Index end) {
-    for (Index b = begin; b < end; ++b)
-      for (int first = 0; first < width; first += Lanes::count) {
-        const Lanes e(blocks_[b], first, u);
-        const Pack<Real> V(&pressure_blocks_[b].V[first], stdx::element_aligned);
-        const Pack<Real> volume_strain = V * strain_trace(e.H);
-        const Index slot = b * width + first;
-        for (int lane = 0; lane < std::min<int>(Lanes::count, tet_count() - slot); ++lane)
-          volume_strain_[tet_of_slot_[slot + lane]] = Real(volume_strain[lane]);
-      }
-  });
+  parallel.for_ranges(Index(blocks_.size()), 2048 / width,
+                      [&](Index begin, Index end) { evaluate_strains(u, begin, end); });
   nodes_.gather(volume_strain_, pressure_, parallel);
 }
 

@@ -97,6 +97,13 @@ void add_svk(std::vector<Kernel>& kernels, const CubePointer& cube, const std::v
   const auto volume = std::make_shared<NonlinearRegion<Real>>();
   volume->follow(elements, edit);
   add_region<Real>(kernels, "svk_volume", cube, threads, volume, block_bytes<Real>, cube->svk_volume);
+  elements.volume_penalty = 0;
+  elements.materials[0].nodal_pressure = 1;
+  const auto averaged = std::make_shared<NonlinearRegion<Real>>();
+  averaged->follow(elements, edit);
+  add_region<Real>(kernels, "svk_nodal_pressure", cube, threads, averaged,
+                   block_bytes<Real> + sizeof(Real) + 4 * sizeof(Index),
+                   cube->svk_nodal_pressure);  // V, nodes
 }
 
 template <class Real>
@@ -154,9 +161,10 @@ Cube::Cube(int tets) {
     if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v, u.col(v)});
   setup.ramp = 0;  // held where the displacement has them
   reference = reference_tets(setup);
-  svk = linear = Mat3X<double>::Zero(3, n);
+  svk = linear = svk_nodal_pressure = Mat3X<double>::Zero(3, n);
   add_reference_forces(reference, u, svk);
   add_reference_linear_forces(reference, u, linear);
+  add_reference_nodal_pressure_forces(reference, u, svk_nodal_pressure);
   svk_volume = svk;
   add_reference_volume_forces(reference, setup.mesh.points + u, cube_volume_penalty, svk_volume);
 }

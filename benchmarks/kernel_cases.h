@@ -18,7 +18,7 @@ struct Cube {
   Setup setup;
   Mat3X<double> u;  // [m]
   std::vector<ReferenceTet> reference;
-  Mat3X<double> svk, linear, svk_volume;  // forces by the reference kernel [N]
+  Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure;  // forces by the reference kernel [N]
 };
 
 inline constexpr double cube_volume_penalty = 1e5;  // κ of svk_volume [Pa]

@@ -51,10 +51,10 @@ void time_rows(std::vector<Row>& rows, const Sampling& sampling) {
 }
 
 void print(const std::vector<Row>& rows) {
-  std::printf("\n%-12s %-9s %7s %8s %8s %7s %10s %10s %7s\n", "kernel", "precision", "threads", "tets",
+  std::printf("\n%-18s %-9s %7s %8s %8s %7s %10s %10s %7s\n", "kernel", "precision", "threads", "tets",
               "ns/tet", "ratio", "bytes/tet", "deviation", "spread");
   for (const Row& r : rows)
-    std::printf("%-12s %-9s %7d %8d %8.2f %7.3f %10.1f %10.1e %5.0f %%\n", r.kernel.name.c_str(),
+    std::printf("%-18s %-9s %7d %8d %8.2f %7.3f %10.1f %10.1e %5.0f %%\n", r.kernel.name.c_str(),
                 r.kernel.precision.c_str(), r.kernel.threads, r.tets, r.ns_per_tet, r.ratio,
                 r.kernel.bytes_per_tet, r.deviation, 100 * r.spread);
   std::fflush(stdout);
@@ -94,7 +94,8 @@ set linetype 2 lc '#c02020'
 set linetype 3 lc '#20a0d0'
 set linetype 4 lc '#2e8b30'
 set linetype 5 lc '#e08000'
-kernels = 'svk svk_stored svk_volume tensor_mass step'
+set linetype 6 lc '#8040a0'
+kernels = 'svk svk_stored svk_volume tensor_mass step svk_nodal_pressure'
 plot 'kernels.csv' using 4:(series('reference', 'double')) with linespoints lw 2 lc 'black' dt 2 title 'reference, double', \
   for [i=1:words(kernels)] '' using 4:(series(word(kernels, i), 'single')) with linespoints lw 2 lc i pt 7 \
     title word(kernels, i).', single' noenhanced, \

@@ -7,6 +7,12 @@
 namespace lobe::bench {
 namespace {
 
+Mat3<double> deformation(const ReferenceTet& tet, const Mat3X<double>& u) {
+  Mat3<double> F = Mat3<double>::Identity();
+  for (int j = 0; j < 4; ++j) F += u.col(tet.corners[j]) * tet.alpha.col(j).transpose();
+  return F;
+}
+
 Mat3<double> edges(const Mat3X<double>& x, const Eigen::Vector4i& v) {
   Mat3<double> D;
   D << x.col(v[1]) - x.col(v[0]), x.col(v[2]) - x.col(v[0]), x.col(v[3]) - x.col(v[0]);
@@ -66,6 +72,26 @@ void add_reference_volume_forces(const std::vector<ReferenceTet>& tets, const Ma
       const Vec3d volume_gradient = (c - a).cross(b - a) / 6;  // a third of the face, towards p
       f.col(tet.corners[p]) -= kappa * v * std::abs(v) * volume_gradient;
     }
+  }
+}
+
+void add_reference_nodal_pressure_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                         Mat3X<double>& f) {
+  const Mat3<double> I = Mat3<double>::Identity();
+  Eigen::VectorXd volume = Eigen::VectorXd::Zero(u.cols()), strain = volume;  // V_n, V_n θ_n
+  for (const ReferenceTet& tet : tets) {
+    const Mat3<double> F = deformation(tet, u);
+    for (Index n : tet.corners) {
+      volume[n] += tet.V / 4;
+      strain[n] += tet.V / 4 * 0.5 * (F.transpose() * F - I).trace();
+    }
+  }
+  for (const ReferenceTet& tet : tets) {
+    double p = 0;
+    for (Index n : tet.corners) p += tet.lambda * strain[n] / volume[n] / 4;
+    const Mat3<double> F = deformation(tet, u);
+    const Mat3<double> S = p * I + tet.mu * (F.transpose() * F - I);
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= tet.V * (F * S * tet.alpha.col(j));
   }
 }
 

@@ -43,6 +43,15 @@ inline Setup hybrid_setup(const TetMesh& mesh) {
   return setup;
 }
 
+// The same body with nodal pressure of the given share in the first material, in the others of shares below.
+inline Setup averaged(Setup setup, double share = 1) {
+  for (Elastic& elastic : setup.materials) {
+    elastic.nodal_pressure = share;
+    share *= 0.6;
+  }
+  return setup;
+}
+
 template <class Real = double>
 Mat3X<Real> random_displacement(Index count, double size, unsigned seed = 7) {
   std::mt19937 random(seed);

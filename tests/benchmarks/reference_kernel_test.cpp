@@ -47,6 +47,15 @@ TEST_CASE("the reference kernel's forces are those of a World, on two materials"
   CHECK(relative(linear, f) > 0.01);  // the displacement is large enough to tell them apart
 }
 
+TEST_CASE("the reference's nodal pressure is that of a World") {
+  const Setup setup = setup_of(irregular_box(4));
+  const Mat3X<double> u = random_displacement(setup.mesh.vertex_count(), 2e-3);
+  Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
+  add_reference_nodal_pressure_forces(reference_tets(setup), u, f);
+  CHECK(relative(f, world_forces(averaged(setup), u)) < 1e-12);
+  CHECK(relative(f, world_forces(setup, u)) > 0.01);  // the displacement is large enough to tell them apart
+}
+
 TEST_CASE("the reference kernel's masses add up to density times volume") {
   const Setup setup = setup_of(irregular_box());
   double mass = 0;

@@ -71,6 +71,12 @@ TEST_CASE("cut = rebuilt with the stored evaluator") {
   remove_everything<double>(setup, 1e-12, 1);
 }
 
+TEST_CASE("cut = rebuilt with nodal pressure") {
+  remove_everything<double>(averaged(hybrid_setup(irregular_box(2))), 1e-12, 1);
+  remove_everything<double>(averaged(hybrid_setup(irregular_box(4))), 1e-12, 23);
+  remove_everything<float>(averaged(hybrid_setup(irregular_box(4))), 3e-6, 23);
+}
+
 TEST_CASE("cut = rebuilt in batches, in double and single precision, pieces falling, vanishing and staying") {
   for (LoosePieces pieces : {LoosePieces::fall, LoosePieces::vanish, LoosePieces::stay}) {
     Setup setup = hybrid_setup(irregular_box(4));

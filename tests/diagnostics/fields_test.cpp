@@ -3,9 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "folder.h"
+#include "lobe/region/nodal_pressure.h"
+#include "lobe/sim/world.h"
 #include "support.h"
 
 using namespace lobe;
@@ -25,7 +28,7 @@ Elements elements(RegionModel model, double volume_penalty = 0) {
 
 // The fields of one tetrahedron when the body is deformed by x = F X.
 TetFields fields_at(const Elements& body, const Mat3<double>& F, Index tet = 5) {
-  return tet_fields(body, tet, (F - I) * body.corner_points(tet));
+  return tet_fields(body, tet, (F - I) * body.corner_points(tet), 0);
 }
 
 Mat3<double> rotation(double angle) { return Eigen::AngleAxisd(angle, Vec3d::UnitZ()).toRotationMatrix(); }
@@ -60,6 +63,27 @@ TEST_CASE("the volume term adds the pressure κ v|v| to the stress, of the sign 
     check_equal(with.stress, without.stress + 1e5 * v * std::abs(v) * I, lambda);
     CHECK(with.von_mises == doctest::Approx(without.von_mises).epsilon(1e-12));
   }
+}
+
+TEST_CASE("with nodal pressure the stresses are those that give the forces on the vertices") {
+  Setup setup = averaged(hybrid_setup(irregular_box(2)));
+  setup.region_of.assign(setup.region_of.size(), RegionModel::nonlinear);
+  World<double> world(setup);
+  State<double> state = world.state();
+  state.u = random_displacement(state.u.cols(), 1e-3);
+  world.set_state(state);
+  const Elements& body = world.elements();
+  const std::vector<double> pressures = tet_pressures(body, PressureNodes(body), state.u);
+  Mat3X<double> f = Mat3X<double>::Zero(3, state.u.cols());
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Shape s = body.shape_of(t);
+    const Mat34<double> u = state.u(Eigen::all, setup.mesh.tets.col(t));
+    const TetFields fields = tet_fields(body, t, u, pressures[t]);
+    const Mat3<double> F = I + displacement_gradient<double>(u, s.gradients.rightCols<3>());
+    const Mat3<double> P = fields.stress * F.inverse().transpose() * F.determinant();
+    f(Eigen::all, setup.mesh.tets.col(t)) -= s.volume * P * s.gradients;
+  }
+  CHECK((f - world.forces()).norm() < 1e-13 * f.norm());
 }
 
 TEST_CASE("a rotation strains no non-linear tetrahedron, and turns the stress of a stretched one") {
@@ -110,6 +134,21 @@ TEST_CASE("the current volume is det F times that at rest, without what was remo
   body.topology.remove(std::vector<Index>{0});
   REQUIRE(body.topology.vertex_count() == body.points.cols());  // no vertex was split
   CHECK(current_volume(body, u) == doctest::Approx(F.determinant() * (at_rest - removed)).epsilon(1e-12));
+}
+
+TEST_CASE("a frame's stress holds the nodal pressure") {
+  const Folder folder;
+  const Setup setup = averaged(setup_of(irregular_box(2)));
+  const Elements body(setup);
+  const Mat3X<double> u = random_displacement(body.points.cols(), 1e-3);
+  write_frame(folder.path / "frame.vtu", body, u, 0 * u);
+  const MeshFile frame = read_mesh(folder.path / "frame.vtu");
+  const std::vector<double> pressures = tet_pressures(body, PressureNodes(body), u);
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Mat34<double> corners = u(Eigen::all, setup.mesh.tets.col(t));
+    const TetFields fields = tet_fields(body, t, corners, pressures[t]);
+    CHECK(frame.cell_data.at("stress")(0, t) == doctest::Approx(fields.stress(0, 0)).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("a frame holds the arrays that docs/commands.md promises, tensors as xx, yy, zz, xy, yz, xz") {

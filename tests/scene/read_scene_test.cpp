@@ -32,6 +32,9 @@ TEST_CASE("materials are read in either form") {
   CHECK(scene.materials[1].lame_lambda == doctest::Approx(1e5).epsilon(1e-14));
   CHECK(scene.materials[1].lame_mu == doctest::Approx(2.5e4).epsilon(1e-14));
   CHECK(scene.materials[1].density == 1000);
+  CHECK(scene.materials[0].nodal_pressure == 0);
+  CHECK(scene.materials[1].nodal_pressure == 1);
+  CHECK(scene.materials[2].nodal_pressure == 0.5);
   CHECK(scene.materials[1].pointer == "/materials/1");
   CHECK(as<SelectLabel>(*scene.materials[1].where).labels == std::vector<int>{2});
   CHECK(scene.materials[2].name == "tissue");

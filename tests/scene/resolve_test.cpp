@@ -274,8 +274,28 @@ TEST_CASE("mistakes in units are suspected") {
   CHECK(contains(warnings(R"({"materials": [{"young_modulus": 7e10, "poisson_ratio": 0.3}]})"),
                  "next to nothing: too stiff or too small"));
   CHECK(warnings(R"({"materials": [{"young_modulus": 1e4, "poisson_ratio": 0.46}]})") ==
-        "/materials/0: Poisson's ratio 0.46: linear tetrahedra lock (respond too stiffly) above 0.45");
+        "/materials/0: Poisson's ratio 0.46: linear tetrahedra lock (respond too stiffly) above 0.45; in "
+        "nonlinear regions \"nodal_pressure\": true helps");
   CHECK(warnings(R"({"materials": [{"young_modulus": 1e4, "poisson_ratio": 0.45}]})") == "");
+}
+
+TEST_CASE("nodal pressure silences the warning of locking where it acts, and only there") {
+  const std::string material =
+      R"("materials": [{"young_modulus": 1e4, "poisson_ratio": 0.49, "nodal_pressure": 0.9}])";
+  CHECK(warnings("{" + material + "}") == "");
+  CHECK(resolved("{" + material + "}").setup.materials[0].nodal_pressure == 0.9);
+  CHECK(warnings("{" + material +
+                 R"(, "regions": [{"model": "tensor-mass", "where": {"tetrahedra": [3, 4]}}]})") ==
+        "/materials/0: Poisson's ratio 0.49: linear tetrahedra lock (respond too stiffly) above 0.45, and "
+        "nodal_pressure does not reach 2 tetrahedra in linear regions");
+}
+
+TEST_CASE("nodal pressure is refused with the stored evaluator") {
+  CHECK(faults(R"({"evaluator": "stored",
+                   "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
+        "/materials/0/nodal_pressure: not with \"evaluator\": \"stored\"; use \"direct\"");
+  CHECK(faults(R"({"evaluator": "stored",
+                   "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": false}]})") == "");
 }
 
 TEST_CASE("a scene built in code is checked before it is resolved") {

@@ -13,8 +13,8 @@ inline const std::string full_scene = R"({
   "mesh": "meshes/liver.vtu",
   "materials": [
     {"name": "parenchyma", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1060},
-    {"name": "tumour", "where": {"label": 2}, "young_modulus": 7e4, "poisson_ratio": 0.4},
-    {"where": {"label": [3, 4]}, "lame_lambda": 0, "lame_mu": 1e3}
+    {"name": "tumour", "where": {"label": 2}, "young_modulus": 7e4, "poisson_ratio": 0.4, "nodal_pressure": true},
+    {"where": {"label": [3, 4]}, "lame_lambda": 0, "lame_mu": 1e3, "nodal_pressure": 0.5}
   ],
   "volume_penalty": 1e5,
   "regions": [

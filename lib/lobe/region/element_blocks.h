@@ -52,8 +52,10 @@ class ElementBlocks {
   static Index output(Index slot, int corner) {
     return 12 * width * (slot / width) + 3 * width * corner + slot % width;
   }
+  // The kernels are flattened: all formulas inline, however often they are used elsewhere.
   template <Part part, bool nodal_pressure>
-  void evaluate(const Mat3X<Real>& u, Index begin, Index end);
+  [[gnu::flatten]] void evaluate(const Mat3X<Real>& u, Index begin, Index end);
+  [[gnu::flatten]] void evaluate_strains(const Mat3X<Real>& u, Index begin, Index end);
   template <Part part>
   void evaluate_ranges(const Mat3X<Real>& u, Parallel& parallel);
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);

@@ -54,6 +54,9 @@ class MeaningChecker {
     } else if (3 * lambda + 2 * mu <= 0) {
       add(place + "/lame_lambda",
           exact(lambda) + ", must be above -2/3 lame_mu = " + exact(-2 * mu / 3) + " (unstable material)");
+    } else if (material.nodal_pressure > 0 && lambda < 0) {
+      add(place + "/nodal_pressure",
+          "needs lame_lambda of at least 0, not " + exact(lambda) + "; leave it out");
     }
     check_where(material.where, place);
   }

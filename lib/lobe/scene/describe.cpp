@@ -44,6 +44,7 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
                     {"young_modulus_Pa", young_modulus(m.lambda, m.mu)},
                     {"poisson_ratio", poisson_ratio(m.lambda, m.mu)},
                     {"density_kg_m3", m.density},
+                    {"nodal_pressure", m.nodal_pressure},
                     {"wave_speed_m_s", wave_speed(m.lambda, m.mu, m.density)},
                     {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
   }
@@ -149,7 +150,9 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
     out << "material   " << m["name"].get<std::string>() << ": " << m["tetrahedra"] << " tetrahedra, E "
         << rounded(m["young_modulus_Pa"]) << " Pa, nu " << rounded(m["poisson_ratio"]) << ", density "
         << rounded(m["density_kg_m3"]) << " kg/m³, waves " << rounded(m["wave_speed_m_s"])
-        << " m/s, sag under gravity about " << rounded(m["expected_sag_m"]) << " m\n";
+        << " m/s, sag under gravity about " << rounded(m["expected_sag_m"]) << " m";
+    if (m["nodal_pressure"] > 0) out << ", nodal pressure " << rounded(m["nodal_pressure"]);
+    out << "\n";
   }
 }
 

@@ -30,6 +30,10 @@ Material read_material(const json& entry, const std::string& pointer) {
   Material material;
   read(entry, "name", material.name);
   read(entry, "density", material.density);
+  if (entry.contains("nodal_pressure")) {
+    const json& share = entry["nodal_pressure"];
+    material.nodal_pressure = share.is_boolean() ? double(share.get<bool>()) : share.get<double>();
+  }
   if (entry.contains("young_modulus")) {
     const LamePair lame = lame_from_young(entry["young_modulus"], entry["poisson_ratio"]);
     material.lame_lambda = lame.lambda;

@@ -17,6 +17,16 @@ void refuse_what_is_not_there_yet(Resolution& resolution) {
   }
 }
 
+// The stored polynomial holds what each tetrahedron does alone; an average over its neighbours has no place in it.
+void refuse_stored_nodal_pressure(Resolution& resolution) {
+  const std::vector<Material>& materials = resolution.scene.materials;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (resolution.scene.evaluator != Evaluator::stored || materials[i].nodal_pressure == 0) continue;
+    resolution.fail("/materials/" + std::to_string(i) + "/nodal_pressure",
+                    "not with \"evaluator\": \"stored\"; use \"direct\"");
+  }
+}
+
 std::string triple(const Vec3d& v) {
   return "[" + rounded(v[0]) + ", " + rounded(v[1]) + ", " + rounded(v[2]) + "]";
 }
@@ -73,7 +83,8 @@ void resolve_materials(Resolution& resolution) {
   const std::vector<Material>& materials = resolution.scene.materials;
   Setup& setup = resolution.result.setup;
   setup.material_of.assign(static_cast<std::size_t>(setup.mesh.tet_count()), 0);
-  for (const Material& m : materials) setup.materials.push_back({m.lame_lambda, m.lame_mu, m.density});
+  for (const Material& m : materials)
+    setup.materials.push_back({m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure});
 
   std::size_t standard = materials.size();
   for (std::size_t i = materials.size(); i-- > 0;) {
@@ -147,6 +158,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.load_ramp = scene.time.load_ramp;
 
   refuse_what_is_not_there_yet(resolution);
+  refuse_stored_nodal_pressure(resolution);
   resolve_materials(resolution);
   resolve_regions(resolution);
   resolve_boundary(resolution);

@@ -65,6 +65,7 @@ struct Material {
   double lame_lambda = 4e4;       // [Pa]
   double lame_mu = 1e4;           // [Pa]
   double density = 1000;          // [kg/m³]
+  double nodal_pressure = 0;      // share of λ whose pressure is averaged at nodes, 0…1
   std::string pointer;
 };
 

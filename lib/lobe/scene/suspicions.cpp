@@ -13,12 +13,27 @@ void suspect_size(Resolution& resolution, double size) {
                                         : "if it was scaled from millimetres twice, scale it by 1000"));
 }
 
-void suspect_material(Resolution& resolution, const Elastic& m, double size, const std::string& place) {
+// Volumetric locking of tetrahedra with linear displacements: all that nodal pressure does not reach.
+void suspect_locking(Resolution& resolution, std::size_t material, const std::string& place) {
+  const Setup& setup = resolution.result.setup;
+  const Elastic& m = setup.materials[material];
   const double nu = poisson_ratio(m.lambda, m.mu);
-  if (nu > 0.45) {
-    resolution.warn(place, "Poisson's ratio " + rounded(nu) +
-                               ": linear tetrahedra lock (respond too stiffly) above 0.45");
+  if (nu <= 0.45) return;
+  const std::string locks =
+      "Poisson's ratio " + rounded(nu) + ": linear tetrahedra lock (respond too stiffly)";
+  if (m.nodal_pressure == 0) {
+    resolution.warn(place, locks + " above 0.45; in nonlinear regions \"nodal_pressure\": true helps");
+    return;
   }
+  std::size_t beyond_reach = 0;
+  for (std::size_t t = 0; t < setup.region_of.size(); ++t)
+    beyond_reach += setup.material_of[t] == material && setup.region_of[t] != RegionModel::nonlinear;
+  if (beyond_reach == 0) return;
+  resolution.warn(place, locks + " above 0.45, and nodal_pressure does not reach " +
+                             counted(beyond_reach, "tetrahedron", "tetrahedra") + " in linear regions");
+}
+
+void suspect_material(Resolution& resolution, const Elastic& m, double size, const std::string& place) {
   if (m.density < 100 || m.density > 10000) {
     resolution.warn(place + "/density",
                     rounded(m.density) + " kg/m³ is unlike tissue" +
@@ -51,7 +66,9 @@ void suspect_units(Resolution& resolution) {
   suspect_size(resolution, size);
   const std::vector<Elastic>& materials = resolution.result.setup.materials;
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    suspect_material(resolution, materials[i], size, "/materials/" + std::to_string(i));
+    const std::string place = "/materials/" + std::to_string(i);
+    suspect_locking(resolution, i, place);
+    suspect_material(resolution, materials[i], size, place);
   }
 }
 

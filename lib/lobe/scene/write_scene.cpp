@@ -62,7 +62,8 @@ ordered_json write(const Material& material) {
   ordered_json entry = {{"name", material.name},
                         {"lame_lambda", material.lame_lambda},
                         {"lame_mu", material.lame_mu},
-                        {"density", material.density}};
+                        {"density", material.density},
+                        {"nodal_pressure", material.nodal_pressure}};
   add_where(entry, material.where);
   return entry;
 }

@@ -1,0 +1,240 @@
+#include "lobe/region/nodal_pressure.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <numeric>
+
+#include "lobe/fem/svk.h"
+#include "lobe/region/nonlinear.h"
+#include "lobe/scene/material_constants.h"
+#include "lobe/scene/select.h"
+#include "lobe/sim/rebuild.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+template <class Real>
+World<Real> world_at(const Setup& setup, const Mat3X<Real>& u, int threads = 1) {
+  World<Real> world(setup, threads);
+  State<Real> state = world.state();
+  state.u = u;
+  world.set_state(state);
+  return world;
+}
+
+template <class Real>
+Mat3X<Real> forces(const Setup& setup, const Mat3X<Real>& u, int threads = 1) {
+  return world_at(setup, u, threads).forces();
+}
+
+double elastic_energy(const Setup& setup, const Mat3X<double>& u) {
+  const Energies e = world_at(setup, u).energies();
+  return e.elastic_linear + e.elastic_nonlinear;
+}
+
+// Three materials side by side, of shares 1, 0.6 and 0, the first partly linear; a volume term.
+Setup mixed_setup(const TetMesh& mesh) {
+  Setup setup = averaged(hybrid_setup(mesh));
+  setup.materials.push_back({2e5, 1e4, 900});
+  for (Index t = 0; t < mesh.tet_count(); t += 5) setup.material_of[t] = 2;
+  return setup;
+}
+
+// The energy as the formula of the header reads, for a body of non-linear tetrahedra alone.
+double energy_by_definition(const Setup& setup, const Mat3X<double>& u) {
+  struct Node {
+    double volume = 0, weighted = 0;
+  };
+  std::map<std::pair<Index, int>, Node> nodes;
+  double W = 0;
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Elastic& m = setup.materials[setup.material_of[t]];
+    const Shape s = shape(tet_points(setup.mesh, t));
+    const Mat34<double> corners = u(Eigen::all, setup.mesh.tets.col(t));
+    const Mat3<double> E =
+        green_strain<double>(displacement_gradient<double>(corners, s.gradients.rightCols<3>()));
+    const double theta = E.trace();
+    W += s.volume * ((1 - m.nodal_pressure) * m.lambda / 2 * theta * theta + m.mu * (E * E).trace());
+    for (Index v : setup.mesh.tets.col(t)) {
+      Node& node = nodes[{v, setup.material_of[t]}];
+      node.volume += s.volume / 4;
+      node.weighted += s.volume / 4 * theta;
+    }
+  }
+  for (const auto& [key, node] : nodes) {
+    const Elastic& m = setup.materials[key.second];
+    W += m.nodal_pressure * m.lambda / 2 * node.weighted * node.weighted / node.volume;
+  }
+  return W;
+}
+
+// A beam of 15 × 15 × 80 m held at one end, E = 3000 Pa, with a traction of 30 Pa across the other.
+Setup bent_beam(double nu, double share) {
+  Setup setup = setup_of(box_mesh({15, 15, 80}, 2, 2, 8));
+  const LamePair lame = lame_from_young(3000, nu);
+  setup.materials = {{lame.lambda, lame.mu, 1, share}};
+  setup.damping = 0.27;  // about critical for the first mode
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
+  for (const TetFace& face : outer_faces(setup.mesh)) {
+    const Mat34<double> X = tet_points(setup.mesh, face.tet);
+    const bool at_end = X.row(2).sum() - X(2, face.face) > 3 * 80 - 1e-9;
+    if (at_end) setup.face_loads.push_back({face.tet, face.face, {0, -30, 0}});
+  }
+  return setup;
+}
+
+}  // namespace
+
+TEST_CASE("the energy is the formula's, with several materials") {
+  const TetMesh mesh = irregular_box();
+  Setup setup = mixed_setup(mesh);
+  setup.volume_penalty = 0;
+  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
+  CHECK(elastic_energy(setup, u) == doctest::Approx(energy_by_definition(setup, u)).epsilon(1e-13));
+  const Setup plain = averaged(setup, 0);
+  CHECK(elastic_energy(setup, u) < 0.9 * elastic_energy(plain, u));  // Jensen
+}
+
+TEST_CASE("with nodal pressure forces are minus the slope of the energy, in every region and at interfaces") {
+  const TetMesh mesh = irregular_box(2);
+  const Setup setup = mixed_setup(mesh);
+  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
+  const Mat3X<double> f = forces<double>(setup, u);
+  const double h = 1e-7;
+  for (Index i = 0; i < u.size(); ++i) {
+    Mat3X<double> plus = u, minus = u;
+    plus(i) += h;
+    minus(i) -= h;
+    const double slope = (elastic_energy(setup, plus) - elastic_energy(setup, minus)) / (2 * h);
+    CHECK(f(i) == doctest::Approx(-slope).epsilon(1e-5).scale(f.norm()));
+  }
+}
+
+TEST_CASE("with nodal pressure an affine map gives the forces and the energy of plain SVK") {
+  const TetMesh mesh = irregular_box(4);
+  Mat3<double> F;
+  F << 1.2, 0.3, -0.1, 0.05, 0.8, 0.2, -0.2, 0.1, 1.1;
+  const Mat3X<double> u = affine_displacement(mesh.points, F);
+  const Setup plain = hybrid_setup(mesh), setup = averaged(plain, 0.8);
+  const Mat3X<double> expected = forces<double>(plain, u);
+  CHECK((forces<double>(setup, u) - expected).norm() < 1e-13 * expected.norm());
+  CHECK(elastic_energy(setup, u) == doctest::Approx(elastic_energy(plain, u)).epsilon(1e-13));
+}
+
+TEST_CASE("with nodal pressure there is no net force, no net moment, and no force in a rigid motion") {
+  const TetMesh mesh = irregular_box(4);
+  Setup setup = mixed_setup(mesh);
+  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
+  const Mat3X<double> f = forces<double>(setup, u);
+  CHECK(f.rowwise().sum().norm() < 1e-13 * f.norm());
+  Vec3d moment = Vec3d::Zero();
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    moment += Vec3d(mesh.points.col(v) + u.col(v)).cross(Vec3d(f.col(v)));
+  CHECK(moment.norm() < 1e-12 * f.norm() * 0.04);
+  const Mat3<double> R = Eigen::AngleAxisd(2.0, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
+  CHECK(forces<double>(setup, affine_displacement(mesh.points, R)).norm() < 1e-11 * 1e4 * 0.01 * 0.01);
+  u = Vec3d(0.25, -0.5, 0.125).replicate(1, mesh.vertex_count());
+  CHECK(forces<double>(setup, u).norm() == 0);
+}
+
+TEST_CASE("with nodal pressure single precision follows double, and threads do not change a bit") {
+  const TetMesh mesh = irregular_box(14);  // 16,464 tetrahedra: more than one range of work
+  const Setup setup = mixed_setup(mesh);
+  const Mat3X<float> u = random_displacement<float>(mesh.vertex_count(), 2e-3);
+  const Mat3X<double> exact = forces<double>(setup, u.cast<double>());
+  const Mat3X<float> single = forces<float>(setup, u);
+  CHECK((single.cast<double>() - exact).norm() < 1e-6 * exact.norm());
+  CHECK(single == forces<float>(setup, u, 2));
+  CHECK(exact == forces<double>(setup, u.cast<double>(), 2));
+}
+
+TEST_CASE("the diagonal stiffness is exact: minus the slope of the force on a vertex that moves alone") {
+  const TetMesh mesh = irregular_box(2);
+  Setup setup = mixed_setup(mesh);
+  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  const Elements elements(setup);
+  RegionEdit everything;
+  everything.entered.resize(std::size_t(mesh.tet_count()));
+  std::iota(everything.entered.begin(), everything.entered.end(), 0);
+  NonlinearRegion<double> region;
+  region.follow(elements, everything);
+  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
+  DiagonalStiffness K = DiagonalStiffness::Zero(6, mesh.vertex_count());
+  region.add_diagonal_stiffness(u, K);
+  const int packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const double h = 1e-7, scale = K.cwiseAbs().maxCoeff();
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    for (int i = 0; i < 3; ++i) {
+      Mat3X<double> plus = u, minus = u;
+      plus(i, v) += h;
+      minus(i, v) -= h;
+      const Mat3X<double> slope = (forces<double>(setup, plus) - forces<double>(setup, minus)) / (2 * h);
+      for (int j = 0; j < 3; ++j) CHECK(std::abs(K(packed[i][j], v) + slope(j, v)) < 1e-6 * scale);
+    }
+}
+
+TEST_CASE("tetrahedra that change region back and forth take their pressure nodes along") {
+  const TetMesh mesh = irregular_box();
+  World<double> world = world_at(mixed_setup(mesh), random_displacement(mesh.vertex_count(), 1e-3));
+  const Mat3X<double> before = world.forces();
+  std::vector<Index> linear, moved;
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    if (world.elements().region_of[t] == RegionModel::tensor_mass) linear.push_back(t);
+  for (Index t = 0; t < mesh.tet_count(); t += 2) moved.push_back(t);
+  for (RegionModel model : {RegionModel::tensor_mass, RegionModel::nonlinear}) {
+    world.set_region(moved, model);
+    CHECK(compare_with_rebuilt(world).largest() < 1e-12);
+  }
+  world.set_region(linear, RegionModel::tensor_mass);
+  CHECK((world.forces() - before).norm() < 1e-13 * before.norm());
+}
+
+TEST_CASE("pressure nodes are vertices with a material, and numbers are used again") {
+  const TetMesh mesh = irregular_box(2);
+  Elements elements(mixed_setup(mesh));
+  PressureNodes nodes(elements);
+  double volume = 0, expected = 0;
+  for (Index n = 0; n < nodes.count(); ++n) {
+    volume += nodes.volume(n);
+    for (Index t : nodes.tets(n)) CHECK(elements.elastic_of(t).nodal_lambda() == nodes.lambda(n));
+  }
+  std::vector<Index> part;
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    const bool takes_part = elements.region_of[t] == RegionModel::nonlinear && elements.material_of[t] != 2;
+    CHECK((nodes.of(t).array() != PressureNodes::none).all() == takes_part);
+    if (!takes_part) continue;
+    part.push_back(t);
+    expected += signed_volume(tet_points(mesh, t));
+  }
+  CHECK(volume == doctest::Approx(expected).epsilon(1e-14));
+  const Index count = nodes.count();
+  for (int i = 0; i < 3; ++i) {
+    nodes.follow(elements, part, {});
+    CHECK(!nodes.any());
+    nodes.follow(elements, {}, part);
+    CHECK(nodes.count() == count);
+  }
+  CHECK(nodes.tets(PressureNodes::none).empty());
+}
+
+// Static solutions of an independent Newton trial, deflection of the middle of the end.
+TEST_CASE("a nearly incompressible beam settles where an independent static solution has it") {
+  struct Case {
+    double nu, share, deflection;  // [-], [-], [m]
+  };
+  for (const Case& c : {Case{0.3, 0, -34.5047}, Case{0.3, 1, -38.4205}, Case{0.45, 1, -36.6035},
+                        Case{0.499, 0.98, -19.911}, Case{0.499, 0.985, -21.626}, Case{0.499, 1, -30.287}}) {
+    World<double> world(bent_beam(c.nu, c.share));
+    for (int i = 0; i < 15; ++i) REQUIRE(world.advance(10).ok);
+    const Index middle = world.elements().topology.vertex_count() - 5;
+    CHECK(world.state().u(1, middle) == doctest::Approx(c.deflection).epsilon(2e-5));
+  }
+}

@@ -40,7 +40,8 @@ void add_info(CLI::App& app, InfoOptions& options, Action& action) {
 void add_compare(CLI::App& app, CompareOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand("compare", "Norms of the difference of two displacement fields");
   command->add_option("A", options.a, "mesh with point data \"displacement\" (.vtu)")->required();
-  command->add_option("B", options.b, "the reference, on the same mesh")->required();
+  command->add_option("B", options.b, "the reference, on the same mesh or another of the same body")
+      ->required();
   command->add_flag("--json", options.json, "print JSON alone");
   command->callback([&] { action = [&] { return compare(options); }; });
 }

@@ -56,7 +56,7 @@ void bench_accuracy(const Options& options) {
     print_heading();
     const Accuracy accuracy = measure_accuracy(scene, options.threads, show);
     for (const std::string& warning : accuracy.warnings)
-      std::fprintf(stderr, "lobe: warning: %s\n", warning.c_str());
+      std::fprintf(stderr, "lobe: warning: %s: %s\n", scene.name.c_str(), warning.c_str());
     print_pareto(accuracy.rows);
     print_references(accuracy.rows);
     all.insert(all.end(), accuracy.rows.begin(), accuracy.rows.end());

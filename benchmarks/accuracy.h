@@ -11,11 +11,12 @@ struct AccuracyRow {
   int threads = 1;
   Index tets = 0;
   double linear_fraction = 0;  // of the volume
-  bool to_the_end = true;      // false: the numbers below mean nothing
+  bool to_the_end = true;      // false: times and errors mean nothing
   std::string status;
-  double dt = 0;           // mean time step [s]
-  double wall_per_s = 0;   // [s] per simulated second
-  double error_model = 0;  // against all non-linear, in double precision, with small steps, on the same mesh
+  double dt = 0;          // mean time step [s]
+  double wall_per_s = 0;  // [s] per simulated second
+  double error_model =
+      0;  // against all non-linear, in double precision, with small steps, on the same mesh; 3 digits
   double error_total = 0;  // against that on the largest mesh, refined once
   bool has_total = false;
   bool pareto = false;                // of its scene: no other row is both faster and closer to the reference

@@ -44,13 +44,12 @@ Case liver(bool quick) {
 }
 
 std::vector<Case> shipped_cases(const Options& options) {
-  const auto sizes = [&](std::vector<int> all) {
+  const auto sizes = [&](const std::vector<int>& all, const std::vector<int>& quick) {
     if (!options.tets.empty()) return options.tets;
-    if (options.quick) all.pop_back();
-    return all;
+    return options.quick ? quick : all;
   };
-  return {generated("beam", beam, sizes({648, 1536, 5184})),
-          generated("cylinder", cylinder, sizes({720, 2430, 5760})), liver(options.quick)};
+  return {generated("beam", beam, sizes({648, 1536, 5184}, {192, 648})),
+          generated("cylinder", cylinder, sizes({720, 2430, 5760}, {720, 2430})), liver(options.quick)};
 }
 
 // ---- The user's scenes

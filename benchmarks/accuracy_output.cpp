@@ -9,11 +9,11 @@ namespace lobe::bench {
 namespace {
 
 // Two plots per scene: total error, model error. Colours are models; full points single, hollow ones double precision;
-// squares the Pareto front.
+// the larger the point, the finer the mesh; squares the Pareto front.
 constexpr const char* plot_script = R"gp(set datafile separator ','
 set logscale xy
-set format y '10^{%T}'
-set grid
+set format y '%g'
+set grid xtics ytics mytics
 set key outside right noenhanced
 set xlabel 'wall time per simulated second [s]'
 set linetype 1 lc '#c02020'
@@ -27,23 +27,25 @@ set linetype 8 lc '#606060'
 set linetype 9 lc '#d060a0'
 of(s, m, p, y) = (strcol(8) eq s && strcol(1) eq m && strcol(2) eq p) ? y : NaN
 on_front(s, y) = (strcol(8) eq s && strcol(10) eq '1') ? y : NaN
-graph = "plot for [i=1:words(models)] 'accuracy.csv' using 5:(of(s, word(models, i), 'single', column(y))) with points lc i pt 7 ps 1.2 title word(models, i), for [i=1:words(models)] '' using 5:(of(s, word(models, i), 'double', column(y))) with points lc i pt 6 ps 1.6 lw 1.5 notitle, '' using 5:(on_front(s, column(y))) with points lc 'black' pt 4 ps 2.4 title 'Pareto front'"
-total = "y = 7; set ylabel 'error against the fine mesh'; set title s.': total error' noenhanced;"
-model = "y = 6; set ylabel 'error against SVK on this mesh'; set title s.': model error' noenhanced;"
+size(tets) = 0.7 * (tets / 300.0)**0.25
+points = "plot for [i=1:words(models)] 'accuracy.csv' using 5:(of(s, word(models, i), 'single', column(y))):(size($3)) with points lc i pt 7 ps variable title word(models, i), for [i=1:words(models)] '' using 5:(of(s, word(models, i), 'double', column(y))):(size($3)) with points lc i pt 6 ps variable lw 1.5 notitle"
+front = "'' using 5:(on_front(s, column(y))) with points lc 'black' pt 4 ps 2.6 title 'Pareto front'"
+total = "y = 7; set ylabel 'error against the fine mesh'; set title s.': total error' noenhanced; @points, @front"
+model = "y = 6; set ylabel 'error against SVK on this mesh'; set title s.': model error' noenhanced; @points"
 do for [s in scenes] {
   set terminal pngcairo size 1700,620 font 'sans,11'
   set output 'accuracy_'.s.'.png'
   set multiplot layout 1,2
-  @total @graph
-  @model @graph
+  @total
+  @model
   unset multiplot
 }
 set terminal pngcairo size 1700,620*words(scenes) font 'sans,11'
 set output 'accuracy.png'
 set multiplot layout words(scenes),2
 do for [s in scenes] {
-  @total @graph
-  @model @graph
+  @total
+  @model
 }
 unset multiplot
 )gp";
@@ -65,7 +67,7 @@ std::string accuracy_csv(const std::vector<AccuracyRow>& rows) {
   std::ostringstream out;
   out << "model,precision,tets,dt_s,wall_s_per_s,error_model,error_total,scene,safety,pareto,threads,"
          "linear_fraction,model_reference_change,total_reference_change,status\n"
-      << std::setprecision(5);
+      << std::setprecision(4);
   const auto number = [&](bool known, double value) {
     if (known) out << value;
     out << ',';

@@ -12,7 +12,7 @@
 namespace lobe::bench {
 namespace {
 
-constexpr double short_run = 0.3;  // [s]
+constexpr double short_run = 0.1;  // [s]
 constexpr int most_repetitions = 3;
 
 std::string remark(Condition::Kind kind) {
@@ -70,8 +70,8 @@ Played play_in_precision(const Setup& setup, const Gesture& gesture, const Way& 
 Gesture gesture_of(const Time& time, int samples) {
   Gesture gesture;
   gesture.samples = samples;
-  const double frames_per_sample = std::round(time.duration / (time.frame * samples));
-  gesture.frames = samples * static_cast<int>(std::max(1.0, frames_per_sample));
+  const double frames_per_sample = std::ceil(time.duration / (time.frame * samples) * (1 - 1e-9));
+  gesture.frames = samples * static_cast<int>(frames_per_sample);
   gesture.frame = time.duration / gesture.frames;
   return gesture;
 }

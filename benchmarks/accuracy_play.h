@@ -8,7 +8,7 @@
 
 namespace lobe::bench {
 
-// All runs of a scene advance in the same frames and are sampled at the same times, equally spaced, the last at the
+// All runs of a scene advance in the same frames, about as long as the scene's, and are sampled at the same times, equally spaced, the last at the
 // end.
 struct Gesture {
   int frames = 0;  // a multiple of the number of samples
@@ -34,7 +34,7 @@ struct Played {
   Samples samples;        // those before the end
 };
 
-// On one thread it is that thread's processor time that is taken. Runs below 0.3 s are played three times, and the
+// On one thread it is that thread's processor time that is taken. Runs below 0.1 s are played three times, and the
 // shortest time counts.
 Played play(const Setup& setup, const Gesture& gesture, const Way& way);
 

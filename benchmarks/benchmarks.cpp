@@ -5,6 +5,8 @@ namespace lobe::bench {
 std::span<const Benchmark> all_benchmarks() {
   static constexpr Benchmark list[] = {
       {"kernels", "cost per tetrahedron of each force kernel, against a plain loop", bench_kernels},
+      {"accuracy", "run time against error of models, precisions, meshes and time steps", bench_accuracy,
+       true},
   };
   return list;
 }

@@ -13,10 +13,12 @@ struct Options {
   std::filesystem::path output;  // made if it does not exist
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
-  int threads = 1;               // if above 1, it is timed beside one thread
+  int threads = 1;               // kernels: if above 1, timed beside one thread; accuracy: of every run
+  std::vector<std::filesystem::path> scenes;  // accuracy: in place of the shipped ones
+  std::vector<std::filesystem::path> meshes;  // accuracy: of the one scene, beside its own
 };
 
-// A kernel whose result is not the reference's: it is not timed.
+// A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its end.
 class WrongResult : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -25,10 +27,12 @@ struct Benchmark {
   const char* name;
   const char* help;
   void (*run)(const Options& options);  // throws InputError, WrongResult
+  bool takes_scenes = false;
 };
 
 std::span<const Benchmark> all_benchmarks();
 
 void bench_kernels(const Options& options);
+void bench_accuracy(const Options& options);
 
 }  // namespace lobe::bench

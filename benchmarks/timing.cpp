@@ -6,25 +6,28 @@
 namespace lobe::bench {
 namespace {
 
-double now(clockid_t clock) {
+double now(bool one_thread) {
   timespec time{};
-  clock_gettime(clock, &time);
+  clock_gettime(one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 double seconds_per_call(const Timed& function, double least) {
   function.call();  // its data into the caches
-  const clockid_t clock = function.one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
-  const double start = now(clock), wall_start = now(CLOCK_MONOTONIC);
+  const Stopwatch watch(function.one_thread), wall(false);
   int calls = 0;
   do {
     function.call();
     ++calls;
-  } while (now(CLOCK_MONOTONIC) - wall_start < least);
-  return (now(clock) - start) / calls;
+  } while (wall.seconds() < least);
+  return watch.seconds() / calls;
 }
 
 }  // namespace
+
+Stopwatch::Stopwatch(bool one_thread) : one_thread_(one_thread), start_(now(one_thread)) {}
+
+double Stopwatch::seconds() const { return now(one_thread_) - start_; }
 
 std::vector<std::vector<double>> sample_in_turn(const std::vector<Timed>& functions,
                                                 const Sampling& sampling) {

@@ -8,6 +8,17 @@
 
 namespace lobe::bench {
 
+// From its making on: processor time of this thread, or wall time. [s]
+class Stopwatch {
+ public:
+  explicit Stopwatch(bool one_thread);
+  double seconds() const;
+
+ private:
+  bool one_thread_;
+  double start_;
+};
+
 struct Sampling {
   int rounds = 11;        // samples of each kernel
   double seconds = 0.02;  // least duration of one sample

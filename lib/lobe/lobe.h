@@ -7,7 +7,7 @@
 //   solve/        static equilibrium
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
-//   diagnostics/  strain, stress, volume
+//   diagnostics/  strain, stress, volume, differences between results
 //   run/          a scene played, recorded and reported
 //
 // Glossary (SI units): X rest position [m], x current position [m], u = x − X displacement [m], v velocity
@@ -25,6 +25,7 @@
 #include "lobe/io/surface_io.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
+#include "lobe/mesh/refine.h"
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"

@@ -29,8 +29,11 @@ int run_benchmark(const BenchOptions& options) {
     for (const bench::Benchmark& b : benchmarks) message += std::string("\n  ") + b.name + ": " + b.help;
     throw InputError("bench " + options.name, message);
   }
+  if (!chosen->takes_scenes && !(options.scenes.empty() && options.meshes.empty()))
+    throw InputError("bench " + options.name, "takes neither --scene nor --mesh");
   try {
-    chosen->run({options.output, options.tets, options.quick, options.threads});
+    chosen->run(
+        {options.output, options.tets, options.quick, options.threads, options.scenes, options.meshes});
   } catch (const bench::WrongResult& wrong) {
     print_errors(wrong.what());
     return ended_early;

@@ -151,34 +151,32 @@ int run(const SceneOptions& options) { return produce(options, "simulating", run
 int solve(const SceneOptions& options) { return produce(options, "solving", solve_scene); }
 
 int compare(const CompareOptions& options) {
-  const auto read = [](const std::filesystem::path& file) {
-    MeshFile mesh = read_mesh(file);
-    const auto found = mesh.point_data.find("displacement");
-    if (found == mesh.point_data.end() || found->second.rows() != 3)
-      throw InputError(file.string(), "has no point data \"displacement\" of three components");
-    return mesh;
-  };
-  const MeshFile a = read(options.a), b = read(options.b);
-  if (a.mesh.points != b.mesh.points || a.mesh.tets != b.mesh.tets)
-    throw InputError(options.a.string(), "is not on the same mesh at rest as " + options.b.string() +
-                                             "; only fields of one mesh can be compared");
-  const Difference d =
-      compare_displacements(a.mesh, a.point_data.at("displacement"), b.point_data.at("displacement"));
+  const Difference d = compare_fields(read_field(options.a), read_field(options.b));
   const Json j{{"relative_l2", d.l2},
                {"relative_h1", d.h1},
                {"max_m", d.max},
                {"relative_max", d.relative_max},
                {"worst_vertex", d.worst_vertex},
                {"volume_a_m3", d.volume_a},
-               {"volume_b_m3", d.volume_b}};
-  if (options.json)
+               {"volume_b_m3", d.volume_b},
+               {"rest_volume_a_m3", d.rest_volume_a},
+               {"rest_volume_b_m3", d.rest_volume_b},
+               {"weight", d.by_mass ? "mass" : "volume"},
+               {"same_mesh", d.same_mesh},
+               {"outside_fraction", d.outside_fraction},
+               {"largest_gap_m", d.largest_gap}};
+  if (options.json) {
     std::cout << j.dump(1) << '\n';
-  else
-    std::printf(
-        "relative L2 %.6g, H1 semi-norm %.6g, largest %.6g m (%.6g of the largest displacement) at vertex "
-        "%d\n"
-        "volume %.8g and %.8g m³\n",
-        d.l2, d.h1, d.max, d.relative_max, d.worst_vertex, d.volume_a, d.volume_b);
+    return done;
+  }
+  std::printf(
+      "relative L2 %.6g (by %s), H1 semi-norm %.6g, largest %.6g m (%.6g of the largest displacement) at "
+      "vertex %d\nvolume %.8g and %.8g m³\n",
+      d.l2, d.by_mass ? "mass" : "volume", d.h1, d.max, d.relative_max, d.worst_vertex, d.volume_a,
+      d.volume_b);
+  if (!d.same_mesh)
+    std::printf("different meshes: %.4g %% of B lies outside A, by at most %.4g m\n",
+                100 * d.outside_fraction, d.largest_gap);
   return done;
 }
 

@@ -51,6 +51,7 @@ struct BenchOptions {
   std::vector<int> tets;
   bool quick = false;
   int threads = 1;
+  std::vector<std::filesystem::path> scenes, meshes;
 };
 int run_benchmark(const BenchOptions& options);
 

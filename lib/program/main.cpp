@@ -40,7 +40,8 @@ void add_info(CLI::App& app, InfoOptions& options, Action& action) {
 void add_compare(CLI::App& app, CompareOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand("compare", "Norms of the difference of two displacement fields");
   command->add_option("A", options.a, "mesh with point data \"displacement\" (.vtu)")->required();
-  command->add_option("B", options.b, "the reference, on the same mesh")->required();
+  command->add_option("B", options.b, "the reference, on the same mesh or another of the same body")
+      ->required();
   command->add_flag("--json", options.json, "print JSON alone");
   command->callback([&] { action = [&] { return compare(options); }; });
 }
@@ -56,17 +57,21 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
 }
 
 void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("bench", "Time the library against a plain loop (docs/benchmarks.md)");
-  command->add_option("NAME", options.name, "which benchmark: kernels")->required();
+  CLI::App* command = app.add_subcommand("bench", "Measure speed and accuracy (docs/benchmarks.md)");
+  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy")->required();
   command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
       ->delimiter(',')
       ->check(CLI::Range(6, 5000000));
   command->add_flag("--quick", options.quick, "below 60 s, less precise");
-  command->add_option("--threads", options.threads, "timed beside one thread")
+  command
+      ->add_option("--threads", options.threads, "kernels: timed beside one thread; accuracy: of every run")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  command->add_option("--scene", options.scenes, "accuracy: your own scene, in place of the shipped ones")
+      ->allow_extra_args(false);
+  command->add_option("--mesh", options.meshes, "accuracy: a further mesh of that scene")
+      ->allow_extra_args(false);
   command->callback([&] { action = [&] { return run_benchmark(options); }; });
 }
 

@@ -173,6 +173,7 @@ TEST_CASE("a frame holds the arrays that docs/commands.md promises, tensors as x
     CHECK(frame.mesh.labels[std::size_t(at)] == t % 3);
     CHECK(frame.cell_data.at("source")(0, at) == t);
     CHECK(frame.cell_data.at("region")(0, at) == (t == 7 ? 0 : 2));
+    CHECK(frame.cell_data.at("density")(0, at) == 1000);
     CHECK(frame.cell_data.at("volume_ratio")(0, at) == doctest::Approx(fields.volume_ratio).epsilon(1e-6));
     CHECK(frame.cell_data.at("von_mises")(0, at) == doctest::Approx(fields.von_mises).epsilon(1e-6));
     const auto six = [](const Mat3<double>& a) {

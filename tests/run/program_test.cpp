@@ -213,6 +213,33 @@ TEST_CASE("lobe check says what will be run") {
   CHECK(contains(lobe_in(folder, "check scene.json").out, "192"));
 }
 
+TEST_CASE("lobe compare tells two results apart, also on different meshes, and refuses what is none") {
+  const Folder folder;
+  write_scene_files(folder);
+  write_vtu(folder.path / "finer.vtu", box_mesh({0.08, 0.02, 0.02}, 16, 4, 4));
+  lobe_in(folder, "solve scene.json -o coarse");
+  lobe_in(folder, "solve scene.json --mesh finer.vtu -o fine");
+  const std::string coarse = "coarse/solution.vtu ", fine = "fine/solution.vtu ";
+  const Json same = Json::parse(lobe_in(folder, "compare --json " + fine + fine).out);
+  CHECK(same["relative_l2"] == 0);
+  CHECK(same["same_mesh"] == true);
+  CHECK(same["weight"] == "mass");
+  const Ended other = lobe_in(folder, "compare --json " + coarse + fine);
+  REQUIRE_MESSAGE(other.status == 0, other.err);
+  const Json found = Json::parse(other.out);
+  CHECK(found["same_mesh"] == false);
+  CHECK(found["relative_l2"] > 0.01);  // linear tetrahedra on two cells are too stiff in bending …
+  CHECK(found["relative_l2"] < 0.5);   // … by a third or so
+  CHECK(found["outside_fraction"] == 0);
+  CHECK(contains(lobe_in(folder, "compare " + coarse + fine).out, "different meshes: 0 % of B"));
+  for (const std::string& wrong : {"beam.vtu " + fine, fine + "scene.json", fine + "missing.vtu"}) {
+    const Ended refused = lobe_in(folder, "compare " + wrong);
+    CHECK(refused.status == 2);
+    CHECK(refused.out.empty());
+    CHECK(refused.err.starts_with("lobe: error: "));
+  }
+}
+
 TEST_CASE("pictures that cannot be drawn are a warning that says how to draw them later") {
   const Folder folder;
   Json scene = small_scene();

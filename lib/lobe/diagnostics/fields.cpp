@@ -52,7 +52,8 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   TetMesh mesh{elements.points, Tets(4, n), {}};
   DataArray region{"region", Eigen::MatrixXd(1, n), Type::int32},
       source{"source", Eigen::MatrixXd(1, n), Type::int32};
-  DataArray ratio{"volume_ratio", Eigen::MatrixXd(1, n), Type::float32};
+  DataArray ratio{"volume_ratio", Eigen::MatrixXd(1, n), Type::float32},
+      density{"density", Eigen::MatrixXd(1, n), Type::float32};
   DataArray strain{"strain", Eigen::MatrixXd(6, n), Type::float32},
       stress{"stress", Eigen::MatrixXd(6, n), Type::float32};
   DataArray von_mises{"von_mises", Eigen::MatrixXd(1, n), Type::float32};
@@ -66,13 +67,14 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
     region.values(0, at) = static_cast<int>(elements.region_of[t]);
     source.values(0, at) = t;
     ratio.values(0, at) = fields.volume_ratio;
+    density.values(0, at) = elements.elastic_of(t).density;
     strain.values.col(at) = voigt(fields.strain);
     stress.values.col(at) = voigt(fields.stress);
     von_mises.values(0, at) = fields.von_mises;
     ++at;
   }
   write_vtu(file, mesh, {{"displacement", u, Type::float64}, {"velocity", v, Type::float64}},
-            {region, ratio, strain, stress, von_mises, source});
+            {region, ratio, strain, stress, von_mises, density, source});
 }
 
 double current_volume(const Elements& elements, const Mat3X<double>& u) {

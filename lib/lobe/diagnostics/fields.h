@@ -20,8 +20,8 @@ TetFields tet_fields(const Elements& elements, Index tet,
 
 // The body as it is cut now: all vertices at rest positions, the tetrahedra that are left in the input's
 // order, with point data displacement [m], velocity [m/s] and cell data region, volume_ratio, strain, stress
-// (xx, yy, zz, xy, yz, xz) [Pa], von_mises [Pa], source (the input's tetrahedron), and the labels. Throws
-// InputError if the file cannot be written.
+// (xx, yy, zz, xy, yz, xz) [Pa], von_mises [Pa], density [kg/m³], source (the input's tetrahedron), and the
+// labels. Throws InputError if the file cannot be written.
 void write_frame(const std::filesystem::path& file, const Elements& elements, const Mat3X<double>& u,
                  const Mat3X<double>& v);
 

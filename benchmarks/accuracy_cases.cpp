@@ -1,0 +1,166 @@
+#include "benchmarks/accuracy_cases.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/mesh/generators.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/select.h"
+
+namespace lobe::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path data = LOBE_DATA_DIR;
+
+// ---- The shipped scenes
+
+int cells(int tets, double per_cube) { return std::max(1, int(std::lround(std::cbrt(tets / per_cube)))); }
+
+TetMesh beam(int tets) {
+  const int n = cells(tets, 24);
+  return box_mesh({0.12, 0.03, 0.03}, 4 * n, n, n);
+}
+
+TetMesh cylinder(int tets) {
+  const int rings = cells(tets, 90);
+  return cylinder_mesh(0.02, 0.1, rings, 5 * rings);
+}
+
+Case generated(const char* name, TetMesh (*mesh)(int), const std::vector<int>& tets) {
+  Case made{name, read_scene(data / "scenes" / ("accuracy_" + std::string(name) + ".json")), {}};
+  for (int count : tets) made.meshes.push_back(mesh(count));
+  return made;
+}
+
+Case liver(bool quick) {
+  Case made{"liver", read_scene(data / "scenes/accuracy_liver.json"), {}};
+  made.meshes.push_back(read_mesh(data / "meshes/liver_2k.vtu").mesh);
+  if (!quick) made.meshes.push_back(read_mesh(data / "meshes/liver_10k.vtu").mesh);
+  return made;
+}
+
+std::vector<Case> shipped_cases(const Options& options) {
+  const auto sizes = [&](const std::vector<int>& all, const std::vector<int>& quick) {
+    if (!options.tets.empty()) return options.tets;
+    return options.quick ? quick : all;
+  };
+  return {generated("beam", beam, sizes({648, 1536, 5184}, {192, 648})),
+          generated("cylinder", cylinder, sizes({720, 2430, 5760}, {720, 2430})), liver(options.quick)};
+}
+
+// ---- The user's scenes
+
+std::string name_of(const fs::path& file) {
+  std::string name = file.stem().string();
+  std::replace_if(
+      name.begin(), name.end(),
+      [](unsigned char c) { return !(c < 128 && std::isalnum(c)) && c != '_' && c != '-'; }, '_');
+  return name;
+}
+
+Case users_case(const fs::path& file, const std::vector<fs::path>& meshes) {
+  Case made{name_of(file), read_scene(file), {}};
+  made.meshes.push_back(read_mesh(mesh_path(made.scene)).mesh);
+  for (const fs::path& mesh : meshes) made.meshes.push_back(read_mesh(mesh).mesh);
+  return made;
+}
+
+// ---- Selectors
+
+// Calls visit(selector, whether it is of tetrahedra) for every selector of a scene that is at the top.
+template <class SceneType, class Visit>
+void for_each_selector(SceneType& scene, const Visit& visit) {
+  for (auto& material : scene.materials)
+    if (material.where) visit(*material.where, true);
+  for (auto& region : scene.regions)
+    if (region.where) visit(*region.where, true);
+  for (auto& boundary : scene.boundary) visit(boundary.where, false);
+  for (auto& tool : scene.tools)
+    if (tool.where) visit(*tool.where, false);
+}
+
+// The selectors that this one is made of; none if it is simple.
+std::vector<Selector>* parts_of(Selector& selector) {
+  if (auto* any = std::get_if<SelectAnyOf>(&selector.value)) return &any->parts;
+  if (auto* all = std::get_if<SelectAllOf>(&selector.value)) return &all->parts;
+  if (auto* negated = std::get_if<SelectNot>(&selector.value)) return &negated->part;
+  return nullptr;
+}
+
+bool by_number(Selector selector) {
+  if (const auto* parts = parts_of(selector)) return std::any_of(parts->begin(), parts->end(), by_number);
+  return std::holds_alternative<SelectVertices>(selector.value) ||
+         std::holds_alternative<SelectTetrahedra>(selector.value) ||
+         std::holds_alternative<SelectNearest>(selector.value);
+}
+
+SelectVertices prolongated_vertices(std::vector<Index> vertices, const TetMesh& old,
+                                    const RefinedMesh& refined) {
+  std::vector<char> chosen(std::size_t(old.vertex_count()), 0);
+  for (Index v : vertices) chosen[std::size_t(v)] = 1;
+  for (std::size_t i = 0; i < refined.ends.size(); ++i)
+    if (chosen[std::size_t(refined.ends[i][0])] && chosen[std::size_t(refined.ends[i][1])])
+      vertices.push_back(old.vertex_count() + Index(i));
+  return {std::move(vertices)};
+}
+
+void prolongate(Selector& selector, bool of_tets, const TetMesh& old, const RefinedMesh& refined) {
+  if (auto* parts = parts_of(selector)) {
+    for (Selector& part : *parts) prolongate(part, of_tets, old, refined);
+    return;
+  }
+  if (!by_number(selector)) return;
+  const bool tets = of_tets || std::holds_alternative<SelectTetrahedra>(selector.value);
+  if (!tets) {
+    selector.value = prolongated_vertices(select_vertices(selector, old), old, refined);
+    return;
+  }
+  SelectTetrahedra children;
+  for (Index t : select_tets(selector, old))
+    for (Index child = 0; child < 8; ++child) children.tetrahedra.push_back(8 * t + child);
+  selector.value = std::move(children);
+}
+
+}  // namespace
+
+std::vector<Case> make_cases(const Options& options) {
+  std::vector<Case> cases;
+  if (options.scenes.empty()) {
+    if (!options.meshes.empty())
+      throw InputError("--mesh", "is a further mesh of a scene; name that by --scene");
+    cases = shipped_cases(options);
+  } else {
+    if (!options.tets.empty())
+      throw InputError("--tets",
+                       "sizes the shipped beam and cylinder; give your scene further meshes by --mesh");
+    if (options.scenes.size() > 1 && !options.meshes.empty())
+      throw InputError("--mesh", "goes with one --scene only");
+    for (const fs::path& file : options.scenes) cases.push_back(users_case(file, options.meshes));
+  }
+  for (Case& one : cases)
+    std::stable_sort(one.meshes.begin(), one.meshes.end(),
+                     [](const TetMesh& a, const TetMesh& b) { return a.tet_count() < b.tet_count(); });
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    while (std::any_of(cases.begin(), cases.begin() + std::ptrdiff_t(i),
+                       [&](const Case& other) { return other.name == cases[i].name; }))
+      cases[i].name += '_';
+  return cases;
+}
+
+bool selects_by_number(const Scene& scene) {
+  bool found = false;
+  for_each_selector(scene, [&](const Selector& selector, bool) { found = found || by_number(selector); });
+  return found;
+}
+
+Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined) {
+  for_each_selector(scene,
+                    [&](Selector& selector, bool of_tets) { prolongate(selector, of_tets, old, refined); });
+  return scene;
+}
+
+}  // namespace lobe::bench

@@ -1,0 +1,30 @@
+// What `lobe bench accuracy` plays: scenes, each on meshes of several sizes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "benchmarks/benchmarks.h"
+#include "lobe/mesh/refine.h"
+#include "lobe/scene/scene.h"
+
+namespace lobe::bench {
+
+struct Case {
+  std::string name;  // of the scene's file; letters, digits, '_' and '-'
+  Scene scene;
+  std::vector<TetMesh> meshes;  // ascending in size
+};
+
+// The shipped scenes, or those of the options on their own meshes. Throws InputError.
+std::vector<Case> make_cases(const Options& options);
+
+// Whether a selector of the scene names vertices or tetrahedra by number, or counts them: it means nothing, or
+// something else, on another mesh.
+bool selects_by_number(const Scene& scene);
+
+// The scene for the refined mesh: such selections take what lies between the vertices, or within the tetrahedra, that
+// they select on the old one. All others are geometric, and stay.
+Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined);
+
+}  // namespace lobe::bench

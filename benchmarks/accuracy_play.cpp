@@ -1,0 +1,98 @@
+#include "benchmarks/accuracy_play.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "benchmarks/benchmarks.h"
+#include "benchmarks/timing.h"
+#include "lobe/sim/world.h"
+#include "lobe/text.h"
+
+namespace lobe::bench {
+namespace {
+
+constexpr double short_run = 0.1;  // [s]
+constexpr int most_repetitions = 3;
+
+std::string remark(Condition::Kind kind) {
+  switch (kind) {
+    case Condition::Kind::sub_stepped:
+      return "sub-stepped";
+    case Condition::Kind::near_inversion:
+      return "near inversion";
+    case Condition::Kind::pieces:
+      return "pieces";
+    default:
+      return "";
+  }
+}
+
+template <class Real>
+Played play_once(const Setup& setup, const Gesture& gesture, const Way& way) {
+  Setup with_safety = setup;
+  with_safety.safety = way.safety;
+  World<Real> world(with_safety, way.threads);
+  Played played;
+  std::set<std::string> remarks;
+  double seconds = 0;
+  long long steps = 0;
+  for (int frame = 1; frame <= gesture.frames && played.to_the_end; ++frame) {
+    const Stopwatch watch(way.threads == 1);
+    const Report report = world.advance(gesture.frame);
+    seconds += watch.seconds();
+    steps += report.steps;
+    played.to_the_end = report.ok;
+    for (const Condition& c : report.conditions)
+      if (const std::string text = remark(c.kind); !text.empty()) remarks.insert(text);
+    if (!report.ok)
+      played.status =
+          std::string(name(report.conditions.back().kind)) + " at " + rounded(world.time()) + " s";
+    else if (frame % (gesture.frames / gesture.samples) == 0)
+      played.samples.push_back(world.state().u.template cast<double>());
+  }
+  played.dt = world.time() / double(std::max(1LL, steps));
+  played.wall_per_s = seconds / std::max(world.time(), gesture.frame);
+  if (played.to_the_end) {
+    played.status = "done";
+    for (const std::string& text : remarks) played.status += "; " + text;
+  }
+  return played;
+}
+
+Played play_in_precision(const Setup& setup, const Gesture& gesture, const Way& way) {
+  return way.precision == Precision::single_precision ? play_once<float>(setup, gesture, way)
+                                                      : play_once<double>(setup, gesture, way);
+}
+
+}  // namespace
+
+Gesture gesture_of(const Time& time, int samples) {
+  Gesture gesture;
+  gesture.samples = samples;
+  const double frames_per_sample = std::ceil(time.duration / (time.frame * samples) * (1 - 1e-9));
+  gesture.frames = samples * static_cast<int>(frames_per_sample);
+  gesture.frame = time.duration / gesture.frames;
+  return gesture;
+}
+
+Played play(const Setup& setup, const Gesture& gesture, const Way& way) {
+  Played played = play_in_precision(setup, gesture, way);
+  const bool again = played.to_the_end && played.wall_per_s * gesture.duration() < short_run;
+  for (int i = 1; again && i < most_repetitions; ++i)
+    played.wall_per_s = std::min(played.wall_per_s, play_in_precision(setup, gesture, way).wall_per_s);
+  return played;
+}
+
+Samples play_reference(const Setup& setup, const Gesture& gesture, double safety, int threads) {
+  Played played = play_once<double>(setup, gesture, {Precision::double_precision, safety, threads});
+  if (!played.to_the_end)
+    throw WrongResult(
+        "the reference of " + std::to_string(setup.mesh.tet_count()) +
+        " tetrahedra did not run to its end (" + played.status +
+        "): there is nothing to compare with. A gentler gesture, a volume_penalty or more damping "
+        "may help");
+  return std::move(played.samples);
+}
+
+}  // namespace lobe::bench

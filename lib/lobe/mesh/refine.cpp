@@ -1,0 +1,83 @@
+#include "lobe/mesh/refine.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "lobe/error.h"
+
+namespace lobe {
+namespace {
+
+using Edge = std::array<Index, 2>;
+
+Edge edge_of(const TetMesh& mesh, Index tet, int e) {
+  const auto [low, high] =
+      std::minmax({mesh.tets(edge_corners[e][0], tet), mesh.tets(edge_corners[e][1], tet)});
+  return {low, high};
+}
+
+std::vector<Edge> all_edges(const TetMesh& mesh) {
+  std::vector<Edge> edges;
+  edges.reserve(6 * std::size_t(mesh.tet_count()));
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    for (int e = 0; e < 6; ++e) edges.push_back(edge_of(mesh, t, e));
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+// The octahedron's diagonals join the middles of opposite edges e and 5 − e. The ring of the four other middles around
+// each diagonal is ordered so that (first, last, ring[i], ring[i+1]) is positively oriented.
+constexpr int rings[3][4] = {{1, 2, 4, 3}, {0, 3, 5, 2}, {0, 1, 5, 4}};
+
+int shortest_diagonal(const TetMesh& mesh, const std::array<Index, 6>& middle) {
+  int shortest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int e = 0; e < 3; ++e) {
+    const double length = (mesh.points.col(middle[e]) - mesh.points.col(middle[5 - e])).squaredNorm();
+    if (length < least) {
+      least = length;
+      shortest = e;
+    }
+  }
+  return shortest;
+}
+
+// middle: vertex in the middle of each edge, in the order of edge_corners.
+void add_children(const Eigen::Vector4i& corners, const std::array<Index, 6>& middle, Index first,
+                  TetMesh& fine) {
+  const auto& m = middle;
+  fine.tets.col(first) << corners[0], m[0], m[1], m[2];
+  fine.tets.col(first + 1) << m[0], corners[1], m[3], m[4];
+  fine.tets.col(first + 2) << m[1], m[3], corners[2], m[5];
+  fine.tets.col(first + 3) << m[2], m[4], m[5], corners[3];
+  const int e = shortest_diagonal(fine, middle);
+  for (int i = 0; i < 4; ++i)
+    fine.tets.col(first + 4 + i) << m[e], m[5 - e], m[rings[e][i]], m[rings[e][(i + 1) % 4]];
+}
+
+}  // namespace
+
+RefinedMesh refine(const TetMesh& mesh) {
+  if (mesh.tet_count() > std::numeric_limits<Index>::max() / 8)
+    throw InputError("refine", "more than 2^31 - 1 tetrahedra would result; start from a coarser mesh");
+  RefinedMesh refined;
+  refined.ends = all_edges(mesh);
+  const auto& ends = refined.ends;
+  TetMesh& fine = refined.mesh;
+  const Index old = mesh.vertex_count();
+  fine.points.resize(3, old + Index(ends.size()));
+  fine.points = refined.prolongate(mesh.points);
+  fine.tets.resize(4, 8 * mesh.tet_count());
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    std::array<Index, 6> middle;
+    for (int e = 0; e < 6; ++e)
+      middle[e] = old + Index(std::lower_bound(ends.begin(), ends.end(), edge_of(mesh, t, e)) - ends.begin());
+    add_children(mesh.tets.col(t), middle, 8 * t, fine);
+    refined.parent_of.insert(refined.parent_of.end(), 8, t);
+    fine.labels.insert(fine.labels.end(), 8, mesh.labels[std::size_t(t)]);
+  }
+  return refined;
+}
+
+}  // namespace lobe

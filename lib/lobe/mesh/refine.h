@@ -1,0 +1,31 @@
+// Uniform refinement: a mesh of half the edge length of the same body.
+#pragma once
+
+#include <array>
+
+#include "lobe/mesh/tet_mesh.h"
+
+namespace lobe {
+
+struct RefinedMesh {
+  TetMesh mesh;                            // the old vertices keep their numbers; new ones come after them
+  std::vector<Index> parent_of;            // per tetrahedron; those of parent t are 8 t … 8 t + 7
+  std::vector<std::array<Index, 2>> ends;  // per new vertex: the old vertices in whose middle it lies
+
+  // A P1 field of the old mesh, #components × #old vertices, as one of the new mesh, without any change.
+  template <class Field>
+  Field prolongate(const Field& old) const {
+    Field fine(old.rows(), mesh.vertex_count());
+    fine.leftCols(old.cols()) = old;
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      fine.col(old.cols() + Eigen::Index(i)) = (old.col(ends[i][0]) + old.col(ends[i][1])) / 2;
+    return fine;
+  }
+};
+
+// Each tetrahedron becomes eight (red refinement: J. Bey, Computing 55, 1995): one at each corner, and the octahedron
+// between them cut into four along the shortest of its diagonals. Conforming, positively oriented, labels kept. Throws
+// InputError beyond 2^31 − 1 tetrahedra. O(#tetrahedra log #tetrahedra).
+RefinedMesh refine(const TetMesh& mesh);
+
+}  // namespace lobe

@@ -7,7 +7,6 @@
 #include <array>
 #include <vector>
 
-#include "lobe/fem/simd.h"
 #include "lobe/mesh/vertex_lists.h"
 #include "lobe/parallel.h"
 #include "lobe/region/nodal_pressure.h"
@@ -59,8 +58,7 @@ class ElementBlocks {
   template <Part part>
   void evaluate_ranges(const Mat3X<Real>& u, Parallel& parallel);
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
-  Pack<Real> pressure_V(Index block, int first) const;
-  void keep_slope(Index begin, int corner, const Vec3<Pack<Real>>& slope);
+  void keep_slopes(const Lanes& lanes, Index begin);
 
   void add(const Elements& elements, Index tet);
   void remove(Index tet);

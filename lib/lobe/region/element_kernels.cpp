@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "lobe/fem/pressure_term.h"
+#include "lobe/fem/simd.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
 #include "lobe/region/element_blocks.h"
@@ -32,6 +33,12 @@ struct ElementBlocks<Real>::Lanes {
     return -(alpha.col(0) + alpha.col(1) + alpha.col(2));
   }
 
+  static T pressure_V(const PressureBlock& block, int first, const std::vector<Real>& at_nodes) {  // V p_T
+    T sum = 0;
+    for (int c = 0; c < 4; ++c) sum += T([&](auto lane) { return at_nodes[block.nodes[c][first + lane]]; });
+    return sum * T(&block.V[first], stdx::element_aligned) * Real(0.25f);
+  }
+
   T lambda_V, mu_V, kappa_V;
   Mat3<T> alpha, H;  // α_1, α_2, α_3; ∇u
 };
@@ -56,16 +63,6 @@ void ElementBlocks<Real>::find_pressures(const Mat3X<Real>& u, Parallel& paralle
   nodes_.gather(volume_strain_, pressure_, parallel);
 }
 
-// V p_T of as many tetrahedra of a block as a register holds.
-template <class Real>
-Pack<Real> ElementBlocks<Real>::pressure_V(Index b, int first) const {
-  const PressureBlock& block = pressure_blocks_[b];
-  Pack<Real> sum = 0;
-  for (int c = 0; c < 4; ++c)
-    sum += Pack<Real>([&](auto lane) { return pressure_[block.nodes[c][first + lane]]; });
-  return sum * Pack<Real>(&block.V[first], stdx::element_aligned) * Real(0.25f);
-}
-
 template <class Real>
 template <typename ElementBlocks<Real>::Part part, bool nodal_pressure>
 void ElementBlocks<Real>::evaluate(const Mat3X<Real>& u, Index begin, Index end) {
@@ -78,7 +75,8 @@ void ElementBlocks<Real>::evaluate(const Mat3X<Real>& u, Index begin, Index end)
       else
         VP = svk_stress(e.H, e.lambda_V, e.mu_V);
       if constexpr (part == Part::both) VP += volume_stress(e.H, e.kappa_V);
-      if constexpr (nodal_pressure) VP += pressure_stress(e.H, pressure_V(b, first));
+      if constexpr (nodal_pressure)
+        VP += pressure_stress(e.H, Lanes::pressure_V(pressure_blocks_[b], first, pressure_));
       const Mat34<Pack<Real>> f = corner_forces(VP, e.alpha);
       Real* place = corner_forces_.data() + std::size_t(b) * 12 * width + first;
       for (int i = 0; i < 12; ++i) f(i % 3, i / 3).copy_to(place + i * width, stdx::element_aligned);
@@ -124,20 +122,24 @@ double ElementBlocks<Real>::energy(const Mat3X<Real>& u) {
       const Lanes e(blocks_[b], first, u);
       Pack<Real> W = svk_energy_density(e.H, e.lambda_V, e.mu_V);
       if (volume_term_) W += volume_energy_density(e.H, e.kappa_V);
-      if (nodal_pressure_) W += pressure_energy_density(e.H, pressure_V(b, first));
+      if (nodal_pressure_)
+        W += pressure_energy_density(e.H, Lanes::pressure_V(pressure_blocks_[b], first, pressure_));
       for (int lane = 0; lane < Lanes::count; ++lane) sum += double(Real(W[lane]));
     }
   return sum;
 }
 
-// ∂(V tr E)/∂u_c = V F α_c of as many tetrahedra as a register holds, from the first one's slot on.
+// ∂(V tr E)/∂u_c = V F α_c, from the slot of the first of these tetrahedra on.
 template <class Real>
-void ElementBlocks<Real>::keep_slope(Index begin, int corner, const Vec3<Pack<Real>>& slope) {
-  const PressureBlock& block = pressure_blocks_[begin / width];
-  for (int lane = 0; lane < std::min<int>(Lanes::count, tet_count() - begin); ++lane)
-    for (int d = 0; d < 3; ++d)
-      slopes_(d, 4 * tet_of_slot_[begin + lane] + corner) =
-          double(block.V[begin % width + lane]) * double(Real(slope[d][lane]));
+void ElementBlocks<Real>::keep_slopes(const Lanes& e, Index begin) {
+  const Row& V = pressure_blocks_[begin / width].V;
+  for (int c = 0; c < 4; ++c) {
+    const Vec3<Pack<Real>> a = e.gradient(c), Fa = a + e.H.lazyProduct(a);
+    for (int lane = 0; lane < std::min<int>(Lanes::count, tet_count() - begin); ++lane)
+      for (int d = 0; d < 3; ++d)
+        slopes_(d, 4 * tet_of_slot_[begin + lane] + c) =
+            double(V[begin % width + lane]) * double(Real(Fa[d][lane]));
+  }
 }
 
 template <class Real>
@@ -152,7 +154,11 @@ typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffn
     const int first = begin % width;
     const Lanes e(block, first, u);
     const Pack<Real> change = volume_change(e.H);
-    const Pack<Real> p_V = nodal_pressure_ ? pressure_V(begin / width, first) : Pack<Real>(0);
+    Pack<Real> p_V = 0;
+    if (nodal_pressure_) {
+      p_V = Lanes::pressure_V(pressure_blocks_[begin / width], first, pressure_);
+      keep_slopes(e, begin);
+    }
     const int used = std::min<int>(Lanes::count, tet_count() - begin);
     for (int lane = 0; lane < used; ++lane)
       if (1 + Real(change[lane]) < result.smallest_volume_ratio) {
@@ -163,10 +169,8 @@ typename ElementBlocks<Real>::Stiffness ElementBlocks<Real>::add_diagonal_stiffn
       const Vec3<Pack<Real>> a = e.gradient(c);
       Mat3<Pack<Real>> own = svk_diagonal_block(e.H, a, e.lambda_V, e.mu_V);
       if (volume_term_) own += volume_diagonal_block(e.H, a, e.kappa_V);
-      if (nodal_pressure_) {
+      if (nodal_pressure_)
         for (int i = 0; i < 3; ++i) own(i, i) += p_V * a.cwiseProduct(a).sum();
-        keep_slope(begin, c, a + e.H.lazyProduct(a));
-      }
       for (int i = 0; i < 6; ++i)
         for (int lane = 0; lane < used; ++lane)
           K(i, block.corners[c][first + lane]) += double(Real(own(upper[i][0], upper[i][1])[lane]));

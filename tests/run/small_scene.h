@@ -56,7 +56,8 @@ inline std::filesystem::path write_scene_files(const Folder& folder, const Json&
 inline RunResult play(const std::filesystem::path& scene_file, const std::filesystem::path& directory,
                       int threads = 1) {
   const Scene scene = read_scene(scene_file);
-  return run_scene(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), {directory, threads, make_ldlt, {}});
+  return run_scene(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh),
+                   {directory, threads, make_ldlt, {}});
 }
 
 inline Json report_in(const std::filesystem::path& directory) {

@@ -16,8 +16,8 @@ struct Elastic {
   double density = 1000;          // [kg/m³]
   double nodal_pressure = 0;  // w: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
 
-  double nodal_lambda() const { return lambda > 0 ? nodal_pressure * lambda : 0; }  // wλ [Pa]
-  double element_lambda() const { return lambda - nodal_lambda(); }                 // (1 − w)λ [Pa]
+  double nodal_lambda() const { return nodal_pressure * lambda; }    // wλ [Pa]
+  double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − w)λ [Pa]
 };
 
 struct Body {

@@ -158,8 +158,9 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
 
 void print_loads(std::ostream& out, const ordered_json& summary) {
   const ordered_json& loads = summary["loads"];
-  out << "held       " << summary["fixed_vertices"] << " vertices fixed, " << summary["sliding_vertices"]
-      << " sliding, " << summary["moved_vertices"] << " moved\n";
+  out << "held       " << summary["fixed_vertices"] << " vertices fixed, ";
+  if (summary["sliding_vertices"] != 0) out << summary["sliding_vertices"] << " sliding, ";
+  out << summary["moved_vertices"] << " moved\n";
   out << "loads      force " << triple(loads["force_N"]) << " N, traction "
       << triple(loads["traction_force_N"]) << " N on " << rounded(loads["loaded_area_m2"]) << " m²\n";
   out << "weight     " << rounded(norm(loads["weight_N"])) << " N, mass " << rounded(loads["mass_kg"])

@@ -339,6 +339,9 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
   CHECK(scenes == std::set<std::string>{"my_scene"});
   CHECK(std::filesystem::exists(folder.path / "results" / "accuracy.gp"));
   CHECK(std::filesystem::exists(folder.path / "results" / "machine.txt"));
+  write_vtu(folder.path / "other.vtu", box_mesh({0.06, 0.02, 0.06}, 3, 1, 3));
+  CHECK(lobe_bench("accuracy --scene 'my scene.json' --mesh other.vtu -o other") == 2);
+  CHECK(bytes_of(folder.path / "err.txt").find("does not cover the same body") != errors.npos);
   CHECK(lobe_bench("accuracy --scene 'my scene.json' --tets 100 -o none") == 2);
   CHECK(lobe_bench("accuracy --mesh finer.vtu -o none") == 2);
   CHECK(lobe_bench("accuracy --scene missing.json -o none") == 2);

@@ -141,9 +141,11 @@ std::vector<Case> make_cases(const Options& options) {
       throw InputError("--mesh", "goes with one --scene only");
     for (const fs::path& file : options.scenes) cases.push_back(users_case(file, options.meshes));
   }
-  for (Case& one : cases)
+  for (Case& one : cases) {
     std::stable_sort(one.meshes.begin(), one.meshes.end(),
                      [](const TetMesh& a, const TetMesh& b) { return a.tet_count() < b.tet_count(); });
+    if (options.quick && !options.scenes.empty()) one.meshes.resize(1);
+  }
   for (std::size_t i = 0; i < cases.size(); ++i)
     while (std::any_of(cases.begin(), cases.begin() + std::ptrdiff_t(i),
                        [&](const Case& other) { return other.name == cases[i].name; }))

@@ -1,5 +1,6 @@
 #include "benchmarks/accuracy.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -25,7 +26,9 @@ void print_heading() {
               "safety", "dt [s]", "wall/s", "error_model", "error_total", "status");
 }
 
-void print_pareto(const std::vector<AccuracyRow>& rows) {
+void print_pareto(std::vector<AccuracyRow> rows) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const AccuracyRow& a, const AccuracyRow& b) { return a.wall_per_s < b.wall_per_s; });
   std::printf("\nno other way of these is both faster and closer to the fine reference:\n");
   for (const AccuracyRow& row : rows)
     if (row.pareto) show(row);

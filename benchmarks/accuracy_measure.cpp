@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <thread>
 
 #include "benchmarks/accuracy.h"
@@ -29,7 +28,7 @@ struct Reference {
 };
 
 Reference make_reference(Setup setup, const Gesture& gesture, const double (&safety)[2]) {
-  Reference reference{reference_setup(std::move(setup)), {}, 0};
+  Reference reference{std::move(setup), {}, 0};
   reference.samples = play_reference(reference.setup, gesture, safety[1], reference_threads());
   const Samples before = play_reference(reference.setup, gesture, safety[0], reference_threads());
   reference.change = ErrorNorm(reference.setup).relative(before, reference.samples);
@@ -43,11 +42,12 @@ Setup setup_on(const Scene& scene, TetMesh mesh) {
   return setup;
 }
 
-Reference fine_reference(const Case& scene, const Gesture& gesture) {
+// The scene on its largest mesh, refined once.
+Setup fine_setup(const Case& scene) {
   const TetMesh& largest = scene.meshes.back();
   RefinedMesh refined = refine(largest);
   const Scene fine = prolongated(scene.scene, largest, refined);
-  return make_reference(setup_on(fine, std::move(refined.mesh)), gesture, total_safety);
+  return reference_setup(setup_on(fine, std::move(refined.mesh)));
 }
 
 std::vector<std::string> warnings_of(const Case& scene) {
@@ -69,27 +69,23 @@ double three_digits(double value) {
   return std::strtod(text, nullptr);
 }
 
-// The references that runs on one mesh are compared with.
-struct Against {
-  const Reference& model;
-  ErrorNorm model_norm;
-  const Reference* total = nullptr;  // none: not comparable
-  std::unique_ptr<ErrorNorm> total_norm;
+void set_errors(const ErrorNorm& norm, const Reference& model, const Played& played, AccuracyRow& row) {
+  row.model_reference_change = model.change;
+  if (played.to_the_end) row.error_model = three_digits(norm.relative(played.samples, model.samples));
+}
 
-  Against(const Reference& model_reference, const Reference* total_reference, const TetMesh& mesh)
-      : model(model_reference), model_norm(model.setup), total(total_reference) {
-    if (total) total_norm = std::make_unique<ErrorNorm>(total->setup, mesh);
-  }
+void set_total_error(const ErrorNorm& norm, const Reference& total, const Played& played, AccuracyRow& row) {
+  row.has_total = true;
+  row.total_reference_change = total.change;
+  if (played.to_the_end) row.error_total = three_digits(norm.relative(played.samples, total.samples));
+}
 
-  void set_errors(const Played& played, AccuracyRow& row) const {
-    row.model_reference_change = model.change;
-    row.has_total = total != nullptr;
-    if (total) row.total_reference_change = total->change;
-    if (!played.to_the_end) return;
-    row.error_model = three_digits(model_norm.relative(played.samples, model.samples));
-    if (total) row.error_total = three_digits(total_norm->relative(played.samples, total->samples));
-  }
-};
+std::vector<Way> ways(int threads) {
+  std::vector<Way> all;
+  for (const Precision precision : {Precision::single_precision, Precision::double_precision})
+    for (const double safety : safeties) all.push_back({precision, safety, threads});
+  return all;
+}
 
 AccuracyRow row_of(const Model& model, const Way& way, const Played& played) {
   AccuracyRow row;
@@ -111,24 +107,28 @@ AccuracyRow row_of(const Model& model, const Way& way, const Played& played) {
 Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&)) {
   const Gesture gesture = gesture_of(scene.scene.time);
   Accuracy accuracy{{}, warnings_of(scene)};
-  const Reference total = fine_reference(scene, gesture);
-  const bool only_largest = selects_by_number(scene.scene);
+  Setup fine = fine_setup(scene);
+  std::vector<Setup> setups;
+  std::vector<ErrorNorm> total_norms;  // what cannot be compared is refused before anything is played
   for (const TetMesh& mesh : scene.meshes) {
-    const bool comparable = !only_largest || &mesh == &scene.meshes.back();
-    const Setup setup = setup_on(scene.scene, mesh);
-    const Reference model_reference = make_reference(setup, gesture, model_safety);
-    const Against against(model_reference, comparable ? &total : nullptr, mesh);
-    for (const Model& model : make_models(setup, accuracy.warnings))
-      for (const Precision precision : {Precision::single_precision, Precision::double_precision})
-        for (const double safety : safeties) {
-          const Way way{precision, safety, threads};
-          const Played played = play(model.setup, gesture, way);
-          AccuracyRow row = row_of(model, way, played);
-          row.scene = scene.name;
-          against.set_errors(played, row);
-          if (show) show(row);
-          accuracy.rows.push_back(std::move(row));
-        }
+    setups.push_back(setup_on(scene.scene, mesh));
+    total_norms.emplace_back(fine, mesh);
+  }
+  const Reference total = make_reference(std::move(fine), gesture, total_safety);
+  const bool only_largest = selects_by_number(scene.scene);
+  for (std::size_t i = 0; i < setups.size(); ++i) {
+    const Reference same_mesh = make_reference(reference_setup(setups[i]), gesture, model_safety);
+    const ErrorNorm model_norm(same_mesh.setup);
+    for (const Model& model : make_models(setups[i], accuracy.warnings))
+      for (const Way& way : ways(threads)) {
+        const Played played = play(model.setup, gesture, way);
+        AccuracyRow row = row_of(model, way, played);
+        row.scene = scene.name;
+        set_errors(model_norm, same_mesh, played, row);
+        if (!only_largest || i + 1 == setups.size()) set_total_error(total_norms[i], total, played, row);
+        if (show) show(row);
+        accuracy.rows.push_back(std::move(row));
+      }
   }
   auto& warnings = accuracy.warnings;  // those of every mesh once
   std::sort(warnings.begin(), warnings.end());

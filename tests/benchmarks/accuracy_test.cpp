@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -339,6 +340,12 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
   CHECK(scenes == std::set<std::string>{"my_scene"});
   CHECK(std::filesystem::exists(folder.path / "results" / "accuracy.gp"));
   CHECK(std::filesystem::exists(folder.path / "results" / "machine.txt"));
+  REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --mesh finer.vtu --quick -o quick") == 0);
+  const std::string quick = bytes_of(folder.path / "quick" / "accuracy.csv");
+  CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 28);
+  write_vtu(folder.path / "other.vtu", box_mesh({0.06, 0.02, 0.06}, 3, 1, 3));
+  CHECK(lobe_bench("accuracy --scene 'my scene.json' --mesh other.vtu -o other") == 2);
+  CHECK(bytes_of(folder.path / "err.txt").find("does not cover the same body") != errors.npos);
   CHECK(lobe_bench("accuracy --scene 'my scene.json' --tets 100 -o none") == 2);
   CHECK(lobe_bench("accuracy --mesh finer.vtu -o none") == 2);
   CHECK(lobe_bench("accuracy --scene missing.json -o none") == 2);

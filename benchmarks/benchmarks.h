@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace lobe::bench {
@@ -16,7 +17,7 @@ struct Options {
   int threads = 1;               // if above 1, it is timed beside one thread
 };
 
-// A kernel whose result is not the reference's: it is not timed.
+// A kernel whose result is not the reference's (it is not timed), or failed rows of the validation.
 class WrongResult : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -30,5 +31,8 @@ struct Benchmark {
 std::span<const Benchmark> all_benchmarks();
 
 void bench_kernels(const Options& options);
+void bench_validation(const Options& options);
+
+void write_file(const std::filesystem::path& file, const std::string& text);  // throws InputError
 
 }  // namespace lobe::bench

@@ -7,7 +7,6 @@
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
-#include "lobe/io/atomic_file.h"
 
 namespace lobe::bench {
 namespace {
@@ -58,12 +57,6 @@ void print(const std::vector<Row>& rows) {
                 r.kernel.precision.c_str(), r.kernel.threads, r.tets, r.ns_per_tet, r.ratio,
                 r.kernel.bytes_per_tet, r.deviation, 100 * r.spread);
   std::fflush(stdout);
-}
-
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  io::AtomicFile out(file);
-  out.stream() << text;
-  out.commit();
 }
 
 std::string csv(const std::vector<Row>& rows) {

@@ -29,15 +29,17 @@ int run_benchmark(const BenchOptions& options) {
     for (const bench::Benchmark& b : benchmarks) message += std::string("\n  ") + b.name + ": " + b.help;
     throw InputError("bench " + options.name, message);
   }
+  int status = done;
   try {
     chosen->run({options.output, options.tets, options.quick, options.threads});
   } catch (const bench::WrongResult& wrong) {
     print_errors(wrong.what());
-    return ended_early;
+    status = ended_early;
   }
+  if (!std::filesystem::exists(options.output / (options.name + ".gp"))) return status;
   plot(options.output, options.name);
   std::printf("written to %s\n", options.output.c_str());
-  return done;
+  return status;
 }
 
 }  // namespace lobe::program

@@ -57,13 +57,13 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
 
 void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   CLI::App* command =
-      app.add_subcommand("bench", "Time the library against a plain loop (docs/benchmarks.md)");
-  command->add_option("NAME", options.name, "which benchmark: kernels")->required();
+      app.add_subcommand("bench", "Measure speed (docs/benchmarks.md) or correctness (docs/validation.md)");
+  command->add_option("NAME", options.name, "which benchmark: kernels or validation")->required();
   command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
       ->delimiter(',')
       ->check(CLI::Range(6, 5000000));
-  command->add_flag("--quick", options.quick, "below 60 s, less precise");
+  command->add_flag("--quick", options.quick, "less precise, or with smaller meshes");
   command->add_option("--threads", options.threads, "timed beside one thread")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();

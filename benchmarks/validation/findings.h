@@ -8,12 +8,12 @@ namespace lobe::validation {
 
 struct Reference {
   double value = 0;
-  std::string source;  // where it is from
+  const char* source = "";  // where it is from
 };
 
 struct Tolerance {
   double value = 0;
-  std::string basis;  // why it is what it is
+  const char* basis = "";  // why it is what it is
 };
 
 struct Row {

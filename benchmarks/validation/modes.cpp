@@ -40,7 +40,7 @@ Vibration::Vibration(const Setup& setup) : unknown(std::size_t(setup.mesh.vertex
 Vector solve_shifted(const Vibration& body, double shift, const Vector& right) {
   Sparse A = body.stiffness;
   A.diagonal() -= shift * body.mass;
-  Eigen::SimplicialLDLT<Sparse> factor(A);
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(A);
   if (factor.info() != Eigen::Success) throw std::runtime_error("modes: K − σM could not be factorised");
   return factor.solve(right);
 }

@@ -1,5 +1,7 @@
 #include "benchmarks/benchmarks.h"
 
+#include "lobe/io/atomic_file.h"
+
 namespace lobe::bench {
 
 std::span<const Benchmark> all_benchmarks() {
@@ -7,6 +9,7 @@ std::span<const Benchmark> all_benchmarks() {
       {"kernels", "cost per tetrahedron of each force kernel, against a plain loop", bench_kernels},
       {"accuracy", "run time against error of models, precisions, meshes and time steps", bench_accuracy,
        true},
+      {"validation", "known solutions, orders of convergence, conserved quantities", bench_validation},
   };
   return list;
 }

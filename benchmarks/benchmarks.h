@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace lobe::bench {
@@ -18,7 +19,8 @@ struct Options {
   std::vector<std::filesystem::path> meshes;  // accuracy: of the one scene, beside its own
 };
 
-// A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its end.
+// A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its end; failed
+// rows of the validation.
 class WrongResult : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -34,5 +36,6 @@ std::span<const Benchmark> all_benchmarks();
 
 void bench_kernels(const Options& options);
 void bench_accuracy(const Options& options);
+void bench_validation(const Options& options);
 
 }  // namespace lobe::bench

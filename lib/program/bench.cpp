@@ -31,16 +31,18 @@ int run_benchmark(const BenchOptions& options) {
   }
   if (!chosen->takes_scenes && !(options.scenes.empty() && options.meshes.empty()))
     throw InputError("bench " + options.name, "takes neither --scene nor --mesh");
+  int status = done;
   try {
     chosen->run(
         {options.output, options.tets, options.quick, options.threads, options.scenes, options.meshes});
   } catch (const bench::WrongResult& wrong) {
     print_errors(wrong.what());
-    return ended_early;
+    status = ended_early;
   }
+  if (!std::filesystem::exists(options.output / (options.name + ".gp"))) return status;
   plot(options.output, options.name);
   std::printf("written to %s\n", options.output.c_str());
-  return done;
+  return status;
 }
 
 }  // namespace lobe::program

@@ -57,13 +57,14 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
 }
 
 void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
-  CLI::App* command = app.add_subcommand("bench", "Measure speed and accuracy (docs/benchmarks.md)");
-  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy")->required();
+  CLI::App* command = app.add_subcommand(
+      "bench", "Measure speed, accuracy (docs/benchmarks.md), correctness (docs/validation.md)");
+  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy or validation")->required();
   command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
       ->delimiter(',')
       ->check(CLI::Range(6, 5000000));
-  command->add_flag("--quick", options.quick, "below 60 s, less precise");
+  command->add_flag("--quick", options.quick, "less precise, or with smaller meshes");
   command
       ->add_option("--threads", options.threads, "kernels: timed beside one thread; accuracy: of every run")
       ->check(CLI::Range(1, 256))

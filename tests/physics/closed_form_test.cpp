@@ -14,53 +14,6 @@
 using namespace lobe;
 using namespace lobe::test;
 
-namespace {
-
-constexpr double radius = 0.1, length = 0.1, twist = std::numbers::pi / 2;  // [m], [m], [rad/m]
-
-// Torque that turns the upper end of a twisted cylinder [N m].
-double end_torque(RegionModel model, int rings, int layers) {
-  const TetMesh mesh = cylinder_mesh(radius, length, rings, layers);
-  World<double> world(setup_of(mesh, model));
-  State<double> state = world.state();
-  for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    const Vec3d X = mesh.points.col(v);
-    const double angle = twist * X.z();
-    if (model == RegionModel::tensor_mass)
-      state.u.col(v) = angle * Vec3d(-X.y(), X.x(), 0);
-    else
-      state.u.col(v) = Eigen::AngleAxisd(angle, Vec3d::UnitZ()) * X - X;
-  }
-  world.set_state(state);
-  const Mat3X<double>& f = world.forces();
-  double torque = 0;
-  for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    if (std::abs(mesh.points(2, v) - length) > 1e-9) continue;
-    const Vec3d x = mesh.points.col(v) + state.u.col(v);
-    const Vec3d arm = model == RegionModel::tensor_mass ? Vec3d(mesh.points.col(v)) : x;
-    torque -= arm.x() * f(1, v) - arm.y() * f(0, v);
-  }
-  return torque;
-}
-
-}  // namespace
-
-TEST_CASE("torsion of a cylinder: the end torque converges to 2.4674 N m (linear) and 2.5892 N m (SVK)") {
-  const double a = radius, lambda = 4e4, mu = 1e4;
-  const double linear = 2 * std::numbers::pi * mu * twist * std::pow(a, 4) / 4;
-  const double svk =
-      linear + 2 * std::numbers::pi * (lambda / 2 + mu) * std::pow(twist, 3) * std::pow(a, 6) / 6;
-  CHECK(linear == doctest::Approx(2.4674).epsilon(1e-4));
-  CHECK(svk == doctest::Approx(2.5892).epsilon(1e-4));
-  for (const auto& [model, exact] :
-       {std::pair(RegionModel::tensor_mass, linear), std::pair(RegionModel::nonlinear, svk)}) {
-    const double coarse = std::abs(end_torque(model, 6, 6) / exact - 1);
-    const double fine = std::abs(end_torque(model, 12, 12) / exact - 1);
-    CHECK(fine < 0.02);
-    CHECK(std::log2(coarse / fine) > 0.9);
-  }
-}
-
 TEST_CASE("code_aster SSNV122: stretch 1.1 in plane strain, one side free, gives 26610.3 MPa") {
   const double young = 2e5, poisson = 0.3, stretch = 1.1;
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson)),

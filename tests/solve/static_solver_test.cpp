@@ -2,9 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdio>
-#include <fstream>
-
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/select.h"
@@ -16,23 +13,8 @@ using namespace lobe::test;
 
 namespace {
 
-const std::string data = LOBE_SOLVE_DATA_DIR;
-
-Mat3X<double> read_reference(const std::string& name) {
-  std::ifstream file(data + "/" + name + ".csv");
-  std::string line;
-  std::getline(file, line);
-  std::vector<double> values;
-  while (std::getline(file, line)) {
-    double x = 0, y = 0, z = 0;
-    REQUIRE(std::sscanf(line.c_str(), "%lf,%lf,%lf", &x, &y, &z) == 3);
-    values.insert(values.end(), {x, y, z});
-  }
-  return Eigen::Map<Mat3X<double>>(values.data(), 3, Eigen::Index(values.size() / 3));
-}
-
 Setup beam(RegionModel model) {
-  const TetMesh mesh = read_mesh(data + "/beam_coarse.msh").mesh;
+  const TetMesh mesh = read_mesh(LOBE_DATA_DIR "/reference_solutions/beam_coarse.msh").mesh;
   Setup setup = setup_of(mesh, model);
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
@@ -51,31 +33,6 @@ void pull_end(Setup& setup, const Vec3d& traction) {
 
 }  // namespace
 
-TEST_CASE("independent finite-element solutions of a beam are reproduced to 1e-8 at every vertex") {
-  struct Case {
-    const char* name;
-    RegionModel model;
-    double body_force, traction;  // [N/m³], [Pa]
-  };
-  for (const Case& c : {Case{"linear_body", RegionModel::tensor_mass, -3000, 0},
-                        Case{"linear_traction", RegionModel::tensor_mass, 0, -100},
-                        Case{"svk_body", RegionModel::nonlinear, -3000, 0},
-                        Case{"svk_body_large", RegionModel::nonlinear, -8000, 0},
-                        Case{"svk_traction", RegionModel::nonlinear, 0, -100},
-                        Case{"svk_traction_large", RegionModel::nonlinear, 0, -400}}) {
-    CAPTURE(c.name);
-    Setup setup = beam(c.model);
-    setup.gravity = {0, 0, c.body_force / seed_material.density};
-    pull_end(setup, {0, 0, c.traction});
-    const StaticResult result = solve_static(setup);
-    REQUIRE(result.converged);
-    CHECK(result.residual <= 1e-10);
-    const Mat3X<double> reference = read_reference(c.name);
-    REQUIRE(reference.cols() == result.u.cols());
-    CHECK((result.u - reference).norm() < 1e-8 * reference.norm());
-  }
-}
-
 TEST_CASE("the static solution is where the damped motion comes to rest, in a hybrid with the volume term") {
   Setup setup = beam(RegionModel::nonlinear);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
@@ -88,21 +45,6 @@ TEST_CASE("the static solution is where the damped motion comes to rest, in a hy
   World<double> world(setup);
   for (int i = 0; i < 150; ++i) REQUIRE(world.advance(1.0 / 30).ok);
   CHECK((world.state().u - result.u).norm() < 1e-8 * result.u.norm());
-}
-
-TEST_CASE("prescribed displacements are reached, and the patch test holds for the solver") {
-  Setup setup = setup_of(irregular_box(3));
-  Mat3<double> F;
-  F << 1.3, 0.2, 0, 0.1, 0.9, 0.1, 0, -0.1, 1.1;
-  const Mat3X<double> exact = affine_displacement(setup.mesh.points, F);
-  for (const TetFace& face : outer_faces(setup.mesh))
-    for (int c : face_corners[face.face]) {
-      const Index v = setup.mesh.tets(c, face.tet);
-      setup.prescribed.push_back({v, exact.col(v)});
-    }
-  const StaticResult result = solve_static(setup);
-  REQUIRE(result.converged);
-  CHECK((result.u - exact).norm() < 1e-10 * exact.norm());
 }
 
 TEST_CASE("a body that can move freely is refused, and so is one held along a line") {

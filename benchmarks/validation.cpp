@@ -1,0 +1,41 @@
+// lobe bench validation: all cases against their references in one table (docs/validation.md).
+#include <cstdio>
+
+#include "benchmarks/benchmarks.h"
+#include "benchmarks/files.h"
+#include "benchmarks/machine.h"
+#include "benchmarks/timing.h"
+#include "benchmarks/validation/cases.h"
+#include "benchmarks/validation/table.h"
+
+namespace lobe::bench {
+
+void bench_validation(const Options& options) {
+  using namespace validation;
+  std::filesystem::create_directories(options.output);
+  const std::string machine = machine_line();
+  std::printf("%s\n\n%s", machine.c_str(), text_header().c_str());
+  write_file(options.output / "machine.txt", machine + '\n');
+  std::vector<Row> rows;
+  std::vector<Point> points;
+  std::size_t failed = 0;
+  for (const Family& family : all_families()) {
+    const Findings findings = run_family(family, options.quick);
+    for (const Row& row : findings.rows()) {
+      std::printf("%s", text_line(row).c_str());
+      failed += !row.passed;
+    }
+    std::fflush(stdout);
+    rows.insert(rows.end(), findings.rows().begin(), findings.rows().end());
+    points.insert(points.end(), findings.points().begin(), findings.points().end());
+  }
+  write_file(options.output / "validation.csv", csv(rows));
+  write_file(options.output / "validation.md", machine + "\n" + markdown(rows));
+  write_file(options.output / "validation_studies.csv", study_csv(points));
+  write_file(options.output / "validation.gp", study_script(points));
+  const std::string count = std::to_string(failed) + " of " + std::to_string(rows.size()) + " rows failed";
+  std::printf("\n%s\n", count.c_str());
+  if (failed > 0) throw WrongResult(count + "; see validation.csv");
+}
+
+}  // namespace lobe::bench

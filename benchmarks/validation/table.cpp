@@ -1,0 +1,114 @@
+#include "benchmarks/validation/table.h"
+
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "lobe/text.h"
+
+namespace lobe::validation {
+namespace {
+
+// printf's widths count bytes; a column counts characters.
+std::string padded(const std::string& text, std::size_t width) {
+  std::size_t characters = 0;
+  for (char c : text) characters += (c & 0xC0) != 0x80;
+  return characters < width ? text + std::string(width - characters, ' ') : text;
+}
+
+std::string number(double value, const char* format) {
+  if (std::isnan(value)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+std::string line(const std::string& family, const std::string& name, const std::string& quantity,
+                 const std::string& unit, const std::string& reference, const std::string& measured,
+                 const std::string& error, const std::string& tolerance, const std::string& result) {
+  return padded(family, 22) + ' ' + padded(name, 46) + ' ' + padded(quantity, 42) + ' ' + padded(unit, 5) +
+         ' ' + padded(reference, 14) + ' ' + padded(measured, 14) + ' ' + padded(error, 9) + ' ' +
+         padded(tolerance, 9) + ' ' + result + '\n';
+}
+
+}  // namespace
+
+std::string text_header() {
+  return line("family", "case", "quantity", "unit", "reference", "measured", "error", "tolerance", "");
+}
+
+std::string text_line(const Row& row) {
+  return line(row.family, row.name, row.quantity, row.unit, number(row.reference.value, "%.8g"),
+              number(row.measured, "%.8g"), number(row.error, "%.1e"), number(row.tolerance.value, "%.1e"),
+              row.passed ? "passed" : "FAILED");
+}
+
+std::string csv(std::span<const Row> rows) {
+  std::ostringstream out;
+  out << "family,case,quantity,unit,reference,source,measured,error,tolerance,basis,passed\n";
+  for (const Row& r : rows)
+    out << quoted(r.family) << ',' << quoted(r.name) << ',' << quoted(r.quantity) << ',' << r.unit << ','
+        << exact(r.reference.value) << ',' << quoted(r.reference.source) << ',' << exact(r.measured) << ','
+        << exact(r.error) << ',' << exact(r.tolerance.value) << ',' << quoted(r.tolerance.basis) << ','
+        << (r.passed ? "yes" : "no") << '\n';
+  return out.str();
+}
+
+std::string markdown(std::span<const Row> rows) {
+  std::ostringstream out;
+  std::string family;
+  for (const Row& r : rows) {
+    if (r.family != family)
+      out << "\n### " << r.family
+          << "\n\n| case | quantity | unit | reference | from | measured | error | tolerance | because | |\n"
+             "|---|---|---|---|---|---|---|---|---|---|\n";
+    family = r.family;
+    out << "| " << r.name << " | " << r.quantity << " | " << r.unit << " | "
+        << number(r.reference.value, "%.8g") << " | " << r.reference.source << " | "
+        << number(r.measured, "%.8g") << " | " << number(r.error, "%.1e") << " | "
+        << number(r.tolerance.value, "%.1e") << " | " << r.tolerance.basis << " | "
+        << (r.passed ? "passed" : "**failed**") << " |\n";
+  }
+  return out.str();
+}
+
+std::string study_csv(std::span<const Point> points) {
+  std::ostringstream out;
+  out << "study,size,error\n";
+  for (const Point& p : points)
+    out << quoted(p.study) << ',' << exact(p.size) << ',' << exact(p.error) << '\n';
+  return out.str();
+}
+
+std::string study_script(std::span<const Point> points) {
+  std::ostringstream out;
+  out << R"(set terminal pngcairo size 1200,760 font 'sans,10'
+set output 'validation.png'
+set datafile separator ','
+set datafile missing NaN
+set logscale xy
+set format y '10^{%T}'
+set grid
+set key outside right noenhanced
+set xlabel 'size of cell or time step, relative to the coarsest'
+set ylabel 'relative error'
+of(name) = (strcol(1) eq name) ? column(3) : NaN
+plot [0.1:1.2] 1e-2*x with lines lw 2 lc 'gray' dt 2 title 'order 1', 1e-3*x**2 with lines lw 2 lc 'gray' dt 3 title 'order 2')";
+  std::string last;
+  for (const Point& p : points) {
+    if (p.study == last) continue;
+    last = p.study;
+    out << ", \\\n  'validation_studies.csv' using 2:(of(\"" << p.study
+        << "\")) with linespoints lw 1.5 title \"" << p.study << '"';
+  }
+  out << '\n';
+  return out.str();
+}
+
+}  // namespace lobe::validation

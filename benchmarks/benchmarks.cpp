@@ -1,7 +1,5 @@
 #include "benchmarks/benchmarks.h"
 
-#include "lobe/io/atomic_file.h"
-
 namespace lobe::bench {
 
 std::span<const Benchmark> all_benchmarks() {

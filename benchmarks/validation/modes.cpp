@@ -15,25 +15,26 @@ using Sparse = Eigen::SparseMatrix<double>;
 struct Vibration {
   explicit Vibration(const Setup& setup);
 
-  std::vector<Index> unknown;  // per vertex: the first of its three, −1 where held
-  Sparse stiffness;            // lower triangle [N/m]
-  Vector mass;                 // [kg]
+  Unknowns unknowns;
+  Sparse stiffness;  // lower triangle [N/m]
+  Vector mass;       // [kg]
 };
 
-Vibration::Vibration(const Setup& setup) : unknown(std::size_t(setup.mesh.vertex_count()), 0) {
+Unknowns free_components(const Setup& setup) {
+  HeldVertices held;
+  for (const PrescribedVertex& p : setup.prescribed)
+    held.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes});
+  return free_components(Elements(setup), held);
+}
+
+Vibration::Vibration(const Setup& setup) : unknowns(free_components(setup)) {
   const Elements elements(setup);
-  for (const PrescribedVertex& p : setup.prescribed) unknown[p.vertex] = -1;
-  Index count = 0;
-  for (Index& u : unknown)
-    if (u >= 0) {
-      u = count;
-      count += 3;
-    }
-  const Mat3X<double> rest = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
-  stiffness = tangent(elements, rest, unknown, count);
-  mass.resize(count);
-  for (std::size_t v = 0; v < unknown.size(); ++v)
-    if (unknown[v] >= 0) mass.segment<3>(unknown[v]).setConstant(lumped_mass(elements, Index(v)));
+  Tangent tangent(elements, unknowns);
+  tangent.update(Mat3X<double>::Zero(3, setup.mesh.vertex_count()));
+  stiffness = tangent.matrix();
+  Mat3X<double> masses(3, setup.mesh.vertex_count());
+  for (Index v = 0; v < masses.cols(); ++v) masses.col(v).setConstant(lumped_mass(elements, v));
+  mass = unknowns.gather(masses);
 }
 
 // The factor of K − σM is indefinite; it needs no pivoting as long as σ is not an eigenvalue to the last digit.
@@ -49,9 +50,7 @@ Vector solve_shifted(const Vibration& body, double shift, const Vector& right) {
 
 Mode mode_like(const Setup& setup, const Mat3X<double>& guess) {
   const Vibration body(setup);
-  Vector x(body.mass.size());
-  for (std::size_t v = 0; v < body.unknown.size(); ++v)
-    if (body.unknown[v] >= 0) x.segment<3>(body.unknown[v]) = guess.col(Eigen::Index(v));
+  Vector x = body.unknowns.gather(guess);
   const auto normalise = [&](Vector& y) { y /= std::sqrt(y.cwiseProduct(body.mass).dot(y)); };
   normalise(x);
   const Vector start = x;
@@ -64,10 +63,7 @@ Mode mode_like(const Setup& setup, const Mat3X<double>& guess) {
     x = solve_shifted(body, square, Mx);
     normalise(x);
   }
-  Mode mode{std::sqrt(square), Mat3X<double>::Zero(3, guess.cols()),
-            std::abs(start.cwiseProduct(body.mass).dot(x))};
-  for (std::size_t v = 0; v < body.unknown.size(); ++v)
-    if (body.unknown[v] >= 0) mode.shape.col(Eigen::Index(v)) = x.segment<3>(body.unknown[v]);
+  Mode mode{std::sqrt(square), body.unknowns.scatter(x), std::abs(start.cwiseProduct(body.mass).dot(x))};
   mode.shape /= mode.shape.colwise().norm().maxCoeff();
   return mode;
 }

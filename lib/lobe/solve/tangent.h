@@ -18,6 +18,9 @@ struct EnergyAndForces {
 };
 EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes& nodes,
                                   const Mat3X<double>& u);  // 3 × #vertices [m]
+inline EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<double>& u) {
+  return energy_and_forces(elements, PressureNodes(elements), u);
+}
 
 // ∂²W/∂u_j∂u_k of one tetrahedron at given nodal pressures, a 12 × 12 matrix of 3 × 3 blocks [N/m]:
 //   linear      V B_jk                                              (hooke_block)

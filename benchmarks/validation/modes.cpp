@@ -29,8 +29,18 @@ Vibration::Vibration(const Setup& setup) : unknown(std::size_t(setup.mesh.vertex
       u = count;
       count += 3;
     }
-  const Mat3X<double> rest = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
-  stiffness = tangent(elements, rest, unknown, count);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const TetStiffness K = tet_stiffness(elements, t, Mat34<double>::Zero());
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j) {
+        const Index row = unknown[setup.mesh.tets(i / 3, t)], column = unknown[setup.mesh.tets(j / 3, t)];
+        if (row >= 0 && column >= 0 && row + i % 3 >= column + j % 3)
+          entries.emplace_back(row + i % 3, column + j % 3, K(i, j));
+      }
+  }
+  stiffness.resize(count, count);
+  stiffness.setFromTriplets(entries.begin(), entries.end());
   mass.resize(count);
   for (std::size_t v = 0; v < unknown.size(); ++v)
     if (unknown[v] >= 0) mass.segment<3>(unknown[v]).setConstant(lumped_mass(elements, Index(v)));
@@ -59,7 +69,7 @@ Mode mode_like(const Setup& setup, const Mat3X<double>& guess) {
   for (int i = 0;; ++i) {
     const Vector Kx = body.stiffness.selfadjointView<Eigen::Lower>() * x, Mx = body.mass.cwiseProduct(x);
     square = x.dot(Kx);
-    if ((Kx - square * Mx).norm() < 1e-9 * Kx.norm()) break;
+    if ((Kx - square * Mx).norm() < 1e-6 * Kx.norm()) break;
     if (i == 30) throw std::runtime_error("modes: Rayleigh quotient iteration did not converge");
     x = solve_shifted(body, square, Mx);
     normalise(x);

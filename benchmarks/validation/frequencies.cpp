@@ -141,7 +141,7 @@ double run_frequency(const Setup& setup, const Mode& mode, double dt) {
   world.set_state(state);
   const auto share = [&] { return state.u.cwiseProduct(world.state().u).sum(); };
   double before = share(), first = -1;
-  for (int crossings = 0;;) {
+  for (int crossings = 0; world.time() < 25 * 2 * std::numbers::pi / mode.omega;) {
     world.step(dt);
     const double now = share();
     if (before > 0 && now <= 0) {
@@ -151,6 +151,7 @@ double run_frequency(const Setup& setup, const Mode& mode, double dt) {
     }
     before = now;
   }
+  throw std::runtime_error("the run of the longitudinal mode does not oscillate");
 }
 
 void compare_run(Findings& findings) {

@@ -31,7 +31,6 @@ void bench_validation(const Options& options) {
   }
   write_file(options.output / "validation.csv", csv(rows));
   write_file(options.output / "validation.md", machine + "\n" + markdown(rows));
-  write_file(options.output / "validation_studies.csv", study_csv(points));
   write_file(options.output / "validation.gp", study_script(points));
   const std::string count = std::to_string(failed) + " of " + std::to_string(rows.size()) + " rows failed";
   std::printf("\n%s\n", count.c_str());

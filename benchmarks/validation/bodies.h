@@ -28,6 +28,9 @@ void load_faces(Setup& setup, const Condition& holds, const Field& traction);
 // The static equilibrium [m]; throws std::runtime_error where the solver finds none.
 Mat3X<double> equilibrium(const Setup& setup);
 
+// −∂W/∂u of a displaced body, without its loads, by the kernels that run in time: 3 × #vertices [N].
+Mat3X<double> internal_forces(const Setup& setup, const Mat3X<double>& u);
+
 // Mean first Piola-Kirchhoff stress by the outer forces that equilibrium asks for, Σ r_v ⊗ X_v / V, r = −f [Pa].
 Mat3<double> mean_stress(const Setup& setup, const Mat3X<double>& u);
 

@@ -8,7 +8,6 @@
 #include "lobe/fem/svk.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/material_constants.h"
-#include "lobe/solve/tangent.h"
 
 namespace lobe::validation {
 namespace {
@@ -102,7 +101,7 @@ double end_torque(RegionModel model, int rings) {
     prescribe(setup, vertices_where(setup.mesh, ends), turned);
     u = equilibrium(setup);
   }
-  const Mat3X<double> f = energy_and_forces(Elements(setup), u).forces;
+  const Mat3X<double> f = internal_forces(setup, u);
   double torque = 0;
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v) {
     const Vec3d X = setup.mesh.points.col(v);

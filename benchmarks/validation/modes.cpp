@@ -58,7 +58,7 @@ Mode mode_like(const Setup& setup, const Mat3X<double>& guess) {
   for (int i = 0;; ++i) {
     const Vector Kx = body.stiffness.selfadjointView<Eigen::Lower>() * x, Mx = body.mass.cwiseProduct(x);
     square = x.dot(Kx);
-    if ((Kx - square * Mx).norm() < 1e-9 * Kx.norm()) break;
+    if ((Kx - square * Mx).norm() < 1e-6 * Kx.norm()) break;
     if (i == 30) throw std::runtime_error("modes: Rayleigh quotient iteration did not converge");
     x = solve_shifted(body, square, Mx);
     normalise(x);

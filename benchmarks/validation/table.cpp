@@ -78,37 +78,33 @@ std::string markdown(std::span<const Row> rows) {
   return out.str();
 }
 
-std::string study_csv(std::span<const Point> points) {
-  std::ostringstream out;
-  out << "study,size,error\n";
-  for (const Point& p : points)
-    out << quoted(p.study) << ',' << exact(p.size) << ',' << exact(p.error) << '\n';
-  return out.str();
-}
-
 std::string study_script(std::span<const Point> points) {
-  std::ostringstream out;
-  out << R"(set terminal pngcairo size 1200,760 font 'sans,10'
+  std::ostringstream data, plot;
+  std::string last;
+  int studies = 0;
+  for (const Point& p : points) {
+    if (p.study != last) {
+      const std::string name = "$study" + std::to_string(studies);
+      data << (studies > 0 ? "end\n" : "") << name << " << end\n";
+      plot << ", \\\n  " << name << " with linespoints lw 1.5 pt " << 1 + studies % 13 << " title \""
+           << p.study << '"';
+      last = p.study;
+      ++studies;
+    }
+    data << exact(p.size) << ' ' << exact(p.error) << '\n';
+  }
+  if (studies > 0) data << "end\n";
+  return data.str() + R"(set terminal pngcairo size 1200,760 font 'sans,10'
 set output 'validation.png'
-set datafile separator ','
-set datafile missing NaN
 set logscale xy
 set format y '10^{%T}'
 set grid
 set key outside right noenhanced
 set xlabel 'size of cell or time step, relative to the coarsest'
 set ylabel 'relative error'
-of(name) = (strcol(1) eq name) ? column(3) : NaN
-plot [0.1:1.2] 1e-2*x with lines lw 2 lc 'gray' dt 2 title 'order 1', 1e-3*x**2 with lines lw 2 lc 'gray' dt 3 title 'order 2')";
-  std::string last;
-  for (const Point& p : points) {
-    if (p.study == last) continue;
-    last = p.study;
-    out << ", \\\n  'validation_studies.csv' using 2:(of(\"" << p.study
-        << "\")) with linespoints lw 1.5 title \"" << p.study << '"';
-  }
-  out << '\n';
-  return out.str();
+plot [0.2:1.1] 1e-2*x with lines lw 2 lc 'gray' dt 2 title 'order 1', \
+  1e-3*x**2 with lines lw 2 lc 'gray' dt 3 title 'order 2')" +
+         plot.str() + '\n';
 }
 
 }  // namespace lobe::validation

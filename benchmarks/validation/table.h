@@ -12,7 +12,6 @@ std::string text_header();
 std::string text_line(const Row& row);
 std::string csv(std::span<const Row> rows);
 std::string markdown(std::span<const Row> rows);
-std::string study_csv(std::span<const Point> points);
-std::string study_script(std::span<const Point> points);  // gnuplot: validation_studies.csv to validation.png
+std::string study_script(std::span<const Point> points);  // for gnuplot, data included: validation.png
 
 }  // namespace lobe::validation

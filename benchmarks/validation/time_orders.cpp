@@ -12,19 +12,19 @@
 namespace lobe::validation {
 namespace {
 
-struct Integrator {
+struct Scheme {
   const char* name;
   void (*choose)(Setup& setup);
   double velocity_at = 0;  // when the velocity of a state holds, in steps after its displacement
 };
 
-constexpr Integrator integrators[] = {{"central differences", [](Setup&) {}, -0.5}};
+constexpr Scheme schemes[] = {{"central differences", [](Setup&) {}, -0.5}};
 
-Setup clamped_bar(RegionModel model, const Integrator& integrator) {
+Setup clamped_bar(RegionModel model, const Scheme& scheme) {
   Setup setup = body_of(box_mesh({0.1, 0.02, 0.02}, 10, 2, 2), Elastic{}, model);
   prescribe(setup, vertices_where(setup.mesh, [](const Vec3d& X) { return X.x() == 0; }),
             [](const Vec3d&) { return Vec3d::Zero(); });
-  integrator.choose(setup);
+  scheme.choose(setup);
   return setup;
 }
 
@@ -36,13 +36,13 @@ std::vector<int> step_counts(const Setup& setup, double duration, int runs) {
 }
 
 // Largest error over a period and a half, relative to the amplitude.
-double eigenmode_error(const Setup& setup, const Integrator& integrator, const Mode& mode, double duration,
+double eigenmode_error(const Setup& setup, const Scheme& scheme, const Mode& mode, double duration,
                        int steps) {
   const double dt = duration / steps;
   World<double> world(setup);
   State<double> state = world.state();
   state.u = 1e-3 * mode.shape;
-  state.v = -mode.omega * std::sin(mode.omega * integrator.velocity_at * dt) * state.u;
+  state.v = -mode.omega * std::sin(mode.omega * scheme.velocity_at * dt) * state.u;
   world.set_state(state);
   double worst = 0;
   for (int i = 1; i <= steps; ++i) {
@@ -53,8 +53,8 @@ double eigenmode_error(const Setup& setup, const Integrator& integrator, const M
   return worst / state.u.norm();
 }
 
-void eigenmode(Findings& findings, const Integrator& integrator) {
-  const Setup setup = clamped_bar(RegionModel::tensor_mass, integrator);
+void eigenmode(Findings& findings, const Scheme& scheme) {
+  const Setup setup = clamped_bar(RegionModel::tensor_mass, scheme);
   Mat3X<double> guess = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
   guess.row(2) = setup.mesh.points.row(0).array().square();
   const Mode mode = mode_like(setup, guess);
@@ -62,17 +62,17 @@ void eigenmode(Findings& findings, const Integrator& integrator) {
   std::vector<double> sizes, errors;
   for (int steps : step_counts(setup, duration, 3)) {
     sizes.push_back(1.0 / steps);
-    errors.push_back(eigenmode_error(setup, integrator, mode, duration, steps));
+    errors.push_back(eigenmode_error(setup, scheme, mode, duration, steps));
   }
-  const std::string name = std::string(integrator.name) + ", linear eigenmode";
+  const std::string name = std::string(scheme.name) + ", linear eigenmode";
   findings.study(name, sizes, errors);
   findings.order(name, "u against cos ωt", observed_order(sizes, errors), 2,
                  {0.1, "steps are not yet in the limit"});
 }
 
 // A bar bent by its weight is let go.
-Mat3X<double> released(const Setup& setup, const Integrator& integrator, const Mat3X<double>& start,
-                       double duration, int steps) {
+Mat3X<double> released(const Setup& setup, const Scheme& scheme, const Mat3X<double>& start, double duration,
+                       int steps) {
   const double dt = duration / steps;
   World<double> world(setup);
   State<double> state = world.state();
@@ -80,27 +80,27 @@ Mat3X<double> released(const Setup& setup, const Integrator& integrator, const M
   world.set_state(state);
   const Mat3X<double>& f = world.forces();
   for (Index v = 0; v < start.cols(); ++v)
-    if (!world.held().holds(v)) state.v.col(v) = integrator.velocity_at * dt / world.mass()[v] * f.col(v);
+    if (!world.held().holds(v)) state.v.col(v) = scheme.velocity_at * dt / world.mass()[v] * f.col(v);
   world.set_state(state);
   for (int i = 0; i < steps; ++i) world.step(dt);
   return world.state().u;
 }
 
-void large_motion(Findings& findings, const Integrator& integrator) {
-  Setup setup = clamped_bar(RegionModel::nonlinear, integrator);
+void large_motion(Findings& findings, const Scheme& scheme) {
+  Setup setup = clamped_bar(RegionModel::nonlinear, scheme);
   setup.gravity = {0, 0, -3};
   const Mat3X<double> start = equilibrium(setup);
   setup.gravity = Vec3d::Zero();
   const double duration = 0.1;
   const std::vector<int> steps = step_counts(setup, duration, 4);
   std::vector<Mat3X<double>> ends;
-  for (int n : steps) ends.push_back(released(setup, integrator, start, duration, n));
+  for (int n : steps) ends.push_back(released(setup, scheme, start, duration, n));
   std::vector<double> sizes, differences;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     sizes.push_back(1.0 / steps[i]);
     differences.push_back((ends[i] - ends[i + 1]).norm() / start.norm());
   }
-  const std::string name = std::string(integrator.name) + ", SVK, large motion";
+  const std::string name = std::string(scheme.name) + ", SVK, large motion";
   findings.study(name, sizes, differences);
   findings.order(name, "u against half the step", observed_order(sizes, differences), 2,
                  {0.1, "steps are not yet in the limit"});
@@ -109,9 +109,9 @@ void large_motion(Findings& findings, const Integrator& integrator) {
 }  // namespace
 
 void orders_in_time(Findings& findings, bool) {
-  for (const Integrator& integrator : integrators) {
-    eigenmode(findings, integrator);
-    large_motion(findings, integrator);
+  for (const Scheme& scheme : schemes) {
+    eigenmode(findings, scheme);
+    large_motion(findings, scheme);
   }
 }
 

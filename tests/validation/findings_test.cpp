@@ -52,3 +52,12 @@ TEST_CASE("orders and limits of known sequences are found") {
   CHECK(romberg(g(0.4), g(0.2), g(0.1)) == doctest::Approx(3).epsilon(1e-12));
   CHECK(two.mesh_error == doctest::Approx(0.005 / 3));
 }
+
+TEST_CASE("the plot of the studies holds every point, one curve per study") {
+  Findings findings("f");
+  findings.study("a", {0.5, 0.25}, {0.125, 0.03125});
+  findings.study("b", {1.0}, {0.75});
+  const std::string script = study_script(findings.points());
+  CHECK(script.find("$study0 << end\n1 0.125\n0.5 0.03125\nend\n$study1 << end\n1 0.75\nend\n") == 0);
+  CHECK(script.find("$study1 with linespoints") != std::string::npos);
+}

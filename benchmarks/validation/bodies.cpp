@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <random>
 #include <stdexcept>
 
@@ -51,6 +53,15 @@ std::vector<Index> vertices_where(const TetMesh& mesh, const Condition& holds) {
 
 void prescribe(Setup& setup, const std::vector<Index>& vertices, const Field& u) {
   for (Index v : vertices) setup.prescribed.push_back({v, u(setup.mesh.points.col(v))});
+}
+
+void slide(Setup& setup, int axis, double place, double displacement) {
+  const double size = setup.mesh.points.cwiseAbs().maxCoeff();
+  std::array<bool, 3> across{};
+  across[std::size_t(axis)] = true;
+  for (Index v :
+       vertices_where(setup.mesh, [&](const Vec3d& X) { return std::abs(X[axis] - place) < 1e-9 * size; }))
+    setup.prescribed.push_back({v, displacement * Vec3d::Unit(axis), across});
 }
 
 void load_faces(Setup& setup, const Condition& holds, const Field& traction) {

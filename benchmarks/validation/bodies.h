@@ -22,6 +22,9 @@ std::vector<Index> vertices_where(const TetMesh& mesh, const Condition& holds);
 // Prescribes u(X) at vertices.
 void prescribe(Setup& setup, const std::vector<Index>& vertices, const Field& u);
 
+// The vertices on the plane X[axis] = place [m] slide in it; across, they are displaced by as much as said [m].
+void slide(Setup& setup, int axis, double place, double displacement = 0);
+
 // A dead load t(N) on the boundary faces whose three vertices satisfy a condition; N is the outer unit normal.
 void load_faces(Setup& setup, const Condition& holds, const Field& traction);
 

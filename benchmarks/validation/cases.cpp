@@ -10,6 +10,7 @@ std::span<const Family> all_families() {
       {"manufactured solution", manufactured_solutions},
       {"order in time", orders_in_time},
       {"closed form", closed_forms},
+      {"Turek-Hron", turek_hron},
       {"SVK beam", svk_beam},
       {"independent solution", independent_solutions},
       {"long run", long_runs},

@@ -8,6 +8,7 @@
 #include "lobe/fem/svk.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/material_constants.h"
+#include "lobe/text.h"
 
 namespace lobe::validation {
 namespace {
@@ -68,6 +69,22 @@ void hydrostatic(Findings& findings) {
   }
 }
 
+// Rollers on three planes, the opposite end of the x axis displaced, the other sides free.
+void uniaxial(Findings& findings) {
+  const double E = young_modulus(liver.lambda, liver.mu), nu = poisson_ratio(liver.lambda, liver.mu);
+  for (double s : {0.58, 0.7, 0.9, 1.1, 1.3, 1.5}) {
+    Setup setup = cube(liver);
+    for (int axis : {0, 1, 2}) slide(setup, axis, 0);
+    slide(setup, 0, edge, (s - 1) * edge);
+    const Mat3X<double> u = equilibrium(setup);
+    const std::string name = "uniaxial, free sides, stretch " + rounded(s);
+    findings.value(name, "P_xx", "Pa", mean_stress(setup, u)(0, 0),
+                   {E * s * (s * s - 1) / 2, "E s (s² − 1)/2"}, solver);
+    findings.value(name, "lateral stretch", "-", 1 + u.row(1).minCoeff() / edge + u.row(1).maxCoeff() / edge,
+                   {std::sqrt(1 - nu * (s * s - 1)), "√(1 − ν(s² − 1))"}, solver);
+  }
+}
+
 Elastic steel() {  // of code_aster's tests [MPa]
   const LamePair lame = lame_from_young(2e5, 0.3);
   return {lame.lambda, lame.mu, 1};
@@ -80,6 +97,21 @@ void ssnv121(Findings& findings) {
   const Mat3<double> cauchy = prescribed_stress(steel(), F) * F.transpose() / F.determinant();
   findings.value("code_aster SSNV121, uniaxial strain", "σ", "MPa", R.col(0).dot(cauchy * R.col(0)),
                  {31096.154, "code_aster V6.04.121"}, {1e-7, "digits of the reference"});
+}
+
+// Plane strain, one side free; the Cauchy stress is the reaction on the deformed end.
+void ssnv122(Findings& findings) {
+  Setup setup = cube(steel());
+  for (int axis : {0, 1, 2}) slide(setup, axis, 0);
+  slide(setup, 0, edge, 0.1 * edge);
+  slide(setup, 2, edge);
+  const Mat3X<double> u = equilibrium(setup);
+  const double side = 1 + u.row(1).minCoeff() / edge;
+  findings.value("code_aster SSNV122, plane strain, side free", "lateral stretch", "-", side,
+                 {0.953939, "closed form"}, {1e-6, "digits of the reference"});
+  findings.value("code_aster SSNV122, plane strain, side free", "σ", "MPa",
+                 mean_stress(setup, u)(0, 0) / side, {26610.3, "code_aster V6.04.122"},
+                 {2e-6, "digits of the reference"});
 }
 
 constexpr double radius = 0.1, length = 0.1, twist = std::numbers::pi / 2;  // [m], [m], [rad/m]
@@ -145,7 +177,9 @@ void torsion(Findings& findings, bool quick) {
 void closed_forms(Findings& findings, bool quick) {
   simple_shear(findings);
   hydrostatic(findings);
+  uniaxial(findings);
   ssnv121(findings);
+  ssnv122(findings);
   torsion(findings, quick);
 }
 

@@ -18,7 +18,9 @@ struct Scheme {
   double velocity_at = 0;  // when the velocity of a state holds, in steps after its displacement
 };
 
-constexpr Scheme schemes[] = {{"central differences", [](Setup&) {}, -0.5}};
+constexpr Scheme schemes[] = {
+    {"central differences", [](Setup&) {}, -0.5},
+    {"generalised-α", [](Setup& setup) { setup.integrator = lobe::Integrator::generalised_alpha; }, 0}};
 
 Setup clamped_bar(RegionModel model, const Scheme& scheme) {
   Setup setup = body_of(box_mesh({0.1, 0.02, 0.02}, 10, 2, 2), Elastic{}, model);

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "benchmarks/files.h"
 #include "benchmarks/machine.h"
 
 namespace lobe::bench {

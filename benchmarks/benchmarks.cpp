@@ -1,5 +1,7 @@
 #include "benchmarks/benchmarks.h"
 
+#include "lobe/io/atomic_file.h"
+
 namespace lobe::bench {
 
 std::span<const Benchmark> all_benchmarks() {
@@ -9,6 +11,12 @@ std::span<const Benchmark> all_benchmarks() {
        true},
   };
   return list;
+}
+
+void write_file(const std::filesystem::path& file, const std::string& text) {
+  io::AtomicFile out(file);
+  out.stream() << text;
+  out.commit();
 }
 
 }  // namespace lobe::bench

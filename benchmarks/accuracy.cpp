@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "benchmarks/files.h"
 #include "benchmarks/machine.h"
 
 namespace lobe::bench {

@@ -1,7 +1,5 @@
 #include "benchmarks/benchmarks.h"
 
-#include "lobe/io/atomic_file.h"
-
 namespace lobe::bench {
 
 std::span<const Benchmark> all_benchmarks() {
@@ -11,12 +9,6 @@ std::span<const Benchmark> all_benchmarks() {
        true},
   };
   return list;
-}
-
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  io::AtomicFile out(file);
-  out.stream() << text;
-  out.commit();
 }
 
 }  // namespace lobe::bench

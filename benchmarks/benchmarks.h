@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <span>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace lobe::bench {
@@ -35,7 +34,5 @@ std::span<const Benchmark> all_benchmarks();
 
 void bench_kernels(const Options& options);
 void bench_accuracy(const Options& options);
-
-void write_file(const std::filesystem::path& file, const std::string& text);  // throws InputError
 
 }  // namespace lobe::bench

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
+#include "benchmarks/files.h"
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"

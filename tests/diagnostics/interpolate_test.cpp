@@ -167,6 +167,7 @@ TEST_CASE("two cuts of one mesh are compared on their own sides of a split") {
   halves.points.rightCols(vertices) = halves.points.leftCols(vertices).colwise() + Vec3d(0.5, 0, 0);
   halves.tets.conservativeResize(4, 2 * tets);
   halves.tets.rightCols(tets) = halves.tets.leftCols(tets).array() + vertices;
+  halves.labels.clear();
   Field a{"a", halves, Mat3X<double>::Zero(3, 2 * vertices), {}}, b = a;
   a.u.rightCols(vertices).row(2).setOnes();
   b.u = a.u;

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "lobe/error.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/mesh/topology.h"
@@ -67,6 +68,14 @@ TEST_CASE("a refined mesh is conforming, of the same volume and surface, with la
     // With each boundary face in four and no other boundary, every other face has two tetrahedra.
     CHECK(Topology(fine.mesh).boundary_faces().size() == 4 * Topology(mesh).boundary_faces().size());
   }
+}
+
+TEST_CASE("a mesh without labels gets the label 0; one with too few is refused") {
+  TetMesh mesh = box_mesh({1, 1, 1}, 1, 1, 1);
+  mesh.labels.clear();
+  CHECK(refine(mesh).mesh.labels == std::vector<int>(48, 0));
+  mesh.labels = {1, 2};
+  CHECK_THROWS_AS(refine(mesh), InputError);
 }
 
 TEST_CASE("prolongation leaves a P1 field as it is") {

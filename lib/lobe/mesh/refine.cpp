@@ -61,6 +61,8 @@ void add_children(const Eigen::Vector4i& corners, const std::array<Index, 6>& mi
 RefinedMesh refine(const TetMesh& mesh) {
   if (mesh.tet_count() > std::numeric_limits<Index>::max() / 8)
     throw InputError("refine", "more than 2^31 - 1 tetrahedra would result; start from a coarser mesh");
+  if (!mesh.labels.empty() && mesh.labels.size() != std::size_t(mesh.tet_count()))
+    throw InputError("refine", "needs one label per tetrahedron, or none");
   RefinedMesh refined;
   refined.ends = all_edges(mesh);
   const auto& ends = refined.ends;
@@ -75,7 +77,7 @@ RefinedMesh refine(const TetMesh& mesh) {
       middle[e] = old + Index(std::lower_bound(ends.begin(), ends.end(), edge_of(mesh, t, e)) - ends.begin());
     add_children(mesh.tets.col(t), middle, 8 * t, fine);
     refined.parent_of.insert(refined.parent_of.end(), 8, t);
-    fine.labels.insert(fine.labels.end(), 8, mesh.labels[std::size_t(t)]);
+    fine.labels.insert(fine.labels.end(), 8, mesh.labels.empty() ? 0 : mesh.labels[std::size_t(t)]);
   }
   return refined;
 }

@@ -75,6 +75,10 @@ std::vector<Model> make_models(const Setup& setup, std::vector<std::string>& war
   svk.volume_penalty = 0;
   models.push_back({"svk", std::move(svk), 0});
   if (setup.volume_penalty > 0) models.push_back({"svk_volume", with_volume, 0});
+  Setup averaged = with_volume;
+  averaged.evaluator = Evaluator::direct;  // the stored one has no nodal pressure
+  for (Elastic& elastic : averaged.materials) elastic.nodal_pressure = elastic.lambda > 0;
+  models.push_back({"svk_nodal_pressure", std::move(averaged), 0});
   if (const double fraction = linear_fraction(setup); fraction > 0)
     models.push_back({"hybrid_scene", setup, fraction});
   add_trial_hybrids(setup, models, warnings);

@@ -74,7 +74,7 @@ const Mat3<double> stretch = (Mat3<double>() << 1.1, 0.05, 0, 0, 0.95, 0.02, 0, 
 TEST_CASE("every model of a gesture that turns a body has the error that it must have") {
   const Accuracy accuracy = measure_accuracy(turning_case({beam(1), beam(2)}), 1);
   CHECK(accuracy.warnings.empty());
-  CHECK(accuracy.rows.size() == 2 * 7 * 2 * 2);  // meshes × models × precisions × steps
+  CHECK(accuracy.rows.size() == 2 * 8 * 2 * 2);  // meshes × models × precisions × steps
   for (const AccuracyRow& row : accuracy.rows) {
     INFO(row.model << ' ' << row.precision << ' ' << row.safety);
     CHECK(row.status == "done");
@@ -253,7 +253,7 @@ TEST_CASE("what cannot be had is left out with a warning") {
   loose.volume_penalty = 0;
   std::vector<std::string> warnings;
   const std::vector<Model> models = make_models(loose, warnings);
-  REQUIRE(models.size() == 2);
+  REQUIRE(models.size() == 3);
   CHECK(models[0].name == "tensor_mass");
   CHECK(models[1].name == "svk");
   CHECK(warnings.size() == 2);
@@ -334,7 +334,7 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
     front += cells[9] == "1";
     for (int number : {3, 4, 5, 6}) CHECK(std::stod(cells[std::size_t(number)]) >= 0);
   }
-  CHECK(rows == 56);
+  CHECK(rows == 64);
   CHECK(front > 1);
   CHECK(sizes == std::set<std::string>{"18", "144"});
   CHECK(scenes == std::set<std::string>{"my_scene"});
@@ -342,7 +342,7 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
   CHECK(std::filesystem::exists(folder.path / "results" / "machine.txt"));
   REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --mesh finer.vtu --quick -o quick") == 0);
   const std::string quick = bytes_of(folder.path / "quick" / "accuracy.csv");
-  CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 28);
+  CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 32);
   write_vtu(folder.path / "other.vtu", box_mesh({0.06, 0.02, 0.06}, 3, 1, 3));
   CHECK(lobe_bench("accuracy --scene 'my scene.json' --mesh other.vtu -o other") == 2);
   CHECK(bytes_of(folder.path / "err.txt").find("does not cover the same body") != errors.npos);

@@ -7,6 +7,7 @@ std::span<const Benchmark> all_benchmarks() {
       {"kernels", "cost per tetrahedron of each force kernel, against a plain loop", bench_kernels},
       {"accuracy", "run time against error of models, precisions, meshes and time steps", bench_accuracy,
        true},
+      {"cut", "cost of removing a tetrahedron, against building the model anew", bench_cut},
   };
   return list;
 }

@@ -34,5 +34,6 @@ std::span<const Benchmark> all_benchmarks();
 
 void bench_kernels(const Options& options);
 void bench_accuracy(const Options& options);
+void bench_cut(const Options& options);
 
 }  // namespace lobe::bench

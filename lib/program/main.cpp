@@ -58,7 +58,7 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
 
 void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand("bench", "Measure speed and accuracy (docs/benchmarks.md)");
-  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy")->required();
+  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy, cut")->required();
   command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
       ->delimiter(',')

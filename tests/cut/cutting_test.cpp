@@ -59,7 +59,61 @@ void remove_everything(Setup setup, double tolerance, int batch) {
   CHECK(report.ok);
 }
 
+// Whether what was one of these pieces is now in several.
+bool one_is_in_several(const std::vector<std::vector<Index>>& before,
+                       const std::vector<std::vector<Index>>& after) {
+  std::map<Index, int> piece_of;
+  for (std::size_t p = 0; p < before.size(); ++p)
+    for (Index t : before[p]) piece_of[t] = int(p);
+  std::set<int> seen;
+  return std::any_of(after.begin(), after.end(),
+                     [&](const auto& piece) { return !seen.insert(piece_of.at(piece[0])).second; });
+}
+
 }  // namespace
+
+TEST_CASE("an edit says that the body comes apart exactly when there are pieces which were one") {
+  const TetMesh mesh = irregular_box(4);
+  for (std::size_t batch : {1, 7, 40}) {
+    Topology topology(mesh);
+    std::vector<Index> order(std::size_t(mesh.tet_count()));
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), std::mt19937(5));
+    int apart = 0, together = 0;
+    for (std::size_t i = 0; i < order.size(); i += batch) {
+      const auto before = topology.pieces();
+      const MeshEdit edit = topology.remove(std::span(order).subspan(i, std::min(batch, order.size() - i)));
+      CHECK(edit.comes_apart == one_is_in_several(before, topology.pieces()));
+      ++(edit.comes_apart ? apart : together);
+    }
+    CHECK(apart > 0);
+    CHECK(together > 0);
+  }
+}
+
+TEST_CASE("a body that loses the last vertex that held it falls, though it stays in one piece") {
+  const TetMesh mesh = box_mesh({0.02, 0.01, 0.01}, 4, 2, 2);
+  Setup setup = setup_of(mesh, RegionModel::tensor_mass);
+  setup.prescribed.push_back({0, Vec3d::Zero()});
+  World<double> world(setup);
+  const auto around = world.elements().topology.around(0);
+  world.remove_tets(std::vector<Index>(around.begin(), around.end()));
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    if (world.elements().topology.alive(t)) CHECK(world.elements().region_of[t] == RegionModel::nonlinear);
+}
+
+TEST_CASE("dead loads follow a cut: what is left of them acts") {
+  Setup setup = setup_of(box_mesh({0.02, 0.01, 0.01}, 4, 2, 2));
+  const Topology topology(setup.mesh);
+  for (Index code : topology.boundary_faces()) setup.face_loads.push_back({code / 4, code % 4, {0, 0, 100}});
+  for (Index v = 0; v < setup.mesh.vertex_count(); v += 2) setup.vertex_loads.push_back({v, {1, 0, 0}});
+  setup.prescribed.push_back({0, Vec3d::Zero()});
+  World<double> world(setup);
+  for (Index t = 1; t < setup.mesh.tet_count(); t += 3) {
+    world.remove_tets({t});
+    CHECK(compare_with_rebuilt(world).largest() <= 1e-12);
+  }
+}
 
 TEST_CASE("cut = rebuilt, tetrahedron by tetrahedron in random order down to nothing") {
   remove_everything<double>(hybrid_setup(irregular_box(2)), 1e-12, 1);

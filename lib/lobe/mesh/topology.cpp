@@ -46,6 +46,7 @@ Topology::Topology(const TetMesh& mesh)
       alive_(std::size_t(mesh.tet_count()), 1),
       alive_count_(mesh.tet_count()),
       around_(tets_per_vertex(mesh)),
+      found_by_(std::size_t(mesh.tet_count()), -1),
       boundary_slot_(std::size_t(4 * mesh.tet_count()), -1) {
   for (Index t = 0; t < mesh.tet_count(); ++t)
     for (int c = 0; c < 4; ++c) around_.append(tets_(c, t), t);
@@ -79,7 +80,6 @@ void Topology::close_face(Index code) {
 }
 
 void Topology::unlink(Index tet) {
-  alive_[tet] = 0;
   --alive_count_;
   for (int f = 0; f < 4; ++f) {
     around_.erase_value(tets_(f, tet), tet);
@@ -97,15 +97,78 @@ void Topology::unlink(Index tet) {
   }
 }
 
+// The tetrahedra that are left beside each part of the removed ones that hangs together by faces, one part after the other;
+// `ends` tells where each ends. Call it before they are unlinked.
+std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vector<Index>& ends) {
+  std::vector<Index> rims, part;
+  for (Index first : removed) {
+    if (found_by_[first] >= 0) continue;
+    part.assign(1, first);
+    found_by_[first] = first;
+    for (std::size_t at = 0; at < part.size(); ++at)
+      for (Index other : neighbours_.col(part[at])) {
+        if (other < 0) continue;
+        if (alive(other)) rims.push_back(other);
+        if (alive(other) || found_by_[other] >= 0) continue;
+        found_by_[other] = first;
+        part.push_back(other);
+      }
+    ends.push_back(static_cast<Index>(rims.size()));
+  }
+  for (Index t : removed) found_by_[t] = -1;
+  return rims;
+}
+
+// Whether these tetrahedra hang together by faces. One breadth-first search from all of them: searches that meet become
+// one, and one that ends before has found a piece of its own.
+bool Topology::hang_together(std::span<const Index> tets) {
+  std::vector<Index> search_of(tets.size()), open(tets.size(), 0), queue;  // open: tetrahedra yet to be left
+  const auto root = [&](Index search) {
+    while (search_of[search] != search) search = search_of[search];
+    return search;
+  };
+  Index searches = 0;
+  for (Index t : tets) {
+    if (found_by_[t] >= 0) continue;
+    found_by_[t] = search_of[searches] = searches;
+    open[searches++] = 1;
+    queue.push_back(t);
+  }
+  bool ended = false;
+  for (std::size_t at = 0; searches > 1 && !ended; ++at) {
+    const Index own = root(found_by_[queue[at]]);
+    for (Index other : neighbours_.col(queue[at])) {
+      if (other < 0) continue;
+      if (found_by_[other] < 0) {
+        found_by_[other] = own;
+        ++open[own];
+        queue.push_back(other);
+      } else if (const Index met = root(found_by_[other]); met != own) {
+        search_of[met] = own;
+        open[own] += open[met];
+        --searches;
+      }
+    }
+    ended = --open[own] == 0 && searches > 1;
+  }
+  for (Index t : queue) found_by_[t] = -1;
+  return !ended;
+}
+
 MeshEdit Topology::remove(std::span<const Index> tets) {
   MeshEdit edit;
   std::vector<Index> touched;
   for (Index t : tets) {
     if (!alive(t)) continue;
-    unlink(t);
+    alive_[t] = 0;
     edit.removed.push_back(t);
     for (int c = 0; c < 4; ++c) touched.push_back(tets_(c, t));
   }
+  std::vector<Index> ends;
+  const std::vector<Index> rims = rims_of(edit.removed, ends);
+  for (Index t : edit.removed) unlink(t);
+  for (std::size_t i = 0, begin = 0; i < ends.size() && !edit.comes_apart; begin = std::size_t(ends[i++]))
+    edit.comes_apart = !hang_together({rims.data() + begin, std::size_t(ends[i]) - begin});
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (Index v : touched) split_if_apart(v, edit.splits);

@@ -21,6 +21,7 @@ struct VertexSplit {
 struct MeshEdit {
   std::vector<Index> removed;
   std::vector<VertexSplit> splits;
+  bool comes_apart = false;  // what hung together by the removed tetrahedra no longer does
 
   bool empty() const { return removed.empty() && splits.empty(); }
 };
@@ -46,13 +47,16 @@ class Topology {
   Eigen::Vector3i face(Index code) const;
 
   // Removes the alive ones of these tetrahedra. Where what is left around one of their vertices falls into parts that
-  // share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra around these vertices).
+  // share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra around these vertices),
+  // and a search from both sides of the cut until they meet, or until the smaller side is all found.
   MeshEdit remove(std::span<const Index> tets);
 
   // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first. O(#tets).
   std::vector<std::vector<Index>> pieces() const;
 
  private:
+  std::vector<Index> rims_of(const std::vector<Index>& removed, std::vector<Index>& ends);
+  bool hang_together(std::span<const Index> tets);
   void unlink(Index tet);
   void open_face(Index code);
   void close_face(Index code);
@@ -64,6 +68,7 @@ class Topology {
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;
+  std::vector<Index> found_by_;  // scratch of a search: per tetrahedron, −1 outside of it
   std::vector<Index> boundary_;
   std::vector<Index> boundary_slot_;  // per face code: where it stands in boundary_, −1 inside
 };

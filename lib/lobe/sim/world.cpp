@@ -69,6 +69,7 @@ World<Real>::World(const Setup& setup, int threads)
     : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
       elements_(setup),
       nonlinear_(setup.evaluator),
+      loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),
       parallel_(threads) {
   const Index n = elements_.topology.vertex_count();

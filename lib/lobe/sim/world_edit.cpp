@@ -13,7 +13,7 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   if (edit.empty()) return 0;
   follow(edit);
   Index removed = static_cast<Index>(edit.removed.size());
-  removed += treat_loose_pieces();
+  if (may_be_loose(edit)) removed += treat_loose_pieces();
   if (elements_.topology.alive_count() == 0)
     pending_.push_back({Condition::Kind::everything_cut, "no tetrahedron is left", state_.time});
   return removed;
@@ -57,14 +57,14 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   inverse_mass_.resize(n, 0);
   step_mass_.resize(n, 0);
   external_.conservativeResize(3, Eigen::Index(n));
-  dead_loads_ = dead_loads(elements_, setup_.face_loads, setup_.vertex_loads).template cast<Real>();
+  dead_loads_.conservativeResize(3, Eigen::Index(n));
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v);
     refresh_inverse_mass(v);
     if (elements_.topology.around(v).empty()) state_.v.col(v).setZero();
-  }
-  for (Index v = 0; v < static_cast<Index>(n); ++v)
+    dead_loads_.col(v) = loads_.at(elements_, v).template cast<Real>();
     external_.col(v) = dead_loads_.col(v) + (mass_[v] * setup_.gravity).template cast<Real>();
+  }
 }
 
 template <class Real>
@@ -111,22 +111,45 @@ void World<Real>::find_bodies() {
   }
 }
 
+// After an edit that left all pieces in one, and each of them one of the vertices that hold it, nothing can have come
+// loose: a piece that is held stays so, and one that is not was already the last of its body.
+template <class Real>
+bool World<Real>::may_be_loose(const MeshEdit& edit) const {
+  if (edit.comes_apart || sizes_decide_) return true;
+  return std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
+    const Eigen::Vector4i corners = elements_.topology.corners(t);
+    return std::any_of(corners.begin(), corners.end(),
+                       [&](Index v) { return held_.holds(v) && elements_.topology.around(v).empty(); });
+  });
+}
+
 // A piece that nothing holds is loose if its body was held, or if it is not the largest that is left of its
 // body.
 template <class Real>
 Index World<Real>::treat_loose_pieces() {
   const std::vector<std::vector<Index>> pieces = elements_.topology.pieces();
-  std::vector<std::size_t> largest(body_was_held_.size(), 0);
+  struct Kept {
+    std::size_t largest = 0;  // of all pieces
+    int pieces = 0;
+    bool free = false;  // one of them
+  };
+  std::vector<Kept> kept(body_was_held_.size());
   for (const std::vector<Index>& piece : pieces)
-    largest[body_of_[piece[0]]] = std::max(largest[body_of_[piece[0]]], piece.size());
+    kept[body_of_[piece[0]]].largest = std::max(kept[body_of_[piece[0]]].largest, piece.size());
   Index vanished = 0;
   for (const std::vector<Index>& piece : pieces) {
     const Index body = body_of_[piece[0]];
-    if (is_held(piece) || (!body_was_held_[body] && piece.size() == largest[body])) continue;
+    const bool held = is_held(piece);
+    if (held || (!body_was_held_[body] && piece.size() == kept[body].largest)) {
+      ++kept[body].pieces;
+      kept[body].free = kept[body].free || !held;
+      continue;
+    }
     for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
     body_was_held_.push_back(false);
     vanished += treat_loose_piece(piece);
   }
+  sizes_decide_ = std::any_of(kept.begin(), kept.end(), [](const Kept& k) { return k.free && k.pieces > 1; });
   return vanished;
 }
 

@@ -59,20 +59,20 @@ void remove_everything(Setup setup, double tolerance, int batch) {
   CHECK(report.ok);
 }
 
-// Whether what was one of these pieces is now in several.
-bool one_is_in_several(const std::vector<std::vector<Index>>& before,
-                       const std::vector<std::vector<Index>>& after) {
+// How many more pieces there are of what was one of these pieces.
+Index new_pieces(const std::vector<std::vector<Index>>& before,
+                 const std::vector<std::vector<Index>>& after) {
   std::map<Index, int> piece_of;
   for (std::size_t p = 0; p < before.size(); ++p)
     for (Index t : before[p]) piece_of[t] = int(p);
   std::set<int> seen;
-  return std::any_of(after.begin(), after.end(),
-                     [&](const auto& piece) { return !seen.insert(piece_of.at(piece[0])).second; });
+  return Index(std::count_if(after.begin(), after.end(),
+                             [&](const auto& piece) { return !seen.insert(piece_of.at(piece[0])).second; }));
 }
 
 }  // namespace
 
-TEST_CASE("an edit says that the body comes apart exactly when there are pieces which were one") {
+TEST_CASE("an edit says what comes apart: pieces that were one, all of them but one") {
   const TetMesh mesh = irregular_box(4);
   for (std::size_t batch : {1, 7, 40}) {
     Topology topology(mesh);
@@ -83,7 +83,16 @@ TEST_CASE("an edit says that the body comes apart exactly when there are pieces 
     for (std::size_t i = 0; i < order.size(); i += batch) {
       const auto before = topology.pieces();
       const MeshEdit edit = topology.remove(std::span(order).subspan(i, std::min(batch, order.size() - i)));
-      CHECK(edit.comes_apart == one_is_in_several(before, topology.pieces()));
+      const auto after = topology.pieces();
+      CHECK(edit.comes_apart == (new_pieces(before, after) > 0));
+      if (batch == 1) CHECK(Index(edit.cut_off.size()) == new_pieces(before, after));
+      for (std::vector<Index> piece : edit.cut_off) {
+        std::sort(piece.begin(), piece.end());
+        CHECK(std::any_of(after.begin(), after.end(), [&](std::vector<Index> other) {
+          std::sort(other.begin(), other.end());
+          return other == piece;
+        }));
+      }
       ++(edit.comes_apart ? apart : together);
     }
     CHECK(apart > 0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace lobe {
 namespace {
@@ -119,9 +120,9 @@ std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vec
   return rims;
 }
 
-// Whether these tetrahedra hang together by faces. One breadth-first search from all of them: searches that meet become
-// one, and one that ends before has found a piece of its own.
-bool Topology::hang_together(std::span<const Index> tets) {
+// The pieces of the body that hold some of these tetrahedra, all but one of them; none if they hang together. One
+// breadth-first search from all of them: searches that meet become one, and one that ends has found a piece.
+std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> tets) {
   std::vector<Index> search_of(tets.size()), open(tets.size(), 0), queue;  // open: tetrahedra yet to be left
   const auto root = [&](Index search) {
     while (search_of[search] != search) search = search_of[search];
@@ -134,8 +135,8 @@ bool Topology::hang_together(std::span<const Index> tets) {
     open[searches++] = 1;
     queue.push_back(t);
   }
-  bool ended = false;
-  for (std::size_t at = 0; searches > 1 && !ended; ++at) {
+  std::vector<std::vector<Index>> apart;
+  for (std::size_t at = 0; searches > 1; ++at) {
     const Index own = root(found_by_[queue[at]]);
     for (Index other : neighbours_.col(queue[at])) {
       if (other < 0) continue;
@@ -149,10 +150,14 @@ bool Topology::hang_together(std::span<const Index> tets) {
         --searches;
       }
     }
-    ended = --open[own] == 0 && searches > 1;
+    if (--open[own] > 0 || searches == 1) continue;
+    std::vector<Index>& piece = apart.emplace_back();
+    std::copy_if(queue.begin(), queue.end(), std::back_inserter(piece),
+                 [&](Index t) { return root(found_by_[t]) == own; });
+    --searches;
   }
   for (Index t : queue) found_by_[t] = -1;
-  return !ended;
+  return apart;
 }
 
 MeshEdit Topology::remove(std::span<const Index> tets) {
@@ -167,8 +172,11 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
   std::vector<Index> ends;
   const std::vector<Index> rims = rims_of(edit.removed, ends);
   for (Index t : edit.removed) unlink(t);
-  for (std::size_t i = 0, begin = 0; i < ends.size() && !edit.comes_apart; begin = std::size_t(ends[i++]))
-    edit.comes_apart = !hang_together({rims.data() + begin, std::size_t(ends[i]) - begin});
+  for (std::size_t i = 0, begin = 0; i < ends.size() && !edit.comes_apart; begin = std::size_t(ends[i++])) {
+    edit.cut_off = pieces_apart({rims.data() + begin, std::size_t(ends[i]) - begin});
+    edit.comes_apart = !edit.cut_off.empty();
+  }
+  if (ends.size() > 1) edit.cut_off.clear();
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (Index v : touched) split_if_apart(v, edit.splits);
@@ -176,8 +184,9 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
 }
 
 // Numbers the face-connected parts of the tetrahedra around v; part_of runs parallel to around(v).
-Index Topology::parts_around(Index v, std::vector<Index>& part_of) const {
+Index Topology::parts_around(Index v, std::vector<Index>& part_of) {
   const std::span<const Index> star = around(v);
+  for (std::size_t i = 0; i < star.size(); ++i) found_by_[star[i]] = static_cast<Index>(i);
   part_of.assign(star.size(), -1);
   std::vector<std::size_t> front;
   Index parts = 0;
@@ -191,7 +200,7 @@ Index Topology::parts_around(Index v, std::vector<Index>& part_of) const {
       for (int f = 0; f < 4; ++f) {
         const Index other = neighbours_(f, t);
         if (other < 0 || tets_(f, t) == v) continue;
-        const std::size_t at = std::size_t(std::find(star.begin(), star.end(), other) - star.begin());
+        const std::size_t at = std::size_t(found_by_[other]);
         if (part_of[at] >= 0) continue;
         part_of[at] = parts;
         front.push_back(at);
@@ -199,6 +208,7 @@ Index Topology::parts_around(Index v, std::vector<Index>& part_of) const {
     }
     ++parts;
   }
+  for (Index t : star) found_by_[t] = -1;
   return parts;
 }
 

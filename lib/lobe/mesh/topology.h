@@ -22,6 +22,8 @@ struct MeshEdit {
   std::vector<Index> removed;
   std::vector<VertexSplit> splits;
   bool comes_apart = false;  // what hung together by the removed tetrahedra no longer does
+  // The pieces that came apart but for one, which may be large; known if the removed tetrahedra hung together.
+  std::vector<std::vector<Index>> cut_off;
 
   bool empty() const { return removed.empty() && splits.empty(); }
 };
@@ -56,12 +58,12 @@ class Topology {
 
  private:
   std::vector<Index> rims_of(const std::vector<Index>& removed, std::vector<Index>& ends);
-  bool hang_together(std::span<const Index> tets);
+  std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets);
   void unlink(Index tet);
   void open_face(Index code);
   void close_face(Index code);
   void split_if_apart(Index v, std::vector<VertexSplit>& splits);
-  Index parts_around(Index v, std::vector<Index>& part_of) const;
+  Index parts_around(Index v, std::vector<Index>& part_of);
 
   Tets tets_;
   Tets neighbours_;

@@ -70,8 +70,9 @@ class World {
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
   void find_bodies();
-  bool may_be_loose(const MeshEdit& edit) const;
+  bool needs_all_pieces(const MeshEdit& edit) const;
   Index treat_loose_pieces();
+  Index make_loose(const std::vector<Index>& piece);
   Index treat_loose_piece(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;
   bool is_held(const std::vector<Index>& piece) const;

@@ -13,7 +13,10 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   if (edit.empty()) return 0;
   follow(edit);
   Index removed = static_cast<Index>(edit.removed.size());
-  if (may_be_loose(edit)) removed += treat_loose_pieces();
+  if (needs_all_pieces(edit))
+    removed += treat_loose_pieces();
+  else
+    for (const std::vector<Index>& piece : edit.cut_off) removed += make_loose(piece);
   if (elements_.topology.alive_count() == 0)
     pending_.push_back({Condition::Kind::everything_cut, "no tetrahedron is left", state_.time});
   return removed;
@@ -111,11 +114,13 @@ void World<Real>::find_bodies() {
   }
 }
 
-// After an edit that left all pieces in one, and each of them one of the vertices that hold it, nothing can have come
-// loose: a piece that is held stays so, and one that is not was already the last of its body.
+// Whether an edit may have set more loose than the pieces which it is known to have cut off. What they were cut off
+// from is held as before, unless they took a vertex that holds it, or its tetrahedra are gone.
 template <class Real>
-bool World<Real>::may_be_loose(const MeshEdit& edit) const {
-  if (edit.comes_apart || sizes_decide_) return true;
+bool World<Real>::needs_all_pieces(const MeshEdit& edit) const {
+  if (sizes_decide_ || (edit.comes_apart && edit.cut_off.empty())) return true;
+  for (const std::vector<Index>& piece : edit.cut_off)
+    if (!body_was_held_[body_of_[piece[0]]] || is_held(piece)) return true;
   return std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
     const Eigen::Vector4i corners = elements_.topology.corners(t);
     return std::any_of(corners.begin(), corners.end(),
@@ -145,12 +150,17 @@ Index World<Real>::treat_loose_pieces() {
       kept[body].free = kept[body].free || !held;
       continue;
     }
-    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
-    body_was_held_.push_back(false);
-    vanished += treat_loose_piece(piece);
+    vanished += make_loose(piece);
   }
   sizes_decide_ = std::any_of(kept.begin(), kept.end(), [](const Kept& k) { return k.free && k.pieces > 1; });
   return vanished;
+}
+
+template <class Real>
+Index World<Real>::make_loose(const std::vector<Index>& piece) {
+  for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
+  body_was_held_.push_back(false);
+  return treat_loose_piece(piece);
 }
 
 template <class Real>

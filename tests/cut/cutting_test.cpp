@@ -70,7 +70,65 @@ Index new_pieces(const std::vector<std::vector<Index>>& before,
                              [&](const auto& piece) { return !seen.insert(piece_of.at(piece[0])).second; }));
 }
 
+// The rule for loose pieces as it reads, over all pieces after every cut.
+class LooseByTheRule {
+ public:
+  explicit LooseByTheRule(const World<double>& world) : body_of_(world.elements().region_of.size(), -1) {
+    judge(world);
+  }
+
+  // Tetrahedra of pieces that have come loose since.
+  const std::set<Index>& judge(const World<double>& world) {
+    const auto pieces = world.elements().topology.pieces();
+    std::map<int, std::size_t> largest;
+    for (const auto& piece : pieces)
+      largest[body_of_[piece[0]]] = std::max(largest[body_of_[piece[0]]], piece.size());
+    for (const auto& piece : pieces) {
+      const int body = body_of_[piece[0]];
+      const bool held = std::any_of(piece.begin(), piece.end(), [&](Index t) {
+        const Eigen::Vector4i corners = world.elements().topology.corners(t);
+        return std::any_of(corners.begin(), corners.end(), [&](Index v) { return world.held().holds(v); });
+      });
+      if (body >= 0 && (held || (!was_held_[body] && piece.size() == largest[body]))) continue;
+      if (body >= 0) loose_.insert(piece.begin(), piece.end());
+      for (Index t : piece) body_of_[t] = int(was_held_.size());
+      was_held_.push_back(body < 0 && held);
+    }
+    return loose_;
+  }
+
+ private:
+  std::vector<int> body_of_;
+  std::vector<bool> was_held_;
+  std::set<Index> loose_;
+};
+
 }  // namespace
+
+TEST_CASE("what comes loose is found from the cut as by the rule over all pieces") {
+  const TetMesh mesh = irregular_box(4);
+  for (bool held : {true, false})
+    for (std::size_t batch : {1, 9}) {
+      Setup setup = setup_of(mesh, RegionModel::tensor_mass);
+      if (held)
+        for (Index v = 0; v < mesh.vertex_count(); v += 25) setup.prescribed.push_back({v, Vec3d::Zero()});
+      World<double> world(setup);
+      LooseByTheRule rule(world);
+      std::vector<Index> order(std::size_t(mesh.tet_count()));
+      std::iota(order.begin(), order.end(), 0);
+      std::shuffle(order.begin(), order.end(), std::mt19937(3));
+      std::size_t loose_count = 0;
+      for (std::size_t i = 0; i < order.size(); i += batch) {
+        world.remove_tets({order.begin() + long(i), order.begin() + long(std::min(order.size(), i + batch))});
+        const std::set<Index>& loose = rule.judge(world);
+        loose_count = loose.size();
+        for (Index t = 0; t < mesh.tet_count(); ++t)
+          if (world.elements().topology.alive(t))
+            CHECK((world.elements().region_of[t] == RegionModel::nonlinear) == (loose.count(t) > 0));
+      }
+      CHECK(loose_count > 0);
+    }
+}
 
 TEST_CASE("an edit says what comes apart: pieces that were one, all of them but one") {
   const TetMesh mesh = irregular_box(4);

@@ -24,6 +24,7 @@ struct MeshEdit {
   bool comes_apart = false;  // what hung together by the removed tetrahedra no longer does
   // The pieces that came apart but for one, which may be large; known if the removed tetrahedra hung together.
   std::vector<std::vector<Index>> cut_off;
+  Index in_the_other = -1;  // a tetrahedron of that one
 
   bool empty() const { return removed.empty() && splits.empty(); }
 };
@@ -53,12 +54,15 @@ class Topology {
   // and a search from both sides of the cut until they meet, or until the smaller side is all found.
   MeshEdit remove(std::span<const Index> tets);
 
+  // All that hangs together with a tetrahedron by faces. O(#tetrahedra of the piece).
+  std::vector<Index> piece_of(Index tet);
+
   // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first. O(#tets).
   std::vector<std::vector<Index>> pieces() const;
 
  private:
   std::vector<Index> rims_of(const std::vector<Index>& removed, std::vector<Index>& ends);
-  std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets);
+  std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets, Index& in_the_other);
   void unlink(Index tet);
   void open_face(Index code);
   void close_face(Index code);

@@ -276,7 +276,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   const auto exists = [&](Index v) { return mass_[v] > 0; };
   if (tools_.update_grasps(state_.time, held_, displacement, exists)) {
     for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
-    report.tets_removed += treat_loose_pieces();
+    report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
   }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
     report.tets_removed += remove_tets(touched_tets(elements_.topology, elements_.points, state_.u, sweep));

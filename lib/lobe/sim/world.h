@@ -71,8 +71,8 @@ class World {
   void refresh_inverse_mass(Index v);
   void find_bodies();
   bool needs_all_pieces(const MeshEdit& edit) const;
-  Index treat_loose_pieces();
-  Index make_loose(const std::vector<Index>& piece);
+  std::vector<std::vector<Index>> pieces_to_judge(const MeshEdit& edit);
+  Index treat_loose_pieces(const std::vector<std::vector<Index>>& pieces);
   Index treat_loose_piece(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;
   bool is_held(const std::vector<Index>& piece) const;
@@ -101,8 +101,7 @@ class World {
   double rest_frequency_ = 0;                // ω_max at the start [rad/s]
   std::vector<Index> body_of_;  // per tetrahedron: the piece it belonged to at the start, or since
   std::vector<bool> body_was_held_;
-  bool sizes_decide_ =
-      false;  // a body that nothing holds is in pieces of one size: the next cut may set one loose
+  bool sizes_decide_ = false;  // a body that nothing held is in several pieces: any cut may set one loose
 
   std::unique_ptr<ImplicitStep> implicit_;  // none: central differences
   bool implicit_is_stale_ = true;           // after an edit, or a state set from outside

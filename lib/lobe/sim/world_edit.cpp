@@ -14,9 +14,9 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   follow(edit);
   Index removed = static_cast<Index>(edit.removed.size());
   if (needs_all_pieces(edit))
-    removed += treat_loose_pieces();
-  else
-    for (const std::vector<Index>& piece : edit.cut_off) removed += make_loose(piece);
+    removed += treat_loose_pieces(elements_.topology.pieces());
+  else if (edit.comes_apart)
+    removed += treat_loose_pieces(pieces_to_judge(edit));
   if (elements_.topology.alive_count() == 0)
     pending_.push_back({Condition::Kind::everything_cut, "no tetrahedron is left", state_.time});
   return removed;
@@ -114,13 +114,13 @@ void World<Real>::find_bodies() {
   }
 }
 
-// Whether an edit may have set more loose than the pieces which it is known to have cut off. What they were cut off
-// from is held as before, unless they took a vertex that holds it, or its tetrahedra are gone.
+// Whether an edit may have set more loose than the body that it is known to have cut: what is left of it is held as
+// before, unless its pieces took a vertex that holds it, or the tetrahedra around such a vertex are gone.
 template <class Real>
 bool World<Real>::needs_all_pieces(const MeshEdit& edit) const {
   if (sizes_decide_ || (edit.comes_apart && edit.cut_off.empty())) return true;
   for (const std::vector<Index>& piece : edit.cut_off)
-    if (!body_was_held_[body_of_[piece[0]]] || is_held(piece)) return true;
+    if (is_held(piece)) return true;
   return std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
     const Eigen::Vector4i corners = elements_.topology.corners(t);
     return std::any_of(corners.begin(), corners.end(),
@@ -128,15 +128,22 @@ bool World<Real>::needs_all_pieces(const MeshEdit& edit) const {
   });
 }
 
+// What was cut off; of a body that nothing held from the start all there is, since the largest piece stays the body.
+template <class Real>
+std::vector<std::vector<Index>> World<Real>::pieces_to_judge(const MeshEdit& edit) {
+  std::vector<std::vector<Index>> pieces = edit.cut_off;
+  if (!body_was_held_[body_of_[edit.in_the_other]])
+    pieces.push_back(elements_.topology.piece_of(edit.in_the_other));
+  return pieces;
+}
+
 // A piece that nothing holds is loose if its body was held, or if it is not the largest that is left of its
 // body.
 template <class Real>
-Index World<Real>::treat_loose_pieces() {
-  const std::vector<std::vector<Index>> pieces = elements_.topology.pieces();
+Index World<Real>::treat_loose_pieces(const std::vector<std::vector<Index>>& pieces) {
   struct Kept {
     std::size_t largest = 0;  // of all pieces
     int pieces = 0;
-    bool free = false;  // one of them
   };
   std::vector<Kept> kept(body_was_held_.size());
   for (const std::vector<Index>& piece : pieces)
@@ -144,23 +151,18 @@ Index World<Real>::treat_loose_pieces() {
   Index vanished = 0;
   for (const std::vector<Index>& piece : pieces) {
     const Index body = body_of_[piece[0]];
-    const bool held = is_held(piece);
-    if (held || (!body_was_held_[body] && piece.size() == kept[body].largest)) {
+    if (is_held(piece) || (!body_was_held_[body] && piece.size() == kept[body].largest)) {
       ++kept[body].pieces;
-      kept[body].free = kept[body].free || !held;
       continue;
     }
-    vanished += make_loose(piece);
+    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
+    body_was_held_.push_back(false);
+    vanished += treat_loose_piece(piece);
   }
-  sizes_decide_ = std::any_of(kept.begin(), kept.end(), [](const Kept& k) { return k.free && k.pieces > 1; });
+  sizes_decide_ = false;
+  for (std::size_t body = 0; body < kept.size(); ++body)
+    sizes_decide_ = sizes_decide_ || (!body_was_held_[body] && kept[body].pieces > 1);
   return vanished;
-}
-
-template <class Real>
-Index World<Real>::make_loose(const std::vector<Index>& piece) {
-  for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
-  body_was_held_.push_back(false);
-  return treat_loose_piece(piece);
 }
 
 template <class Real>

@@ -8,6 +8,7 @@ std::span<const Benchmark> all_benchmarks() {
       {"accuracy", "run time against error of models, precisions, meshes and time steps", bench_accuracy,
        true},
       {"validation", "known solutions, orders of convergence, conserved quantities", bench_validation},
+      {"cut", "cost of removing a tetrahedron, against building the model anew", bench_cut},
   };
   return list;
 }

@@ -37,5 +37,6 @@ std::span<const Benchmark> all_benchmarks();
 void bench_kernels(const Options& options);
 void bench_accuracy(const Options& options);
 void bench_validation(const Options& options);
+void bench_cut(const Options& options);
 
 }  // namespace lobe::bench

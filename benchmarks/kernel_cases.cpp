@@ -14,15 +14,6 @@ namespace {
 template <class Real>
 constexpr const char* precision_name = sizeof(Real) == 4 ? "single" : "double";
 
-Setup cube_setup(int cells, double edge) {
-  Setup setup;
-  setup.mesh = box_mesh(Vec3d::Constant(edge), cells, cells, cells);
-  setup.materials = {Elastic{}};
-  setup.material_of.assign(std::size_t(setup.mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(setup.mesh.tet_count()), RegionModel::nonlinear);
-  return setup;
-}
-
 RegionEdit everything(const Elements& elements) {
   RegionEdit edit;
   edit.entered.resize(std::size_t(elements.topology.tet_count()));
@@ -148,17 +139,26 @@ void add_step(std::vector<Kernel>& kernels, const CubePointer& cube, const std::
 
 }  // namespace
 
-Cube::Cube(int tets) {
+Setup cube_setup(int tets) {
   const int cells = std::max(1, static_cast<int>(std::lround(std::cbrt(tets / 6.0))));
-  const double edge = 0.1;  // [m]
-  setup = cube_setup(cells, edge);
+  Setup setup;
+  setup.mesh = box_mesh(Vec3d::Constant(cube_edge), cells, cells, cells);
+  setup.materials = {Elastic{}};
+  setup.material_of.assign(std::size_t(setup.mesh.tet_count()), 0);
+  setup.region_of.assign(std::size_t(setup.mesh.tet_count()), RegionModel::nonlinear);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+Cube::Cube(int tets) : setup(cube_setup(tets)) {
   const Index n = setup.mesh.vertex_count();
+  const double cell = cube_edge / std::cbrt(setup.mesh.tet_count() / 6.0);
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> move(-0.1 * edge / cells, 0.1 * edge / cells);
+  std::uniform_real_distribution<double> move(-0.1 * cell, 0.1 * cell);
   u.resize(3, n);
   for (double& component : u.reshaped()) component = static_cast<float>(move(random));
-  for (Index v = 0; v < n; ++v)
-    if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v, u.col(v)});
+  for (PrescribedVertex& held : setup.prescribed) held.displacement = u.col(held.vertex);
   setup.ramp = 0;  // held where the displacement has them
   reference = reference_tets(setup);
   svk = linear = svk_nodal_pressure = Mat3X<double>::Zero(3, n);

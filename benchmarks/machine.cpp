@@ -6,7 +6,7 @@
 #include <fstream>
 #include <thread>
 
-#include "lobe/fem/simd.h"
+#include "lobe/instruction_set.h"
 
 namespace lobe::bench {
 namespace {
@@ -44,8 +44,7 @@ std::string machine_line() {
   char load_text[32];
   std::snprintf(load_text, sizeof load_text, known ? "%.1f" : "unknown", load);
   return processor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " hardware threads; " +
-         compiler() + ", SIMD " + std::to_string(Pack<float>::size()) + " × single; " + date + ", load " +
-         load_text;
+         compiler() + ", " + name(chosen_instruction_set()) + "; " + date + ", load " + load_text;
 }
 
 }  // namespace lobe::bench

@@ -59,7 +59,128 @@ void remove_everything(Setup setup, double tolerance, int batch) {
   CHECK(report.ok);
 }
 
+// How many more pieces there are of what was one of these pieces.
+Index new_pieces(const std::vector<std::vector<Index>>& before,
+                 const std::vector<std::vector<Index>>& after) {
+  std::map<Index, int> piece_of;
+  for (std::size_t p = 0; p < before.size(); ++p)
+    for (Index t : before[p]) piece_of[t] = int(p);
+  std::set<int> seen;
+  return Index(std::count_if(after.begin(), after.end(),
+                             [&](const auto& piece) { return !seen.insert(piece_of.at(piece[0])).second; }));
+}
+
+// The rule for loose pieces as it reads, over all pieces after every cut.
+class LooseByTheRule {
+ public:
+  explicit LooseByTheRule(const World<double>& world) : body_of_(world.elements().region_of.size(), -1) {
+    judge(world);
+  }
+
+  // Tetrahedra of pieces that have come loose since.
+  const std::set<Index>& judge(const World<double>& world) {
+    const auto pieces = world.elements().topology.pieces();
+    std::map<int, std::size_t> largest;
+    for (const auto& piece : pieces)
+      largest[body_of_[piece[0]]] = std::max(largest[body_of_[piece[0]]], piece.size());
+    for (const auto& piece : pieces) {
+      const int body = body_of_[piece[0]];
+      const bool held = std::any_of(piece.begin(), piece.end(), [&](Index t) {
+        const Eigen::Vector4i corners = world.elements().topology.corners(t);
+        return std::any_of(corners.begin(), corners.end(), [&](Index v) { return world.held().holds(v); });
+      });
+      if (body >= 0 && (held || (!was_held_[body] && piece.size() == largest[body]))) continue;
+      if (body >= 0) loose_.insert(piece.begin(), piece.end());
+      for (Index t : piece) body_of_[t] = int(was_held_.size());
+      was_held_.push_back(body < 0 && held);
+    }
+    return loose_;
+  }
+
+ private:
+  std::vector<int> body_of_;
+  std::vector<bool> was_held_;
+  std::set<Index> loose_;
+};
+
 }  // namespace
+
+TEST_CASE("what comes loose is found from the cut as by the rule over all pieces") {
+  const TetMesh mesh = irregular_box(4);
+  for (bool held : {true, false})
+    for (std::size_t batch : {1, 9}) {
+      Setup setup = setup_of(mesh, RegionModel::tensor_mass);
+      if (held)
+        for (Index v = 0; v < mesh.vertex_count(); v += 25) setup.prescribed.push_back({v, Vec3d::Zero()});
+      World<double> world(setup);
+      LooseByTheRule rule(world);
+      std::vector<Index> order(std::size_t(mesh.tet_count()));
+      std::iota(order.begin(), order.end(), 0);
+      std::shuffle(order.begin(), order.end(), std::mt19937(3));
+      std::size_t loose_count = 0;
+      for (std::size_t i = 0; i < order.size(); i += batch) {
+        world.remove_tets({order.begin() + long(i), order.begin() + long(std::min(order.size(), i + batch))});
+        const std::set<Index>& loose = rule.judge(world);
+        loose_count = loose.size();
+        for (Index t = 0; t < mesh.tet_count(); ++t)
+          if (world.elements().topology.alive(t))
+            CHECK((world.elements().region_of[t] == RegionModel::nonlinear) == (loose.count(t) > 0));
+      }
+      CHECK(loose_count > 0);
+    }
+}
+
+TEST_CASE("an edit says what comes apart: pieces that were one, all of them but one") {
+  const TetMesh mesh = irregular_box(4);
+  for (std::size_t batch : {1, 7, 40}) {
+    Topology topology(mesh);
+    std::vector<Index> order(std::size_t(mesh.tet_count()));
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), std::mt19937(5));
+    int apart = 0, together = 0;
+    for (std::size_t i = 0; i < order.size(); i += batch) {
+      const auto before = topology.pieces();
+      const MeshEdit edit = topology.remove(std::span(order).subspan(i, std::min(batch, order.size() - i)));
+      const auto after = topology.pieces();
+      CHECK(edit.comes_apart == (new_pieces(before, after) > 0));
+      if (batch == 1) CHECK(Index(edit.cut_off.size()) == new_pieces(before, after));
+      for (std::vector<Index> piece : edit.cut_off) {
+        std::sort(piece.begin(), piece.end());
+        CHECK(std::any_of(after.begin(), after.end(), [&](std::vector<Index> other) {
+          std::sort(other.begin(), other.end());
+          return other == piece;
+        }));
+      }
+      ++(edit.comes_apart ? apart : together);
+    }
+    CHECK(apart > 0);
+    CHECK(together > 0);
+  }
+}
+
+TEST_CASE("a body that loses the last vertex that held it falls, though it stays in one piece") {
+  const TetMesh mesh = box_mesh({0.02, 0.01, 0.01}, 4, 2, 2);
+  Setup setup = setup_of(mesh, RegionModel::tensor_mass);
+  setup.prescribed.push_back({0, Vec3d::Zero()});
+  World<double> world(setup);
+  const auto around = world.elements().topology.around(0);
+  world.remove_tets(std::vector<Index>(around.begin(), around.end()));
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    if (world.elements().topology.alive(t)) CHECK(world.elements().region_of[t] == RegionModel::nonlinear);
+}
+
+TEST_CASE("dead loads follow a cut: what is left of them acts") {
+  Setup setup = setup_of(box_mesh({0.02, 0.01, 0.01}, 4, 2, 2));
+  const Topology topology(setup.mesh);
+  for (Index code : topology.boundary_faces()) setup.face_loads.push_back({code / 4, code % 4, {0, 0, 100}});
+  for (Index v = 0; v < setup.mesh.vertex_count(); v += 2) setup.vertex_loads.push_back({v, {1, 0, 0}});
+  setup.prescribed.push_back({0, Vec3d::Zero()});
+  World<double> world(setup);
+  for (Index t = 1; t < setup.mesh.tet_count(); t += 3) {
+    world.remove_tets({t});
+    CHECK(compare_with_rebuilt(world).largest() <= 1e-12);
+  }
+}
 
 TEST_CASE("cut = rebuilt, tetrahedron by tetrahedron in random order down to nothing") {
   remove_everything<double>(hybrid_setup(irregular_box(2)), 1e-12, 1);

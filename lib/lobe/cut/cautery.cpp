@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "lobe/cut/distance.h"
 
@@ -16,6 +17,13 @@ bool touches(const Sweep& sweep, int samples, const Mat34<double>& x) {
   return false;
 }
 
+// One bit per side of a box beyond which a point lies.
+std::uint8_t sides_beyond(const Vec3d& x, const Vec3d& low, const Vec3d& high) {
+  unsigned bits = 0;
+  for (int d = 0; d < 3; ++d) bits |= unsigned(x[d] < low[d]) << d | unsigned(x[d] > high[d]) << (3 + d);
+  return static_cast<std::uint8_t>(bits);
+}
+
 }  // namespace
 
 template <class Real>
@@ -25,17 +33,16 @@ std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& p
   const Vec3d high = sweep.from.cwiseMax(sweep.to).array() + sweep.radius;
   const double length = (sweep.to - sweep.from).norm();
   const int samples = static_cast<int>(std::clamp(std::ceil(4 * length / sweep.radius), 1.0, 1e4));
+  const auto position = [&](Index v) -> Vec3d { return points.col(v) + u.col(v).template cast<double>(); };
+  std::vector<std::uint8_t> beyond(std::size_t(topology.vertex_count()));
+  for (Index v = 0; v < topology.vertex_count(); ++v) beyond[v] = sides_beyond(position(v), low, high);
   std::vector<Index> touched;
   for (Index t = 0; t < topology.tet_count(); ++t) {
-    if (!topology.alive(t)) continue;
+    const Eigen::Vector4i v = topology.corners(t);
+    if ((beyond[v[0]] & beyond[v[1]] & beyond[v[2]] & beyond[v[3]]) != 0 || !topology.alive(t)) continue;
     Mat34<double> x;
-    for (int c = 0; c < 4; ++c) {
-      const Index v = topology.tets()(c, t);
-      x.col(c) = points.col(v) + u.col(v).template cast<double>();
-    }
-    const bool apart = (x.rowwise().minCoeff().array() > high.array()).any() ||
-                       (x.rowwise().maxCoeff().array() < low.array()).any();
-    if (!apart && touches(sweep, samples, x)) touched.push_back(t);
+    for (int c = 0; c < 4; ++c) x.col(c) = position(v[c]);
+    if (touches(sweep, samples, x)) touched.push_back(t);
   }
   return touched;
 }

@@ -15,7 +15,7 @@ struct Sweep {
 
 // Alive tetrahedra of the deformed body within reach of the sweep, in ascending order. The sweep is sampled every
 // quarter of the radius (between samples the reach is short of the radius by less than 1 %), in at most 10,000 places.
-// O(#tets).
+// O(#tets), some nanoseconds each.
 template <class Real>
 std::vector<Index> touched_tets(const Topology& topology,
                                 const Mat3X<double>& points,  // 3 × #vertices, rest positions [m]

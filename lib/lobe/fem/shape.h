@@ -1,7 +1,7 @@
 // P1 shape functions of one tetrahedron ([PDA] section 2.1, with the sign of its erratum 2).
 #pragma once
 
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 
 #include "lobe/types.h"
 
@@ -12,13 +12,18 @@ struct Shape {
   double volume = 0;        // V [m³], > 0
 };
 
-// With D = [X1−X0, X2−X0, X3−X0], the rows of D⁻¹ are α_1, α_2, α_3, and α_0 = −(α_1 + α_2 + α_3).
+// With D = [X1−X0, X2−X0, X3−X0], the rows of D⁻¹ are α_1, α_2, α_3, and α_0 = −(α_1 + α_2 + α_3). Those of D⁻¹ det D
+// are cross products of its columns.
 inline Shape shape(const Mat34<double>& X)  // 3 × 4, rest positions [m], positively oriented
 {
   const Mat3<double> D = X.rightCols<3>().colwise() - X.col(0);
   Shape s;
-  s.volume = D.determinant() / 6;
-  s.gradients.rightCols<3>() = D.inverse().transpose();
+  s.gradients.col(1) = D.col(1).cross(D.col(2));
+  s.gradients.col(2) = D.col(2).cross(D.col(0));
+  s.gradients.col(3) = D.col(0).cross(D.col(1));
+  const double six_volumes = D.col(0).dot(s.gradients.col(1));
+  s.volume = six_volumes / 6;
+  s.gradients.rightCols<3>() /= six_volumes;
   s.gradients.col(0) = -s.gradients.rightCols<3>().rowwise().sum();
   return s;
 }

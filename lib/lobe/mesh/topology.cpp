@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace lobe {
 namespace {
@@ -46,6 +47,7 @@ Topology::Topology(const TetMesh& mesh)
       alive_(std::size_t(mesh.tet_count()), 1),
       alive_count_(mesh.tet_count()),
       around_(tets_per_vertex(mesh)),
+      found_by_(std::size_t(mesh.tet_count()), -1),
       boundary_slot_(std::size_t(4 * mesh.tet_count()), -1) {
   for (Index t = 0; t < mesh.tet_count(); ++t)
     for (int c = 0; c < 4; ++c) around_.append(tets_(c, t), t);
@@ -79,7 +81,6 @@ void Topology::close_face(Index code) {
 }
 
 void Topology::unlink(Index tet) {
-  alive_[tet] = 0;
   --alive_count_;
   for (int f = 0; f < 4; ++f) {
     around_.erase_value(tets_(f, tet), tet);
@@ -97,15 +98,91 @@ void Topology::unlink(Index tet) {
   }
 }
 
+// The tetrahedra that are left beside each part of the removed ones that hangs together by faces, one part after the other;
+// `ends` tells where each ends. Call it before they are unlinked.
+std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vector<Index>& ends) {
+  std::vector<Index> rims, part;
+  for (Index first : removed) {
+    if (found_by_[first] >= 0) continue;
+    part.assign(1, first);
+    found_by_[first] = first;
+    for (std::size_t at = 0; at < part.size(); ++at)
+      for (Index other : neighbours_.col(part[at])) {
+        if (other < 0) continue;
+        if (alive(other)) rims.push_back(other);
+        if (alive(other) || found_by_[other] >= 0) continue;
+        found_by_[other] = first;
+        part.push_back(other);
+      }
+    ends.push_back(static_cast<Index>(rims.size()));
+  }
+  for (Index t : removed) found_by_[t] = -1;
+  return rims;
+}
+
+// The pieces of the body that hold some of these tetrahedra, all but one of them; none if they hang together. One
+// breadth-first search from all of them: searches that meet become one, and one that ends has found a piece. Tells
+// a tetrahedron of the piece that was not found.
+std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> tets, Index& in_the_other) {
+  std::vector<Index> search_of(tets.size()), open(tets.size(), 0), queue;  // open: tetrahedra yet to be left
+  const auto root = [&](Index search) {
+    while (search_of[search] != search) search = search_of[search];
+    return search;
+  };
+  Index searches = 0;
+  for (Index t : tets) {
+    if (found_by_[t] >= 0) continue;
+    found_by_[t] = search_of[searches] = searches;
+    open[searches++] = 1;
+    queue.push_back(t);
+  }
+  std::vector<std::vector<Index>> apart;
+  for (std::size_t at = 0; searches > 1; ++at) {
+    const Index own = root(found_by_[queue[at]]);
+    for (Index other : neighbours_.col(queue[at])) {
+      if (other < 0) continue;
+      if (found_by_[other] < 0) {
+        found_by_[other] = own;
+        ++open[own];
+        queue.push_back(other);
+      } else if (const Index met = root(found_by_[other]); met != own) {
+        search_of[met] = own;
+        open[own] += open[met];
+        --searches;
+      }
+    }
+    if (--open[own] > 0 || searches == 1) continue;
+    std::vector<Index>& piece = apart.emplace_back();
+    std::copy_if(queue.begin(), queue.end(), std::back_inserter(piece),
+                 [&](Index t) { return root(found_by_[t]) == own; });
+    --searches;
+  }
+  for (const std::vector<Index>& piece : apart)
+    for (Index t : piece) found_by_[t] = -1;
+  for (Index t : queue) {
+    if (found_by_[t] >= 0) in_the_other = t;
+    found_by_[t] = -1;
+  }
+  return apart;
+}
+
 MeshEdit Topology::remove(std::span<const Index> tets) {
   MeshEdit edit;
   std::vector<Index> touched;
   for (Index t : tets) {
     if (!alive(t)) continue;
-    unlink(t);
+    alive_[t] = 0;
     edit.removed.push_back(t);
     for (int c = 0; c < 4; ++c) touched.push_back(tets_(c, t));
   }
+  std::vector<Index> ends;
+  const std::vector<Index> rims = rims_of(edit.removed, ends);
+  for (Index t : edit.removed) unlink(t);
+  for (std::size_t i = 0, begin = 0; i < ends.size() && !edit.comes_apart; begin = std::size_t(ends[i++])) {
+    edit.cut_off = pieces_apart({rims.data() + begin, std::size_t(ends[i]) - begin}, edit.in_the_other);
+    edit.comes_apart = !edit.cut_off.empty();
+  }
+  if (ends.size() > 1) edit.cut_off.clear();
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (Index v : touched) split_if_apart(v, edit.splits);
@@ -113,8 +190,9 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
 }
 
 // Numbers the face-connected parts of the tetrahedra around v; part_of runs parallel to around(v).
-Index Topology::parts_around(Index v, std::vector<Index>& part_of) const {
+Index Topology::parts_around(Index v, std::vector<Index>& part_of) {
   const std::span<const Index> star = around(v);
+  for (std::size_t i = 0; i < star.size(); ++i) found_by_[star[i]] = static_cast<Index>(i);
   part_of.assign(star.size(), -1);
   std::vector<std::size_t> front;
   Index parts = 0;
@@ -128,7 +206,7 @@ Index Topology::parts_around(Index v, std::vector<Index>& part_of) const {
       for (int f = 0; f < 4; ++f) {
         const Index other = neighbours_(f, t);
         if (other < 0 || tets_(f, t) == v) continue;
-        const std::size_t at = std::size_t(std::find(star.begin(), star.end(), other) - star.begin());
+        const std::size_t at = std::size_t(found_by_[other]);
         if (part_of[at] >= 0) continue;
         part_of[at] = parts;
         front.push_back(at);
@@ -136,6 +214,7 @@ Index Topology::parts_around(Index v, std::vector<Index>& part_of) const {
     }
     ++parts;
   }
+  for (Index t : star) found_by_[t] = -1;
   return parts;
 }
 
@@ -160,6 +239,19 @@ void Topology::split_if_apart(Index v, std::vector<VertexSplit>& splits) {
     }
     splits.push_back(std::move(split));
   }
+}
+
+std::vector<Index> Topology::piece_of(Index tet) {
+  std::vector<Index> piece{tet};
+  found_by_[tet] = tet;
+  for (std::size_t at = 0; at < piece.size(); ++at)
+    for (Index other : neighbours_.col(piece[at])) {
+      if (other < 0 || found_by_[other] >= 0) continue;
+      found_by_[other] = tet;
+      piece.push_back(other);
+    }
+  for (Index t : piece) found_by_[t] = -1;
+  return piece;
 }
 
 std::vector<std::vector<Index>> Topology::pieces() const {

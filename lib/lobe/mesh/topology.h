@@ -21,6 +21,10 @@ struct VertexSplit {
 struct MeshEdit {
   std::vector<Index> removed;
   std::vector<VertexSplit> splits;
+  bool comes_apart = false;  // what hung together by the removed tetrahedra no longer does
+  // The pieces that came apart but for one, which may be large; known if the removed tetrahedra hung together.
+  std::vector<std::vector<Index>> cut_off;
+  Index in_the_other = -1;  // a tetrahedron of that one
 
   bool empty() const { return removed.empty() && splits.empty(); }
 };
@@ -46,24 +50,31 @@ class Topology {
   Eigen::Vector3i face(Index code) const;
 
   // Removes the alive ones of these tetrahedra. Where what is left around one of their vertices falls into parts that
-  // share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra around these vertices).
+  // share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra around these vertices),
+  // and a search from both sides of the cut until they meet, or until the smaller side is all found.
   MeshEdit remove(std::span<const Index> tets);
+
+  // All that hangs together with a tetrahedron by faces. O(#tetrahedra of the piece).
+  std::vector<Index> piece_of(Index tet);
 
   // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first. O(#tets).
   std::vector<std::vector<Index>> pieces() const;
 
  private:
+  std::vector<Index> rims_of(const std::vector<Index>& removed, std::vector<Index>& ends);
+  std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets, Index& in_the_other);
   void unlink(Index tet);
   void open_face(Index code);
   void close_face(Index code);
   void split_if_apart(Index v, std::vector<VertexSplit>& splits);
-  Index parts_around(Index v, std::vector<Index>& part_of) const;
+  Index parts_around(Index v, std::vector<Index>& part_of);
 
   Tets tets_;
   Tets neighbours_;
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;
+  std::vector<Index> found_by_;  // scratch of a search: per tetrahedron, −1 outside of it
   std::vector<Index> boundary_;
   std::vector<Index> boundary_slot_;  // per face code: where it stands in boundary_, −1 inside
 };

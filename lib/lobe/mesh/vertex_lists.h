@@ -58,6 +58,17 @@ class VertexLists {
     if (found != list.end()) erase(v, &*found);
   }
 
+  // A list that does not fit takes a place of exactly its size at the end of the array.
+  void assign(Index v, std::span<const Item> list) {
+    if (static_cast<Index>(list.size()) > capacity_[v]) {
+      begin_[v] = items_.size();
+      capacity_[v] = static_cast<Index>(list.size());
+      items_.resize(begin_[v] + list.size());
+    }
+    count_[v] = static_cast<Index>(list.size());
+    std::copy(list.begin(), list.end(), (*this)[v].begin());
+  }
+
   void clear(Index v) { count_[v] = 0; }
 
  private:

@@ -3,11 +3,24 @@
 #include <algorithm>
 
 namespace lobe {
+namespace {
+
+// Lists of the right lengths for the corners of these tetrahedra, so that filling them moves nothing.
+VertexLists<Index> lists_for_corners(const Elements& elements, const std::vector<Index>& tets) {
+  std::vector<Index> lengths(std::size_t(elements.topology.vertex_count()), 0);
+  for (Index t : tets)
+    if (elements.region_of[t] == RegionModel::nonlinear)
+      for (Index v : elements.topology.corners(t)) ++lengths[v];
+  return VertexLists<Index>(lengths);
+}
+
+}  // namespace
 
 template <class Real>
 void ElementBlocks<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                                  const std::vector<Index>& enter) {
   slot_of_tet_.resize(std::size_t(elements.topology.tet_count()), -1);
+  if (outputs_of_.vertex_count() == 0) outputs_of_ = lists_for_corners(elements, enter);
   while (outputs_of_.vertex_count() < elements.topology.vertex_count()) outputs_of_.add_vertex();
   volume_term_ = elements.volume_penalty > 0;
   nodal_pressure_ = std::any_of(elements.materials.begin(), elements.materials.end(),
@@ -54,7 +67,7 @@ void ElementBlocks<Real>::write(Index slot, const Shape& s, const Elastic& elast
 
 template <class Real>
 void ElementBlocks<Real>::write_pressure(Index slot, double volume, const Eigen::Vector4i& nodes) {
-  PressureBlock& block = pressure_blocks_[slot / width];
+  Pressures& block = pressure_blocks_[slot / width];
   block.V[slot % width] = static_cast<Real>(volume);
   for (int c = 0; c < 4; ++c) block.nodes[c][slot % width] = nodes[c];
 }
@@ -89,7 +102,7 @@ void ElementBlocks<Real>::move(Index from, Index to) {
       if (place == output(from, c)) place = output(to, c);
   }
   if (nodal_pressure_) {
-    const PressureBlock& of = pressure_blocks_[from / width];
+    const Pressures& of = pressure_blocks_[from / width];
     write_pressure(to, of.V[a], {of.nodes[0][a], of.nodes[1][a], of.nodes[2][a], of.nodes[3][a]});
   }
   tet_of_slot_[to] = tet_of_slot_[from];

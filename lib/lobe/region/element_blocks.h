@@ -1,7 +1,7 @@
-// SVK tetrahedra (with or without the volume term) in blocks of one register width: the closed-form
-// evaluator. Each element writes the forces on its corners to a place of its own; each vertex then sums the
-// places that are its own, in the order of a list, so that the result does not depend on threads. About 90
-// flops per corner. Where a material asks for nodal pressure, a pass over the strains comes first.
+// SVK tetrahedra (with or without the volume term) in blocks of one cache line: the closed-form evaluator. Each
+// element writes the forces on its corners to a place of its own; each vertex then sums the places that are its
+// own, in the order of a list, so that the result does not depend on threads. About 60 flops per corner. Where
+// a material asks for nodal pressure, a pass over the strains comes first.
 #pragma once
 
 #include <array>
@@ -10,20 +10,23 @@
 #include "lobe/mesh/vertex_lists.h"
 #include "lobe/parallel.h"
 #include "lobe/region/nodal_pressure.h"
+#include "lobe/region/wide_kernels.h"
 
 namespace lobe {
 
 template <class Real>
 class ElementBlocks {
  public:
+  explicit ElementBlocks(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
+
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
 
   Index tet_count() const { return static_cast<Index>(tet_of_slot_.size()); }
 
-  enum class Part { svk, volume_term, both };  // svk alone where κ = 0, whatever is asked
-  void add_forces(const Mat3X<Real>& u,        // 3 × #vertices [m]
-                  Mat3X<Real>& f,              // 3 × #vertices [N]
-                  Part part, Parallel& parallel);
+  void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
+                  Mat3X<Real>& f,        // 3 × #vertices [N]
+                  ElementPart part,      // svk alone where κ = 0, whatever is asked
+                  Parallel& parallel);
   double energy(const Mat3X<Real>& u);  // [J]
 
   struct Stiffness {
@@ -33,31 +36,18 @@ class ElementBlocks {
   Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K);  // at the state u
 
  private:
-  static constexpr int width =
-      64 / sizeof(Real);  // tetrahedra per block, a multiple of every register's width
-  using Row = std::array<Real, std::size_t(width)>;
-  using IndexRow = std::array<std::array<Index, std::size_t(width)>, 4>;
-  struct alignas(64) Block {
-    std::array<Row, 9> alpha{};         // α_1, α_2, α_3 [1/m], column by column
-    Row lambda_V{}, mu_V{}, kappa_V{};  // [J], λ without the share of nodal pressure; zero in empty lanes
-    IndexRow corners{};
-  };
-  struct alignas(64) PressureBlock {  // beside each block where a material asks for nodal pressure
-    Row V{};                          // [m³]
-    IndexRow nodes{};                 // of the four corners
-  };
-  struct Lanes;  // as many tetrahedra of a block as a register holds
+  using Block = ElementBlock<Real>;
+  using Pressures = PressureBlock<Real>;
+  static constexpr int width = Block::width;
 
   static Index output(Index slot, int corner) {
     return 12 * width * (slot / width) + 3 * width * corner + slot % width;
   }
-  // The kernels are flattened: all formulas inline, however often they are used elsewhere.
-  template <Part part, bool nodal_pressure>
-  [[gnu::flatten]] void evaluate(const Mat3X<Real>& u, Index begin, Index end);
-  [[gnu::flatten]] void evaluate_strains(const Mat3X<Real>& u, Index begin, Index end);
-  template <Part part>
-  void evaluate_ranges(const Mat3X<Real>& u, Parallel& parallel);
+  ElementArrays<Real> arrays(const Mat3X<Real>& u) const {
+    return {blocks_.data(), nodal_pressure_ ? pressure_blocks_.data() : nullptr, pressure_.data(), u.data()};
+  }
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
+  template <class Lanes>
   void keep_slopes(const Lanes& lanes, Index begin);
 
   void add(const Elements& elements, Index tet);
@@ -67,6 +57,7 @@ class ElementBlocks {
   void write_pressure(Index slot, double volume, const Eigen::Vector4i& nodes);
   void move(Index from, Index to);
 
+  WideKernels<Real> kernels_;
   std::vector<Block> blocks_;
   std::vector<Index> tet_of_slot_, slot_of_tet_;
   VertexLists<Index> outputs_of_;    // per vertex: places in corner_forces_
@@ -75,7 +66,7 @@ class ElementBlocks {
 
   bool nodal_pressure_ = false;  // of any material; without, the rest is empty
   PressureNodes nodes_;
-  std::vector<PressureBlock> pressure_blocks_;
+  std::vector<Pressures> pressure_blocks_;
   std::vector<Real> volume_strain_;  // scratch: V tr E per tetrahedron [m³]
   std::vector<Real> pressure_;       // scratch: per node [Pa]
   Mat3X<double> slopes_;             // scratch: V ∂tr E/∂u per corner of each tetrahedron [m²]

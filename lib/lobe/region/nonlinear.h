@@ -10,7 +10,9 @@ template <class Real>
 class NonlinearRegion {
  public:
   // The volume term is no polynomial of low degree: with the stored evaluator it is still evaluated directly.
-  explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct) : evaluator_(evaluator) {}
+  explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct,
+                           InstructionSet set = chosen_instruction_set())
+      : evaluator_(evaluator), elements_(set) {}
 
   void follow(const Elements& elements, const RegionEdit& edit) {
     elements_.follow(elements, edit.left, edit.entered);
@@ -21,9 +23,9 @@ class NonlinearRegion {
 
   void add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     if (tet_count() == 0) return;
-    using Part = typename ElementBlocks<Real>::Part;
     if (evaluator_ == Evaluator::stored) terms_.add_forces(u, f, parallel);
-    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? Part::volume_term : Part::both, parallel);
+    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? ElementPart::volume_term : ElementPart::both,
+                         parallel);
   }
 
   double energy(const Mat3X<Real>& u) { return elements_.energy(u); }  // [J]

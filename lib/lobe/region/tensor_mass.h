@@ -2,8 +2,11 @@
 // u_i).
 //
 // The block of a vertex is minus the sum of those of its edges (a translation costs no energy), so that only
-// the edges' are stored, and a translation gives no force to the last bit.
+// the edges' are stored, and a translation gives no force to the last bit. Both ends of an edge store its block,
+// so that each vertex sums its own row, in order, whatever thread it is on.
 #pragma once
+
+#include <array>
 
 #include "lobe/mesh/vertex_lists.h"
 #include "lobe/parallel.h"
@@ -15,7 +18,7 @@ namespace lobe {
 template <class Real>
 class TensorMassRegion {
  public:
-  // Gathers anew the rows of the vertices of an edit, from the tetrahedra that are left around them.
+  // Sums anew the blocks of the edges of an edit, from the tetrahedra that are left around them.
   void follow(const Elements& elements, const RegionEdit& edit);
 
   Index tet_count() const { return tet_count_; }
@@ -28,10 +31,12 @@ class TensorMassRegion {
 
  private:
   struct Entry {
-    Index vertex = 0;
-    Mat3<Real> block;  // K_ij [N/m]
+    std::array<Real, 9> block;  // K_ij [N/m], column by column
+    Index vertex = 0;           // j
   };
   void gather_row(const Elements& elements, Index vertex);
+  void refresh_edges(const Elements& elements, const std::vector<Index>& removed);
+  void set_block(Index vertex, Index other, bool is_edge, const Mat3<double>& block);
   Vec3<Real> force(const Mat3X<Real>& u, Index vertex) const;
 
   VertexLists<Entry> rows_;

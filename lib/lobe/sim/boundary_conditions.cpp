@@ -5,19 +5,54 @@
 
 namespace lobe {
 
+namespace {
+
+// Numbers of the loads per tetrahedron or vertex, whichever place(load) tells.
+template <class Load, class Place>
+VertexLists<Index> by_place(const std::vector<Load>& loads, Index places, Place&& place) {
+  if (loads.empty()) return {};
+  std::vector<Index> lengths(std::size_t(places), 0);
+  for (const Load& load : loads) ++lengths[place(load)];
+  VertexLists<Index> lists(lengths);
+  for (std::size_t i = 0; i < loads.size(); ++i) lists.append(place(loads[i]), static_cast<Index>(i));
+  return lists;
+}
+
+double face_area(const Elements& elements, const Eigen::Vector3i& v) {
+  const Vec3d a = elements.points.col(v[0]), b = elements.points.col(v[1]), c = elements.points.col(v[2]);
+  return (b - a).cross(c - a).norm() / 2;
+}
+
+}  // namespace
+
+DeadLoads::DeadLoads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
+                     const std::vector<VertexLoad>& vertex_loads)
+    : face_loads_(face_loads),
+      vertex_loads_(vertex_loads),
+      of_tet_(by_place(face_loads, elements.topology.tet_count(), [](const FaceLoad& l) { return l.tet; })),
+      of_vertex_(by_place(vertex_loads, elements.topology.vertex_count(),
+                          [](const VertexLoad& l) { return l.vertex; })) {}
+
+Vec3d DeadLoads::at(const Elements& elements, Index vertex) const {
+  Vec3d force = Vec3d::Zero();
+  if (elements.topology.around(vertex).empty()) return force;
+  if (of_tet_.vertex_count() > 0)
+    for (Index t : elements.topology.around(vertex))
+      for (Index i : of_tet_[t]) {
+        const Eigen::Vector3i face = elements.topology.face(4 * t + face_loads_[i].face);
+        if ((face.array() == vertex).any()) force += face_loads_[i].traction * face_area(elements, face) / 3;
+      }
+  if (vertex < of_vertex_.vertex_count())
+    for (Index i : of_vertex_[vertex]) force += vertex_loads_[i].force;
+  return force;
+}
+
 Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
                          const std::vector<VertexLoad>& vertex_loads) {
-  Mat3X<double> loads = Mat3X<double>::Zero(3, elements.topology.vertex_count());
-  for (const FaceLoad& load : face_loads) {
-    if (!elements.topology.alive(load.tet)) continue;
-    const Eigen::Vector3i v = elements.topology.face(4 * load.tet + load.face);
-    const Vec3d a = elements.points.col(v[0]), b = elements.points.col(v[1]), c = elements.points.col(v[2]);
-    const double area = (b - a).cross(c - a).norm() / 2;
-    for (int i = 0; i < 3; ++i) loads.col(v[i]) += load.traction * area / 3;
-  }
-  for (const VertexLoad& load : vertex_loads)
-    if (!elements.topology.around(load.vertex).empty()) loads.col(load.vertex) += load.force;
-  return loads;
+  const DeadLoads loads(elements, face_loads, vertex_loads);
+  Mat3X<double> at_vertices(3, elements.topology.vertex_count());
+  for (Index v = 0; v < at_vertices.cols(); ++v) at_vertices.col(v) = loads.at(elements, v);
+  return at_vertices;
 }
 
 Vec3d path_at(const std::vector<PathPoint>& path, double time) {

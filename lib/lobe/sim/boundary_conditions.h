@@ -8,8 +8,22 @@
 
 namespace lobe {
 
-// Consistent nodal forces of the dead loads [N]: a third of t A on each vertex of a face, in rest area;
-// vertex loads as they are. Loads on faces of removed tetrahedra are gone.
+// Consistent nodal forces of the dead loads: a third of t A on each vertex of a face, in rest area; vertex
+// loads as they are. Loads on faces of removed tetrahedra are gone.
+class DeadLoads {
+ public:
+  DeadLoads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
+            const std::vector<VertexLoad>& vertex_loads);
+
+  Vec3d at(const Elements& elements, Index vertex) const;  // [N], O(tetrahedra around it)
+
+ private:
+  std::vector<FaceLoad> face_loads_;
+  std::vector<VertexLoad> vertex_loads_;
+  VertexLists<Index> of_tet_, of_vertex_;  // numbers of loads; empty if there are none of the kind
+};
+
+// The same for all vertices, 3 × #vertices [N].
 Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
                          const std::vector<VertexLoad>& vertex_loads);
 

@@ -58,7 +58,7 @@ void Checker::check_materials() {
                3 * e.lambda + 2 * e.mu > 0 && e.density > 0,
            "a material needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
     expect(e.nodal_pressure >= 0 && e.nodal_pressure <= 1, "nodal_pressure must be in [0, 1]");
-    expect(e.nodal_lambda() >= 0, "nodal_pressure needs lambda of at least 0: set it to 0");
+    expect(e.nodal_pressure == 0 || e.lambda >= 0, "nodal_pressure needs lambda of at least 0: set it to 0");
     expect(e.nodal_pressure == 0 || setup_.evaluator == Evaluator::direct,
            "the stored evaluator has no nodal_pressure: use the direct one");
   }

@@ -69,6 +69,7 @@ World<Real>::World(const Setup& setup, int threads)
     : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
       elements_(setup),
       nonlinear_(setup.evaluator),
+      loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),
       parallel_(threads) {
   const Index n = elements_.topology.vertex_count();
@@ -275,7 +276,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   const auto exists = [&](Index v) { return mass_[v] > 0; };
   if (tools_.update_grasps(state_.time, held_, displacement, exists)) {
     for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
-    report.tets_removed += treat_loose_pieces();
+    report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
   }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
     report.tets_removed += remove_tets(touched_tets(elements_.topology, elements_.points, state_.u, sweep));

@@ -54,8 +54,9 @@ class World {
   Vec3d reaction(int holder);   // force that who holds these vertices must apply now [N]
   Energies energies();
 
-  // Edits. Stiffness, mass and boundary are updated around what changed only; loads and pieces in O(#tets).
-  // The time step limit is always that of the current state.
+  // Edits. Stiffness, mass, loads and boundary are updated around what changed only; whether something came
+  // loose is searched from there, and in O(#tets) only where tetrahedra came apart. The time step limit is
+  // always that of the current state.
   Index remove_tets(
       const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
   void set_region(const std::vector<Index>& tets, RegionModel model);
@@ -69,7 +70,9 @@ class World {
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
   void find_bodies();
-  Index treat_loose_pieces();
+  bool needs_all_pieces(const MeshEdit& edit) const;
+  std::vector<std::vector<Index>> pieces_to_judge(const MeshEdit& edit);
+  Index treat_loose_pieces(const std::vector<std::vector<Index>>& pieces);
   Index treat_loose_piece(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;
   bool is_held(const std::vector<Index>& piece) const;
@@ -86,6 +89,7 @@ class World {
   Elements elements_;
   TensorMassRegion<Real> tensor_mass_;
   NonlinearRegion<Real> nonlinear_;
+  DeadLoads loads_;
   Tools tools_;
   HeldVertices held_;
   std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]: 0 where held or orphan
@@ -97,6 +101,7 @@ class World {
   double rest_frequency_ = 0;                // ω_max at the start [rad/s]
   std::vector<Index> body_of_;  // per tetrahedron: the piece it belonged to at the start, or since
   std::vector<bool> body_was_held_;
+  bool sizes_decide_ = false;  // a body that nothing held is in several pieces: any cut may set one loose
 
   std::unique_ptr<ImplicitStep> implicit_;  // none: central differences
   bool implicit_is_stale_ = true;           // after an edit, or a state set from outside

@@ -13,7 +13,10 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   if (edit.empty()) return 0;
   follow(edit);
   Index removed = static_cast<Index>(edit.removed.size());
-  removed += treat_loose_pieces();
+  if (needs_all_pieces(edit))
+    removed += treat_loose_pieces(elements_.topology.pieces());
+  else if (edit.comes_apart)
+    removed += treat_loose_pieces(pieces_to_judge(edit));
   if (elements_.topology.alive_count() == 0)
     pending_.push_back({Condition::Kind::everything_cut, "no tetrahedron is left", state_.time});
   return removed;
@@ -57,14 +60,14 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   inverse_mass_.resize(n, 0);
   step_mass_.resize(n, 0);
   external_.conservativeResize(3, Eigen::Index(n));
-  dead_loads_ = dead_loads(elements_, setup_.face_loads, setup_.vertex_loads).template cast<Real>();
+  dead_loads_.conservativeResize(3, Eigen::Index(n));
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v);
     refresh_inverse_mass(v);
     if (elements_.topology.around(v).empty()) state_.v.col(v).setZero();
-  }
-  for (Index v = 0; v < static_cast<Index>(n); ++v)
+    dead_loads_.col(v) = loads_.at(elements_, v).template cast<Real>();
     external_.col(v) = dead_loads_.col(v) + (mass_[v] * setup_.gravity).template cast<Real>();
+  }
 }
 
 template <class Real>
@@ -111,22 +114,54 @@ void World<Real>::find_bodies() {
   }
 }
 
+// Whether an edit may have set more loose than the body that it is known to have cut: what is left of it is held as
+// before, unless its pieces took a vertex that holds it, or the tetrahedra around such a vertex are gone.
+template <class Real>
+bool World<Real>::needs_all_pieces(const MeshEdit& edit) const {
+  if (sizes_decide_ || (edit.comes_apart && edit.cut_off.empty())) return true;
+  for (const std::vector<Index>& piece : edit.cut_off)
+    if (is_held(piece)) return true;
+  return std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
+    const Eigen::Vector4i corners = elements_.topology.corners(t);
+    return std::any_of(corners.begin(), corners.end(),
+                       [&](Index v) { return held_.holds(v) && elements_.topology.around(v).empty(); });
+  });
+}
+
+// What was cut off; of a body that nothing held from the start all there is, since the largest piece stays the body.
+template <class Real>
+std::vector<std::vector<Index>> World<Real>::pieces_to_judge(const MeshEdit& edit) {
+  std::vector<std::vector<Index>> pieces = edit.cut_off;
+  if (!body_was_held_[body_of_[edit.in_the_other]])
+    pieces.push_back(elements_.topology.piece_of(edit.in_the_other));
+  return pieces;
+}
+
 // A piece that nothing holds is loose if its body was held, or if it is not the largest that is left of its
 // body.
 template <class Real>
-Index World<Real>::treat_loose_pieces() {
-  const std::vector<std::vector<Index>> pieces = elements_.topology.pieces();
-  std::vector<std::size_t> largest(body_was_held_.size(), 0);
+Index World<Real>::treat_loose_pieces(const std::vector<std::vector<Index>>& pieces) {
+  struct Kept {
+    std::size_t largest = 0;  // of all pieces
+    int pieces = 0;
+  };
+  std::vector<Kept> kept(body_was_held_.size());
   for (const std::vector<Index>& piece : pieces)
-    largest[body_of_[piece[0]]] = std::max(largest[body_of_[piece[0]]], piece.size());
+    kept[body_of_[piece[0]]].largest = std::max(kept[body_of_[piece[0]]].largest, piece.size());
   Index vanished = 0;
   for (const std::vector<Index>& piece : pieces) {
     const Index body = body_of_[piece[0]];
-    if (is_held(piece) || (!body_was_held_[body] && piece.size() == largest[body])) continue;
+    if (is_held(piece) || (!body_was_held_[body] && piece.size() == kept[body].largest)) {
+      ++kept[body].pieces;
+      continue;
+    }
     for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
     body_was_held_.push_back(false);
     vanished += treat_loose_piece(piece);
   }
+  sizes_decide_ = false;
+  for (std::size_t body = 0; body < kept.size(); ++body)
+    sizes_decide_ = sizes_decide_ || (!body_was_held_[body] && kept[body].pieces > 1);
   return vanished;
 }
 

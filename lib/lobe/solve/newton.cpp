@@ -9,7 +9,7 @@ const char* line_search(const NewtonProblem& problem, const Mat3X<double>& direc
                         NewtonPoint& point) {
   const char* trouble = "";
   const double least_ratio = std::min(0.0, point.smallest_volume_ratio);
-  for (double length = 1; length > 1e-10; length /= 2) {
+  for (double length = 1; length > 1e-3; length /= 2) {
     NewtonPoint trial = problem.at(point.u + length * direction);
     point.smallest_tet = trial.smallest_tet;
     trouble = "every step inverts it";

@@ -1,0 +1,47 @@
+// As many tetrahedra of a block as one register holds: what every formula of one element starts from.
+#pragma once
+
+#include "lobe/fem/pressure_term.h"
+#include "lobe/fem/shape.h"
+#include "lobe/fem/simd.h"
+#include "lobe/fem/svk.h"
+#include "lobe/fem/volume_term.h"
+#include "lobe/region/element_block.h"
+
+namespace lobe {
+
+template <class T>  // a pack
+struct ElementLanes {
+  using Real = typename T::value_type;
+  static constexpr int count = static_cast<int>(T::size());
+
+  ElementLanes(const ElementBlock<Real>& block, int first, const Real* u)  // 3 × #vertices [m]
+      : lambda_V(&block.lambda_V[first], std::experimental::element_aligned),
+        mu_V(&block.mu_V[first], std::experimental::element_aligned),
+        kappa_V(&block.kappa_V[first], std::experimental::element_aligned) {
+    Mat34<T> at_corners;
+    for (int c = 0; c < 4; ++c)
+      for (int d = 0; d < 3; ++d)
+        at_corners(d, c) =
+            T([&](auto lane) { return u[3 * std::size_t(block.corners[c][first + lane]) + d]; });
+    for (int i = 0; i < 9; ++i)
+      alpha(i % 3, i / 3).copy_from(&block.alpha[i][first], std::experimental::element_aligned);
+    H = displacement_gradient(at_corners, alpha);
+  }
+
+  Vec3<T> gradient(int corner) const {  // α of any of the four corners
+    if (corner > 0) return alpha.col(corner - 1);
+    return -(alpha.col(0) + alpha.col(1) + alpha.col(2));
+  }
+
+  static T pressure_V(const PressureBlock<Real>& block, int first, const Real* at_nodes) {  // V p_T
+    T sum = 0;
+    for (int c = 0; c < 4; ++c) sum += T([&](auto lane) { return at_nodes[block.nodes[c][first + lane]]; });
+    return sum * T(&block.V[first], std::experimental::element_aligned) * Real(0.25f);
+  }
+
+  T lambda_V, mu_V, kappa_V;
+  Mat3<T> alpha, H;  // α_1, α_2, α_3; ∇u
+};
+
+}  // namespace lobe

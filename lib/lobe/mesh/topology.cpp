@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <utility>
 
 namespace lobe {
 namespace {
@@ -181,11 +182,14 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
   for (std::size_t i = 0, begin = 0; i < ends.size(); begin = std::size_t(ends[i++])) {
     if (begin == std::size_t(ends[i])) continue;
     Index left = -1;
-    edit.cut_off = pieces_apart({rims.data() + begin, std::size_t(ends[i]) - begin}, left);
+    std::vector<std::vector<Index>> apart =
+        pieces_apart({rims.data() + begin, std::size_t(ends[i]) - begin}, left);
     edit.beside.push_back(left);
-    if ((edit.comes_apart = !edit.cut_off.empty())) break;
+    if (apart.empty()) continue;
+    std::swap(edit.beside.front(), edit.beside.back());
+    edit.cut_off = edit.comes_apart ? std::vector<std::vector<Index>>{} : std::move(apart);
+    if (std::exchange(edit.comes_apart, true)) break;
   }
-  if (ends.size() > 1) edit.cut_off.clear();
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (Index v : touched) split_if_apart(v, edit.splits);

@@ -21,8 +21,9 @@ struct VertexSplit {
 struct MeshEdit {
   std::vector<Index> removed;
   std::vector<VertexSplit> splits;
-  // What is left beside the removed tetrahedra, where these hung together: one tetrahedron of it, and whether it came
-  // apart. If all removed ones hung together, cut_off are the pieces that came apart, but for that of `beside`.
+  // What is left beside each part of the removed tetrahedra that hung together: one tetrahedron of it, and whether it
+  // came apart. Where that happened beside one part alone, cut_off are the pieces that came apart, but for the piece of
+  // beside[0].
   std::vector<Index> beside;
   bool comes_apart = false;
   std::vector<std::vector<Index>> cut_off;

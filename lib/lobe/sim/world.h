@@ -55,7 +55,7 @@ class World {
   Energies energies();
 
   // Edits. Stiffness, mass, loads and boundary are updated around what changed only; whether something came
-  // loose is searched from there, and in O(#tets) only where tetrahedra came apart. The time step limit is
+  // loose is searched from there, and in O(#tets) only where that does not tell. The time step limit is
   // always that of the current state.
   Index remove_tets(
       const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up

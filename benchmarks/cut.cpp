@@ -53,7 +53,7 @@ double seconds_to_rebuild(const World<float>& world) {
 Row measure(const Setup& setup, RegionModel model, Index batch) {
   Row row{model == RegionModel::nonlinear ? "nonlinear" : "tensor-mass", setup.mesh.tet_count(), batch};
   World<float> world(setup);
-  const std::vector<Index> order = channel(setup.mesh, std::min<Index>(2000, row.tets / 20));
+  const std::vector<Index> order = channel(setup.mesh, std::clamp<Index>(row.tets / 20, 1, 2000));
   std::vector<Index> now;
   const Stopwatch watch(true);
   for (auto next = order.begin(); next != order.end();) {

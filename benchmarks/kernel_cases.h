@@ -15,8 +15,8 @@ inline constexpr double cube_edge = 0.1;  // [m]
 // An ordered, non-linear cube of one material, one side held, of about as many tetrahedra as 6 n³ can be.
 Setup cube_setup(int tets);
 
-// That cube with every vertex moved at random by a tenth of a cell: strains
-// are large, and forces do not cancel out. Displacements are representable in single precision.
+// That cube with every vertex moved at random by a tenth of a cell: strains are large, and forces do not cancel out.
+// Displacements are representable in single precision.
 struct Cube {
   explicit Cube(int tets);
 

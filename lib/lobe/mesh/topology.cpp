@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <utility>
 
 namespace lobe {
 namespace {
@@ -121,9 +122,9 @@ std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vec
 }
 
 // The pieces of the body that hold some of these tetrahedra, all but one of them; none if they hang together. One
-// breadth-first search from all of them: searches that meet become one, and one that ends has found a piece. Tells
-// a tetrahedron of the piece that was not found.
-std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> tets, Index& in_the_other) {
+// breadth-first search from all of them: searches that meet become one, and one that ends has found a piece. `left` is
+// one of the tetrahedra that is in none of the pieces.
+std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> tets, Index& left) {
   std::vector<Index> search_of(tets.size()), open(tets.size(), 0), queue;  // open: tetrahedra yet to be left
   const auto root = [&](Index search) {
     while (search_of[search] != search) search = search_of[search];
@@ -160,7 +161,7 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
   for (const std::vector<Index>& piece : apart)
     for (Index t : piece) found_by_[t] = -1;
   for (Index t : queue) {
-    if (found_by_[t] >= 0) in_the_other = t;
+    if (found_by_[t] >= 0) left = t;
     found_by_[t] = -1;
   }
   return apart;
@@ -178,11 +179,17 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
   std::vector<Index> ends;
   const std::vector<Index> rims = rims_of(edit.removed, ends);
   for (Index t : edit.removed) unlink(t);
-  for (std::size_t i = 0, begin = 0; i < ends.size() && !edit.comes_apart; begin = std::size_t(ends[i++])) {
-    edit.cut_off = pieces_apart({rims.data() + begin, std::size_t(ends[i]) - begin}, edit.in_the_other);
-    edit.comes_apart = !edit.cut_off.empty();
+  for (std::size_t i = 0, begin = 0; i < ends.size(); begin = std::size_t(ends[i++])) {
+    if (begin == std::size_t(ends[i])) continue;
+    Index left = -1;
+    std::vector<std::vector<Index>> apart =
+        pieces_apart({rims.data() + begin, std::size_t(ends[i]) - begin}, left);
+    edit.beside.push_back(left);
+    if (apart.empty()) continue;
+    std::swap(edit.beside.front(), edit.beside.back());
+    edit.cut_off = edit.comes_apart ? std::vector<std::vector<Index>>{} : std::move(apart);
+    if (std::exchange(edit.comes_apart, true)) break;
   }
-  if (ends.size() > 1) edit.cut_off.clear();
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (Index v : touched) split_if_apart(v, edit.splits);
@@ -239,19 +246,6 @@ void Topology::split_if_apart(Index v, std::vector<VertexSplit>& splits) {
     }
     splits.push_back(std::move(split));
   }
-}
-
-std::vector<Index> Topology::piece_of(Index tet) {
-  std::vector<Index> piece{tet};
-  found_by_[tet] = tet;
-  for (std::size_t at = 0; at < piece.size(); ++at)
-    for (Index other : neighbours_.col(piece[at])) {
-      if (other < 0 || found_by_[other] >= 0) continue;
-      found_by_[other] = tet;
-      piece.push_back(other);
-    }
-  for (Index t : piece) found_by_[t] = -1;
-  return piece;
 }
 
 std::vector<std::vector<Index>> Topology::pieces() const {

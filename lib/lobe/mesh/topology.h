@@ -21,10 +21,12 @@ struct VertexSplit {
 struct MeshEdit {
   std::vector<Index> removed;
   std::vector<VertexSplit> splits;
-  bool comes_apart = false;  // what hung together by the removed tetrahedra no longer does
-  // The pieces that came apart but for one, which may be large; known if the removed tetrahedra hung together.
+  // What is left beside each part of the removed tetrahedra that hung together: one tetrahedron of it, and whether it
+  // came apart. Where that happened beside one part alone, cut_off are the pieces that came apart, but for the piece of
+  // beside[0].
+  std::vector<Index> beside;
+  bool comes_apart = false;
   std::vector<std::vector<Index>> cut_off;
-  Index in_the_other = -1;  // a tetrahedron of that one
 
   bool empty() const { return removed.empty() && splits.empty(); }
 };
@@ -54,15 +56,31 @@ class Topology {
   // and a search from both sides of the cut until they meet, or until the smaller side is all found.
   MeshEdit remove(std::span<const Index> tets);
 
-  // All that hangs together with a tetrahedron by faces. O(#tetrahedra of the piece).
-  std::vector<Index> piece_of(Index tet);
+  // Calls visit(t) for all that hangs together with a tetrahedron by faces, breadth first, until it returns true;
+  // returns whether it did. O(#tetrahedra visited).
+  template <class Visit>
+  bool visit_piece(Index tet, Visit&& visit) {
+    std::vector<Index> queue{tet};
+    found_by_[tet] = tet;
+    bool found = false;
+    for (std::size_t at = 0; at < queue.size() && !found; ++at) {
+      found = visit(queue[at]);
+      for (Index other : neighbours_.col(queue[at])) {
+        if (other < 0 || found_by_[other] >= 0) continue;
+        found_by_[other] = tet;
+        queue.push_back(other);
+      }
+    }
+    for (Index t : queue) found_by_[t] = -1;
+    return found;
+  }
 
   // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first. O(#tets).
   std::vector<std::vector<Index>> pieces() const;
 
  private:
   std::vector<Index> rims_of(const std::vector<Index>& removed, std::vector<Index>& ends);
-  std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets, Index& in_the_other);
+  std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets, Index& left);
   void unlink(Index tet);
   void open_face(Index code);
   void close_face(Index code);

@@ -15,9 +15,13 @@ class VertexLists {
  public:
   VertexLists() = default;
 
-  // Lists of the given lengths, all empty, so that filling them moves nothing.
+  // Lists of the given lengths, all empty, so that filling them moves nothing. A quarter more is set aside for the vertices
+  // that cuts add; memory that nobody touches costs nothing.
   explicit VertexLists(const std::vector<Index>& lengths) {
-    begin_.reserve(lengths.size());
+    const std::size_t vertices = lengths.size() + lengths.size() / 4;
+    begin_.reserve(vertices);
+    count_.reserve(vertices);
+    capacity_.reserve(vertices);
     std::size_t total = 0;
     for (Index length : lengths) {
       begin_.push_back(total);
@@ -25,6 +29,7 @@ class VertexLists {
     }
     count_.assign(lengths.size(), 0);
     capacity_ = lengths;
+    items_.reserve(total + total / 4);
     items_.resize(total);
   }
 

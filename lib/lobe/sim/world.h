@@ -55,7 +55,7 @@ class World {
   Energies energies();
 
   // Edits. Stiffness, mass, loads and boundary are updated around what changed only; whether something came
-  // loose is searched from there, and in O(#tets) only where tetrahedra came apart. The time step limit is
+  // loose is searched from there, and in O(#tets) only where that does not tell. The time step limit is
   // always that of the current state.
   Index remove_tets(
       const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
@@ -70,11 +70,12 @@ class World {
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
   void find_bodies();
-  bool needs_all_pieces(const MeshEdit& edit) const;
+  bool needs_all_pieces(const MeshEdit& edit);
   std::vector<std::vector<Index>> pieces_to_judge(const MeshEdit& edit);
   Index treat_loose_pieces(const std::vector<std::vector<Index>>& pieces);
   Index treat_loose_piece(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;
+  bool is_held(Index tet) const;
   bool is_held(const std::vector<Index>& piece) const;
   void advance_to(double end, Report& report);
   void play_tools(double duration, Report& report);

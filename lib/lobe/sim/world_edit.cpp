@@ -98,11 +98,14 @@ void World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) 
 }
 
 template <class Real>
+bool World<Real>::is_held(Index tet) const {
+  const Eigen::Vector4i v = elements_.topology.corners(tet);
+  return held_.holds(v[0]) || held_.holds(v[1]) || held_.holds(v[2]) || held_.holds(v[3]);
+}
+
+template <class Real>
 bool World<Real>::is_held(const std::vector<Index>& piece) const {
-  return std::any_of(piece.begin(), piece.end(), [&](Index t) {
-    const Eigen::Vector4i v = elements_.topology.corners(t);
-    return held_.holds(v[0]) || held_.holds(v[1]) || held_.holds(v[2]) || held_.holds(v[3]);
-  });
+  return std::any_of(piece.begin(), piece.end(), [&](Index t) { return is_held(t); });
 }
 
 template <class Real>
@@ -115,25 +118,34 @@ void World<Real>::find_bodies() {
 }
 
 // Whether an edit may have set more loose than the body that it is known to have cut: what is left of it is held as
-// before, unless its pieces took a vertex that holds it, or the tetrahedra around such a vertex are gone.
+// before, unless its pieces took a vertex that holds it, or the tetrahedra around the last such vertex are gone.
 template <class Real>
-bool World<Real>::needs_all_pieces(const MeshEdit& edit) const {
+bool World<Real>::needs_all_pieces(const MeshEdit& edit) {
   if (sizes_decide_ || (edit.comes_apart && edit.cut_off.empty())) return true;
-  for (const std::vector<Index>& piece : edit.cut_off)
-    if (is_held(piece)) return true;
-  return std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
+  if (std::any_of(edit.cut_off.begin(), edit.cut_off.end(), [&](const auto& p) { return is_held(p); }))
+    return true;
+  const auto gone = [&](Index v) { return held_.holds(v) && elements_.topology.around(v).empty(); };
+  const bool lost_a_holder = std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
     const Eigen::Vector4i corners = elements_.topology.corners(t);
-    return std::any_of(corners.begin(), corners.end(),
-                       [&](Index v) { return held_.holds(v) && elements_.topology.around(v).empty(); });
+    return std::any_of(corners.begin(), corners.end(), gone);
   });
+  return lost_a_holder && std::any_of(edit.beside.begin(), edit.beside.end(), [&](Index tet) {
+           return body_was_held_[body_of_[tet]] &&
+                  !elements_.topology.visit_piece(tet, [&](Index t) { return is_held(t); });
+         });
 }
 
 // What was cut off; of a body that nothing held from the start all there is, since the largest piece stays the body.
 template <class Real>
 std::vector<std::vector<Index>> World<Real>::pieces_to_judge(const MeshEdit& edit) {
   std::vector<std::vector<Index>> pieces = edit.cut_off;
-  if (!body_was_held_[body_of_[edit.in_the_other]])
-    pieces.push_back(elements_.topology.piece_of(edit.in_the_other));
+  const Index beside = edit.beside.front();
+  if (body_was_held_[body_of_[beside]]) return pieces;
+  std::vector<Index>& other = pieces.emplace_back();
+  elements_.topology.visit_piece(beside, [&](Index t) {
+    other.push_back(t);
+    return false;
+  });
   return pieces;
 }
 

@@ -1,6 +1,8 @@
 // lobe bench kernels: nanoseconds per tetrahedron of each force kernel, and the ratio to the plain loop.
 #include <cstdio>
 #include <iomanip>
+#include <map>
+#include <set>
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
@@ -71,6 +73,35 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
+// For reading: a line per kernel, a column per size, "ns (ratio)".
+std::string markdown(const std::vector<Row>& rows, const std::string& machine) {
+  std::map<std::string, std::map<Index, std::string>> table;
+  std::vector<std::string> order;
+  std::set<Index> sizes;
+  for (const Row& r : rows) {
+    const std::string name =
+        "| `" + r.kernel.name + "` | " + r.kernel.precision + " | " + std::to_string(r.kernel.threads) + " |";
+    if (!table.contains(name)) order.push_back(name);
+    char cell[64];
+    std::snprintf(cell, sizeof cell, " %.1f (%.2f) |", r.ns_per_tet, r.ratio);
+    table[name][r.tets] = cell;
+    sizes.insert(r.tets);
+  }
+  std::string out =
+      machine +
+      "\n\nns per tetrahedron, in brackets the ratio to `reference`:\n\n| kernel | precision | threads |";
+  for (Index size : sizes) out += ' ' + std::to_string(size) + " |";
+  out += "\n|---|---|---|";
+  for (std::size_t i = 0; i < sizes.size(); ++i) out += "---|";
+  out += '\n';
+  for (const std::string& name : order) {
+    out += name;
+    for (Index size : sizes) out += table[name][size];
+    out += '\n';
+  }
+  return out;
+}
+
 // Cost against size on one thread: a colour per kernel, double precision dashed.
 constexpr const char* plot_script = R"(set terminal pngcairo size 1000,620 font 'sans,11'
 set output 'kernels.png'
@@ -124,6 +155,7 @@ void bench_kernels(const Options& options) {
     }
   }
   write_file(options.output / "kernels.csv", csv(all));
+  write_file(options.output / "kernels.md", markdown(all, machine));
   write_file(options.output / "kernels.gp", plot_script);
 }
 

@@ -20,14 +20,8 @@ struct Vibration {
   Vector mass;       // [kg]
 };
 
-Unknowns free_components(const Setup& setup) {
-  HeldVertices held;
-  for (const PrescribedVertex& p : setup.prescribed)
-    held.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes});
-  return free_components(Elements(setup), held);
-}
-
-Vibration::Vibration(const Setup& setup) : unknowns(free_components(setup)) {
+Vibration::Vibration(const Setup& setup)
+    : unknowns(free_components(Elements(setup), held_by(setup.prescribed))) {
   const Elements elements(setup);
   Tangent tangent(elements, unknowns);
   tangent.update(Mat3X<double>::Zero(3, setup.mesh.vertex_count()));

@@ -59,7 +59,8 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
 void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand(
       "bench", "Measure speed, accuracy (docs/benchmarks.md), correctness (docs/validation.md)");
-  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy, cut or validation")->required();
+  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy, cut or validation")
+      ->required();
   command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
       ->delimiter(',')

@@ -106,4 +106,11 @@ void HeldVertices::split(Index vertex, Index copy) {
   hold(item);
 }
 
+HeldVertices held_by(const std::vector<PrescribedVertex>& prescribed) {
+  HeldVertices held;
+  for (const PrescribedVertex& p : prescribed)
+    held.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes});
+  return held;
+}
+
 }  // namespace lobe

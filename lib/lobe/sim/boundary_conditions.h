@@ -60,4 +60,7 @@ class HeldVertices {
   std::vector<std::uint8_t> held_;  // per vertex: one bit per component
 };
 
+// What the boundary conditions hold.
+HeldVertices held_by(const std::vector<PrescribedVertex>& prescribed);
+
 }  // namespace lobe

@@ -76,8 +76,7 @@ World<Real>::World(const Setup& setup, int threads)
   state_.u = Mat3X<Real>::Zero(3, n);
   state_.v = state_.u;
   longest_move_ = mean_edge(elements_);
-  for (const PrescribedVertex& p : setup.prescribed)
-    held_.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes});
+  held_ = held_by(setup.prescribed);
   RegionEdit everything;
   everything.entered.resize(std::size_t(elements_.topology.tet_count()));
   std::iota(everything.entered.begin(), everything.entered.end(), 0);

@@ -11,13 +11,6 @@
 namespace lobe {
 namespace {
 
-HeldVertices held_vertices(const Setup& setup) {
-  HeldVertices held;
-  for (const PrescribedVertex& p : setup.prescribed)
-    held.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes});
-  return held;
-}
-
 Mat3X<double> prescribed_displacements(const HeldVertices& held, Index vertices) {
   Mat3X<double> u = Mat3X<double>::Zero(3, vertices);
   for (const HeldVertices::Held& item : held.all())
@@ -31,8 +24,8 @@ class Equations {
  public:
   explicit Equations(const Setup& setup)
       : elements((check_setup(setup), setup)),
-        unknowns(free_components(elements, held_vertices(setup))),
-        prescribed(prescribed_displacements(held_vertices(setup), elements.topology.vertex_count())) {
+        unknowns(free_components(elements, held_by(setup.prescribed))),
+        prescribed(prescribed_displacements(held_by(setup.prescribed), elements.topology.vertex_count())) {
     refuse_floating_pieces(elements, unknowns);
     loads = dead_loads(elements, setup.face_loads, setup.vertex_loads);
     for (Index v = 0; v < loads.cols(); ++v) loads.col(v) += lumped_mass(elements, v) * setup.gravity;

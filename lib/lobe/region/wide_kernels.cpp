@@ -6,9 +6,9 @@
 namespace lobe::LOBE_KERNELS {
 namespace {
 
-// The kernels are flattened: all formulas inline, however often they are used elsewhere.
+// The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
 template <class Real, ElementPart part, bool nodal_pressure>
-[[gnu::flatten]] void forces_of(const ElementArrays<Real>& arrays, Index begin, Index end, Real* rows) {
+LOBE_FLATTEN void forces_of(const ElementArrays<Real>& arrays, Index begin, Index end, Real* rows) {
   using Lanes = ElementLanes<Pack<Real>>;
   constexpr int width = ElementBlock<Real>::width;
   for (Index b = begin; b < end; ++b)
@@ -45,7 +45,7 @@ void forces(const ElementArrays<Real>& arrays, ElementPart part, Index begin, In
 }
 
 template <class Real>
-[[gnu::flatten]] void volume_strains(const ElementArrays<Real>& arrays, Index block, Real* row) {
+LOBE_FLATTEN void volume_strains(const ElementArrays<Real>& arrays, Index block, Real* row) {
   using Lanes = ElementLanes<Pack<Real>>;
   for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
     const Lanes e(arrays.blocks[block], first, arrays.u);

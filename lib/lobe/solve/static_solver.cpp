@@ -57,7 +57,7 @@ class Equilibrium : public NewtonProblem {
 
  private:
   bool factorise(const Mat3X<double>& u);
-  NewtonPoint follow_boundary(const NewtonPoint& from);
+  bool follow_boundary(NewtonPoint& point);
 
   const Equations& eq_;
   const StaticOptions& options_;
@@ -97,22 +97,25 @@ bool Equilibrium::direction(const NewtonPoint& at, Mat3X<double>& direction) {
   return true;
 }
 
-// The prescribed displacements of the load fraction, which the body follows linearly at first.
-NewtonPoint Equilibrium::follow_boundary(const NewtonPoint& from) {
-  Mat3X<double> move = fraction_ * eq_.prescribed - from.u;
+// Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at first.
+bool Equilibrium::follow_boundary(NewtonPoint& point) {
+  Mat3X<double> move = fraction_ * eq_.prescribed - point.u;
   for (Eigen::Index i = 0; i < move.size(); ++i)
     if (eq_.unknowns.number.data()[i] >= 0) move.data()[i] = 0;
-  if (move.isZero(0) || !factorise(from.u)) return from;
-  const Eigen::VectorXd residual = eq_.unknowns.gather(from.residual);
-  return at(from.u + move + eq_.unknowns.scatter(tangent_.solve(*factor_, residual, from.u, move)));
+  if (move.isZero(0)) return true;
+  trouble_ = "the tangent is singular there (a mechanism, or a collapsed tetrahedron)";
+  if (!factorise(point.u)) return false;
+  const Eigen::VectorXd residual = eq_.unknowns.gather(point.residual);
+  point = at(point.u + move + eq_.unknowns.scatter(tangent_.solve(*factor_, residual, point.u, move)));
+  trouble_ = "the prescribed displacements invert it";
+  return point.smallest_volume_ratio > 0;
 }
 
 bool Equilibrium::find(double fraction) {
   fraction_ = fraction;
-  NewtonPoint point = follow_boundary(at(result_.u));
-  if (!(point.smallest_volume_ratio > 0)) {
+  NewtonPoint point = at(result_.u);
+  if (!follow_boundary(point)) {
     result_.worst_tet = point.smallest_tet;
-    trouble_ = "the prescribed displacements invert it";
     return false;
   }
   const NewtonResult newton = minimise(*this, point, options_.tolerance, options_.most_iterations);

@@ -117,6 +117,17 @@ TEST_CASE("an implicit world follows grasps, rollers and cuts") {
   CHECK((u - rest.u).norm() < 1e-6 * rest.u.norm());
 }
 
+TEST_CASE("a world that is moved goes on as if it had stayed") {
+  const Setup setup = implicit(beam(RegionModel::nonlinear), 0.8);
+  World<double> stays(setup);
+  auto first = std::make_unique<World<double>>(setup);
+  for (World<double>* world : {&stays, first.get()}) REQUIRE(world->step(0.005));
+  World<double> moved = std::move(*first);
+  first.reset();
+  for (World<double>* world : {&stays, &moved}) REQUIRE(world->step(0.005));
+  CHECK(moved.state().u == stays.state().u);
+}
+
 TEST_CASE("the implicit integrator asks for double precision and sane constants") {
   CHECK_THROWS_WITH_AS(World<float>(implicit(beam(RegionModel::nonlinear), 1)),
                        doctest::Contains("double precision"), InputError);

@@ -105,9 +105,9 @@ bool World<Real>::step(double dt) {
 
 template <class Real>
 void World<Real>::integrate(double dt) {
-  for (const HeldVertices::Held& item : held_.all())
+  for (const HeldVertices::Held& item : held_.all())  // stays where it is until move_held()
     for (int i = 0; i < 3; ++i)
-      if (item.axes[i]) forces_(i, item.vertex) = 0;
+      if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
   const Real fastest =
       central_difference(forces_, step_mass_, Real(dt), Real(setup_.damping), state_.u, state_.v);
   fastest_ = std::sqrt(double(fastest));
@@ -139,11 +139,11 @@ Vec3d World<Real>::held_displacement(const HeldVertices::Held& item, double time
 template <class Real>
 void World<Real>::move_held(double dt) {
   for (const HeldVertices::Held& item : held_.all()) {
-    const Vec3d u = held_displacement(item, state_.time), before = held_displacement(item, state_.time - dt);
+    const Vec3<Real> u = held_displacement(item, state_.time).template cast<Real>();
     for (int i = 0; i < 3; ++i) {
       if (!item.axes[i]) continue;
-      state_.v(i, item.vertex) = Real((u[i] - before[i]) / dt);
-      state_.u(i, item.vertex) = Real(u[i]);
+      state_.v(i, item.vertex) = (u[i] - state_.u(i, item.vertex)) / Real(dt);
+      state_.u(i, item.vertex) = u[i];
     }
   }
 }
@@ -152,8 +152,8 @@ void World<Real>::move_held(double dt) {
 template <class Real>
 bool World<Real>::implicit_step(double dt) {
   if constexpr (std::is_same_v<Real, double>) {
+    if (implicit_is_stale_ || !implicit_->is_built_on(elements_)) implicit_->rebuild(elements_, held_);
     if (implicit_is_stale_) {
-      implicit_->rebuild(elements_, held_);
       acceleration_ = -setup_.damping * state_.v;
       forces();
       for (Index v = 0; v < forces_.cols(); ++v) acceleration_.col(v) += inverse_mass_[v] * forces_.col(v);

@@ -35,6 +35,9 @@ class ImplicitStep {
 
   // After an edit of the mesh, of regions or of what is held. The elements must outlive the steps.
   void rebuild(const Elements& elements, const HeldVertices& held);
+  bool is_built_on(const Elements& elements) const {
+    return elements_ == &elements;
+  }  // not if they have moved
 
   double load_time() const { return 1 - alpha_f_; }  // t_α = t + load_time() Δt
 

@@ -50,10 +50,7 @@ void print_references(const std::vector<AccuracyRow>& rows) {
 
 void bench_accuracy(const Options& options) {
   const std::vector<Case> cases = make_cases(options);
-  std::filesystem::create_directories(options.output);
-  const std::string machine = machine_line();
-  std::printf("%s\n", machine.c_str());
-  write_file(options.output / "machine.txt", machine + '\n');
+  begin_results(options.output, "accuracy");
   std::vector<AccuracyRow> all;
   for (const Case& scene : cases) {
     print_heading();

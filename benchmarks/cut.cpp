@@ -116,11 +116,9 @@ void bench_cut(const Options& options) {
   if (sizes.empty()) sizes = {10000, 48000, 200000};
   if (options.tets.empty() && !options.quick) sizes.push_back(1000000);
 
-  std::filesystem::create_directories(options.output);
-  const std::string machine = machine_line();
-  std::printf("%s\n\n%-12s %8s %6s %8s %11s %12s %10s\n", machine.c_str(), "region", "tets", "batch",
-              "removed", "us/tet", "rebuild us", "error");
-  write_file(options.output / "machine.txt", machine + '\n');
+  begin_results(options.output, "cut");
+  std::printf("\n%-12s %8s %6s %8s %11s %12s %10s\n", "region", "tets", "batch", "removed", "us/tet",
+              "rebuild us", "error");
   std::vector<Row> rows;
   for (int size : sizes) {
     Setup setup = cube_setup(size);

@@ -138,10 +138,7 @@ void bench_kernels(const Options& options) {
   if (options.threads > 1) threads.push_back(options.threads);
   const Sampling sampling = options.quick ? Sampling{5, 0.01} : Sampling{};
 
-  std::filesystem::create_directories(options.output);
-  const std::string machine = machine_line();
-  std::printf("%s\n", machine.c_str());
-  write_file(options.output / "machine.txt", machine + '\n');
+  const std::string machine = begin_results(options.output, "kernels");
   std::vector<Row> all;
   for (int size : sizes) {
     std::vector<Row> rows = checked_rows(std::make_shared<Cube>(size), threads);

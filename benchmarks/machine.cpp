@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "benchmarks/files.h"
 #include "lobe/instruction_set.h"
 
 namespace lobe::bench {
@@ -45,6 +46,19 @@ std::string machine_line() {
   std::snprintf(load_text, sizeof load_text, known ? "%.1f" : "unknown", load);
   return processor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " hardware threads; " +
          compiler() + ", " + name(chosen_instruction_set()) + "; " + date + ", load " + load_text;
+}
+
+std::string begin_results(const std::filesystem::path& directory, const std::string& benchmark) {
+  std::filesystem::create_directories(directory);
+  const std::string machine = machine_line(), own = benchmark + ": ";
+  std::string text;
+  std::ifstream before(directory / "machine.txt");
+  for (std::string line; std::getline(before, line);)
+    if (line.find(": ") != line.npos && !line.starts_with(own)) text += line + '\n';
+  before.close();
+  write_file(directory / "machine.txt", text + own + machine + '\n');
+  std::printf("%s\n", machine.c_str());
+  return machine;
 }
 
 }  // namespace lobe::bench

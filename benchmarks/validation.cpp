@@ -12,10 +12,8 @@ namespace lobe::bench {
 
 void bench_validation(const Options& options) {
   using namespace validation;
-  std::filesystem::create_directories(options.output);
-  const std::string machine = machine_line();
-  std::printf("%s\n\n%s", machine.c_str(), text_header().c_str());
-  write_file(options.output / "machine.txt", machine + '\n');
+  const std::string machine = begin_results(options.output, "validation");
+  std::printf("\n%s", text_header().c_str());
   std::vector<Row> rows;
   std::vector<Point> points;
   std::size_t failed = 0;

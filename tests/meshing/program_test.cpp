@@ -27,8 +27,8 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 Run lobe_mesh(const std::string& arguments) {
-  const TestFolder folder;
-  const std::string out = (folder / "out").string(), err = (folder / "err").string();
+  const SurfaceFolder folder;
+  const std::string out = (folder.path / "out").string(), err = (folder.path / "err").string();
   const int status = std::system((LOBE_BIN_DIR "/lobe-mesh " + arguments + " >" + out + " 2>" + err).c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
 }
@@ -36,11 +36,11 @@ Run lobe_mesh(const std::string& arguments) {
 }  // namespace
 
 TEST_CASE("lobe-mesh writes a mesh and a report that agree") {
-  const TestFolder folder;
+  const SurfaceFolder folder;
   const std::string surface = folder.write("s.stl", scaled(make_sphere(1, 3), 50)).string();  // millimetres
   for (const std::string mesher : {"cgal", "tetgen"}) {
-    const std::string mesh = (folder / (mesher + ".vtu")).string(),
-                      report = (folder / (mesher + ".json")).string();
+    const std::string mesh = (folder.path / (mesher + ".vtu")).string(),
+                      report = (folder.path / (mesher + ".json")).string();
     const Run run = lobe_mesh(surface + " -o " + mesh + " --scale 0.001 --edge 0.015 --json --mesher " +
                               mesher + " --report " + report);
     CHECK_MESSAGE(run.status == 0, run.err);
@@ -53,11 +53,11 @@ TEST_CASE("lobe-mesh writes a mesh and a report that agree") {
     CHECK(json["volume"].get<double>() == doctest::Approx(5.2e-4).epsilon(0.05));
     CHECK(json["time_step"].get<double>() > 0);
   }
-  CHECK(folder.files() == 5);
+  CHECK(folder.file_count() == 5);
 }
 
 TEST_CASE("lobe-mesh --diagnose describes a bad surface and ends well") {
-  const TestFolder folder;
+  const SurfaceFolder folder;
   const std::string surface = folder.write("s.off", without_triangle(make_cube(1), 0)).string();
   const Run words = lobe_mesh(surface + " --diagnose");
   CHECK(words.status == 0);
@@ -67,22 +67,22 @@ TEST_CASE("lobe-mesh --diagnose describes a bad surface and ends well") {
 }
 
 TEST_CASE("bad input ends with one line per fault, status 2 and nothing written") {
-  const TestFolder folder;
+  const SurfaceFolder folder;
   const Surface cube = make_cube(0.1), sphere = make_sphere(0.05, 2);
   const auto refused = [&](const std::string& arguments, const std::string& message) {
     CAPTURE(arguments);
-    const std::size_t files = folder.files();
-    const Run run = lobe_mesh(arguments + " --quiet -o " + (folder / "m.vtu").string());
+    const std::size_t files = folder.file_count();
+    const Run run = lobe_mesh(arguments + " --quiet -o " + (folder.path / "m.vtu").string());
     CHECK(run.status == 2);
     CHECK_MESSAGE(contains(run.err, message), run.err);
     CHECK(run.err.starts_with("lobe-mesh: error: "));
     CHECK(std::count(run.err.begin(), run.err.end(), '\n') == 1);
-    CHECK(folder.files() == files);
+    CHECK(folder.file_count() == files);
   };
   const auto file = [&](const std::string& name, const auto& content) {
     return folder.write(name, content).string();
   };
-  refused((folder / "none.obj").string(), "no such file");
+  refused((folder.path / "none.obj").string(), "no such file");
   refused(file("empty.stl", std::string()), "empty file");
   refused(file("x.txt", std::string("hello")), "unknown extension");
   refused(file("open.off", without_triangle(without_triangle(cube, 11), 10)), "--repair wrap");
@@ -101,15 +101,15 @@ TEST_CASE("bad input ends with one line per fault, status 2 and nothing written"
   refused(good + " --mesher gmsh", "gmsh");
   refused(good + " --colour red", "--colour");
   refused(good + " " + good, "one");
-  refused(good + " --report " + (folder / "no/r.json").string(), "there is no folder");
+  refused(good + " --report " + (folder.path / "no/r.json").string(), "there is no folder");
   const Run no_output = lobe_mesh(good);
   CHECK(no_output.status == 2);
   CHECK(contains(no_output.err, "-o MESH.vtu"));
 }
 
 TEST_CASE("repairs and doubts are reported on standard error") {
-  const TestFolder folder;
-  const std::string mesh = (folder / "m.vtu").string();
+  const SurfaceFolder folder;
+  const std::string mesh = (folder.path / "m.vtu").string();
   const Surface sphere = make_sphere(50, 2);
   const Run inside_out =
       lobe_mesh(folder.write("i.off", inverted(sphere)).string() + " --edge 25 -o " + mesh);

@@ -10,7 +10,7 @@ using namespace lobe;
 using namespace lobe::meshing;
 
 TEST_CASE("every format gives back the volume of what was written") {
-  const TestFolder folder;
+  const SurfaceFolder folder;
   const Surface sphere = make_sphere(0.05, 2);
   for (const std::string name : {"a.obj", "a.off", "a.ply", "a.stl"}) {
     CAPTURE(name);
@@ -23,7 +23,7 @@ TEST_CASE("every format gives back the volume of what was written") {
 }
 
 TEST_CASE("ascii STL and PLY, quadrilaterals and negative OBJ indices are read") {
-  const TestFolder folder;
+  const SurfaceFolder folder;
   const std::string stl =
       "solid x\nfacet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n endloop\n"
       "endfacet\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 "
@@ -43,7 +43,7 @@ TEST_CASE("ascii STL and PLY, quadrilaterals and negative OBJ indices are read")
 }
 
 TEST_CASE("a concave polygon is triangulated inside its outline") {
-  const TestFolder folder;
+  const SurfaceFolder folder;
   const Surface arrow =
       read_surface(folder.write("c.off", "OFF\n4 1 0\n0 0 0\n2 1 0\n0 2 0\n1 1 0\n4 0 1 2 3\n"));
   REQUIRE(arrow.triangle_count() == 2);
@@ -58,13 +58,13 @@ TEST_CASE("a concave polygon is triangulated inside its outline") {
 }
 
 TEST_CASE("files that are missing, empty, truncated or garbled are refused by name") {
-  const TestFolder folder;
+  const SurfaceFolder folder;
   const auto error = [&](const std::filesystem::path& file) {
     const std::string text = input_error([&] { read_surface(file); });
     CHECK(contains(text, file.string()));
     return text;
   };
-  CHECK(contains(error(folder / "no.obj"), "no such file"));
+  CHECK(contains(error(folder.path / "no.obj"), "no such file"));
   CHECK(contains(error(folder.write("a.xyz", "hello")), "unknown extension"));
   std::string garbage;
   for (int i = 0; i < 2000; ++i) garbage += static_cast<char>(i * i * 7 + i / 3);

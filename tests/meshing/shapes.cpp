@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
 
 #include "lobe/io/surface_io.h"
 #include "lobe_mesh/diagnose.h"
-
-#include <unistd.h>
 
 namespace lobe::meshing {
 namespace {
@@ -122,29 +119,9 @@ Surface without_triangle(const Surface& surface, Index triangle) {
   return rest;
 }
 
-TestFolder::TestFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "lobe-test-XXXXXX").string();
-  REQUIRE(mkdtemp(name.data()) != nullptr);
-  path_ = name;
-}
-
-TestFolder::~TestFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::filesystem::path TestFolder::write(const std::string& name, const std::string& text) const {
-  std::ofstream(path_ / name, std::ios::binary) << text;
-  return path_ / name;
-}
-
-std::filesystem::path TestFolder::write(const std::string& name, const Surface& surface) const {
-  write_surface(path_ / name, surface.points, surface.triangles);
-  return path_ / name;
-}
-
-std::size_t TestFolder::files() const {
-  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+std::filesystem::path SurfaceFolder::write(const std::string& name, const Surface& surface) const {
+  write_surface(path / name, surface.points, surface.triangles);
+  return path / name;
 }
 
 void check_boundary(const TetMesh& mesh) {

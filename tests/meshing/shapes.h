@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "folder.h"
 #include "lobe/error.h"
 #include "lobe/mesh/tet_mesh.h"
 #include "lobe_mesh/surface.h"
@@ -21,18 +22,9 @@ Surface scaled(Surface surface, double factor);
 Surface inverted(Surface surface);
 Surface without_triangle(const Surface& surface, Index triangle);
 
-// A folder of the test's own, removed at the end.
-class TestFolder {
- public:
-  TestFolder();
-  ~TestFolder();
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  std::filesystem::path write(const std::string& name, const std::string& text) const;
+struct SurfaceFolder : test::Folder {
+  using Folder::write;
   std::filesystem::path write(const std::string& name, const Surface& surface) const;
-  std::size_t files() const;
-
- private:
-  std::filesystem::path path_;
 };
 
 // The message of the InputError that `action` throws; "" if it throws none.

@@ -17,6 +17,11 @@ void need_display() {
   if (!display || !*display) throw std::runtime_error("no X display; run under xvfb-run -a");
 }
 
+int fail(const char* message) {
+  std::cerr << "lobe-picture: error: " << message << '\n';
+  return 2;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -25,8 +30,10 @@ int main(int argc, char** argv) {
   app.add_option("request", request, "JSON file that lists the pictures")->required();
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return fail(error.what());
   }
   try {
     vtkObject::GlobalWarningDisplayOff();  // faults are reported in one line, below
@@ -35,7 +42,6 @@ int main(int argc, char** argv) {
     for (const picture::Picture& one : pictures) picture::render(one);
     return 0;
   } catch (const std::exception& error) {
-    std::cerr << "lobe-picture: error: " << error.what() << '\n';
-    return 2;
+    return fail(error.what());
   }
 }

@@ -44,11 +44,11 @@ std::string two_tetrahedra(const std::string& moved = "0 0 0.2", int count = 2) 
 }
 
 // Runs the request; its standard error is then in messages.txt.
-int run(const Folder& folder, const std::string& request) {
+int run(const Folder& folder, const std::string& request, const std::string& options = "") {
   folder.write("request.json", request);
   const std::string command = "cd '" + folder.path.string() +
-                              "' && '" XVFB_RUN "' -a '" LOBE_BIN_DIR
-                              "/lobe-picture' request.json 2> messages.txt";
+                              "' && '" XVFB_RUN "' -a '" LOBE_BIN_DIR "/lobe-picture' request.json " +
+                              options + " 2> messages.txt";
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -181,4 +181,13 @@ TEST_CASE("a bad request or mesh is one line and exit status 2") {
                 "/pictures/0/panels/0/colour: unknown key");
   check_refused(folder, one_panel(R"({"mesh": "tets.vtu"})", R"(, "size": [0, 5])"), "/pictures/0/size");
   check_refused(folder, R"({"pictures": [)", "request.json: ");
+}
+
+TEST_CASE("a wrong command line is one line and exit status 2") {
+  const Folder folder;
+  CHECK(run(folder, "{}", "--colour red") == 2);
+  const std::string messages = folder.read("messages.txt");
+  CHECK(messages.starts_with("lobe-picture: error: "));
+  CHECK(messages.find("--colour") != std::string::npos);
+  CHECK(messages.find('\n') == messages.size() - 1);
 }

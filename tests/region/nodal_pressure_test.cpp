@@ -12,30 +12,12 @@
 #include "lobe/scene/select.h"
 #include "lobe/sim/rebuild.h"
 #include "support.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-template <class Real>
-World<Real> world_at(const Setup& setup, const Mat3X<Real>& u, int threads = 1) {
-  World<Real> world(setup, threads);
-  State<Real> state = world.state();
-  state.u = u;
-  world.set_state(state);
-  return world;
-}
-
-template <class Real>
-Mat3X<Real> forces(const Setup& setup, const Mat3X<Real>& u, int threads = 1) {
-  return world_at(setup, u, threads).forces();
-}
-
-double elastic_energy(const Setup& setup, const Mat3X<double>& u) {
-  const Energies e = world_at(setup, u).energies();
-  return e.elastic_linear + e.elastic_nonlinear;
-}
 
 // Three materials side by side, of shares 1, 0.6 and 0, the first partly linear; a volume term.
 Setup mixed_setup(const TetMesh& mesh) {
@@ -104,17 +86,8 @@ TEST_CASE("the energy is the formula's, with several materials") {
 
 TEST_CASE("with nodal pressure forces are minus the slope of the energy, in every region and at interfaces") {
   const TetMesh mesh = irregular_box(2);
-  const Setup setup = mixed_setup(mesh);
-  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
-  const Mat3X<double> f = forces<double>(setup, u);
-  const double h = 1e-7;
-  for (Index i = 0; i < u.size(); ++i) {
-    Mat3X<double> plus = u, minus = u;
-    plus(i) += h;
-    minus(i) -= h;
-    const double slope = (elastic_energy(setup, plus) - elastic_energy(setup, minus)) / (2 * h);
-    CHECK(f(i) == doctest::Approx(-slope).epsilon(1e-5).scale(f.norm()));
-  }
+  check_that_forces_are_minus_the_slope_of_the_energy(mixed_setup(mesh),
+                                                      random_displacement(mesh.vertex_count(), 2e-3));
 }
 
 TEST_CASE("with nodal pressure an affine map gives the forces and the energy of plain SVK") {

@@ -5,31 +5,13 @@
 
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
-#include "lobe/sim/world.h"
 #include "support.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-template <class Real>
-Mat3X<Real> forces(const Setup& setup, const Mat3X<Real>& u, int threads = 1) {
-  World<Real> world(setup, threads);
-  State<Real> state = world.state();
-  state.u = u;
-  world.set_state(state);
-  return world.forces();
-}
-
-double elastic_energy(const Setup& setup, const Mat3X<double>& u) {
-  World<double> world(setup);
-  State<double> state = world.state();
-  state.u = u;
-  world.set_state(state);
-  const Energies e = world.energies();
-  return e.elastic_linear + e.elastic_nonlinear;
-}
 
 bool on_boundary(const Topology& topology, Index v) {
   for (Index code : topology.boundary_faces())
@@ -109,17 +91,8 @@ TEST_CASE(
 
 TEST_CASE("forces are minus the slope of the energy in every region and at the interface") {
   const TetMesh mesh = irregular_box(2);
-  const Setup setup = hybrid_setup(mesh);
-  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
-  const Mat3X<double> f = forces<double>(setup, u);
-  const double h = 1e-7;
-  for (Index i = 0; i < u.size(); ++i) {
-    Mat3X<double> plus = u, minus = u;
-    plus(i) += h;
-    minus(i) -= h;
-    const double slope = (elastic_energy(setup, plus) - elastic_energy(setup, minus)) / (2 * h);
-    CHECK(f(i) == doctest::Approx(-slope).epsilon(1e-5).scale(f.norm()));
-  }
+  check_that_forces_are_minus_the_slope_of_the_energy(hybrid_setup(mesh),
+                                                      random_displacement(mesh.vertex_count(), 2e-3));
 }
 
 TEST_CASE("action equals reaction: no net force in a hybrid, no net moment in the non-linear region") {

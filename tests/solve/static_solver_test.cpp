@@ -5,8 +5,8 @@
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/select.h"
-#include "lobe/sim/world.h"
 #include "support.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -97,10 +97,7 @@ TEST_CASE("rollers: uniaxial stretch with free sides has the closed form's force
     const Mat3<double> F = Vec3d(stretch, side, side).asDiagonal();
     CHECK((result.u - affine_displacement(setup.mesh.points, F)).norm() < 1e-8 * result.u.norm());
     // The same rollers in a world: reaction = P A, nothing sideways.
-    World<double> world(setup);
-    State<double> state = world.state();
-    state.u = result.u;
-    world.set_state(state);
+    World<double> world = world_at(setup, result.u);
     double force = 0;
     for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
       if (setup.mesh.points(0, v) == 0) force += world.forces()(0, v);
@@ -137,10 +134,7 @@ TEST_CASE(
     CHECK(result.u(1, tip) == doctest::Approx(expected).epsilon(1e-4));
     CHECK(result.u(1, tip) < before);
     before = result.u(1, tip);
-    World<double> world(setup);
-    State<double> state = world.state();
-    state.u = result.u;
-    world.set_state(state);
+    World<double> world = world_at(setup, result.u);
     double largest = 0;
     for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
       if (setup.mesh.points(2, v) > 0) largest = std::max(largest, world.forces().col(v).norm());

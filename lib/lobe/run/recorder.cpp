@@ -35,6 +35,8 @@ void Recorder::record(const World<Real>& world, bool last) {
   const bool picture_due = next_picture_ < output_.pictures.size() &&
                            world.time() >= output_.pictures[next_picture_] - just_before;
   if (!frame_due && !picture_due && !last) return;
+  // A run that ended early stands where it was recorded last, perhaps with more cuts.
+  if (!frames_.empty() && frames_.back().first == world.time()) frames_.pop_back();
   const std::string frame = numbered("frame_%04zu.vtu", frames_.size());
   write_frame(directory_ / frame, world.elements(), world.state().u.template cast<double>(),
               world.state().v.template cast<double>());

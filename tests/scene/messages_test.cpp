@@ -91,7 +91,8 @@ TEST_CASE("unknown keys are refused with a suggestion") {
       {R"({"a\nb": 1, "time": {"x~/": 1}})",
        "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"boundary\", \"comment\", "
        "\"evaluator\", "
-       "\"gravity\", \"loose_pieces\", \"materials\", \"mesh\", \"name\", \"output\", \"regions\", \"time\", "
+       "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"name\", \"output\", "
+       "\"regions\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"damping\", \"duration\", \"frame\", \"integrator\", "
        "\"load_ramp\", \"precision\", \"ramp\", \"safety\", \"spectral_radius\", \"step\""},
@@ -139,6 +140,7 @@ TEST_CASE("materials are one of two pairs, and stable") {
       {R"({"materials": [{"young_modulus": 1e308, "poisson_ratio": 0.4999}]})",
        "/materials/0: too stiff for double precision"},
       {R"({"volume_penalty": -1})", "/volume_penalty: -1, must be at least 0"},
+      {R"({"guard_below": 1})", "/guard_below: 1, must be below 1"},
   });
 }
 

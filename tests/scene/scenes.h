@@ -17,6 +17,7 @@ inline const std::string full_scene = R"({
     {"where": {"label": [3, 4]}, "lame_lambda": 0, "lame_mu": 1e3, "nodal_pressure": 0.5}
   ],
   "volume_penalty": 1e5,
+  "guard_below": 0.2,
   "regions": [
     {"name": "held part", "model": "precomputed", "where": {"box": {"min": [-0.1, -0.2, -0.3], "max": [0, 0.1, 0.2]}}},
     {"model": "tensor-mass", "where": {"sphere": {"center": [0.01, 0, 0], "radius": 0.02}}},

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lobe/fem/guard.h"
 #include "lobe/fem/hooke.h"
 #include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
@@ -31,8 +32,10 @@ TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u
   fields.volume_ratio = 1 + volume_change(H);
   if (elements.region_of[tet] == RegionModel::nonlinear) {
     const Mat3<double> F = Mat3<double>::Identity() + H;
-    const Mat3<double> P = svk_stress(H, elastic.element_lambda(), elastic.mu) +
-                           pressure_stress(H, pressure) + volume_stress(H, elements.volume_penalty);
+    Mat3<double> P = svk_stress(H, elastic.element_lambda(), elastic.mu) + pressure_stress(H, pressure) +
+                     volume_stress(H, elements.volume_penalty);
+    if (fields.volume_ratio < elements.guard_below)
+      P += guard_stress(H, elastic.guard_modulus(), elements.guard_below);
     fields.strain = green_strain(H);
     fields.stress = P * F.transpose() / fields.volume_ratio;
   } else {

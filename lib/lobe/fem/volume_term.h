@@ -32,6 +32,14 @@ T volume_change(const Mat3<T>& H) {
 }
 
 template <class T>
+Mat3<T> deformation_cofactor(const Mat3<T>& H)  // cof F = ∂ det F/∂F
+{
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) += T(1);
+  return cofactor(F);
+}
+
+template <class T>
 T volume_energy_density(const Mat3<T>& H, const T& kappa)  // [Pa] → [J/m³]
 {
   using std::abs;
@@ -44,9 +52,7 @@ Mat3<T> volume_stress(const Mat3<T>& H, const T& kappa)  // adds to the first Pi
 {
   using std::abs;
   const T v = volume_change(H);
-  Mat3<T> F = H;
-  for (int i = 0; i < 3; ++i) F(i, i) += T(1);
-  return cofactor(F) * (kappa * v * abs(v));
+  return deformation_cofactor(H) * (kappa * v * abs(v));
 }
 
 // ∂²W/∂u_j² / V = 2κ|v| g⊗g with g = cof(F) α_j (det F is linear in each vertex).
@@ -54,9 +60,7 @@ template <class T>
 Mat3<T> volume_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& kappa)  // [Pa/m²]
 {
   using std::abs;
-  Mat3<T> F = H;
-  for (int i = 0; i < 3; ++i) F(i, i) += T(1);
-  const Vec3<T> g = cofactor(F).lazyProduct(alpha);
+  const Vec3<T> g = deformation_cofactor(H).lazyProduct(alpha);
   const T scale = T(2) * kappa * abs(volume_change(H));
   return g.lazyProduct(g.transpose()) * scale;
 }

@@ -16,8 +16,9 @@ struct Elastic {
   double density = 1000;          // [kg/m³]
   double nodal_pressure = 0;  // w: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
 
-  double nodal_lambda() const { return nodal_pressure * lambda; }    // wλ [Pa]
-  double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − w)λ [Pa]
+  double nodal_lambda() const { return nodal_pressure * lambda; }     // wλ [Pa]
+  double element_lambda() const { return lambda - nodal_lambda(); }   // (1 − w)λ [Pa]
+  double guard_modulus() const { return element_lambda() + 2 * mu; }  // M of fem/guard.h [Pa]
 };
 
 struct Body {
@@ -26,6 +27,7 @@ struct Body {
   std::vector<std::uint16_t> material_of;  // per tetrahedron: which of the materials
   std::vector<RegionModel> region_of;      // per tetrahedron
   double volume_penalty = 0;               // κ [Pa], of the non-linear region
+  double guard_below = 0;  // J₀ of fem/guard.h, of the non-linear region, 0…1; 0: no guard
 };
 
 }  // namespace lobe

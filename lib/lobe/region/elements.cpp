@@ -9,7 +9,8 @@ Elements::Elements(const Body& body)
       materials(body.materials),
       material_of(body.material_of),
       region_of(body.region_of),
-      volume_penalty(body.volume_penalty) {}
+      volume_penalty(body.volume_penalty),
+      guard_below(body.guard_below) {}
 
 Mat34<double> Elements::corner_points(Index tet) const {
   Mat34<double> X;

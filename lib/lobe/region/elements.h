@@ -19,6 +19,7 @@ struct Elements {
   std::vector<std::uint16_t> material_of;
   std::vector<RegionModel> region_of;
   double volume_penalty = 0;  // κ [Pa], of the non-linear region
+  double guard_below = 0;     // J₀, of the non-linear region
 
   Mat34<double> corner_points(Index tet) const;  // [m]
   Shape shape_of(Index tet) const { return shape(corner_points(tet)); }

@@ -122,6 +122,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["mesh"] = summarise_mesh(scene, setup.mesh);
   summary["materials"] = summarise_materials(scene, setup);
   summary["volume_penalty_Pa"] = setup.volume_penalty;
+  summary["guard_below"] = setup.guard_below;
   summary["regions"] = summarise_regions(setup);
   summary["fixed_vertices"] = setup.prescribed.size() - static_cast<std::size_t>(moved + sliding);
   summary["sliding_vertices"] = sliding;
@@ -195,7 +196,9 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
       << mesh["tetrahedra"] << " tetrahedra, " << rounded(mesh["volume_m3"]) << " m³, "
       << triple(mesh["box_min_m"]) << " to " << triple(mesh["box_max_m"]) << " m\n";
   print_materials(out, summary["materials"]);
-  out << "volume     penalty " << rounded(summary["volume_penalty_Pa"]) << " Pa\n";
+  out << "volume     penalty " << rounded(summary["volume_penalty_Pa"]) << " Pa";
+  if (const double below = summary["guard_below"]; below > 0) out << ", guard below " << rounded(below);
+  out << "\n";
   out << "regions   ";
   const char* separator = " ";
   for (const auto& [name, count] : summary["regions"].items()) {

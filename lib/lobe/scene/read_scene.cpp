@@ -131,6 +131,7 @@ Scene from_document(const json& document) {
   const auto mesh = document["mesh"].get<std::string>();
   scene.mesh = std::u8string(mesh.begin(), mesh.end());
   read(document, "volume_penalty", scene.volume_penalty);
+  read(document, "guard_below", scene.guard_below);
   read_entries(document, "materials", scene.materials, read_material);
   read_entries(document, "regions", scene.regions, read_region);
   read_entries(document, "boundary", scene.boundary, read_boundary);

@@ -147,6 +147,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.mesh.labels.resize(static_cast<std::size_t>(setup.mesh.tet_count()), 0);
   setup.gravity = scene.gravity;
   setup.volume_penalty = scene.volume_penalty;
+  setup.guard_below = scene.guard_below;
   setup.evaluator = scene.evaluator;
   setup.loose_pieces = scene.loose_pieces;
   setup.damping = scene.time.damping;

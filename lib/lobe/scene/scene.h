@@ -126,6 +126,7 @@ struct Scene {
   std::filesystem::path mesh;  // absolute, or relative to the scene file
   std::vector<Material> materials;
   double volume_penalty = 0;    // κ [Pa]
+  double guard_below = 0;       // J₀ of fem/guard.h, 0: no guard
   std::vector<Region> regions;  // first match wins; where none matches: nonlinear
   std::vector<Boundary> boundary;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]

@@ -127,6 +127,7 @@ std::string to_json(const Scene& scene) {
   document["mesh"] = utf8(scene.mesh);
   document["materials"] = entries(scene.materials);
   document["volume_penalty"] = scene.volume_penalty;
+  document["guard_below"] = scene.guard_below;
   document["regions"] = entries(scene.regions);
   document["boundary"] = entries(scene.boundary);
   document["gravity"] = vector(scene.gravity);

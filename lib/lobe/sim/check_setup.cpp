@@ -69,6 +69,7 @@ void Checker::check_materials() {
          "precomputed regions are not available yet; use tensor-mass");
   const auto not_negative = [](double x) { return std::isfinite(x) && x >= 0; };
   expect(not_negative(setup_.volume_penalty), "volume_penalty must be finite and not negative");
+  expect(setup_.guard_below >= 0 && setup_.guard_below < 1, "guard_below must be in [0, 1)");
   expect(not_negative(setup_.damping), "damping must be finite and not negative");
   expect(not_negative(setup_.ramp) && not_negative(setup_.load_ramp),
          "ramps must be finite and not negative");

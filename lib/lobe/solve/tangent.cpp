@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/fem/guard.h"
 #include "lobe/fem/hooke.h"
 #include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
@@ -52,6 +53,10 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
       result.energy += s.volume * (svk_energy_density(H, lambda, e.mu) + volume_energy_density(H, kappa) +
                                    pressure_energy_density(H, pressures[t]));
       P = svk_stress(H, lambda, e.mu) + volume_stress(H, kappa) + pressure_stress(H, pressures[t]);
+      if (ratio < elements.guard_below) {
+        result.energy += s.volume * guard_energy_density(H, e.guard_modulus(), elements.guard_below);
+        P += guard_stress(H, e.guard_modulus(), elements.guard_below);
+      }
     } else {
       result.energy += s.volume * hooke_energy_density(H, e.lambda, e.mu);
       P = hooke_stress(H, e.lambda, e.mu);
@@ -72,6 +77,12 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
   const Mat3<double> F = Mat3<double>::Identity() + H;
   const Mat3<double> S = svk_second_stress(H, lambda, e.mu) + pressure * Mat3<double>::Identity();
   const double kappa = elements.volume_penalty, v = volume_change(H);
+  double slope = kappa * v * std::abs(v), curvature = 2 * kappa * std::abs(v);  // of the energy over J [Pa]
+  if (1 + v < elements.guard_below) {
+    const Guard<double> held = guard(1 + v, elements.guard_below);
+    slope += e.guard_modulus() * held.slope;
+    curvature += e.guard_modulus() * held.curvature;
+  }
   const Mat34<double> g = cofactor(F) * alpha;
   TetStiffness K;
   for (int j = 0; j < 4; ++j)
@@ -81,8 +92,7 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
         block = F * block * F.transpose();
         block.diagonal().array() += alpha.col(j).dot(S * alpha.col(k));
         const Vec3d turned = F * Vec3d(alpha.col(j)).cross(Vec3d(alpha.col(k)));
-        block += 2 * kappa * std::abs(v) * g.col(j) * g.col(k).transpose() -
-                 kappa * v * std::abs(v) * cross_matrix(turned);
+        block += curvature * g.col(j) * g.col(k).transpose() - slope * cross_matrix(turned);
       }
       K.block<3, 3>(3 * j, 3 * k) = shape.volume * block;
     }

@@ -12,11 +12,13 @@
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/quality.h"
+#include "lobe/run/recording.h"
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/sim/frequency.h"
+#include "lobe/text.h"
 #include "pictures.h"
 
 namespace lobe::program {
@@ -101,7 +103,7 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
   RunResult result;
   {
     ProgressBar bar(what);
-    RunOptions run_options{options.output, options.threads, linked_solver.make, {}};
+    RunOptions run_options{options.output, options.threads, options.record, linked_solver.make, {}};
     run_options.progress = [&](double fraction) { bar.show(fraction); };
     result = function(loaded.scene, loaded.resolved, run_options);
   }
@@ -147,6 +149,24 @@ int check(const SceneOptions& options) {
 }
 
 int run(const SceneOptions& options) { return produce(options, "simulating", run_scene); }
+
+int replay(const SceneOptions& options) {
+  const Recording recording = read_recording(options.record);
+  const Loaded loaded = load(options);
+  const auto play = [&](auto world) { return replay(recording, world); };
+  const Replayed replayed = loaded.scene.in_double()
+                                ? play(World<double>(loaded.resolved.setup, options.threads))
+                                : play(World<float>(loaded.resolved.setup, options.threads));
+  if (!replayed.same) {
+    print_errors(options.record.string() + ": call " + std::to_string(replayed.calls) + " of " +
+                 std::to_string(recording.calls.size()) + ", up to " + rounded(replayed.time) +
+                 " s, gives other bits than were recorded");
+    return ended_early;
+  }
+  std::cout << replayed.calls << " calls up to " << rounded(replayed.time) << " s: the same bits on "
+            << options.threads << " thread(s)\n";
+  return done;
+}
 
 int solve(const SceneOptions& options) { return produce(options, "solving", solve_scene); }
 

@@ -24,6 +24,7 @@ struct SceneOptions {
   int threads = 1;
   bool json = false;
   bool no_pictures = false;
+  std::filesystem::path record;  // of `run`: a file for the recording; of `replay`: the recording
   std::string solver = "eigen";  // of `solve`: the one that is linked, or that of a sibling program
 };
 
@@ -36,6 +37,7 @@ extern const Solver linked_solver;
 
 int check(const SceneOptions& options);
 int run(const SceneOptions& options);
+int replay(const SceneOptions& options);
 int solve(const SceneOptions& options);
 int regions(const SceneOptions& options);
 

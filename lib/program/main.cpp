@@ -111,7 +111,14 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   run_command->add_flag("--no-pictures", options.no_pictures, "do not render pictures");
+  run_command->add_option("--record", options.record, "file to record the run in, for `replay`");
   run_command->add_flag("--json", options.json, "print the report alone");
+  CLI::App* replay_command = add_scene_command(
+      app, "replay", "Play a recording again and compare it, bit by bit", options, action, replay);
+  replay_command->add_option("RECORDING", options.record, "what `run --record` wrote")->required();
+  replay_command->add_option("--threads", options.threads, "threads of the simulation")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   CLI::App* solve_command =
       add_scene_command(app, "solve", "Static equilibrium of a scene", options, action, solve);
   solve_command->add_option("-o,--output", options.output, "directory for the results")->required();

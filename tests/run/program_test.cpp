@@ -63,6 +63,23 @@ TEST_CASE("lobe run --json prints the report alone; --threads changes no frame")
     CHECK(bytes_of(folder.path / "one" / frame_name(i)) == bytes_of(folder.path / "two" / frame_name(i)));
 }
 
+TEST_CASE("lobe replay plays what run --record wrote, on other threads, and finds what differs") {
+  const Folder folder;
+  write_scene_files(folder);
+  REQUIRE(lobe_in(folder, "run scene.json -o out --record gesture").status == 0);
+  const Ended same = lobe_in(folder, "replay scene.json gesture --threads 2");
+  CHECK_MESSAGE(same.status == 0, same.err);
+  CHECK(same.out == "15 calls up to 0.3 s: the same bits on 2 thread(s)\n");
+  Json other = small_scene();
+  other["gravity"] = {0, 0, -2};
+  folder.write("other.json", other.dump());
+  const Ended refused = lobe_in(folder, "replay other.json gesture");
+  CHECK(refused.status == 2);
+  CHECK(contains(refused.err, "is of another scene"));
+  folder.write("cut", bytes_of(folder.path / "gesture").substr(0, 100));
+  CHECK(contains(lobe_in(folder, "replay scene.json cut").err, "cut: is cut off"));
+}
+
 TEST_CASE("lobe run --mesh takes another mesh than the scene's") {
   const Folder folder;
   write_scene_files(folder);

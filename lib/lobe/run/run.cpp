@@ -6,11 +6,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/run/recorder.h"
+#include "lobe/run/recording.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/text.h"
 
@@ -155,16 +157,20 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Rec
     totals.output_seconds += seconds_since(start);
   };
   record(false);
-  for (long i = 0; i < frames; ++i) {
+  std::optional<Recorded<Real>> recorded;
+  if (!options.record.empty()) recorded.emplace(world);
+  bool ok = true;
+  for (long i = 0; i < frames && ok; ++i) {
     const Clock::time_point start = Clock::now();
     const double time = world.time();
-    const Report report = world.advance(frame);
+    const Report report = recorded ? recorded->advance(frame) : world.advance(frame);
     totals.add(report, time, seconds_since(start));
     record(!report.ok || i + 1 == frames);
     if (options.progress) options.progress(double(i + 1) / double(frames));
-    if (!report.ok) return false;
+    ok = report.ok;
   }
-  return true;
+  if (recorded) write_recording(options.record, recorded->recording());
+  return ok;
 }
 
 template <class Real>

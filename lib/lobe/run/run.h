@@ -14,7 +14,8 @@ namespace lobe {
 struct RunOptions {
   std::filesystem::path directory;  // of everything that is written; made if missing
   int threads = 1;
-  SparseFactorMaker factor = make_ldlt;           // of the static solver
+  std::filesystem::path record;          // a file for the recording of the run (recording.h), if not empty
+  SparseFactorMaker factor = make_ldlt;  // of the static solver
   std::function<void(double fraction)> progress;  // called once per frame, 0 … 1
 };
 

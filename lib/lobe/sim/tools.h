@@ -12,7 +12,7 @@ namespace lobe {
 class Tools {
  public:
   explicit Tools(const Setup& setup) : grasps_(setup.grasps), cauteries_(setup.cauteries) {
-    state_.assign(grasps_.size(), State::waiting);
+    state_.assign(grasps_.size(), GraspState::waiting);
   }
 
   // Takes hold of the vertices that exist(v), and lets go, as the paths say at this time. displacement(v)
@@ -22,15 +22,15 @@ class Tools {
     bool changed = false;
     for (std::size_t g = 0; g < grasps_.size(); ++g) {
       const GraspSetup& grasp = grasps_[g];
-      if (state_[g] == State::waiting && time >= grasp.path.front().time - just_before) {
+      if (state_[g] == GraspState::waiting && time >= grasp.path.front().time - just_before) {
         for (Index v : grasp.vertices)
           if (exists(v)) held.hold({v, holder(g), displacement(v), Vec3d::Zero()});
-        state_[g] = State::holding;
+        state_[g] = GraspState::holding;
         changed = true;
       }
-      if (state_[g] == State::holding && grasp.release && time >= grasp.path.back().time - just_before) {
+      if (state_[g] == GraspState::holding && grasp.release && time >= grasp.path.back().time - just_before) {
         held.release(holder(g));
-        state_[g] = State::released;
+        state_[g] = GraspState::released;
         changed = true;
       }
     }
@@ -44,6 +44,11 @@ class Tools {
   Vec3d grasped(const HeldVertices::Held& item, double time) const {
     return item.start + path_at(grasps_[std::size_t(item.holder - 1)].path, time);
   }
+
+  // What the grasps do, to be kept and given back.
+  enum class GraspState : std::uint8_t { waiting, holding, released };
+  const std::vector<GraspState>& grasp_states() const { return state_; }
+  void set_grasp_states(const std::vector<GraspState>& states) { state_ = states; }
 
   // What the cauteries sweep between two times.
   std::vector<Sweep> sweeps(double from, double to) const;
@@ -78,12 +83,11 @@ class Tools {
 
  private:
   static constexpr double just_before = 1e-9;  // times are sums of steps [s]
-  enum class State { waiting, holding, released };
   static int holder(std::size_t grasp) { return 1 + static_cast<int>(grasp); }
 
   std::vector<GraspSetup> grasps_;
   std::vector<CauterySetup> cauteries_;
-  std::vector<State> state_;
+  std::vector<GraspState> state_;
 };
 
 }  // namespace lobe

@@ -42,6 +42,8 @@ template <class Real>
 void check_precision(const Setup& setup) {
   if (setup.integrator == Integrator::generalised_alpha && !std::is_same_v<Real, double>)
     throw InputError("setup", "the implicit integrator needs double precision");
+  if (setup.guard_below > 0)
+    throw InputError("setup", "guard_below is available in static solutions only; set it to 0");
 }
 
 }  // namespace

@@ -24,6 +24,18 @@ struct State {
   double time = 0;  // [s]
 };
 
+// One edit of a world: tetrahedra that were removed, or that were given another model.
+struct Edit {
+  enum class Kind : std::uint8_t { removal, region };
+  Kind kind = Kind::removal;
+  RegionModel model = RegionModel::nonlinear;
+  std::vector<Index> tets;
+  bool operator==(const Edit&) const = default;
+};
+
+template <class Real>
+struct Checkpoint;
+
 template <class Real>
 class World {
  public:
@@ -61,11 +73,19 @@ class World {
       const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
   void set_region(const std::vector<Index>& tets, RegionModel model);
 
+  // All that this world has become (checkpoint.h). restore() throws InputError for a checkpoint of another setup, and
+  // leaves the world as it was; it costs a copy where nothing was edited since, else the building of a world.
+  Checkpoint<Real> save() const;
+  void restore(const Checkpoint<Real>& checkpoint);
+  const std::vector<Edit>& history() const { return history_; }
+
   // The cut body as a setup of its own, from which an equal world can be built, and where its parts come
   // from.
   Setup current_setup(CompactMesh& compacted) const;
 
  private:
+  MeshEdit cut(const std::vector<Index>& tets);
+  void change_region(const std::vector<Index>& tets, RegionModel model);
   void follow(const MeshEdit& edit);
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
@@ -75,6 +95,7 @@ class World {
   Index treat_loose_pieces(const std::vector<std::vector<Index>>& pieces);
   Index treat_loose_piece(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;
+  void check_fits(const Checkpoint<Real>& checkpoint) const;
   bool is_held(Index tet) const;
   bool is_held(const std::vector<Index>& piece) const;
   void advance_to(double end, Report& report);
@@ -87,6 +108,7 @@ class World {
   double missing_loads(double time) const;  // the share of the dead loads that the ramp still holds back
 
   Setup setup_;  // loads, gravity, damping …; its mesh is only the start
+  std::vector<Edit> history_;
   Elements elements_;
   TensorMassRegion<Real> tensor_mass_;
   NonlinearRegion<Real> nonlinear_;

@@ -9,9 +9,8 @@ namespace lobe {
 template <class Real>
 Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   check_tets(tets);
-  const MeshEdit edit = elements_.topology.remove(tets);
+  const MeshEdit edit = cut(tets);
   if (edit.empty()) return 0;
-  follow(edit);
   Index removed = static_cast<Index>(edit.removed.size());
   if (needs_all_pieces(edit))
     removed += treat_loose_pieces(elements_.topology.pieces());
@@ -20,6 +19,15 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   if (elements_.topology.alive_count() == 0)
     pending_.push_back({Condition::Kind::everything_cut, "no tetrahedron is left", state_.time});
   return removed;
+}
+
+template <class Real>
+MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
+  MeshEdit edit = elements_.topology.remove(tets);
+  if (edit.empty()) return edit;
+  follow(edit);
+  history_.push_back({Edit::Kind::removal, {}, edit.removed});
+  return edit;
 }
 
 template <class Real>
@@ -82,6 +90,11 @@ void World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) 
   if (model == RegionModel::precomputed)
     throw InputError("region", "precomputed regions are not available yet; use tensor-mass");
   check_tets(tets);
+  change_region(tets, model);
+}
+
+template <class Real>
+void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
   RegionEdit edit;
   for (Index t : tets) {
     if (!elements_.topology.alive(t) || elements_.region_of[t] == model) continue;
@@ -89,6 +102,8 @@ void World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) 
     edit.left.push_back(t);
     for (int c = 0; c < 4; ++c) edit.vertices.push_back(elements_.topology.tets()(c, t));
   }
+  if (edit.left.empty()) return;
+  history_.push_back({Edit::Kind::region, model, edit.left});
   edit.entered = edit.left;
   std::sort(edit.vertices.begin(), edit.vertices.end());
   edit.vertices.erase(std::unique(edit.vertices.begin(), edit.vertices.end()), edit.vertices.end());
@@ -182,7 +197,7 @@ Index World<Real>::treat_loose_piece(const std::vector<Index>& piece) {
   const std::string text = std::to_string(piece.size()) + " tetrahedra came loose";
   pending_.push_back({Condition::Kind::pieces, text, state_.time});
   if (setup_.loose_pieces == LoosePieces::vanish) {
-    follow(elements_.topology.remove(piece));
+    cut(piece);
     return static_cast<Index>(piece.size());
   }
   if (setup_.loose_pieces == LoosePieces::fall) {

@@ -1,0 +1,85 @@
+#include "lobe/run/recording.h"
+
+#include <doctest/doctest.h>
+
+#include "lobe/error.h"
+#include "run/small_scene.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+Setup gesture() {
+  Setup setup = hybrid_setup(irregular_box(4));
+  setup.gravity = {0, 0, -9.81};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  setup.cauteries.push_back({"bipolar", 0.006, {{0, {0.02, -0.01, 0.03}}, {0.05, {0.02, 0.05, 0.03}}}});
+  return setup;
+}
+
+// What an application does to a world while it runs.
+template <class Real>
+Recording played() {
+  World<Real> world(gesture());
+  Recorded<Real> recorded(world);
+  recorded.advance(0.01);
+  CHECK(recorded.remove_tets({3, 4, 5}) >= 3);
+  recorded.set_region({50, 51}, RegionModel::tensor_mass);
+  for (int i = 0; i < 4; ++i) recorded.advance(0.01);
+  return recorded.recording();
+}
+
+template <class Real>
+Replayed replayed_on(int threads, const Recording& recording) {
+  World<Real> world(gesture(), threads);
+  return replay(recording, world);
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("a recording replays bit for bit on one and on two threads", Real, float, double) {
+  const Recording recording = played<Real>();
+  for (int threads : {1, 2}) {
+    const Replayed replayed = replayed_on<Real>(threads, recording);
+    CHECK(replayed.same);
+    CHECK(replayed.calls == 7);
+    CHECK(replayed.time == doctest::Approx(0.05));
+  }
+}
+
+TEST_CASE("a replay stops where the bits begin to differ") {
+  Recording recording = played<float>();
+  recording.calls[2].tets = {50};
+  recording.calls[1].tets.pop_back();
+  const Replayed replayed = replayed_on<float>(1, recording);
+  CHECK_FALSE(replayed.same);
+  CHECK(replayed.calls <= 3);
+  CHECK(replayed.calls >= 1);
+}
+
+TEST_CASE("a recording of another setup or precision is refused") {
+  const Recording recording = played<float>();
+  CHECK_THROWS_WITH_AS(replayed_on<double>(1, recording), "recording: is in single precision", InputError);
+  Setup other = gesture();
+  other.damping += 1;
+  World<float> world(other);
+  CHECK_THROWS_WITH_AS(replay(recording, world), doctest::Contains("is of another scene"), InputError);
+}
+
+TEST_CASE("a recording's file gives it back; cut off or damaged anywhere it is refused") {
+  const Recording recording = played<double>();
+  const Folder folder;
+  const auto file = folder.path / "gesture";
+  write_recording(file, recording);
+  CHECK(replayed_on<double>(1, read_recording(file)).calls == recording.calls.size());
+  const std::string whole = bytes_of(file);
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    CHECK_THROWS_AS(parse_recording("gesture", whole.substr(0, at)), InputError);
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    CHECK_THROWS_AS(parse_recording("gesture", bytes), InputError);
+  }
+}

@@ -1,0 +1,171 @@
+#include "lobe/sim/checkpoint.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <functional>
+
+#include "folder.h"
+#include "lobe/error.h"
+#include "lobe/io/scanner.h"
+#include "lobe/io/sealed_file.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// Everything that a world remembers: two regions, a grasp that lets go, a cautery, loads, pieces that fall.
+Setup busy_setup() {
+  Setup setup = hybrid_setup(irregular_box(3));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  setup.gravity = Vec3d(0, 0, -9.81);
+  setup.damping = 5;
+  setup.grasps.push_back({"grasp",
+                          {setup.mesh.vertex_count() - 1},
+                          {{0.02, Vec3d::Zero()}, {0.1, Vec3d(0.002, 0, 0.003)}},
+                          true});
+  setup.cauteries.push_back(
+      {"cautery", 0.004, {{0.03, Vec3d(-0.01, 0.015, 0.02)}, {0.12, Vec3d(0.04, 0.015, 0.02)}}});
+  return setup;
+}
+
+template <class Real>
+bool same_bits(const World<Real>& a, const World<Real>& b) {
+  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("a restored world goes on with the same bits, on any number of threads", Real, float,
+                   double) {
+  const Setup setup = busy_setup();
+  World<Real> world(setup);
+  for (int i = 0; i < 4; ++i) world.advance(0.02);
+  world.remove_tets({0, 1});
+  world.set_region({20, 21, 22}, RegionModel::tensor_mass);
+  const Checkpoint<Real> kept = world.save();
+  CHECK(kept.history.size() > 2);
+  const Folder folder;
+  write_checkpoint(folder.path / "state", kept);
+  World<Real> from_memory(setup, 2), from_file(setup, 1);
+  from_memory.restore(kept);
+  from_file.restore(read_checkpoint<Real>(folder.path / "state"));
+  CHECK(same_bits(world, from_memory));
+  for (int i = 0; i < 4; ++i) {
+    for (World<Real>* each : {&world, &from_memory, &from_file}) each->advance(0.02);
+    CHECK(same_bits(world, from_memory));
+    CHECK(same_bits(world, from_file));
+  }
+  CHECK(world.elements().topology.alive_count() < setup.mesh.tet_count() - 2);  // the cautery cut on
+  world.restore(kept);                                                          // back in time, across cuts
+  CHECK(same_bits(world, World<Real>(setup)) == false);
+  CHECK(world.state().u == kept.state.u);
+  CHECK(world.history() == kept.history);
+}
+
+TEST_CASE("an implicit world is restored with its accelerations") {
+  Setup setup = busy_setup();
+  setup.integrator = Integrator::generalised_alpha;
+  World<double> world(setup), other(setup);
+  for (int i = 0; i < 2; ++i) world.advance(0.005);
+  other.restore(world.save());
+  for (World<double>* each : {&world, &other}) each->advance(0.005);
+  CHECK(same_bits(world, other));
+}
+
+TEST_CASE("a checkpoint of another setup is refused, and leaves the world as it was") {
+  Setup setup = busy_setup();
+  World<double> world(setup);
+  world.advance(0.01);
+  setup.gravity.z() = -9.8;
+  World<double> other(setup);
+  const Mat3X<double> before = other.state().u;
+  CHECK_THROWS_WITH_AS(other.restore(world.save()),
+                       "checkpoint: is of another scene, mesh or version of them", InputError);
+  CHECK(other.state().u == before);
+}
+
+TEST_CASE("a checkpoint whose numbers do not fit its setup is refused") {
+  World<double> world(busy_setup());
+  world.advance(0.01);
+  const Checkpoint<double> good = world.save();
+  const auto refused = [&](const std::function<void(Checkpoint<double>&)>& damage) {
+    Checkpoint<double> bad = good;
+    damage(bad);
+    CHECK_THROWS_AS(world.restore(bad), InputError);
+    CHECK(world.state().u == good.state.u);
+  };
+  refused([](auto& c) { c.state.u.conservativeResize(3, 5); });
+  refused([](auto& c) { c.state.v.setConstant(std::nan("")); });
+  refused([](auto& c) { c.history.push_back({Edit::Kind::removal, {}, {-1}}); });
+  refused([](auto& c) { c.history.push_back({Edit::Kind::region, RegionModel::tensor_mass, {1 << 30}}); });
+  refused([](auto& c) { c.body_of[0] = 7; });
+  refused([](auto& c) { c.grasps.clear(); });
+  refused([](auto& c) { c.held.hold({40, 9, Vec3d::Zero(), Vec3d::Zero()}); });
+}
+
+TEST_CASE("a checkpoint file cut off at any byte, or with any byte changed, is refused by name") {
+  Setup setup = setup_of(box_mesh(Vec3d::Constant(0.01), 1, 1, 1));
+  World<float> world(setup);
+  world.remove_tets({0});
+  const Folder folder;
+  const auto file = folder.path / "state";
+  write_checkpoint(file, world.save());
+  const std::string whole = io::read_file(file);
+  CHECK_NOTHROW(parse_checkpoint<float>("state", whole));
+  CHECK_THROWS_WITH_AS(parse_checkpoint<double>("state", whole),
+                       "state: is not the state of a world in double precision", InputError);
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    CHECK_THROWS_AS(parse_checkpoint<float>("state", whole.substr(0, size)), InputError);
+  for (std::size_t at = 0; at < whole.size(); ++at)
+    for (int flip : {1, 0x80, 0xff}) {
+      std::string bytes = whole;
+      bytes[at] = static_cast<char>(bytes[at] ^ flip);
+      CHECK_THROWS_AS(parse_checkpoint<float>("state", bytes), InputError);
+    }
+  CHECK_THROWS_AS(parse_checkpoint<float>("state", whole + "x"), InputError);
+}
+
+TEST_CASE("a checkpoint with a right checksum over wrong contents gives a checkpoint or a message") {
+  World<float> world(setup_of(box_mesh(Vec3d::Constant(0.01), 1, 1, 1)));
+  world.remove_tets({0});
+  const Folder folder;
+  write_checkpoint(folder.path / "state", world.save());
+  const std::string whole = io::read_file(folder.path / "state");
+  const io::Format format{"lobestaf", 1, "state of a world in single precision"};
+  const std::string contents(io::unseal("state", whole, format));
+  int refused = 0;
+  for (std::size_t at = 0; at < contents.size(); ++at)
+    for (int now : {0, 0x7f, 0xff}) {
+      std::string bytes = contents;
+      bytes[at] = static_cast<char>(now);
+      try {
+        world.restore(parse_checkpoint<float>("state", io::seal(format, bytes)));
+      } catch (const InputError&) {
+        ++refused;
+      }
+    }
+  CHECK(refused > 100);
+  CHECK(world.advance(0.001).ok);
+}
+
+TEST_CASE("a ring keeps the last checkpoints and goes back to one that is old enough, across cuts") {
+  const Setup setup = busy_setup();
+  World<float> world(setup);
+  CheckpointRing<float> ring(3, 0.02);
+  CHECK_FALSE(ring.roll_back(world, 0));
+  for (int i = 0; i < 10; ++i) {
+    ring.keep(world);
+    world.advance(0.01);
+  }
+  CHECK(ring.size() == 3);
+  const Index left = world.elements().topology.alive_count();
+  CHECK(ring.roll_back(world, 0.03));
+  CHECK(world.time() == doctest::Approx(0.06));
+  CHECK(world.elements().topology.alive_count() > left);
+  CHECK(ring.size() == 2);
+  CHECK_FALSE(ring.roll_back(world, 1));
+}

@@ -58,8 +58,28 @@ TEST_CASE("erratum 3: the printed damping signs make an oscillator grow, ours ma
 
 TEST_CASE("a vertex without inverse mass stays where it is, and what is not a number is reported") {
   Mat3X<double> u = Mat3X<double>::Zero(3, 2), v = u, f = Mat3X<double>::Ones(3, 2);
-  CHECK(central_difference(f, {0.0, 1.0}, 0.1, 0.0, u, v) == doctest::Approx(0.03));
+  CHECK(central_difference(f, {0.0, 1.0}, 0.1, 0.0, u, v).all == doctest::Approx(0.03));
   CHECK(u.col(0).norm() == 0);
   f(0, 1) = std::nan("");
-  CHECK(std::isinf(central_difference(f, {0.0, 1.0}, 0.1, 0.0, u, v)));
+  CHECK(std::isinf(central_difference(f, {0.0, 1.0}, 0.1, 0.0, u, v).all));
+}
+
+TEST_CASE("just beyond the stable step every swing turns back faster, just below it only some do") {
+  const auto turns = [](double omega_dt) {
+    Mat3X<double> u = Mat3X<double>::Zero(3, 1), v = u, f = u;
+    u(0) = 1;
+    int count = 0;  // at a speed that matters
+    double highest = 0;
+    for (int i = 0; i < 40; ++i) {
+      f(0) = -omega_dt * omega_dt * u(0);
+      const Fastest<double> fastest = central_difference(f, {1.0}, 1.0, 0.0, u, v);
+      highest = std::max(highest, fastest.all);
+      count += fastest.turned > 0.1 * highest;
+      if (fastest.turned > 0) CHECK(fastest.turned == fastest.all);
+    }
+    return count;
+  };
+  CHECK(turns(2.01) == 39);
+  CHECK(turns(1.8) < 25);
+  CHECK(turns(0.2) == 0);
 }

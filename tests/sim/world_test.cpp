@@ -171,8 +171,44 @@ TEST_CASE("a load beyond what the model can bear ends in a report, not in a NaN"
   for (int i = 0; i < 50 && report.ok; ++i) report = world.advance(0.01);
   CHECK(!report.ok);
   CHECK(report.conditions.back().kind == Condition::Kind::diverged);
+  CHECK(report.conditions.back().text.find("vertex " + std::to_string(setup.mesh.vertex_count() - 1) +
+                                           " of tetrahedron") != std::string::npos);
   CHECK(world.state().u.allFinite());
   CHECK(world.state().v.allFinite());
+}
+
+TEST_CASE_TEMPLATE("a step beyond the stable one is noticed before it is visible", Real, float, double) {
+  Setup setup = setup_of(irregular_box(3));
+  setup.safety = 1.1;
+  World<Real> world(setup);
+  State<Real> state = world.state();
+  state.v = random_displacement<Real>(setup.mesh.vertex_count(), 1e-3);
+  world.set_state(state);
+  const double energy = world.energies().total();
+  for (int i = 0; i < 50; ++i) {
+    const Report report = world.advance(0.02);
+    REQUIRE(report.ok);
+    CHECK(report.reruns > 0);
+    CHECK(report.conditions.back().kind == Condition::Kind::sub_stepped);
+    CHECK(world.energies().total() < 1.5 * energy);
+  }
+}
+
+TEST_CASE("a frame in which elements stiffen beyond its step is run again, and gains no energy") {
+  Setup setup = setup_of(irregular_box(3));
+  setup.volume_penalty = 1e8;
+  World<double> world(setup);
+  State<double> state = world.state();
+  state.v = -20 * (setup.mesh.points.colwise() -
+                   setup.mesh.points.rowwise().mean().eval());  // crushed from all sides
+  world.set_state(state);
+  const double energy = world.energies().total();
+  const Report report = world.advance(0.01);
+  CHECK(report.ok);
+  CHECK(report.reruns > 0);
+  CHECK(report.time_step < 0.5 * report.time_step_limit);
+  CHECK(report.limiting_vertex >= 0);
+  CHECK(world.energies().total() < 1.05 * energy);
 }
 
 TEST_CASE("an inconsistent setup is refused with a message") {

@@ -75,7 +75,7 @@ void Checker::check_materials() {
          "ramps must be finite and not negative");
   expect(not_negative(setup_.implicit_step), "implicit_step must be finite and not negative");
   expect(setup_.spectral_radius >= 0 && setup_.spectral_radius <= 1, "spectral_radius must be in [0, 1]");
-  expect(setup_.safety > 0 && setup_.safety <= 1, "safety must be in (0, 1]");
+  expect(setup_.safety > 0 && setup_.safety <= 2, "safety must be in (0, 2]");
   expect(setup_.gravity.allFinite(), "gravity is not finite");
 }
 

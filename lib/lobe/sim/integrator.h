@@ -13,23 +13,33 @@
 
 namespace lobe {
 
-// Moves every vertex but those with inverse mass 0. v lives half a step before u. Returns the highest speed
-// squared, infinite if any is not a number.
+// The highest speeds squared [m²/s²]; of all vertices (infinite if one is not a number), and of those that turned back
+// in this step and were faster than before it: what grows in a step beyond the stable one.
 template <class Real>
-Real central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass, Real dt, Real damping,
-                        Mat3X<Real>& u, Mat3X<Real>& v) {
+struct Fastest {
+  Real all = 0, turned = 0;
+};
+
+// Moves every vertex but those with inverse mass 0. v lives half a step before u.
+template <class Real>
+Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass, Real dt,
+                                 Real damping, Mat3X<Real>& u, Mat3X<Real>& v) {
   const Real keep = (1 - damping * dt / 2) / (1 + damping * dt / 2), push = dt / (1 + damping * dt / 2);
-  Real fastest = 0;
+  Fastest<Real> fastest;
   bool finite = true;
   for (Index i = 0; i < u.cols(); ++i) {
     if (inverse_mass[i] == 0) continue;
-    v.col(i) = keep * v.col(i) + (push * inverse_mass[i]) * f.col(i);
+    const Vec3<Real> before = v.col(i);
+    v.col(i) = keep * before + (push * inverse_mass[i]) * f.col(i);
     u.col(i) += dt * v.col(i);
     const Real speed = v.col(i).squaredNorm();
     finite = finite && speed < std::numeric_limits<Real>::max();
-    fastest = std::max(fastest, speed);
+    fastest.all = std::max(fastest.all, speed);
+    if (before.dot(v.col(i)) < 0 && speed > before.squaredNorm())
+      fastest.turned = std::max(fastest.turned, speed);
   }
-  return finite ? fastest : std::numeric_limits<Real>::infinity();
+  if (!finite) fastest.all = std::numeric_limits<Real>::infinity();
+  return fastest;
 }
 
 }  // namespace lobe

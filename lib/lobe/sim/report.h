@@ -34,6 +34,8 @@ struct Report {
   int steps = 0;
   double time_step = 0;        // the smallest that was taken [s]
   double time_step_limit = 0;  // 2/ω_max at the start of the frame [s]
+  Index limiting_vertex = -1;  // whose stiffness it follows
+  int reruns = 0;              // of frames, with smaller steps
   Index tets_removed = 0;
   double smallest_volume_ratio = 1;  // of det F over the non-linear region, at the start of the frame
   std::array<double, phase_count> seconds{};  // of wall time per phase

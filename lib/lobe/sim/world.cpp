@@ -99,6 +99,7 @@ World<Real>::World(const Setup& setup, int threads)
 
 template <class Real>
 bool World<Real>::step(double dt) {
+  known_limit_.reset();
   if (implicit_) return implicit_step(dt);
   forces();
   integrate(dt);
@@ -110,9 +111,10 @@ void World<Real>::integrate(double dt) {
   for (const HeldVertices::Held& item : held_.all())  // stays where it is until move_held()
     for (int i = 0; i < 3; ++i)
       if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
-  const Real fastest =
+  const Fastest<Real> fastest =
       central_difference(forces_, step_mass_, Real(dt), Real(setup_.damping), state_.u, state_.v);
-  fastest_ = std::sqrt(double(fastest));
+  fastest_ = std::sqrt(double(fastest.all));
+  turned_ = std::sqrt(double(fastest.turned));
   state_.time += dt;
   move_held(dt);
 }
@@ -179,8 +181,11 @@ bool World<Real>::implicit_step(double dt) {
   return false;
 }
 
+// False as soon as a vertex is not a number or moves further than an edge in one step; in a first try already where one
+// swings to and fro, ever faster, by more than a fiftieth of that: a state of high frequency in its own right looks the
+// same, and is left alone in the second try.
 template <class Real>
-bool World<Real>::run_steps(int steps, double dt, Report& report) {
+bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
   for (int i = 0; i < steps; ++i) {
     if (implicit_) {
       const Timed timed(report, Phase::integration);
@@ -196,8 +201,27 @@ bool World<Real>::run_steps(int steps, double dt, Report& report) {
     integrate(dt);
     ++report.steps;
     if (!(fastest_ * dt < longest_move_)) return false;
+    if (first_try && turned_ * dt > 0.02 * longest_move_) return false;
   }
   return true;
+}
+
+// The vertex that is fastest or not a number, for messages.
+template <class Real>
+std::string World<Real>::culprit() const {
+  Index worst = -1;
+  double fastest = -1;
+  for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
+    if (elements_.topology.around(v).empty()) continue;
+    const double speed = double(state_.v.col(v).norm());
+    if (speed <= fastest) continue;
+    worst = v;
+    fastest = speed;
+    if (!std::isfinite(speed)) break;
+  }
+  if (worst < 0) return "";
+  return "vertex " + std::to_string(worst) + " of tetrahedron " +
+         std::to_string(elements_.topology.around(worst).front()) + " was the fastest; ";
 }
 
 template <class Real>
@@ -219,16 +243,17 @@ void World<Real>::advance_to(double end, Report& report) {
   play_tools(duration, report);
   {
     const Timed timed(report, Phase::time_step);
-    report.time_step_limit = time_step_limit();
+    report.time_step_limit = known_limit_ ? *known_limit_ : time_step_limit();
+    report.limiting_vertex = limiting_vertex_;
   }
   report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, volume_ratio_);
   if (volume_ratio_ < 0.05)
-    report.conditions.push_back({Condition::Kind::near_inversion,
-                                 "tetrahedron " + std::to_string(volume_ratio_tet_) + " is at " +
-                                     std::to_string(volume_ratio_) + " of its volume" +
-                                     (volume_ratio_ < 0 ? ", inverted" : "") +
-                                     ": a larger volume_penalty, a smaller load or a slower tool may help",
-                                 state_.time});
+    report.conditions.push_back(
+        {Condition::Kind::near_inversion,
+         "tetrahedron " + std::to_string(volume_ratio_tet_) + " is at " + std::to_string(volume_ratio_) +
+             " of its volume" + (volume_ratio_ < 0 ? ", inverted" : "") +
+             ": guard_below, a larger volume_penalty, a smaller load or a slower tool may help",
+         state_.time});
   constexpr int most_steps = 1 << 20, most_tries = 5;
   const double longest = !implicit_                 ? setup_.safety * report.time_step_limit
                          : setup_.implicit_step > 0 ? setup_.implicit_step
@@ -246,27 +271,42 @@ void World<Real>::advance_to(double end, Report& report) {
   int steps = std::max(1, static_cast<int>(wanted));
   const State<Real> start = state_;
   double step = 0;
-  for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt, steps *= 2) {
+  std::string fastest;
+  for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt) {
     step = duration / steps;
-    if (run_steps(steps, step, report)) {
+    const bool done = run_steps(steps, step, attempt == 0, report);
+    double limit_after = std::numeric_limits<double>::infinity();
+    if (done && !implicit_) {
+      const Timed timed(report, Phase::time_step);
+      limit_after = time_step_limit();
+    }
+    // What has stiffened beyond the step that was taken may have begun to swing.
+    if (done && (step <= limit_after || attempt == most_tries - 1)) {
+      if (!implicit_) known_limit_ = limit_after;
       state_.time = end;
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
       if (attempt > 0)
-        report.conditions.push_back({Condition::Kind::sub_stepped,
-                                     "it took " + std::to_string(1 << attempt) + " times smaller steps",
-                                     start.time});
+        report.conditions.push_back(
+            {Condition::Kind::sub_stepped,
+             "it took " + std::to_string(attempt + 1) + " tries and " + std::to_string(steps) + " steps",
+             start.time});
       return;
     }
+    fastest = culprit();
     state_ = start;
     implicit_is_stale_ = true;
+    known_limit_.reset();
+    ++report.reruns;
+    const double wanted_now = duration / (setup_.safety * limit_after);
+    steps = std::max(2 * steps, static_cast<int>(std::min<double>(wanted_now, most_steps)));
   }
   report.ok = false;
   report.time_step = step;
   report.conditions.push_back(
       {Condition::Kind::diverged,
-       "no step down to " + std::to_string(step) +
-           " s was stable; displacements and velocities before it are kept. Use a smaller "
-           "load or tool speed, more damping, or a volume_penalty",
+       "no step down to " + std::to_string(step) + " s was stable; " + fastest +
+           "displacements and velocities before it are kept. Use a smaller load or tool speed, more "
+           "damping, guard_below or a volume_penalty",
        state_.time});
 }
 
@@ -294,6 +334,7 @@ void World<Real>::set_state(const State<Real>& state) {
     throw InputError("state", "it holds values that are not finite");
   state_ = state;
   implicit_is_stale_ = true;
+  known_limit_.reset();
 }
 
 // ---- What can be asked
@@ -311,7 +352,9 @@ VertexFrequency World<Real>::highest_vertex() {
 template <class Real>
 double World<Real>::time_step_limit() {
   // SVK softens when crushed; a step far beyond that of the body at rest would still be rash.
-  const double omega = std::max(frequency_ratio_ * highest_vertex().omega, rest_frequency_ / 4);
+  const VertexFrequency highest = highest_vertex();
+  limiting_vertex_ = highest.vertex;
+  const double omega = std::max(frequency_ratio_ * highest.omega, rest_frequency_ / 4);
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 

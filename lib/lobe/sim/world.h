@@ -6,6 +6,7 @@
 //   while (world.time() < 2) world.advance(1.0 / 30);
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lobe/region/nonlinear.h"
@@ -103,7 +104,8 @@ class World {
   void integrate(double dt);
   Vec3d held_displacement(const HeldVertices::Held& item, double time) const;
   void move_held(double dt);
-  bool run_steps(int steps, double dt, Report& report);
+  bool run_steps(int steps, double dt, bool first_try, Report& report);
+  std::string culprit() const;
   bool implicit_step(double dt);
   double missing_loads(double time) const;  // the share of the dead loads that the ramp still holds back
 
@@ -131,9 +133,11 @@ class World {
   Mat3X<double> acceleration_;              // of implicit dynamics [m/s²]
 
   State<Real> state_;
-  Mat3X<Real> forces_;           // scratch
-  DiagonalStiffness stiffness_;  // scratch
-  double fastest_ = 0;           // highest speed of the last step [m/s]
+  Mat3X<Real> forces_;                 // scratch
+  DiagonalStiffness stiffness_;        // scratch
+  double fastest_ = 0, turned_ = 0;    // highest speeds of the last step (integrator.h) [m/s]
+  std::optional<double> known_limit_;  // of the state as it stands
+  Index limiting_vertex_ = -1;
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;
   std::vector<Condition> pending_;  // found by edits, handed out with the next report

@@ -83,6 +83,7 @@ void World<Real>::refresh_inverse_mass(Index v) {
   inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
   step_mass_[v] = static_cast<Real>(inverse_mass_[v]);
   implicit_is_stale_ = true;
+  known_limit_.reset();
 }
 
 template <class Real>
@@ -110,6 +111,7 @@ void World<Real>::change_region(const std::vector<Index>& tets, RegionModel mode
   tensor_mass_.follow(elements_, edit);
   nonlinear_.follow(elements_, edit);
   implicit_is_stale_ = true;
+  known_limit_.reset();
 }
 
 template <class Real>

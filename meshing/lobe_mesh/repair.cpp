@@ -9,6 +9,7 @@
 #include "lobe/error.h"
 #include "lobe_mesh/clean.h"
 #include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/nearest.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {

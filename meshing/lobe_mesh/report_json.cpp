@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "lobe/text.h"
+
 namespace lobe::meshing {
 namespace {
 
@@ -23,36 +25,76 @@ Json as_json(const RepairReport& repair) {
   return json;
 }
 
+const char* name_of(Mesher mesher) { return mesher == Mesher::cgal ? "cgal" : "tetgen"; }
+
+Json as_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json as_json(const Attempt& a) {
+  Json json = {{"mesher", name_of(a.mesher)}, {"edge", a.edge}};
+  if (!a.failure.empty()) {
+    json["failure"] = a.failure;
+  } else {
+    json["min_dihedral"] = a.min_dihedral;
+    json["time_step_star"] = a.time_step_star;
+  }
+  return json;
+}
+
+void add_quality(const Quality& q, Json& json) {
+  json["volume"] = q.volume;
+  json["min_dihedral"] = q.min_dihedral;
+  json["median_min_dihedral"] = q.median_min_dihedral;
+  json["max_dihedral"] = q.max_dihedral;
+  json["dihedral_histogram_10_deg"] = q.dihedral_histogram;
+  json["smallest_altitude"] = q.smallest_altitude;
+  json["smallest_altitude_ratio"] = q.smallest_altitude_ratio;
+  json["box"] = {{"min", as_json(q.box_min)}, {"max", as_json(q.box_max)}};
+}
+
+std::string position(const Vec3d& p) {
+  return "(" + rounded(p.x()) + ", " + rounded(p.y()) + ", " + rounded(p.z()) + ") m";
+}
+
 }  // namespace
 
-std::string in_json(const std::string& surface_file, const std::string& mesh_file, const MeshOptions& options,
-                    const RepairReport& repair, const MeshReport& report) {
-  const Quality& q = report.quality;
+std::string in_json(const std::vector<RepairedFile>& surfaces, const std::string& mesh_file,
+                    const MeshOptions& options, const MeshReport& report) {
   Json json;
-  json["surface"] = surface_file;
+  json["surface"] = surfaces.front().file;
   json["mesh"] = mesh_file;
-  json["mesher"] = options.mesher == Mesher::cgal ? "cgal" : "tetgen";
+  json["mesher"] = name_of(report.mesher);
   json["edge"] = report.edge;
+  json["shortest_edge"] = report.shortest_edge;
   json["mean_edge"] = report.mean_edge;
   json["vertices"] = report.vertices;
   json["tets"] = report.tets;
   json["boundary_faces"] = report.boundary_faces;
-  json["volume"] = q.volume;
+  add_quality(report.quality, json);
   json["surface_volume"] = report.surface_volume;
   json["volume_error_percent"] = report.volume_error;
-  json["min_dihedral"] = q.min_dihedral;
-  json["median_min_dihedral"] = q.median_min_dihedral;
-  json["max_dihedral"] = q.max_dihedral;
-  json["smallest_altitude"] = q.smallest_altitude;
-  json["smallest_altitude_ratio"] = q.smallest_altitude_ratio;
-  json["box"] = {{"min", {q.box_min.x(), q.box_min.y(), q.box_min.z()}},
-                 {"max", {q.box_max.x(), q.box_max.y(), q.box_max.z()}}};
   json["material"] = {{"lame_lambda", options.lambda}, {"lame_mu", options.mu}, {"density", options.density}};
   json["time_step"] = report.time_step;
   json["time_step_star"] = report.time_step_star;
+  const Bottleneck& slowest = report.bottleneck;
+  json["bottleneck"] = {{"vertex", slowest.vertex},
+                        {"position", as_json(slowest.position)},
+                        {"on_boundary", slowest.on_boundary},
+                        {"tets", slowest.tets}};
+  json["passes"] = report.passes();
+  for (const Attempt& attempt : report.attempts) json["attempts"].push_back(as_json(attempt));
   for (const Phase& phase : report.phases) json["seconds"][phase.name] = phase.seconds;
-  json["repair"] = as_json(repair);
-  json["warnings"] = repair.warnings;
+  json["repair"] = as_json(surfaces.front().repair);
+  json["warnings"] = Json::array();
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const MeshReport::Part& part = report.parts[k];
+    json["parts"].push_back({{"label", k},
+                             {"surface", surfaces[k].file},
+                             {"tets", part.tets},
+                             {"volume", part.volume},
+                             {"surface_volume", part.surface_volume},
+                             {"repair", as_json(surfaces[k].repair)}});
+    for (const std::string& warning : surfaces[k].repair.warnings) json["warnings"].push_back(warning);
+  }
   for (const std::string& warning : report.warnings) json["warnings"].push_back(warning);
   return json.dump(2);
 }
@@ -60,12 +102,29 @@ std::string in_json(const std::string& surface_file, const std::string& mesh_fil
 std::string in_words(const MeshReport& report) {
   const Quality& q = report.quality;
   std::ostringstream text;
+  for (const Attempt& a : report.attempts) {
+    text << "try with " << name_of(a.mesher) << ", edge " << rounded(a.edge) << " m: ";
+    if (!a.failure.empty())
+      text << a.failure << "\n";
+    else
+      text << "dt* " << rounded(a.time_step_star) << ", smallest dihedral angle " << rounded(a.min_dihedral)
+           << "°\n";
+  }
   text << report.vertices << " vertices, " << report.tets << " tetrahedra of mean edge " << report.mean_edge
        << " m (asked: " << report.edge << ")\n";
+  if (report.parts.size() > 1) {
+    for (std::size_t k = 0; k < report.parts.size(); ++k)
+      text << "label " << k << ": " << report.parts[k].tets << " tetrahedra, " << report.parts[k].volume
+           << " m³\n";
+  }
   text << "dihedral angles " << q.min_dihedral << " … " << q.max_dihedral << "°, median of the smallest "
        << q.median_min_dihedral << "°; smallest altitude " << q.smallest_altitude << " m\n";
   text << "volume " << q.volume << " m³, " << report.volume_error << " % from the surface's\n";
-  text << "stable time step " << report.time_step << " s (dt* " << report.time_step_star << ")\n";
+  text << "stable time step " << report.time_step << " s (dt* " << report.time_step_star
+       << "), bounded near vertex " << report.bottleneck.vertex << " at "
+       << position(report.bottleneck.position) << ", "
+       << (report.bottleneck.on_boundary ? "on the surface" : "inside") << ", of " << report.bottleneck.tets
+       << " tetrahedra\n";
   for (const Phase& phase : report.phases) text << phase.name << " " << phase.seconds << " s  ";
   text << "\n";
   return text.str();

@@ -2,15 +2,22 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lobe_mesh/repair.h"
 #include "lobe_mesh/tetrahedralise.h"
 
 namespace lobe::meshing {
 
+// A surface of one run and what its repair did.
+struct RepairedFile {
+  std::string file;
+  RepairReport repair;
+};
+
 // Everything about one run of lobe-mesh; units as in the structs.
-std::string in_json(const std::string& surface_file, const std::string& mesh_file, const MeshOptions& options,
-                    const RepairReport& repair, const MeshReport& report);
+std::string in_json(const std::vector<RepairedFile>& surfaces, const std::string& mesh_file,
+                    const MeshOptions& options, const MeshReport& report);
 std::string in_words(const MeshReport& report);
 
 }  // namespace lobe::meshing

@@ -1,93 +1,39 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/tetrahedralise.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <sstream>
 
 #include "lobe/error.h"
-#include "lobe/sim/frequency.h"
+#include "lobe_mesh/check_options.h"
+#include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
+#include "lobe_mesh/measure.h"
+#include "lobe_mesh/relax.h"
+#include "lobe_mesh/sizing.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {
 namespace {
 
-constexpr double most_tets = 20e6;
 // Remeshing to this multiple of the edge gives boundary tetrahedra of the volume aimed at.
 constexpr double surface_edge_factor = 1.08;
-constexpr int smoothing_rounds = 8;
-
-double regular_volume(double edge) { return edge * edge * edge / (6 * std::numbers::sqrt2); }
-double regular_edge(double volume) { return std::cbrt(volume * 6 * std::numbers::sqrt2); }
-
-double area(const Surface& surface) {
-  double sum = 0;
-  for (const auto& t : surface.triangles.colwise()) {
-    const Vec3d a = surface.points.col(t[1]) - surface.points.col(t[0]);
-    sum += a.cross(Vec3d(surface.points.col(t[2]) - surface.points.col(t[0]))).norm() / 2;
-  }
-  return sum;
-}
-
-std::string number(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
-void check(const MeshOptions& options, const Surface& surface) {
-  std::vector<Fault> faults;
-  const auto positive = [&](const std::string& name, double value, bool zero_too) {
-    if (std::isfinite(value) && (value > 0 || (zero_too && value == 0))) return;
-    faults.push_back({name, number(value) + (zero_too ? ", must not be negative" : ", must be positive")});
-  };
-  positive("edge", options.edge, true);
-  positive("lambda", options.lambda, true);
-  positive("mu", options.mu, false);
-  positive("density", options.density, false);
-  positive("time limit", options.time_limit, false);
-  positive("memory limit", options.memory_limit, false);
-  positive("feature angle", options.feature_angle, false);
-  if (options.time_limit > 1e7) faults.push_back({"time limit", "must be at most 1e7 s"});
-  if (options.memory_limit > 1e15) faults.push_back({"memory limit", "must be at most 1e15 bytes"});
-  if (options.tries < 0 || options.tries > 8) faults.push_back({"tries", "must be from 1 to 8"});
-  if (!faults.empty()) throw InputError(std::move(faults));
-  if (options.edge == 0) return;
-  const double diagonal = box_diagonal(surface);
-  if (options.edge > diagonal / 2) {
-    throw InputError("edge", number(options.edge) + " m is too long for a body of " + number(diagonal) +
-                                 " m: choose at most " + number(diagonal / 4));
-  }
-  // About one tetrahedron per face of the boundary counts where a body is thin or has spikes.
-  const double faces = area(surface) / (std::numbers::sqrt3 / 4 * options.edge * options.edge);
-  const double tets = std::max(enclosed_volume(surface) / regular_volume(options.edge), faces);
-  if (tets > most_tets) {
-    throw InputError("edge",
-                     number(options.edge) + " m would give about " + number(std::round(tets / 1e6)) +
-                         " million tetrahedra, at most " + number(most_tets / 1e6) +
-                         " million are made: choose a longer edge (or --scale, if the units are wrong)");
-  }
-}
 
 class Stopwatch {
  public:
-  explicit Stopwatch(MeshReport& report) : report_(report) {}
+  explicit Stopwatch(std::vector<Phase>& phases) : phases_(phases) {}
   void phase(const std::string& name) {
     const auto now = std::chrono::steady_clock::now();
     const double seconds = std::chrono::duration<double>(now - last_).count();
     const auto same = [&](const Phase& phase) { return phase.name == name; };
-    const auto known = std::find_if(report_.phases.begin(), report_.phases.end(), same);
-    if (known != report_.phases.end())
+    const auto known = std::find_if(phases_.begin(), phases_.end(), same);
+    if (known != phases_.end())
       known->seconds += seconds;
     else
-      report_.phases.push_back({name, seconds});
+      phases_.push_back({name, seconds});
     last_ = now;
   }
   double elapsed() const {
@@ -95,76 +41,19 @@ class Stopwatch {
   }
 
  private:
-  MeshReport& report_;
+  std::vector<Phase>& phases_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
 };
 
 // Remeshing may fold thin parts onto themselves, which TetGen refuses: then a finer surface is tried.
-Surface remesh_without_intersections(const Surface& surface, const std::vector<Polyline>& features,
-                                     double edge) {
+Model remesh_without_intersections(const Model& model, double edge) {
+  Model result = model;
   for (const double factor : {1.0, 0.85, 0.7, 0.5}) {
-    const Surface result = remesh(surface, features, surface_edge_factor * factor * edge);
-    if (diagnose(result).meshable()) return result;
+    for (std::size_t k = 0; k < model.surfaces.size(); ++k)
+      result.surfaces[k] = remesh(model.surfaces[k], model.features[k], surface_edge_factor * factor * edge);
+    if (diagnose(joined_surface(result.surfaces)).self_intersections.count == 0) return result;
   }
   throw MeshingFailure("remeshing left self-intersections: use --mesher cgal, or a shorter --edge");
-}
-
-Index count_boundary_faces(const TetMesh& mesh) {
-  std::map<std::array<Index, 3>, int> faces;
-  for (const auto& tet : mesh.tets.colwise()) {
-    for (const auto& face : face_corners) {
-      std::array<Index, 3> key{tet[face[0]], tet[face[1]], tet[face[2]]};
-      std::sort(key.begin(), key.end());
-      ++faces[key];
-    }
-  }
-  return static_cast<Index>(
-      std::count_if(faces.begin(), faces.end(), [](const auto& f) { return f.second == 1; }));
-}
-
-void measure(const TetMesh& mesh, const MeshOptions& options, MeshReport& report) {
-  report.vertices = mesh.vertex_count();
-  report.tets = mesh.tet_count();
-  report.boundary_faces = count_boundary_faces(mesh);
-  report.quality = mesh_quality(mesh);
-  report.volume_error = 100 * (report.quality.volume / report.surface_volume - 1);
-  report.mean_edge = regular_edge(report.quality.volume / report.tets);
-  report.time_step = rest_time_step(mesh, {options.lambda, options.mu, options.density});
-  const double wave_speed = std::sqrt((options.lambda + 2 * options.mu) / options.density);
-  report.time_step_star = report.time_step * wave_speed / report.mean_edge;
-  if (std::abs(report.volume_error) > 5) {
-    report.warnings.push_back("the mesh's volume differs from the surface's by " +
-                              number(std::round(10 * report.volume_error) / 10) +
-                              " %: choose a shorter --edge");
-  }
-}
-
-// One mesh of the surface, which is scaled to unit size.
-TetMesh mesh_once(const Surface& surface, const std::vector<Polyline>& features, double edge,
-                  MeshOptions options, const UnitBox& unit, Stopwatch& stopwatch) {
-  options.time_limit = std::max(0.001, options.time_limit - stopwatch.elapsed());
-  TetMesh mesh;
-  if (options.mesher == Mesher::cgal) {
-    mesh = mesh_with_cgal(surface, features, edge, options.time_limit);
-    stopwatch.phase("cgal");
-  } else {
-    const Surface remeshed = remesh_without_intersections(surface, features, edge);
-    stopwatch.phase("remesh");
-    mesh = mesh_with_tetgen(remeshed, edge, options);
-    stopwatch.phase("tetgen");
-    smooth_interior(mesh, smoothing_rounds);
-    peel_flat_tets(mesh);
-    stopwatch.phase("smooth");
-  }
-  if (mesh.tet_count() == 0) throw MeshingFailure("no tetrahedra: choose a shorter --edge");
-  mesh.points = unit.from_unit(mesh.points);
-  try {
-    prepare(mesh, "mesh");
-  } catch (const InputError& error) {
-    throw MeshingFailure(std::string("the mesher left an unusable mesh (") + error.what() +
-                         "): try another --edge");
-  }
-  return mesh;
 }
 
 // Repair takes bodies that touch along an edge or at a vertex apart, in the same place; Mesh_3 refines there without end.
@@ -180,47 +69,162 @@ void refuse_touching(const Surface& surface) {
   }
 }
 
+// The tries at one model, in a box of unit size.
+class Tries {
+ public:
+  Tries(const Model& model, const MeshOptions& options, MeshReport& report);
+  TetMesh best();
+
+ private:
+  void one(Mesher mesher, double factor);
+  TetMesh mesh_with(Mesher mesher, double edge);
+  void improve(TetMesh& mesh);
+  bool available(Mesher mesher) const;
+  bool out_of_time() const { return stopwatch_.elapsed() > options_.time_limit; }
+
+  const Model& model_;
+  const MeshOptions& options_;
+  MeshReport& report_;
+  UnitBox unit_;
+  Model scaled_;
+  MeshOptions scaled_options_;
+  std::vector<NearestPoint> surfaces_;
+  Interfaces interfaces_;
+  std::vector<Mat3X<double>> features_;  // points of the feature lines, scaled
+  std::vector<Phase> phases_;
+  Stopwatch stopwatch_{phases_};
+  TetMesh best_;
+  MeshReport best_report_;
+};
+
+Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
+    : model_(model),
+      options_(options),
+      report_(report),
+      unit_(joined_surface(model.surfaces)),
+      scaled_(model),
+      scaled_options_(options) {
+  scaled_options_.edge /= unit_.size;
+  for (auto& [label, edge] : scaled_options_.label_edges) edge /= unit_.size;
+  for (SizeBall& ball : scaled_options_.balls)
+    ball = {unit_.to_unit(ball.centre), ball.radius / unit_.size, ball.edge / unit_.size};
+  for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
+    Surface& surface = scaled_.surfaces[k];
+    surface.points = unit_.to_unit(surface.points);
+    scaled_.features[k] = feature_lines(surface, options.feature_angle, 6 * scaled_options_.edge);
+    for (const Polyline& line : scaled_.features[k]) features_.push_back(surface.points(Eigen::all, line));
+    surfaces_.emplace_back(surface);
+  }
+  for (std::size_t k = 0; k < surfaces_.size(); ++k)
+    interfaces_[std::minmax(model.parents[k], static_cast<int>(k))] = &surfaces_[k];
+  report_.shortest_edge = unit_.size * Sizing(scaled_, scaled_options_).shortest();
+  stopwatch_.phase("prepare");
+}
+
+bool Tries::available(Mesher mesher) const {
+  if (mesher == options_.mesher) return true;
+  if (mesher == Mesher::tetgen)
+    return options_.label_edges.empty() && options_.balls.empty() && !find_program("lobe-tetgen").empty();
+  return true;
+}
+
+TetMesh Tries::mesh_with(Mesher mesher, double factor) {
+  MeshOptions options = scaled_options_;
+  options.time_limit = std::max(0.001, options_.time_limit - stopwatch_.elapsed());
+  options.edge *= factor;
+  if (mesher == Mesher::cgal) {
+    refuse_touching(joined_surface(model_.surfaces));
+    for (auto& [label, edge] : options.label_edges) edge *= factor;
+    for (SizeBall& ball : options.balls) ball.edge *= factor;
+    TetMesh mesh = mesh_with_cgal(scaled_, Sizing(scaled_, options), options.time_limit);
+    stopwatch_.phase("cgal");
+    return mesh;
+  }
+  const Model remeshed = remesh_without_intersections(scaled_, options.edge);
+  stopwatch_.phase("remesh");
+  TetMesh mesh = mesh_with_tetgen(remeshed, options.edge, options);
+  peel_flat_tets(mesh);
+  stopwatch_.phase("tetgen");
+  return mesh;
+}
+
+void Tries::improve(TetMesh& mesh) {
+  constexpr double on_line = 0.05;  // of the edge
+  const double mean_edge = regular_edge(total_volume(mesh) / mesh.tet_count());
+  const double shortest = report_.shortest_edge / unit_.size;
+  const double edge = shortest < scaled_options_.edge ? shortest : mean_edge;
+  const Freedom freedom = find_freedom(mesh, interfaces_, features_, on_line * edge);
+  restore_volume(mesh, interfaces_, freedom);
+  relax(mesh, freedom,
+        {.edge = edge, .poisson_ratio = options_.lambda / (2 * (options_.lambda + options_.mu))});
+  stopwatch_.phase("relax");
+}
+
+// Keeps the mesh if it is the best so far: nearest to passing the gate, then of the longest time step.
+void Tries::one(Mesher mesher, double factor) {
+  Attempt attempt{mesher, factor * options_.edge, 0, 0, {}};
+  try {
+    TetMesh mesh = mesh_with(mesher, factor);
+    if (mesh.tet_count() == 0) throw MeshingFailure("no tetrahedra: choose a shorter --edge");
+    improve(mesh);
+    mesh.points = unit_.from_unit(mesh.points);
+    prepare(mesh, "mesh");
+    MeshReport now = report_;
+    now.mesher = mesher;
+    measure(mesh, model_, options_, now);
+    stopwatch_.phase("measure");
+    attempt.min_dihedral = now.quality.min_dihedral;
+    attempt.time_step_star = now.time_step_star;
+    const auto rank = [](const MeshReport& r) {
+      const double dihedral = r.quality.min_dihedral / quality_gate.min_dihedral,
+                   altitude = r.quality.smallest_altitude_ratio / quality_gate.smallest_altitude_ratio,
+                   step = r.time_step_star / quality_gate.time_step_star;
+      return std::pair(std::min({1.0, dihedral, altitude, step}), step);
+    };
+    if (best_.tet_count() == 0 || rank(now) > rank(best_report_)) {
+      best_ = std::move(mesh);
+      best_report_ = std::move(now);
+    }
+  } catch (const MeshingFailure& error) {
+    attempt.failure = error.what();
+  } catch (const InputError& error) {  // of prepare(), or of a mesher that cannot mesh this body
+    attempt.failure = error.what();
+  }
+  report_.attempts.push_back(attempt);
+}
+
+TetMesh Tries::best() {
+  constexpr double jitter[] = {1.0, 0.97, 1.03, 0.94, 1.05, 0.91, 1.02, 0.98};
+  one(options_.mesher, 1);
+  for (int i = 1; i < options_.tries && !out_of_time(); ++i) one(options_.mesher, jitter[i]);
+  const Mesher other = options_.mesher == Mesher::cgal ? Mesher::tetgen : Mesher::cgal;
+  for (int i = 0; i < second_tries && !best_report_.passes() && !out_of_time(); ++i) {
+    const Mesher mesher = i % 2 == 0 && available(other) ? other : options_.mesher;
+    one(mesher, jitter[(i + 1) / 2]);
+  }
+  if (best_.tet_count() == 0) throw MeshingFailure(report_.attempts.front().failure);
+  best_report_.attempts = report_.attempts;
+  best_report_.phases = phases_;
+  report_ = best_report_;
+  return std::move(best_);
+}
+
 }  // namespace
 
-TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshReport& report) {
+TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report) {
   report = {};
-  check(options, surface);
-  if (options.mesher == Mesher::cgal) refuse_touching(surface);
-  Stopwatch stopwatch(report);
-  const UnitBox unit(surface);
-  const Surface scaled{unit.to_unit(surface.points), surface.triangles};
-  report.surface_volume = enclosed_volume(surface);
-  report.edge = options.edge > 0 ? options.edge : box_diagonal(surface) / 25;
-  const double edge = report.edge / unit.size;
-  if (!diagnose(scaled).meshable()) throw InputError("surface", "not closed and manifold: repair it first");
-  const auto features = feature_lines(scaled, options.feature_angle, 6 * edge);
-  stopwatch.phase("check");
-
-  // A try that fails is replaced by another one; which one is best depends on chance more than on the edge.
-  const int wanted = options.tries > 0 ? options.tries : options.mesher == Mesher::cgal ? 1 : 3;
-  TetMesh best;
-  double best_step = 0;
-  int done = 0, failed = 0;
-  std::string failure;
-  for (const double factor : {1.0, 0.97, 1.03, 0.94, 1.05, 0.91, 1.02, 0.98, 0.92, 1.01}) {
-    if (done == wanted || failed > 2) break;
-    try {
-      TetMesh mesh = mesh_once(scaled, features, factor * edge, options, unit, stopwatch);
-      const double step = rest_time_step(mesh, {options.lambda, options.mu, options.density});
-      ++done;
-      if (step <= best_step) continue;
-      best = std::move(mesh);
-      best_step = step;
-    } catch (const MeshingFailure& error) {
-      ++failed;
-      if (failure.empty()) failure = error.what();
-      if (stopwatch.elapsed() > options.time_limit) break;
-    }
+  const Model model = make_model(surfaces);
+  MeshOptions chosen = options;
+  if (options.edge == 0) chosen.edge = box_diagonal(joined_surface(surfaces)) / 25;
+  check_options(chosen, model);
+  report.edge = chosen.edge;
+  TetMesh mesh = Tries(model, chosen, report).best();
+  if (!report.passes()) {
+    report.warnings.push_back(
+        "the mesh is below the gate (smallest dihedral angle 15°, altitude 0.1 of the edge, "
+        "dt* 0.5): try another --edge, or smooth the surface there");
   }
-  if (done == 0) throw MeshingFailure(failure);
-  measure(best, options, report);
-  stopwatch.phase("measure");
-  return best;
+  return mesh;
 }
 
 }  // namespace lobe::meshing

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,16 +15,25 @@
 namespace lobe::meshing {
 
 enum class Mesher {
-  cgal,    // Delaunay refinement and four optimisers: better angles, slower
-  tetgen,  // remeshed surface, TetGen inside, smoothing: faster, keeps the remeshed surface
+  cgal,    // Delaunay refinement of the surface and what is inside; follows a sizing
+  tetgen,  // remeshed surface, filled by TetGen: keeps creases of a coarse surface
+};
+
+// Shorter edges in a ball, such as where an instrument will cut.
+struct SizeBall {
+  Vec3d centre = Vec3d::Zero();  // [m]
+  double radius = 0;             // [m]
+  double edge = 0;               // [m]
 };
 
 struct MeshOptions {
   double edge = 0;  // [m] edge of the regular tetrahedron of mean volume to aim at; 0: diagonal / 25
+  std::map<int, double> label_edges = {};  // [m] of single labels, in place of `edge` (cgal only)
+  std::vector<SizeBall> balls = {};        // (cgal only)
+  double growth = 0.3;                     // of the edge per distance, where it changes
   Mesher mesher = Mesher::cgal;
 
-  int tries = 0;  // meshes of slightly different edges, the one with the largest time step is kept; 0: cgal
-                  // 1, tetgen 3
+  int tries = 1;                              // meshes of slightly different edges, of which the best is kept
   double feature_angle = 60;                  // [degrees] edges that turn by more are kept sharp
   double time_limit = 600;                    // [s] of wall-clock time for all tries of the mesher
   double memory_limit = 8e9;                  // [bytes] of TetGen's process
@@ -33,14 +43,41 @@ struct MeshOptions {
   std::filesystem::path tetgen_program = {};  // empty: lobe-tetgen beside the running program, or on the PATH
 };
 
+// What a mesh must reach, or further ones are made with another edge and the other mesher.
+struct QualityGate {
+  double min_dihedral = 15;              // [degrees]
+  double smallest_altitude_ratio = 0.1;  // to the longest edge of its tetrahedron
+  double time_step_star = 0.5;
+};
+constexpr QualityGate quality_gate;
+constexpr int second_tries = 4;  // at most, after `tries`
+
 struct Phase {
   std::string name;
   double seconds = 0;
 };
 
+struct Attempt {
+  Mesher mesher = Mesher::cgal;
+  double edge = 0;            // [m] aimed at
+  double min_dihedral = 0;    // [degrees]
+  double time_step_star = 0;  // 0: it failed
+  std::string failure;
+};
+
+// The vertex that bounds the time step, by the vertex estimate.
+struct Bottleneck {
+  Index vertex = -1;
+  Vec3d position = Vec3d::Zero();  // [m]
+  Index tets = 0;                  // around it
+  bool on_boundary = false;
+};
+
 struct MeshReport {
-  double edge = 0;       // [m] as asked for, or chosen
-  double mean_edge = 0;  // [m] of the regular tetrahedron of mean volume
+  Mesher mesher = Mesher::cgal;  // of the mesh that was kept
+  double edge = 0;               // [m] as asked for, or chosen
+  double shortest_edge = 0;      // [m] asked for anywhere
+  double mean_edge = 0;          // [m] of the regular tetrahedron of mean volume
   Index vertices = 0;
   Index tets = 0;
   Index boundary_faces = 0;
@@ -48,14 +85,26 @@ struct MeshReport {
   double surface_volume = 0;  // [m³]
   double volume_error = 0;    // [%] of the mesh against the surface
   double time_step = 0;       // [s] largest stable step of the material
-  double time_step_star = 0;  // time_step × wave speed / mean_edge: independent of size and material
+  // time_step × wave speed / mean_edge (/ shortest_edge, if edges differ): independent of size and material.
+  double time_step_star = 0;
+  Bottleneck bottleneck;
+  struct Part {
+    Index tets = 0;
+    double volume = 0, surface_volume = 0;  // [m³]
+  };
+  std::vector<Part> parts;  // of each label
+  std::vector<Attempt> attempts;
   std::vector<Phase> phases;
   std::vector<std::string> warnings;
+
+  bool passes() const;  // the gate
 };
 
-// The surface must be what repair_surface() returns; every piece of it is meshed. The same surface and
-// options give the same mesh, bit for bit. Throws InputError for options that make no sense for the
-// surface, MeshingFailure if the mesher gives up.
-TetMesh tetrahedralise(const Surface& surface, const MeshOptions& options, MeshReport& report);
+// Surfaces must be what repair_surface() returns, each inside another one or apart from it; every piece of
+// them is meshed. The label of a tetrahedron is the number of the innermost surface around it; the triangles
+// between two labels belong to one tetrahedron of each. The same surfaces and options give the same mesh, bit
+// for bit. Throws InputError for options that make no sense for the surface, MeshingFailure if the meshers
+// give up.
+TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report);
 
 }  // namespace lobe::meshing

@@ -1,7 +1,8 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// lobe-mesh: from a surface model to tetrahedra. Exit status: 0 done, 1 a mesher gave up, 2 bad input.
+// lobe-mesh: from surface models to tetrahedra. Exit status: 0 done, 1 a mesher gave up, 2 bad input.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -29,6 +30,7 @@ using namespace lobe::meshing;
 struct Options {
   std::vector<std::string> surfaces;
   std::string output, report;
+  std::vector<std::string> label_edges, balls;
   double scale = 1;
   bool diagnose = false, json = false, quiet = false;
   RepairOptions repair;
@@ -57,13 +59,20 @@ void declare(CLI::App& app, Options& o) {
   static const std::map<std::string, Mesher> meshers{{"cgal", Mesher::cgal}, {"tetgen", Mesher::tetgen}};
   static const std::map<std::string, Repair> levels{
       {"none", Repair::none}, {"basic", Repair::basic}, {"wrap", Repair::wrap}};
-  app.add_option("SURFACE", o.surfaces, "closed surface: .stl, .obj, .ply or .off")->required();
+  app.add_option("SURFACE", o.surfaces,
+                 "closed surfaces: .stl, .obj, .ply or .off; the first is label 0, the next 1 …, one within "
+                 "another or apart")
+      ->required();
   app.add_option("-o,--output", o.output, "mesh to write: .vtu");
   app.add_flag("--diagnose", o.diagnose, "only say what is wrong with the surface");
   app.add_option("--edge", o.mesh.edge, "edge of the tetrahedra [m]; default: diagonal / 25");
+  app.add_option("--label-edge", o.label_edges, "LABEL=EDGE: another edge in one label [m]; can be repeated");
+  app.add_option("--ball", o.balls, "X,Y,Z,RADIUS,EDGE: shorter edges in a ball [m]; can be repeated");
+  app.add_option("--growth", o.mesh.growth, "of the edge per distance, where it changes")
+      ->capture_default_str();
   app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")
       ->capture_default_str();
-  add_choice(app, "--mesher", o.mesh.mesher, meshers, "cgal (better angles, default) or tetgen (faster)");
+  add_choice(app, "--mesher", o.mesh.mesher, meshers, "cgal (default) or tetgen (keeps creases)");
   add_choice(app, "--repair", o.repair.level, levels, "none, basic (default) or wrap (last resort)");
   app.add_option("--largest-hole", o.repair.largest_hole,
                  "widest hole that is filled, of the surface's diagonal")
@@ -71,7 +80,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--wrap-alpha", o.repair.wrap_alpha,
                  "gaps that wrapping bridges [m]; default: diagonal / 60");
   app.add_option("--wrap-offset", o.repair.wrap_offset, "distance of the wrapping [m]; default: alpha / 30");
-  app.add_option("--tries", o.mesh.tries, "meshes to choose the best from; default: cgal 1, tetgen 3");
+  app.add_option("--tries", o.mesh.tries, "meshes to choose the best from")->capture_default_str();
   app.add_option("--feature-angle", o.mesh.feature_angle, "edges that turn by more stay sharp [degrees]")
       ->capture_default_str();
   app.add_option("--time-limit", o.mesh.time_limit, "for the whole run [s]")->capture_default_str();
@@ -86,10 +95,7 @@ void declare(CLI::App& app, Options& o) {
 
 void check(const CLI::App& app, const Options& o) {
   std::vector<Fault> faults;
-  if (o.surfaces.size() > 1) {
-    faults.push_back(
-        {"SURFACE", "several surfaces were given, one is meshed at a time: join them in one file"});
-  }
+  if (o.surfaces.size() > 1 && o.diagnose) faults.push_back({"--diagnose", "looks at one surface at a time"});
   if (!o.diagnose && o.output.empty())
     faults.push_back({"--output", "missing: give -o MESH.vtu (or --diagnose)"});
   const std::filesystem::path output(o.output), folder = output.parent_path();
@@ -136,41 +142,85 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
   std::filesystem::rename(temporary, file);
 }
 
-int run(const Options& o) {
-  const std::string& file = o.surfaces.front();
-  const auto say = [&](const std::string& text) {
-    if (!o.quiet) std::cerr << text;
-  };
-  Surface surface = read_surface(file);
-  surface.points *= o.scale;
-  if (o.diagnose) {
-    const Diagnosis diagnosis = diagnose(surface);
-    std::cout << (o.json ? in_json(diagnosis) + "\n" : in_words(diagnosis));
-    return 0;
+// "1=0.004" and "0.1,0,0.02,0.03,0.004": numbers with one separator each.
+std::vector<double> numbers_of(const std::string& option, std::string text, const std::string& form) {
+  const auto count = static_cast<std::size_t>(std::count(form.begin(), form.end(), ',') + 1);
+  std::vector<double> numbers;
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    std::size_t end = 0;
+    try {
+      numbers.push_back(std::stod(word, &end));
+    } catch (const std::exception&) {
+    }
+    if (end == 0 || end != word.size()) throw InputError(option, text + ", expected " + form);
   }
-  say(file + ": " + std::to_string(surface.triangle_count()) + " triangles\n");
-  RepairReport repair;
+  if (numbers.size() != count) throw InputError(option, text + ", expected " + form);
+  return numbers;
+}
+
+void read_sizing(Options& o) {
+  for (std::string text : o.label_edges) {
+    std::replace(text.begin(), text.end(), '=', ',');
+    const std::vector<double> n = numbers_of("--label-edge", text, "LABEL,EDGE");
+    if (n[0] != std::round(n[0]) || std::abs(n[0]) > 1e6)
+      throw InputError("--label-edge", text + ", expected a whole label");
+    o.mesh.label_edges[static_cast<int>(n[0])] = n[1];
+  }
+  for (const std::string& text : o.balls) {
+    const std::vector<double> n = numbers_of("--ball", text, "X,Y,Z,RADIUS,EDGE");
+    o.mesh.balls.push_back({{n[0], n[1], n[2]}, n[3], n[4]});
+  }
+}
+
+RepairedFile repair(const std::string& file, const Options& o, Surface& surface) {
+  RepairedFile result{file, {}};
   try {
-    surface = repair_surface(surface, o.repair, repair);
+    surface = repair_surface(surface, o.repair, result.repair);
   } catch (const InputError& error) {
     std::vector<Fault> faults = error.faults();
     for (Fault& fault : faults) fault.place = file + ": " + fault.place;
     throw InputError(std::move(faults));
   }
-  for (const RepairStep& step : repair.steps) say("repair: " + step.message + "\n");
-  for (const std::string& warning : repair.warnings) warn(warning);
+  if (!o.quiet) {
+    for (const RepairStep& step : result.repair.steps) std::cerr << "repair: " + step.message + "\n";
+  }
+  for (const std::string& warning : result.repair.warnings) warn(warning);
   if (box_diagonal(surface) > 2) {
     std::ostringstream text;
     text << "the body is " << box_diagonal(surface)
          << " m large: if the file is in millimetres, use --scale 0.001";
     warn(text.str());
   }
+  return result;
+}
+
+int print_diagnosis(const Options& o, const Surface& surface) {
+  const Diagnosis diagnosis = diagnose(surface);
+  std::cout << (o.json ? in_json(diagnosis) + "\n" : in_words(diagnosis));
+  return 0;
+}
+
+int run(const Options& o) {
+  const auto say = [&](const std::string& text) {
+    if (!o.quiet) std::cerr << text;
+  };
+  std::vector<Surface> surfaces;
+  std::vector<RepairedFile> repaired;
+  for (const std::string& file : o.surfaces) {
+    Surface surface = read_surface(file);
+    surface.points *= o.scale;
+    if (o.diagnose) return print_diagnosis(o, surface);
+    say(file + ": " + std::to_string(surface.triangle_count()) + " triangles\n");
+    repaired.push_back(repair(file, o, surface));
+    surfaces.push_back(std::move(surface));
+  }
   say("meshing…\n");
   MeshReport report;
-  const TetMesh mesh = tetrahedralise(surface, o.mesh, report);
+  const TetMesh mesh = tetrahedralise(surfaces, o.mesh, report);
   for (const std::string& warning : report.warnings) warn(warning);
   write_vtu(o.output, mesh);
-  const std::string json = in_json(file, o.output, o.mesh, repair, report);
+  const std::string json = in_json(repaired, o.output, o.mesh, report);
   if (!o.report.empty()) write_text(o.report, json);
   if (o.json) std::cout << json << "\n";
   say(in_words(report));
@@ -210,6 +260,7 @@ int main(int argc, char** argv) {
   }
   try {
     check(app, options);
+    read_sizing(options);
     limit_time(options.mesh.time_limit);
     return run(options);
   } catch (const InputError& error) {

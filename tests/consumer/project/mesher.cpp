@@ -10,6 +10,6 @@ int main(int, char** argv) {
   MeshReport report;
   MeshOptions options;
   options.edge = 0.01;
-  const lobe::TetMesh mesh = tetrahedralise(surface, options, report);
+  const lobe::TetMesh mesh = tetrahedralise({surface}, options, report);
   std::printf("%d tetrahedra, volume error %.1f %%\n", mesh.tet_count(), report.volume_error);
 }

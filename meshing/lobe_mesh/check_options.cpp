@@ -1,0 +1,98 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include "lobe_mesh/check_options.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "lobe/error.h"
+#include "lobe/text.h"
+
+namespace lobe::meshing {
+namespace {
+
+constexpr double most_tets = 20e6;
+
+double area(const Surface& surface) {
+  double sum = 0;
+  for (const auto& t : surface.triangles.colwise()) {
+    const Vec3d a = surface.points.col(t[1]) - surface.points.col(t[0]);
+    sum += a.cross(Vec3d(surface.points.col(t[2]) - surface.points.col(t[0]))).norm() / 2;
+  }
+  return sum;
+}
+
+void check_numbers(const MeshOptions& options, std::vector<Fault>& faults) {
+  const auto positive = [&](const std::string& name, double value, bool zero_too = false) {
+    if (std::isfinite(value) && (value > 0 || (zero_too && value == 0))) return;
+    faults.push_back({name, rounded(value) + (zero_too ? ", must not be negative" : ", must be positive")});
+  };
+  positive("edge", options.edge, true);  // 0 was replaced before
+  for (const auto& [label, edge] : options.label_edges)
+    positive("edge of label " + std::to_string(label), edge);
+  for (const SizeBall& ball : options.balls) {
+    positive("radius of a ball", ball.radius, true);
+    positive("edge of a ball", ball.edge);
+    if (!ball.centre.allFinite()) faults.push_back({"centre of a ball", "must be finite"});
+  }
+  positive("growth", options.growth);
+  positive("lambda", options.lambda, true);
+  positive("mu", options.mu);
+  positive("density", options.density);
+  positive("time limit", options.time_limit);
+  positive("memory limit", options.memory_limit);
+  positive("feature angle", options.feature_angle);
+  if (options.time_limit > 1e7) faults.push_back({"time limit", "must be at most 1e7 s"});
+  if (options.memory_limit > 1e15) faults.push_back({"memory limit", "must be at most 1e15 bytes"});
+  if (options.tries < 1 || options.tries > 8) faults.push_back({"tries", "must be from 1 to 8"});
+}
+
+void check_labels(const MeshOptions& options, const Model& model, std::vector<Fault>& faults) {
+  const int last = static_cast<int>(model.surfaces.size()) - 1;
+  for (const auto& [label, edge] : options.label_edges) {
+    if (label < 0 || label > last)
+      faults.push_back({"edge of label " + std::to_string(label), "labels are 0 … " + std::to_string(last)});
+  }
+  const bool sized = !options.label_edges.empty() || !options.balls.empty();
+  if (sized && options.mesher == Mesher::tetgen)
+    faults.push_back({"--mesher tetgen", "makes edges of one length only: use --mesher cgal for a sizing"});
+}
+
+// About one tetrahedron per face of the boundary counts where a body is thin or has spikes.
+double expected_tets(const MeshOptions& options, const Model& model) {
+  double tets = 0, smaller_balls = 0;
+  for (int label = 0; label < static_cast<int>(model.surfaces.size()); ++label) {
+    const auto own = options.label_edges.find(label);
+    const double edge = own == options.label_edges.end() ? options.edge : own->second;
+    const double faces = area(model.surfaces[label]) / (std::numbers::sqrt3 / 4 * edge * edge);
+    tets += std::max(model.volume_of(label) / regular_volume(edge), faces);
+  }
+  for (const SizeBall& ball : options.balls) {
+    const double volume =
+        std::min(4.0 / 3 * std::numbers::pi * std::pow(ball.radius, 3), model.total_volume());
+    smaller_balls += volume / regular_volume(ball.edge);
+  }
+  return tets + smaller_balls;
+}
+
+}  // namespace
+
+void check_options(const MeshOptions& options, const Model& model) {
+  std::vector<Fault> faults;
+  check_numbers(options, faults);
+  check_labels(options, model, faults);
+  if (!faults.empty()) throw InputError(std::move(faults));
+  const double diagonal = box_diagonal(joined_surface(model.surfaces));
+  if (options.edge > diagonal / 2) {
+    throw InputError("edge", rounded(options.edge) + " m is too long for a body of " + rounded(diagonal) +
+                                 " m: choose at most " + rounded(diagonal / 4));
+  }
+  const double tets = expected_tets(options, model);
+  if (tets > most_tets) {
+    throw InputError("edge",
+                     rounded(options.edge) + " m would give about " + rounded(std::round(tets / 1e6)) +
+                         " million tetrahedra, at most " + rounded(most_tets / 1e6) +
+                         " million are made: choose a longer edge (or --scale, if the units are wrong)");
+  }
+}
+
+}  // namespace lobe::meshing

@@ -1,0 +1,70 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include "lobe_mesh/measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/sim/frequency.h"
+#include "lobe/text.h"
+#include "lobe_mesh/check_options.h"
+#include "lobe_mesh/relax.h"
+
+namespace lobe::meshing {
+namespace {
+
+void measure_parts(const TetMesh& mesh, const Model& model, MeshReport& report) {
+  report.parts.assign(model.surfaces.size(), {});
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    MeshReport::Part& part = report.parts[mesh.labels[t]];
+    ++part.tets;
+    part.volume += signed_volume(tet_points(mesh, t));
+  }
+  for (std::size_t k = 0; k < report.parts.size(); ++k) {
+    report.parts[k].surface_volume = model.volume_of(static_cast<int>(k));
+    if (report.parts[k].tets == 0)
+      report.warnings.push_back("no tetrahedra in surface " + std::to_string(k) +
+                                ": choose a shorter edge for it");
+  }
+}
+
+void measure_faces(const TetMesh& mesh, MeshReport& report) {
+  report.boundary_faces = 0;
+  for (const InterfaceFace& face : interface_faces(mesh)) {
+    if (face.other >= 0) continue;
+    ++report.boundary_faces;
+    const auto& c = face.corners;
+    if (std::find(c.begin(), c.end(), report.bottleneck.vertex) != c.end())
+      report.bottleneck.on_boundary = true;
+  }
+}
+
+}  // namespace
+
+bool MeshReport::passes() const {
+  return quality.min_dihedral >= quality_gate.min_dihedral && time_step_star >= quality_gate.time_step_star &&
+         quality.smallest_altitude_ratio >= quality_gate.smallest_altitude_ratio;
+}
+
+void measure(const TetMesh& mesh, const Model& model, const MeshOptions& options, MeshReport& report) {
+  report.vertices = mesh.vertex_count();
+  report.tets = mesh.tet_count();
+  report.quality = mesh_quality(mesh);
+  report.surface_volume = model.total_volume();
+  report.volume_error = 100 * (report.quality.volume / report.surface_volume - 1);
+  report.mean_edge = regular_edge(report.quality.volume / report.tets);
+  report.time_step = rest_time_step(mesh, {options.lambda, options.mu, options.density});
+  const double wave_speed = std::sqrt((options.lambda + 2 * options.mu) / options.density);
+  const double edge = report.shortest_edge < report.edge ? report.shortest_edge : report.mean_edge;
+  report.time_step_star = report.time_step * wave_speed / edge;
+  const double poisson_ratio = options.lambda / (2 * (options.lambda + options.mu));
+  report.bottleneck = slowest_vertex(mesh, {.edge = edge, .poisson_ratio = poisson_ratio});
+  measure_faces(mesh, report);
+  measure_parts(mesh, model, report);
+  if (std::abs(report.volume_error) > 5) {
+    report.warnings.push_back("the mesh's volume differs from the surface's by " +
+                              rounded(std::round(10 * report.volume_error) / 10) +
+                              " %: choose a shorter --edge");
+  }
+}
+
+}  // namespace lobe::meshing

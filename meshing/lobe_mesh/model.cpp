@@ -1,0 +1,124 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include "lobe_mesh/model.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "lobe/error.h"
+#include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/steps.h"
+
+namespace lobe::meshing {
+namespace {
+
+std::string surface_name(std::size_t k, std::size_t count) {
+  return count == 1 ? "surface" : "surface " + std::to_string(k);
+}
+
+// Number of the surface that a triangle of joined_surface() comes from.
+std::size_t surface_of(const std::vector<Surface>& surfaces, Index triangle) {
+  std::size_t k = 0;
+  while (triangle >= surfaces[k].triangle_count()) triangle -= surfaces[k++].triangle_count();
+  return k;
+}
+
+void refuse_intersections(const std::vector<Surface>& surfaces) {
+  const Surface all = joined_surface(surfaces);
+  const UnitBox unit(all);
+  const auto pairs = self_intersections({unit.to_unit(all.points), all.triangles});
+  if (pairs.empty()) return;
+  const std::size_t a = surface_of(surfaces, pairs[0].first), b = surface_of(surfaces, pairs[0].second);
+  const Vec3d p = all.points.col(all.triangles(0, pairs[0].first));
+  throw InputError("surfaces " + std::to_string(a) + " and " + std::to_string(b),
+                   "touch or intersect near (" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " +
+                       std::to_string(p.z()) +
+                       ") m: one must lie inside the other or apart from it; parts that share a wall are "
+                       "meshed from a label image");
+}
+
+int find_parent(const std::vector<Surface>& surfaces, std::size_t k) {
+  int parent = -1;
+  for (std::size_t j = 0; j < surfaces.size(); ++j) {
+    if (j == k || winding_number(surfaces[j], surfaces[k].points.col(surfaces[k].triangles(0, 0))) < 0.5)
+      continue;
+    if (parent < 0 || enclosed_volume(surfaces[j]) < enclosed_volume(surfaces[parent]))
+      parent = static_cast<int>(j);
+  }
+  return parent;
+}
+
+}  // namespace
+
+// Of the surfaces around the point the one that is nested deepest.
+int Model::label_at(const Vec3d& point) const {
+  const auto depth = [&](int label) {
+    int count = 0;
+    for (; label >= 0; label = parents[label]) ++count;
+    return count;
+  };
+  int label = -1;
+  for (int k = 0; k < static_cast<int>(surfaces.size()); ++k) {
+    if (depth(k) > depth(label) && winding_number(surfaces[k], point) > 0.5) label = k;
+  }
+  return label;
+}
+
+double Model::volume_of(int label) const {
+  double volume = enclosed_volume(surfaces[label]);
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    if (parents[k] == label) volume -= enclosed_volume(surfaces[k]);
+  }
+  return volume;
+}
+
+double Model::total_volume() const {
+  double volume = 0;
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    if (parents[k] < 0) volume += enclosed_volume(surfaces[k]);
+  }
+  return volume;
+}
+
+Model make_model(std::vector<Surface> surfaces) {
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const UnitBox unit(surfaces[k]);
+    if (!diagnose({unit.to_unit(surfaces[k].points), surfaces[k].triangles}).meshable())
+      throw InputError(surface_name(k, surfaces.size()), "not closed and manifold: repair it first");
+  }
+  if (surfaces.size() > 1) refuse_intersections(surfaces);
+  Model model{std::move(surfaces), {}, {}};
+  for (std::size_t k = 0; k < model.surfaces.size(); ++k)
+    model.parents.push_back(find_parent(model.surfaces, k));
+  model.features.resize(model.surfaces.size());
+  return model;
+}
+
+double winding_number(const Surface& surface, const Vec3d& point) {
+  double angle = 0;
+  for (const auto& t : surface.triangles.colwise()) {
+    const Vec3d a = surface.points.col(t[0]) - point, b = surface.points.col(t[1]) - point,
+                c = surface.points.col(t[2]) - point;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return angle / (4 * std::numbers::pi);
+}
+
+Surface joined_surface(const std::vector<Surface>& surfaces) {
+  Index points = 0, triangles = 0;
+  for (const Surface& s : surfaces) points += s.point_count(), triangles += s.triangle_count();
+  Surface all;
+  all.points.resize(3, points);
+  all.triangles.resize(3, triangles);
+  points = triangles = 0;
+  for (const Surface& s : surfaces) {
+    all.points.middleCols(points, s.point_count()) = s.points;
+    all.triangles.middleCols(triangles, s.triangle_count()) = s.triangles.array() + points;
+    points += s.point_count();
+    triangles += s.triangle_count();
+  }
+  return all;
+}
+
+}  // namespace lobe::meshing

@@ -1,0 +1,46 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include "lobe_mesh/sizing.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "lobe_mesh/model.h"
+
+namespace lobe::meshing {
+
+Sizing::Sizing(const Model& model, const MeshOptions& options)
+    : model_(model),
+      edges_(model.surfaces.size(), options.edge),
+      balls_(options.balls),
+      growth_(options.growth) {
+  for (const auto& [label, edge] : options.label_edges) edges_[label] = edge;
+  shortest_ = *std::min_element(edges_.begin(), edges_.end());
+  const double longest = *std::max_element(edges_.begin(), edges_.end());
+  for (const SizeBall& ball : balls_) shortest_ = std::min(shortest_, ball.edge);
+  uniform_ = shortest_ == longest;
+  if (uniform_) return;
+  for (const Surface& surface : model.surfaces) surfaces_.emplace_back(surface);
+}
+
+// The region's own surface or one of those inside it is nearest.
+double Sizing::distance_to_label(const Vec3d& point, int label) const {
+  double nearest = surfaces_[label].distance(point);
+  for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+    if (model_.parents[k] == label) nearest = std::min(nearest, surfaces_[k].distance(point));
+  }
+  return nearest;
+}
+
+double Sizing::operator()(const Vec3d& point, int label) const {
+  if (uniform_) return shortest_;
+  double edge = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < static_cast<int>(edges_.size()); ++k) {
+    if (edges_[k] < edge)
+      edge = std::min(edge, edges_[k] + (k == label ? 0 : growth_ * distance_to_label(point, k)));
+  }
+  for (const SizeBall& ball : balls_)
+    edge = std::min(edge, ball.edge + growth_ * std::max(0.0, (point - ball.centre).norm() - ball.radius));
+  return edge;
+}
+
+}  // namespace lobe::meshing

@@ -1,0 +1,38 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+//
+// How long the edges are to be where.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lobe_mesh/nearest.h"
+#include "lobe_mesh/tetrahedralise.h"
+
+namespace lobe::meshing {
+
+struct Model;
+
+// The largest field that nowhere exceeds an edge asked for and grows by at most `growth` per length: the
+// minimum over labels and balls of their edge + growth × distance to them.
+class Sizing {
+ public:
+  Sizing(const Model& model, const MeshOptions& options);
+
+  bool uniform() const { return uniform_; }
+  double shortest() const { return shortest_; }  // [m]
+  // Edge at a point [m]; `label`: of the region it lies in, −1 if it is on a surface.
+  double operator()(const Vec3d& point, int label) const;
+
+ private:
+  double distance_to_label(const Vec3d& point, int label) const;
+
+  const Model& model_;
+  std::vector<double> edges_;  // of each label
+  std::vector<SizeBall> balls_;
+  std::vector<NearestPoint> surfaces_;
+  double growth_ = 0, shortest_ = 0;
+  bool uniform_ = true;
+};
+
+}  // namespace lobe::meshing

@@ -1,0 +1,134 @@
+// Several surfaces, and edges of different lengths.
+#include "lobe_mesh/model.h"
+
+#include <cmath>
+#include <functional>
+
+#include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/interfaces.h"
+#include "lobe_mesh/tetrahedralise.h"
+#include "meshing/shapes.h"
+
+using namespace lobe;
+using namespace lobe::meshing;
+
+namespace {
+
+const Surface organ = make_sphere(0.05, 4);
+const Surface tumour = moved(make_sphere(0.012, 3), {0.02, 0, 0});
+const Surface cyst = moved(make_sphere(0.005, 2), {0.02, 0, 0.003});  // in the tumour
+const Surface vessel = moved(make_sphere(0.008, 2), {-0.025, 0, 0});
+
+// The faces between two labels as a surface, seen from outside of the first.
+Surface between(const TetMesh& mesh, int label, int other) {
+  std::vector<std::array<Index, 3>> faces;
+  for (const InterfaceFace& face : interface_faces(mesh)) {
+    if (face.label == label && face.other == other)
+      faces.push_back(face.corners);
+    else if (face.label == other && face.other == label)
+      faces.push_back({face.corners[0], face.corners[2], face.corners[1]});
+  }
+  Surface surface{mesh.points, Triangles(3, faces.size())};
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (int k = 0; k < 3; ++k) surface.triangles(k, f) = faces[f][k];
+  return surface;
+}
+
+double mean_edge(const TetMesh& mesh, const std::function<bool(const Vec3d&)>& where) {
+  double sum = 0;
+  Index count = 0;
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    if (!where(barycentre(mesh, t))) continue;
+    const Mat34<double> x = tet_points(mesh, t);
+    for (const auto& e : edge_corners) sum += (x.col(e[0]) - x.col(e[1])).norm() / 6;
+    ++count;
+  }
+  REQUIRE(count > 20);
+  return sum / count;
+}
+
+}  // namespace
+
+TEST_CASE("a point gets the label of the innermost surface around it, in any order of the surfaces") {
+  const Model model = make_model({tumour, organ, cyst, vessel});
+  CHECK(model.parents == std::vector<int>{1, -1, 0, 1});
+  CHECK(model.label_at({0, 0, 0}) == 1);
+  CHECK(model.label_at({0.02, 0, -0.008}) == 0);
+  CHECK(model.label_at({0.02, 0, 0.004}) == 2);
+  CHECK(model.label_at({-0.025, 0, 0}) == 3);
+  CHECK(model.label_at({0.06, 0, 0}) == -1);
+  CHECK(model.total_volume() == doctest::Approx(enclosed_volume(organ)));
+  double sum = 0;
+  for (int label = 0; label < 4; ++label) sum += model.volume_of(label);
+  CHECK(sum == doctest::Approx(model.total_volume()));
+}
+
+TEST_CASE("surfaces that touch or intersect are refused with their numbers and the place") {
+  const std::string message = input_error([&] { make_model({organ, tumour, moved(organ, {0.04, 0, 0})}); });
+  CHECK(contains(message, "surfaces 0 and 2"));
+  CHECK(contains(message, "label image"));
+}
+
+TEST_CASE("nested surfaces become labels whose interfaces conform") {
+  for (const Mesher mesher : {Mesher::cgal, Mesher::tetgen}) {
+    CAPTURE(static_cast<int>(mesher));
+    MeshReport report;
+    const TetMesh mesh = tetrahedralise({organ, tumour, vessel}, {.edge = 0.007, .mesher = mesher}, report);
+    CHECK(report.mesher == mesher);
+    CHECK(report.passes());
+    check_boundary(mesh);  // no face belongs to more than two tetrahedra, so none hangs
+    REQUIRE(report.parts.size() == 3);
+    const double inside[] = {enclosed_volume(organ), enclosed_volume(tumour), enclosed_volume(vessel)};
+    for (const int label : {1, 2}) {
+      CAPTURE(label);
+      // Every triangle of the interface belongs to one tetrahedron of either label: together they close.
+      const Surface interface = between(mesh, label, 0);
+      const Diagnosis diagnosis = diagnose(interface);
+      CHECK(diagnosis.closed());
+      CHECK(diagnosis.components == 1);
+      CHECK(enclosed_volume(interface) == doctest::Approx(report.parts[label].volume).epsilon(1e-9));
+      CHECK(report.parts[label].volume == doctest::Approx(inside[label]).epsilon(0.05));
+      CHECK(between(mesh, label, -1).triangle_count() == 0);
+    }
+    CHECK(between(mesh, 1, 2).triangle_count() == 0);
+    CHECK(report.parts[0].volume == doctest::Approx(inside[0] - inside[1] - inside[2]).epsilon(0.01));
+  }
+}
+
+TEST_CASE("edges follow the sizes of labels and balls, and grow gradually") {
+  MeshReport report;
+  const TetMesh mesh = tetrahedralise(
+      {organ, tumour},
+      {.edge = 0.012, .label_edges = {{1, 0.004}}, .balls = {{{-0.05, 0, 0}, 0.01, 0.004}}, .growth = 0.5},
+      report);
+  CHECK(report.passes());
+  check_boundary(mesh);
+  const auto near = [](const Vec3d& centre, double from, double to) {
+    return [=](const Vec3d& p) { return (p - centre).norm() >= from && (p - centre).norm() < to; };
+  };
+  const Vec3d ball{-0.05, 0, 0}, lump{0.02, 0, 0}, far{0, -0.05, 0};
+  const double in_ball = mean_edge(mesh, near(ball, 0, 0.01)),
+               in_tumour = mean_edge(mesh, near(lump, 0, 0.01)),
+               around = mean_edge(mesh, near(ball, 0.012, 0.018)),
+               coarse = mean_edge(mesh, near(far, 0, 0.02));
+  CHECK(in_ball == doctest::Approx(0.004).epsilon(0.25));
+  CHECK(in_tumour == doctest::Approx(0.004).epsilon(0.25));
+  CHECK(around > 1.1 * in_ball);
+  CHECK(coarse > 2 * in_ball);
+  CHECK(report.shortest_edge == doctest::Approx(0.004));
+  MeshReport uniform;
+  const TetMesh fine = tetrahedralise({organ, tumour}, {.edge = 0.004}, uniform);
+  CHECK(fine.tet_count() > 3 * mesh.tet_count());
+}
+
+TEST_CASE("a sizing that makes no sense is refused") {
+  const auto refusal = [](const MeshOptions& options) {
+    MeshReport report;
+    return input_error([&] { tetrahedralise({organ}, options, report); });
+  };
+  CHECK(contains(refusal({.label_edges = {{1, 0.01}}}), "labels are 0 … 0"));
+  CHECK(contains(refusal({.label_edges = {{0, -1}}}), "edge of label 0"));
+  CHECK(contains(refusal({.balls = {{{0, 0, 0}, 0.01, 0}}}), "edge of a ball"));
+  CHECK(contains(refusal({.balls = {{{0, 0, 0}, 0.01, 1e-6}}}), "million"));
+  CHECK(contains(refusal({.balls = {{{0, 0, 0}, 0.01, 0.005}}, .mesher = Mesher::tetgen}), "--mesher cgal"));
+}

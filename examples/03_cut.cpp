@@ -26,8 +26,8 @@ int main() {
   lobe::Index burnt = 0;
   for (int frame = 0; frame < 30; ++frame) {
     const lobe::Vec3d tip(0.002 * frame, 0.03, 0.055);
-    burnt += world.remove_tets(lobe::touched_tets(world.elements().topology, world.elements().points,
-                                                  world.state().u, {tip, tip, 0.008}));
+    burnt += world.remove_tets(lobe::touched_tets(
+        world.elements().topology, world.elements().points.view() + world.state().u, {tip, tip, 0.008}));
     largest = std::max(largest, lobe::compare_with_rebuilt(world).largest());
     if (!world.advance(1.0 / 30).ok) return 1;
   }

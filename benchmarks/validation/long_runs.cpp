@@ -58,7 +58,7 @@ struct Momenta {
 template <class Real>
 Momenta momenta(const World<Real>& world) {
   Momenta sum;
-  for (Index v = 0; v < world.elements().points.cols(); ++v) {
+  for (Index v = 0; v < world.elements().points.count(); ++v) {
     const Vec3d p = world.mass()[v] * world.state().v.col(v).template cast<double>();
     const Vec3d x = world.elements().points.col(v) + world.state().u.col(v).template cast<double>();
     sum.linear += p;

@@ -127,12 +127,12 @@ TEST_CASE("the current volume is det F times that at rest, without what was remo
   Elements body = elements(RegionModel::nonlinear);
   Mat3<double> F;
   F << 1.2, 0.3, -0.1, 0.05, 0.8, 0.2, -0.2, 0.1, 1.1;
-  const Mat3X<double> u = affine_displacement(body.points, F);
+  const Mat3X<double> u = affine_displacement(body.points.view(), F);
   const double at_rest = total_volume(irregular_box(2));
   CHECK(current_volume(body, u) == doctest::Approx(F.determinant() * at_rest).epsilon(1e-12));
   const double removed = body.shape_of(0).volume;
   body.topology.remove(std::vector<Index>{0});
-  REQUIRE(body.topology.vertex_count() == body.points.cols());  // no vertex was split
+  REQUIRE(body.topology.vertex_count() == body.points.count());  // no vertex was split
   CHECK(current_volume(body, u) == doctest::Approx(F.determinant() * (at_rest - removed)).epsilon(1e-12));
 }
 
@@ -140,7 +140,7 @@ TEST_CASE("a frame's stress holds the nodal pressure") {
   const Folder folder;
   const Setup setup = averaged(setup_of(irregular_box(2)));
   const Elements body(setup);
-  const Mat3X<double> u = random_displacement(body.points.cols(), 1e-3);
+  const Mat3X<double> u = random_displacement(body.points.count(), 1e-3);
   write_frame(folder.path / "frame.vtu", body, u, 0 * u);
   const MeshFile frame = read_mesh(folder.path / "frame.vtu");
   const std::vector<double> pressures = tet_pressures(body, PressureNodes(body), u);
@@ -157,13 +157,13 @@ TEST_CASE("a frame holds the arrays that docs/commands.md promises, tensors as x
   for (std::size_t t = 0; t < body.labels.size(); ++t) body.labels[t] = int(t % 3);
   body.region_of[7] = RegionModel::tensor_mass;
   body.topology.remove(std::vector<Index>{0});
-  REQUIRE(body.topology.vertex_count() == body.points.cols());
+  REQUIRE(body.topology.vertex_count() == body.points.count());
   Mat3<double> F;
   F << 1.2, 0.3, -0.1, 0.05, 0.8, 0.2, -0.2, 0.1, 1.1;
-  const Mat3X<double> u = affine_displacement(body.points, F), v = 2 * u;
+  const Mat3X<double> u = affine_displacement(body.points.view(), F), v = 2 * u;
   write_frame(folder.path / "frame.vtu", body, u, v);
   const MeshFile frame = read_mesh(folder.path / "frame.vtu");
-  CHECK(frame.mesh.points == body.points);
+  CHECK(frame.mesh.points == body.points.view());
   CHECK(frame.mesh.tets == body.topology.tets().rightCols(body.topology.tet_count() - 1));
   CHECK(frame.point_data.at("displacement") == u);
   CHECK(frame.point_data.at("velocity") == v);

@@ -26,30 +26,20 @@ std::uint8_t sides_beyond(const Vec3d& x, const Vec3d& low, const Vec3d& high) {
 
 }  // namespace
 
-template <class Real>
-std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
-                                const Sweep& sweep) {
+std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& x, const Sweep& sweep) {
   const Vec3d low = sweep.from.cwiseMin(sweep.to).array() - sweep.radius;
   const Vec3d high = sweep.from.cwiseMax(sweep.to).array() + sweep.radius;
   const double length = (sweep.to - sweep.from).norm();
   const int samples = static_cast<int>(std::clamp(std::ceil(4 * length / sweep.radius), 1.0, 1e4));
-  const auto position = [&](Index v) -> Vec3d { return points.col(v) + u.col(v).template cast<double>(); };
   std::vector<std::uint8_t> beyond(std::size_t(topology.vertex_count()));
-  for (Index v = 0; v < topology.vertex_count(); ++v) beyond[v] = sides_beyond(position(v), low, high);
+  for (Index v = 0; v < topology.vertex_count(); ++v) beyond[v] = sides_beyond(x.col(v), low, high);
   std::vector<Index> touched;
   for (Index t = 0; t < topology.tet_count(); ++t) {
     const Eigen::Vector4i v = topology.corners(t);
     if ((beyond[v[0]] & beyond[v[1]] & beyond[v[2]] & beyond[v[3]]) != 0 || !topology.alive(t)) continue;
-    Mat34<double> x;
-    for (int c = 0; c < 4; ++c) x.col(c) = position(v[c]);
-    if (touches(sweep, samples, x)) touched.push_back(t);
+    if (touches(sweep, samples, x(Eigen::all, v))) touched.push_back(t);
   }
   return touched;
 }
-
-template std::vector<Index> touched_tets(const Topology&, const Mat3X<double>&, const Mat3X<float>&,
-                                         const Sweep&);
-template std::vector<Index> touched_tets(const Topology&, const Mat3X<double>&, const Mat3X<double>&,
-                                         const Sweep&);
 
 }  // namespace lobe

@@ -16,10 +16,8 @@ struct Sweep {
 // Alive tetrahedra of the deformed body within reach of the sweep, in ascending order. The sweep is sampled every
 // quarter of the radius (between samples the reach is short of the radius by less than 1 %), in at most 10,000 places.
 // O(#tets), some nanoseconds each.
-template <class Real>
 std::vector<Index> touched_tets(const Topology& topology,
-                                const Mat3X<double>& points,  // 3 × #vertices, rest positions [m]
-                                const Mat3X<Real>& u,         // 3 × #vertices, displacements [m]
+                                const Mat3X<double>& x,  // 3 × #vertices, current positions [m]
                                 const Sweep& sweep);
 
 }  // namespace lobe

@@ -52,7 +52,7 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   using Type = DataArray::Type;
   const Topology& topology = elements.topology;
   const Eigen::Index n = topology.alive_count();
-  TetMesh mesh{elements.points, Tets(4, n), {}};
+  TetMesh mesh{elements.points.view(), Tets(4, n), {}};
   DataArray region{"region", Eigen::MatrixXd(1, n), Type::int32},
       source{"source", Eigen::MatrixXd(1, n), Type::int32};
   DataArray ratio{"volume_ratio", Eigen::MatrixXd(1, n), Type::float32},

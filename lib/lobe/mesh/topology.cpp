@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <utility>
+#include <map>
 
 namespace lobe {
 namespace {
@@ -167,6 +167,28 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
   return apart;
 }
 
+// Part by part; then from what is left beside each part where something came apart, since a piece may lie between two.
+void Topology::find_cut_off(const std::vector<Index>& rims, const std::vector<Index>& ends, MeshEdit& edit) {
+  std::map<Index, std::vector<Index>> pieces;  // by their first tetrahedron
+  std::vector<Index> lefts;
+  const auto search = [&](std::span<const Index> tets) {
+    Index left = -1;
+    std::vector<std::vector<Index>> apart = pieces_apart(tets, left);
+    if (!apart.empty()) lefts.push_back(left);
+    for (std::vector<Index>& piece : apart)
+      pieces.emplace(*std::min_element(piece.begin(), piece.end()), std::move(piece));
+    return left;
+  };
+  for (std::size_t i = 0, begin = 0; i < ends.size(); begin = std::size_t(ends[i++]))
+    if (begin < std::size_t(ends[i]))
+      edit.beside.push_back(search({rims.data() + begin, std::size_t(ends[i]) - begin}));
+  if (lefts.empty()) return;
+  const Index last = lefts.size() == 1 ? lefts[0] : search(std::vector(lefts));
+  edit.beside.insert(edit.beside.begin(), last);
+  for (auto& [first, piece] : pieces)
+    if (std::find(piece.begin(), piece.end(), last) == piece.end()) edit.cut_off.push_back(std::move(piece));
+}
+
 MeshEdit Topology::remove(std::span<const Index> tets) {
   MeshEdit edit;
   std::vector<Index> touched;
@@ -179,17 +201,7 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
   std::vector<Index> ends;
   const std::vector<Index> rims = rims_of(edit.removed, ends);
   for (Index t : edit.removed) unlink(t);
-  for (std::size_t i = 0, begin = 0; i < ends.size(); begin = std::size_t(ends[i++])) {
-    if (begin == std::size_t(ends[i])) continue;
-    Index left = -1;
-    std::vector<std::vector<Index>> apart =
-        pieces_apart({rims.data() + begin, std::size_t(ends[i]) - begin}, left);
-    edit.beside.push_back(left);
-    if (apart.empty()) continue;
-    std::swap(edit.beside.front(), edit.beside.back());
-    edit.cut_off = edit.comes_apart ? std::vector<std::vector<Index>>{} : std::move(apart);
-    if (std::exchange(edit.comes_apart, true)) break;
-  }
+  find_cut_off(rims, ends, edit);
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (Index v : touched) split_if_apart(v, edit.splits);

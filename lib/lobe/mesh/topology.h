@@ -21,11 +21,9 @@ struct VertexSplit {
 struct MeshEdit {
   std::vector<Index> removed;
   std::vector<VertexSplit> splits;
-  // What is left beside each part of the removed tetrahedra that hung together: one tetrahedron of it, and whether it
-  // came apart. Where that happened beside one part alone, cut_off are the pieces that came apart, but for the piece of
-  // beside[0].
+  // One of the tetrahedra that are left beside each part of the removed ones that hung together.
   std::vector<Index> beside;
-  bool comes_apart = false;
+  // The pieces of all that came apart, but for the piece of beside[0]; none if nothing did.
   std::vector<std::vector<Index>> cut_off;
 
   bool empty() const { return removed.empty() && splits.empty(); }
@@ -53,7 +51,7 @@ class Topology {
 
   // Removes the alive ones of these tetrahedra. Where what is left around one of their vertices falls into parts that
   // share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra around these vertices),
-  // and a search from both sides of the cut until they meet, or until the smaller side is all found.
+  // and a search from all sides of the cut until they meet, or until the smaller pieces are all found.
   MeshEdit remove(std::span<const Index> tets);
 
   // Calls visit(t) for all that hangs together with a tetrahedron by faces, breadth first, until it returns true;
@@ -81,6 +79,7 @@ class Topology {
  private:
   std::vector<Index> rims_of(const std::vector<Index>& removed, std::vector<Index>& ends);
   std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets, Index& left);
+  void find_cut_off(const std::vector<Index>& rims, const std::vector<Index>& ends, MeshEdit& edit);
   void unlink(Index tet);
   void open_face(Index code);
   void close_face(Index code);

@@ -5,6 +5,7 @@
 
 #include "lobe/fem/shape.h"
 #include "lobe/mesh/topology.h"
+#include "lobe/mesh/vertex_columns.h"
 #include "lobe/region/body.h"
 
 namespace lobe {
@@ -13,7 +14,7 @@ struct Elements {
   explicit Elements(const Body& body);
 
   Topology topology;
-  Mat3X<double> points;  // 3 × topology.vertex_count(), rest positions [m]
+  VertexColumns<Mat3X<double>> points;  // 3 × topology.vertex_count(), rest positions [m]
   std::vector<int> labels;
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;

@@ -48,7 +48,7 @@ void Recorder::record(const World<Real>& world, bool last) {
 
 template <class Real>
 void Recorder::add_pictures(const World<Real>& world, const std::string& frame) {
-  const Mat3X<double> x = world.elements().points + world.state().u.template cast<double>();
+  const Mat3X<double> x = world.elements().points.view() + world.state().u.template cast<double>();
   for (; next_picture_ < output_.pictures.size() &&
          world.time() >= output_.pictures[next_picture_] - just_before;
        ++next_picture_) {

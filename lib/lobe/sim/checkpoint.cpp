@@ -98,7 +98,6 @@ Checkpoint<Real> World<Real>::save() const {
   c.grasps = tools_.grasp_states();
   c.body_of = body_of_;
   c.body_was_held.assign(body_was_held_.begin(), body_was_held_.end());
-  c.sizes_decide = sizes_decide_;
   c.implicit_is_stale = implicit_is_stale_;
   c.acceleration = acceleration_;
   c.pending = pending_;
@@ -125,7 +124,6 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   tools_.set_grasp_states(c.grasps);
   body_of_ = c.body_of;
   body_was_held_.assign(c.body_was_held.begin(), c.body_was_held.end());
-  sizes_decide_ = c.sizes_decide;
   pending_ = c.pending;
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
   acceleration_ = c.acceleration;

@@ -9,7 +9,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 1,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 2,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -98,7 +98,6 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   for (const Tools::GraspState grasp : c.grasps) out.put(grasp);
   out.put_all(std::span(c.body_of));
   out.put_all(std::span(c.body_was_held));
-  out.put(std::uint8_t(c.sizes_decide));
   out.put(std::uint8_t(c.implicit_is_stale));
   put_matrix(out, c.acceleration);
   put_each(c.pending);
@@ -124,7 +123,6 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
     c.grasps.push_back(Tools::GraspState(in.get_choice(3)));
   c.body_of = in.get_all<Index>();
   c.body_was_held = in.get_all<std::uint8_t>();
-  c.sizes_decide = in.get_choice(2) == 1;
   c.implicit_is_stale = in.get_choice(2) == 1;
   c.acceleration = get_matrix<double>(in);
   in.expect(c.acceleration.allFinite());

@@ -27,7 +27,7 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& 
   const Real keep = (1 - damping * dt / 2) / (1 + damping * dt / 2), push = dt / (1 + damping * dt / 2);
   Fastest<Real> fastest;
   bool finite = true;
-  for (Index i = 0; i < u.cols(); ++i) {
+  for (Index i = 0; i < static_cast<Index>(inverse_mass.size()); ++i) {
     if (inverse_mass[i] == 0) continue;
     const Vec3<Real> before = v.col(i);
     v.col(i) = keep * before + (push * inverse_mass[i]) * f.col(i);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <type_traits>
+#include <utility>
 
 #include "lobe/error.h"
 #include "lobe/sim/check_setup.h"
@@ -75,8 +76,7 @@ World<Real>::World(const Setup& setup, int threads)
       tools_(setup),
       parallel_(threads) {
   const Index n = elements_.topology.vertex_count();
-  state_.u = Mat3X<Real>::Zero(3, n);
-  state_.v = state_.u;
+  state_.u = state_.v = Columns(n);
   longest_move_ = mean_edge(elements_);
   held_ = held_by(setup.prescribed);
   RegionEdit everything;
@@ -111,8 +111,8 @@ void World<Real>::integrate(double dt) {
   for (const HeldVertices::Held& item : held_.all())  // stays where it is until move_held()
     for (int i = 0; i < 3; ++i)
       if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
-  const Fastest<Real> fastest =
-      central_difference(forces_, step_mass_, Real(dt), Real(setup_.damping), state_.u, state_.v);
+  const Fastest<Real> fastest = central_difference(
+      forces_.padded(), step_mass_, Real(dt), Real(setup_.damping), state_.u.padded(), state_.v.padded());
   fastest_ = std::sqrt(double(fastest.all));
   turned_ = std::sqrt(double(fastest.turned));
   state_.time += dt;
@@ -125,12 +125,13 @@ double World<Real>::missing_loads(double time) const {
 }
 
 template <class Real>
-const Mat3X<Real>& World<Real>::forces() {
-  forces_ = external_;
-  if (const double missing = missing_loads(state_.time); missing > 0) forces_ -= Real(missing) * dead_loads_;
-  tensor_mass_.add_forces(state_.u, forces_, parallel_);
-  nonlinear_.add_forces(state_.u, forces_, parallel_);
-  return forces_;
+Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
+  forces_.view() = external_.view();
+  if (const double missing = missing_loads(state_.time); missing > 0)
+    forces_.view() -= Real(missing) * dead_loads_.view();
+  tensor_mass_.add_forces(state_.u.padded(), forces_.padded(), parallel_);
+  nonlinear_.add_forces(state_.u.padded(), forces_.padded(), parallel_);
+  return std::as_const(forces_).view();
 }
 
 template <class Real>
@@ -158,22 +159,23 @@ bool World<Real>::implicit_step(double dt) {
   if constexpr (std::is_same_v<Real, double>) {
     if (implicit_is_stale_ || !implicit_->is_built_on(elements_)) implicit_->rebuild(elements_, held_);
     if (implicit_is_stale_) {
-      acceleration_ = -setup_.damping * state_.v;
+      acceleration_ = -setup_.damping * state_.v.view();
       forces();
-      for (Index v = 0; v < forces_.cols(); ++v) acceleration_.col(v) += inverse_mass_[v] * forces_.col(v);
+      for (Index v = 0; v < forces_.count(); ++v) acceleration_.col(v) += inverse_mass_[v] * forces_.col(v);
       implicit_is_stale_ = false;
     }
     const double load_time = state_.time + implicit_->load_time() * dt;
-    StepLoads loads{mass_, external_ - missing_loads(load_time) * dead_loads_, state_.u, setup_.damping};
+    StepLoads loads{mass_, external_.view() - missing_loads(load_time) * dead_loads_.view(), state_.u.view(),
+                    setup_.damping};
     for (const HeldVertices::Held& item : held_.all()) {
       const Vec3d u = held_displacement(item, state_.time + dt);
       for (int i = 0; i < 3; ++i)
         if (item.axes[i]) loads.given(i, item.vertex) = u[i];
     }
-    Motion motion{state_.u, state_.v, acceleration_};
+    Motion motion{state_.u.view(), state_.v.view(), acceleration_};
     if (!implicit_->step(loads, dt, motion)) return false;
-    state_.u = motion.u;
-    state_.v = motion.v;
+    state_.u.view() = motion.u;
+    state_.v.view() = motion.v;
     acceleration_ = motion.a;
     state_.time += dt;
     return true;
@@ -269,7 +271,7 @@ void World<Real>::advance_to(double end, Report& report) {
     return;
   }
   int steps = std::max(1, static_cast<int>(wanted));
-  const State<Real> start = state_;
+  const auto start = state_;
   double step = 0;
   std::string fastest;
   for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt) {
@@ -320,19 +322,22 @@ void World<Real>::play_tools(double duration, Report& report) {
     report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
   }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
-    report.tets_removed += remove_tets(touched_tets(elements_.topology, elements_.points, state_.u, sweep));
+    report.tets_removed += remove_tets(touched_tets(
+        elements_.topology, elements_.points.view() + state_.u.view().template cast<double>(), sweep));
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
 }
 
 template <class Real>
 void World<Real>::set_state(const State<Real>& state) {
-  if (state.u.cols() != state_.u.cols() || state.v.cols() != state_.v.cols())
+  if (state.u.cols() != state_.u.count() || state.v.cols() != state_.v.count())
     throw InputError("state",
-                     "it must have one column per vertex of the world, " + std::to_string(state_.u.cols()));
+                     "it must have one column per vertex of the world, " + std::to_string(state_.u.count()));
   if (!state.u.allFinite() || !state.v.allFinite())
     throw InputError("state", "it holds values that are not finite");
-  state_ = state;
+  state_.u.view() = state.u;
+  state_.v.view() = state.v;
+  state_.time = state.time;
   implicit_is_stale_ = true;
   known_limit_.reset();
 }
@@ -343,7 +348,7 @@ template <class Real>
 VertexFrequency World<Real>::highest_vertex() {
   stiffness_.setZero(6, elements_.topology.vertex_count());
   tensor_mass_.add_diagonal_stiffness(stiffness_);
-  const auto found = nonlinear_.add_diagonal_stiffness(state_.u, stiffness_);
+  const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), stiffness_);
   volume_ratio_ = found.smallest_volume_ratio;
   volume_ratio_tet_ = found.smallest_tet;
   return vertex_frequency(stiffness_, inverse_mass_);
@@ -375,8 +380,8 @@ Energies World<Real>::energies() {
     e.kinetic += 0.5 * mass_[v] * state_.v.col(v).template cast<double>().squaredNorm();
     e.loads -= external_.col(v).template cast<double>().dot(state_.u.col(v).template cast<double>());
   }
-  e.elastic_linear = tensor_mass_.energy(state_.u);
-  e.elastic_nonlinear = nonlinear_.energy(state_.u);
+  e.elastic_linear = tensor_mass_.energy(state_.u.padded());
+  e.elastic_nonlinear = nonlinear_.energy(state_.u.padded());
   return e;
 }
 

@@ -25,6 +25,14 @@ struct State {
   double time = 0;  // [s]
 };
 
+// The state of a world as it stands; it becomes invalid with the next cut.
+template <class Real>
+struct StateView {
+  Eigen::Map<const Mat3X<Real>> u, v;
+  double time = 0;
+  operator State<Real>() const { return {u, v, time}; }
+};
+
 // One edit of a world: tetrahedra that were removed, or that were given another model.
 struct Edit {
   enum class Kind : std::uint8_t { removal, region };
@@ -53,7 +61,7 @@ class World {
   // One step without tools, cuts and checks [s]; false if an implicit one was not solved: nothing has moved.
   bool step(double dt);
 
-  const State<Real>& state() const { return state_; }
+  StateView<Real> state() const { return {state_.u.view(), state_.v.view(), state_.time}; }
   void set_state(const State<Real>& state);
   const Elements& elements() const { return elements_; }
   const HeldVertices& held() const { return held_; }
@@ -63,8 +71,8 @@ class World {
 
   double time_step_limit();  // 2/ω_max at the current state [s]; infinite if nothing is free
   VertexFrequency highest_vertex();
-  const Mat3X<Real>& forces();  // internal and external, at the current state [N]
-  Vec3d reaction(int holder);   // force that who holds these vertices must apply now [N]
+  Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
+  Vec3d reaction(int holder);              // force that who holds these vertices must apply now [N]
   Energies energies();
 
   // Edits. Stiffness, mass, loads and boundary are updated around what changed only; whether something came
@@ -85,6 +93,8 @@ class World {
   Setup current_setup(CompactMesh& compacted) const;
 
  private:
+  using Columns = VertexColumns<Mat3X<Real>>;
+
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);
   void follow(const MeshEdit& edit);
@@ -119,21 +129,23 @@ class World {
   HeldVertices held_;
   std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]: 0 where held or orphan
   std::vector<Real> step_mass_;              // inverse_mass_ in the precision of the step
-  Mat3X<Real> dead_loads_;                   // at full size [N]
-  Mat3X<Real> external_;                     // gravity and dead loads at full size [N]
+  Columns dead_loads_;                       // at full size [N]
+  Columns external_;                         // gravity and dead loads at full size [N]
   double frequency_ratio_ = 1;               // ω_max / vertex estimate, measured at rest
   double longest_move_ = 0;                  // a step that moves a vertex further is trouble [m]
   double rest_frequency_ = 0;                // ω_max at the start [rad/s]
   std::vector<Index> body_of_;  // per tetrahedron: the piece it belonged to at the start, or since
   std::vector<bool> body_was_held_;
-  bool sizes_decide_ = false;  // a body that nothing held is in several pieces: any cut may set one loose
 
   std::unique_ptr<ImplicitStep> implicit_;  // none: central differences
   bool implicit_is_stale_ = true;           // after an edit, or a state set from outside
   Mat3X<double> acceleration_;              // of implicit dynamics [m/s²]
 
-  State<Real> state_;
-  Mat3X<Real> forces_;                 // scratch
+  struct {
+    Columns u, v;
+    double time = 0;
+  } state_;
+  Columns forces_;                     // scratch
   DiagonalStiffness stiffness_;        // scratch
   double fastest_ = 0, turned_ = 0;    // highest speeds of the last step (integrator.h) [m/s]
   std::optional<double> known_limit_;  // of the state as it stands

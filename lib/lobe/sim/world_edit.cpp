@@ -1,5 +1,6 @@
 // Edits of a World: everything follows a cut or a change of regions around what changed.
 #include <algorithm>
+#include <map>
 
 #include "lobe/error.h"
 #include "lobe/sim/world.h"
@@ -14,7 +15,7 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   Index removed = static_cast<Index>(edit.removed.size());
   if (needs_all_pieces(edit))
     removed += treat_loose_pieces(elements_.topology.pieces());
-  else if (edit.comes_apart)
+  else if (!edit.cut_off.empty())
     removed += treat_loose_pieces(pieces_to_judge(edit));
   if (elements_.topology.alive_count() == 0)
     pending_.push_back({Condition::Kind::everything_cut, "no tetrahedron is left", state_.time});
@@ -32,10 +33,10 @@ MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
 
 template <class Real>
 void World<Real>::follow(const MeshEdit& mesh_edit) {
-  const Index before = static_cast<Index>(state_.u.cols()), after = elements_.topology.vertex_count();
-  elements_.points.conservativeResize(3, after);
-  state_.u.conservativeResize(3, after);
-  state_.v.conservativeResize(3, after);
+  const Index before = state_.u.count(), after = elements_.topology.vertex_count();
+  elements_.points.extend(after);
+  state_.u.extend(after);
+  state_.v.extend(after);
   RegionEdit edit;
   edit.left = mesh_edit.removed;
   for (const VertexSplit& split : mesh_edit.splits) {
@@ -63,12 +64,10 @@ void World<Real>::follow(const MeshEdit& mesh_edit) {
 
 template <class Real>
 void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
-  const auto n = std::size_t(elements_.topology.vertex_count());
-  mass_.resize(n, 0);
-  inverse_mass_.resize(n, 0);
-  step_mass_.resize(n, 0);
-  external_.conservativeResize(3, Eigen::Index(n));
-  dead_loads_.conservativeResize(3, Eigen::Index(n));
+  const Index n = elements_.topology.vertex_count();
+  for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(std::size_t(n), 0);
+  step_mass_.resize(std::size_t(n), 0);
+  for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v);
     refresh_inverse_mass(v);
@@ -138,7 +137,6 @@ void World<Real>::find_bodies() {
 // before, unless its pieces took a vertex that holds it, or the tetrahedra around the last such vertex are gone.
 template <class Real>
 bool World<Real>::needs_all_pieces(const MeshEdit& edit) {
-  if (sizes_decide_ || (edit.comes_apart && edit.cut_off.empty())) return true;
   if (std::any_of(edit.cut_off.begin(), edit.cut_off.end(), [&](const auto& p) { return is_held(p); }))
     return true;
   const auto gone = [&](Index v) { return held_.holds(v) && elements_.topology.around(v).empty(); };
@@ -166,31 +164,24 @@ std::vector<std::vector<Index>> World<Real>::pieces_to_judge(const MeshEdit& edi
   return pieces;
 }
 
-// A piece that nothing holds is loose if its body was held, or if it is not the largest that is left of its
-// body.
+// A piece that nothing holds is loose if its body was held, or if a larger one is left of its body. Every piece is a
+// body of its own from then on, so that a later cut has to judge no others than those that it cuts.
 template <class Real>
 Index World<Real>::treat_loose_pieces(const std::vector<std::vector<Index>>& pieces) {
-  struct Kept {
-    std::size_t largest = 0;  // of all pieces
-    int pieces = 0;
-  };
-  std::vector<Kept> kept(body_was_held_.size());
-  for (const std::vector<Index>& piece : pieces)
-    kept[body_of_[piece[0]]].largest = std::max(kept[body_of_[piece[0]]].largest, piece.size());
+  std::map<Index, std::size_t> largest_of;
+  for (const std::vector<Index>& piece : pieces) {
+    std::size_t& largest = largest_of[body_of_[piece[0]]];
+    largest = std::max(largest, piece.size());
+  }
   Index vanished = 0;
   for (const std::vector<Index>& piece : pieces) {
     const Index body = body_of_[piece[0]];
-    if (is_held(piece) || (!body_was_held_[body] && piece.size() == kept[body].largest)) {
-      ++kept[body].pieces;
-      continue;
-    }
+    const bool was_held = body_was_held_[body];
+    const bool stays = is_held(piece) || (!was_held && piece.size() == largest_of[body]);
     for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
-    body_was_held_.push_back(false);
-    vanished += treat_loose_piece(piece);
+    body_was_held_.push_back(stays && was_held);
+    if (!stays) vanished += treat_loose_piece(piece);
   }
-  sizes_decide_ = false;
-  for (std::size_t body = 0; body < kept.size(); ++body)
-    sizes_decide_ = sizes_decide_ || (!body_was_held_[body] && kept[body].pieces > 1);
   return vanished;
 }
 
@@ -226,7 +217,7 @@ void World<Real>::check_tets(const std::vector<Index>& tets) const {
 
 template <class Real>
 Setup World<Real>::current_setup(CompactMesh& c) const {
-  c = compact(elements_.topology, elements_.points, elements_.labels);
+  c = compact(elements_.topology, elements_.points.view(), elements_.labels);
   Setup setup = setup_;
   setup.mesh = c.mesh;
   setup.material_of.clear();

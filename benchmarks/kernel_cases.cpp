@@ -71,7 +71,7 @@ void add_region(std::vector<Kernel>& kernels, const std::string& name, const Cub
 }
 
 template <class Real>
-constexpr double block_bytes = 12 * sizeof(Real) + 4 * sizeof(Index);  // α_1, α_2, α_3, Vλ, Vμ, Vκ, corners
+constexpr double block_bytes = double(sizeof(ElementBlock<Real>)) / ElementBlock<Real>::width;
 
 template <class Real>
 void add_svk(std::vector<Kernel>& kernels, const CubePointer& cube, const std::vector<int>& threads) {
@@ -93,8 +93,7 @@ void add_svk(std::vector<Kernel>& kernels, const CubePointer& cube, const std::v
   const auto averaged = std::make_shared<NonlinearRegion<Real>>();
   averaged->follow(elements, edit);
   add_region<Real>(kernels, "svk_nodal_pressure", cube, threads, averaged,
-                   block_bytes<Real> + sizeof(Real) + 4 * sizeof(Index),
-                   cube->svk_nodal_pressure);  // V, nodes
+                   block_bytes<Real> + 4 * sizeof(Index), cube->svk_nodal_pressure);
 }
 
 template <class Real>

@@ -4,12 +4,98 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <bit>
+#include <cstdint>
+#include <cstring>
 #include <experimental/simd>
+#include <utility>
 
 namespace lobe {
 
 template <class Real>
 using Pack = std::experimental::native_simd<Real>;
+
+// Vectors of four numbers, the last of which is a pad, between memory, one vector after the other, and packs, one component
+// after the other. Lane by lane the components would take a load or a store each; instead, four registers of whole vectors
+// are transposed in place: register k holds those of the lanes k, k + 4, k + 8 …
+template <class T>  // a pack
+class PaddedVectors {
+ public:
+  using Real = typename T::value_type;
+  static constexpr int count = static_cast<int>(T::size());
+
+  static Eigen::Matrix<T, 3, 1> load(const Real* vectors,
+                                     const std::uint8_t* numbers) {  // one number per lane
+    if constexpr (count % 4 != 0) {
+      return {component(vectors, numbers, 0), component(vectors, numbers, 1), component(vectors, numbers, 2)};
+    } else {
+      Register r[4];
+      for (int k = 0; k < 4; ++k) load_register<count / 4>(vectors, numbers + k, r[k]);
+      const Register xy = pick<0, 4, 1, 5>(r[0], r[1]), zw = pick<2, 6, 3, 7>(r[0], r[1]);
+      const Register next_xy = pick<0, 4, 1, 5>(r[2], r[3]), next_zw = pick<2, 6, 3, 7>(r[2], r[3]);
+      return {std::bit_cast<T>(pick<0, 1, 4, 5>(xy, next_xy)),
+              std::bit_cast<T>(pick<2, 3, 6, 7>(xy, next_xy)),
+              std::bit_cast<T>(pick<0, 1, 4, 5>(zw, next_zw))};
+    }
+  }
+
+  // To 4 × count numbers, of which that of a lane's vector start at offset(lane).
+  static void store(const Eigen::Matrix<T, 3, 1>& v, Real* vectors) {
+    if constexpr (count % 4 != 0) {
+      for (int lane = 0; lane < count; ++lane)
+        for (int d = 0; d < 4; ++d) vectors[offset(lane) + d] = d < 3 ? Real(v[d][lane]) : Real(0);
+    } else {
+      const auto x = std::bit_cast<Register>(v[0]), y = std::bit_cast<Register>(v[1]),
+                 z = std::bit_cast<Register>(v[2]), zero = Register{};
+      const Register xy = pick<0, 4, 1, 5>(x, y), next_xy = pick<2, 6, 3, 7>(x, y);
+      const Register zw = pick<0, 4, 1, 5>(z, zero), next_zw = pick<2, 6, 3, 7>(z, zero);
+      const Register r[4] = {pick<0, 1, 4, 5>(xy, zw), pick<2, 3, 6, 7>(xy, zw),
+                             pick<0, 1, 4, 5>(next_xy, next_zw), pick<2, 3, 6, 7>(next_xy, next_zw)};
+      std::memcpy(vectors, r, sizeof r);
+    }
+  }
+  static constexpr int offset(int lane) {
+    return count % 4 != 0 ? 4 * lane : count * (lane % 4) + 4 * (lane / 4);
+  }
+
+ private:
+  using Register [[gnu::vector_size(sizeof(T))]] = Real;
+
+  static T component(const Real* vectors, const std::uint8_t* numbers, int d) {
+    return T([&](auto lane) { return vectors[4 * numbers[lane] + d]; });
+  }
+
+  // Vectors of the lanes 0, 4, 8 … side by side.
+  template <int groups, class R>
+  static void load_register(const Real* vectors, const std::uint8_t* numbers, R& r) {
+    if constexpr (groups == 1) {
+      std::memcpy(&r, vectors + 4 * numbers[0], sizeof r);
+    } else {
+      using Half [[gnu::vector_size(sizeof(R) / 2)]] = Real;
+      Half a, b;
+      load_register<groups / 2>(vectors, numbers, a);
+      load_register<groups / 2>(vectors, numbers + 2 * groups, b);
+      join(a, b, r, std::make_integer_sequence<int, 4 * groups>());
+    }
+  }
+  template <class Half, class R, int... i>
+  static void join(const Half& a, const Half& b, R& r, std::integer_sequence<int, i...>) {
+    r = __builtin_shufflevector(a, b, i...);
+  }
+
+  // In every group of four, numbers of a (0…3) and of b (4…7).
+  template <int p, int q, int r, int s>
+  static Register pick(const Register& a, const Register& b) {
+    return picked<p, q, r, s>(a, b, std::make_integer_sequence<int, count>());
+  }
+  template <int p, int q, int r, int s, int... i>
+  static Register picked(const Register& a, const Register& b, std::integer_sequence<int, i...>) {
+    return __builtin_shufflevector(a, b, source(i, i % 4 == 0 ? p : i % 4 == 1 ? q : i % 4 == 2 ? r : s)...);
+  }
+  static constexpr int source(int lane, int which) {
+    return lane / 4 * 4 + (which < 4 ? which : count + which - 4);
+  }
+};
 
 }  // namespace lobe
 

@@ -39,6 +39,9 @@ class VertexLists {
   }
   std::span<Item> operator[](Index v) { return {items_.data() + begin_[v], std::size_t(count_[v])}; }
 
+  // All lists as they lie in memory, with what is left of their former places: to ask for what comes next.
+  std::span<const Item> items() const { return items_; }
+
   void add_vertex() {
     begin_.push_back(items_.size());
     count_.push_back(0);

@@ -8,21 +8,29 @@
 
 namespace lobe {
 
+inline constexpr Index patch_tets = 512;      // the most that share a patch
+inline constexpr Index patch_vertices = 256;  // numbered by one byte
+
 template <class Real>
 struct alignas(64) ElementBlock {
   static constexpr int width = 64 / sizeof(Real);  // tetrahedra per block
   using Row = std::array<Real, std::size_t(width)>;
-  using IndexRow = std::array<Index, std::size_t(width)>;
 
-  std::array<Row, 9> alpha{};         // α_1, α_2, α_3 [1/m], column by column
-  Row lambda_V{}, mu_V{}, kappa_V{};  // [J], λ without the share of nodal pressure; zero in empty lanes
-  std::array<IndexRow, 4> corners{};
+  std::array<Row, 9> alpha{};  // α_1, α_2, α_3 [1/m], column by column
+  Row V{};                     // [m³], zero in empty lanes
+  std::array<std::array<std::uint8_t, std::size_t(width)>, 4>
+      corners{};  // vertices, as the patch numbers them
 };
 
 template <class Real>
-struct alignas(64) PressureBlock {       // beside each block where a material asks for nodal pressure
-  typename ElementBlock<Real>::Row V{};  // [m³]
-  std::array<typename ElementBlock<Real>::IndexRow, 4> nodes{};  // of the four corners
+struct alignas(64) PressureBlock {  // beside each block where nodal pressure is used
+  std::array<std::array<Index, ElementBlock<Real>::width>, 4> nodes{};  // of the four corners
+};
+
+// A vector of a vertex with a fourth number, zero, so that a register takes it whole.
+template <class Real>
+struct alignas(4 * sizeof(Real)) PaddedVector {
+  std::array<Real, 4> xyz0{};
 };
 
 }  // namespace lobe

@@ -15,15 +15,12 @@ struct ElementLanes {
   using Real = typename T::value_type;
   static constexpr int count = static_cast<int>(T::size());
 
-  ElementLanes(const ElementBlock<Real>& block, int first, const Real* u)  // 3 × #vertices [m]
-      : lambda_V(&block.lambda_V[first], std::experimental::element_aligned),
-        mu_V(&block.mu_V[first], std::experimental::element_aligned),
-        kappa_V(&block.kappa_V[first], std::experimental::element_aligned) {
+  ElementLanes(const ElementBlock<Real>& block, int first,
+               const PaddedVector<Real>* u)  // per vertex of the patch [m]
+      : V(&block.V[first], std::experimental::element_aligned) {
     Mat34<T> at_corners;
     for (int c = 0; c < 4; ++c)
-      for (int d = 0; d < 3; ++d)
-        at_corners(d, c) =
-            T([&](auto lane) { return u[3 * std::size_t(block.corners[c][first + lane]) + d]; });
+      at_corners.col(c) = PaddedVectors<T>::load(&u->xyz0[0], &block.corners[c][first]);
     for (int i = 0; i < 9; ++i)
       alpha(i % 3, i / 3).copy_from(&block.alpha[i][first], std::experimental::element_aligned);
     H = displacement_gradient(at_corners, alpha);
@@ -34,13 +31,13 @@ struct ElementLanes {
     return -(alpha.col(0) + alpha.col(1) + alpha.col(2));
   }
 
-  static T pressure_V(const PressureBlock<Real>& block, int first, const Real* at_nodes) {  // V p_T
+  static T pressure(const PressureBlock<Real>& block, int first, const Real* at_nodes) {  // p_T [Pa]
     T sum = 0;
     for (int c = 0; c < 4; ++c) sum += T([&](auto lane) { return at_nodes[block.nodes[c][first + lane]]; });
-    return sum * T(&block.V[first], std::experimental::element_aligned) * Real(0.25f);
+    return sum * Real(0.25f);
   }
 
-  T lambda_V, mu_V, kappa_V;
+  T V;
   Mat3<T> alpha, H;  // α_1, α_2, α_3; ∇u
 };
 

@@ -1,7 +1,7 @@
 // The non-linear region: SVK tetrahedra with large displacements, by one of two evaluators with one result.
 #pragma once
 
-#include "lobe/region/element_blocks.h"
+#include "lobe/region/patches.h"
 #include "lobe/region/stored_terms.h"
 
 namespace lobe {
@@ -30,13 +30,13 @@ class NonlinearRegion {
 
   double energy(const Mat3X<Real>& u) { return elements_.energy(u); }  // [J]
 
-  typename ElementBlocks<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) {
+  typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) {
     return elements_.add_diagonal_stiffness(u, K);
   }
 
  private:
   Evaluator evaluator_;
-  ElementBlocks<Real> elements_;
+  Patches<Real> elements_;
   StoredTerms terms_;
 };
 

@@ -10,7 +10,6 @@
 
 #include "lobe/mesh/vertex_lists.h"
 #include "lobe/parallel.h"
-#include "lobe/region/element_blocks.h"
 #include "lobe/region/elements.h"
 
 namespace lobe {

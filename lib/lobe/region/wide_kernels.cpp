@@ -6,58 +6,84 @@
 namespace lobe::LOBE_KERNELS {
 namespace {
 
-// The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
-template <class Real, ElementPart part, bool nodal_pressure>
-LOBE_FLATTEN void forces_of(const ElementArrays<Real>& arrays, Index begin, Index end, Real* rows) {
-  using Lanes = ElementLanes<Pack<Real>>;
-  constexpr int width = ElementBlock<Real>::width;
-  for (Index b = begin; b < end; ++b)
-    for (int first = 0; first < width; first += Lanes::count) {
-      const Lanes e(arrays.blocks[b], first, arrays.u);
-      Mat3<Pack<Real>> VP;
-      if constexpr (part == ElementPart::volume_term)
-        VP = volume_stress(e.H, e.kappa_V);
-      else
-        VP = svk_stress(e.H, e.lambda_V, e.mu_V);
-      if constexpr (part == ElementPart::both) VP += volume_stress(e.H, e.kappa_V);
-      if constexpr (nodal_pressure)
-        VP += pressure_stress(e.H, Lanes::pressure_V(arrays.pressure_blocks[b], first, arrays.pressure));
-      const Mat34<Pack<Real>> f = corner_forces(VP, e.alpha);
-      Real* place = rows + std::size_t(b) * 12 * width + first;
-      for (int i = 0; i < 12; ++i)
-        f(i % 3, i / 3).copy_to(place + i * width, std::experimental::element_aligned);
+// Tetrahedron by tetrahedron, so that the order of the sums, hence their bits, does not depend on the width.
+template <class T, class Real = typename T::value_type>
+void add_to_vertices(const Mat34<T>& forces, const ElementBlock<Real>& block, int first, Real* sums) {
+  using Vectors = PaddedVectors<T>;
+  using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
+  alignas(64) Real at_corners[4][4 * Vectors::count];
+  for (int c = 0; c < 4; ++c) Vectors::store(forces.col(c), at_corners[c]);
+  for (int lane = 0; lane < Vectors::count; ++lane)
+    for (int c = 0; c < 4; ++c) {
+      Four sum, own;
+      Real* place = sums + 4 * block.corners[c][first + lane];
+      std::memcpy(&sum, place, sizeof sum);
+      std::memcpy(&own, at_corners[c] + Vectors::offset(lane), sizeof own);
+      sum += own;
+      std::memcpy(place, &sum, sizeof sum);
     }
 }
 
-template <class Real>
-void forces(const ElementArrays<Real>& arrays, ElementPart part, Index begin, Index end, Real* rows) {
-  const bool nodal_pressure = arrays.pressure_blocks;
-  if (part == ElementPart::volume_term)
-    forces_of<Real, ElementPart::volume_term, false>(arrays, begin, end, rows);
-  else if (part == ElementPart::svk && nodal_pressure)
-    forces_of<Real, ElementPart::svk, true>(arrays, begin, end, rows);
-  else if (part == ElementPart::svk)
-    forces_of<Real, ElementPart::svk, false>(arrays, begin, end, rows);
-  else if (nodal_pressure)
-    forces_of<Real, ElementPart::both, true>(arrays, begin, end, rows);
-  else
-    forces_of<Real, ElementPart::both, false>(arrays, begin, end, rows);
+// What streams from memory is asked for some blocks ahead: the processor's own guess stops at every page and patch.
+template <class Block>
+void prefetch(const Block* block) {
+  const char* bytes = reinterpret_cast<const char*>(block + 4);
+  for (std::size_t line = 0; line < sizeof(Block); line += 64) __builtin_prefetch(bytes + line);
+}
+
+// The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
+template <class Real, ElementPart part, bool nodal_pressure>
+LOBE_FLATTEN void add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
+  using T = Pack<Real>;
+  using Lanes = ElementLanes<T>;
+  for (Index b = 0; b < patch.block_count; ++b) {
+    prefetch(patch.blocks + b);
+    for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
+      const Lanes e(patch.blocks[b], first, patch.u);
+      Mat3<T> VP;
+      if constexpr (part == ElementPart::volume_term)
+        VP = volume_stress<T>(e.H, e.V * patch.kappa);
+      else
+        VP = svk_stress<T>(e.H, e.V * patch.lambda, e.V * patch.mu);
+      if constexpr (part == ElementPart::both) VP += volume_stress<T>(e.H, e.V * patch.kappa);
+      if constexpr (nodal_pressure)
+        VP += pressure_stress<T>(e.H, e.V * Lanes::pressure(patch.pressure_blocks[b], first, patch.pressure));
+      add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b], first, sums);
+    }
+  }
 }
 
 template <class Real>
-LOBE_FLATTEN void volume_strains(const ElementArrays<Real>& arrays, Index block, Real* row) {
+void add_forces(const PatchArrays<Real>& patch, ElementPart part, PaddedVector<Real>* f) {
+  const bool nodal_pressure = patch.pressure_blocks;
+  Real* sums = &f->xyz0[0];
+  if (part == ElementPart::volume_term)
+    add_forces_of<Real, ElementPart::volume_term, false>(patch, sums);
+  else if (part == ElementPart::svk && nodal_pressure)
+    add_forces_of<Real, ElementPart::svk, true>(patch, sums);
+  else if (part == ElementPart::svk)
+    add_forces_of<Real, ElementPart::svk, false>(patch, sums);
+  else if (nodal_pressure)
+    add_forces_of<Real, ElementPart::both, true>(patch, sums);
+  else
+    add_forces_of<Real, ElementPart::both, false>(patch, sums);
+}
+
+template <class Real>
+LOBE_FLATTEN void volume_strains(const PatchArrays<Real>& patch, Real* rows) {
   using Lanes = ElementLanes<Pack<Real>>;
-  for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
-    const Lanes e(arrays.blocks[block], first, arrays.u);
-    Pack<Real> V(&arrays.pressure_blocks[block].V[first], std::experimental::element_aligned);
-    V *= strain_trace(e.H);
-    V.copy_to(row + first, std::experimental::element_aligned);
-  }
+  constexpr int width = ElementBlock<Real>::width;
+  for (Index b = 0; b < patch.block_count; ++b)
+    for (int first = 0; first < width; first += Lanes::count) {
+      const Lanes e(patch.blocks[b], first, patch.u);
+      const Pack<Real> strain = e.V * strain_trace(e.H);
+      strain.copy_to(rows + b * width + first, std::experimental::element_aligned);
+    }
 }
 
 }  // namespace
 
-extern const WideKernels<float> single_kernels{forces<float>, volume_strains<float>};
-extern const WideKernels<double> double_kernels{forces<double>, volume_strains<double>};
+extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>};
+extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>};
 
 }  // namespace lobe::LOBE_KERNELS

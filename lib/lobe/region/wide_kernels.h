@@ -11,18 +11,20 @@ namespace lobe {
 enum class ElementPart { svk, volume_term, both };
 
 template <class Real>
-struct ElementArrays {
+struct PatchArrays {  // one patch: all its tetrahedra are of one material
   const ElementBlock<Real>* blocks;
+  Index block_count;
   const PressureBlock<Real>* pressure_blocks;  // null without nodal pressure
   const Real* pressure;                        // per node [Pa]
-  const Real* u;                               // 3 × #vertices [m]
+  const PaddedVector<Real>* u;                 // per vertex of the patch [m]
+  Real lambda, mu, kappa;                      // λ without the share of nodal pressure [Pa]
 };
 
 template <class Real>
 struct WideKernels {
-  // Forces on the corners of blocks [begin, end) [N]: 12 rows per block of the whole array, corner by corner.
-  void (*forces)(const ElementArrays<Real>& arrays, ElementPart part, Index begin, Index end, Real* rows);
-  void (*volume_strains)(const ElementArrays<Real>& arrays, Index block, Real* row);  // V tr E [m³]
+  // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
+  void (*add_forces)(const PatchArrays<Real>& patch, ElementPart part, PaddedVector<Real>* f);
+  void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
 };
 
 template <class Real>

@@ -1,0 +1,87 @@
+#include "lobe/region/patches.h"
+
+#include <algorithm>
+
+namespace lobe {
+
+template <class Real>
+void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
+                           const std::vector<Index>& enter) {
+  materials_ = elements.materials;
+  kappa_ = elements.volume_penalty;
+  nodal_pressure_ = std::any_of(materials_.begin(), materials_.end(),
+                                [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
+  layout_.resize(elements.topology);
+  for (Index t : leave)
+    if (layout_.slot_of(t) >= 0) remove(t);
+  if (nodal_pressure_) nodes_.follow(elements, leave, enter);
+  std::vector<Index> own;
+  std::copy_if(enter.begin(), enter.end(), std::back_inserter(own),
+               [&](Index t) { return elements.region_of[t] == RegionModel::nonlinear; });
+  layout_.enter(elements, own);
+  const std::size_t patches = std::size_t(layout_.patch_count());
+  blocks_.resize(patches * patch_blocks);
+  sums_.resize(patches * patch_vertices);
+  if (nodal_pressure_) {
+    pressure_blocks_.resize(patches * patch_blocks);
+    volume_strain_.resize(std::size_t(elements.topology.tet_count()));
+    pressure_.resize(std::size_t(nodes_.count()));
+    slopes_.resize(3, 4 * Eigen::Index(elements.topology.tet_count()));
+  }
+  for (Index t : own) write(elements, t);
+}
+
+template <class Real>
+void Patches<Real>::write(const Elements& elements, Index tet) {
+  const Index slot = layout_.slot_of(tet);
+  Block& block = blocks_[slot / width];
+  const int lane = slot % width;
+  const Shape s = elements.shape_of(tet);
+  for (int i = 0; i < 9; ++i) block.alpha[i][lane] = static_cast<Real>(s.gradients(i % 3, 1 + i / 3));
+  block.V[lane] = static_cast<Real>(s.volume);
+  const auto corners = layout_.local_corners(slot / patch_tets, elements.topology.corners(tet));
+  for (int c = 0; c < 4; ++c) block.corners[c][lane] = corners[c];
+  if (!nodal_pressure_) return;
+  const Eigen::Vector4i nodes = nodes_.of(tet);
+  for (int c = 0; c < 4; ++c) pressure_blocks_[slot / width].nodes[c][lane] = nodes[c];
+}
+
+template <class Real>
+void Patches<Real>::remove(Index tet) {
+  const Index slot = layout_.slot_of(tet);
+  const auto& corners = blocks_[slot / width].corners;
+  const int lane = slot % width;
+  const Index last =
+      layout_.leave(tet, {corners[0][lane], corners[1][lane], corners[2][lane], corners[3][lane]});
+  move(last, slot);
+  clear(last);
+}
+
+template <class Real>
+void Patches<Real>::move(Index from, Index to) {
+  const int a = from % width, b = to % width;
+  const Block& source = blocks_[from / width];
+  Block& target = blocks_[to / width];
+  for (int i = 0; i < 9; ++i) target.alpha[i][b] = source.alpha[i][a];
+  target.V[b] = source.V[a];
+  for (int c = 0; c < 4; ++c) target.corners[c][b] = source.corners[c][a];
+  if (!nodal_pressure_) return;
+  for (int c = 0; c < 4; ++c)
+    pressure_blocks_[to / width].nodes[c][b] = pressure_blocks_[from / width].nodes[c][a];
+}
+
+template <class Real>
+void Patches<Real>::clear(Index slot) {
+  Block& block = blocks_[slot / width];
+  const int lane = slot % width;
+  for (auto& row : block.alpha) row[lane] = 0;
+  block.V[lane] = 0;
+  for (auto& row : block.corners) row[lane] = 0;
+  if (!nodal_pressure_) return;
+  for (auto& row : pressure_blocks_[slot / width].nodes) row[lane] = PressureNodes::none;
+}
+
+template class Patches<float>;
+template class Patches<double>;
+
+}  // namespace lobe

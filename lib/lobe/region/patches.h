@@ -1,0 +1,73 @@
+// SVK tetrahedra (with or without the volume term), the closed-form evaluator: about 60 flops per corner. They are kept in
+// patches (patch_layout.h). A patch copies the displacements of its vertices to a place that stays in the first cache,
+// evaluates a register's width of tetrahedra at a time from there, and adds their forces up per vertex, in the order of its
+// tetrahedra; then each vertex sums what its patches found, in the order of a list. So the result does not depend on
+// threads, and memory is asked for the tetrahedra and little else. Where a material asks for nodal pressure, a pass over
+// the strains comes first.
+#pragma once
+
+#include "lobe/parallel.h"
+#include "lobe/region/nodal_pressure.h"
+#include "lobe/region/patch_layout.h"
+#include "lobe/region/wide_kernels.h"
+
+namespace lobe {
+
+template <class Real>
+class Patches {
+ public:
+  explicit Patches(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
+
+  void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
+
+  Index tet_count() const { return layout_.tet_count(); }
+
+  void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
+                  Mat3X<Real>& f,        // 3 × #vertices [N]
+                  ElementPart part,      // svk alone where κ = 0, whatever is asked
+                  Parallel& parallel);
+  double energy(const Mat3X<Real>& u);  // [J]
+
+  struct Stiffness {
+    double smallest_volume_ratio = 1;  // of det F over the region
+    Index smallest_tet = -1;
+  };
+  Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K);  // at the state u
+
+ private:
+  using Block = ElementBlock<Real>;
+  using Pressures = PressureBlock<Real>;
+  using Vector = PaddedVector<Real>;
+  using LocalVectors = std::array<Vector, std::size_t(patch_vertices)>;
+  static constexpr int width = Block::width, patch_blocks = patch_tets / width;
+
+  Index block_count(Index p) const { return (layout_.patch(p).tets + width - 1) / width; }
+  PatchArrays<Real> gather(Index p, const Mat3X<Real>& u, LocalVectors& local) const;
+  template <class Visit>
+  void for_lanes(const Mat3X<Real>& u, Visit&& visit);
+  void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
+  void sum_places(Index begin, Index end, Mat3X<Real>& f) const;
+  template <class Lanes>
+  void keep_slopes(const Lanes& lanes, Index first_slot, int used);
+
+  void remove(Index tet);
+  void write(const Elements& elements, Index tet);
+  void move(Index from, Index to);
+  void clear(Index slot);
+
+  WideKernels<Real> kernels_;
+  PatchLayout layout_;
+  std::vector<Elastic> materials_;
+  double kappa_ = 0;           // [Pa]
+  std::vector<Block> blocks_;  // patch_blocks per patch
+  std::vector<Vector> sums_;   // scratch: forces of a patch's tetrahedra on its vertices, per place [N]
+
+  bool nodal_pressure_ = false;  // of any material; without, the rest is empty
+  PressureNodes nodes_;
+  std::vector<Pressures> pressure_blocks_;
+  std::vector<Real> volume_strain_;  // scratch: V tr E per tetrahedron [m³]
+  std::vector<Real> pressure_;       // scratch: per node [Pa]
+  Mat3X<double> slopes_;             // scratch: V ∂tr E/∂u per corner of each tetrahedron [m²]
+};
+
+}  // namespace lobe

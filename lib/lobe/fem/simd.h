@@ -15,6 +15,13 @@ namespace lobe {
 template <class Real>
 using Pack = std::experimental::native_simd<Real>;
 
+// body(0), body(1) … body(n − 1), one after the other without a loop.
+template <int n, class Body>
+void unrolled(Body&& body) {
+  [&]<int... i>(std::integer_sequence<int, i...>) { (body(i), ...); }
+  (std::make_integer_sequence<int, n>());
+}
+
 // Vectors of four numbers, the last of which is a pad, between memory, one vector after the other, and packs, one component
 // after the other. Lane by lane the components would take a load or a store each; instead, four registers of whole vectors
 // are transposed in place: register k holds those of the lanes k, k + 4, k + 8 …

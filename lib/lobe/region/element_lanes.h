@@ -19,8 +19,8 @@ struct ElementLanes {
                const PaddedVector<Real>* u)  // per vertex of the patch [m]
       : V(&block.V[first], std::experimental::element_aligned) {
     Mat34<T> at_corners;
-    for (int c = 0; c < 4; ++c)
-      at_corners.col(c) = PaddedVectors<T>::load(&u->xyz0[0], &block.corners[c][first]);
+    unrolled<4>(
+        [&](int c) { at_corners.col(c) = PaddedVectors<T>::load(&u->xyz0[0], &block.corners[c][first]); });
     for (int i = 0; i < 9; ++i)
       alpha(i % 3, i / 3).copy_from(&block.alpha[i][first], std::experimental::element_aligned);
     H = displacement_gradient(at_corners, alpha);

@@ -13,15 +13,15 @@ void add_to_vertices(const Mat34<T>& forces, const ElementBlock<Real>& block, in
   using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
   alignas(64) Real at_corners[4][4 * Vectors::count];
   for (int c = 0; c < 4; ++c) Vectors::store(forces.col(c), at_corners[c]);
-  for (int lane = 0; lane < Vectors::count; ++lane)
-    for (int c = 0; c < 4; ++c) {
-      Four sum, own;
-      Real* place = sums + 4 * block.corners[c][first + lane];
-      std::memcpy(&sum, place, sizeof sum);
-      std::memcpy(&own, at_corners[c] + Vectors::offset(lane), sizeof own);
-      sum += own;
-      std::memcpy(place, &sum, sizeof sum);
-    }
+  unrolled<4 * Vectors::count>([&](int i) {
+    const int lane = i / 4, c = i % 4;
+    Four sum, own;
+    Real* place = sums + 4 * block.corners[c][first + lane];
+    std::memcpy(&sum, place, sizeof sum);
+    std::memcpy(&own, at_corners[c] + Vectors::offset(lane), sizeof own);
+    sum += own;
+    std::memcpy(place, &sum, sizeof sum);
+  });
 }
 
 // What streams from memory is asked for some blocks ahead: the processor's own guess stops at every page and patch.

@@ -80,8 +80,8 @@ void add_svk(std::vector<Kernel>& kernels, const CubePointer& cube, const std::v
   const auto direct = std::make_shared<NonlinearRegion<Real>>();
   direct->follow(elements, edit);
   add_region<Real>(kernels, "svk", cube, threads, direct, block_bytes<Real>, cube->svk);
-  const auto stored = std::make_shared<StoredTerms>();
-  stored->follow(elements, edit.vertices);
+  const auto stored = std::make_shared<StoredTerms<Real>>();
+  stored->follow(elements, edit.left, edit.entered);
   add_region<Real>(kernels, "svk_stored", cube, threads, stored,
                    double(stored->bytes()) / cube->setup.mesh.tet_count(), cube->svk);
   elements.volume_penalty = cube_volume_penalty;

@@ -12,11 +12,11 @@ class NonlinearRegion {
   // The volume term is no polynomial of low degree: with the stored evaluator it is still evaluated directly.
   explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct,
                            InstructionSet set = chosen_instruction_set())
-      : evaluator_(evaluator), elements_(set) {}
+      : evaluator_(evaluator), elements_(set), terms_(set) {}
 
   void follow(const Elements& elements, const RegionEdit& edit) {
     elements_.follow(elements, edit.left, edit.entered);
-    if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.vertices);
+    if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.left, edit.entered);
   }
 
   Index tet_count() const { return elements_.tet_count(); }
@@ -37,7 +37,7 @@ class NonlinearRegion {
  private:
   Evaluator evaluator_;
   Patches<Real> elements_;
-  StoredTerms terms_;
+  StoredTerms<Real> terms_;
 };
 
 }  // namespace lobe

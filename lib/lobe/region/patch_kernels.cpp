@@ -1,7 +1,6 @@
 // What Patches computes: forces by the kernels of an instruction set; energies and stiffness, which are asked
 // for less often, by the registers that the whole library is compiled for.
 #include <algorithm>
-#include <cstring>
 
 #include "lobe/region/element_lanes.h"
 #include "lobe/region/patches.h"
@@ -9,26 +8,19 @@
 namespace lobe {
 namespace {
 
-constexpr Index patches_at_once = 4;  // on one thread, at least
 constexpr int upper[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
 
 }  // namespace
 
 template <class Real>
-PatchArrays<Real> Patches<Real>::gather(Index p, const Mat3X<Real>& u, LocalVectors& local) const {
-  const PatchLayout::Patch& patch = layout_.patch(p);
-  const Index* vertices = layout_.vertices(p);
-  for (Index n = 0; n < patch.vertices; ++n) {
-    const Real* own = u.data() + 3 * std::size_t(vertices[n]);
-    local[n].xyz0 = {own[0], own[1], own[2], 0};
-  }
-  const Elastic& elastic = materials_[patch.material];
+PatchArrays<Real> Patches<Real>::arrays(Index p, const LocalVectors& u) const {
+  const Elastic& elastic = materials_[layout_.patch(p).material];
   const std::size_t first = std::size_t(p) * patch_blocks;
   return {blocks_.data() + first,
           block_count(p),
           nodal_pressure_ ? pressure_blocks_.data() + first : nullptr,
           pressure_.data(),
-          local.data(),
+          u.data(),
           static_cast<Real>(elastic.element_lambda()),
           static_cast<Real>(elastic.mu),
           static_cast<Real>(kappa_)};
@@ -36,11 +28,12 @@ PatchArrays<Real> Patches<Real>::gather(Index p, const Mat3X<Real>& u, LocalVect
 
 template <class Real>
 void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
-  parallel.for_ranges(layout_.patch_count(), patches_at_once, [&](Index begin, Index end) {
+  parallel.for_ranges(layout_.patch_count(), sums_.patches_at_once, [&](Index begin, Index end) {
     LocalVectors local;
     std::array<Real, std::size_t(patch_tets)> strains;
     for (Index p = begin; p < end; ++p) {
-      kernels_.volume_strains(gather(p, u, local), strains.data());
+      sums_.gather(layout_, p, u, local);
+      kernels_.volume_strains(arrays(p, local), strains.data());
       for (Index i = 0; i < layout_.patch(p).tets; ++i)
         volume_strain_[layout_.tet_of(p * patch_tets + i)] = strains[i];
     }
@@ -53,33 +46,10 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart
   if (kappa_ == 0 && part == ElementPart::volume_term) return;
   if (kappa_ == 0) part = ElementPart::svk;
   if (nodal_pressure_) find_pressures(u, parallel);
-  parallel.for_ranges(layout_.patch_count(), patches_at_once, [&](Index begin, Index end) {
-    LocalVectors local;
-    for (Index p = begin; p < end; ++p) {
-      Vector* sums = sums_.data() + std::size_t(p) * patch_vertices;
-      std::fill_n(sums, layout_.patch(p).vertices, Vector{});
-      kernels_.add_forces(gather(p, u, local), part, sums);
-    }
-  });
-  parallel.for_ranges(layout_.places().vertex_count(), 4096,
-                      [&](Index begin, Index end) { sum_places(begin, end, f); });
-}
-
-// Sums lie as far apart as the patches: they are asked for ahead.
-template <class Real>
-void Patches<Real>::sum_places(Index begin, Index end, Mat3X<Real>& f) const {
-  using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-  const std::span<const Index> all = layout_.places().items();
-  for (Index v = begin; v < end; ++v) {
-    Four sum{}, own;
-    for (const Index& place : layout_.places()[v]) {
-      const std::size_t ahead = std::size_t(&place - all.data()) + 32;
-      if (ahead < all.size()) __builtin_prefetch(sums_.data() + all[ahead]);
-      std::memcpy(&own, &sums_[place], sizeof own);
-      sum += own;
-    }
-    for (int d = 0; d < 3; ++d) f(d, v) += sum[d];
-  }
+  sums_.add_forces(layout_, u, f, parallel,
+                   [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
+                     kernels_.add_forces(arrays(p, local), part, sums);
+                   });
 }
 
 // Calls visit(lanes, arrays of the patch, block, first slot, tetrahedra in use), patch by patch.
@@ -91,7 +61,8 @@ void Patches<Real>::for_lanes(const Mat3X<Real>& u, Visit&& visit) {
   if (nodal_pressure_) find_pressures(u, one_thread);
   LocalVectors local;
   for (Index p = 0; p < layout_.patch_count(); ++p) {
-    const PatchArrays<Real> patch = gather(p, u, local);
+    sums_.gather(layout_, p, u, local);
+    const PatchArrays<Real> patch = arrays(p, local);
     for (Index i = 0; i < layout_.patch(p).tets; i += Lanes::count)
       visit(Lanes(patch.blocks[i / width], i % width, patch.u), patch, i / width, p * patch_tets + i,
             std::min<int>(Lanes::count, layout_.patch(p).tets - i));

@@ -21,7 +21,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   layout_.enter(elements, own);
   const std::size_t patches = std::size_t(layout_.patch_count());
   blocks_.resize(patches * patch_blocks);
-  sums_.resize(patches * patch_vertices);
+  sums_.resize(layout_.patch_count());
   if (nodal_pressure_) {
     pressure_blocks_.resize(patches * patch_blocks);
     volume_strain_.resize(std::size_t(elements.topology.tet_count()));

@@ -8,7 +8,7 @@
 
 #include "lobe/parallel.h"
 #include "lobe/region/nodal_pressure.h"
-#include "lobe/region/patch_layout.h"
+#include "lobe/region/patch_sums.h"
 #include "lobe/region/wide_kernels.h"
 
 namespace lobe {
@@ -37,16 +37,14 @@ class Patches {
  private:
   using Block = ElementBlock<Real>;
   using Pressures = PressureBlock<Real>;
-  using Vector = PaddedVector<Real>;
-  using LocalVectors = std::array<Vector, std::size_t(patch_vertices)>;
+  using LocalVectors = typename PatchSums<Real>::LocalVectors;
   static constexpr int width = Block::width, patch_blocks = patch_tets / width;
 
   Index block_count(Index p) const { return (layout_.patch(p).tets + width - 1) / width; }
-  PatchArrays<Real> gather(Index p, const Mat3X<Real>& u, LocalVectors& local) const;
+  PatchArrays<Real> arrays(Index p, const LocalVectors& u) const;
   template <class Visit>
   void for_lanes(const Mat3X<Real>& u, Visit&& visit);
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
-  void sum_places(Index begin, Index end, Mat3X<Real>& f) const;
   template <class Lanes>
   void keep_slopes(const Lanes& lanes, Index first_slot, int used);
 
@@ -60,7 +58,7 @@ class Patches {
   std::vector<Elastic> materials_;
   double kappa_ = 0;           // [Pa]
   std::vector<Block> blocks_;  // patch_blocks per patch
-  std::vector<Vector> sums_;   // scratch: forces of a patch's tetrahedra on its vertices, per place [N]
+  PatchSums<Real> sums_;       // scratch
 
   bool nodal_pressure_ = false;  // of any material; without, the rest is empty
   PressureNodes nodes_;

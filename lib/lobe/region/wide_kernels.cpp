@@ -6,17 +6,18 @@
 namespace lobe::LOBE_KERNELS {
 namespace {
 
-// Tetrahedron by tetrahedron, so that the order of the sums, hence their bits, does not depend on the width.
-template <class T, class Real = typename T::value_type>
-void add_to_vertices(const Mat34<T>& forces, const ElementBlock<Real>& block, int first, Real* sums) {
+// Lane by lane, so that the order of the sums, hence their bits, does not depend on the width. `numbers`: of the vertices
+// of the lanes of each column.
+template <class T, int n, class Numbers, class Real = typename T::value_type>
+void add_to_vertices(const Eigen::Matrix<T, 3, n>& forces, const Numbers& numbers, int first, Real* sums) {
   using Vectors = PaddedVectors<T>;
   using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-  alignas(64) Real at_corners[4][4 * Vectors::count];
-  for (int c = 0; c < 4; ++c) Vectors::store(forces.col(c), at_corners[c]);
-  unrolled<4 * Vectors::count>([&](int i) {
-    const int lane = i / 4, c = i % 4;
+  alignas(64) Real at_corners[n][4 * Vectors::count];
+  for (int c = 0; c < n; ++c) Vectors::store(forces.col(c), at_corners[c]);
+  unrolled<n * Vectors::count>([&](int i) {
+    const int lane = i / n, c = i % n;
     Four sum, own;
-    Real* place = sums + 4 * block.corners[c][first + lane];
+    Real* place = sums + 4 * numbers[c][first + lane];
     std::memcpy(&sum, place, sizeof sum);
     std::memcpy(&own, at_corners[c] + Vectors::offset(lane), sizeof own);
     sum += own;
@@ -48,7 +49,7 @@ LOBE_FLATTEN void add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
       if constexpr (part == ElementPart::both) VP += volume_stress<T>(e.H, e.V * patch.kappa);
       if constexpr (nodal_pressure)
         VP += pressure_stress<T>(e.H, e.V * Lanes::pressure(patch.pressure_blocks[b], first, patch.pressure));
-      add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b], first, sums);
+      add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b].corners, first, sums);
     }
   }
 }
@@ -81,9 +82,45 @@ LOBE_FLATTEN void volume_strains(const PatchArrays<Real>& patch, Real* rows) {
     }
 }
 
+template <class Real, class Terms>
+LOBE_FLATTEN void add_forces_of_terms(const TermBlocks<Real, Terms>& terms, const Real* u, Real* sums) {
+  using T = Pack<Real>;
+  constexpr int n = Terms::vertices;
+  for (Index b = 0; b < terms.count; ++b) {
+    const TermBlock<Real, Terms>& block = terms.blocks[b];
+    prefetch(&block);
+    for (int first = 0; first < block.width; first += int(T::size())) {
+      T c[Terms::size];
+      for (int k = 0; k < Terms::size; ++k)
+        c[k].copy_from(&block.values[k][first], std::experimental::element_aligned);
+      Vec3<T> at[n], f[n];
+      unrolled<n>([&](int i) { at[i] = PaddedVectors<T>::load(u, &block.vertices[i][first]); });
+      if constexpr (n == 1) f[0] = vertex_force(c, at[0]);
+      if constexpr (n == 2) edge_forces(c, at[0], at[1], f[0], f[1]);
+      if constexpr (n == 3) triangle_forces(c, at[0], at[1], at[2], f[0], f[1], f[2]);
+      if constexpr (n == 4) tet_term_forces(c, at[0], at[1], at[2], at[3], f[0], f[1], f[2], f[3]);
+      Eigen::Matrix<T, 3, n> forces;
+      for (int i = 0; i < n; ++i) forces.col(i) = f[i];
+      add_to_vertices<T>(forces, block.vertices, first, sums);
+    }
+  }
+}
+
+template <class Real>
+void add_term_forces(const TermArrays<Real>& patch, PaddedVector<Real>* f) {
+  const Real* u = &patch.u->xyz0[0];
+  Real* sums = &f->xyz0[0];
+  add_forces_of_terms(patch.vertices, u, sums);
+  add_forces_of_terms(patch.edges, u, sums);
+  add_forces_of_terms(patch.triangles, u, sums);
+  add_forces_of_terms(patch.tets, u, sums);
+}
+
 }  // namespace
 
-extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>};
-extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>};
+extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>,
+                                               add_term_forces<float>};
+extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>,
+                                                add_term_forces<double>};
 
 }  // namespace lobe::LOBE_KERNELS

@@ -5,6 +5,7 @@
 
 #include "lobe/instruction_set.h"
 #include "lobe/region/element_block.h"
+#include "lobe/region/term_block.h"
 
 namespace lobe {
 
@@ -25,6 +26,8 @@ struct WideKernels {
   // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
   void (*add_forces)(const PatchArrays<Real>& patch, ElementPart part, PaddedVector<Real>* f);
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
+  // The same of the terms of the stored evaluator, carrier by carrier.
+  void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);
 };
 
 template <class Real>

@@ -1,0 +1,68 @@
+// What evaluators in patches have in common: a patch works on a copy of its vertices' displacements, which stays in the
+// first cache, and adds up the forces on them in a place of its own; then each vertex sums what its patches found, in the
+// order of a list, so that the result does not depend on threads.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+
+#include "lobe/parallel.h"
+#include "lobe/region/patch_layout.h"
+
+namespace lobe {
+
+template <class Real>
+class PatchSums {
+ public:
+  using Vector = PaddedVector<Real>;
+  using LocalVectors = std::array<Vector, std::size_t(patch_vertices)>;
+  static constexpr Index patches_at_once = 4;  // on one thread, at least
+
+  void resize(Index patches) { sums_.resize(std::size_t(patches) * patch_vertices); }
+
+  static void gather(const PatchLayout& layout, Index p, const Mat3X<Real>& u, LocalVectors& local) {
+    const Index* vertices = layout.vertices(p);
+    for (Index n = 0; n < layout.patch(p).vertices; ++n) {
+      const Real* own = u.data() + 3 * std::size_t(vertices[n]);
+      local[n].xyz0 = {own[0], own[1], own[2], 0};
+    }
+  }
+
+  // evaluate(patch, its displacements [m], sums of forces [N]), for each patch.
+  template <class Evaluate>
+  void add_forces(const PatchLayout& layout, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel,
+                  Evaluate&& evaluate) {
+    parallel.for_ranges(layout.patch_count(), patches_at_once, [&](Index begin, Index end) {
+      LocalVectors local;
+      for (Index p = begin; p < end; ++p) {
+        Vector* sums = sums_.data() + std::size_t(p) * patch_vertices;
+        std::fill_n(sums, layout.patch(p).vertices, Vector{});
+        gather(layout, p, u, local);
+        evaluate(p, local, sums);
+      }
+    });
+    parallel.for_ranges(layout.places().vertex_count(), 4096,
+                        [&](Index begin, Index end) { sum_places(layout, begin, end, f); });
+  }
+
+ private:
+  // Sums lie as far apart as the patches: they are asked for ahead.
+  void sum_places(const PatchLayout& layout, Index begin, Index end, Mat3X<Real>& f) const {
+    using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
+    const std::span<const Index> all = layout.places().items();
+    for (Index v = begin; v < end; ++v) {
+      Four sum{}, own;
+      for (const Index& place : layout.places()[v]) {
+        const std::size_t ahead = std::size_t(&place - all.data()) + 32;
+        if (ahead < all.size()) __builtin_prefetch(sums_.data() + all[ahead]);
+        std::memcpy(&own, &sums_[place], sizeof own);
+        sum += own;
+      }
+      for (int d = 0; d < 3; ++d) f(d, v) += sum[d];
+    }
+  }
+
+  std::vector<Vector> sums_;  // per place [N]
+};
+
+}  // namespace lobe

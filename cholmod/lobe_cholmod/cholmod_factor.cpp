@@ -22,6 +22,7 @@ class Cholmod : public SparseFactor {
     factor_.factorize(A);
     return factor_.info() == Eigen::Success;
   }
+  Eigen::Index size() const override { return factor_.rows(); }
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return factor_.solve(b); }
   long long nonzeros() const override { return nonzeros_; }
 

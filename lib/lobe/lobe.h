@@ -2,6 +2,7 @@
 //   mesh/         tetrahedra, topology that follows cuts, quality
 //   fem/          the mathematics of one element
 //   region/       tensor-mass and non-linear regions that share vertices
+//   condense/     pre-computed linear regions, reduced to what they share with others
 //   cut/          instruments against tetrahedra
 //   sim/          state, time step, tools, World
 //   solve/        static equilibrium
@@ -18,6 +19,8 @@
 // errata are in docs/errata.md.
 #pragma once
 
+#include "lobe/condense/anchors.h"
+#include "lobe/condense/interface_size.h"
 #include "lobe/diagnostics/compare.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"

@@ -151,9 +151,24 @@ TEST_CASE("indices beyond the mesh are refused with their place, once") {
         "/tools/0/where/vertices/0: 20, must be from 0 to 19: the mesh has 20 vertices");
 }
 
-TEST_CASE("what is not available yet is refused") {
-  CHECK(faults(R"({"regions": [{"model": "precomputed"}]})") ==
-        "/regions/0/model: \"precomputed\" is not available yet; use \"tensor-mass\"");
+TEST_CASE("a precomputed region must be held, explicit, and end where it is narrow") {
+  const std::string near = R"("where": {"box": {"min": [-1, -1, -1], "max": [0.19, 1, 1]}})";
+  CHECK(resolved(R"({"regions": [{"model": "precomputed", )" + near + "}]}").warnings.empty());
+  CHECK(faults(R"({"regions": [{"model": "nonlinear", )" + near + R"(}, {"model": "precomputed"}]})") ==
+        "precomputed region: 12 of its tetrahedra, among them 12, are in parts without enough fixed vertices "
+        "of their "
+        "own, and a linear part that turned would grow; fix some of their vertices, or make them tensor-mass "
+        "or "
+        "nonlinear");
+  CHECK(faults(R"({"regions": [{"model": "precomputed"}], "time": {"integrator": "implicit"}})") ==
+        "/regions/0/model: \"precomputed\" needs \"integrator\": \"explicit\"; use \"tensor-mass\"");
+  CHECK(warnings(R"({"regions": [{"model": "precomputed", "where": {"tetrahedra": [0]}}]})") ==
+        "/regions: the precomputed region shares 4 vertices with others, which costs more than its 1 "
+        "tetrahedra do as "
+        "tensor-mass; up to 2 pay: let it end at a narrower part, or use \"tensor-mass\"");
+}
+
+TEST_CASE("a mesh without tetrahedra is refused") {
   CHECK_THROWS_WITH_AS(resolve(scene(), TetMesh{}), "bar.vtu: the mesh has no tetrahedron", InputError);
 }
 

@@ -116,11 +116,33 @@ void add_term_forces(const TermArrays<Real>& patch, PaddedVector<Real>* f) {
   add_forces_of_terms(patch.tets, u, sums);
 }
 
+template <class Real>
+LOBE_FLATTEN void dense_product(const Real* blocks, Index columns, const Real* x, Index begin, Index end,
+                                Real* y) {
+  constexpr int width = static_cast<int>(Pack<Real>::size()), packs = dense_block / width;
+  for (Index b = begin; b < end; ++b) {
+    const Real* column = blocks + std::size_t(b) * dense_block * std::size_t(columns);
+    Pack<Real> even[packs], odd[packs];  // two sums: one alone would wait for its last addition
+    for (int k = 0; k < packs; ++k) even[k] = odd[k] = 0;
+    for (Index j = 0; j + 1 < columns; j += 2, column += 2 * dense_block)
+      for (int k = 0; k < packs; ++k) {
+        even[k] += Pack<Real>(column + k * width, std::experimental::element_aligned) * x[j];
+        odd[k] += Pack<Real>(column + dense_block + k * width, std::experimental::element_aligned) * x[j + 1];
+      }
+    for (int k = 0; k < packs; ++k) {
+      if (columns % 2 == 1)
+        even[k] += Pack<Real>(column + k * width, std::experimental::element_aligned) * x[columns - 1];
+      even[k] += odd[k];
+      even[k].copy_to(y + b * dense_block + k * width, std::experimental::element_aligned);
+    }
+  }
+}
+
 }  // namespace
 
 extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>,
-                                               add_term_forces<float>};
+                                               add_term_forces<float>, dense_product<float>};
 extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>,
-                                                add_term_forces<double>};
+                                                add_term_forces<double>, dense_product<double>};
 
 }  // namespace lobe::LOBE_KERNELS

@@ -21,6 +21,9 @@ struct PatchArrays {  // one patch: all its tetrahedra are of one material
   Real lambda, mu, kappa;                      // λ without the share of nodal pressure [Pa]
 };
 
+// A dense matrix in blocks of so many rows, each stored column by column, the last one filled up with zeros.
+inline constexpr Index dense_block = 32;
+
 template <class Real>
 struct WideKernels {
   // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
@@ -28,6 +31,8 @@ struct WideKernels {
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
   // The same of the terms of the stored evaluator, carrier by carrier.
   void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);
+  // y = S x of blocks [begin, end).
+  void (*dense_product)(const Real* blocks, Index columns, const Real* x, Index begin, Index end, Real* y);
 };
 
 template <class Real>

@@ -1,19 +1,23 @@
 #include "lobe/scene/resolve.h"
 
+#include <algorithm>
 #include <set>
 
+#include "lobe/condense/anchors.h"
+#include "lobe/condense/interface_size.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/resolve_parts.h"
 
 namespace lobe {
 namespace {
 
-void refuse_what_is_not_there_yet(Resolution& resolution) {
+void refuse_implicit_precomputed(Resolution& resolution) {
   const Scene& scene = resolution.scene;
   for (std::size_t i = 0; i < scene.regions.size(); ++i) {
     if (scene.regions[i].model != RegionModel::precomputed) continue;
+    if (scene.time.integrator != Integrator::generalised_alpha) continue;
     resolution.fail("/regions/" + std::to_string(i) + "/model",
-                    "\"precomputed\" is not available yet; use \"tensor-mass\"");
+                    "\"precomputed\" needs \"integrator\": \"explicit\"; use \"tensor-mass\"");
   }
 }
 
@@ -25,6 +29,22 @@ void refuse_stored_nodal_pressure(Resolution& resolution) {
     resolution.fail("/materials/" + std::to_string(i) + "/nodal_pressure",
                     "not with \"evaluator\": \"stored\"; use \"direct\"");
   }
+}
+
+// A region that nothing keeps in place is refused, and one whose interface costs more than its tetrahedra is not worth it.
+void check_precomputed(Resolution& resolution) {
+  const Setup& setup = resolution.result.setup;
+  if (!std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed)) return;
+  const Elements elements(setup);
+  refuse_unanchored(elements, held_by(setup.prescribed));
+  const InterfaceSize size = interface_size(elements);
+  if (size.pays()) return;
+  resolution.warn("/regions", "the precomputed region shares " +
+                                  counted(std::size_t(size.vertices), "vertex", "vertices") +
+                                  " with others, which costs more than its " + std::to_string(size.tets) +
+                                  " tetrahedra do as tensor-mass; up to " +
+                                  std::to_string(size.most_that_pay()) +
+                                  " pay: let it end at a narrower part, or use \"tensor-mass\"");
 }
 
 std::string triple(const Vec3d& v) {
@@ -158,7 +178,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.ramp = scene.time.ramp;
   setup.load_ramp = scene.time.load_ramp;
 
-  refuse_what_is_not_there_yet(resolution);
+  refuse_implicit_precomputed(resolution);
   refuse_stored_nodal_pressure(resolution);
   resolve_materials(resolution);
   resolve_regions(resolution);
@@ -166,6 +186,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   resolve_tools(resolution);
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
   suspect_units(resolution);
+  check_precomputed(resolution);
   return std::move(resolution.result);
 }
 

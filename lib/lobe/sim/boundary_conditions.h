@@ -41,12 +41,15 @@ class HeldVertices {
     Vec3d start = Vec3d::Zero();  // displacement when it was taken hold of [m]
     Vec3d goal = Vec3d::Zero();   // holder 0: displacement after the ramp [m]
     Axes axes = all_axes;         // holder 0: the components that are held
+    bool operator==(const Held&) const = default;
   };
   static constexpr int boundary = 0;
 
   bool holds(Index v) const { return axes_of(v) != 0; }
   bool fixes(Index v) const { return axes_of(v) == 7; }  // in all components
   const std::vector<Held>& all() const { return items_; }
+
+  bool operator==(const HeldVertices&) const = default;
 
   void hold(const Held& item);
   void release(int holder);

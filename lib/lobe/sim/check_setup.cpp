@@ -65,8 +65,9 @@ void Checker::check_materials() {
   expect(std::all_of(setup_.material_of.begin(), setup_.material_of.end(),
                      [&](std::uint16_t m) { return m < setup_.materials.size(); }),
          "a material number is out of range");
-  expect(!std::count(setup_.region_of.begin(), setup_.region_of.end(), RegionModel::precomputed),
-         "precomputed regions are not available yet; use tensor-mass");
+  expect(setup_.integrator == Integrator::central_difference ||
+             !std::count(setup_.region_of.begin(), setup_.region_of.end(), RegionModel::precomputed),
+         "the implicit integrator has no precomputed regions; use tensor-mass");
   const auto not_negative = [](double x) { return std::isfinite(x) && x >= 0; };
   expect(not_negative(setup_.volume_penalty), "volume_penalty must be finite and not negative");
   expect(setup_.guard_below >= 0 && setup_.guard_below < 1, "guard_below must be in [0, 1)");

@@ -1,5 +1,7 @@
 #include "lobe/sim/checkpoint.h"
 
+#include <utility>
+
 #include "lobe/error.h"
 #include "lobe/io/sealed_file.h"
 
@@ -110,11 +112,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     throw InputError("checkpoint", "is of another scene, mesh or version of them");
   if (c.history != history_) {  // what was removed does not grow back
     World fresh(Setup(setup_), parallel_.threads());
-    for (const Edit& edit : c.history) {
-      fresh.check_tets(edit.tets);
-      edit.kind == Edit::Kind::removal ? void(fresh.cut(edit.tets))
-                                       : fresh.change_region(edit.tets, edit.model);
-    }
+    for (const Edit& edit : c.history) fresh.repeat(edit);
     fresh.check_fits(c);
     *this = std::move(fresh);
   }
@@ -128,6 +126,17 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
   acceleration_ = c.acceleration;
   implicit_is_stale_ = c.implicit_is_stale;
+}
+
+template <class Real>
+void World<Real>::repeat(const Edit& edit) {
+  check_tets(edit.tets);
+  for (const HeldVertices::Held& item : edit.held.all())
+    if (item.vertex >= elements_.topology.vertex_count())
+      throw InputError("checkpoint", "does not fit the scene that it says it is of");
+  if (edit.kind == Edit::Kind::removal) cut(edit.tets);
+  if (edit.kind == Edit::Kind::region) change_region(edit.tets, edit.model);
+  if (edit.kind == Edit::Kind::held) refresh_held(std::exchange(held_, edit.held));
 }
 
 template <class Real>
@@ -165,6 +174,8 @@ template Checkpoint<float> World<float>::save() const;
 template Checkpoint<double> World<double>::save() const;
 template void World<float>::restore(const Checkpoint<float>&);
 template void World<double>::restore(const Checkpoint<double>&);
+template void World<float>::repeat(const Edit&);
+template void World<double>::repeat(const Edit&);
 template void World<float>::check_fits(const Checkpoint<float>&) const;
 template void World<double>::check_fits(const Checkpoint<double>&) const;
 template class CheckpointRing<float>;

@@ -25,21 +25,6 @@ Mat3X<Value> get_matrix(io::ByteReader& in) {
   return Eigen::Map<const Mat3X<Value>>(values.data(), 3, Eigen::Index(values.size() / 3));
 }
 
-void put(io::ByteWriter& out, const Edit& edit) {
-  out.put(edit.kind);
-  out.put(edit.model);
-  out.put_all(std::span(edit.tets));
-}
-
-Edit get_edit(io::ByteReader& in) {
-  Edit edit;
-  edit.kind = Edit::Kind(in.get_choice(2));
-  edit.model = RegionModel(in.get_choice(3));
-  in.expect(edit.model != RegionModel::precomputed);
-  edit.tets = in.get_all<Index>();
-  return edit;
-}
-
 void put(io::ByteWriter& out, const HeldVertices::Held& item) {
   out.put(item.vertex);
   out.put(item.holder);
@@ -62,6 +47,37 @@ HeldVertices::Held get_held(io::ByteReader& in) {
   }
   in.expect(item.start.allFinite() && item.goal.allFinite());
   return item;
+}
+
+void put(io::ByteWriter& out, const HeldVertices& held) {
+  out.put(std::uint64_t(held.all().size()));
+  for (const HeldVertices::Held& item : held.all()) put(out, item);
+}
+
+HeldVertices get_held_vertices(io::ByteReader& in, Eigen::Index vertices) {
+  HeldVertices held;
+  for (std::size_t left = in.get_count(1); left > 0; --left) {
+    const HeldVertices::Held item = get_held(in);
+    in.expect(item.vertex < vertices);
+    held.hold(item);
+  }
+  return held;
+}
+
+void put(io::ByteWriter& out, const Edit& edit) {
+  out.put(edit.kind);
+  out.put(edit.model);
+  out.put_all(std::span(edit.tets));
+  put(out, edit.held);
+}
+
+Edit get_edit(io::ByteReader& in, Eigen::Index vertices) {
+  Edit edit;
+  edit.kind = Edit::Kind(in.get_choice(3));
+  edit.model = RegionModel(in.get_choice(3));
+  edit.tets = in.get_all<Index>();
+  edit.held = get_held_vertices(in, vertices);
+  return edit;
 }
 
 void put(io::ByteWriter& out, const Condition& condition) {
@@ -89,11 +105,11 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
     for (const auto& entry : list) put(out, entry);
   };
   out.put(c.setup);
-  put_each(c.history);
   out.put(c.state.time);
   put_matrix(out, c.state.u);
   put_matrix(out, c.state.v);
-  put_each(c.held.all());
+  put_each(c.history);
+  put(out, c.held);
   out.put(std::uint64_t(c.grasps.size()));
   for (const Tools::GraspState grasp : c.grasps) out.put(grasp);
   out.put_all(std::span(c.body_of));
@@ -109,16 +125,13 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
   io::ByteReader in(name, io::unseal(name, bytes, format<Real>));
   Checkpoint<Real> c;
   c.setup = in.get<std::uint64_t>();
-  for (std::size_t left = in.get_count(1); left > 0; --left) c.history.push_back(get_edit(in));
   c.state.time = in.get<double>();
   c.state.u = get_matrix<Real>(in);
   c.state.v = get_matrix<Real>(in);
   in.expect(std::isfinite(c.state.time) && c.state.u.allFinite() && c.state.v.allFinite());
-  for (std::size_t left = in.get_count(1); left > 0; --left) {
-    const HeldVertices::Held item = get_held(in);
-    in.expect(item.vertex < c.state.u.cols());
-    c.held.hold(item);
-  }
+  for (std::size_t left = in.get_count(1); left > 0; --left)
+    c.history.push_back(get_edit(in, c.state.u.cols()));
+  c.held = get_held_vertices(in, c.state.u.cols());
   for (std::size_t left = in.get_count(1); left > 0; --left)
     c.grasps.push_back(Tools::GraspState(in.get_choice(3)));
   c.body_of = in.get_all<Index>();

@@ -31,7 +31,7 @@ std::vector<std::array<Index, 3>> boundary(const Topology& topology, const std::
 
 double RebuildDifference::largest() const {
   if (!same_boundary || !same_regions) return std::numeric_limits<double>::infinity();
-  return std::max({mass, force, frequency});
+  return std::max({mass, force, interior, frequency});
 }
 
 template <class Real>
@@ -52,16 +52,20 @@ RebuildDifference compare_with_rebuilt(World<Real>& world) {
   fresh.set_state(state);
   const Mat3X<Real>& mine = world.forces();
   const Mat3X<Real>& fresh_forces = fresh.forces();
-  double mass_scale = 0, force_scale = 0;
+  const Mat3X<Real>&u = world.state().u, &fresh_u = fresh.state().u;
+  double mass_scale = 0, force_scale = 0, scale = 0;
   for (Index v = 0; v < fresh.elements().topology.vertex_count(); ++v) {
     const Index source = c.vertex_source[v];
     mass_scale = std::max(mass_scale, fresh.mass()[v]);
     d.mass = std::max(d.mass, std::abs(world.mass()[source] - fresh.mass()[v]));
     force_scale = std::max(force_scale, double(fresh_forces.col(v).norm()));
     d.force = std::max(d.force, double((mine.col(source) - fresh_forces.col(v)).norm()));
+    scale = std::max(scale, double(fresh_u.col(v).norm()));
+    d.interior = std::max(d.interior, double((u.col(source) - fresh_u.col(v)).norm()));
   }
   d.mass = relative(d.mass, mass_scale);
   d.force = relative(d.force, force_scale);
+  d.interior = relative(d.interior, scale);
   const double omega = fresh.highest_vertex().omega;
   d.frequency = relative(std::abs(world.highest_vertex().omega - omega), omega);
   d.same_boundary =

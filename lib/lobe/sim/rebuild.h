@@ -8,6 +8,7 @@ namespace lobe {
 struct RebuildDifference {  // relative, largest over vertices
   double mass = 0;
   double force = 0;      // internal and external forces at the same displacements
+  double interior = 0;   // displacements of a precomputed region in equilibrium
   double frequency = 0;  // vertex estimate of ω_max, from which the time step follows
   bool same_boundary = true;
   bool same_regions = true;

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "lobe/condense/anchors.h"
 #include "lobe/error.h"
 #include "lobe/sim/check_setup.h"
 #include "lobe/sim/integrator.h"
@@ -84,9 +85,8 @@ World<Real>::World(const Setup& setup, int threads)
   std::iota(everything.entered.begin(), everything.entered.end(), 0);
   everything.vertices.resize(std::size_t(n));
   std::iota(everything.vertices.begin(), everything.vertices.end(), 0);
-  tensor_mass_.follow(elements_, everything);
-  nonlinear_.follow(elements_, everything);
-  refresh_vertices(everything.vertices);
+  refuse_unanchored(elements_, held_);
+  follow(everything);
   find_bodies();
   if (setup.integrator == Integrator::generalised_alpha)
     implicit_ = std::make_unique<ImplicitStep>(setup.spectral_radius, make_ldlt);
@@ -115,6 +115,7 @@ void World<Real>::integrate(double dt) {
       forces_.padded(), step_mass_, Real(dt), Real(setup_.damping), state_.u.padded(), state_.v.padded());
   fastest_ = std::sqrt(double(fastest.all));
   turned_ = std::sqrt(double(fastest.turned));
+  interior_is_stale_ = true;
   state_.time += dt;
   move_held(dt);
 }
@@ -127,9 +128,10 @@ double World<Real>::missing_loads(double time) const {
 template <class Real>
 Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
   forces_.view() = external_.view();
-  if (const double missing = missing_loads(state_.time); missing > 0)
-    forces_.view() -= Real(missing) * dead_loads_.view();
+  const double missing = missing_loads(state_.time);
+  if (missing > 0) forces_.view() -= Real(missing) * dead_loads_.view();
   tensor_mass_.add_forces(state_.u.padded(), forces_.padded(), parallel_);
+  precomputed_.add_forces(state_.u.padded(), Real(missing), forces_.padded(), parallel_);
   nonlinear_.add_forces(state_.u.padded(), forces_.padded(), parallel_);
   return std::as_const(forces_).view();
 }
@@ -296,7 +298,7 @@ void World<Real>::advance_to(double end, Report& report) {
     }
     fastest = culprit();
     state_ = start;
-    implicit_is_stale_ = true;
+    implicit_is_stale_ = interior_is_stale_ = true;
     known_limit_.reset();
     ++report.reruns;
     const double wanted_now = duration / (setup_.safety * limit_after);
@@ -315,15 +317,16 @@ void World<Real>::advance_to(double end, Report& report) {
 template <class Real>
 void World<Real>::play_tools(double duration, Report& report) {
   const Timed timed(report, Phase::cutting);
-  const auto displacement = [&](Index v) -> Vec3d { return state_.u.col(v).template cast<double>(); };
-  const auto exists = [&](Index v) { return mass_[v] > 0; };
+  const auto displacement = [&](Index v) -> Vec3d { return state().u.col(v).template cast<double>(); };
+  const auto exists = [&](Index v) { return !elements_.topology.around(v).empty(); };
+  const HeldVertices held_before = held_;
   if (tools_.update_grasps(state_.time, held_, displacement, exists)) {
-    for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
+    refresh_held(held_before);
     report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
   }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
     report.tets_removed += remove_tets(touched_tets(
-        elements_.topology, elements_.points.view() + state_.u.view().template cast<double>(), sweep));
+        elements_.topology, elements_.points.view() + state().u.template cast<double>(), sweep));
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
 }
@@ -338,16 +341,26 @@ void World<Real>::set_state(const State<Real>& state) {
   state_.u.view() = state.u;
   state_.v.view() = state.v;
   state_.time = state.time;
-  implicit_is_stale_ = true;
+  implicit_is_stale_ = interior_is_stale_ = true;
   known_limit_.reset();
 }
 
 // ---- What can be asked
 
 template <class Real>
+StateView<Real> World<Real>::state() const {
+  if (interior_is_stale_)
+    precomputed_.recover(Real(missing_loads(state_.time)), state_.u.padded(), state_.v.padded());
+  interior_is_stale_ = false;
+  const Moving& moving = state_;
+  return {moving.u.view(), moving.v.view(), moving.time};
+}
+
+template <class Real>
 VertexFrequency World<Real>::highest_vertex() {
   stiffness_.setZero(6, elements_.topology.vertex_count());
   tensor_mass_.add_diagonal_stiffness(stiffness_);
+  precomputed_.add_diagonal_stiffness(stiffness_);
   const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), stiffness_);
   volume_ratio_ = found.smallest_volume_ratio;
   volume_ratio_tet_ = found.smallest_tet;
@@ -366,21 +379,28 @@ double World<Real>::time_step_limit() {
 template <class Real>
 Vec3d World<Real>::reaction(int holder) {
   forces();
+  state();
   Vec3d sum = Vec3d::Zero();
-  for (const HeldVertices::Held& item : held_.all())
+  for (const HeldVertices::Held& item : held_.all()) {
+    if (item.holder != holder) continue;
+    const Vec3d inside = precomputed_.force_on_fixed(elements_, state_.u.padded(), item.vertex);
     for (int i = 0; i < 3; ++i)
-      if (item.holder == holder && item.axes[i]) sum[i] -= double(forces_(i, item.vertex));
+      if (item.axes[i]) sum[i] -= double(forces_(i, item.vertex)) + inside[i];
+  }
   return sum;
 }
 
 template <class Real>
 Energies World<Real>::energies() {
+  state();
   Energies e;
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
     e.kinetic += 0.5 * mass_[v] * state_.v.col(v).template cast<double>().squaredNorm();
     e.loads -= external_.col(v).template cast<double>().dot(state_.u.col(v).template cast<double>());
   }
-  e.elastic_linear = tensor_mass_.energy(state_.u.padded());
+  const auto precomputed = precomputed_.energy(elements_, state_.u.padded());
+  e.loads += precomputed.loads;
+  e.elastic_linear = tensor_mass_.energy(state_.u.padded()) + precomputed.elastic;
   e.elastic_nonlinear = nonlinear_.energy(state_.u.padded());
   return e;
 }
@@ -388,7 +408,7 @@ Energies World<Real>::energies() {
 template <class Real>
 std::vector<Tools::Pose> World<Real>::tool_poses() const {
   return tools_.poses(state_.time, held_, [&](Index v) -> Vec3d {
-    return elements_.points.col(v) + state_.u.col(v).template cast<double>();
+    return elements_.points.col(v) + state().u.col(v).template cast<double>();
   });
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "lobe/condense/precomputed.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
 #include "lobe/sim/frequency.h"
@@ -33,12 +34,14 @@ struct StateView {
   operator State<Real>() const { return {u, v, time}; }
 };
 
-// One edit of a world: tetrahedra that were removed, or that were given another model.
+// One edit of a world: tetrahedra that were removed, or that were given another model; what is held from then on, where
+// a precomputed region depends on it.
 struct Edit {
-  enum class Kind : std::uint8_t { removal, region };
+  enum class Kind : std::uint8_t { removal, region, held };
   Kind kind = Kind::removal;
   RegionModel model = RegionModel::nonlinear;
   std::vector<Index> tets;
+  HeldVertices held;
   bool operator==(const Edit&) const = default;
 };
 
@@ -61,11 +64,15 @@ class World {
   // One step without tools, cuts and checks [s]; false if an implicit one was not solved: nothing has moved.
   bool step(double dt);
 
-  StateView<Real> state() const { return {state_.u.view(), state_.v.view(), state_.time}; }
+  // The interior of a precomputed region is in equilibrium with its interface; it is found here, where somebody looks,
+  // and not by every step. What set_state() says of it is ignored. Not from two threads at once.
+  StateView<Real> state() const;
   void set_state(const State<Real>& state);
   const Elements& elements() const { return elements_; }
   const HeldVertices& held() const { return held_; }
-  const std::vector<double>& mass() const { return mass_; }  // per vertex [kg], 0 for orphans
+  const std::vector<double>& mass() const {
+    return mass_;
+  }  // per vertex [kg], 0 for orphans and in precomputed regions
   double time() const { return state_.time; }
   std::vector<Tools::Pose> tool_poses() const;
 
@@ -80,7 +87,9 @@ class World {
   // always that of the current state.
   Index remove_tets(
       const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
-  void set_region(const std::vector<Index>& tets, RegionModel model);
+  // Displacements and velocities stay, but for what becomes the interior of a precomputed region. Returns by how much
+  // the energy has changed [J].
+  double set_region(const std::vector<Index>& tets, RegionModel model);
 
   // All that this world has become (checkpoint.h). restore() throws InputError for a checkpoint of another setup, and
   // leaves the world as it was; it costs a copy where nothing was edited since, else the building of a world.
@@ -97,7 +106,13 @@ class World {
 
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);
+  void repeat(const Edit& edit);
   void follow(const MeshEdit& edit);
+  void follow(RegionEdit edit);
+  void add_unanchored(RegionEdit& edit);
+  void refresh_held(const HeldVertices& before);
+  void refuse_precomputed(const std::vector<Index>& tets);
+  RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
   void find_bodies();
@@ -123,6 +138,7 @@ class World {
   std::vector<Edit> history_;
   Elements elements_;
   TensorMassRegion<Real> tensor_mass_;
+  PrecomputedRegion<Real> precomputed_;
   NonlinearRegion<Real> nonlinear_;
   DeadLoads loads_;
   Tools tools_;
@@ -141,14 +157,16 @@ class World {
   bool implicit_is_stale_ = true;           // after an edit, or a state set from outside
   Mat3X<double> acceleration_;              // of implicit dynamics [m/s²]
 
-  struct {
+  struct Moving {
     Columns u, v;
     double time = 0;
-  } state_;
-  Columns forces_;                     // scratch
-  DiagonalStiffness stiffness_;        // scratch
-  double fastest_ = 0, turned_ = 0;    // highest speeds of the last step (integrator.h) [m/s]
-  std::optional<double> known_limit_;  // of the state as it stands
+  };
+  mutable Moving state_;
+  mutable bool interior_is_stale_ = false;  // of the precomputed region
+  Columns forces_;                          // scratch
+  DiagonalStiffness stiffness_;             // scratch
+  double fastest_ = 0, turned_ = 0;         // highest speeds of the last step (integrator.h) [m/s]
+  std::optional<double> known_limit_;       // of the state as it stands
   Index limiting_vertex_ = -1;
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;

@@ -2,10 +2,19 @@
 #include <algorithm>
 #include <map>
 
+#include "lobe/condense/anchors.h"
 #include "lobe/error.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
+namespace {
+
+void make_unique(std::vector<Index>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+}  // namespace
 
 template <class Real>
 Index World<Real>::remove_tets(const std::vector<Index>& tets) {
@@ -24,10 +33,11 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
 
 template <class Real>
 MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
+  state();
   MeshEdit edit = elements_.topology.remove(tets);
   if (edit.empty()) return edit;
   follow(edit);
-  history_.push_back({Edit::Kind::removal, {}, edit.removed});
+  history_.push_back({Edit::Kind::removal, {}, edit.removed, {}});
   return edit;
 }
 
@@ -48,18 +58,54 @@ void World<Real>::follow(const MeshEdit& mesh_edit) {
     edit.vertices.push_back(split.vertex);
   }
   for (Index v = before; v < after; ++v) edit.vertices.push_back(v);
-  const auto make_unique = [](std::vector<Index>& list) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-  };
   make_unique(edit.entered);
   edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
   for (Index t : edit.left)
     for (int c = 0; c < 4; ++c) edit.vertices.push_back(elements_.topology.tets()(c, t));
   make_unique(edit.vertices);
+  follow(std::move(edit));
+}
+
+// What nothing keeps in place within the precomputed region after an edit will turn: it becomes non-linear.
+template <class Real>
+void World<Real>::add_unanchored(RegionEdit& edit) {
+  if (std::none_of(edit.left.begin(), edit.left.end(), [&](Index t) { return precomputed_.has(t); })) return;
+  const std::vector<Index> tets = unanchored_tets(elements_, held_);
+  if (tets.empty()) return;
+  const RegionEdit change = change_of_region(tets, RegionModel::nonlinear);
+  for (auto list : {&RegionEdit::left, &RegionEdit::entered, &RegionEdit::vertices}) {
+    (edit.*list).insert((edit.*list).end(), (change.*list).begin(), (change.*list).end());
+    make_unique(edit.*list);
+  }
+  pending_.push_back(
+      {Condition::Kind::pieces,
+       std::to_string(tets.size()) + " precomputed tetrahedra are no longer held and became nonlinear",
+       state_.time});
+}
+
+template <class Real>
+void World<Real>::follow(RegionEdit edit) {
+  add_unanchored(edit);
   tensor_mass_.follow(elements_, edit);
   nonlinear_.follow(elements_, edit);
   refresh_vertices(edit.vertices);
+  const std::vector<Index> mechanism = precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded());
+  for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
+  for (Index v : edit.vertices) refresh_inverse_mass(v);
+  implicit_is_stale_ = interior_is_stale_ = true;
+  known_limit_.reset();
+  if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
+}
+
+// Vertices that somebody has taken hold of or let go.
+template <class Real>
+void World<Real>::refresh_held(const HeldVertices& before) {
+  RegionEdit edit;
+  for (const HeldVertices* held : {&before, &held_})
+    for (const HeldVertices::Held& item : held->all()) edit.vertices.push_back(item.vertex);
+  make_unique(edit.vertices);
+  if (precomputed_.tet_count() > 0) history_.push_back({Edit::Kind::held, {}, {}, held_});
+  follow(std::move(edit));
 }
 
 template <class Real>
@@ -86,15 +132,33 @@ void World<Real>::refresh_inverse_mass(Index v) {
 }
 
 template <class Real>
-void World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) {
-  if (model == RegionModel::precomputed)
-    throw InputError("region", "precomputed regions are not available yet; use tensor-mass");
+double World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) {
   check_tets(tets);
+  if (model == RegionModel::precomputed) refuse_precomputed(tets);
+  const double before = energies().total();
   change_region(tets, model);
+  return energies().total() - before;
+}
+
+template <class Real>
+void World<Real>::refuse_precomputed(const std::vector<Index>& tets) {
+  if (implicit_)
+    throw InputError("region", "the implicit integrator has no precomputed regions; use tensor-mass");
+  Elements changed = elements_;
+  for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
+  refuse_unanchored(changed, held_);
 }
 
 template <class Real>
 void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
+  RegionEdit edit = change_of_region(tets, model);
+  if (edit.left.empty()) return;
+  history_.push_back({Edit::Kind::region, model, edit.left, {}});
+  follow(std::move(edit));
+}
+
+template <class Real>
+RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionModel model) {
   RegionEdit edit;
   for (Index t : tets) {
     if (!elements_.topology.alive(t) || elements_.region_of[t] == model) continue;
@@ -102,15 +166,9 @@ void World<Real>::change_region(const std::vector<Index>& tets, RegionModel mode
     edit.left.push_back(t);
     for (int c = 0; c < 4; ++c) edit.vertices.push_back(elements_.topology.tets()(c, t));
   }
-  if (edit.left.empty()) return;
-  history_.push_back({Edit::Kind::region, model, edit.left});
   edit.entered = edit.left;
-  std::sort(edit.vertices.begin(), edit.vertices.end());
-  edit.vertices.erase(std::unique(edit.vertices.begin(), edit.vertices.end()), edit.vertices.end());
-  tensor_mass_.follow(elements_, edit);
-  nonlinear_.follow(elements_, edit);
-  implicit_is_stale_ = true;
-  known_limit_.reset();
+  make_unique(edit.vertices);
+  return edit;
 }
 
 template <class Real>
@@ -227,9 +285,12 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
     setup.region_of.push_back(elements_.region_of[t]);
   }
   setup.prescribed.clear();
-  for (const HeldVertices::Held& item : held_.all())
+  for (const HeldVertices::Held& item : held_.all()) {
+    const bool grasped = item.holder != HeldVertices::boundary;
+    const Vec3d goal = grasped ? state_.u.col(item.vertex).template cast<double>() : item.goal;
     if (c.vertex_target[item.vertex] >= 0)
-      setup.prescribed.push_back({c.vertex_target[item.vertex], item.goal, item.axes});
+      setup.prescribed.push_back({c.vertex_target[item.vertex], goal, item.axes});
+  }
   std::erase_if(setup.face_loads, [&](const FaceLoad& load) { return c.tet_target[load.tet] < 0; });
   for (FaceLoad& load : setup.face_loads) load.tet = c.tet_target[load.tet];
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });

@@ -7,14 +7,10 @@
 #include "lobe/error.h"
 
 namespace lobe {
-namespace {
-
-using Piece = std::vector<Index>;
-
 // One row per given component: what it lets pass of the translations e_i and rotations e_i × (X − centre)/size.
 // The piece is held if they have rank 6.
-bool is_held(const Elements& elements, const Piece& piece, const Unknowns& unknowns,
-             const std::vector<std::uint8_t>& anchored) {
+bool is_held(const Elements& elements, const std::vector<Index>& piece,
+             const std::function<bool(Index vertex, int axis)>& is_given) {
   std::vector<Index> vertices;
   for (Index t : piece)
     for (int c = 0; c < 4; ++c) vertices.push_back(elements.topology.tets()(c, t));
@@ -24,7 +20,7 @@ bool is_held(const Elements& elements, const Piece& piece, const Unknowns& unkno
   std::vector<Eigen::Matrix<double, 1, 6>> rows;
   for (Index v : vertices)
     for (int axis = 0; axis < 3; ++axis) {
-      if (unknowns.number(axis, v) >= 0 && !anchored[v]) continue;
+      if (!is_given(v, axis)) continue;
       const Vec3d arm = (elements.points.col(v) - centre) / size;
       Eigen::Matrix<double, 1, 6> row;
       row << Vec3d::Unit(axis).transpose(), arm.cross(Vec3d::Unit(axis)).transpose();
@@ -37,15 +33,14 @@ bool is_held(const Elements& elements, const Piece& piece, const Unknowns& unkno
   return J.rows() >= 6 && qr.rank() == 6;
 }
 
-}  // namespace
-
 void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns) {
-  std::vector<Piece> open = elements.topology.pieces();
+  std::vector<std::vector<Index>> open = elements.topology.pieces();
   std::vector<std::uint8_t> anchored(std::size_t(elements.topology.vertex_count()), 0);
+  const auto is_given = [&](Index v, int axis) { return unknowns.number(axis, v) < 0 || anchored[v]; };
   for (std::size_t before = open.size() + 1; before > open.size() && !open.empty();) {
     before = open.size();
-    std::erase_if(open, [&](const Piece& piece) {
-      if (!is_held(elements, piece, unknowns, anchored)) return false;
+    std::erase_if(open, [&](const std::vector<Index>& piece) {
+      if (!is_held(elements, piece, is_given)) return false;
       for (Index t : piece)
         for (int c = 0; c < 4; ++c) anchored[elements.topology.tets()(c, t)] = 1;
       return true;

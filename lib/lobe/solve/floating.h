@@ -1,10 +1,16 @@
 // Pieces of a body that nothing keeps from moving as a rigid body: their static equations are singular.
 #pragma once
 
+#include <functional>
+
 #include "lobe/region/elements.h"
 #include "lobe/solve/unknowns.h"
 
 namespace lobe {
+
+// Whether the given components of its vertices leave a piece none of the six rigid motions.
+bool is_held(const Elements& elements, const std::vector<Index>& piece,
+             const std::function<bool(Index vertex, int axis)>& is_given);
 
 // Throws InputError that names the first piece (tetrahedra that hang together by faces) whose given components leave
 // it one of the six rigid motions. Vertices that it shares with a piece which is held count as given.

@@ -21,14 +21,79 @@ class Ldlt : public SparseFactor {
     const Eigen::VectorXd D = factor_.vectorD();
     return D.allFinite() && (D.array() < 0).count() == negative;
   }
+  Eigen::Index size() const override { return factor_.rows(); }
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return factor_.solve(b); }
-  long long nonzeros() const override { return factor_.matrixL().nestedExpression().nonZeros(); }
+  Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const override;
+  long long nonzeros() const override { return L().nonZeros(); }
 
  private:
+  const Matrix& L() const { return factor_.matrixL().nestedExpression(); }  // without its diagonal of ones
+
   Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::MetisOrdering<int>> factor_;
 };
 
+// Several right-hand sides at once, one row per unknown, so that L is read once for all of them.
+constexpr int batch = 16;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, batch, Eigen::RowMajor>;
+
+// x = L⁻¹ b, passing over columns that nothing reaches: from a few unknowns only their ancestors in the elimination tree
+// are reached.
+void forward(const SparseFactor::Matrix& L, Rows& x) {
+  for (Eigen::Index j = 0; j < L.cols(); ++j) {
+    const Eigen::Matrix<double, 1, batch> own = x.row(j);
+    if (own.isZero(0)) continue;
+    for (SparseFactor::Matrix::InnerIterator at(L, j); at; ++at) x.row(at.row()) -= at.value() * own;
+  }
+}
+
+// x = L⁻ᵀ b where it is wanted, which takes the ancestors of what is wanted.
+void backward(const SparseFactor::Matrix& L, const std::vector<char>& wanted, Rows& x) {
+  for (Eigen::Index j = L.cols(); j-- > 0;) {
+    if (!wanted[std::size_t(j)]) continue;
+    Eigen::Matrix<double, 1, batch> own = x.row(j);
+    for (SparseFactor::Matrix::InnerIterator at(L, j); at; ++at) own -= at.value() * x.row(at.row());
+    x.row(j) = own;
+  }
+}
+
+std::vector<char> with_ancestors(const SparseFactor::Matrix& L, std::vector<char> wanted) {
+  for (Eigen::Index j = 0; j < L.cols(); ++j) {
+    const SparseFactor::Matrix::InnerIterator parent(L, j);
+    if (wanted[std::size_t(j)] && parent) wanted[std::size_t(parent.row())] = 1;
+  }
+  return wanted;
+}
+
+Eigen::MatrixXd Ldlt::inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const {
+  const auto& place = factor_.permutationP().indices();
+  std::vector<char> wanted(std::size_t(L().cols()), 0);
+  for (int i : rows) wanted[std::size_t(place[i])] = 1;
+  wanted = with_ancestors(L(), std::move(wanted));
+  const Eigen::VectorXd inverse_D = factor_.vectorD().cwiseInverse();
+  Eigen::MatrixXd block(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  Rows x(L().cols(), batch);
+  for (Eigen::Index first = 0; first < block.cols(); first += batch) {
+    const Eigen::Index count = std::min<Eigen::Index>(batch, block.cols() - first);
+    x.setZero();
+    for (Eigen::Index c = 0; c < count; ++c) x(place[columns[std::size_t(first + c)]], c) = 1;
+    forward(L(), x);
+    x.array().colwise() *= inverse_D.array();
+    backward(L(), wanted, x);
+    for (Eigen::Index i = 0; i < block.rows(); ++i)
+      block.row(i).segment(first, count) = x.row(place[rows[std::size_t(i)]]).head(count);
+  }
+  return block;
+}
+
 }  // namespace
+
+Eigen::MatrixXd SparseFactor::inverse_block(const std::vector<int>& rows,
+                                            const std::vector<int>& columns) const {
+  Eigen::MatrixXd block(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    block.col(Eigen::Index(c)) = solve(Eigen::VectorXd::Unit(size(), columns[c]))(rows);
+  return block;
+}
 
 std::unique_ptr<SparseFactor> make_ldlt() { return std::make_unique<Ldlt>(); }
 

@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace lobe {
 
@@ -20,7 +21,10 @@ class SparseFactor {
   // A = L D Lᵀ for a matrix of the pattern analysed. False if A is singular to rounding or does not have exactly
   // `negative` negative eigenvalues.
   virtual bool factorise(const Matrix& A, Eigen::Index negative = 0) = 0;
+  virtual Eigen::Index size() const = 0;  // of A
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
+  // Rows × columns of A⁻¹, both by their numbers in A.
+  virtual Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const;
   virtual long long nonzeros() const = 0;  // of the factor
 };
 

@@ -1,0 +1,191 @@
+// lobe bench hybrid: the step of a body of which a part is linear, against the step of all of it non-linear, beside the
+// error in equilibrium.
+#include <algorithm>
+#include <cstdio>
+#include <iomanip>
+#include <memory>
+#include <sstream>
+
+#include "benchmarks/accuracy_cases.h"
+#include "benchmarks/accuracy_models.h"
+#include "benchmarks/files.h"
+#include "benchmarks/machine.h"
+#include "benchmarks/timing.h"
+#include "lobe/condense/interface_size.h"
+#include "lobe/error.h"
+#include "lobe/scene/resolve.h"
+#include "lobe/sim/world.h"
+#include "lobe/solve/static_solver.h"
+
+namespace lobe::bench {
+namespace {
+
+struct Row {
+  std::string organ;
+  Index tets = 0;
+  double linear_fraction = 0;  // of the volume
+  RegionModel representation = RegionModel::precomputed;
+  double step_us = 0, svk_step_us = 0;
+  double error_l2 = 0, error_free = 0, error_max = 0;  // relative, in equilibrium, to all non-linear
+  InterfaceSize interface;
+  double set_up_s = 0;  // building the world, condensation included
+};
+
+// The vertices that move least in a linear trial are those that a linear model suits; where they end there is no jump,
+// so that the interface is short.
+std::vector<double> moved(const TetMesh& mesh, const Mat3X<double>& trial) {
+  std::vector<double> moved;
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    moved.push_back(trial(Eigen::all, mesh.tets.col(t)).rowwise().mean().norm());
+  return moved;
+}
+
+Mat3X<double> equilibrium(const Setup& setup) {
+  const StaticResult solution = solve_static(setup);
+  if (!solution.converged) throw InputError("hybrid", solution.reason);
+  return solution.u;
+}
+
+Setup with_linear(Setup setup, RegionModel model) {
+  for (RegionModel& region : setup.region_of)
+    if (region != RegionModel::nonlinear) region = model;
+  return setup;
+}
+
+void find_errors(const Setup& hybrid, const Mat3X<double>& exact, Row& row) {
+  const Mat3X<double> difference = equilibrium(hybrid) - exact;
+  std::vector<char> is_free(std::size_t(exact.cols()), 0);
+  for (Index t = 0; t < hybrid.mesh.tet_count(); ++t)
+    for (Index v : hybrid.mesh.tets.col(t))
+      if (hybrid.region_of[std::size_t(t)] == RegionModel::nonlinear) is_free[std::size_t(v)] = 1;
+  double in_free = 0, all_free = 0;
+  for (Eigen::Index v = 0; v < exact.cols(); ++v) {
+    if (!is_free[std::size_t(v)]) continue;
+    in_free += difference.col(v).squaredNorm();
+    all_free += exact.col(v).squaredNorm();
+  }
+  row.error_l2 = difference.norm() / exact.norm();
+  row.error_free = std::sqrt(in_free / all_free);
+  row.error_max = difference.colwise().norm().maxCoeff() / exact.colwise().norm().maxCoeff();
+}
+
+// A world in a state near rest, in which it may step on and on.
+std::unique_ptr<World<float>> moving_world(const Setup& setup, double& seconds) {
+  const Stopwatch watch(true);
+  auto world = std::make_unique<World<float>>(setup);
+  seconds = watch.seconds();
+  State<float> state = world->state();
+  state.u.setRandom();
+  state.u *= 1e-5F;
+  world->set_state(state);
+  return world;
+}
+
+// The condensed forces must be those of the tensor-mass hybrid in the same equilibrium of the interior.
+void check(World<float>& condensed, World<float>& tensor_mass, const Row& row) {
+  tensor_mass.set_state(condensed.state());
+  const Mat3X<float> expected = tensor_mass.forces(), found = condensed.forces();
+  double difference = 0;
+  for (Eigen::Index v = 0; v < found.cols(); ++v)
+    if (condensed.mass()[std::size_t(v)] > 0 && !condensed.held().holds(Index(v)))
+      difference = std::max(difference, double((found - expected).col(v).norm()));
+  const double relative = difference / double(expected.colwise().norm().maxCoeff());
+  if (relative <= 1e-4) return;
+  std::ostringstream message;
+  message << row.organ << ", " << row.tets << " tetrahedra: the condensed forces deviate by " << relative
+          << " from those of tensor-mass, allowed is 1e-4";
+  throw WrongResult(message.str());
+}
+
+void time_rows(const Setup& hybrid, std::vector<Row>& rows, const Sampling& sampling) {
+  double seconds = 0;
+  std::vector<std::unique_ptr<World<float>>> worlds;
+  for (Row& row : rows) worlds.push_back(moving_world(with_linear(hybrid, row.representation), row.set_up_s));
+  check(*worlds[0], *worlds[1], rows[0]);
+  worlds.push_back(moving_world(with_linear(reference_setup(hybrid), RegionModel::nonlinear), seconds));
+  std::vector<Timed> functions;
+  for (const auto& world : worlds) {
+    const double dt = 0.5 * world->time_step_limit();
+    functions.push_back({[&world, dt] { world->step(dt); }});
+  }
+  const std::vector<std::vector<double>> samples = sample_in_turn(functions, sampling);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].step_us = 1e6 * samples[i].front();
+    rows[i].svk_step_us = 1e6 * samples.back().front();
+  }
+}
+
+const char* name_of(const Row& row) {
+  return row.representation == RegionModel::precomputed ? "precomputed" : "tensor-mass";
+}
+
+void print(const Row& r) {
+  std::printf("%-8s %7d %7.2f %-12s %6d %9.2f %9.2f %8.2f %10.2e %10.2e %10.2e %8.2f\n", r.organ.c_str(),
+              r.tets, r.linear_fraction, name_of(r), r.interface.vertices, r.step_us, r.svk_step_us,
+              r.svk_step_us / r.step_us, r.error_l2, r.error_free, r.error_max, r.set_up_s);
+  std::fflush(stdout);
+}
+
+std::string csv(const std::vector<Row>& rows) {
+  std::ostringstream out;
+  out << "organ,tets,linear_fraction,representation,step_us,svk_step_us,speedup,error_l2,error_free,error_"
+         "max,"
+         "interface_vertices,pays,set_up_s\n"
+      << std::setprecision(4);
+  for (const Row& r : rows)
+    out << r.organ << ',' << r.tets << ',' << r.linear_fraction << ',' << name_of(r) << ',' << r.step_us
+        << ',' << r.svk_step_us << ',' << r.svk_step_us / r.step_us << ',' << r.error_l2 << ','
+        << r.error_free << ',' << r.error_max << ',' << r.interface.vertices << ',' << r.interface.pays()
+        << ',' << r.set_up_s << '\n';
+  return out.str();
+}
+
+constexpr const char* plot_script = R"(set terminal pngcairo size 900,560 font 'sans,11'
+set output 'hybrid.png'
+set datafile separator ','
+set datafile missing NaN
+set logscale y
+set grid
+set key outside right
+set xlabel 'speed-up of a step over all non-linear'
+set ylabel 'error in equilibrium, relative L2'
+series(r) = strcol(4) eq r ? column(7) : NaN
+plot 'hybrid.csv' using (series('precomputed')):8:(0.5 + 0.6 * log10($2 / 1000)) with points pt 7 ps variable lc '#c02020' \
+    title 'pre-computed', \
+  '' using (series('tensor-mass')):8:(0.5 + 0.6 * log10($2 / 1000)) with points pt 6 ps variable lc '#0060ad' \
+    title 'tensor-mass', \
+  '' using (series('precomputed')):8:(sprintf('%dk, %d %%', $2 / 1000 + 0.5, 100 * $3 + 0.5)) with labels offset 0,0.9 notitle
+)";
+
+}  // namespace
+
+void bench_hybrid(const Options& options) {
+  const Sampling sampling = options.quick ? Sampling{5, 0.01} : Sampling{15, 0.02};
+  begin_results(options.output, "hybrid");
+  std::printf("\n%-8s %7s %7s %-12s %6s %9s %9s %8s %10s %10s %10s %8s\n", "organ", "tets", "linear",
+              "represented", "shared", "step us", "svk us", "speed-up", "error l2", "error free", "error max",
+              "set up s");
+  std::vector<Row> all;
+  for (const Case& organ : make_organs(options))
+    for (const TetMesh& mesh : organ.meshes) {
+      const Setup setup = at_the_end(reference_setup(resolve(organ.scene, mesh).setup));
+      const std::vector<double> score = moved(setup.mesh, linear_trial(setup));
+      const Mat3X<double> exact = equilibrium(setup);
+      for (double fraction : {0.6, 0.8, 0.9}) {
+        Setup hybrid = setup;
+        Row row{organ.name, mesh.tet_count()};
+        row.linear_fraction = make_linear(hybrid, score, fraction);
+        find_errors(hybrid, exact, row);
+        row.interface = interface_size(Elements(with_linear(hybrid, RegionModel::precomputed)));
+        std::vector<Row> rows(2, row);
+        rows[1].representation = RegionModel::tensor_mass;
+        time_rows(hybrid, rows, sampling);
+        for (const Row& r : rows) print(r);
+        all.insert(all.end(), rows.begin(), rows.end());
+      }
+    }
+  write_file(options.output / "hybrid.csv", csv(all));
+  write_file(options.output / "hybrid.gp", plot_script);
+}
+
+}  // namespace lobe::bench

@@ -1,0 +1,160 @@
+#include "lobe/condense/condensed.h"
+
+#include <Eigen/Cholesky>
+#include <numeric>
+
+namespace lobe {
+
+Condensed::Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads)
+    : factor_(std::move(factor)), loads_(loads), response_(loads) {
+  for (Eigen::Index l = 0; l < loads.cols(); ++l)
+    if (!loads.col(l).isZero(0)) response_.col(l) = factor_->solve(loads.col(l));
+  slot_.assign(std::size_t(loads.rows()), -1);
+  column_ = slot_;
+  Phi_.resize(0, loads.cols());
+  S_.resize(0, loads.cols());
+}
+
+std::vector<Index> Condensed::slots(const Dofs& dofs) const {
+  std::vector<Index> slots;
+  for (Index d : dofs) slots.push_back(slot_[std::size_t(d)]);
+  return slots;
+}
+
+void Condensed::touch(const Dofs& dofs) {
+  Dofs fresh;
+  for (Index d : dofs)
+    if (slot_[std::size_t(d)] < 0) fresh.push_back(d);
+  if (fresh.empty()) return;
+  for (Index d : fresh) {
+    slot_[std::size_t(d)] = touched();
+    touched_.push_back(d);
+  }
+  Dofs rows;
+  for (Index d : touched_)
+    if (known(d)) rows.push_back(d);
+  const auto now = Eigen::Index(touched_.size()), count = Eigen::Index(fresh.size());
+  Matrix columns = Matrix::Zero(now, count);
+  columns(slots(rows), Eigen::all) = factor_->inverse_block(rows, fresh);
+  A_.conservativeResize(now, now);
+  A_.rightCols(count) = columns;
+  A_.bottomRows(count) = columns.transpose();
+  N_.conservativeResizeLike(Matrix::Zero(now, now));
+  Phi_.conservativeResizeLike(Matrix::Zero(now, Phi_.cols()));
+}
+
+// The interface takes these up, with rows and columns of zeros.
+void Condensed::join(const Dofs& dofs) {
+  for (Index d : dofs) {
+    column_[std::size_t(d)] = static_cast<Index>(interface_.size());
+    interface_.push_back(d);
+  }
+  const Eigen::Index rows = S_.rows() + Eigen::Index(dofs.size()),
+                     columns = S_.cols() + Eigen::Index(dofs.size());
+  S_.conservativeResizeLike(Matrix::Zero(rows, columns));
+  Phi_.conservativeResizeLike(Matrix::Zero(Phi_.rows(), columns));
+}
+
+void Condensed::leave(const Dofs& dofs) {
+  for (Index d : dofs) column_[std::size_t(d)] = -1;
+  const Eigen::Index amplitudes = loads_.cols();
+  std::vector<Index> rows, columns(static_cast<std::size_t>(amplitudes));
+  std::iota(columns.begin(), columns.end(), 0);
+  Dofs kept;
+  for (std::size_t b = 0; b < interface_.size(); ++b) {
+    Index& column = column_[std::size_t(interface_[b])];
+    if (column < 0) continue;
+    column = static_cast<Index>(kept.size());
+    kept.push_back(interface_[b]);
+    rows.push_back(static_cast<Index>(b));
+    columns.push_back(static_cast<Index>(amplitudes) + static_cast<Index>(b));
+  }
+  S_ = Matrix(S_(rows, columns));
+  Phi_ = Matrix(Phi_(Eigen::all, columns));
+  interface_ = std::move(kept);
+}
+
+void Condensed::promote(const Dofs& dofs) {
+  if (dofs.empty()) return;
+  touch(dofs);
+  const std::vector<Index> P = slots(dofs);
+  const auto count = Eigen::Index(P.size()), before = S_.rows(), amplitudes = loads_.cols();
+  const Matrix A_TP = A_(Eigen::all, P);
+  Matrix Z = -N_ * A_TP;
+  for (Eigen::Index i = 0; i < count; ++i) Z(P[std::size_t(i)], i) += 1;
+  Matrix G = A_TP.transpose() * Phi_;
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (known(dofs[std::size_t(i)])) G.row(i).head(amplitudes) += response_.row(dofs[std::size_t(i)]);
+  const Matrix C = (A_TP.transpose() * Z).llt().solve(Matrix::Identity(count, count));
+  const Matrix CG = C * G, ZC = Z * C;
+  join(dofs);
+  const auto old = CG.rightCols(before);
+  S_.topLeftCorner(before, amplitudes + before) += G.rightCols(before).transpose() * CG;
+  S_.topRightCorner(before, count) = -old.transpose();
+  S_.bottomLeftCorner(count, amplitudes + before) = -CG;
+  S_.bottomRightCorner(count, count) = C;
+  Phi_.leftCols(amplitudes + before) -= ZC * G;
+  Phi_.rightCols(count) = ZC;
+  N_ += ZC * Z.transpose();
+}
+
+bool Condensed::demote(const Dofs& dofs) {
+  if (dofs.empty()) return true;
+  std::vector<Index> rows, columns;
+  for (Index d : dofs) {
+    rows.push_back(column(d));
+    columns.push_back(static_cast<Index>(loads_.cols()) + column(d));
+  }
+  const Matrix S_DD = S_(rows, columns);
+  const Eigen::LLT<Matrix> factor(S_DD);
+  constexpr double loose = 1e-10;  // of the stiffness of each component alone
+  if (factor.info() != Eigen::Success ||
+      (factor.matrixLLT().diagonal().array().square() <= loose * S_DD.diagonal().array()).any())
+    return false;
+  const Matrix R = factor.solve(Matrix(S_(rows, Eigen::all))), Phi_D = Phi_(Eigen::all, columns);
+  S_ -= Matrix(S_(Eigen::all, columns)) * R;
+  Phi_ -= Phi_D * R;
+  N_ -= Phi_D * factor.solve(Phi_D.transpose());
+  leave(dofs);
+  return true;
+}
+
+void Condensed::forget(const Dofs& dofs) { leave(dofs); }
+
+Index Condensed::add(Index count, double scale) {
+  const auto first = static_cast<Index>(slot_.size()), place = touched();
+  Dofs dofs(static_cast<std::size_t>(count));
+  std::iota(dofs.begin(), dofs.end(), first);
+  for (Index d : dofs) {
+    slot_.push_back(touched());
+    touched_.push_back(d);
+    added_.push_back(scale);
+  }
+  column_.resize(slot_.size(), -1);
+  const auto now = Eigen::Index(touched_.size());
+  A_.conservativeResizeLike(Matrix::Zero(now, now));
+  N_.conservativeResizeLike(Matrix::Zero(now, now));
+  Phi_.conservativeResizeLike(Matrix::Zero(now, Phi_.cols()));
+  join(dofs);
+  A_.diagonal().tail(count).setConstant(1 / scale);
+  N_.diagonal().tail(count).setConstant(scale);
+  Phi_.block(place, Phi_.cols() - count, count, count).diagonal().setConstant(scale);
+  return first;
+}
+
+Condensed::Matrix Condensed::field(const Matrix& driven) const {
+  const Matrix phi = Phi_ * driven;
+  Matrix forces = loads_ * driven.topRows(loads_.cols()), u(Eigen::Index(slot_.size()), driven.cols());
+  for (Index s = 0; s < touched(); ++s) {
+    const Index d = touched_[std::size_t(s)];
+    if (known(d))
+      forces.row(d) += phi.row(s);
+    else
+      u.row(d) = phi.row(s) / added_[std::size_t(d - loads_.rows())];
+  }
+  for (Eigen::Index c = 0; c < driven.cols(); ++c)
+    u.col(c).head(loads_.rows()) = factor_->solve(forces.col(c));
+  return u;
+}
+
+}  // namespace lobe

@@ -1,0 +1,74 @@
+// Condensation that is kept exact while the structure changes (theory, section 14).
+//
+// A factor gives A = K̂⁻¹ of the structure as it was at first. Since then forces φ on a few touched components T stand
+// for all that has changed, so that a field in equilibrium is
+//   u = A (f·a + E_T φ),   φ = Φ [a; u_B],                                                          (1)
+// with loads f and their amplitudes a, and the displacements u_B of the interface B ⊂ T. On the interface acts
+//   −S [a; u_B],                                                                                    (2)
+// and the interior, the interface held, answers to a force with A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N
+// exact, with G = dependence of displacements on [a; u_B] and C as below:
+//   promote: components P join B.   C = (E_Pᵀ (A − A E N Eᵀ A) E_P)⁻¹, Z = E_P − N A_TP,
+//            S ← [S + G_Bᵀ C G, −G_Bᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ          (3)
+//   change:  stiffness between components of B, loads on them: entries of S
+//   demote:  components D of B join the interior.  C = S_DD⁻¹,
+//            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (4)
+// Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "lobe/solve/sparse_factor.h"
+#include "lobe/types.h"
+
+namespace lobe {
+
+class Condensed {
+ public:
+  using Matrix = Eigen::MatrixXd;
+  using Dofs = std::vector<Index>;  // components by their rows of K̂; those added later follow
+
+  // Nothing is touched, B is empty.
+  Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads);  // f: size of K̂ × #amplitudes [N]
+
+  // Columns of S: amplitudes, then the interface in this order. Rows: the interface.
+  const Dofs& interface() const { return interface_; }
+  const Matrix& stiffness() const { return S_; }  // [N], [N/m]
+  Matrix& stiffness() { return S_; }              // to be changed between components of the interface
+  Index column(Index dof) const {
+    return column_[std::size_t(dof)];
+  }  // less the amplitudes; −1 if it is interior
+  Index touched() const { return static_cast<Index>(touched_.size()); }
+
+  void promote(const Dofs& dofs);
+  // False, and nothing changes, if they could then move without a force.
+  bool demote(const Dofs& dofs);
+  // Components that nothing is attached to any more.
+  void forget(const Dofs& dofs);
+  // Components that K̂ does not know, on the interface, without stiffness: the first of so many consecutive ones.
+  // `scale` [N/m] is of the order of K's diagonal.
+  Index add(Index count, double scale);
+
+  // The whole field in equilibrium: all dofs × #columns, from [a; u_B] in each column.
+  Matrix field(const Matrix& driven) const;
+
+ private:
+  void touch(const Dofs& dofs);
+  std::vector<Index> slots(const Dofs& dofs) const;
+  bool known(Index dof) const { return dof < loads_.rows(); }  // to K̂
+  void join(const Dofs& dofs);
+  void leave(const Dofs& dofs);
+
+  std::unique_ptr<SparseFactor> factor_;
+  Matrix loads_;                      // f
+  Matrix response_;                   // A f
+  Dofs touched_;                      // T
+  Dofs interface_;                    // B
+  std::vector<Index> slot_, column_;  // per dof: in T, in B
+  std::vector<double> added_;         // scale of the dofs that were added
+  Matrix A_, N_;                      // T × T
+  Matrix Phi_;                        // T × [a; B]
+  Matrix S_;                          // B × [a; B]
+};
+
+}  // namespace lobe

@@ -1,0 +1,22 @@
+#include "lobe/condense/interface_size.h"
+
+#include <cmath>
+
+namespace lobe {
+
+Index InterfaceSize::most_that_pay() const { return static_cast<Index>(2.9 * std::sqrt(double(tets))); }
+
+InterfaceSize interface_size(const Elements& elements) {
+  InterfaceSize size;
+  for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
+    Index inside = 0, outside = 0;
+    for (Index t : elements.topology.around(v))
+      ++(elements.region_of[t] == RegionModel::precomputed ? inside : outside);
+    size.vertices += inside > 0 && outside > 0;
+  }
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    size.tets += elements.topology.alive(t) && elements.region_of[t] == RegionModel::precomputed;
+  return size;
+}
+
+}  // namespace lobe

@@ -1,0 +1,119 @@
+#include "lobe/condense/precomputed.h"
+
+#include "lobe/fem/hooke.h"
+
+namespace lobe {
+namespace {
+
+template <class Real>
+Mat3<double> gradient_of(const Elements& elements, const Mat3X<Real>& u, Index tet, const Shape& shape) {
+  Mat34<double> corners;
+  for (int c = 0; c < 4; ++c)
+    corners.col(c) = u.col(elements.topology.tets()(c, tet)).template cast<double>();
+  return displacement_gradient<double>(corners, shape.gradients.rightCols<3>());
+}
+
+}  // namespace
+
+template <class Real>
+void PrecomputedRegion<Real>::add_forces(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f,
+                                         Parallel& parallel) {
+  const Index n = interface_size();
+  for (Index i = 0; i < n; ++i) x_[i] = u.data()[components_[i]];
+  parallel.for_ranges(static_cast<Index>(y_.size()) / dense_block, 4, [&](Index begin, Index end) {
+    kernels_.dense_product(rows_.data(), n, x_.data(), begin, end, y_.data());
+  });
+  for (Index i = 0; i < n; ++i) f.data()[components_[i]] += given_[i] + missing * missing_[i] - y_[i];
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::add_diagonal_stiffness(DiagonalStiffness& K) const {
+  for (Index v : shared_) {
+    const auto S = [&](int i, int j) {
+      const Index row = dof_(i, v), column = dof_(j, v);  // none where it is fixed
+      if (row < 0 || column < 0) return 0.0;
+      return condensed_->stiffness()(condensed_->column(row), amplitudes + condensed_->column(column));
+    };
+    K.col(v) += Eigen::Matrix<double, 6, 1>(S(0, 0), S(0, 1), S(0, 2), S(1, 1), S(1, 2), S(2, 2));
+  }
+}
+
+template <class Real>
+const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& elements,
+                                                             std::vector<double>& mass) const {
+  if (tet_count_ == 0) return shared_;
+  std::vector<double> own(shared_.size(), 0);
+  double of_shared = 0, of_region = 0;
+  const auto share = [&](Index t) {
+    return elements.elastic_of(t).density * signed_volume(elements.corner_points(t)) / 4;
+  };
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    for (Index t : elements.topology.around(shared_[i]))
+      if (member_[t]) own[i] += share(t);
+    of_shared += own[i];
+  }
+  for (Index t = 0; t < static_cast<Index>(member_.size()); ++t) {
+    if (!member_[t]) continue;
+    for (Index v : elements.topology.corners(t)) {
+      if (!is_interior(v)) continue;
+      of_region += share(t);
+      mass[v] = 0;
+    }
+  }
+  for (std::size_t i = 0; i < shared_.size(); ++i)
+    mass[shared_[i]] = lumped_mass(elements, shared_[i]) + of_region * own[i] / of_shared;
+  return shared_;
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::recover(Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const {
+  if (tet_count_ == 0) return;
+  const Index n = interface_size();
+  Eigen::MatrixXd driven(amplitudes + n, 2);
+  driven.topRows<amplitudes>() << 1, 0, double(missing), 0;
+  for (Index i = 0; i < n; ++i)
+    driven.row(amplitudes + i) << double(u.data()[components_[i]]), double(v.data()[components_[i]]);
+  const Eigen::MatrixXd field = condensed_->field(driven);
+  for (Eigen::Index i = 0; i < dof_.size(); ++i) {
+    if (roles_.data()[i] != Role::interior) continue;
+    u.data()[i] = static_cast<Real>(field(dof_.data()[i], 0));
+    v.data()[i] = static_cast<Real>(field(dof_.data()[i], 1));
+  }
+}
+
+template <class Real>
+typename PrecomputedRegion<Real>::Energy PrecomputedRegion<Real>::energy(const Elements& elements,
+                                                                         const Mat3X<Real>& u) const {
+  Energy e;
+  if (tet_count_ == 0) return e;
+  for (Index t = 0; t < static_cast<Index>(member_.size()); ++t) {
+    if (!member_[t]) continue;
+    const Shape s = elements.shape_of(t);
+    const Elastic& elastic = elements.elastic_of(t);
+    e.elastic += s.volume * hooke_energy_density(gradient_of(elements, u, t, s), elastic.lambda, elastic.mu);
+  }
+  e.loads = -loads_[0].cwiseProduct(u.leftCols(loads_[0].cols()).template cast<double>()).sum();
+  return e;
+}
+
+template <class Real>
+Vec3d PrecomputedRegion<Real>::force_on_fixed(const Elements& elements, const Mat3X<Real>& u,
+                                              Index vertex) const {
+  Vec3d force = Vec3d::Zero();
+  for (Index t : elements.topology.around(vertex)) {
+    if (!has(t)) continue;
+    const Shape s = elements.shape_of(t);
+    const Elastic& elastic = elements.elastic_of(t);
+    const Mat3<double> stress = hooke_stress(gradient_of(elements, u, t, s), elastic.lambda, elastic.mu);
+    for (int c = 0; c < 4; ++c)
+      if (elements.topology.tets()(c, t) == vertex) force -= s.volume * stress * s.gradients.col(c);
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    if (tet_count_ > 0 && roles_(axis, vertex) != Role::none) force[axis] = 0;
+  return force;
+}
+
+template class PrecomputedRegion<float>;
+template class PrecomputedRegion<double>;
+
+}  // namespace lobe

@@ -1,0 +1,91 @@
+// The pre-computed region (theory, section 14): linear and quasi-static. Its interior has no state of its own, since in
+// equilibrium it follows the interface, on which a dense matrix acts,
+//   f_B = −S u_B + (loads of the interior, condensed),
+// whatever the number of its tetrahedra. Interior displacements are found only where somebody looks. Cuts, tetrahedra
+// that come and go, and vertices that a tool takes hold of keep all of it exact (condensed.h).
+#pragma once
+
+#include <memory>
+
+#include "lobe/condense/condensed.h"
+#include "lobe/condense/region_factor.h"
+#include "lobe/parallel.h"
+#include "lobe/region/wide_kernels.h"
+#include "lobe/sim/boundary_conditions.h"
+
+namespace lobe {
+
+template <class Real>
+class PrecomputedRegion {
+ public:
+  explicit PrecomputedRegion(SparseFactorMaker make_factor = make_ldlt,
+                             InstructionSet set = chosen_instruction_set())
+      : make_factor_(std::move(make_factor)), kernels_(wide_kernels<Real>(set)) {}
+
+  // After an edit of the mesh or the regions; `edit.vertices` also names vertices that somebody took hold of or let go.
+  // Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act through the
+  // interface. Returns tetrahedra that have become a mechanism and must leave the region. Throws InputError if the
+  // region cannot be condensed: only where tetrahedra enter it.
+  std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
+                            Mat3X<Real>& external, Mat3X<Real>& dead);
+
+  Index tet_count() const { return tet_count_; }
+  bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[tet]; }
+  Index interface_size() const { return static_cast<Index>(components_.size()); }  // components
+  bool is_interior(Index vertex) const { return (roles_.col(vertex).array() == Role::interior).any(); }
+
+  // The region's mass moves to the vertices that it shares with other regions, in proportion to what its own
+  // tetrahedra put there: `mass` per vertex [kg] is changed there and in the interior. Returns the shared vertices.
+  const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass) const;
+
+  void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
+                  Real missing,          // share of the dead loads that does not act yet
+                  Mat3X<Real>& f,        // 3 × #vertices [N]
+                  Parallel& parallel);
+  void add_diagonal_stiffness(DiagonalStiffness& K) const;
+
+  // Interior displacements and velocities from those of the interface. One or two solves with the factor.
+  void recover(Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const;
+
+  // Of recovered displacements:
+  struct Energy {
+    double elastic = 0, loads = 0;  // [J]; of the loads that were taken over
+  };
+  Energy energy(const Elements& elements, const Mat3X<Real>& u) const;
+  // What the region's tetrahedra do to the fixed components of a vertex, 0 for others [N]: add_forces() leaves it out.
+  Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
+
+ private:
+  static constexpr int amplitudes = 2;  // all loads; the dead ones that are missing
+  using Loads = std::array<Mat3X<double>, amplitudes>;
+
+  void open(const std::vector<Index>& vertices);
+  void change_members(const Elements& elements, const RegionEdit& edit);
+  void add_stiffness(const Elements& elements, Index tet, double sign);
+  void take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external, Mat3X<Real>& dead);
+  std::vector<Index> close(const Elements& elements, const std::vector<Index>& vertices);
+  void build(const Elements& elements);
+  void prepare_step(const Elements& elements);
+
+  SparseFactorMaker make_factor_;
+  WideKernels<Real> kernels_;
+
+  std::vector<std::uint8_t> member_;  // per tetrahedron
+  Index tet_count_ = 0;
+  Tets corners_;          // of members, when they were last followed
+  Roles roles_;           // 3 × #vertices
+  Loads loads_;           // of the interior, 3 × #vertices [N]
+  ComponentNumbers dof_;  // 3 × #vertices, in condensed_
+  std::unique_ptr<Condensed> condensed_;
+  double scale_ = 1;        // of the stiffness [N/m]
+  Index most_touched_ = 0;  // beyond, it is condensed afresh
+
+  // What a step reads.
+  std::vector<Index> components_;      // of the interface: 3 × vertex + axis
+  std::vector<Index> shared_;          // vertices
+  std::vector<Real> rows_;             // of S, in blocks (wide_kernels.h)
+  std::vector<Real> given_, missing_;  // force of all loads, and of the dead ones that are missing [N]
+  std::vector<Real> x_, y_;            // scratch
+};
+
+}  // namespace lobe

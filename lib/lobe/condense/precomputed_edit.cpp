@@ -1,0 +1,241 @@
+// The pre-computed region follows edits: each is a promotion of the components around it to the interface, a change of
+// stiffness and loads there, and a demotion of those that are interior afterwards.
+#include <algorithm>
+#include <numeric>
+
+#include "lobe/condense/precomputed.h"
+#include "lobe/error.h"
+#include "lobe/solve/tangent.h"
+
+namespace lobe {
+namespace {
+
+constexpr double most_bytes = 2e9;  // of what is dense
+
+bool is_member(const Elements& elements, Index tet) {
+  return elements.topology.alive(tet) && elements.region_of[tet] == RegionModel::precomputed;
+}
+
+// What boundary conditions and tools do to the components of vertices. Where somebody leads one component of a vertex, he
+// is taken to lead all that are held.
+class Hold {
+ public:
+  Hold(const Elements& elements, const HeldVertices& held) : elements_(elements) {
+    state_.setZero(3, elements.topology.vertex_count());
+    for (const HeldVertices::Held& item : held.all()) {
+      const bool stays = item.holder == HeldVertices::boundary && item.start.isZero(0) && item.goal.isZero(0);
+      for (int axis = 0; axis < 3; ++axis)
+        if (item.axes[axis]) state_(axis, item.vertex) = stays ? fixed : led;
+    }
+  }
+
+  Role role(Index v, int axis) const {
+    bool in_region = false, in_others = false;
+    for (Index t : elements_.topology.around(v)) (is_member(elements_, t) ? in_region : in_others) = true;
+    if (!in_region || state_(axis, v) == fixed) return Role::none;
+    return in_others || state_(axis, v) == led ? Role::interface : Role::interior;
+  }
+
+ private:
+  enum : std::uint8_t { nobody, fixed, led };
+  const Elements& elements_;
+  Eigen::Matrix<std::uint8_t, 3, Eigen::Dynamic> state_;
+};
+
+template <class Visit>  // visit(axis, vertex)
+void for_components(const std::vector<Index>& vertices, Visit&& visit) {
+  for (Index v : vertices)
+    for (int axis = 0; axis < 3; ++axis) visit(axis, v);
+}
+
+void refuse_large(Index interface) {
+  const double bytes = 36.0 * interface * interface;
+  if (bytes <= most_bytes) return;
+  throw InputError("precomputed region",
+                   "its interface of " + std::to_string(interface / 3) + " vertices would take " +
+                       std::to_string(std::lround(bytes / 1e6)) + " MB of dense matrices; at most " +
+                       std::to_string(std::lround(most_bytes / 1e6)) +
+                       " MB are used: let it end at a narrower part of the body, or make it tensor-mass");
+}
+
+}  // namespace
+
+template <class Real>
+std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, const HeldVertices& held,
+                                                   const RegionEdit& edit, Mat3X<Real>& external,
+                                                   Mat3X<Real>& dead) {
+  const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
+  const auto enters = [&](Index t) { return is_member(elements, t); };
+  if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return {};
+  member_.resize(std::size_t(tets), 0);
+  corners_.conservativeResize(4, tets);
+  roles_.conservativeResizeLike(Roles::Constant(3, vertices, Role::none));
+  dof_.conservativeResizeLike(ComponentNumbers::Constant(3, vertices, -1));
+  for (Mat3X<double>& load : loads_) load.conservativeResizeLike(Mat3X<double>::Zero(3, vertices));
+
+  const Hold hold(elements, held);
+  for_components(edit.vertices, [&](int axis, Index v) { roles_(axis, v) = hold.role(v, axis); });
+  const bool afresh = !condensed_ || condensed_->touched() > most_touched_;
+  if (afresh)
+    condensed_.reset();
+  else
+    open(edit.vertices);
+  change_members(elements, edit);
+  take_loads(edit.vertices, external, dead);
+  std::vector<Index> mechanism;
+  if (afresh)
+    build(elements);
+  else
+    mechanism = close(elements, edit.vertices);
+  prepare_step(elements);
+  return mechanism;
+}
+
+// All components of the region on the interface.
+template <class Real>
+void PrecomputedRegion<Real>::open(const std::vector<Index>& vertices) {
+  std::vector<Index> interior, fresh;
+  for_components(vertices, [&](int axis, Index v) {
+    const Index dof = dof_(axis, v);
+    if (dof < 0 && roles_(axis, v) != Role::none)
+      fresh.push_back(3 * v + axis);
+    else if (dof >= 0 && condensed_->column(dof) < 0)
+      interior.push_back(dof);
+  });
+  condensed_->promote(interior);
+  Index dof = fresh.empty() ? 0 : condensed_->add(static_cast<Index>(fresh.size()), scale_);
+  for (Index component : fresh) dof_.data()[component] = dof++;
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::change_members(const Elements& elements, const RegionEdit& edit) {
+  for (Index t : edit.left) {
+    if (member_[t] && condensed_) add_stiffness(elements, t, -1);
+    tet_count_ -= member_[t];
+    member_[t] = 0;
+  }
+  for (Index t : edit.entered) {
+    member_[t] = is_member(elements, t);
+    tet_count_ += member_[t];
+    corners_.col(t) = elements.topology.corners(t);
+    if (member_[t] && condensed_) add_stiffness(elements, t, 1);
+  }
+}
+
+// Between the corners that a member had when it was last followed.
+template <class Real>
+void PrecomputedRegion<Real>::add_stiffness(const Elements& elements, Index tet, double sign) {
+  const TetStiffness K = tet_stiffness(elements, tet, Mat34<double>::Zero());
+  std::array<Index, 12> column;
+  for (int i = 0; i < 12; ++i) {
+    const Index dof = dof_(i % 3, corners_(i / 3, tet));
+    column[i] = dof < 0 ? -1 : condensed_->column(dof);
+  }
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j)
+      if (column[i] >= 0 && column[j] >= 0)
+        condensed_->stiffness()(column[i], amplitudes + column[j]) += sign * K(i, j);
+}
+
+// A load on the interior acts through the region, all others are the world's.
+template <class Real>
+void PrecomputedRegion<Real>::take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external,
+                                         Mat3X<Real>& dead) {
+  for_components(vertices, [&](int axis, Index v) {
+    std::array<double, amplitudes> load{};
+    if (roles_(axis, v) == Role::interior) {
+      load = {double(external(axis, v)), -double(dead(axis, v))};
+      external(axis, v) = dead(axis, v) = 0;
+    }
+    const Index row = condensed_ && dof_(axis, v) >= 0 ? condensed_->column(dof_(axis, v)) : -1;
+    for (int a = 0; a < amplitudes; ++a) {
+      if (row >= 0) condensed_->stiffness()(row, a) -= load[a] - loads_[a](axis, v);
+      loads_[a](axis, v) = load[a];
+    }
+  });
+}
+
+// Back to the interior with what does not belong to the interface.
+template <class Real>
+std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
+                                                  const std::vector<Index>& vertices) {
+  std::vector<Index> interior, gone, interior_vertices;
+  for_components(vertices, [&](int axis, Index v) {
+    Index& dof = dof_(axis, v);
+    if (dof < 0) return;
+    if (roles_(axis, v) == Role::interior) {
+      interior.push_back(dof);
+      interior_vertices.push_back(v);
+    } else if (roles_(axis, v) == Role::none) {
+      gone.push_back(dof);
+      dof = -1;
+    }
+  });
+  condensed_->forget(gone);
+  std::vector<Index> mechanism;
+  if (condensed_->demote(interior)) return mechanism;
+  for (Index v : interior_vertices)
+    for (Index t : elements.topology.around(v)) mechanism.push_back(t);
+  std::sort(mechanism.begin(), mechanism.end());
+  mechanism.erase(std::unique(mechanism.begin(), mechanism.end()), mechanism.end());
+  return mechanism;
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::build(const Elements& elements) {
+  std::vector<Index> interface;
+  for (Eigen::Index i = 0; i < roles_.size(); ++i)
+    if (roles_.data()[i] == Role::interface) interface.push_back(static_cast<Index>(i));
+  refuse_large(static_cast<Index>(interface.size()));
+  RegionFactor K(elements, roles_, make_factor_);
+  dof_ = K.number;
+  scale_ = K.mean_stiffness;
+  Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(K.size, amplitudes);
+  for (Eigen::Index i = 0; i < dof_.size(); ++i)
+    for (int a = 0; a < amplitudes && dof_.data()[i] >= 0; ++a)
+      loads(dof_.data()[i], a) = loads_[a].data()[i];
+  condensed_ = std::make_unique<Condensed>(std::move(K.factor), loads);
+  std::vector<Index> dofs;
+  for (Index component : interface) dofs.push_back(dof_.data()[component]);
+  condensed_->promote(dofs);
+  for (std::size_t i = 0; i < interface.size(); ++i)
+    condensed_->stiffness()(Eigen::Index(i), amplitudes + Eigen::Index(i)) -=
+        K.springs[std::size_t(interface[i] / 3)];
+  most_touched_ = 2 * condensed_->touched() + 600;
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
+  const Eigen::MatrixXd& S = condensed_->stiffness();
+  const Index n = static_cast<Index>(S.rows()), padded = (n + dense_block - 1) / dense_block * dense_block;
+  rows_.assign(std::size_t(padded) * n, 0);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i)
+      rows_[std::size_t(i / dense_block) * dense_block * n + std::size_t(j) * dense_block + i % dense_block] =
+          static_cast<Real>(S(i, amplitudes + j));
+  given_.resize(std::size_t(n));
+  missing_.resize(std::size_t(n));
+  for (Index i = 0; i < n; ++i) {
+    given_[i] = static_cast<Real>(-S(i, 0));
+    missing_[i] = static_cast<Real>(-S(i, 1));
+  }
+  x_.assign(std::size_t(n), 0);
+  y_.assign(std::size_t(padded), 0);
+  components_.resize(std::size_t(n));
+  for (Eigen::Index i = 0; i < dof_.size(); ++i)
+    if (dof_.data()[i] >= 0 && condensed_->column(dof_.data()[i]) >= 0)
+      components_[std::size_t(condensed_->column(dof_.data()[i]))] = static_cast<Index>(i);
+  shared_.clear();
+  for (Index component : components_) {
+    const auto around = elements.topology.around(component / 3);
+    if (std::any_of(around.begin(), around.end(), [&](Index t) { return !member_[t]; }))
+      shared_.push_back(component / 3);
+  }
+  std::sort(shared_.begin(), shared_.end());
+  shared_.erase(std::unique(shared_.begin(), shared_.end()), shared_.end());
+}
+
+template class PrecomputedRegion<float>;
+template class PrecomputedRegion<double>;
+
+}  // namespace lobe

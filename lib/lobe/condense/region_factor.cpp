@@ -1,0 +1,75 @@
+#include "lobe/condense/region_factor.h"
+
+#include "lobe/error.h"
+#include "lobe/solve/tangent.h"
+
+namespace lobe {
+namespace {
+
+// The region's tetrahedra with vertices of their own.
+struct Part {
+  Body body;
+  std::vector<Index> source;  // per vertex: its number in the whole
+};
+
+Part region_part(const Elements& elements) {
+  Part part;
+  std::vector<Index> target(std::size_t(elements.topology.vertex_count()), -1), tets;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    if (!elements.topology.alive(t) || elements.region_of[t] != RegionModel::precomputed) continue;
+    tets.push_back(t);
+    for (Index v : elements.topology.corners(t)) {
+      if (target[v] >= 0) continue;
+      target[v] = static_cast<Index>(part.source.size());
+      part.source.push_back(v);
+    }
+  }
+  Body& body = part.body;
+  body.mesh.points = elements.points.view()(Eigen::all, part.source);
+  body.mesh.tets.resize(4, Eigen::Index(tets.size()));
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    for (int c = 0; c < 4; ++c)
+      body.mesh.tets(c, Eigen::Index(i)) = target[elements.topology.tets()(c, tets[i])];
+    body.material_of.push_back(elements.material_of[tets[i]]);
+  }
+  body.mesh.labels.assign(tets.size(), 0);
+  body.region_of.assign(tets.size(), RegionModel::precomputed);
+  body.materials = elements.materials;
+  return part;
+}
+
+}  // namespace
+
+RegionFactor::RegionFactor(const Elements& elements, const Roles& roles,
+                           const SparseFactorMaker& make_factor) {
+  const Part part = region_part(elements);
+  const Elements own(part.body);
+  const auto vertices = static_cast<Index>(part.source.size());
+  const Unknowns unknowns(vertices,
+                          [&](Index v, int axis) { return roles(axis, part.source[v]) != Role::none; });
+  size = unknowns.count;
+  number.setConstant(3, elements.topology.vertex_count(), -1);
+  number(Eigen::all, part.source) = unknowns.number;
+  springs.assign(std::size_t(elements.topology.vertex_count()), 0);
+  Tangent K(own, unknowns);
+  K.update(Mat3X<double>::Zero(3, vertices));
+  const Eigen::VectorXd diagonal = K.matrix().diagonal();
+  mean_stiffness = size > 0 ? diagonal.mean() : 1;
+  std::vector<double> own_springs(std::size_t(vertices), 0);
+  for (Index v = 0; v < vertices; ++v) {
+    const Index source = part.source[v];
+    if ((roles.col(source).array() == Role::interior).any()) continue;
+    for (Index row : unknowns.number.col(v))
+      if (row >= 0) own_springs[v] = springs[source] = std::max(own_springs[v], diagonal[row]);
+  }
+  K.scale_and_add_mass(1, 1, own_springs);
+  factor = make_factor();
+  factor->analyse(K.matrix());
+  if (size > 0 && !factor->factorise(K.matrix()))
+    throw InputError(
+        "precomputed region",
+        "its stiffness is singular: a part of it can move although nothing moves it; fix more of its "
+        "vertices, or make that part tensor-mass or nonlinear");
+}
+
+}  // namespace lobe

@@ -1,0 +1,31 @@
+// The pre-computed region as a body of its own, factorised once: what its tetrahedra are at one moment.
+#pragma once
+
+#include "lobe/region/elements.h"
+#include "lobe/solve/sparse_factor.h"
+
+namespace lobe {
+
+// What becomes of a displacement component of a vertex of the region.
+enum class Role : std::uint8_t {
+  none,      // outside of the region, or fixed
+  interior,  // quasi-static, follows the interface
+  interface  // moves by itself: shared with other regions, or led by somebody
+};
+using Roles = Eigen::Matrix<Role, 3, Eigen::Dynamic>;              // 3 × #vertices
+using ComponentNumbers = Eigen::Matrix<Index, 3, Eigen::Dynamic>;  // 3 × #vertices, −1: none
+
+// K̂ = K + springs, K the stiffness of the region's tetrahedra on all components with a role, and a spring on each
+// vertex whose components are all interface or fixed. They hold K̂ where nothing else holds the region, are of the size of its
+// own stiffness, and are taken off again by who condenses.
+struct RegionFactor {
+  RegionFactor(const Elements& elements, const Roles& roles, const SparseFactorMaker& make_factor);
+
+  ComponentNumbers number;      // rows of K̂
+  std::vector<double> springs;  // per vertex [N/m]
+  double mean_stiffness = 0;    // of K's diagonal [N/m]
+  Index size = 0;               // of K̂
+  std::unique_ptr<SparseFactor> factor;
+};
+
+}  // namespace lobe

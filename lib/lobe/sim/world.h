@@ -41,7 +41,7 @@ struct Edit {
   Kind kind = Kind::removal;
   RegionModel model = RegionModel::nonlinear;
   std::vector<Index> tets;
-  HeldVertices held;
+  HeldVertices held = {};
   bool operator==(const Edit&) const = default;
 };
 

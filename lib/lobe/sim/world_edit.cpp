@@ -37,7 +37,7 @@ MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
   MeshEdit edit = elements_.topology.remove(tets);
   if (edit.empty()) return edit;
   follow(edit);
-  history_.push_back({Edit::Kind::removal, {}, edit.removed, {}});
+  history_.push_back({Edit::Kind::removal, {}, edit.removed});
   return edit;
 }
 
@@ -101,8 +101,8 @@ void World<Real>::follow(RegionEdit edit) {
 template <class Real>
 void World<Real>::refresh_held(const HeldVertices& before) {
   RegionEdit edit;
-  for (const HeldVertices* held : {&before, &held_})
-    for (const HeldVertices::Held& item : held->all()) edit.vertices.push_back(item.vertex);
+  for (const HeldVertices::Held& item : before.all()) edit.vertices.push_back(item.vertex);
+  for (const HeldVertices::Held& item : held_.all()) edit.vertices.push_back(item.vertex);
   make_unique(edit.vertices);
   if (precomputed_.tet_count() > 0) history_.push_back({Edit::Kind::held, {}, {}, held_});
   follow(std::move(edit));
@@ -153,7 +153,7 @@ template <class Real>
 void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
   RegionEdit edit = change_of_region(tets, model);
   if (edit.left.empty()) return;
-  history_.push_back({Edit::Kind::region, model, edit.left, {}});
+  history_.push_back({Edit::Kind::region, model, edit.left});
   follow(std::move(edit));
 }
 

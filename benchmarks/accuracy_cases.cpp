@@ -43,7 +43,13 @@ Case liver(bool quick) {
   return made;
 }
 
+void refuse_meshes(const Options& options) {
+  if (!options.meshes.empty())
+    throw InputError("--mesh", "is a further mesh of a scene; name that by --scene");
+}
+
 std::vector<Case> shipped_cases(const Options& options) {
+  refuse_meshes(options);
   const auto sizes = [&](const std::vector<int>& all, const std::vector<int>& quick) {
     if (!options.tets.empty()) return options.tets;
     return options.quick ? quick : all;
@@ -67,6 +73,17 @@ Case users_case(const fs::path& file, const std::vector<fs::path>& meshes) {
   made.meshes.push_back(read_mesh(mesh_path(made.scene)).mesh);
   for (const fs::path& mesh : meshes) made.meshes.push_back(read_mesh(mesh).mesh);
   return made;
+}
+
+std::vector<Case> users_cases(const Options& options) {
+  if (!options.tets.empty())
+    throw InputError("--tets",
+                     "sizes the shipped beam and cylinder; give your scene further meshes by --mesh");
+  if (options.scenes.size() > 1 && !options.meshes.empty())
+    throw InputError("--mesh", "goes with one --scene only");
+  std::vector<Case> cases;
+  for (const fs::path& file : options.scenes) cases.push_back(users_case(file, options.meshes));
+  return cases;
 }
 
 // ---- Selectors
@@ -128,19 +145,7 @@ void prolongate(Selector& selector, bool of_tets, const TetMesh& old, const Refi
 }  // namespace
 
 std::vector<Case> make_cases(const Options& options) {
-  std::vector<Case> cases;
-  if (options.scenes.empty()) {
-    if (!options.meshes.empty())
-      throw InputError("--mesh", "is a further mesh of a scene; name that by --scene");
-    cases = shipped_cases(options);
-  } else {
-    if (!options.tets.empty())
-      throw InputError("--tets",
-                       "sizes the shipped beam and cylinder; give your scene further meshes by --mesh");
-    if (options.scenes.size() > 1 && !options.meshes.empty())
-      throw InputError("--mesh", "goes with one --scene only");
-    for (const fs::path& file : options.scenes) cases.push_back(users_case(file, options.meshes));
-  }
+  std::vector<Case> cases = options.scenes.empty() ? shipped_cases(options) : users_cases(options);
   for (Case& one : cases) {
     std::stable_sort(one.meshes.begin(), one.meshes.end(),
                      [](const TetMesh& a, const TetMesh& b) { return a.tet_count() < b.tet_count(); });
@@ -151,6 +156,18 @@ std::vector<Case> make_cases(const Options& options) {
                        [&](const Case& other) { return other.name == cases[i].name; }))
       cases[i].name += '_';
   return cases;
+}
+
+std::vector<Case> make_organs(const Options& options) {
+  if (!options.scenes.empty()) return users_cases(options);
+  refuse_meshes(options);
+  if (!options.tets.empty()) throw InputError("bench hybrid", "has the sizes of its meshes, not --tets");
+  Case organ = liver(options.quick);
+  if (!options.quick) {
+    organ.meshes.push_back(refine(organ.meshes[0]).mesh);
+    organ.meshes.push_back(refine(organ.meshes[1]).mesh);
+  }
+  return {organ};
 }
 
 bool selects_by_number(const Scene& scene) {

@@ -19,6 +19,9 @@ struct Case {
 // The shipped scenes, or those of the options on their own meshes. Throws InputError.
 std::vector<Case> make_cases(const Options& options);
 
+// The shipped liver alone, also refined, or the user's scenes.
+std::vector<Case> make_organs(const Options& options);
+
 // Whether a selector of the scene names vertices or tetrahedra by number, or counts them: it means nothing, or
 // something else, on another mesh.
 bool selects_by_number(const Scene& scene);

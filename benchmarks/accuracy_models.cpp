@@ -89,16 +89,19 @@ std::vector<Model> make_models(const Setup& setup, std::vector<std::string>& war
   return models;
 }
 
-Mat3X<double> linear_trial(const Setup& setup) {
-  Setup linear = all(setup, RegionModel::tensor_mass);
+Setup at_the_end(Setup setup) {
   std::vector<char> held(std::size_t(setup.mesh.vertex_count()), 0);
   for (const PrescribedVertex& p : setup.prescribed) held[std::size_t(p.vertex)] = 1;
   for (const GraspSetup& grasp : setup.grasps)
     for (Index v : grasp.vertices)
       if (!std::exchange(held[std::size_t(v)], 1))
-        linear.prescribed.push_back({v, grasp.path.back().position});
-  linear.grasps.clear();
-  const StaticResult solution = solve_static(linear);
+        setup.prescribed.push_back({v, grasp.path.back().position});
+  setup.grasps.clear();
+  return setup;
+}
+
+Mat3X<double> linear_trial(const Setup& setup) {
+  const StaticResult solution = solve_static(all(at_the_end(setup), RegionModel::tensor_mass));
   if (!solution.converged) throw InputError("trial solution", solution.reason);
   return solution.u;
 }

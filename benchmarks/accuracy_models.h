@@ -28,7 +28,10 @@ Setup reference_setup(Setup setup);
 // What cannot be had is left out with a warning.
 std::vector<Model> make_models(const Setup& setup, std::vector<std::string>& warnings);
 
-// One linear static solution with the loads of the gesture's end: grasps are displacements at their last offset. [m]
+// With the displacements of the gesture's end as boundary conditions: grasps are at their last offset.
+Setup at_the_end(Setup setup);
+
+// One linear static solution with the loads of the gesture's end: [m]
 // Throws InputError if the body is not held.
 Mat3X<double> linear_trial(const Setup& setup);
 

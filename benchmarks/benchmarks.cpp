@@ -9,6 +9,8 @@ std::span<const Benchmark> all_benchmarks() {
        true},
       {"validation", "known solutions, orders of convergence, conserved quantities", bench_validation},
       {"cut", "cost of removing a tetrahedron, against building the model anew", bench_cut},
+      {"hybrid", "a step with a pre-computed or tensor-mass part, against all non-linear", bench_hybrid,
+       true},
   };
   return list;
 }

@@ -15,8 +15,8 @@ struct Options {
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
   int threads = 1;               // kernels: if above 1, timed beside one thread; accuracy: of every run
-  std::vector<std::filesystem::path> scenes;  // accuracy: in place of the shipped ones
-  std::vector<std::filesystem::path> meshes;  // accuracy: of the one scene, beside its own
+  std::vector<std::filesystem::path> scenes;  // accuracy, hybrid: in place of the shipped ones
+  std::vector<std::filesystem::path> meshes;  // accuracy, hybrid: of the one scene, beside its own
 };
 
 // A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its end; failed
@@ -38,5 +38,6 @@ void bench_kernels(const Options& options);
 void bench_accuracy(const Options& options);
 void bench_validation(const Options& options);
 void bench_cut(const Options& options);
+void bench_hybrid(const Options& options);
 
 }  // namespace lobe::bench

@@ -27,7 +27,7 @@ struct Row {
   RegionModel representation = RegionModel::precomputed;
   double step_us = 0, svk_step_us = 0;
   double error_l2 = 0, error_free = 0, error_max = 0;  // relative, in equilibrium, to all non-linear
-  InterfaceSize interface;
+  InterfaceSize interface = {};
   double set_up_s = 0;  // building the world, condensation included
 };
 
@@ -77,6 +77,7 @@ std::unique_ptr<World<float>> moving_world(const Setup& setup, double& seconds) 
   State<float> state = world->state();
   state.u.setRandom();
   state.u *= 1e-5F;
+  for (const HeldVertices::Held& item : world->held().all()) state.u.col(item.vertex).setZero();
   world->set_state(state);
   return world;
 }

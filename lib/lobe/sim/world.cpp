@@ -325,8 +325,8 @@ void World<Real>::play_tools(double duration, Report& report) {
     report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
   }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
-    report.tets_removed += remove_tets(touched_tets(
-        elements_.topology, elements_.points.view() + state().u.template cast<double>(), sweep));
+    report.tets_removed += remove_tets(
+        touched_tets(elements_.topology, elements_.points.view() + state().u.template cast<double>(), sweep));
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
 }

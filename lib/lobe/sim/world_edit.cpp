@@ -89,7 +89,8 @@ void World<Real>::follow(RegionEdit edit) {
   tensor_mass_.follow(elements_, edit);
   nonlinear_.follow(elements_, edit);
   refresh_vertices(edit.vertices);
-  const std::vector<Index> mechanism = precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded());
+  const std::vector<Index> mechanism =
+      precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded());
   for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
   for (Index v : edit.vertices) refresh_inverse_mass(v);
   implicit_is_stale_ = interior_is_stale_ = true;

@@ -23,15 +23,6 @@ RegionEdit everything(const Elements& elements) {
   return edit;
 }
 
-std::size_t edge_count(const TetMesh& mesh) {
-  std::vector<std::pair<Index, Index>> edges;
-  for (Index t = 0; t < mesh.tet_count(); ++t)
-    for (const auto& edge : edge_corners)
-      edges.push_back(std::minmax({mesh.tets(edge[0], t), mesh.tets(edge[1], t)}));
-  std::sort(edges.begin(), edges.end());
-  return std::size_t(std::unique(edges.begin(), edges.end()) - edges.begin());
-}
-
 using CubePointer = std::shared_ptr<const Cube>;
 
 std::shared_ptr<const Mat3X<double>> part_of(const CubePointer& cube, const Mat3X<double>& forces) {
@@ -102,7 +93,7 @@ void add_tensor_mass(std::vector<Kernel>& kernels, const CubePointer& cube, cons
   std::fill(elements.region_of.begin(), elements.region_of.end(), RegionModel::tensor_mass);
   const auto region = std::make_shared<TensorMassRegion<Real>>();
   region->follow(elements, everything(elements));
-  const double bytes = 2.0 * double(edge_count(cube->setup.mesh)) * (9 * sizeof(Real) + sizeof(Index));
+  const double bytes = double(region->edge_count()) * sizeof(EdgeBlock<Real>) / EdgeBlock<Real>::width;
   add_region<Real>(kernels, "tensor_mass", cube, threads, region, bytes / cube->setup.mesh.tet_count(),
                    cube->linear);
 }

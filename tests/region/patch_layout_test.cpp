@@ -3,10 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <map>
-#include <numeric>
 #include <random>
 #include <set>
 
+#include "lobe/region/elements.h"
 #include "support.h"
 
 using namespace lobe;
@@ -14,39 +14,48 @@ using namespace lobe::test;
 
 namespace {
 
-std::vector<Index> all_tets(const Elements& elements) {
-  std::vector<Index> tets(std::size_t(elements.topology.tet_count()));
-  std::iota(tets.begin(), tets.end(), 0);
-  return tets;
+using Layout = PatchLayout<4>;
+using Items = std::vector<Layout::Item>;
+
+Layout::Corners corners_of(const Elements& elements, Index t) {
+  const Eigen::Vector4i v = elements.topology.corners(t);
+  return {v[0], v[1], v[2], v[3]};
 }
 
-PatchLayout layout_of(const Elements& elements) {
-  PatchLayout layout;
-  layout.resize(elements.topology);
-  layout.enter(elements, all_tets(elements));
+Items all_tets(const Elements& elements) {
+  Items items;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    items.push_back({t, corners_of(elements, t), elements.material_of[t]});
+  return items;
+}
+
+Layout layout_of(const Elements& elements) {
+  Layout layout;
+  layout.resize(elements.topology.vertex_count(), elements.topology.tet_count());
+  layout.enter(all_tets(elements), elements.points.padded());
   return layout;
 }
 
-Index leave(PatchLayout& layout, const Elements& elements, Index tet) {
-  return layout.leave(tet,
-                      layout.local_corners(layout.slot_of(tet) / patch_tets, elements.topology.corners(tet)));
+Index leave(Layout& layout, const Layout::Item& item) {
+  return layout.leave(item.id,
+                      layout.local_corners(layout.slot_of(item.id) / Layout::capacity, item.corners));
 }
 
 // Every tetrahedron of the layout has a slot of its own and its patch knows its corners; nobody else has a place.
-void check(const PatchLayout& layout, const Elements& elements, Index tet_count) {
-  REQUIRE(layout.tet_count() == tet_count);
+void check(const Layout& layout, const Elements& elements, Index tet_count) {
+  REQUIRE(layout.item_count() == tet_count);
   Index tets = 0;
   std::map<Index, std::set<Index>> places;  // per vertex
   for (Index p = 0; p < layout.patch_count(); ++p) {
-    const PatchLayout::Patch& patch = layout.patch(p);
-    CHECK((patch.tets <= patch_tets && patch.vertices <= patch_vertices));
-    tets += patch.tets;
+    const Layout::Patch& patch = layout.patch(p);
+    CHECK((patch.items <= Layout::capacity && patch.vertices <= patch_vertices));
+    tets += patch.items;
     std::set<Index> used;
-    for (Index slot = p * patch_tets; slot < p * patch_tets + patch.tets; ++slot) {
-      const Index t = layout.tet_of(slot);
+    for (Index slot = p * Layout::capacity; slot < p * Layout::capacity + patch.items; ++slot) {
+      const Index t = layout.id_of(slot);
       CHECK(layout.slot_of(t) == slot);
-      CHECK(elements.material_of[t] == patch.material);
-      const Eigen::Vector4i corners = elements.topology.corners(t);
+      CHECK(elements.material_of[t] == patch.kind);
+      const Layout::Corners corners = corners_of(elements, t);
       const auto local = layout.local_corners(p, corners);
       for (int c = 0; c < 4; ++c) {
         REQUIRE(local[c] < patch.vertices);
@@ -69,9 +78,9 @@ void check(const PatchLayout& layout, const Elements& elements, Index tet_count)
 
 TEST_CASE("a mesh fills patches of one material nearly to the brim, with few vertices that several know") {
   const Elements elements(hybrid_setup(irregular_box(8)));  // 3072 tetrahedra of two materials
-  const PatchLayout layout = layout_of(elements);
+  const Layout layout = layout_of(elements);
   check(layout, elements, 3072);
-  CHECK(layout.patch_count() <= 2 * (3072 / 2 / patch_tets + 2));
+  CHECK(layout.patch_count() <= 2 * (3072 / 2 / Layout::capacity + 2));
   Index vertices = 0;
   for (Index p = 0; p < layout.patch_count(); ++p) vertices += layout.patch(p).vertices;
   CHECK(vertices < 5 * elements.topology.vertex_count());
@@ -79,22 +88,22 @@ TEST_CASE("a mesh fills patches of one material nearly to the brim, with few ver
 
 TEST_CASE("tetrahedra leave and come back in any order, and the layout stays whole") {
   const Elements elements(hybrid_setup(irregular_box(5)));
-  PatchLayout layout = layout_of(elements);
-  std::vector<Index> inside = all_tets(elements), outside;
+  Layout layout = layout_of(elements);
+  Items inside = all_tets(elements), outside;
   std::mt19937 random(3);
   for (int round = 0; round < 12; ++round) {
     std::shuffle(inside.begin(), inside.end(), random);
     for (int i = 0; i < 120; ++i) {
-      const Index slot = layout.slot_of(inside.back()), last = leave(layout, elements, inside.back());
-      CHECK(last / patch_tets == slot / patch_tets);
-      CHECK(layout.slot_of(inside.back()) == -1);
+      const Index slot = layout.slot_of(inside.back().id), last = leave(layout, inside.back());
+      CHECK(last / Layout::capacity == slot / Layout::capacity);
+      CHECK(layout.slot_of(inside.back().id) == -1);
       outside.push_back(inside.back());
       inside.pop_back();
     }
     check(layout, elements, static_cast<Index>(inside.size()));
     std::shuffle(outside.begin(), outside.end(), random);
-    const std::vector<Index> back(outside.begin() + 60, outside.end());
-    layout.enter(elements, back);
+    const Items back(outside.begin() + 60, outside.end());
+    layout.enter(back, elements.points.padded());
     inside.insert(inside.end(), back.begin(), back.end());
     outside.resize(60);
     check(layout, elements, static_cast<Index>(inside.size()));
@@ -103,12 +112,12 @@ TEST_CASE("tetrahedra leave and come back in any order, and the layout stays who
 
 TEST_CASE("patches that were emptied are filled again") {
   const Elements elements(setup_of(irregular_box(5)));
-  PatchLayout layout = layout_of(elements);
+  Layout layout = layout_of(elements);
   const Index patches = layout.patch_count();
   for (int round = 0; round < 3; ++round) {
-    for (Index t : all_tets(elements)) leave(layout, elements, t);
+    for (const Layout::Item& item : all_tets(elements)) leave(layout, item);
     check(layout, elements, 0);
-    for (Index t : all_tets(elements)) layout.enter(elements, {t});
+    for (const Layout::Item& item : all_tets(elements)) layout.enter({item}, elements.points.padded());
     check(layout, elements, elements.topology.tet_count());
     CHECK(layout.patch_count() == patches);
   }

@@ -1,4 +1,4 @@
-// Tetrahedra side by side, as wide kernels read them: every row fills one cache line, a multiple of every
+// Tetrahedra and edges side by side, as wide kernels read them: every row fills one cache line, a multiple of every
 // register's width. Plain arrays.
 #pragma once
 
@@ -7,9 +7,6 @@
 #include "lobe/types.h"
 
 namespace lobe {
-
-inline constexpr Index patch_tets = 512;      // the most that share a patch
-inline constexpr Index patch_vertices = 256;  // numbered by one byte
 
 template <class Real>
 struct alignas(64) ElementBlock {
@@ -25,6 +22,15 @@ struct alignas(64) ElementBlock {
 template <class Real>
 struct alignas(64) PressureBlock {  // beside each block where nodal pressure is used
   std::array<std::array<Index, ElementBlock<Real>::width>, 4> nodes{};  // of the four corners
+};
+
+template <class Real>
+struct alignas(64) EdgeBlock {
+  static constexpr int width = ElementBlock<Real>::width;  // edges per block
+
+  std::array<typename ElementBlock<Real>::Row, 9> K{};  // K_ij [N/m], column by column; zero in empty lanes
+  std::array<std::array<std::uint8_t, std::size_t(width)>, 2>
+      corners{};  // i and j, as the patch numbers them
 };
 
 // A vector of a vertex with a fourth number, zero, so that a register takes it whole.

@@ -14,10 +14,10 @@ constexpr int upper[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
 
 template <class Real>
 PatchArrays<Real> Patches<Real>::arrays(Index p, const LocalVectors& u) const {
-  const Elastic& elastic = materials_[layout_.patch(p).material];
+  const Elastic& elastic = materials_[layout_.patch(p).kind];
   const std::size_t first = std::size_t(p) * patch_blocks;
   return {blocks_.data() + first,
-          block_count(p),
+          (layout_.patch(p).items + width - 1) / width,
           nodal_pressure_ ? pressure_blocks_.data() + first : nullptr,
           pressure_.data(),
           u.data(),
@@ -30,12 +30,12 @@ template <class Real>
 void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
   parallel.for_ranges(layout_.patch_count(), sums_.patches_at_once, [&](Index begin, Index end) {
     LocalVectors local;
-    std::array<Real, std::size_t(patch_tets)> strains;
+    std::array<Real, std::size_t(Layout::capacity)> strains;
     for (Index p = begin; p < end; ++p) {
       sums_.gather(layout_, p, u, local);
       kernels_.volume_strains(arrays(p, local), strains.data());
-      for (Index i = 0; i < layout_.patch(p).tets; ++i)
-        volume_strain_[layout_.tet_of(p * patch_tets + i)] = strains[i];
+      for (Index i = 0; i < layout_.patch(p).items; ++i)
+        volume_strain_[layout_.id_of(p * Layout::capacity + i)] = strains[i];
     }
   });
   nodes_.gather(volume_strain_, pressure_, parallel);
@@ -63,9 +63,9 @@ void Patches<Real>::for_lanes(const Mat3X<Real>& u, Visit&& visit) {
   for (Index p = 0; p < layout_.patch_count(); ++p) {
     sums_.gather(layout_, p, u, local);
     const PatchArrays<Real> patch = arrays(p, local);
-    for (Index i = 0; i < layout_.patch(p).tets; i += Lanes::count)
-      visit(Lanes(patch.blocks[i / width], i % width, patch.u), patch, i / width, p * patch_tets + i,
-            std::min<int>(Lanes::count, layout_.patch(p).tets - i));
+    for (Index i = 0; i < layout_.patch(p).items; i += Lanes::count)
+      visit(Lanes(patch.blocks[i / width], i % width, patch.u), patch, i / width, p * Layout::capacity + i,
+            std::min<int>(Lanes::count, layout_.patch(p).items - i));
   }
 }
 
@@ -93,7 +93,7 @@ void Patches<Real>::keep_slopes(const Lanes& e, Index first_slot, int used) {
     const Vec3<Pack<Real>> a = e.gradient(c), Fa = a + e.H.lazyProduct(a);
     for (int lane = 0; lane < used; ++lane)
       for (int d = 0; d < 3; ++d)
-        slopes_(d, 4 * layout_.tet_of(first_slot + lane) + c) =
+        slopes_(d, 4 * layout_.id_of(first_slot + lane) + c) =
             double(Real(e.V[lane])) * double(Real(Fa[d][lane]));
   }
 }
@@ -108,14 +108,14 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
     for (int lane = 0; lane < used; ++lane)
       if (1 + Real(change[lane]) < result.smallest_volume_ratio) {
         result.smallest_volume_ratio = 1 + Real(change[lane]);
-        result.smallest_tet = layout_.tet_of(slot + lane);
+        result.smallest_tet = layout_.id_of(slot + lane);
       }
     T pressure = 0;
     if (nodal_pressure_) {
       pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
       keep_slopes(e, slot, used);
     }
-    const Index* vertices = layout_.vertices(slot / patch_tets);
+    const Index* vertices = layout_.vertices(slot / Layout::capacity);
     for (int c = 0; c < 4; ++c) {
       const Vec3<T> a = e.gradient(c);
       Mat3<T> own = svk_diagonal_block<T>(e.H, a, patch.lambda, patch.mu);

@@ -7,16 +7,19 @@
 namespace lobe {
 namespace {
 
-// By material, then along a Hilbert curve.
-std::vector<Index> in_patch_order(const Elements& elements, const std::vector<Index>& tets) {
-  Mat3X<double> barycentres(3, Eigen::Index(tets.size()));
-  for (std::size_t i = 0; i < tets.size(); ++i)
-    barycentres.col(Eigen::Index(i)) = elements.corner_points(tets[i]).rowwise().mean();
-  std::vector<Index> order = spatial_order(barycentres);
-  for (Index& i : order) i = tets[i];
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return elements.material_of[a] < elements.material_of[b]; });
-  return order;
+// By kind, then along a Hilbert curve.
+template <class Item>
+std::vector<Item> in_patch_order(const std::vector<Item>& items, const Mat3X<double>& points) {
+  Mat3X<double> barycentres(3, Eigen::Index(items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i)
+    barycentres.col(Eigen::Index(i)) = points(Eigen::all, items[i].corners).rowwise().mean();
+  std::vector<Item> sorted;
+  sorted.reserve(items.size());
+  for (Index i : spatial_order(barycentres)) sorted.push_back(items[i]);
+  const auto by_kind = [](const Item& a, const Item& b) { return a.kind < b.kind; };
+  if (!std::is_sorted(sorted.begin(), sorted.end(), by_kind))
+    std::stable_sort(sorted.begin(), sorted.end(), by_kind);
+  return sorted;
 }
 
 // Neighbours in the order of the curve far apart, so that those side by side in a block seldom share a vertex: a sum in
@@ -31,39 +34,43 @@ void for_strided(Index begin, Index end, Visit&& visit) {
 
 }  // namespace
 
-std::array<std::uint8_t, 4> PatchLayout::local_corners(Index p, const Eigen::Vector4i& corners) const {
-  std::array<std::uint8_t, 4> local;
-  for (int c = 0; c < 4; ++c) local[c] = static_cast<std::uint8_t>(local_number(p, corners[c]));
+template <int n>
+typename PatchLayout<n>::LocalCorners PatchLayout<n>::local_corners(Index p, const Corners& corners) const {
+  LocalCorners local;
+  for (int c = 0; c < n; ++c) local[c] = static_cast<std::uint8_t>(local_number(p, corners[c]));
   return local;
 }
 
-void PatchLayout::resize(const Topology& topology) {
-  slot_of_tet_.resize(std::size_t(topology.tet_count()), -1);
-  while (places_.vertex_count() < topology.vertex_count()) places_.add_vertex();
+template <int n>
+void PatchLayout<n>::resize(Index vertex_count, Index id_count) {
+  slot_of_.resize(std::size_t(id_count), -1);
+  while (places_.vertex_count() < vertex_count) places_.add_vertex();
 }
 
-void PatchLayout::enter(const Elements& elements, const std::vector<Index>& tets) {
-  if (static_cast<Index>(tets.size()) > patch_tets / 2) return fill_new_patches(elements, tets);
-  for (Index t : tets) put(patch_for(elements, t), t, elements.topology.corners(t));
+template <int n>
+void PatchLayout<n>::enter(const std::vector<Item>& items, const Mat3X<double>& points) {
+  if (static_cast<Index>(items.size()) > capacity / 2) return fill_new_patches(items, points);
+  for (const Item& item : items) put(patch_for(item), item);
 }
 
-void PatchLayout::fill_new_patches(const Elements& elements, const std::vector<Index>& tets) {
-  const std::vector<Index> order = in_patch_order(elements, tets);
+template <int n>
+void PatchLayout<n>::fill_new_patches(const std::vector<Item>& items, const Mat3X<double>& points) {
+  const std::vector<Item> order = in_patch_order(items, points);
   const Index count = static_cast<Index>(order.size()), first_patch = patch_count();
-  const std::size_t patches = patches_.size() + order.size() * 17 / (16 * patch_tets) + 4;
+  const std::size_t patches = patches_.size() + order.size() * 17 / (16 * capacity) + 4;
   vertex_.reserve(patches * patch_vertices);
   uses_.reserve(patches * patch_vertices);
-  tet_of_slot_.reserve(patches * patch_tets);
-  std::vector<Index> known_to(std::size_t(elements.topology.vertex_count()), -1);  // the last patch
+  id_of_.reserve(patches * capacity);
+  std::vector<Index> known_to(std::size_t(places_.vertex_count()), -1);  // the last patch
   std::vector<Index> ends;
   for (Index i = 0; i < count; ends.push_back(i)) {
-    const std::uint16_t material = elements.material_of[order[i]];
-    const Index p = append_patch(material), end = std::min(count, i + patch_tets);
-    for (; i < end && elements.material_of[order[i]] == material; ++i) {
-      const Eigen::Vector4i corners = elements.topology.corners(order[i]);
-      const auto missing =
+    const std::uint16_t kind = order[i].kind;
+    const Index p = append_patch(kind), end = std::min(count, i + capacity);
+    for (; i < end && order[i].kind == kind; ++i) {
+      const Corners& corners = order[i].corners;
+      const auto unknown =
           std::count_if(corners.begin(), corners.end(), [&](Index v) { return known_to[v] != p; });
-      if (patches_[p].vertices + missing > patch_vertices) break;
+      if (patches_[p].vertices + unknown > patch_vertices) break;
       for (Index v : corners) {
         if (known_to[v] == p) continue;
         known_to[v] = p;
@@ -71,40 +78,41 @@ void PatchLayout::fill_new_patches(const Elements& elements, const std::vector<I
       }
     }
   }
-  list_places(first_patch, elements.topology.vertex_count());
+  list_places(first_patch);
   for (Index i = 0, p = first_patch; p < patch_count(); i = ends[p++ - first_patch])
-    for_strided(i, ends[p - first_patch],
-                [&](Index at) { put(p, order[at], elements.topology.corners(order[at])); });
+    for_strided(i, ends[p - first_patch], [&](Index at) { put(p, order[at]); });
 }
 
-void PatchLayout::list_places(Index first_patch, Index vertex_count) {
+template <int n>
+void PatchLayout<n>::list_places(Index first_patch) {
   const auto for_places = [&](auto&& visit) {
     for (Index p = first_patch; p < patch_count(); ++p)
-      for (Index n = 0; n < patches_[p].vertices; ++n) visit(p * patch_vertices + n);
+      for (Index i = 0; i < patches_[p].vertices; ++i) visit(p * patch_vertices + i);
   };
   if (first_patch == 0) {
-    std::vector<Index> lengths(std::size_t(vertex_count), 0);
+    std::vector<Index> lengths(std::size_t(places_.vertex_count()), 0);
     for_places([&](Index place) { ++lengths[vertex_[place]]; });
     places_ = VertexLists<Index>(lengths);
   }
   for_places([&](Index place) { places_.append(vertex_[place], place); });
 }
 
-Index PatchLayout::leave(Index tet, const std::array<std::uint8_t, 4>& local_corners) {
-  const Index slot = slot_of_tet_[tet], p = slot / patch_tets;
+template <int n>
+Index PatchLayout<n>::leave(Index id, const LocalCorners& corners) {
+  const Index slot = slot_of_[id], p = slot / capacity;
   Patch& patch = patches_[p];
-  for (std::uint8_t n : local_corners) {
-    const Index place = p * patch_vertices + n;
+  for (std::uint8_t number : corners) {
+    const Index place = p * patch_vertices + number;
     if (--uses_[place] > 0) continue;
     places_.erase_value(vertex_[place], place);
     ++patch.free;
   }
-  const Index last = p * patch_tets + --patch.tets;
-  tet_of_slot_[slot] = tet_of_slot_[last];
-  slot_of_tet_[tet_of_slot_[slot]] = slot;
-  slot_of_tet_[tet] = -1;
-  --tet_count_;
-  if (patch.tets == 0) {
+  const Index last = p * capacity + --patch.items;
+  id_of_[slot] = id_of_[last];
+  slot_of_[id_of_[slot]] = slot;
+  slot_of_[id] = -1;
+  --item_count_;
+  if (patch.items == 0) {
     patch.vertices = patch.free = 0;
     empty_.push_back(p);
   }
@@ -112,57 +120,62 @@ Index PatchLayout::leave(Index tet, const std::array<std::uint8_t, 4>& local_cor
 }
 
 // Of the patches around it, that which knows most of its vertices.
-Index PatchLayout::patch_for(const Elements& elements, Index tet) {
-  const Eigen::Vector4i corners = elements.topology.corners(tet);
-  const std::uint16_t material = elements.material_of[tet];
-  Index best = -1;
-  int most = 0;
-  for (Index v : corners)
+template <int n>
+Index PatchLayout<n>::patch_for(const Item& item) {
+  Index best = -1, fewest = n;
+  for (Index v : item.corners)
     for (Index place : places_[v]) {
       const Index p = place / patch_vertices;
-      const auto known =
-          std::count_if(corners.begin(), corners.end(), [&](Index w) { return local_number(p, w) >= 0; });
-      if (known <= most || !has_room(p, material, corners)) continue;
+      if (missing(p, item.corners) >= fewest || !has_room(p, item)) continue;
       best = p;
-      most = static_cast<int>(known);
+      fewest = missing(p, item.corners);
     }
   if (best >= 0) return best;
-  return open_ >= 0 && has_room(open_, material, corners) ? open_ : open_patch(material);
+  return open_ >= 0 && has_room(open_, item) ? open_ : open_patch(item.kind);
 }
 
-bool PatchLayout::has_room(Index p, std::uint16_t material, const Eigen::Vector4i& corners) const {
+template <int n>
+Index PatchLayout<n>::missing(Index p, const Corners& corners) const {
+  return static_cast<Index>(
+      std::count_if(corners.begin(), corners.end(), [&](Index v) { return local_number(p, v) < 0; }));
+}
+
+template <int n>
+bool PatchLayout<n>::has_room(Index p, const Item& item) const {
   const Patch& patch = patches_[p];
-  if (patch.material != material || patch.tets == patch_tets) return false;
-  const auto missing =
-      std::count_if(corners.begin(), corners.end(), [&](Index v) { return local_number(p, v) < 0; });
-  return patch.vertices - patch.free + missing <= patch_vertices;
+  return patch.kind == item.kind && patch.items < capacity &&
+         patch.vertices - patch.free + missing(p, item.corners) <= patch_vertices;
 }
 
-Index PatchLayout::append_patch(std::uint16_t material) {
+template <int n>
+Index PatchLayout<n>::append_patch(std::uint16_t kind) {
   const Index p = patch_count();
-  patches_.push_back({0, 0, 0, material});
+  patches_.push_back({0, 0, 0, kind});
   vertex_.resize(patches_.size() * patch_vertices, 0);
   uses_.resize(patches_.size() * patch_vertices, 0);
-  tet_of_slot_.resize(patches_.size() * patch_tets, -1);
+  id_of_.resize(patches_.size() * capacity, -1);
   return p;
 }
 
-Index PatchLayout::open_patch(std::uint16_t material) {
-  while (!empty_.empty() && patches_[empty_.back()].tets > 0) empty_.pop_back();
-  if (empty_.empty()) return open_ = append_patch(material);
+template <int n>
+Index PatchLayout<n>::open_patch(std::uint16_t kind) {
+  while (!empty_.empty() && patches_[empty_.back()].items > 0) empty_.pop_back();
+  if (empty_.empty()) return open_ = append_patch(kind);
   open_ = empty_.back();
   empty_.pop_back();
-  patches_[open_].material = material;
+  patches_[open_].kind = kind;
   return open_;
 }
 
-Index PatchLayout::local_number(Index p, Index vertex) const {
+template <int n>
+Index PatchLayout<n>::local_number(Index p, Index vertex) const {
   for (Index place : places_[vertex])
     if (place / patch_vertices == p) return place % patch_vertices;
   return -1;
 }
 
-Index PatchLayout::number_vertex(Index p, Index vertex) {
+template <int n>
+Index PatchLayout<n>::number_vertex(Index p, Index vertex) {
   Patch& patch = patches_[p];
   Index place = p * patch_vertices;
   if (patch.free > 0) {
@@ -176,15 +189,29 @@ Index PatchLayout::number_vertex(Index p, Index vertex) {
   return place % patch_vertices;
 }
 
-void PatchLayout::put(Index p, Index tet, const Eigen::Vector4i& corners) {
-  for (Index v : corners) {
-    const Index known = local_number(p, v), n = known >= 0 ? known : number_vertex(p, v);
-    ++uses_[p * patch_vertices + n];
+template <int n>
+void PatchLayout<n>::put(Index p, const Item& item) {
+  for (Index v : item.corners) {
+    const Index known = local_number(p, v), number = known >= 0 ? known : number_vertex(p, v);
+    ++uses_[p * patch_vertices + number];
   }
-  const Index slot = p * patch_tets + patches_[p].tets++;
-  tet_of_slot_[slot] = tet;
-  slot_of_tet_[tet] = slot;
-  ++tet_count_;
+  const Index slot = p * capacity + patches_[p].items++;
+  id_of_[slot] = item.id;
+  slot_of_[item.id] = slot;
+  ++item_count_;
 }
+
+std::vector<PatchLayout<4>::Item> nonlinear_items(const Elements& elements, const std::vector<Index>& tets) {
+  std::vector<PatchLayout<4>::Item> items;
+  for (Index t : tets) {
+    if (elements.region_of[t] != RegionModel::nonlinear) continue;
+    const Eigen::Vector4i v = elements.topology.corners(t);
+    items.push_back({t, {v[0], v[1], v[2], v[3]}, elements.material_of[t]});
+  }
+  return items;
+}
+
+template class PatchLayout<2>;
+template class PatchLayout<4>;
 
 }  // namespace lobe

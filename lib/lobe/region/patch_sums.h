@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "lobe/parallel.h"
+#include "lobe/region/element_block.h"
 #include "lobe/region/patch_layout.h"
 
 namespace lobe {
@@ -16,11 +17,12 @@ class PatchSums {
  public:
   using Vector = PaddedVector<Real>;
   using LocalVectors = std::array<Vector, std::size_t(patch_vertices)>;
-  static constexpr Index patches_at_once = 4;  // on one thread, at least
+  static constexpr Index patches_at_once = 8;  // on one thread: fewer are done before another has woken
 
   void resize(Index patches) { sums_.resize(std::size_t(patches) * patch_vertices); }
 
-  static void gather(const PatchLayout& layout, Index p, const Mat3X<Real>& u, LocalVectors& local) {
+  template <class Layout>
+  static void gather(const Layout& layout, Index p, const Mat3X<Real>& u, LocalVectors& local) {
     const Index* vertices = layout.vertices(p);
     for (Index n = 0; n < layout.patch(p).vertices; ++n) {
       const Real* own = u.data() + 3 * std::size_t(vertices[n]);
@@ -29,8 +31,8 @@ class PatchSums {
   }
 
   // evaluate(patch, its displacements [m], sums of forces [N]), for each patch.
-  template <class Evaluate>
-  void add_forces(const PatchLayout& layout, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel,
+  template <class Layout, class Evaluate>
+  void add_forces(const Layout& layout, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel,
                   Evaluate&& evaluate) {
     parallel.for_ranges(layout.patch_count(), patches_at_once, [&](Index begin, Index end) {
       LocalVectors local;
@@ -42,17 +44,17 @@ class PatchSums {
       }
     });
     parallel.for_ranges(layout.places().vertex_count(), 4096,
-                        [&](Index begin, Index end) { sum_places(layout, begin, end, f); });
+                        [&](Index begin, Index end) { sum_places(layout.places(), begin, end, f); });
   }
 
  private:
   // Sums lie as far apart as the patches: they are asked for ahead.
-  void sum_places(const PatchLayout& layout, Index begin, Index end, Mat3X<Real>& f) const {
+  void sum_places(const VertexLists<Index>& places, Index begin, Index end, Mat3X<Real>& f) const {
     using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-    const std::span<const Index> all = layout.places().items();
+    const std::span<const Index> all = places.items();
     for (Index v = begin; v < end; ++v) {
       Four sum{}, own;
-      for (const Index& place : layout.places()[v]) {
+      for (const Index& place : places[v]) {
         const std::size_t ahead = std::size_t(&place - all.data()) + 32;
         if (ahead < all.size()) __builtin_prefetch(sums_.data() + all[ahead]);
         std::memcpy(&own, &sums_[place], sizeof own);

@@ -11,14 +11,12 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   kappa_ = elements.volume_penalty;
   nodal_pressure_ = std::any_of(materials_.begin(), materials_.end(),
                                 [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
-  layout_.resize(elements.topology);
+  layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   for (Index t : leave)
     if (layout_.slot_of(t) >= 0) remove(t);
   if (nodal_pressure_) nodes_.follow(elements, leave, enter);
-  std::vector<Index> own;
-  std::copy_if(enter.begin(), enter.end(), std::back_inserter(own),
-               [&](Index t) { return elements.region_of[t] == RegionModel::nonlinear; });
-  layout_.enter(elements, own);
+  const std::vector<Layout::Item> own = nonlinear_items(elements, enter);
+  layout_.enter(own, elements.points.padded());
   const std::size_t patches = std::size_t(layout_.patch_count());
   blocks_.resize(patches * patch_blocks);
   sums_.resize(layout_.patch_count());
@@ -28,21 +26,21 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
     pressure_.resize(std::size_t(nodes_.count()));
     slopes_.resize(3, 4 * Eigen::Index(elements.topology.tet_count()));
   }
-  for (Index t : own) write(elements, t);
+  for (const Layout::Item& item : own) write(elements, item);
 }
 
 template <class Real>
-void Patches<Real>::write(const Elements& elements, Index tet) {
-  const Index slot = layout_.slot_of(tet);
+void Patches<Real>::write(const Elements& elements, const Layout::Item& item) {
+  const Index slot = layout_.slot_of(item.id);
   Block& block = blocks_[slot / width];
   const int lane = slot % width;
-  const Shape s = elements.shape_of(tet);
+  const Shape s = elements.shape_of(item.id);
   for (int i = 0; i < 9; ++i) block.alpha[i][lane] = static_cast<Real>(s.gradients(i % 3, 1 + i / 3));
   block.V[lane] = static_cast<Real>(s.volume);
-  const auto corners = layout_.local_corners(slot / patch_tets, elements.topology.corners(tet));
+  const auto corners = layout_.local_corners(slot / Layout::capacity, item.corners);
   for (int c = 0; c < 4; ++c) block.corners[c][lane] = corners[c];
   if (!nodal_pressure_) return;
-  const Eigen::Vector4i nodes = nodes_.of(tet);
+  const Eigen::Vector4i nodes = nodes_.of(item.id);
   for (int c = 0; c < 4; ++c) pressure_blocks_[slot / width].nodes[c][lane] = nodes[c];
 }
 

@@ -1,12 +1,9 @@
 // SVK tetrahedra (with or without the volume term), the closed-form evaluator: about 60 flops per corner. They are kept in
-// patches (patch_layout.h). A patch copies the displacements of its vertices to a place that stays in the first cache,
-// evaluates a register's width of tetrahedra at a time from there, and adds their forces up per vertex, in the order of its
-// tetrahedra; then each vertex sums what its patches found, in the order of a list. So the result does not depend on
-// threads, and memory is asked for the tetrahedra and little else. Where a material asks for nodal pressure, a pass over
-// the strains comes first.
+// patches of one material each (patch_layout.h, patch_sums.h), which evaluate a register's width of tetrahedra at a time
+// and add their forces up in the order of their slots. Memory is asked for the tetrahedra and little else. Where a material
+// asks for nodal pressure, a pass over the strains comes first.
 #pragma once
 
-#include "lobe/parallel.h"
 #include "lobe/region/nodal_pressure.h"
 #include "lobe/region/patch_sums.h"
 #include "lobe/region/wide_kernels.h"
@@ -20,7 +17,7 @@ class Patches {
 
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
 
-  Index tet_count() const { return layout_.tet_count(); }
+  Index tet_count() const { return layout_.item_count(); }
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
@@ -37,10 +34,10 @@ class Patches {
  private:
   using Block = ElementBlock<Real>;
   using Pressures = PressureBlock<Real>;
+  using Layout = PatchLayout<4>;
   using LocalVectors = typename PatchSums<Real>::LocalVectors;
-  static constexpr int width = Block::width, patch_blocks = patch_tets / width;
+  static constexpr int width = Block::width, patch_blocks = Layout::capacity / width;
 
-  Index block_count(Index p) const { return (layout_.patch(p).tets + width - 1) / width; }
   PatchArrays<Real> arrays(Index p, const LocalVectors& u) const;
   template <class Visit>
   void for_lanes(const Mat3X<Real>& u, Visit&& visit);
@@ -49,12 +46,12 @@ class Patches {
   void keep_slopes(const Lanes& lanes, Index first_slot, int used);
 
   void remove(Index tet);
-  void write(const Elements& elements, Index tet);
+  void write(const Elements& elements, const Layout::Item& item);
   void move(Index from, Index to);
   void clear(Index slot);
 
   WideKernels<Real> kernels_;
-  PatchLayout layout_;
+  Layout layout_;
   std::vector<Elastic> materials_;
   double kappa_ = 0;           // [Pa]
   std::vector<Block> blocks_;  // patch_blocks per patch

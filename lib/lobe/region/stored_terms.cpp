@@ -57,22 +57,20 @@ class TermSums {
 template <class Real>
 void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                                const std::vector<Index>& enter) {
-  layout_.resize(elements.topology);
+  layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   std::vector<Index> changed;
   for (Index t : leave) {
     const Index slot = layout_.slot_of(t);
     if (slot < 0) continue;
-    changed.push_back(slot / patch_tets);
+    changed.push_back(slot / Layout::capacity);
     corners_[slot] = corners_[layout_.leave(t, corners_[slot])];
   }
-  std::vector<Index> own;
-  std::copy_if(enter.begin(), enter.end(), std::back_inserter(own),
-               [&](Index t) { return elements.region_of[t] == RegionModel::nonlinear; });
-  layout_.enter(elements, own);
-  corners_.resize(std::size_t(layout_.patch_count()) * patch_tets);
-  for (Index t : own) {
-    const Index slot = layout_.slot_of(t), p = slot / patch_tets;
-    corners_[slot] = layout_.local_corners(p, elements.topology.corners(t));
+  const std::vector<Layout::Item> own = nonlinear_items(elements, enter);
+  layout_.enter(own, elements.points.padded());
+  corners_.resize(std::size_t(layout_.patch_count()) * Layout::capacity);
+  for (const Layout::Item& item : own) {
+    const Index slot = layout_.slot_of(item.id), p = slot / Layout::capacity;
+    corners_[slot] = layout_.local_corners(p, item.corners);
     changed.push_back(p);
   }
   std::sort(changed.begin(), changed.end());
@@ -88,11 +86,11 @@ void StoredTerms<Real>::gather(const Elements& elements, Index p) {
   TermSums<EdgeTerms> edges;
   TermSums<TriangleTerms> triangles;
   TermSums<TetTerms> tets;
-  for (Index i = 0; i < layout_.patch(p).tets; ++i) {
-    const Index t = layout_.tet_of(p * patch_tets + i);
+  for (Index i = 0; i < layout_.patch(p).items; ++i) {
+    const Index t = layout_.id_of(p * Layout::capacity + i);
     const Shape s = elements.shape_of(t);
     const double l = elements.elastic_of(t).lambda, m = elements.elastic_of(t).mu;
-    const std::array<std::uint8_t, 4>& v = corners_[p * patch_tets + i];
+    const std::array<std::uint8_t, 4>& v = corners_[p * Layout::capacity + i];
     std::array<int, 4> o{0, 1, 2, 3};  // corners by ascending numbers
     std::sort(o.begin(), o.end(), [&](int a, int b) { return v[a] < v[b]; });
     for (int a = 0; a < 4; ++a) {

@@ -17,7 +17,7 @@ class StoredTerms {
  public:
   explicit StoredTerms(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
 
-  // Gathers the terms of all patches that an edit changes anew: O(patch_tets) for each.
+  // Gathers the terms of all patches that an edit changes anew: O(its tetrahedra) for each.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
@@ -33,10 +33,11 @@ class StoredTerms {
     Blocks<TriangleTerms> triangles;
     Blocks<TetTerms> tets;
   };
+  using Layout = PatchLayout<4>;
   void gather(const Elements& elements, Index p);
 
   WideKernels<Real> kernels_;
-  PatchLayout layout_;
+  Layout layout_;
   std::vector<std::array<std::uint8_t, 4>> corners_;  // per slot, as its patch numbers them
   std::vector<Patch> patches_;
   PatchSums<Real> sums_;

@@ -1,6 +1,6 @@
 #include "lobe/region/tensor_mass.h"
 
-#include <cstring>
+#include <algorithm>
 
 #include "lobe/fem/hooke.h"
 
@@ -13,25 +13,62 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
   return -1;
 }
 
-Mat3<double> block_of(const Elements& elements, Index tet, const Shape& s, int own, int other) {  // [N/m]
+Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {  // [N/m]
   const Elastic& elastic = elements.elastic_of(tet);
+  const Shape s = elements.shape_of(tet);
   return s.volume *
          hooke_block<double>(s.gradients.col(own), s.gradients.col(other), elastic.lambda, elastic.mu);
 }
 
-template <class Real>
-std::array<Real, 9> column_by_column(const Mat3<double>& block) {
-  std::array<Real, 9> numbers;
-  for (int i = 0; i < 9; ++i) numbers[i] = static_cast<Real>(block.data()[i]);
-  return numbers;
+// K_ij of the region's tetrahedra that are there; whether there are any.
+bool sum_block(const Elements& elements, Index i, Index j, Mat3<double>& sum) {
+  sum.setZero();
+  bool any = false;
+  for (Index t : elements.topology.around(i)) {
+    if (elements.region_of[t] != RegionModel::tensor_mass) continue;
+    const Eigen::Vector4i corners = elements.topology.corners(t);
+    const int other = corner_of(corners, j);
+    if (other < 0) continue;
+    sum += block_of(elements, t, corner_of(corners, i), other);
+    any = true;
+  }
+  return any;
 }
 
 }  // namespace
 
 template <class Real>
 void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& edit) {
+  struct Fresh {
+    Ends ends;
+    Index edge;
+    Mat3<Real> block;
+  };
+  while (neighbours_.vertex_count() < elements.topology.vertex_count()) neighbours_.add_vertex();
+  const std::vector<Index> removed = update_members(elements, edit);
+  std::vector<Fresh> fresh;
+  std::vector<Layout::Item> entered;
+  for (const Ends& ends : touched_edges(elements, edit, removed)) {
+    Index edge = edge_of(ends);
+    Mat3<double> block;
+    if (sum_block(elements, ends[0], ends[1], block)) {
+      if (edge < 0) entered.push_back({edge = add_edge(ends), ends});
+      fresh.push_back({ends, edge, block.cast<Real>()});
+    } else if (edge >= 0) {
+      erase_edge(ends, edge);
+    }
+  }
+  layout_.resize(elements.topology.vertex_count(), edge_numbers_);
+  layout_.enter(entered, elements.points.padded());
+  blocks_.resize(std::size_t(layout_.patch_count()) * patch_blocks);
+  sums_.resize(layout_.patch_count());
+  for (const Fresh& f : fresh) write(f.ends, f.edge, f.block);
+}
+
+// Returns those that are no members any more, or changed corners.
+template <class Real>
+std::vector<Index> TensorMassRegion<Real>::update_members(const Elements& elements, const RegionEdit& edit) {
   member_.resize(std::size_t(elements.topology.tet_count()), 0);
-  while (rows_.vertex_count() < elements.topology.vertex_count()) rows_.add_vertex();
   std::vector<Index> removed;
   for (Index t : edit.left) {
     if (member_[t]) removed.push_back(t);
@@ -42,116 +79,117 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
     member_[t] = elements.region_of[t] == RegionModel::tensor_mass;
     tet_count_ += member_[t];
   }
-  if (edit.entered.empty())
-    refresh_edges(elements, removed);
-  else
-    for (Index v : edit.vertices) gather_row(elements, v);
+  return removed;
 }
 
+// Those of the tetrahedra that went or came; and, where corners may have changed, those between the vertices of the edit.
 template <class Real>
-void TensorMassRegion<Real>::gather_row(const Elements& elements, Index vertex) {
-  struct Sum {
-    Index vertex;
-    Mat3<double> block;
-  };
-  std::vector<Sum> row;
-  for (Index t : elements.topology.around(vertex)) {
-    if (elements.region_of[t] != RegionModel::tensor_mass) continue;
+std::vector<typename TensorMassRegion<Real>::Ends> TensorMassRegion<Real>::touched_edges(
+    const Elements& elements, const RegionEdit& edit, const std::vector<Index>& removed) const {
+  std::vector<Ends> edges;
+  const auto add_edges_of = [&](Index t) {
     const Eigen::Vector4i corners = elements.topology.corners(t);
-    const Shape s = elements.shape_of(t);
-    const int own = corner_of(corners, vertex);
-    for (int c = 0; c < 4; ++c) {
-      if (c == own) continue;
-      const Mat3<double> block = block_of(elements, t, s, own, c);
-      const auto found =
-          std::find_if(row.begin(), row.end(), [&](const Sum& sum) { return sum.vertex == corners[c]; });
-      if (found == row.end())
-        row.push_back({corners[c], block});
-      else
-        found->block += block;
+    for (const auto& edge : edge_corners) {
+      const auto [low, high] = std::minmax(corners[edge[0]], corners[edge[1]]);
+      edges.push_back({low, high});
     }
-  }
-  std::vector<Entry> entries;
-  for (const Sum& sum : row) entries.push_back({column_by_column<Real>(sum.block), sum.vertex});
-  rows_.assign(vertex, entries);
-}
-
-// Tetrahedra that are gone leave the blocks of their edges to those that are left around these.
-template <class Real>
-void TensorMassRegion<Real>::refresh_edges(const Elements& elements, const std::vector<Index>& removed) {
-  std::vector<std::pair<Index, Index>> edges;
-  for (Index t : removed)
-    for (const auto& edge : edge_corners)
-      edges.push_back(
-          std::minmax({elements.topology.tets()(edge[0], t), elements.topology.tets()(edge[1], t)}));
+  };
+  for (Index t : removed) add_edges_of(t);
+  for (Index t : edit.entered)
+    if (member_[t]) add_edges_of(t);
+  if (!edit.entered.empty())
+    for (Index v : edit.vertices)
+      for (const Neighbour& n : neighbours_[v])
+        if (std::binary_search(edit.vertices.begin(), edit.vertices.end(), n.vertex))
+          edges.push_back({v, n.vertex});
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  for (const auto& [i, j] : edges) {
-    Mat3<double> sum = Mat3<double>::Zero();
-    bool is_edge = false;
-    for (Index t : elements.topology.around(i)) {
-      const Eigen::Vector4i corners = elements.topology.corners(t);
-      const int other = corner_of(corners, j);
-      if (other < 0 || elements.region_of[t] != RegionModel::tensor_mass) continue;
-      sum += block_of(elements, t, elements.shape_of(t), corner_of(corners, i), other);
-      is_edge = true;
+  return edges;
+}
+
+template <class Real>
+Index TensorMassRegion<Real>::edge_of(const Ends& ends) const {
+  for (const Neighbour& n : neighbours_[ends[0]])
+    if (n.vertex == ends[1]) return n.edge;
+  return -1;
+}
+
+template <class Real>
+Index TensorMassRegion<Real>::add_edge(const Ends& ends) {
+  if (unused_.empty()) unused_.push_back(edge_numbers_++);
+  const Index edge = unused_.back();
+  unused_.pop_back();
+  neighbours_.append(ends[0], {ends[1], edge});
+  return edge;
+}
+
+template <class Real>
+void TensorMassRegion<Real>::erase_edge(const Ends& ends, Index edge) {
+  const std::span<const Neighbour> list = neighbours_[ends[0]];
+  neighbours_.erase(
+      ends[0], &*std::find_if(list.begin(), list.end(), [&](const Neighbour& n) { return n.edge == edge; }));
+  unused_.push_back(edge);
+  const Index slot = layout_.slot_of(edge);
+  const Index last = layout_.leave(edge, layout_.local_corners(slot / Layout::capacity, ends));
+  const auto move = [&](auto& from, auto& to) {  // and leave zeros
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      to[i][slot % width] = from[i][last % width];
+      from[i][last % width] = 0;
     }
-    set_block(i, j, is_edge, sum);
-    set_block(j, i, is_edge, sum.transpose());
-  }
+  };
+  move(blocks_[last / width].K, blocks_[slot / width].K);
+  move(blocks_[last / width].corners, blocks_[slot / width].corners);
 }
 
 template <class Real>
-void TensorMassRegion<Real>::set_block(Index vertex, Index other, bool is_edge, const Mat3<double>& block) {
-  const std::span<Entry> row = rows_[vertex];
-  Entry& entry = *std::find_if(row.begin(), row.end(), [&](const Entry& e) { return e.vertex == other; });
-  if (is_edge)
-    entry.block = column_by_column<Real>(block);
-  else
-    rows_.erase(vertex, &entry);
+void TensorMassRegion<Real>::write(const Ends& ends, Index edge, const Mat3<Real>& block) {
+  const Index slot = layout_.slot_of(edge);
+  const auto local = layout_.local_corners(slot / Layout::capacity, ends);
+  Block& target = blocks_[slot / width];
+  for (int i = 0; i < 9; ++i) target.K[i][slot % width] = block.data()[i];
+  for (int c = 0; c < 2; ++c) target.corners[c][slot % width] = local[c];
 }
 
 template <class Real>
-Vec3<Real> TensorMassRegion<Real>::force(const Mat3X<Real>& u, Index vertex) const {
-  // A column of a block in one register, with a fourth number that nobody reads.
-  using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-  const Real* own = &u(0, vertex);
-  Four sum{}, first, second, last;
-  for (const Entry& entry : rows_[vertex]) {
-    const Real *other = &u(0, entry.vertex), *K = entry.block.data();
-    std::memcpy(&first, K, sizeof(Four));
-    std::memcpy(&second, K + 3, sizeof(Four));
-    std::memcpy(&last, K + 5, sizeof(Four));  // K + 6 would reach beyond the block
-    sum -= first * (other[0] - own[0]) + second * (other[1] - own[1]) +
-           Four{last[1], last[2], last[3], last[0]} * (other[2] - own[2]);
-  }
-  return {sum[0], sum[1], sum[2]};
-}
-
-template <class Real>
-void TensorMassRegion<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) const {
+void TensorMassRegion<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
   if (tet_count_ == 0) return;
-  parallel.for_ranges(rows_.vertex_count(), 512, [&](Index begin, Index end) {
-    for (Index v = begin; v < end; ++v)
-      if (!rows_[v].empty()) f.col(v) += force(u, v);
+  sums_.add_forces(layout_, u, f, parallel, [&](Index p, const auto& local, PaddedVector<Real>* sums) {
+    kernels_.add_edge_forces(blocks_.data() + std::size_t(p) * patch_blocks,
+                             (layout_.patch(p).items + width - 1) / width, local.data(), sums);
   });
+}
+
+// Calls visit(i, j, K_ij).
+template <class Real>
+template <class Visit>
+void TensorMassRegion<Real>::for_edges(Visit&& visit) const {
+  for (Index p = 0; p < layout_.patch_count(); ++p)
+    for (Index slot = p * Layout::capacity; slot < p * Layout::capacity + layout_.patch(p).items; ++slot) {
+      const Block& block = blocks_[slot / width];
+      const int lane = slot % width;
+      Mat3<double> K;
+      for (int i = 0; i < 9; ++i) K.data()[i] = double(block.K[i][lane]);
+      visit(layout_.vertices(p)[block.corners[0][lane]], layout_.vertices(p)[block.corners[1][lane]], K);
+    }
 }
 
 template <class Real>
 double TensorMassRegion<Real>::energy(const Mat3X<Real>& u) const {
   double sum = 0;
-  for (Index v = 0; v < rows_.vertex_count(); ++v)
-    if (!rows_[v].empty()) sum -= 0.5 * double(u.col(v).dot(force(u, v)));
+  for_edges(
+      [&](Index i, Index j, const Mat3<double>& K) {  // minus half of each end's displacement times its force
+        const Vec3d own = u.col(i).template cast<double>(), other = u.col(j).template cast<double>();
+        sum += 0.5 * (own.dot(K * (other - own)) - other.dot(K.transpose() * (other - own)));
+      });
   return sum;
 }
 
 template <class Real>
 void TensorMassRegion<Real>::add_diagonal_stiffness(DiagonalStiffness& K) const {
-  for (Index v = 0; v < rows_.vertex_count(); ++v)
-    for (const Entry& entry : rows_[v]) {
-      const Mat3<double> B = Eigen::Map<const Mat3<Real>>(entry.block.data()).template cast<double>();
-      K.col(v) -= Eigen::Matrix<double, 6, 1>(B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2));
-    }
+  for_edges([&](Index i, Index j, const Mat3<double>& B) {
+    K.col(i) -= Eigen::Matrix<double, 6, 1>(B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2));
+    K.col(j) -= Eigen::Matrix<double, 6, 1>(B(0, 0), B(1, 0), B(2, 0), B(1, 1), B(2, 1), B(2, 2));
+  });
 }
 
 template class TensorMassRegion<float>;

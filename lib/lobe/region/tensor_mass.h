@@ -1,45 +1,62 @@
-// The linear tensor-mass region ([PDA] section 2.3): one 3 × 3 block per edge end, f_i = −Σ_j K_ij (u_j −
-// u_i).
+// The linear tensor-mass region ([PDA] section 2.3): one 3 × 3 block per edge, f_i = −Σ_j K_ij (u_j − u_i).
 //
 // The block of a vertex is minus the sum of those of its edges (a translation costs no energy), so that only
-// the edges' are stored, and a translation gives no force to the last bit. Both ends of an edge store its block,
-// so that each vertex sums its own row, in order, whatever thread it is on.
+// the edges' are stored, and a translation gives no force to the last bit. Each edge is stored once and acts on both its
+// ends, K_ji = K_ijᵀ. Edges are kept in patches (patch_layout.h, patch_sums.h).
 #pragma once
 
-#include <array>
-
-#include "lobe/mesh/vertex_lists.h"
-#include "lobe/parallel.h"
 #include "lobe/region/elements.h"
+#include "lobe/region/patch_sums.h"
+#include "lobe/region/wide_kernels.h"
 
 namespace lobe {
 
 template <class Real>
 class TensorMassRegion {
  public:
+  explicit TensorMassRegion(InstructionSet set = chosen_instruction_set())
+      : kernels_(wide_kernels<Real>(set)) {}
+
   // Sums anew the blocks of the edges of an edit, from the tetrahedra that are left around them.
   void follow(const Elements& elements, const RegionEdit& edit);
 
   Index tet_count() const { return tet_count_; }
+  Index edge_count() const { return layout_.item_count(); }
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
-                  Parallel& parallel) const;
+                  Parallel& parallel);
   double energy(const Mat3X<Real>& u) const;  // [J]
   void add_diagonal_stiffness(DiagonalStiffness& K) const;
 
  private:
-  struct Entry {
-    std::array<Real, 9> block;  // K_ij [N/m], column by column
-    Index vertex = 0;           // j
-  };
-  void gather_row(const Elements& elements, Index vertex);
-  void refresh_edges(const Elements& elements, const std::vector<Index>& removed);
-  void set_block(Index vertex, Index other, bool is_edge, const Mat3<double>& block);
-  Vec3<Real> force(const Mat3X<Real>& u, Index vertex) const;
+  using Layout = PatchLayout<2>;
+  using Ends = Layout::Corners;  // ascending
+  using Block = EdgeBlock<Real>;
+  static constexpr int width = Block::width, patch_blocks = Layout::capacity / width;
 
-  VertexLists<Entry> rows_;
-  std::vector<std::uint8_t> member_;  // per tetrahedron
+  struct Neighbour {
+    Index vertex, edge;
+  };
+
+  std::vector<Index> update_members(const Elements& elements, const RegionEdit& edit);
+  std::vector<Ends> touched_edges(const Elements& elements, const RegionEdit& edit,
+                                  const std::vector<Index>& removed) const;
+  Index edge_of(const Ends& ends) const;  // −1 if there is none
+  Index add_edge(const Ends& ends);
+  void erase_edge(const Ends& ends, Index edge);
+  void write(const Ends& ends, Index edge, const Mat3<Real>& block);
+  template <class Visit>
+  void for_edges(Visit&& visit) const;
+
+  WideKernels<Real> kernels_;
+  Layout layout_;
+  std::vector<Block> blocks_;  // patch_blocks per patch
+  PatchSums<Real> sums_;
+  VertexLists<Neighbour> neighbours_;  // per vertex: those of higher numbers
+  std::vector<Index> unused_;          // numbers of edges
+  Index edge_numbers_ = 0;             // in use or not
+  std::vector<std::uint8_t> member_;   // per tetrahedron
   Index tet_count_ = 0;
 };
 

@@ -138,11 +138,35 @@ LOBE_FLATTEN void dense_product(const Real* blocks, Index columns, const Real* x
   }
 }
 
+// f_i = −K_ij d, f_j = K_ijᵀ d with d = u_j − u_i.
+template <class Real>
+LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
+                                  PaddedVector<Real>* f) {
+  using T = Pack<Real>;
+  for (Index b = 0; b < count; ++b) {
+    prefetch(blocks + b);
+    for (int first = 0; first < EdgeBlock<Real>::width; first += static_cast<int>(T::size())) {
+      const auto& corners = blocks[b].corners;
+      const Vec3<T> d = PaddedVectors<T>::load(&u->xyz0[0], &corners[1][first]) -
+                        PaddedVectors<T>::load(&u->xyz0[0], &corners[0][first]);
+      Mat3<T> K;
+      for (int i = 0; i < 9; ++i)
+        K(i % 3, i / 3).copy_from(&blocks[b].K[i][first], std::experimental::element_aligned);
+      Eigen::Matrix<T, 3, 2> forces;
+      forces.col(0) = -K.lazyProduct(d);
+      forces.col(1) = K.transpose().lazyProduct(d);
+      add_to_vertices<T>(forces, corners, first, &f->xyz0[0]);
+    }
+  }
+}
+
 }  // namespace
 
 extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>,
-                                               add_term_forces<float>, dense_product<float>};
+                                               add_term_forces<float>, dense_product<float>,
+                                               add_edge_forces<float>};
 extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>,
-                                                add_term_forces<double>, dense_product<double>};
+                                                add_term_forces<double>, dense_product<double>,
+                                                add_edge_forces<double>};
 
 }  // namespace lobe::LOBE_KERNELS

@@ -33,6 +33,9 @@ struct WideKernels {
   void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);
   // y = S x of blocks [begin, end).
   void (*dense_product)(const Real* blocks, Index columns, const Real* x, Index begin, Index end, Real* y);
+  // The same as add_forces of the edges of a linear patch, of `count` blocks.
+  void (*add_edge_forces)(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
+                          PaddedVector<Real>* f);
 };
 
 template <class Real>

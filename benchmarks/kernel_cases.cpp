@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 #include <random>
 
+#include "benchmarks/roofline.h"
+#include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/sim/world.h"
 
@@ -23,18 +26,18 @@ RegionEdit everything(const Elements& elements) {
   return edit;
 }
 
-using CubePointer = std::shared_ptr<const Cube>;
+using SpecimenPointer = std::shared_ptr<const Specimen>;
 
-std::shared_ptr<const Mat3X<double>> part_of(const CubePointer& cube, const Mat3X<double>& forces) {
-  return {cube, &forces};
+std::shared_ptr<const Mat3X<double>> part_of(const SpecimenPointer& specimen, const Mat3X<double>& forces) {
+  return {specimen, &forces};
 }
 
-Kernel reference_kernel(const CubePointer& cube) {
-  const auto f = std::make_shared<Mat3X<double>>(Mat3X<double>::Zero(3, cube->u.cols()));
-  Kernel kernel{"reference", "double", 1, sizeof(ReferenceTet), {}, {}, part_of(cube, cube->svk)};
-  kernel.evaluate = [cube, f] {
+Kernel reference_kernel(const SpecimenPointer& specimen) {
+  const auto f = std::make_shared<Mat3X<double>>(Mat3X<double>::Zero(3, specimen->u.cols()));
+  Kernel kernel{"reference", "double", 1, sizeof(ReferenceTet), {}, {}, part_of(specimen, specimen->svk)};
+  kernel.evaluate = [specimen, f] {
     f->setZero();
-    add_reference_forces(cube->reference, cube->u, *f);
+    add_reference_forces(specimen->reference, specimen->u, *f);
   };
   kernel.forces = [f] { return *f; };
   return kernel;
@@ -42,16 +45,16 @@ Kernel reference_kernel(const CubePointer& cube) {
 
 // One region's forces on all vertices; the region is built once for all numbers of threads.
 template <class Real, class Region>
-void add_region(std::vector<Kernel>& kernels, const std::string& name, const CubePointer& cube,
+void add_region(std::vector<Kernel>& kernels, const std::string& name, const SpecimenPointer& specimen,
                 const std::vector<int>& threads, const std::shared_ptr<Region>& region, double bytes_per_tet,
                 const Mat3X<double>& expected) {
   struct Data {
     Mat3X<Real> u, f;
   };
-  const auto data = std::make_shared<Data>(Data{cube->u.cast<Real>(), cube->u.cast<Real>()});
+  const auto data = std::make_shared<Data>(Data{specimen->u.cast<Real>(), specimen->u.cast<Real>()});
   for (int n : threads) {
     const auto parallel = std::make_shared<Parallel>(n);
-    Kernel kernel{name, precision_name<Real>, n, bytes_per_tet, {}, {}, part_of(cube, expected)};
+    Kernel kernel{name, precision_name<Real>, n, bytes_per_tet, {}, {}, part_of(specimen, expected)};
     kernel.evaluate = [region, data, parallel] {
       data->f.setZero();
       region->add_forces(data->u, data->f, *parallel);
@@ -62,59 +65,63 @@ void add_region(std::vector<Kernel>& kernels, const std::string& name, const Cub
 }
 
 template <class Real>
+constexpr double edge_bytes = double(sizeof(EdgeBlock<Real>)) / EdgeBlock<Real>::width;
+template <class Real>
 constexpr double block_bytes = double(sizeof(ElementBlock<Real>)) / ElementBlock<Real>::width;
 
 template <class Real>
-void add_svk(std::vector<Kernel>& kernels, const CubePointer& cube, const std::vector<int>& threads) {
-  Elements elements(cube->setup);
+void add_svk(std::vector<Kernel>& kernels, const SpecimenPointer& specimen, const std::vector<int>& threads) {
+  Elements elements(specimen->setup);
   const RegionEdit edit = everything(elements);
   const auto direct = std::make_shared<NonlinearRegion<Real>>();
   direct->follow(elements, edit);
-  add_region<Real>(kernels, "svk", cube, threads, direct, block_bytes<Real>, cube->svk);
+  add_region<Real>(kernels, "svk", specimen, threads, direct, block_bytes<Real>, specimen->svk);
   const auto stored = std::make_shared<StoredTerms<Real>>();
   stored->follow(elements, edit.left, edit.entered);
-  add_region<Real>(kernels, "svk_stored", cube, threads, stored,
-                   double(stored->bytes()) / cube->setup.mesh.tet_count(), cube->svk);
-  elements.volume_penalty = cube_volume_penalty;
+  add_region<Real>(kernels, "svk_stored", specimen, threads, stored,
+                   double(stored->bytes()) / specimen->setup.mesh.tet_count(), specimen->svk);
+  elements.volume_penalty = volume_penalty;
   const auto volume = std::make_shared<NonlinearRegion<Real>>();
   volume->follow(elements, edit);
-  add_region<Real>(kernels, "svk_volume", cube, threads, volume, block_bytes<Real>, cube->svk_volume);
+  add_region<Real>(kernels, "svk_volume", specimen, threads, volume, block_bytes<Real>, specimen->svk_volume);
   elements.volume_penalty = 0;
   elements.materials[0].nodal_pressure = 1;
   const auto averaged = std::make_shared<NonlinearRegion<Real>>();
   averaged->follow(elements, edit);
-  add_region<Real>(kernels, "svk_nodal_pressure", cube, threads, averaged,
-                   block_bytes<Real> + 4 * sizeof(Index), cube->svk_nodal_pressure);
+  add_region<Real>(kernels, "svk_nodal_pressure", specimen, threads, averaged,
+                   block_bytes<Real> + 4 * sizeof(Index), specimen->svk_nodal_pressure);
 }
 
 template <class Real>
-void add_tensor_mass(std::vector<Kernel>& kernels, const CubePointer& cube, const std::vector<int>& threads) {
-  Elements elements(cube->setup);
+void add_tensor_mass(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
+                     const std::vector<int>& threads) {
+  Elements elements(specimen->setup);
   std::fill(elements.region_of.begin(), elements.region_of.end(), RegionModel::tensor_mass);
   const auto region = std::make_shared<TensorMassRegion<Real>>();
   region->follow(elements, everything(elements));
-  const double bytes = double(region->edge_count()) * sizeof(EdgeBlock<Real>) / EdgeBlock<Real>::width;
-  add_region<Real>(kernels, "tensor_mass", cube, threads, region, bytes / cube->setup.mesh.tet_count(),
-                   cube->linear);
+  const double bytes = double(region->edge_count()) * edge_bytes<Real>;
+  add_region<Real>(kernels, "tensor_mass", specimen, threads, region,
+                   bytes / specimen->setup.mesh.tet_count(), specimen->linear);
 }
 
 // A whole step of a World, which moves it by almost nothing. From rest, the force is mass × v / Δt; that on
 // held vertices does not show and is left out.
 template <class Real>
-void add_step(std::vector<Kernel>& kernels, const CubePointer& cube, const std::vector<int>& threads) {
-  auto expected = std::make_shared<Mat3X<double>>(cube->svk);
-  std::vector<double> mass(std::size_t(cube->u.cols()), 0);
-  for (const ReferenceTet& tet : cube->reference)
+void add_step(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
+              const std::vector<int>& threads) {
+  auto expected = std::make_shared<Mat3X<double>>(specimen->svk);
+  std::vector<double> mass(std::size_t(specimen->u.cols()), 0);
+  for (const ReferenceTet& tet : specimen->reference)
     for (Index v : tet.corners) mass[v] += tet.corner_mass;
-  for (const PrescribedVertex& held : cube->setup.prescribed) {
+  for (const PrescribedVertex& held : specimen->setup.prescribed) {
     mass[held.vertex] = 0;
     expected->col(held.vertex).setZero();
   }
   for (int n : threads) {
-    const auto world = std::make_shared<World<Real>>(cube->setup, n);
+    const auto world = std::make_shared<World<Real>>(specimen->setup, n);
     const double dt = 1e-4 * world->time_step_limit();
     State<Real> state = world->state();
-    state.u = cube->u.cast<Real>();
+    state.u = specimen->u.cast<Real>();
     world->set_state(state);
     Kernel kernel{"step", precision_name<Real>, n, block_bytes<Real>, {}, {}, expected};
     kernel.evaluate = [world, dt] { world->step(dt); };
@@ -127,23 +134,61 @@ void add_step(std::vector<Kernel>& kernels, const CubePointer& cube, const std::
   }
 }
 
+Setup whole_body(const TetMesh& mesh) {
+  Setup setup;
+  setup.mesh = mesh;
+  setup.materials = {Elastic{}};
+  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
+  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  return setup;
+}
+
+double flops_per_tet(const Kernel& kernel) {
+  if (kernel.name == "svk" || kernel.name == "step") return flops_svk();
+  if (kernel.name == "svk_volume") return flops_svk_volume();
+  if (kernel.name != "tensor_mass") return 0;
+  const double edge = kernel.precision == "single" ? edge_bytes<float> : edge_bytes<double>;
+  return flops_tensor_mass_edge() * kernel.bytes_per_tet / edge;
+}
+
 }  // namespace
 
 Setup cube_setup(int tets) {
   const int cells = std::max(1, static_cast<int>(std::lround(std::cbrt(tets / 6.0))));
-  Setup setup;
-  setup.mesh = box_mesh(Vec3d::Constant(cube_edge), cells, cells, cells);
-  setup.materials = {Elastic{}};
-  setup.material_of.assign(std::size_t(setup.mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(setup.mesh.tet_count()), RegionModel::nonlinear);
+  Setup setup = whole_body(box_mesh(Vec3d::Constant(cube_edge), cells, cells, cells));
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
   return setup;
 }
 
-Cube::Cube(int tets) : setup(cube_setup(tets)) {
+Setup shuffled(const Setup& setup) {
+  const Index vertices = setup.mesh.vertex_count(), tets = setup.mesh.tet_count();
+  std::vector<Index> place(static_cast<std::size_t>(vertices)), order(static_cast<std::size_t>(tets));
+  std::iota(place.begin(), place.end(), 0);
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937 random(2);
+  std::shuffle(place.begin(), place.end(), random);
+  std::shuffle(order.begin(), order.end(), random);
+  Setup result = setup;
+  for (Index v = 0; v < vertices; ++v) result.mesh.points.col(place[v]) = setup.mesh.points.col(v);
+  for (Index t = 0; t < tets; ++t)
+    for (int c = 0; c < 4; ++c) result.mesh.tets(c, t) = place[setup.mesh.tets(c, order[t])];
+  for (PrescribedVertex& held : result.prescribed) held.vertex = place[held.vertex];
+  return result;
+}
+
+Setup liver_setup() {
+  Setup setup = whole_body(read_mesh(std::filesystem::path(LOBE_DATA_DIR) / "meshes/liver_10k.vtu").mesh);
+  const auto x = setup.mesh.points.row(0);
+  const double held_below = x.minCoeff() + 0.05 * (x.maxCoeff() - x.minCoeff());
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (x[v] < held_below) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(mesh_name)), setup(body) {
   const Index n = setup.mesh.vertex_count();
-  const double cell = cube_edge / std::cbrt(setup.mesh.tet_count() / 6.0);
+  const double cell = std::cbrt(6 * total_volume(setup.mesh) / setup.mesh.tet_count());
   std::mt19937 random(1);
   std::uniform_real_distribution<double> move(-0.1 * cell, 0.1 * cell);
   u.resize(3, n);
@@ -156,17 +201,18 @@ Cube::Cube(int tets) : setup(cube_setup(tets)) {
   add_reference_linear_forces(reference, u, linear);
   add_reference_nodal_pressure_forces(reference, u, svk_nodal_pressure);
   svk_volume = svk;
-  add_reference_volume_forces(reference, setup.mesh.points + u, cube_volume_penalty, svk_volume);
+  add_reference_volume_forces(reference, setup.mesh.points + u, volume_penalty, svk_volume);
 }
 
-std::vector<Kernel> make_kernels(const CubePointer& cube, const std::vector<int>& threads) {
-  std::vector<Kernel> kernels{reference_kernel(cube)};
-  add_svk<float>(kernels, cube, threads);
-  add_svk<double>(kernels, cube, threads);
-  add_tensor_mass<float>(kernels, cube, threads);
-  add_tensor_mass<double>(kernels, cube, threads);
-  add_step<float>(kernels, cube, threads);
-  add_step<double>(kernels, cube, threads);
+std::vector<Kernel> make_kernels(const SpecimenPointer& specimen, const std::vector<int>& threads) {
+  std::vector<Kernel> kernels{reference_kernel(specimen)};
+  add_svk<float>(kernels, specimen, threads);
+  add_svk<double>(kernels, specimen, threads);
+  add_tensor_mass<float>(kernels, specimen, threads);
+  add_tensor_mass<double>(kernels, specimen, threads);
+  add_step<float>(kernels, specimen, threads);
+  add_step<double>(kernels, specimen, threads);
+  for (Kernel& kernel : kernels) kernel.flops_per_tet = flops_per_tet(kernel);
   return kernels;
 }
 

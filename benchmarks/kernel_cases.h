@@ -1,4 +1,4 @@
-// The kernels that `lobe bench kernels` times, each set up on one cube beside the result expected of it.
+// The kernels that `lobe bench kernels` times, each set up on one body beside the result expected of it.
 #pragma once
 
 #include <functional>
@@ -15,18 +15,25 @@ inline constexpr double cube_edge = 0.1;  // [m]
 // An ordered, non-linear cube of one material, one side held, of about as many tetrahedra as 6 n³ can be.
 Setup cube_setup(int tets);
 
-// That cube with every vertex moved at random by a tenth of a cell: strains are large, and forces do not cancel out.
-// Displacements are representable in single precision.
-struct Cube {
-  explicit Cube(int tets);
+// The same body, its vertices and tetrahedra numbered at random.
+Setup shuffled(const Setup& setup);
 
+// The shipped liver, non-linear, of one material, held on one side.
+Setup liver_setup();
+
+// A body with every vertex moved at random by a tenth of a cell of six tetrahedra: strains are large, and forces do not
+// cancel out. Displacements are representable in single precision.
+struct Specimen {
+  Specimen(std::string mesh_name, const Setup& body);
+
+  std::string mesh;  // "cube", "shuffled", "liver"
   Setup setup;
   Mat3X<double> u;  // [m]
   std::vector<ReferenceTet> reference;
   Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure;  // forces by the reference kernel [N]
 };
 
-inline constexpr double cube_volume_penalty = 1e5;  // κ of svk_volume [Pa]
+inline constexpr double volume_penalty = 1e5;  // κ of svk_volume [Pa]
 
 struct Kernel {
   std::string name;
@@ -36,10 +43,12 @@ struct Kernel {
   std::function<void()> evaluate;                 // all forces once; what is timed
   std::function<Mat3X<double>()> forces;          // found by the last evaluation [N]
   std::shared_ptr<const Mat3X<double>> expected;  // [N]
+  double flops_per_tet = 0;                       // 0: not counted
 };
 
 // `reference` first, then each kernel in both precisions on each number of threads.
-std::vector<Kernel> make_kernels(const std::shared_ptr<const Cube>& cube, const std::vector<int>& threads);
+std::vector<Kernel> make_kernels(const std::shared_ptr<const Specimen>& specimen,
+                                 const std::vector<int>& threads);
 
 // Largest difference to the expected force, as a part of the largest expected force. Call it on fresh
 // kernels only: a step moves on.

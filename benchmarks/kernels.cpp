@@ -1,14 +1,15 @@
 // lobe bench kernels: nanoseconds per tetrahedron of each force kernel, and the ratio to the plain loop.
+#include <algorithm>
 #include <cstdio>
 #include <iomanip>
 #include <map>
-#include <set>
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/files.h"
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
+#include "benchmarks/roofline.h"
 #include "benchmarks/timing.h"
 
 namespace lobe::bench {
@@ -16,17 +17,22 @@ namespace {
 
 struct Row {
   Kernel kernel;
+  std::string mesh;
   double deviation = 0;
   Index tets = 0;
   double ns_per_tet = 0;
   double ratio = 0;   // to the reference
   double spread = 0;  // of the samples: how quiet the machine was
+
+  double gb_per_s() const { return kernel.bytes_per_tet / ns_per_tet; }
+  double gflop_per_s() const { return kernel.flops_per_tet / ns_per_tet; }
 };
 
-std::vector<Row> checked_rows(const std::shared_ptr<const Cube>& cube, const std::vector<int>& threads) {
+std::vector<Row> checked_rows(const std::shared_ptr<const Specimen>& specimen,
+                              const std::vector<int>& threads) {
   std::vector<Row> rows;
-  for (Kernel& kernel : make_kernels(cube, threads)) {
-    Row row{std::move(kernel), 0, cube->setup.mesh.tet_count()};
+  for (Kernel& kernel : make_kernels(specimen, threads)) {
+    Row row{std::move(kernel), specimen->mesh, 0, specimen->setup.mesh.tet_count()};
     row.deviation = deviation(row.kernel);
     if (!(row.deviation <= allowed_deviation(row.kernel))) {
       std::ostringstream message;
@@ -53,50 +59,54 @@ void time_rows(std::vector<Row>& rows, const Sampling& sampling) {
 }
 
 void print(const std::vector<Row>& rows) {
-  std::printf("\n%-18s %-9s %7s %8s %8s %7s %10s %10s %7s\n", "kernel", "precision", "threads", "tets",
-              "ns/tet", "ratio", "bytes/tet", "deviation", "spread");
+  std::printf("\n%-8s %-18s %-9s %7s %8s %8s %7s %10s %6s %8s %10s %7s\n", "mesh", "kernel", "precision",
+              "threads", "tets", "ns/tet", "ratio", "bytes/tet", "GB/s", "Gflop/s", "deviation", "spread");
   for (const Row& r : rows)
-    std::printf("%-18s %-9s %7d %8d %8.2f %7.3f %10.1f %10.1e %5.0f %%\n", r.kernel.name.c_str(),
-                r.kernel.precision.c_str(), r.kernel.threads, r.tets, r.ns_per_tet, r.ratio,
-                r.kernel.bytes_per_tet, r.deviation, 100 * r.spread);
+    std::printf("%-8s %-18s %-9s %7d %8d %8.2f %7.3f %10.1f %6.1f %8.1f %10.1e %5.0f %%\n", r.mesh.c_str(),
+                r.kernel.name.c_str(), r.kernel.precision.c_str(), r.kernel.threads, r.tets, r.ns_per_tet,
+                r.ratio, r.kernel.bytes_per_tet, r.gb_per_s(), r.gflop_per_s(), r.deviation, 100 * r.spread);
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
-  out << "kernel,precision,threads,tets,ns_per_tet,ratio,bytes_per_tet,deviation,spread\n"
+  out << "kernel,precision,threads,tets,ns_per_tet,ratio,bytes_per_tet,deviation,spread,mesh,flops_per_tet,"
+         "gb_per_s,"
+         "gflop_per_s\n"
       << std::setprecision(5);
   for (const Row& r : rows)
     out << r.kernel.name << ',' << r.kernel.precision << ',' << r.kernel.threads << ',' << r.tets << ','
         << r.ns_per_tet << ',' << r.ratio << ',' << r.kernel.bytes_per_tet << ',' << r.deviation << ','
-        << r.spread << '\n';
+        << r.spread << ',' << r.mesh << ',' << r.kernel.flops_per_tet << ',' << r.gb_per_s() << ','
+        << r.gflop_per_s() << '\n';
   return out.str();
 }
 
 // For reading: a line per kernel, a column per size, "ns (ratio)".
 std::string markdown(const std::vector<Row>& rows, const std::string& machine) {
-  std::map<std::string, std::map<Index, std::string>> table;
+  std::map<std::string, std::map<std::string, std::string>> table;
   std::vector<std::string> order;
-  std::set<Index> sizes;
+  std::vector<std::string> bodies;  // columns, in order
   for (const Row& r : rows) {
     const std::string name =
         "| `" + r.kernel.name + "` | " + r.kernel.precision + " | " + std::to_string(r.kernel.threads) + " |";
     if (!table.contains(name)) order.push_back(name);
     char cell[64];
     std::snprintf(cell, sizeof cell, " %.1f (%.2f) |", r.ns_per_tet, r.ratio);
-    table[name][r.tets] = cell;
-    sizes.insert(r.tets);
+    const std::string body = r.mesh + ' ' + std::to_string(r.tets);
+    if (std::find(bodies.begin(), bodies.end(), body) == bodies.end()) bodies.push_back(body);
+    table[name][body] = cell;
   }
   std::string out =
       machine +
       "\n\nns per tetrahedron, in brackets the ratio to `reference`:\n\n| kernel | precision | threads |";
-  for (Index size : sizes) out += ' ' + std::to_string(size) + " |";
+  for (const std::string& body : bodies) out += ' ' + body + " |";
   out += "\n|---|---|---|";
-  for (std::size_t i = 0; i < sizes.size(); ++i) out += "---|";
+  for (std::size_t i = 0; i < bodies.size(); ++i) out += "---|";
   out += '\n';
   for (const std::string& name : order) {
     out += name;
-    for (Index size : sizes) out += table[name][size];
+    for (const std::string& body : bodies) out += table[name][body];
     out += '\n';
   }
   return out;
@@ -108,12 +118,13 @@ set output 'kernels.png'
 set datafile separator ','
 set datafile missing NaN
 set logscale x
-set yrange [0:*]
+set yrange [0:60]
 set grid
 set key outside right
 set xlabel 'tetrahedra'
 set ylabel 'ns per tetrahedron, one thread'
-series(k, p) = (strcol(1) eq k && strcol(2) eq p && column(3) == 1) ? column(5) : NaN
+of(m, k, p) = (strcol(10) eq m && strcol(1) eq k && strcol(2) eq p && column(3) == 1) ? column(5) : NaN
+series(k, p) = of('cube', k, p)
 set linetype 1 lc '#0060ad'
 set linetype 2 lc '#c02020'
 set linetype 3 lc '#20a0d0'
@@ -122,26 +133,49 @@ set linetype 5 lc '#e08000'
 set linetype 6 lc '#8040a0'
 kernels = 'svk svk_stored svk_volume tensor_mass step svk_nodal_pressure'
 plot 'kernels.csv' using 4:(series('reference', 'double')) with linespoints lw 2 lc 'black' dt 2 title 'reference, double', \
+  '' using 4:(of('shuffled', 'svk', 'single')) with linespoints lw 1 lc 1 pt 1 title 'svk, single, shuffled', \
   for [i=1:words(kernels)] '' using 4:(series(word(kernels, i), 'single')) with linespoints lw 2 lc i pt 7 \
     title word(kernels, i).', single' noenhanced, \
   for [i=1:words(kernels)] '' using 4:(series(word(kernels, i), 'double')) with linespoints lw 2 lc i pt 6 dt 2 \
     title word(kernels, i).', double' noenhanced
 )";
 
+std::vector<std::function<Specimen()>> bodies(const Options& options) {
+  std::vector<int> sizes = options.tets;
+  if (sizes.empty()) sizes = {2000, 10000, 48000};
+  const bool complete = options.tets.empty() && !options.quick;
+  if (complete) sizes.insert(sizes.end(), {200000, 1000000});
+  std::vector<std::function<Specimen()>> bodies;
+  for (int size : sizes) {
+    bodies.push_back([size] { return Specimen("cube", cube_setup(size)); });
+    if (!options.quick) bodies.push_back([size] { return Specimen("shuffled", shuffled(cube_setup(size))); });
+  }
+  if (complete) bodies.push_back([] { return Specimen("liver", liver_setup()); });
+  return bodies;
+}
+
+std::string roofline_line() {
+  static const double stream = stream_bytes_per_second(), single = peak_flops_per_second<float>(),
+                      real = peak_flops_per_second<double>();
+  char line[160];
+  std::snprintf(line, sizeof line,
+                "one thread reads %.0f GB/s from memory and does %.0f (single), %.0f (double) Gflop/s",
+                stream / 1e9, single / 1e9, real / 1e9);
+  return line;
+}
+
 }  // namespace
 
 void bench_kernels(const Options& options) {
-  std::vector<int> sizes = options.tets;
-  if (sizes.empty()) sizes = {2000, 10000, 48000};
-  if (options.tets.empty() && !options.quick) sizes.push_back(200000);
   std::vector<int> threads{1};
   if (options.threads > 1) threads.push_back(options.threads);
   const Sampling sampling = options.quick ? Sampling{5, 0.01} : Sampling{};
 
-  const std::string machine = begin_results(options.output, "kernels");
+  const std::string machine = begin_results(options.output, "kernels") + "; " + roofline_line();
+  std::printf("%s\n", roofline_line().c_str());
   std::vector<Row> all;
-  for (int size : sizes) {
-    std::vector<Row> rows = checked_rows(std::make_shared<Cube>(size), threads);
+  for (const std::function<Specimen()>& body : bodies(options)) {
+    std::vector<Row> rows = checked_rows(std::make_shared<Specimen>(body()), threads);
     time_rows(rows, sampling);
     print(rows);
     for (Row& row : rows) {

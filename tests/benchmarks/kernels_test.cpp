@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "benchmarks/kernel_cases.h"
+#include "benchmarks/roofline.h"
 
 using namespace lobe;
 using namespace lobe::bench;
@@ -51,7 +52,7 @@ std::vector<std::string> split(const std::string& line) {
 }  // namespace
 
 TEST_CASE("every kernel gives the reference's forces, and a wrong force is noticed") {
-  std::vector<Kernel> kernels = make_kernels(std::make_shared<Cube>(384), {1, 2});
+  std::vector<Kernel> kernels = make_kernels(std::make_shared<Specimen>("cube", cube_setup(384)), {1, 2});
   CHECK(kernels.size() == 1 + 6 * 2 * 2);
   CHECK(kernels.front().name == "reference");
   for (const Kernel& kernel : kernels) {
@@ -66,6 +67,25 @@ TEST_CASE("every kernel gives the reference's forces, and a wrong force is notic
     if (kernel.name == "step") continue;  // has moved on
     CHECK(deviation(kernel) > allowed_deviation(kernel));
   }
+}
+
+TEST_CASE("the kernels give the reference's forces on a cube numbered at random and on the liver, too") {
+  for (const auto& body :
+       {Specimen("shuffled", shuffled(cube_setup(3000))), Specimen("liver", liver_setup())})
+    for (const Kernel& kernel : make_kernels(std::make_shared<Specimen>(body), {2})) {
+      INFO(body.mesh << ' ' << kernel.name << ' ' << kernel.precision);
+      CHECK(deviation(kernel) <= allowed_deviation(kernel));
+    }
+}
+
+TEST_CASE("operations are counted as the formulas have them, and the machine can do more than none") {
+  // 9 + 45: differences and gradient; 18 + 45 + 9: E; 3 + 1 + 9 + 3: S; 45 + 9: P; 45 + 6
+  // of corner forces, and 12 to add them
+  CHECK(flops_svk() == 54 + 72 + 16 + 54 + 51 + 12);
+  CHECK(flops_svk_volume() > flops_svk());
+  CHECK(flops_tensor_mass_edge() == 3 + 2 * 15 + 6);
+  CHECK(stream_bytes_per_second() > 1e8);
+  CHECK(peak_flops_per_second<float>() > peak_flops_per_second<double>());
 }
 
 TEST_CASE("lobe bench kernels writes a table of finite positive ratios, a plot script, and the machine") {
@@ -85,7 +105,9 @@ TEST_CASE("lobe bench kernels writes a table of finite positive ratios, a plot s
     INFO(line);
     const std::vector<std::string> cells = split(line);
     REQUIRE(cells.size() ==
-            split("kernel,precision,threads,tets,ns_per_tet,ratio,bytes_per_tet,deviation,spread").size());
+            split("kernel,precision,threads,tets,ns_per_tet,ratio,bytes_per_tet,deviation,spread,mesh,"
+                  "flops_per_tet,gb_per_s,gflop_per_s")
+                .size());
     kernels.insert(cells[0]);
     CHECK((cells[3] == "384" || cells[3] == "2058"));
     for (int column : {4, 5, 6}) {

@@ -74,28 +74,42 @@ void Condensed::leave(const Dofs& dofs) {
   interface_ = std::move(kept);
 }
 
+// With C = (L Lᵀ)⁻¹, products X C Xᵀ are (X L⁻ᵀ)(X L⁻ᵀ)ᵀ, half of which is found.
 void Condensed::promote(const Dofs& dofs) {
   if (dofs.empty()) return;
   touch(dofs);
   const std::vector<Index> P = slots(dofs);
   const auto count = Eigen::Index(P.size()), before = S_.rows(), amplitudes = loads_.cols();
   const Matrix A_TP = A_(Eigen::all, P);
-  Matrix Z = -N_ * A_TP;
+  Matrix Z = Matrix::Zero(A_.rows(), count);
+  if (before > 0) Z.noalias() -= N_.selfadjointView<Eigen::Lower>() * A_TP;
   for (Eigen::Index i = 0; i < count; ++i) Z(P[std::size_t(i)], i) += 1;
   Matrix G = A_TP.transpose() * Phi_;
   for (Eigen::Index i = 0; i < count; ++i)
     if (known(dofs[std::size_t(i)])) G.row(i).head(amplitudes) += response_.row(dofs[std::size_t(i)]);
-  const Matrix C = (A_TP.transpose() * Z).llt().solve(Matrix::Identity(count, count));
-  const Matrix CG = C * G, ZC = Z * C;
+  const Eigen::LLT<Matrix> factor(A_TP.transpose() * Z);
+  const Matrix C = factor.solve(Matrix::Identity(count, count)), CG = C * G;
+  const Matrix half_G = factor.matrixL().solve(G);  // L⁻¹ G
+  const Matrix half_Z = factor.matrixL().solve(Z.transpose());
   join(dofs);
-  const auto old = CG.rightCols(before);
-  S_.topLeftCorner(before, amplitudes + before) += G.rightCols(before).transpose() * CG;
-  S_.topRightCorner(before, count) = -old.transpose();
+  add_to_stiffness(half_G, 1);
+  S_.topRightCorner(before, count) = -CG.rightCols(before).transpose();
   S_.bottomLeftCorner(count, amplitudes + before) = -CG;
   S_.bottomRightCorner(count, count) = C;
-  Phi_.leftCols(amplitudes + before) -= ZC * G;
+  const Matrix ZC = half_Z.transpose() * factor.matrixL().solve(Matrix::Identity(count, count));
+  Phi_.leftCols(amplitudes + before).noalias() -= ZC * G;
   Phi_.rightCols(count) = ZC;
-  N_ += ZC * Z.transpose();
+  N_.selfadjointView<Eigen::Lower>().rankUpdate(half_Z.transpose());
+}
+
+// S += sign × the interface's part of Hᵀ H.
+void Condensed::add_to_stiffness(const Matrix& H, double sign) {
+  const Eigen::Index amplitudes = loads_.cols(), n = H.cols() - amplitudes;
+  const auto of_interface = H.rightCols(n);
+  Matrix sum = Matrix::Zero(n, n);
+  sum.selfadjointView<Eigen::Lower>().rankUpdate(of_interface.transpose(), sign);
+  S_.topLeftCorner(n, amplitudes) += sign * of_interface.transpose() * H.leftCols(amplitudes);
+  S_.block(0, amplitudes, n, n) += Matrix(sum.selfadjointView<Eigen::Lower>());
 }
 
 bool Condensed::demote(const Dofs& dofs) {
@@ -105,16 +119,16 @@ bool Condensed::demote(const Dofs& dofs) {
     rows.push_back(column(d));
     columns.push_back(static_cast<Index>(loads_.cols()) + column(d));
   }
-  const Matrix S_DD = S_(rows, columns);
+  const Matrix S_DD = S_(rows, columns), Phi_D = Phi_(Eigen::all, columns);
   const Eigen::LLT<Matrix> factor(S_DD);
   constexpr double loose = 1e-10;  // of the stiffness of each component alone
   if (factor.info() != Eigen::Success ||
       (factor.matrixLLT().diagonal().array().square() <= loose * S_DD.diagonal().array()).any())
     return false;
-  const Matrix R = factor.solve(Matrix(S_(rows, Eigen::all))), Phi_D = Phi_(Eigen::all, columns);
-  S_ -= Matrix(S_(Eigen::all, columns)) * R;
-  Phi_ -= Phi_D * R;
-  N_ -= Phi_D * factor.solve(Phi_D.transpose());
+  const Matrix S_D = S_(rows, Eigen::all);
+  add_to_stiffness(factor.matrixL().solve(S_D), -1);
+  Phi_.noalias() -= Phi_D * factor.solve(S_D);
+  N_.selfadjointView<Eigen::Lower>().rankUpdate(factor.matrixL().solve(Phi_D.transpose()).transpose(), -1);
   leave(dofs);
   return true;
 }

@@ -58,6 +58,7 @@ class Condensed {
   bool known(Index dof) const { return dof < loads_.rows(); }  // to K̂
   void join(const Dofs& dofs);
   void leave(const Dofs& dofs);
+  void add_to_stiffness(const Matrix& H, double sign);
 
   std::unique_ptr<SparseFactor> factor_;
   Matrix loads_;                      // f
@@ -66,7 +67,7 @@ class Condensed {
   Dofs interface_;                    // B
   std::vector<Index> slot_, column_;  // per dof: in T, in B
   std::vector<double> added_;         // scale of the dofs that were added
-  Matrix A_, N_;                      // T × T
+  Matrix A_, N_;                      // T × T; of N the lower triangle
   Matrix Phi_;                        // T × [a; B]
   Matrix S_;                          // B × [a; B]
 };

@@ -77,12 +77,13 @@ void Condensed::leave(const Dofs& dofs) {
 // With C = (L Lᵀ)⁻¹, products X C Xᵀ are (X L⁻ᵀ)(X L⁻ᵀ)ᵀ, half of which is found.
 void Condensed::promote(const Dofs& dofs) {
   if (dofs.empty()) return;
+  const bool first = touched_.empty();  // N is zero
   touch(dofs);
   const std::vector<Index> P = slots(dofs);
   const auto count = Eigen::Index(P.size()), before = S_.rows(), amplitudes = loads_.cols();
   const Matrix A_TP = A_(Eigen::all, P);
   Matrix Z = Matrix::Zero(A_.rows(), count);
-  if (before > 0) Z.noalias() -= N_.selfadjointView<Eigen::Lower>() * A_TP;
+  if (!first) Z.noalias() -= N_.selfadjointView<Eigen::Lower>() * A_TP;
   for (Eigen::Index i = 0; i < count; ++i) Z(P[std::size_t(i)], i) += 1;
   Matrix G = A_TP.transpose() * Phi_;
   for (Eigen::Index i = 0; i < count; ++i)

@@ -8,8 +8,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
@@ -20,42 +22,69 @@
 namespace lobe::meshing {
 namespace {
 
+template <class Resource>
+void limit(Resource resource, double value) {
+  const rlimit both{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
+  setrlimit(resource, &both);
+}
+
 // After fork(): only calls that are safe there.
-[[noreturn]] void become(char* const* arguments, const ChildLimits& limits) {
-  const auto limit = [](auto resource, double value) {
-    const rlimit both{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
-    setrlimit(resource, &both);
-  };
+void restrict_child(double memory_bytes) {
 #ifndef __SANITIZE_ADDRESS__  // reserves terabytes of addresses
-  limit(RLIMIT_AS, limits.memory_bytes);
+  limit(RLIMIT_AS, memory_bytes);
 #endif
-  limit(RLIMIT_CPU, std::ceil(limits.seconds) + 1);
   limit(RLIMIT_CORE, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // never outlives this program
-  const int nothing = open("/dev/null", O_RDWR);
-  for (int stream = 0; stream < 3; ++stream) dup2(nothing, stream);
+}
+
+[[noreturn]] void become(char* const* arguments, const ChildLimits& limits, const char* errors) {
+  restrict_child(limits.memory_bytes);
+  limit(RLIMIT_CPU, std::ceil(limits.seconds) + 1);
+  const int nothing = open("/dev/null", O_RDWR), kept = open(errors, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO}) dup2(nothing, stream);
+  dup2(kept, STDERR_FILENO);
   execv(arguments[0], arguments);
   _exit(127);
+}
+
+ChildResult ended(pid_t child, int status, const rusage& used) {
+  ChildResult result{ChildResult::End::normal, 0, child, 0, 0};
+  result.cpu_seconds =
+      static_cast<double>(used.ru_utime.tv_sec) + 1e-6 * static_cast<double>(used.ru_utime.tv_usec);
+  result.peak_bytes = 1024.0 * static_cast<double>(used.ru_maxrss);
+  if (WIFSIGNALED(status)) {
+    result.end = ChildResult::End::killed;
+    result.status = WTERMSIG(status);
+  } else {
+    result.status = WEXITSTATUS(status);
+    if (result.status == 127) result.end = ChildResult::End::not_started;
+  }
+  return result;
 }
 
 ChildResult wait_for(pid_t child, double seconds) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   int status = 0;
+  rusage used{};
   for (auto pause = std::chrono::microseconds(200);;
        pause = std::min(2 * pause, std::chrono::microseconds(20000))) {
-    const pid_t done = waitpid(child, &status, WNOHANG);
-    if (done == child) break;
+    if (wait4(child, &status, WNOHANG, &used) == child) return ended(child, status, used);
     if (Clock::now() > end) {
       kill(child, SIGKILL);
-      waitpid(child, &status, 0);
-      return {ChildResult::End::timed_out, 0};
+      wait4(child, &status, 0, &used);
+      ChildResult result = ended(child, status, used);
+      result.end = ChildResult::End::timed_out;
+      return result;
     }
     std::this_thread::sleep_for(pause);
   }
-  if (WIFSIGNALED(status)) return {ChildResult::End::killed, WTERMSIG(status)};
-  if (WEXITSTATUS(status) == 127) return {ChildResult::End::not_started, 127};
-  return {ChildResult::End::normal, WEXITSTATUS(status)};
+}
+
+volatile sig_atomic_t contained_child = 0;
+
+void hand_on(int signal) {
+  if (contained_child > 0) kill(contained_child, signal);
 }
 
 }  // namespace
@@ -69,16 +98,39 @@ std::string ChildResult::in_words() const {
 }
 
 ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                      const ChildLimits& limits) {
+                      const ChildLimits& limits, const std::filesystem::path& errors) {
   std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const pid_t child = fork();
-  if (child < 0) return {ChildResult::End::not_started, 0};
-  if (child == 0) become(pointers.data(), limits);
+  if (child < 0) return {ChildResult::End::not_started, 0, 0, 0, 0};
+  if (child == 0) become(pointers.data(), limits, errors.c_str());
   return wait_for(child, limits.seconds);
+}
+
+ChildResult run_contained(const std::function<int()>& work, double memory_bytes) {
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child < 0) return {ChildResult::End::not_started, 0, 0, 0, 0};
+  if (child == 0) {
+    restrict_child(memory_bytes);
+    std::exit(work());
+  }
+  contained_child = child;
+  struct sigaction action = {}, old[2];
+  action.sa_handler = hand_on;
+  sigaction(SIGINT, &action, &old[0]);
+  sigaction(SIGTERM, &action, &old[1]);
+  int status = 0;
+  rusage used{};
+  while (wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
+  }
+  contained_child = 0;
+  sigaction(SIGINT, &old[0], nullptr);
+  sigaction(SIGTERM, &old[1], nullptr);
+  return ended(child, status, used);
 }
 
 std::filesystem::path find_program(const std::string& name) {

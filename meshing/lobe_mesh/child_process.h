@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,21 @@ struct ChildLimits {
 
 struct ChildResult {
   enum class End { normal, timed_out, killed, not_started } end = End::normal;
-  int status = 0;  // exit status, or the signal that killed it
+  int status = 0;          // exit status, or the signal that killed it
+  int process = 0;         // its number
+  double cpu_seconds = 0;  // of it and its children, user time
+  double peak_bytes = 0;   // of the largest of them
   std::string in_words() const;
 };
 
-// Runs a program to its end, with its output thrown away. A crash of it is a result, not our crash.
+// Runs a program to its end, with its output thrown away, or its errors kept in a file. A crash of it is a
+// result, not our crash.
 ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                      const ChildLimits& limits);
+                      const ChildLimits& limits, const std::filesystem::path& errors = "/dev/null");
+
+// Runs `work` in a copy of this process, which must have one thread, and waits for its end. Crashes end the copy
+// alone; SIGINT and SIGTERM to this process are handed on to it, and are its end, too.
+ChildResult run_contained(const std::function<int()>& work, double memory_bytes);
 
 // A program that belongs to this one: beside the running program, else on the PATH. Empty if not found.
 std::filesystem::path find_program(const std::string& name);

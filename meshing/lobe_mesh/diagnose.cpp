@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "lobe_mesh/clean.h"
+#include "lobe_mesh/model.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {
@@ -25,9 +26,15 @@ std::string position(const Vec3d& p) {
   return text.str();
 }
 
-void add(Finding& finding, const std::string& place) {
+void add(Finding& finding, const std::string& place, const std::vector<Index>& triangles) {
   ++finding.count;
+  finding.triangles.insert(finding.triangles.end(), triangles.begin(), triangles.end());
   if (finding.places.size() < places_kept) finding.places.push_back(place);
+}
+
+void add_point(Finding& finding, const std::string& place, Index point) {
+  add(finding, place, {});
+  finding.points.push_back(point);
 }
 
 // The triangles at one edge and in which direction each runs along it.
@@ -57,11 +64,12 @@ void check_points(const Surface& surface, Diagnosis& d) {
   const std::vector<Index> first = first_of_equal_points(surface.points);
   for (Index i = 0; i < surface.point_count(); ++i) {
     const std::string name = "vertex " + std::to_string(i);
-    if (!usable(surface.points.col(i))) add(d.not_finite, name + " at " + position(surface.points.col(i)));
+    if (!usable(surface.points.col(i)))
+      add_point(d.not_finite, name + " at " + position(surface.points.col(i)), i);
     if (!used[i])
       ++d.unused_points;
     else if (first[i] != i)
-      add(d.duplicate_points, name + " = vertex " + std::to_string(first[i]));
+      add_point(d.duplicate_points, name + " = vertex " + std::to_string(first[i]), i);
   }
 }
 
@@ -74,10 +82,10 @@ void check_triangles(const Surface& surface, Diagnosis& d) {
         std::max({(corner(1) - corner(0)).squaredNorm(), (corner(2) - corner(1)).squaredNorm(),
                   (corner(0) - corner(2)).squaredNorm()});
     const std::string name = "triangle " + std::to_string(t) + " near " + position(corner(0));
-    if (!(twice_area > 1e-14 * longest)) add(d.degenerate, name);
+    if (!(twice_area > 1e-14 * longest)) add(d.degenerate, name, {t});
     std::array<Index, 3> key{surface.triangles(0, t), surface.triangles(1, t), surface.triangles(2, t)};
     std::sort(key.begin(), key.end());
-    if (!seen.insert(key).second) add(d.duplicate_triangles, name);
+    if (!seen.insert(key).second) add(d.duplicate_triangles, name, {t});
   }
 }
 
@@ -91,8 +99,10 @@ void check_edges(const Surface& surface, const Edges& edges, Diagnosis& d) {
     else if (use.forward != 1)
       finding = &d.inconsistent_edges;
     if (finding == nullptr) continue;
-    add(*finding, "edge " + std::to_string(edge.first) + "-" + std::to_string(edge.second) + " near " +
-                      position(surface.points.col(edge.first)));
+    add(*finding,
+        "edge " + std::to_string(edge.first) + "-" + std::to_string(edge.second) + " near " +
+            position(surface.points.col(edge.first)),
+        use.triangles);
   }
 }
 
@@ -110,9 +120,17 @@ class Groups {
   std::vector<Index> parent_;
 };
 
+Groups pieces_of(const Surface& surface, const Edges& edges) {
+  Groups pieces(surface.triangle_count());
+  for (const auto& [edge, use] : edges) {
+    for (const Index t : use.triangles) pieces.join(t, use.triangles[0]);
+  }
+  return pieces;
+}
+
 void check_fans(const Surface& surface, const Edges& edges, Diagnosis& d) {
   // Corners (3 per triangle) that share an edge at their vertex belong to one fan.
-  Groups corners(static_cast<std::size_t>(surface.triangle_count()) * 3), pieces(surface.triangle_count());
+  Groups corners(static_cast<std::size_t>(surface.triangle_count()) * 3), pieces = pieces_of(surface, edges);
   const auto corner_at = [&](Index t, Index v) {
     for (int k = 0; k < 3; ++k) {
       if (surface.triangles(k, t) == v) return 3 * t + k;
@@ -121,20 +139,53 @@ void check_fans(const Surface& surface, const Edges& edges, Diagnosis& d) {
   };
   for (const auto& [edge, use] : edges) {
     for (const Index t : use.triangles) {
-      pieces.join(t, use.triangles[0]);
       for (const Index v : {edge.first, edge.second})
         corners.join(corner_at(t, v), corner_at(use.triangles[0], v));
     }
   }
-  std::set<Index> roots;
-  for (Index t = 0; t < surface.triangle_count(); ++t) roots.insert(pieces.root(t));
-  d.components = static_cast<Index>(roots.size());
+  for (Index t = 0; t < surface.triangle_count(); ++t) d.components += pieces.root(t) == t;
   std::map<Index, std::set<Index>> fans;
   for (Index c = 0; c < 3 * surface.triangle_count(); ++c)
     fans[surface.triangles(c % 3, c / 3)].insert(corners.root(c));
   for (const auto& [v, fan] : fans) {
     if (fan.size() > 1) {
-      add(d.non_manifold_points, "vertex " + std::to_string(v) + " near " + position(surface.points.col(v)));
+      add_point(d.non_manifold_points,
+                "vertex " + std::to_string(v) + " near " + position(surface.points.col(v)), v);
+    }
+  }
+}
+
+std::vector<Surface> split(const Surface& surface, const Edges& edges,
+                           std::vector<std::vector<Index>>& triangles) {
+  Groups groups = pieces_of(surface, edges);
+  std::map<Index, std::vector<Index>> of_root;
+  for (Index t = 0; t < surface.triangle_count(); ++t) of_root[groups.root(t)].push_back(t);
+  std::vector<Surface> pieces;
+  for (const auto& [root, its] : of_root) {
+    pieces.push_back({surface.points, surface.triangles(Eigen::all, its)});
+    triangles.push_back(its);
+  }
+  return pieces;
+}
+
+// Whether closed pieces face outwards, or inwards if they are cavities of another one.
+void check_sides(const Surface& surface, const Edges& edges, Diagnosis& d) {
+  constexpr Index most_pieces = 200;  // with more, it is rather noise than cavities
+  if (d.components > most_pieces) return;
+  std::vector<std::vector<Index>> triangles;
+  const std::vector<Surface> pieces = split(surface, edges, triangles);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Vec3d point = surface.points.col(pieces[i].triangles(0, 0));
+    int around = 0;  // how many others it lies in, whatever way they face
+    for (std::size_t j = 0; j < pieces.size(); ++j)
+      around += j != i && std::abs(winding_number(pieces[j], point)) > 0.5;
+    const bool inwards = enclosed_volume(pieces[i]) < 0, nested = around % 2 == 1;
+    d.cavities += inwards && nested;
+    if (inwards != nested) {
+      add(d.wrong_sides,
+          "triangle " + std::to_string(triangles[i][0]) + " near " + position(point) +
+              (nested ? ", inside another" : ""),
+          triangles[i]);
     }
   }
 }
@@ -143,7 +194,7 @@ void check_fans(const Surface& surface, const Edges& edges, Diagnosis& d) {
 
 std::vector<const Finding*> Diagnosis::findings() const {
   return {&not_finite,         &duplicate_points,    &degenerate,         &duplicate_triangles, &open_edges,
-          &non_manifold_edges, &non_manifold_points, &inconsistent_edges, &self_intersections};
+          &non_manifold_edges, &non_manifold_points, &inconsistent_edges, &self_intersections,  &wrong_sides};
 }
 
 bool Diagnosis::closed() const {
@@ -153,7 +204,7 @@ bool Diagnosis::closed() const {
 bool Diagnosis::meshable() const {
   return closed() && volume > 0 &&
          not_finite.count + degenerate.count + duplicate_triangles.count + non_manifold_points.count +
-                 self_intersections.count ==
+                 self_intersections.count + wrong_sides.count ==
              0;
 }
 
@@ -176,12 +227,18 @@ Diagnosis diagnose(const Surface& surface) {
     for (const Index v : surface.triangles.reshaped()) box.extend(surface.points.col(v));
     d.box_min = box.min();
     d.box_max = box.max();
+    d.diagonal = box.diagonal().norm();
+    if (d.diagonal > 2) d.scale_hint = "large for metres: in millimetres? use --scale 0.001";
+    if (d.diagonal < 1e-3) d.scale_hint = "small for an organ in metres: use --scale";
   }
   const UnitBox unit(surface);
   for (const auto& [a, b] : self_intersections({unit.to_unit(surface.points), surface.triangles})) {
-    add(d.self_intersections, "triangles " + std::to_string(a) + " and " + std::to_string(b) + " near " +
-                                  position(surface.points.col(surface.triangles(0, a))));
+    add(d.self_intersections,
+        "triangles " + std::to_string(a) + " and " + std::to_string(b) + " near " +
+            position(surface.points.col(surface.triangles(0, a))),
+        {a, b});
   }
+  if (d.closed()) check_sides(surface, edges, d);
   d.inverted = d.closed() && d.volume < 0;
   return d;
 }
@@ -192,6 +249,8 @@ std::string in_words(const Diagnosis& d) {
        << d.components << (d.components == 1 ? " component\n" : " components\n");
   text << "box " << position(d.box_min) << " to " << position(d.box_max) << ", enclosed volume " << d.volume
        << "\n";
+  text << "size " << d.diagonal << " m" << (d.scale_hint.empty() ? "" : ", " + d.scale_hint) << "\n";
+  if (d.cavities > 0) text << d.cavities << (d.cavities == 1 ? " cavity\n" : " cavities\n");
   for (const Finding* finding : d.findings()) {
     if (finding->count == 0) continue;
     text << finding->count << " " << finding->name << ": ";
@@ -211,7 +270,10 @@ std::string in_json(const Diagnosis& d) {
   json["components"] = d.components;
   json["box"] = {{"min", {d.box_min.x(), d.box_min.y(), d.box_min.z()}},
                  {"max", {d.box_max.x(), d.box_max.y(), d.box_max.z()}}};
+  json["diagonal"] = d.diagonal;
+  json["scale_hint"] = d.scale_hint;
   json["volume"] = d.volume;
+  json["cavities"] = d.cavities;
   for (const Finding* finding : d.findings()) {
     json["findings"].push_back(
         {{"name", finding->name}, {"count", finding->count}, {"places", finding->places}});

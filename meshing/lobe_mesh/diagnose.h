@@ -3,6 +3,7 @@
 // What is wrong with a surface, and where.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,25 +16,33 @@ struct Finding {
   std::string name;  // "open edges"
   Index count = 0;
   std::vector<std::string> places;  // the first few: "edge 3-17 near (0.1, 0, 0.02)"
+  std::vector<Index> triangles;     // concerned, all of them; one may occur several times
+  std::vector<Index> points;        // the same for faults of vertices
 };
 
 struct Diagnosis {
   Index points = 0;
   Index unused_points = 0;  // in no triangle: harmless
   Index triangles = 0;
+  double diagonal = 0;                                     // [m] of the box
   Index components = 0;                                    // connected by edges
   Vec3d box_min = Vec3d::Zero(), box_max = Vec3d::Zero();  // [m]
   double volume = 0;  // [m³] enclosed; negative if the triangles face inwards; NaN if a coordinate is
-  Finding not_finite{"coordinates that are not finite", 0, {}};
-  Finding duplicate_points{"duplicate vertices", 0, {}};
-  Finding degenerate{"degenerate triangles", 0, {}};  // without area, or with a vertex twice
-  Finding duplicate_triangles{"duplicate triangles", 0, {}};
-  Finding open_edges{"open edges", 0, {}};
-  Finding non_manifold_edges{"non-manifold edges", 0, {}};      // of three or more triangles
-  Finding non_manifold_points{"non-manifold vertices", 0, {}};  // whose triangles form several fans
-  Finding inconsistent_edges{"inconsistently oriented edges", 0, {}};
-  Finding self_intersections{"self-intersections", 0, {}};  // pairs of triangles; not if coordinates are NaN
-  bool inverted = false;                                    // closed, but facing inwards
+  Finding not_finite{"coordinates that are not finite", 0, {}, {}, {}};
+  Finding duplicate_points{"duplicate vertices", 0, {}, {}, {}};
+  Finding degenerate{"degenerate triangles", 0, {}, {}, {}};  // without area, or with a vertex twice
+  Finding duplicate_triangles{"duplicate triangles", 0, {}, {}, {}};
+  Finding open_edges{"open edges", 0, {}, {}, {}};
+  Finding non_manifold_edges{"non-manifold edges", 0, {}, {}, {}};      // of three or more triangles
+  Finding non_manifold_points{"non-manifold vertices", 0, {}, {}, {}};  // whose triangles form several fans
+  Finding inconsistent_edges{"inconsistently oriented edges", 0, {}, {}, {}};
+  Finding self_intersections{
+      "self-intersections", 0, {}, {}, {}};  // pairs of triangles; not if coordinates are NaN
+  // Closed pieces that face inwards, and pieces inside another one that face outwards.
+  Finding wrong_sides{"pieces facing the wrong way", 0, {}, {}, {}};
+  Index cavities = 0;      // closed pieces inside another one that face inwards, as they must
+  std::string scale_hint;  // "" or a doubt about the unit
+  bool inverted = false;   // closed, but facing inwards
 
   std::vector<const Finding*> findings() const;
   bool closed() const;    // every edge has exactly two triangles that agree about the outside
@@ -42,6 +51,10 @@ struct Diagnosis {
 
 // Costs one sort of the edges and one box-intersection sweep: 0.1 s for 10,000 triangles.
 Diagnosis diagnose(const Surface& surface);
+
+// The surface with its faults, for a viewer: a VTP with one cell array (0 or 1) per kind of fault that occurs,
+// named after it, and `faults`, their number.
+void write_marked(const std::filesystem::path& file, const Surface& surface, const Diagnosis& diagnosis);
 
 std::string in_words(const Diagnosis& diagnosis);
 std::string in_json(const Diagnosis& diagnosis);

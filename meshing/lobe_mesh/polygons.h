@@ -9,15 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "lobe/io/surface_io.h"
 #include "lobe_mesh/surface.h"
 
 namespace lobe::meshing {
-
-// Points and polygons as they stand in a file.
-struct Polygons {
-  std::vector<Vec3d> points;
-  std::vector<std::vector<std::int64_t>> corners;  // per polygon, 0-based; checked by to_surface()
-};
 
 // One file's content with a place in it, for messages. The readers below parse such a file.
 struct FileText {

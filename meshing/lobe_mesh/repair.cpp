@@ -3,7 +3,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "lobe/error.h"
@@ -44,7 +43,8 @@ void refuse_unless_meshable(const Diagnosis& d, const std::string& remedy) {
   if (d.meshable()) return;
   std::vector<Fault> faults;
   for (const Finding* finding : d.findings()) {
-    if (finding->count == 0 || finding == &d.duplicate_points) continue;
+    if (finding->count == 0 || finding == &d.duplicate_points || (d.inverted && finding == &d.wrong_sides))
+      continue;
     faults.push_back({"surface", std::to_string(finding->count) + " " + finding->name +
                                      ", first: " + finding->places.front() + "; " + remedy});
   }
@@ -72,36 +72,15 @@ Surface clean_up(const Surface& surface, RepairReport& report) {
   return near > 0 ? clean(result, again) : result;
 }
 
-// Bodies and cavities: components with positive and with negative volume.
-void count_pieces(const Surface& surface, RepairReport& report) {
-  std::vector<Index> parent(surface.point_count());
-  for (Index i = 0; i < surface.point_count(); ++i) parent[i] = i;
-  const auto root = [&](Index v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& t : surface.triangles.colwise()) {
-    parent[root(t[0])] = root(t[1]);
-    parent[root(t[1])] = root(t[2]);
-  }
-  std::map<Index, double> volume;
-  for (const auto& t : surface.triangles.colwise()) {
-    const auto corner = [&](int k) -> Vec3d {
-      return surface.points.col(t[k]) - surface.points.col(root(t[0]));
-    };
-    volume[root(t[0])] += corner(0).dot(corner(1).cross(corner(2)));
-  }
-  for (const auto& [piece, value] : volume) ++(value > 0 ? report.pieces : report.cavities);
-}
-
-void compare(const Surface& input, const Surface& result, RepairReport& report) {
+void compare(const Surface& input, const Surface& result, const Diagnosis& after, RepairReport& report) {
   report.volume_after = enclosed_volume(result);
   if (!report.steps.empty()) {
     const UnitBox unit(input);
     report.max_distance = unit.size * sampled_distance({unit.to_unit(input.points), input.triangles},
                                                        {unit.to_unit(result.points), result.triangles});
   }
-  count_pieces(result, report);
+  report.cavities = after.cavities;
+  report.pieces = after.components - after.cavities;
   if (report.pieces > 1) {
     report.warnings.push_back(std::to_string(report.pieces) + " separate pieces: each of them is meshed");
   }
@@ -155,12 +134,13 @@ Surface repair_surface(const Surface& surface, const RepairOptions& options, Rep
   } else {
     CleanReport ignored;
     result = before.unused_points > 0 ? clean(surface, ignored) : surface;
-    compare(surface, result, report);
+    compare(surface, result, before, report);
     return result;
   }
-  refuse_unless_meshable(diagnose(result), "this is left after the repair: use --repair wrap");
+  const Diagnosis after = diagnose(result);
+  refuse_unless_meshable(after, "this is left after the repair: use --repair wrap");
   result.points = unit.from_unit(result.points);
-  compare(surface, result, report);
+  compare(surface, result, after, report);
   return result;
 }
 

@@ -20,7 +20,7 @@ struct Surface {
 };
 
 // (Written by write_surface() of lobe/io/surface_io.h.)
-// Reads by extension: .stl and .ply (ascii and binary), .obj, .off. Polygons are triangulated; STL, which has
+// Reads by extension: .stl and .ply (ascii and binary), .obj, .off, .vtp. Polygons are triangulated; STL, which has
 // no indices, gets equal points welded. Coordinates that are not finite are kept for diagnose(). Throws
 // InputError naming file and line (or byte): missing, empty, truncated or garbled files, wrong indices.
 Surface read_surface(const std::filesystem::path& file);

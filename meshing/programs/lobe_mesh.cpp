@@ -6,7 +6,6 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <sstream>
@@ -14,7 +13,9 @@
 #include <unistd.h>
 
 #include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
 #include "lobe_mesh/repair.h"
@@ -29,7 +30,7 @@ using namespace lobe::meshing;
 
 struct Options {
   std::vector<std::string> surfaces;
-  std::string output, report;
+  std::string output, report, marked;
   std::vector<std::string> label_edges, balls;
   double scale = 1;
   bool diagnose = false, json = false, quiet = false;
@@ -59,12 +60,15 @@ void declare(CLI::App& app, Options& o) {
   static const std::map<std::string, Mesher> meshers{{"cgal", Mesher::cgal}, {"tetgen", Mesher::tetgen}};
   static const std::map<std::string, Repair> levels{
       {"none", Repair::none}, {"basic", Repair::basic}, {"wrap", Repair::wrap}};
-  app.add_option("SURFACE", o.surfaces,
-                 "closed surfaces: .stl, .obj, .ply or .off; the first is label 0, the next 1 …, one within "
-                 "another or apart")
+  app.add_option(
+         "SURFACE", o.surfaces,
+         "closed surfaces: .stl, .obj, .ply, .off or .vtp; the first is label 0, the next 1 …, one within "
+         "another or apart")
       ->required();
-  app.add_option("-o,--output", o.output, "mesh to write: .vtu");
+  app.add_option("-o,--output", o.output,
+                 "mesh to write: .vtu, .vtk, .msh (4.1), .msh2 (2.2), .mesh or .node");
   app.add_flag("--diagnose", o.diagnose, "only say what is wrong with the surface");
+  app.add_option("--marked", o.marked, "file for the surface with its faults as cell data: .vtp");
   app.add_option("--edge", o.mesh.edge, "edge of the tetrahedra [m]; default: diagonal / 25");
   app.add_option("--label-edge", o.label_edges, "LABEL=EDGE: another edge in one label [m]; can be repeated");
   app.add_option("--ball", o.balls, "X,Y,Z,RADIUS,EDGE: shorter edges in a ball [m]; can be repeated");
@@ -84,7 +88,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--feature-angle", o.mesh.feature_angle, "edges that turn by more stay sharp [degrees]")
       ->capture_default_str();
   app.add_option("--time-limit", o.mesh.time_limit, "for the whole run [s]")->capture_default_str();
-  app.add_option("--memory-limit", o.mesh.memory_limit, "for TetGen [bytes]")->capture_default_str();
+  app.add_option("--memory-limit", o.mesh.memory_limit, "for the run, and for TetGen [bytes]")
+      ->capture_default_str();
   app.add_option("--lambda", o.mesh.lambda, "of the reported time step [Pa]")->capture_default_str();
   app.add_option("--mu", o.mesh.mu, "of the reported time step [Pa]")->capture_default_str();
   app.add_option("--density", o.mesh.density, "of the reported time step [kg/m³]")->capture_default_str();
@@ -99,10 +104,15 @@ void check(const CLI::App& app, const Options& o) {
   if (!o.diagnose && o.output.empty())
     faults.push_back({"--output", "missing: give -o MESH.vtu (or --diagnose)"});
   const std::filesystem::path output(o.output), folder = output.parent_path();
-  if (!o.output.empty() && output.extension() != ".vtu") {
-    faults.push_back({"--output", o.output + ": expected a name that ends in .vtu"});
+  if (!o.output.empty() && !can_write_mesh(output)) {
+    faults.push_back(
+        {"--output", o.output + ": expected a name that ends in .vtu, .vtk, .msh, .msh2, .mesh or .node"});
   }
-  for (const std::filesystem::path& file : {output, std::filesystem::path(o.report)}) {
+  if (!o.marked.empty() && !o.diagnose) faults.push_back({"--marked", "belongs to --diagnose"});
+  if (!o.marked.empty() && std::filesystem::path(o.marked).extension() != ".vtp")
+    faults.push_back({"--marked", o.marked + ": expected a name that ends in .vtp"});
+  for (const std::filesystem::path& file :
+       {output, std::filesystem::path(o.report), std::filesystem::path(o.marked)}) {
     if (file.has_parent_path() && !std::filesystem::is_directory(file.parent_path())) {
       faults.push_back({file.string(), "there is no folder " + file.parent_path().string()});
     }
@@ -130,16 +140,10 @@ void check(const CLI::App& app, const Options& o) {
 
 void warn(const std::string& message) { std::cerr << "lobe-mesh: warning: " << message << "\n"; }
 
-// Whole or absent, like the mesh itself.
 void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::path temporary = file;
-  temporary += ".part";
-  {
-    std::ofstream out(temporary);
-    out << text << "\n";
-    if (!out.flush()) throw InputError(file.string(), "cannot be written");
-  }
-  std::filesystem::rename(temporary, file);
+  io::AtomicFile out(file);
+  out.stream() << text << "\n";
+  out.commit();
 }
 
 // "1=0.004" and "0.1,0,0.02,0.03,0.004": numbers with one separator each.
@@ -197,6 +201,7 @@ RepairedFile repair(const std::string& file, const Options& o, Surface& surface)
 
 int print_diagnosis(const Options& o, const Surface& surface) {
   const Diagnosis diagnosis = diagnose(surface);
+  if (!o.marked.empty()) write_marked(o.marked, surface, diagnosis);
   std::cout << (o.json ? in_json(diagnosis) + "\n" : in_words(diagnosis));
   return 0;
 }
@@ -219,7 +224,7 @@ int run(const Options& o) {
   MeshReport report;
   const TetMesh mesh = tetrahedralise(surfaces, o.mesh, report);
   for (const std::string& warning : report.warnings) warn(warning);
-  write_vtu(o.output, mesh);
+  write_mesh(o.output, mesh);
   const std::string json = in_json(repaired, o.output, o.mesh, report);
   if (!o.report.empty()) write_text(o.report, json);
   if (o.json) std::cout << json << "\n";
@@ -243,24 +248,9 @@ void print_errors(const std::string& text) {
   for (std::string line; std::getline(lines, line);) std::cerr << "lobe-mesh: error: " << line << "\n";
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app("From a surface model to tetrahedra: repair, mesh, report quality and stable time step.",
-               "lobe-mesh");
-  Options options;
-  declare(app, options);
+// Every error becomes one line and an exit status.
+int run_and_report(const Options& options) {
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    print_errors(error.what());
-    return 2;
-  }
-  try {
-    check(app, options);
-    read_sizing(options);
     limit_time(options.mesh.time_limit);
     return run(options);
   } catch (const InputError& error) {
@@ -270,10 +260,64 @@ int main(int argc, char** argv) {
     print_errors(failure.what());
     return 1;
   } catch (const std::bad_alloc&) {
-    print_errors("out of memory");
+    print_errors("out of memory: choose a longer --edge, or a larger --memory-limit");
     return 1;
   } catch (const std::exception& error) {
     print_errors(error.what());
     return 1;
   }
+}
+
+// What a process that was killed left half written beside its outputs.
+void remove_parts(const Options& o, int process) {
+  for (const std::string& output : {o.output, o.report, o.marked}) {
+    const std::filesystem::path file(output);
+    const std::string begin = file.stem().string(), middle = "." + std::to_string(process) + "-";
+    std::error_code ignored;
+    const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+    if (output.empty()) continue;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with(begin) && name.ends_with(".part") && name.find(middle) != name.npos)
+        std::filesystem::remove(entry.path(), ignored);
+    }
+  }
+}
+
+// The work is done by a copy of this process with a temporary folder of its own, so that a crash inside a
+// geometry library is a message, and a cancelled run leaves nothing behind.
+int run_safely(const Options& options) {
+  const TemporaryFolder folder;
+  setenv("TMPDIR", folder.path().c_str(), 1);
+  const ChildResult result =
+      run_contained([&] { return run_and_report(options); }, options.mesh.memory_limit);
+  if (result.end == ChildResult::End::normal) return result.status;
+  remove_parts(options, result.process);
+  const bool cancelled = result.status == SIGINT || result.status == SIGTERM;
+  print_errors(cancelled ? "cancelled"
+                         : "the run " + result.in_words() + ": try the other --mesher, or --repair wrap");
+  return cancelled ? 128 + result.status : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("From surface models to tetrahedra: repair, mesh, report quality and stable time step.",
+               "lobe-mesh");
+  Options options;
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+    check(app, options);
+    read_sizing(options);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    print_errors(error.what());
+    return 2;
+  } catch (const InputError& error) {
+    print_errors(error.what());
+    return 2;
+  }
+  return run_safely(options);
 }

@@ -47,6 +47,25 @@ TEST_CASE("surfaces as PLY and STL have the size their header announces") {
   CHECK(normal[2] == -1);
 }
 
+TEST_CASE("a surface as VTP reads back bit for bit") {
+  const fixture::Folder folder;
+  const Surface surface = tetrahedron();
+  const DataArray faults{"faults", Eigen::RowVector4d(0, 1, 0, 2), DataArray::Type::int32};
+  write_vtp(folder.path / "a.vtp", surface.points, surface.triangles, {faults});
+  const Polygons read = read_vtp(folder.path / "a.vtp");
+  REQUIRE(read.points.size() == 4);
+  REQUIRE(read.corners.size() == 4);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(read.points[i] == surface.points.col(i));
+    REQUIRE(read.corners[i].size() == 3);
+    for (int k = 0; k < 3; ++k) CHECK(read.corners[i][k] == surface.triangles(k, i));
+  }
+  CHECK_CONTAINS(fixture::fault_of([&] { read_vtp(fixture::data / "ascii.vtu"); }), "expected PolyData");
+  const std::string whole = io::read_file(folder.path / "a.vtp");
+  for (std::size_t size = 0; size + 40 < whole.size(); size += 7)
+    CHECK(fixture::fault_of([&] { read_vtp(folder.write("cut.vtp", whole.substr(0, size))); }) != "no fault");
+}
+
 TEST_CASE("surfaces of unknown extension, with bad vertices or without a folder are refused") {
   const fixture::Folder folder;
   Surface surface = tetrahedron();

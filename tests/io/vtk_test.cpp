@@ -1,13 +1,16 @@
 // VTK itself opens what we write. Built where the pictures are, which need VTK anyway.
+#include <vtkCell.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPolyData.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include "io/fixture.h"
-#include "lobe/io/mesh_io.h"
+#include "lobe/io/surface_io.h"
 
 using namespace lobe;
 
@@ -36,4 +39,24 @@ TEST_CASE("VTK reads a VTU of ours: points, tetrahedra, labels, displacement") {
     CHECK(label->GetComponent(t, 0) == mesh.labels[static_cast<std::size_t>(t)]);
     for (int k = 0; k < 4; ++k) CHECK(grid->GetCell(t)->GetPointId(k) == mesh.tets(k, t));
   }
+}
+
+TEST_CASE("VTK reads a VTP of ours: points, triangles, data of the triangles") {
+  const fixture::Folder folder;
+  Mat3X<double> points(3, 4);
+  points << 0, 0.1, 0, 0, /**/ 0, 0, 1, 0, /**/ 0, 0, 0, 1;
+  Triangles triangles(3, 2);
+  triangles << 0, 0, /**/ 2, 1, /**/ 1, 3;
+  write_vtp(folder.path / "a.vtp", points, triangles,
+            {{"open edges", Eigen::RowVector2d(0, 1), DataArray::Type::int32}});
+  vtkNew<vtkXMLPolyDataReader> reader;
+  reader->SetFileName((folder.path / "a.vtp").c_str());
+  reader->Update();
+  vtkPolyData* surface = reader->GetOutput();
+  REQUIRE(surface->GetNumberOfPoints() == 4);
+  REQUIRE(surface->GetNumberOfPolys() == 2);
+  CHECK(surface->GetPoint(1)[0] == 0.1);
+  CHECK(surface->GetCell(1)->GetPointId(2) == 3);
+  REQUIRE(surface->GetCellData()->GetArray("open edges") != nullptr);
+  CHECK(surface->GetCellData()->GetArray("open edges")->GetComponent(1, 0) == 1);
 }

@@ -121,3 +121,67 @@ TEST_CASE("repairs and doubts are reported on standard error") {
   CHECK_MESSAGE(pieces.status == 0, pieces.err);
   CHECK(contains(pieces.err, "2 separate pieces"));
 }
+
+TEST_CASE("--diagnose marks the faults in a file") {
+  const SurfaceFolder folder;
+  const std::string surface = folder.write("s.off", without_triangle(make_cube(1), 0)).string(),
+                    marked = (folder.path / "marked.vtp").string();
+  CHECK(lobe_mesh(surface + " --diagnose --marked " + marked).status == 0);
+  CHECK(contains(text_of(marked), "open edges"));
+  const Run wrong = lobe_mesh(surface + " -o " + (folder.path / "m.vtu").string() + " --marked " + marked);
+  CHECK(wrong.status == 2);
+  CHECK(contains(wrong.err, "--diagnose"));
+}
+
+TEST_CASE("several surfaces become labels in any format, sizes are read from the command line") {
+  const SurfaceFolder folder;
+  const std::string organ = folder.write("organ.off", make_sphere(0.05, 3)).string(),
+                    tumour = folder.write("tumour.off", make_sphere(0.02, 2)).string();
+  for (const std::string extension : {".vtu", ".vtk", ".msh", ".msh2", ".mesh", ".ele"}) {
+    CAPTURE(extension);
+    const std::string mesh = (folder.path / ("m" + extension)).string();
+    const Run run =
+        lobe_mesh(organ + " " + tumour +
+                  " --edge 0.015 --label-edge 1=0.008 --ball 0,0,0.05,0.01,0.01 --json -o " + mesh);
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    const auto json = nlohmann::json::parse(run.out);
+    const MeshFile read = read_mesh(mesh);
+    CHECK(std::count(read.mesh.labels.begin(), read.mesh.labels.end(), 1) == json["parts"][1]["tets"]);
+    CHECK(json["shortest_edge"] == 0.008);
+  }
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    const Run run = lobe_mesh(organ + " " + arguments + " -o " + (folder.path / "x.vtu").string());
+    CHECK(run.status == 2);
+    CHECK_MESSAGE(contains(run.err, message), run.err);
+  };
+  refused("--label-edge one=0.1", "LABEL,EDGE");
+  refused("--label-edge 0.5=0.1", "whole label");
+  refused("--ball 0,0,0", "X,Y,Z,RADIUS,EDGE");
+  refused(organ, "touch or intersect");
+}
+
+TEST_CASE("a run that is cancelled leaves nothing behind") {
+  const SurfaceFolder folder, temporary;
+  const std::string surface = folder.write("s.off", make_sphere(0.05, 4)).string();
+  const std::size_t files = folder.file_count();
+  for (const std::string mesher : {"cgal", "tetgen"}) {
+    CAPTURE(mesher);
+    const std::string command = "TMPDIR=" + temporary.path.string() +
+                                " timeout -s INT 1 " LOBE_BIN_DIR "/lobe-mesh " + surface +
+                                " --edge 0.0008 --quiet --mesher " + mesher + " -o " +
+                                (folder.path / "m.vtu").string() + " 2>/dev/null";
+    const int status = std::system(command.c_str());
+    CHECK(WEXITSTATUS(status) == 124);  // of timeout: it was still at work
+    CHECK(folder.file_count() == files);
+    CHECK(temporary.file_count() == 0);
+  }
+}
+
+TEST_CASE("damaged surfaces end in a mesh or a named error") {
+  const SurfaceFolder folder;
+  const std::string command = LOBE_BIN_DIR "/lobe-mesh-bench fuzz --count 22 " +
+                              folder.write("s.off", make_sphere(0.05, 3)).string() + " -o " +
+                              (folder.path / "fuzz").string() + " >/dev/null";
+  CHECK(std::system(command.c_str()) == 0);
+  CHECK(contains(text_of(folder.path / "fuzz" / "fuzz.csv"), "noise"));
+}

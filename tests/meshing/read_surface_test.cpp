@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lobe/io/scanner.h"
 #include "lobe_mesh/diagnose.h"
 #include "meshing/shapes.h"
 
@@ -68,9 +69,9 @@ TEST_CASE("files that are missing, empty, truncated or garbled are refused by na
   CHECK(contains(error(folder.write("a.xyz", "hello")), "unknown extension"));
   std::string garbage;
   for (int i = 0; i < 2000; ++i) garbage += static_cast<char>(i * i * 7 + i / 3);
-  for (const std::string extension : {".obj", ".off", ".ply", ".stl"}) {
+  for (const std::string extension : {".obj", ".off", ".ply", ".stl", ".vtp"}) {
     CAPTURE(extension);
-    CHECK(contains(error(folder.write("empty" + extension, "")), "empty file"));
+    CHECK(contains(error(folder.write("empty" + extension, "")), "empty"));
     CHECK(error(folder.write("garbage" + extension, garbage)) != "");
     const auto whole = folder.write("whole" + extension, make_sphere(1, 1));
     const auto size = std::filesystem::file_size(whole);
@@ -98,9 +99,35 @@ TEST_CASE("the diagnosis counts each kind of fault and says where it is") {
   fin.triangles.conservativeResize(3, 13);
   fin.triangles.col(12) << 0, 1, 7;
   CHECK(diagnose(fin).non_manifold_edges.count == 2);
+  const Surface small = moved(scaled(cube, 0.5), {0.25, 0.25, 0.25});
+  CHECK(diagnose(joined(cube, inverted(small))).cavities == 1);
+  CHECK(diagnose(joined(cube, inverted(small))).meshable());
+  CHECK(diagnose(joined(cube, small)).wrong_sides.count == 1);
+  CHECK(diagnose(joined(cube, inverted(moved(cube, {3, 0, 0})))).wrong_sides.count == 1);
+  CHECK(diagnose(inverted(cube)).wrong_sides.count == 1);
+  CHECK(diagnose(joined(cube, inverted(small))).wrong_sides.count == 0);
+  CHECK(contains(diagnose(scaled(cube, 100)).scale_hint, "0.001"));
+  CHECK(diagnose(scaled(cube, 0.1)).scale_hint.empty());
   Surface nan = cube;
   nan.points(1, 5) = std::numeric_limits<double>::quiet_NaN();
   CHECK(diagnose(nan).not_finite.count == 1);
   CHECK(contains(in_words(diagnose(nan)), "vertex 5"));
   CHECK(contains(in_json(diagnose(nan)), "\"meshable\": false"));
+}
+
+TEST_CASE("the marked surface carries every fault at its triangles") {
+  const SurfaceFolder folder;
+  Surface bad = without_triangle(make_cube(1), 3);
+  std::swap(bad.triangles(0, 0), bad.triangles(1, 0));
+  const Diagnosis diagnosis = diagnose(bad);
+  write_marked(folder.path / "m.vtp", bad, diagnosis);
+  CHECK(read_surface(folder.path / "m.vtp").triangles == bad.triangles);
+  const std::string text = io::read_file(folder.path / "m.vtp");
+  CHECK(contains(text, "Name=\"open edges\""));
+  CHECK(contains(text, "Name=\"inconsistently oriented edges\""));
+  CHECK_FALSE(contains(text, "Name=\"degenerate triangles\""));
+  CHECK(diagnosis.open_edges.triangles.size() == 3);
+  CHECK(diagnosis.inconsistent_edges.count >= 2);
+  CHECK(diagnosis.inconsistent_edges.triangles.size() ==
+        2 * static_cast<std::size_t>(diagnosis.inconsistent_edges.count));
 }

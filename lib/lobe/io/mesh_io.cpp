@@ -27,11 +27,12 @@ MeshFile read_mesh(const std::filesystem::path& file) {
   const auto bytes = [&] { return io::read_file(file); };
   if (extension == ".vtu") return io::read_vtu(name, bytes());
   if (extension == ".vtk") return io::finish(io::read_vtk_legacy(name, bytes()), name);
-  if (extension == ".msh") return io::finish(io::read_gmsh(name, bytes()), name);
+  if (extension == ".msh" || extension == ".msh2") return io::finish(io::read_gmsh(name, bytes()), name);
   if (extension == ".mesh") return io::finish(io::read_medit(name, bytes()), name);
-  throw InputError(name, "unknown extension '" + extension +
-                             "', expected .vtu, .vtk, .msh, .mesh, .node or .ele; surfaces (.stl, .obj, "
-                             ".ply, .off) are meshed by lobe-mesh");
+  throw InputError(name,
+                   "unknown extension '" + extension +
+                       "', expected .vtu, .vtk, .msh, .msh2, .mesh, .node or .ele; surfaces (.stl, .obj, "
+                       ".ply, .off, .vtp) are meshed by lobe-mesh");
 }
 
 }  // namespace lobe

@@ -11,7 +11,7 @@
 namespace lobe {
 
 // Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
-// (legacy 2.0 … 5.1, ascii and binary), .msh (Gmsh 2.2 and 4.1, ascii and binary), .mesh (MEDIT ascii),
+// (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 2.2 and 4.1, ascii and binary), .mesh (MEDIT ascii),
 // .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of the file. Cells
 // other than 4-node tetrahedra are ignored and counted. Labels are the cell data "label", else
 // "gmsh:physical", "medit:ref" or "CellEntityIds" (VTK), the first physical group (Gmsh), the reference
@@ -37,6 +37,12 @@ struct DataArray {
 // data "label". Written to a temporary name and renamed, so that a file is whole or absent.
 void write_vtu(const std::filesystem::path& file, const TetMesh& mesh,
                const std::vector<DataArray>& point_data = {}, const std::vector<DataArray>& cell_data = {});
+
+// Writes by extension, whole or absent, vertices and tetrahedra in order, labels as read_mesh() reads them: .vtu,
+// .vtk (legacy 3.0), .msh (Gmsh 4.1), .msh2 (Gmsh 2.2), .mesh (MEDIT), .node and .ele (TetGen, both); all but
+// the first as text, exact. Throws InputError for another extension, and for negative labels in Gmsh's formats.
+void write_mesh(const std::filesystem::path& file, const TetMesh& mesh);
+bool can_write_mesh(const std::filesystem::path& file);  // whether the extension is one of these
 
 // A ParaView collection: DIR/series.pvd naming frames that lie beside it.
 void write_pvd(const std::filesystem::path& file, const std::vector<std::pair<double, std::string>>& frames);

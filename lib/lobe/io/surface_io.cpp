@@ -67,13 +67,14 @@ void write_surface(const std::filesystem::path& file, const Mat3X<double>& point
                      : extension == ".ply" ? write_ply
                      : extension == ".stl" ? write_stl
                                            : nullptr;
-  if (!write)
+  if (!write && extension != ".vtp")
     throw InputError(file.string(),
-                     "unknown extension '" + extension + "', expected .obj, .off, .ply or .stl");
+                     "unknown extension '" + extension + "', expected .obj, .off, .ply, .stl or .vtp");
   for (Eigen::Index t = 0; t < triangles.cols(); ++t)
     if (triangles.col(t).minCoeff() < 0 || triangles.col(t).maxCoeff() >= points.cols())
       throw InputError(file.string(), "triangle " + std::to_string(t) + " names a vertex beyond 0 … " +
                                           std::to_string(points.cols() - 1));
+  if (extension == ".vtp") return write_vtp(file, points, triangles);
   io::AtomicFile target(file);
   write(target, points, triangles);
   target.commit();

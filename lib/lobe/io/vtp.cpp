@@ -1,0 +1,54 @@
+// VTK XML polygons: surfaces in and out.
+#include "lobe/error.h"
+#include "lobe/io/numeric.h"
+#include "lobe/io/raw_mesh.h"
+#include "lobe/io/surface_io.h"
+#include "lobe/io/vtk_xml.h"
+#include "lobe/io/vtk_xml_write.h"
+
+namespace lobe {
+
+using namespace io;
+
+void write_vtp(const std::filesystem::path& file, const Mat3X<double>& points, const Triangles& triangles,
+               const std::vector<DataArray>& cell_data) {
+  const auto count = static_cast<std::size_t>(triangles.cols());
+  std::vector<VtkBlock> blocks;
+  for (const DataArray& array : cell_data)
+    blocks.push_back(vtk_data_block("CellData", array, static_cast<Index>(count), file.string()));
+  blocks.push_back(vtk_in_place("Points", vtk_attributes("Points", "Float64", 3), points));
+  blocks.push_back(vtk_in_place("Polys", vtk_attributes("connectivity", "Int32", 1), triangles));
+  blocks.push_back(vtk_offsets("Polys", count, 3));
+  write_vtk_xml(file, "PolyData",
+                " NumberOfPoints=\"" + std::to_string(points.cols()) + "\" NumberOfPolys=\"" +
+                    std::to_string(count) + "\"",
+                blocks);
+}
+
+Polygons read_vtp(const std::filesystem::path& file) {
+  const std::string name = file.string(), bytes = read_file(file);
+  VtkXml xml;
+  parse_vtk_xml(name, bytes, "PolyData", xml);
+  const std::vector<double> x = read_vtk_points(xml);
+  Polygons polygons;
+  for (std::size_t i = 0; i < x.size(); i += 3) polygons.points.emplace_back(x[i], x[i + 1], x[i + 2]);
+  const pugi::xml_node polys = vtk_child(xml, xml.piece, "Polys");
+  const std::vector<double> corners = read_vtk_array(xml, polys, "connectivity"),
+                            ends = read_vtk_array(xml, polys, "offsets");
+  check_vtk_count(xml, "NumberOfPolys", ends.size());
+  std::int64_t begin = 0;
+  for (std::size_t cell = 0; cell < ends.size(); ++cell) {
+    const std::string place = name + ": polygon " + std::to_string(cell);
+    const auto end = whole_number(ends[cell], begin, static_cast<std::int64_t>(corners.size()));
+    if (!end) throw InputError(place, "its offset is not between the one before and the end");
+    auto& polygon = polygons.corners.emplace_back();
+    for (; begin < *end; ++begin) {
+      const auto vertex = whole_number(corners[static_cast<std::size_t>(begin)], 0, max_index);
+      if (!vertex) throw InputError(place, "names a vertex that is not a whole number from 0");
+      polygon.push_back(*vertex);
+    }
+  }
+  return polygons;
+}
+
+}  // namespace lobe

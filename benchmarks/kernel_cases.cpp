@@ -85,6 +85,11 @@ void add_svk(std::vector<Kernel>& kernels, const SpecimenPointer& specimen, cons
   volume->follow(elements, edit);
   add_region<Real>(kernels, "svk_volume", specimen, threads, volume, block_bytes<Real>, specimen->svk_volume);
   elements.volume_penalty = 0;
+  elements.guard_below = 0.2;
+  const auto guarded = std::make_shared<NonlinearRegion<Real>>();
+  guarded->follow(elements, edit);
+  add_region<Real>(kernels, "svk_guard", specimen, threads, guarded, block_bytes<Real>, specimen->svk);
+  elements.guard_below = 0;
   elements.materials[0].nodal_pressure = 1;
   const auto averaged = std::make_shared<NonlinearRegion<Real>>();
   averaged->follow(elements, edit);

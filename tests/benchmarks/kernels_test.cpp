@@ -53,7 +53,7 @@ std::vector<std::string> split(const std::string& line) {
 
 TEST_CASE("every kernel gives the reference's forces, and a wrong force is noticed") {
   std::vector<Kernel> kernels = make_kernels(std::make_shared<Specimen>("cube", cube_setup(384)), {1, 2});
-  CHECK(kernels.size() == 1 + 6 * 2 * 2);
+  CHECK(kernels.size() == 1 + 7 * 2 * 2);
   CHECK(kernels.front().name == "reference");
   for (const Kernel& kernel : kernels) {
     INFO(kernel.name << ' ' << kernel.precision << ' ' << kernel.threads);
@@ -117,9 +117,9 @@ TEST_CASE("lobe bench kernels writes a table of finite positive ratios, a plot s
     if (cells[0] == "reference") CHECK(cells[5] == "1");
     ++rows;
   }
-  CHECK(rows == 2 * 25);
-  CHECK(kernels == std::set<std::string>{"reference", "step", "svk", "svk_nodal_pressure", "svk_stored",
-                                         "svk_volume", "tensor_mass"});
+  CHECK(rows == 2 * 29);
+  CHECK(kernels == std::set<std::string>{"reference", "step", "svk", "svk_guard", "svk_nodal_pressure",
+                                         "svk_stored", "svk_volume", "tensor_mass"});
   CHECK(fs::exists(results / "kernels.gp"));
   CHECK(text_of(results / "machine.txt").find("threads") != std::string::npos);
 }

@@ -41,10 +41,12 @@ void check_same_bits(const Setup& setup) {
 
 }  // namespace
 
-TEST_CASE("every instruction set gives the same bits, with and without volume term and nodal pressure") {
+TEST_CASE(
+    "every instruction set gives the same bits, with and without volume term, guard and nodal pressure") {
   Setup setup = setup_of(irregular_box(3));
-  for (double kappa : {0.0, 1e5}) {
+  for (const auto& [kappa, below] : {std::pair{0.0, 0.0}, {0.0, 0.8}, {1e5, 0.0}, {1e5, 0.8}}) {
     setup.volume_penalty = kappa;
+    setup.guard_below = below;
     check_same_bits<float>(setup);
     check_same_bits<double>(setup);
     check_same_bits<float>(averaged(setup));

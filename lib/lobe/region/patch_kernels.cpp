@@ -23,7 +23,9 @@ PatchArrays<Real> Patches<Real>::arrays(Index p, const LocalVectors& u) const {
           u.data(),
           static_cast<Real>(elastic.element_lambda()),
           static_cast<Real>(elastic.mu),
-          static_cast<Real>(kappa_)};
+          static_cast<Real>(kappa_),
+          static_cast<Real>(elastic.guard_modulus()),
+          static_cast<Real>(guard_below_)};
 }
 
 template <class Real>
@@ -43,8 +45,8 @@ void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
 
 template <class Real>
 void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart part, Parallel& parallel) {
-  if (kappa_ == 0 && part == ElementPart::volume_term) return;
-  if (kappa_ == 0) part = ElementPart::svk;
+  if (kappa_ == 0 && guard_below_ == 0 && part == ElementPart::volume_term) return;
+  if (kappa_ == 0 && part == ElementPart::both) part = ElementPart::svk;
   if (nodal_pressure_) find_pressures(u, parallel);
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
@@ -79,6 +81,7 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
     if (nodal_pressure_)
       W += pressure_energy_density<T>(e.H,
                                       e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure));
+    if (guard_below_ > 0) W += guard_energy_density<T>(e.H, patch.guard_modulus, patch.guard_below);
     W *= e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
   });
@@ -115,11 +118,13 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
       pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
       keep_slopes(e, slot, used);
     }
+    const bool guarded = guard_below_ > 0 && e.any_below(patch.guard_below);
     const Index* vertices = layout_.vertices(slot / Layout::capacity);
     for (int c = 0; c < 4; ++c) {
       const Vec3<T> a = e.gradient(c);
       Mat3<T> own = svk_diagonal_block<T>(e.H, a, patch.lambda, patch.mu);
       if (kappa_ > 0) own += volume_diagonal_block<T>(e.H, a, patch.kappa);
+      if (guarded) own += guard_diagonal_block<T>(e.H, a, patch.guard_modulus, patch.guard_below);
       if (nodal_pressure_)
         for (int i = 0; i < 3; ++i) own(i, i) += pressure * a.cwiseProduct(a).sum();
       const std::uint8_t* corners = &patch.blocks[block].corners[c][slot % width];

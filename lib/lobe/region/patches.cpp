@@ -9,6 +9,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
                            const std::vector<Index>& enter) {
   materials_ = elements.materials;
   kappa_ = elements.volume_penalty;
+  guard_below_ = elements.guard_below;
   nodal_pressure_ = std::any_of(materials_.begin(), materials_.end(),
                                 [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());

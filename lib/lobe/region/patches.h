@@ -1,7 +1,7 @@
-// SVK tetrahedra (with or without the volume term), the closed-form evaluator: about 60 flops per corner. They are kept in
-// patches of one material each (patch_layout.h, patch_sums.h), which evaluate a register's width of tetrahedra at a time
-// and add their forces up in the order of their slots. Memory is asked for the tetrahedra and little else. Where a material
-// asks for nodal pressure, a pass over the strains comes first.
+// SVK tetrahedra (with or without the volume term and the guard), the closed-form evaluator: about 60 flops per corner. They
+// are kept in patches of one material each (patch_layout.h, patch_sums.h), which evaluate a register's width of tetrahedra
+// at a time and add their forces up in the order of their slots. Memory is asked for the tetrahedra and little else. Where
+// a material asks for nodal pressure, a pass over the strains comes first.
 #pragma once
 
 #include "lobe/region/nodal_pressure.h"
@@ -21,7 +21,7 @@ class Patches {
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
-                  ElementPart part,      // svk alone where κ = 0, whatever is asked
+                  ElementPart part,      // the guard comes with either
                   Parallel& parallel);
   double energy(const Mat3X<Real>& u);  // [J]
 
@@ -53,7 +53,8 @@ class Patches {
   WideKernels<Real> kernels_;
   Layout layout_;
   std::vector<Elastic> materials_;
-  double kappa_ = 0;           // [Pa]
+  double kappa_ = 0;  // [Pa]
+  double guard_below_ = 0;
   std::vector<Block> blocks_;  // patch_blocks per patch
   PatchSums<Real> sums_;       // scratch
 

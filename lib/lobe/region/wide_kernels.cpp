@@ -49,6 +49,8 @@ LOBE_FLATTEN void add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
       if constexpr (part == ElementPart::both) VP += volume_stress<T>(e.H, e.V * patch.kappa);
       if constexpr (nodal_pressure)
         VP += pressure_stress<T>(e.H, e.V * Lanes::pressure(patch.pressure_blocks[b], first, patch.pressure));
+      if (patch.guard_below > 0 && e.any_below(patch.guard_below)) [[unlikely]]
+        VP += guard_stress<T>(e.H, e.V * patch.guard_modulus, patch.guard_below);
       add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b].corners, first, sums);
     }
   }

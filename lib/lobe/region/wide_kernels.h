@@ -9,7 +9,7 @@
 
 namespace lobe {
 
-enum class ElementPart { svk, volume_term, both };
+enum class ElementPart { svk, volume_term, both };  // each with the guard, where there is one
 
 template <class Real>
 struct PatchArrays {  // one patch: all its tetrahedra are of one material
@@ -19,6 +19,7 @@ struct PatchArrays {  // one patch: all its tetrahedra are of one material
   const Real* pressure;                        // per node [Pa]
   const PaddedVector<Real>* u;                 // per vertex of the patch [m]
   Real lambda, mu, kappa;                      // λ without the share of nodal pressure [Pa]
+  Real guard_modulus, guard_below;             // M [Pa] and J₀ of fem/guard.h, 0 without a guard
 };
 
 // A dense matrix in blocks of so many rows, each stored column by column, the last one filled up with zeros.

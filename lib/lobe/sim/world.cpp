@@ -44,8 +44,6 @@ template <class Real>
 void check_precision(const Setup& setup) {
   if (setup.integrator == Integrator::generalised_alpha && !std::is_same_v<Real, double>)
     throw InputError("setup", "the implicit integrator needs double precision");
-  if (setup.guard_below > 0)
-    throw InputError("setup", "guard_below is available in static solutions only; set it to 0");
 }
 
 }  // namespace
@@ -258,7 +256,7 @@ void World<Real>::advance_to(double end, Report& report) {
              " of its volume" + (volume_ratio_ < 0 ? ", inverted" : "") +
              ": guard_below, a larger volume_penalty, a smaller load or a slower tool may help",
          state_.time});
-  constexpr int most_steps = 1 << 20, most_tries = 5;
+  constexpr int most_steps = 1 << 20, most_tries = 9;
   const double longest = !implicit_                 ? setup_.safety * report.time_step_limit
                          : setup_.implicit_step > 0 ? setup_.implicit_step
                                                     : duration;

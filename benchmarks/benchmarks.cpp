@@ -11,6 +11,8 @@ std::span<const Benchmark> all_benchmarks() {
       {"cut", "cost of removing a tetrahedron, against building the model anew", bench_cut},
       {"hybrid", "a step with a pre-computed or tensor-mass part, against all non-linear", bench_hybrid,
        true},
+      {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
+      {"soak", "random gestures for a given time, invariants checked every second", bench_soak},
   };
   return list;
 }

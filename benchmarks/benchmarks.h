@@ -15,6 +15,7 @@ struct Options {
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
   int threads = 1;               // kernels: if above 1, timed beside one thread; accuracy: of every run
+  double minutes = 10;           // soak: of wall time
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid: in place of the shipped ones
   std::vector<std::filesystem::path> meshes;  // accuracy, hybrid: of the one scene, beside its own
 };
@@ -39,5 +40,7 @@ void bench_accuracy(const Options& options);
 void bench_validation(const Options& options);
 void bench_cut(const Options& options);
 void bench_hybrid(const Options& options);
+void bench_stress(const Options& options);
+void bench_soak(const Options& options);
 
 }  // namespace lobe::bench

@@ -33,8 +33,8 @@ int run_benchmark(const BenchOptions& options) {
     throw InputError("bench " + options.name, "takes neither --scene nor --mesh");
   int status = done;
   try {
-    chosen->run(
-        {options.output, options.tets, options.quick, options.threads, options.scenes, options.meshes});
+    chosen->run({options.output, options.tets, options.quick, options.threads, options.minutes,
+                 options.scenes, options.meshes});
   } catch (const bench::WrongResult& wrong) {
     print_errors(wrong.what());
     status = ended_early;

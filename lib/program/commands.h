@@ -53,6 +53,7 @@ struct BenchOptions {
   std::vector<int> tets;
   bool quick = false;
   int threads = 1;
+  double minutes = 10;
   std::vector<std::filesystem::path> scenes, meshes;
 };
 int run_benchmark(const BenchOptions& options);

@@ -59,7 +59,9 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
 void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand(
       "bench", "Measure speed, accuracy (docs/benchmarks.md), correctness (docs/validation.md)");
-  command->add_option("NAME", options.name, "which benchmark: kernels, accuracy, cut or validation")
+  command
+      ->add_option("NAME", options.name,
+                   "which benchmark: kernels, accuracy, cut, hybrid, validation, stress or soak")
       ->required();
   command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
@@ -69,6 +71,9 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   command
       ->add_option("--threads", options.threads, "kernels: timed beside one thread; accuracy: of every run")
       ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--minutes", options.minutes, "soak: how long")
+      ->check(CLI::Range(0.01, 1e5))
       ->capture_default_str();
   command->add_option("--scene", options.scenes, "accuracy: your own scene, in place of the shipped ones")
       ->allow_extra_args(false);

@@ -75,9 +75,11 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   command->add_option("--minutes", options.minutes, "soak: how long")
       ->check(CLI::Range(0.01, 1e5))
       ->capture_default_str();
-  command->add_option("--scene", options.scenes, "accuracy: your own scene, in place of the shipped ones")
+  command
+      ->add_option("--scene", options.scenes,
+                   "accuracy, hybrid: your own scene, in place of the shipped ones")
       ->allow_extra_args(false);
-  command->add_option("--mesh", options.meshes, "accuracy: a further mesh of that scene")
+  command->add_option("--mesh", options.meshes, "accuracy, hybrid: a further mesh of that scene")
       ->allow_extra_args(false);
   command->callback([&] { action = [&] { return run_benchmark(options); }; });
 }

@@ -37,6 +37,7 @@
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/select.h"
 #include "lobe/sim/checkpoint.h"
+#include "lobe/sim/frequency.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"

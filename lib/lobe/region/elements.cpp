@@ -1,5 +1,7 @@
 #include "lobe/region/elements.h"
 
+#include <algorithm>
+
 namespace lobe {
 
 Elements::Elements(const Body& body)
@@ -16,6 +18,11 @@ Mat34<double> Elements::corner_points(Index tet) const {
   Mat34<double> X;
   for (int c = 0; c < 4; ++c) X.col(c) = points.col(topology.tets()(c, tet));
   return X;
+}
+
+bool Elements::any_nodal_pressure() const {
+  return std::any_of(materials.begin(), materials.end(),
+                     [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
 }
 
 double lumped_mass(const Elements& elements, Index vertex) {

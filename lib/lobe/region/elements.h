@@ -25,6 +25,7 @@ struct Elements {
   Mat34<double> corner_points(Index tet) const;  // [m]
   Shape shape_of(Index tet) const { return shape(corner_points(tet)); }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
+  bool any_nodal_pressure() const;
 };
 
 // What an edit of the mesh or of the regions' tags means for the regions.

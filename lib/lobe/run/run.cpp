@@ -213,6 +213,11 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"conditions", totals.conditions},
       {"cuts", totals.cuts},
       {"series", totals.series}};
+  if (const MassScaling& scaling = world.mass_scaling(); scaling.added > 0)
+    report["mass_scaling"] = {{"added_kg", scaling.added},
+                              {"share", scaling.share},
+                              {"limit_before_s", scaling.limit_before},
+                              {"limit_after_s", scaling.limit_after}};
   result.report = options.directory / "report.json";
   io::AtomicFile file(result.report);
   file.stream() << report.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';

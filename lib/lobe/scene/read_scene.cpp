@@ -103,6 +103,7 @@ void read_time(const json& object, Time& time) {
   read(object, "frame", time.frame);
   read(object, "damping", time.damping);
   read(object, "safety", time.safety);
+  read(object, "mass_scaling", time.mass_scaling);
   read(object, "ramp", time.ramp);
   read(object, "load_ramp", time.load_ramp);
   read(object, "step", time.step);

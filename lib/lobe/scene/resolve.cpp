@@ -172,6 +172,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.loose_pieces = scene.loose_pieces;
   setup.damping = scene.time.damping;
   setup.safety = scene.time.safety;
+  setup.mass_scaling = scene.time.mass_scaling;
   setup.integrator = scene.time.integrator;
   setup.implicit_step = scene.time.step;
   setup.spectral_radius = scene.time.spectral_radius;

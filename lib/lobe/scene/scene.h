@@ -102,6 +102,7 @@ struct Time {
   double frame = 1.0 / 30;  // [s], one call of advance()
   double damping = 0;       // γ [1/s], mass-proportional
   double safety = 0.9;      // time step = safety × 2/ω_max
+  double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's
   double ramp = 0.1;        // [s] over which prescribed displacements are reached
   double load_ramp = 0;     // [s] over which tractions and forces grow to their full size
   Precision precision = Precision::single_precision;

@@ -110,6 +110,7 @@ ordered_json write(const Time& time) {
           {"frame", time.frame},
           {"damping", time.damping},
           {"safety", time.safety},
+          {"mass_scaling", time.mass_scaling},
           {"ramp", time.ramp},
           {"load_ramp", time.load_ramp},
           {"precision", time.precision == Precision::single_precision ? "single" : "double"},

@@ -77,6 +77,10 @@ void Checker::check_materials() {
   expect(not_negative(setup_.implicit_step), "implicit_step must be finite and not negative");
   expect(setup_.spectral_radius >= 0 && setup_.spectral_radius <= 1, "spectral_radius must be in [0, 1]");
   expect(setup_.safety > 0 && setup_.safety <= 2, "safety must be in (0, 2]");
+  expect(setup_.mass_scaling >= 0 && setup_.mass_scaling <= 0.2, "mass_scaling must be in [0, 0.2]");
+  expect(setup_.mass_scaling == 0 || std::find(setup_.region_of.begin(), setup_.region_of.end(),
+                                               RegionModel::precomputed) == setup_.region_of.end(),
+         "mass_scaling is not available beside precomputed regions; use tensor-mass");
   expect(setup_.gravity.allFinite(), "gravity is not finite");
 }
 

@@ -84,8 +84,8 @@ std::uint64_t fingerprint(const Setup& setup) {
   print.add(setup.evaluator);
   print.add(setup.loose_pieces);
   print.add(setup.integrator);
-  for (double value :
-       {setup.damping, setup.safety, setup.implicit_step, setup.spectral_radius, setup.ramp, setup.load_ramp})
+  for (double value : {setup.damping, setup.safety, setup.mass_scaling, setup.implicit_step,
+                       setup.spectral_radius, setup.ramp, setup.load_ramp})
     print.add(value);
   return print.value();
 }

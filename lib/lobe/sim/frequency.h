@@ -1,26 +1,34 @@
 // The highest frequency of a model, which limits the explicit time step to 2/ω_max.
 #pragma once
 
+#include <functional>
 #include <vector>
 
-#include "lobe/region/elements.h"
+#include "lobe/region/body.h"
 
 namespace lobe {
 
-// The vertex estimate, ω² ≈ max over free vertices of λ_max(K_ii)/m_i: what a vertex feels when it moves
-// alone. A lower bound of ω_max (a Rayleigh quotient); on organ meshes within 10 % of it, on irregular boxes within 25 % (tests). O(#vertices).
-struct VertexFrequency {
-  double omega = 0;  // [rad/s], 0 if nothing is free
-  Index vertex = -1;
+struct HighestFrequency {
+  double omega = 0;       // [rad/s], on the safe side: that of the last iteration and its residual
+  int evaluations = 0;    // of all forces
+  bool converged = true;  // the residual is below the tolerance
 };
-VertexFrequency vertex_frequency(const DiagonalStiffness& K,                // 6 × #vertices [N/m]
-                                 const std::vector<double>& inverse_mass);  // [1/kg], 0 where held
 
-// ω_max of the model at rest by Lanczos iterations of M^-½ K M^-½, started at the vertex estimate's vertex; a
-// lower bound that converges fast, since the highest mode is local. Costs one linear force evaluation per
-// iteration.
-double lanczos_frequency(const Elements& elements, const std::vector<double>& inverse_mass,
-                         int iterations = 30);
+struct LanczosSettings {
+  double tolerance = 0.005;  // of ω: the residual that is left
+  int most = 48;             // evaluations of all forces
+};
+
+// ω_max by Lanczos iterations of M^-½ K M^-½, K by differences of forces that vanish at u = 0. They start from a vector
+// that is large where the vertex estimates are high, since the highest mode is local, and is nowhere zero, since it may
+// be elsewhere.
+template <class Real>
+HighestFrequency highest_frequency(
+    const std::vector<double>& inverse_mass,     // [1/kg], 0 where held
+    const std::function<double(Index)>& square,  // of a vertex: ω_v² [1/s²]
+    double small,                                // displacements at which forces are linear [m]
+    const std::function<void(const Mat3X<Real>&, Mat3X<Real>&)>& add_forces,  // (u, f), both 3 × #vertices
+    const LanczosSettings& settings = {});
 
 // 2/ω_max [s] of a free mesh of one material: what `lobe info` and `lobe-mesh` print.
 double rest_time_step(const TetMesh& mesh, const Elastic& elastic);

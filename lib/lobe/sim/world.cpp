@@ -88,16 +88,14 @@ World<Real>::World(const Setup& setup, int threads)
   find_bodies();
   if (setup.integrator == Integrator::generalised_alpha)
     implicit_ = std::make_unique<ImplicitStep>(setup.spectral_radius, make_ldlt);
-  const double vertex = highest_vertex().omega;
-  if (vertex > 0) frequency_ratio_ = std::max(1.0, lanczos_frequency(elements_, inverse_mass_) / vertex);
-  rest_frequency_ = frequency_ratio_ * vertex;
+  measure_frequency_ratio();
+  if (setup.mass_scaling > 0) scale_masses();
 }
 
 // ---- Stepping
 
 template <class Real>
 bool World<Real>::step(double dt) {
-  known_limit_.reset();
   if (implicit_) return implicit_step(dt);
   forces();
   integrate(dt);
@@ -106,6 +104,7 @@ bool World<Real>::step(double dt) {
 
 template <class Real>
 void World<Real>::integrate(double dt) {
+  known_ = Known::stale;
   for (const HeldVertices::Held& item : held_.all())  // stays where it is until move_held()
     for (int i = 0; i < 3; ++i)
       if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
@@ -116,6 +115,7 @@ void World<Real>::integrate(double dt) {
   interior_is_stale_ = true;
   state_.time += dt;
   move_held(dt);
+  groups_.moved((fastest_ + fastest_held_) * dt, std::numeric_limits<Real>::epsilon());
 }
 
 template <class Real>
@@ -128,10 +128,15 @@ Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
   forces_.view() = external_.view();
   const double missing = missing_loads(state_.time);
   if (missing > 0) forces_.view() -= Real(missing) * dead_loads_.view();
-  tensor_mass_.add_forces(state_.u.padded(), forces_.padded(), parallel_);
   precomputed_.add_forces(state_.u.padded(), Real(missing), forces_.padded(), parallel_);
-  nonlinear_.add_forces(state_.u.padded(), forces_.padded(), parallel_);
+  add_internal_forces(state_.u.padded(), forces_.padded());
   return std::as_const(forces_).view();
+}
+
+template <class Real>
+void World<Real>::add_internal_forces(const Mat3X<Real>& u, Mat3X<Real>& f) {
+  tensor_mass_.add_forces(u, f, parallel_);
+  nonlinear_.add_forces(u, f, parallel_);
 }
 
 template <class Real>
@@ -143,6 +148,7 @@ Vec3d World<Real>::held_displacement(const HeldVertices::Held& item, double time
 
 template <class Real>
 void World<Real>::move_held(double dt) {
+  fastest_held_ = 0;
   for (const HeldVertices::Held& item : held_.all()) {
     const Vec3<Real> u = held_displacement(item, state_.time).template cast<Real>();
     for (int i = 0; i < 3; ++i) {
@@ -150,6 +156,7 @@ void World<Real>::move_held(double dt) {
       state_.v(i, item.vertex) = (u[i] - state_.u(i, item.vertex)) / Real(dt);
       state_.u(i, item.vertex) = u[i];
     }
+    fastest_held_ = std::max(fastest_held_, double(state_.v.col(item.vertex).norm()));
   }
 }
 
@@ -174,6 +181,9 @@ bool World<Real>::implicit_step(double dt) {
     }
     Motion motion{state_.u.view(), state_.v.view(), acceleration_};
     if (!implicit_->step(loads, dt, motion)) return false;
+    known_ = Known::stale;
+    groups_.moved((motion.u - state_.u.view()).colwise().norm().maxCoeff(),
+                  std::numeric_limits<double>::epsilon());
     state_.u.view() = motion.u;
     state_.v.view() = motion.v;
     acceleration_ = motion.a;
@@ -242,10 +252,14 @@ Report World<Real>::advance(double duration) {
 template <class Real>
 void World<Real>::advance_to(double end, Report& report) {
   const double duration = end - state_.time;
+  if (known_ != Known::anew) {
+    const Timed timed(report, Phase::time_step);
+    find_frequencies();
+  }
   play_tools(duration, report);
   {
     const Timed timed(report, Phase::time_step);
-    report.time_step_limit = known_limit_ ? *known_limit_ : time_step_limit();
+    report.time_step_limit = time_step_limit();
     report.limiting_vertex = limiting_vertex_;
   }
   report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, volume_ratio_);
@@ -284,7 +298,6 @@ void World<Real>::advance_to(double end, Report& report) {
     }
     // What has stiffened beyond the step that was taken may have begun to swing.
     if (done && (step <= limit_after || attempt == most_tries - 1)) {
-      if (!implicit_) known_limit_ = limit_after;
       state_.time = end;
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
       if (attempt > 0)
@@ -297,7 +310,8 @@ void World<Real>::advance_to(double end, Report& report) {
     fastest = culprit();
     state_ = start;
     implicit_is_stale_ = interior_is_stale_ = true;
-    known_limit_.reset();
+    known_ = Known::stale;
+    groups_.forget();
     ++report.reruns;
     const double wanted_now = duration / (setup_.safety * limit_after);
     steps = std::max(2 * steps, static_cast<int>(std::min<double>(wanted_now, most_steps)));
@@ -323,10 +337,18 @@ void World<Real>::play_tools(double duration, Report& report) {
     report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
   }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
-    report.tets_removed += remove_tets(
-        touched_tets(elements_.topology, elements_.points.view() + state().u.template cast<double>(), sweep));
+    report.tets_removed += remove_tets(touched(sweep));
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
+}
+
+template <class Real>
+std::vector<Index> World<Real>::touched(const Sweep& sweep) {
+  if (precomputed_.tet_count() > 0) {  // its interior moves as it likes
+    groups_.forget();
+    state();
+  }
+  return groups_.touched(elements_.topology, elements_.points.padded(), state_.u.padded(), sweep);
 }
 
 template <class Real>
@@ -340,7 +362,8 @@ void World<Real>::set_state(const State<Real>& state) {
   state_.v.view() = state.v;
   state_.time = state.time;
   implicit_is_stale_ = interior_is_stale_ = true;
-  known_limit_.reset();
+  known_ = Known::stale;
+  groups_.forget();
 }
 
 // ---- What can be asked
@@ -355,20 +378,71 @@ StateView<Real> World<Real>::state() const {
 }
 
 template <class Real>
+void World<Real>::find_frequencies() {
+  frequencies_.find(inverse_mass_, [&](DiagonalStiffness& K) {
+    tensor_mass_.add_diagonal_stiffness(K);
+    precomputed_.add_diagonal_stiffness(K);
+    const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), K);
+    volume_ratio_ = found.smallest_volume_ratio;
+    volume_ratio_tet_ = found.smallest_tet;
+  });
+  known_ = Known::anew;
+}
+
+template <class Real>
 VertexFrequency World<Real>::highest_vertex() {
-  stiffness_.setZero(6, elements_.topology.vertex_count());
-  tensor_mass_.add_diagonal_stiffness(stiffness_);
-  precomputed_.add_diagonal_stiffness(stiffness_);
-  const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), stiffness_);
-  volume_ratio_ = found.smallest_volume_ratio;
-  volume_ratio_tet_ = found.smallest_tet;
-  return vertex_frequency(stiffness_, inverse_mass_);
+  find_frequencies();
+  return frequencies_.highest(inverse_mass_);
+}
+
+template <class Real>
+void World<Real>::measure_frequency_ratio() {
+  const double vertex = highest_vertex().omega;
+  if (!(vertex > 0)) return;
+  const double small = 1e-9 * longest_move_;
+  frequency_search_ = highest_frequency<Real>(
+      inverse_mass_, [&](Index v) { return frequencies_.bounded_square(v); }, small,
+      [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
+        add_internal_forces(u, f);
+        add_precomputed_stiffness(u, Real(small), f);
+      });
+  frequency_ratio_ = std::max(1.0, frequency_search_.omega / vertex);
+  rest_frequency_ = frequency_ratio_ * vertex;
+}
+
+// The region's forces without its loads, at displacements that are too small to be told from these: the region is linear.
+template <class Real>
+void World<Real>::add_precomputed_stiffness(const Mat3X<Real>& u, Real small, Mat3X<Real>& f) {
+  if (precomputed_.tet_count() == 0) return;
+  Mat3X<Real> loads = Mat3X<Real>::Zero(3, u.cols()), all = loads;
+  precomputed_.add_forces(loads, 0, all, parallel_);
+  loads.swap(all);
+  all.setZero();
+  precomputed_.add_forces(u / small, 0, all, parallel_);
+  f += small * (all - loads);
+}
+
+template <class Real>
+void World<Real>::scale_masses() {
+  mass_scaling_.limit_before = time_step_limit();
+  std::vector<Index> all(mass_.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<double> squares;
+  for (Index v : all) squares.push_back(frequencies_.exact_square(v, inverse_mass_[v]));
+  const double total = std::accumulate(mass_.begin(), mass_.end(), 0.0);
+  mass_factor_ = mass_factors(mass_, squares, setup_.mass_scaling * total);
+  refresh_vertices(all);
+  mass_scaling_.added = std::accumulate(mass_.begin(), mass_.end(), 0.0) - total;
+  mass_scaling_.share = mass_scaling_.added / total;
+  measure_frequency_ratio();
+  mass_scaling_.limit_after = time_step_limit();
 }
 
 template <class Real>
 double World<Real>::time_step_limit() {
   // SVK softens when crushed; a step far beyond that of the body at rest would still be rash.
-  const VertexFrequency highest = highest_vertex();
+  if (known_ == Known::stale) find_frequencies();
+  const VertexFrequency highest = frequencies_.highest(inverse_mass_);
   limiting_vertex_ = highest.vertex;
   const double omega = std::max(frequency_ratio_ * highest.omega, rest_frequency_ / 4);
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();

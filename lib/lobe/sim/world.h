@@ -6,15 +6,17 @@
 //   while (world.time() < 2) world.advance(1.0 / 30);
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "lobe/condense/precomputed.h"
+#include "lobe/cut/tet_groups.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
 #include "lobe/sim/frequency.h"
+#include "lobe/sim/mass_scaling.h"
 #include "lobe/sim/report.h"
 #include "lobe/sim/tools.h"
+#include "lobe/sim/vertex_frequencies.h"
 #include "lobe/solve/implicit_step.h"
 
 namespace lobe {
@@ -76,8 +78,12 @@ class World {
   double time() const { return state_.time; }
   std::vector<Tools::Pose> tool_poses() const;
 
-  double time_step_limit();  // 2/ω_max at the current state [s]; infinite if nothing is free
-  VertexFrequency highest_vertex();
+  // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last asked for,
+  // it follows cuts locally, except with nodal pressure.
+  double time_step_limit();
+  VertexFrequency highest_vertex();                                               // found anew
+  const MassScaling& mass_scaling() const { return mass_scaling_; }               // what was added
+  const HighestFrequency& frequency_search() const { return frequency_search_; }  // at the start
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
   Vec3d reaction(int holder);              // force that who holds these vertices must apply now [N]
   Energies energies();
@@ -97,8 +103,8 @@ class World {
   void restore(const Checkpoint<Real>& checkpoint);
   const std::vector<Edit>& history() const { return history_; }
 
-  // The cut body as a setup of its own, from which an equal world can be built, and where its parts come
-  // from.
+  // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew), and where
+  // its parts come from.
   Setup current_setup(CompactMesh& compacted) const;
 
  private:
@@ -116,6 +122,14 @@ class World {
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
   void find_bodies();
+  void find_frequencies();
+  void measure_frequency_ratio();
+  void scale_masses();
+  void follow_frequencies(const MeshEdit& edit);
+  CornerStiffness stiffness_of(Index tet) const;
+  void add_internal_forces(const Mat3X<Real>& u, Mat3X<Real>& f);  // of the regions but the precomputed one
+  void add_precomputed_stiffness(const Mat3X<Real>& u, Real small, Mat3X<Real>& f);
+  std::vector<Index> touched(const Sweep& sweep);
   bool needs_all_pieces(const MeshEdit& edit);
   std::vector<std::vector<Index>> pieces_to_judge(const MeshEdit& edit);
   Index treat_loose_pieces(const std::vector<std::vector<Index>>& pieces);
@@ -145,11 +159,14 @@ class World {
   HeldVertices held_;
   std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]: 0 where held or orphan
   std::vector<Real> step_mass_;              // inverse_mass_ in the precision of the step
-  Columns dead_loads_;                       // at full size [N]
-  Columns external_;                         // gravity and dead loads at full size [N]
-  double frequency_ratio_ = 1;               // ω_max / vertex estimate, measured at rest
-  double longest_move_ = 0;                  // a step that moves a vertex further is trouble [m]
-  double rest_frequency_ = 0;                // ω_max at the start [rad/s]
+  std::vector<double> mass_factor_;          // of mass scaling, else empty
+  MassScaling mass_scaling_;
+  Columns dead_loads_;          // at full size [N]
+  Columns external_;            // gravity and dead loads at full size [N]
+  double frequency_ratio_ = 1;  // ω_max / vertex estimate, measured at rest
+  double longest_move_ = 0;     // a step that moves a vertex further is trouble [m]
+  HighestFrequency frequency_search_;
+  double rest_frequency_ = 0;   // ω_max at the start [rad/s]
   std::vector<Index> body_of_;  // per tetrahedron: the piece it belonged to at the start, or since
   std::vector<bool> body_was_held_;
 
@@ -164,9 +181,15 @@ class World {
   mutable Moving state_;
   mutable bool interior_is_stale_ = false;  // of the precomputed region
   Columns forces_;                          // scratch
-  DiagonalStiffness stiffness_;             // scratch
   double fastest_ = 0, turned_ = 0;         // highest speeds of the last step (integrator.h) [m/s]
-  std::optional<double> known_limit_;       // of the state as it stands
+  double fastest_held_ = 0;                 // of held vertices [m/s]
+  VertexFrequencies frequencies_;
+  enum class Known {  // of the frequencies
+    stale,            // of another state
+    followed,         // of this state, cuts followed since
+    anew              // of this state: what a restored world would find, to the bit
+  } known_ = Known::stale;
+  TetGroups groups_;  // for cauteries
   Index limiting_vertex_ = -1;
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;

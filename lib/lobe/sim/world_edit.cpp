@@ -54,6 +54,7 @@ void World<Real>::follow(const MeshEdit& mesh_edit) {
     state_.u.col(split.copy) = state_.u.col(split.vertex);
     state_.v.col(split.copy) = state_.v.col(split.vertex);
     held_.split(split.vertex, split.copy);
+    if (!mass_factor_.empty()) mass_factor_.push_back(mass_factor_[split.vertex]);
     edit.entered.insert(edit.entered.end(), split.tets.begin(), split.tets.end());
     edit.vertices.push_back(split.vertex);
   }
@@ -63,6 +64,7 @@ void World<Real>::follow(const MeshEdit& mesh_edit) {
   for (Index t : edit.left)
     for (int c = 0; c < 4; ++c) edit.vertices.push_back(elements_.topology.tets()(c, t));
   make_unique(edit.vertices);
+  follow_frequencies(mesh_edit);
   follow(std::move(edit));
 }
 
@@ -94,7 +96,7 @@ void World<Real>::follow(RegionEdit edit) {
   for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
   for (Index v : edit.vertices) refresh_inverse_mass(v);
   implicit_is_stale_ = interior_is_stale_ = true;
-  known_limit_.reset();
+  if (precomputed_.tet_count() > 0) known_ = Known::stale;
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
 }
 
@@ -110,13 +112,42 @@ void World<Real>::refresh_held(const HeldVertices& before) {
 }
 
 template <class Real>
+CornerStiffness World<Real>::stiffness_of(Index tet) const {
+  const Mat34<Real> u = state_.u.padded()(Eigen::all, elements_.topology.corners(tet));
+  return corner_stiffness(elements_, tet, u.template cast<double>());
+}
+
+// What tetrahedra add to the stiffness of their corners goes with them, or moves to the copy of a vertex. All is found
+// anew with nodal pressure, beside a precomputed region, and where the tetrahedron of the smallest volume ratio goes.
+template <class Real>
+void World<Real>::follow_frequencies(const MeshEdit& edit) {
+  const bool is_local =
+      precomputed_.tet_count() == 0 && !elements_.any_nodal_pressure() &&
+      std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
+  known_ = known_ != Known::stale && is_local ? Known::followed : Known::stale;
+  if (known_ == Known::stale) return;
+  frequencies_.extend(elements_.topology.vertex_count());
+  for (Index t : edit.removed) frequencies_.subtract(elements_.topology.corners(t), stiffness_of(t));
+  for (const VertexSplit& split : edit.splits)
+    for (Index t : split.tets) {
+      const Eigen::Vector4i corners = elements_.topology.corners(t);
+      const CornerStiffness K = stiffness_of(t);
+      for (int c = 0; c < 4; ++c) {
+        if (corners[c] != split.copy) continue;
+        frequencies_.add(split.copy, K.col(c));
+        frequencies_.add(split.vertex, -K.col(c));
+      }
+    }
+}
+
+template <class Real>
 void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   const Index n = elements_.topology.vertex_count();
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(std::size_t(n), 0);
   step_mass_.resize(std::size_t(n), 0);
   for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
   for (Index v : vertices) {
-    mass_[v] = lumped_mass(elements_, v);
+    mass_[v] = lumped_mass(elements_, v) * (mass_factor_.empty() ? 1.0 : mass_factor_[v]);
     refresh_inverse_mass(v);
     if (elements_.topology.around(v).empty()) state_.v.col(v).setZero();
     dead_loads_.col(v) = loads_.at(elements_, v).template cast<Real>();
@@ -129,7 +160,7 @@ void World<Real>::refresh_inverse_mass(Index v) {
   inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
   step_mass_[v] = static_cast<Real>(inverse_mass_[v]);
   implicit_is_stale_ = true;
-  known_limit_.reset();
+  if (known_ != Known::stale) frequencies_.update(v, inverse_mass_[v]);
 }
 
 template <class Real>
@@ -145,6 +176,8 @@ template <class Real>
 void World<Real>::refuse_precomputed(const std::vector<Index>& tets) {
   if (implicit_)
     throw InputError("region", "the implicit integrator has no precomputed regions; use tensor-mass");
+  if (setup_.mass_scaling > 0)
+    throw InputError("region", "mass scaling is not available beside precomputed regions; use tensor-mass");
   Elements changed = elements_;
   for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
   refuse_unanchored(changed, held_);
@@ -161,14 +194,19 @@ void World<Real>::change_region(const std::vector<Index>& tets, RegionModel mode
 template <class Real>
 RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionModel model) {
   RegionEdit edit;
+  if (precomputed_.tet_count() > 0 || elements_.any_nodal_pressure()) known_ = Known::stale;
   for (Index t : tets) {
     if (!elements_.topology.alive(t) || elements_.region_of[t] == model) continue;
+    const Eigen::Vector4i corners = elements_.topology.corners(t);
+    if (known_ != Known::stale) frequencies_.subtract(corners, stiffness_of(t));
     elements_.region_of[t] = model;
+    if (known_ != Known::stale) frequencies_.subtract(corners, -stiffness_of(t));
     edit.left.push_back(t);
     for (int c = 0; c < 4; ++c) edit.vertices.push_back(elements_.topology.tets()(c, t));
   }
   edit.entered = edit.left;
   make_unique(edit.vertices);
+  if (known_ != Known::stale && !edit.left.empty()) known_ = Known::followed;
   return edit;
 }
 

@@ -1,0 +1,75 @@
+#include "lobe/cut/tet_groups.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lobe {
+namespace {
+
+constexpr double group_size = 200;  // tetrahedra on average
+
+}  // namespace
+
+// Cells of a grid over the body at rest; a tetrahedron belongs to the cell of its first vertex.
+void TetGroups::form(const Topology& topology, const Mat3X<double>& points) {
+  Eigen::AlignedBox3d body;
+  for (Index v = 0; v < topology.vertex_count(); ++v) body.extend(points.col(v));
+  const double cells = std::max(1.0, topology.alive_count() / group_size);
+  const Vec3d size = body.sizes().cwiseMax(1e-3 * body.sizes().maxCoeff());
+  const double edge = std::cbrt(size.prod() / cells);
+  const Eigen::Vector3i count = (size / edge).array().ceil().cast<int>().cwiseMax(1);
+  const auto cell_of = [&](Index t) {
+    const Eigen::Vector3i at = ((points.col(topology.tets()(0, t)) - body.min()) / edge)
+                                   .cast<int>()
+                                   .cwiseMin(count - Eigen::Vector3i::Ones());
+    return std::size_t(at[0] + count[0] * (at[1] + Eigen::Index(count[1]) * at[2]));
+  };
+  std::vector<Index> begin(std::size_t(count.prod()) + 1, 0);
+  for (Index t = 0; t < topology.tet_count(); ++t) ++begin[cell_of(t) + 1];
+  for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+  for (std::size_t i = 0; i + 1 < begin.size(); ++i)
+    if (begin[i] < begin[i + 1]) groups_.push_back({begin[i], begin[i + 1], -1, {}});
+  order_.resize(std::size_t(topology.tet_count()));
+  for (Index t = 0; t < topology.tet_count(); ++t) order_[begin[cell_of(t)]++] = t;
+}
+
+template <class Real>
+std::vector<Index> TetGroups::touched(const Topology& topology, const Mat3X<double>& points,
+                                      const Mat3X<Real>& u, const Sweep& sweep) {
+  if (groups_.empty()) {
+    form(topology, points);
+    path_ = 0;
+    reach_ = double(u.colwise().norm().maxCoeff());
+  }
+  const Eigen::AlignedBox3d reached = box_of(sweep);
+  const auto corners_of = [&](Index t) -> Mat34<double> {
+    const Eigen::Vector4i v = topology.corners(t);
+    return points(Eigen::all, v) + u(Eigen::all, v).template cast<double>();
+  };
+  std::vector<Index> touched;
+  for (Group& group : groups_) {
+    const double moved = path_ - group.path;
+    if (group.path >= 0 &&
+        (group.box.isEmpty() || group.box.squaredExteriorDistance(reached) > moved * moved))
+      continue;
+    group.path = path_;
+    group.box.setEmpty();
+    for (Index i = group.begin; i < group.end; ++i) {
+      const Index t = order_[i];
+      if (!topology.alive(t)) continue;
+      const Mat34<double> x = corners_of(t);
+      const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
+      group.box.extend(box);
+      if (box.intersects(reached) && touches(sweep, x)) touched.push_back(t);
+    }
+  }
+  std::sort(touched.begin(), touched.end());
+  return touched;
+}
+
+template std::vector<Index> TetGroups::touched(const Topology&, const Mat3X<double>&, const Mat3X<float>&,
+                                               const Sweep&);
+template std::vector<Index> TetGroups::touched(const Topology&, const Mat3X<double>&, const Mat3X<double>&,
+                                               const Sweep&);
+
+}  // namespace lobe

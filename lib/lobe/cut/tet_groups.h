@@ -1,0 +1,41 @@
+// Which tetrahedra an instrument may touch, without looking at all of them: they stand in groups of some hundred that are
+// near each other at rest, and each group remembers the box that it was in and how far vertices have moved since. Only
+// where the box, larger by that, meets the instrument's is a group looked at. Nothing is ever missed: a shuffled or
+// inverted mesh only costs more.
+#pragma once
+
+#include <vector>
+
+#include "lobe/cut/cautery.h"
+
+namespace lobe {
+
+class TetGroups {
+ public:
+  // Every vertex has moved by at most this in one more step [m]; `rounding` is that of the displacements' precision.
+  void moved(double distance, double rounding) { path_ += distance + rounding * (reach_ + path_); }
+  // It is not known how far they have moved.
+  void forget() { groups_.clear(); }
+
+  // The same as touched_tets() of all, in the deformed body of rest positions and displacements [m].
+  template <class Real>
+  std::vector<Index> touched(const Topology& topology,
+                             const Mat3X<double>& points,  // 3 × at least #vertices
+                             const Mat3X<Real>& u,         // 3 × at least #vertices
+                             const Sweep& sweep);
+
+ private:
+  struct Group {
+    Index begin, end;         // of order_
+    double path = -1;         // path_ when the box was found; −1: never
+    Eigen::AlignedBox3d box;  // of the alive tetrahedra
+  };
+  void form(const Topology& topology, const Mat3X<double>& points);
+
+  std::vector<Index> order_;
+  std::vector<Group> groups_;
+  double path_ = 0;   // no vertex has come further since the groups were formed [m]
+  double reach_ = 0;  // largest displacement then [m]
+};
+
+}  // namespace lobe

@@ -1,0 +1,61 @@
+#include "lobe/sim/vertex_frequencies.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "lobe/fem/guard.h"
+#include "lobe/fem/hooke.h"
+#include "lobe/fem/svk.h"
+#include "lobe/fem/volume_term.h"
+
+namespace lobe {
+
+CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat34<double>& u) {
+  const Shape s = elements.shape_of(tet);
+  const Elastic& elastic = elements.elastic_of(tet);
+  const bool linear = elements.region_of[tet] == RegionModel::tensor_mass;
+  const double lambda = linear ? elastic.lambda : elastic.element_lambda();
+  const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
+  CornerStiffness K;
+  for (int c = 0; c < 4; ++c) {
+    const Vec3d a = s.gradients.col(c);
+    Mat3<double> B = linear ? hooke_block<double>(a, a, lambda, elastic.mu)
+                            : svk_diagonal_block<double>(H, a, lambda, elastic.mu);
+    if (!linear && elements.volume_penalty > 0)
+      B += volume_diagonal_block<double>(H, a, elements.volume_penalty);
+    if (!linear && elements.guard_below > 0)
+      B += guard_diagonal_block<double>(H, a, elastic.guard_modulus(), elements.guard_below);
+    K.col(c) << B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2);
+  }
+  return s.volume * K;
+}
+
+VertexFrequency VertexFrequencies::highest(const std::vector<double>& inverse_mass) {
+  while (squares_.largest() > 0) {
+    const Index v = squares_.winner();
+    if (is_exact_[v]) return {std::sqrt(squares_.largest()), v};
+    squares_.set(v, exact_square(v, inverse_mass[v]));
+    is_exact_[v] = 1;
+  }
+  return {};
+}
+
+// With q = tr K/3 and p² = |K − qI|²/6 the eigenvalues of a symmetric 3 × 3 matrix are q + 2p cos φ at three angles.
+double VertexFrequencies::bound(Index v) const {
+  const auto K = K_.col(v);
+  const double q = (K[0] + K[3] + K[5]) / 3;
+  const double off = K[1] * K[1] + K[2] * K[2] + K[4] * K[4];
+  const double on = (K[0] - q) * (K[0] - q) + (K[3] - q) * (K[3] - q) + (K[5] - q) * (K[5] - q);
+  return std::max(0.0, q + 2 * std::sqrt((on + 2 * off) / 6));
+}
+
+double VertexFrequencies::largest_eigenvalue(Index v) const {
+  const auto K = K_.col(v);
+  Mat3<double> block;
+  block << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
+  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
+  solver.computeDirect(block, Eigen::EigenvaluesOnly);
+  return std::max(0.0, solver.eigenvalues()[2]);
+}
+
+}  // namespace lobe

@@ -1,0 +1,69 @@
+// The vertex estimate of the highest frequency, ω² ≈ max over free vertices of λ_max(K_vv)/m_v: what a vertex feels when
+// it moves alone. A lower bound of ω_max (a Rayleigh quotient); on organ meshes within 10 % of it, on irregular boxes
+// within 25 % (tests). It is kept up to date through cuts: O(1) per tetrahedron that goes, O(log #vertices) per vertex.
+#pragma once
+
+#include <vector>
+
+#include "lobe/region/elements.h"
+#include "lobe/sim/tournament.h"
+
+namespace lobe {
+
+struct VertexFrequency {
+  double omega = 0;  // [rad/s], 0 if nothing is free
+  Index vertex = -1;
+};
+
+// The share of one tetrahedron in the stiffness that each of its corners feels when it moves alone, upper triangles as
+// in DiagonalStiffness [N/m]. Without nodal pressure, which is no property of one tetrahedron.
+using CornerStiffness = Eigen::Matrix<double, 6, 4>;
+CornerStiffness corner_stiffness(const Elements& elements, Index tet,
+                                 const Mat34<double>& u);  // of its corners [m]
+
+class VertexFrequencies {
+ public:
+  // Anew: add(K) adds the stiffness of all vertices to K, 6 × at least #vertices, which is zero before. O(#vertices).
+  template <class Add>
+  void find(const std::vector<double>& inverse_mass, Add&& add) {  // [1/kg], 0 where held
+    const auto n = static_cast<Index>(inverse_mass.size());
+    K_.extend(n);
+    K_.padded().setZero();
+    add(K_.padded());
+    is_exact_.assign(std::size_t(n), 0);
+    squares_.assign(n, [&](Index v) { return bound(v) * inverse_mass[v]; });
+  }
+
+  // After these, update() the vertices.
+  void extend(Index vertices) {
+    K_.extend(vertices);
+    is_exact_.resize(std::size_t(vertices), 0);
+  }
+  void add(Index vertex, const Eigen::Matrix<double, 6, 1>& stiffness) { K_.col(vertex) += stiffness; }
+  void subtract(const Eigen::Vector4i& corners, const CornerStiffness& stiffness) {
+    for (int c = 0; c < 4; ++c) K_.col(corners[c]) -= stiffness.col(c);
+  }
+  void update(Index vertex, double inverse_mass) {
+    is_exact_[vertex] = 0;
+    squares_.set(vertex, bound(vertex) * inverse_mass);
+  }
+
+  // Eigenvalues are found only where their bound is above the largest.
+  VertexFrequency highest(const std::vector<double>& inverse_mass);
+
+  // ω_v² or a bound of it [1/s²]: at most twice as large.
+  double bounded_square(Index vertex) const { return squares_[vertex]; }
+  double exact_square(Index vertex, double inverse_mass) const {
+    return largest_eigenvalue(vertex) * inverse_mass;
+  }
+
+ private:
+  double bound(Index vertex) const;  // of the largest eigenvalue of K_vv
+  double largest_eigenvalue(Index vertex) const;
+
+  VertexColumns<DiagonalStiffness> K_;  // [N/m]
+  Tournament squares_;                  // ω_v² where is_exact_, else a bound of it
+  std::vector<std::uint8_t> is_exact_;
+};
+
+}  // namespace lobe

@@ -13,6 +13,13 @@ namespace lobe {
 
 inline constexpr Index patch_vertices = 256;  // the most that share a patch: numbered by one byte
 
+// At first with room for the patches that cuts add, so that they seldom copy all; memory that nobody touches costs nothing.
+template <class Item>
+void resize_with_room(std::vector<Item>& items, std::size_t count) {
+  if (items.empty()) items.reserve(count + count / 4);
+  items.resize(count);
+}
+
 template <int n>
 class PatchLayout {
  public:

@@ -19,7 +19,7 @@ class PatchSums {
   using LocalVectors = std::array<Vector, std::size_t(patch_vertices)>;
   static constexpr Index patches_at_once = 8;  // on one thread: fewer are done before another has woken
 
-  void resize(Index patches) { sums_.resize(std::size_t(patches) * patch_vertices); }
+  void resize(Index patches) { resize_with_room(sums_, std::size_t(patches) * patch_vertices); }
 
   template <class Layout>
   static void gather(const Layout& layout, Index p, const Mat3X<Real>& u, LocalVectors& local) {

@@ -19,10 +19,10 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   const std::vector<Layout::Item> own = nonlinear_items(elements, enter);
   layout_.enter(own, elements.points.padded());
   const std::size_t patches = std::size_t(layout_.patch_count());
-  blocks_.resize(patches * patch_blocks);
+  resize_with_room(blocks_, patches * patch_blocks);
   sums_.resize(layout_.patch_count());
   if (nodal_pressure_) {
-    pressure_blocks_.resize(patches * patch_blocks);
+    resize_with_room(pressure_blocks_, patches * patch_blocks);
     volume_strain_.resize(std::size_t(elements.topology.tet_count()));
     pressure_.resize(std::size_t(nodes_.count()));
     slopes_.resize(3, 4 * Eigen::Index(elements.topology.tet_count()));

@@ -60,7 +60,7 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
   }
   layout_.resize(elements.topology.vertex_count(), edge_numbers_);
   layout_.enter(entered, elements.points.padded());
-  blocks_.resize(std::size_t(layout_.patch_count()) * patch_blocks);
+  resize_with_room(blocks_, std::size_t(layout_.patch_count()) * patch_blocks);
   sums_.resize(layout_.patch_count());
   for (const Fresh& f : fresh) write(f.ends, f.edge, f.block);
 }

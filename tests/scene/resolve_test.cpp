@@ -54,7 +54,8 @@ const std::string clamp = R"({"fix": true, "where": {"box": {"min": [-1, -1, -1]
 }  // namespace
 
 TEST_CASE("a plain scene resolves without a warning") {
-  const Resolved result = resolved(R"({"volume_penalty": 5, "guard_below": 0.3, "gravity": [0, 0, -9.81], "evaluator": "stored",
+  const Resolved result =
+      resolved(R"({"volume_penalty": 5, "guard_below": 0.3, "gravity": [0, 0, -9.81], "evaluator": "stored",
     "loose_pieces": "stay", "time": {"damping": 3, "safety": 0.5, "mass_scaling": 0.01, "ramp": 0.2, "load_ramp": 0.3}})");
   const Setup& setup = result.setup;
   CHECK(result.warnings.empty());

@@ -65,7 +65,8 @@ struct Setup : Body {
   Evaluator evaluator = Evaluator::direct;
   LoosePieces loose_pieces = LoosePieces::fall;
   double damping = 0;  // [1/s]
-  double safety = 0.9;  // of the time step, as a share of the limit; above 1 the step control must save the run
+  double safety =
+      0.9;  // of the time step, as a share of the limit; above 1 the step control must save the run
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's (mass_scaling.h)
   Integrator integrator = Integrator::central_difference;
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()

@@ -72,7 +72,8 @@ TEST_CASE("the time step follows the guard: its diagonal stiffness is that of th
   NonlinearRegion<double> region;
   region.follow(elements, edit);
   DiagonalStiffness K = DiagonalStiffness::Zero(6, u.cols()), expected = K;
-  region.add_diagonal_stiffness(u, K);
+  Parallel one_thread;
+  region.add_diagonal_stiffness(u, K, one_thread);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const Eigen::Vector4i v = elements.topology.corners(t);
     const TetStiffness own = tet_stiffness(elements, t, u(Eigen::all, v));

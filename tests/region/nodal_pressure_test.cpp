@@ -141,7 +141,8 @@ TEST_CASE("the diagonal stiffness is exact: minus the slope of the force on a ve
   region.follow(elements, everything);
   const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
   DiagonalStiffness K = DiagonalStiffness::Zero(6, mesh.vertex_count());
-  region.add_diagonal_stiffness(u, K);
+  Parallel one_thread;
+  region.add_diagonal_stiffness(u, K, one_thread);
   const int packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   const double h = 1e-7, scale = K.cwiseAbs().maxCoeff();
   for (Index v = 0; v < mesh.vertex_count(); ++v)

@@ -46,7 +46,8 @@ TEST_CASE("corner stiffnesses add up to the diagonal stiffness of both regions, 
   nonlinear.follow(elements, edit);
   DiagonalStiffness regions = DiagonalStiffness::Zero(6, setup.mesh.vertex_count()), sum = regions;
   linear.add_diagonal_stiffness(regions);
-  nonlinear.add_diagonal_stiffness(u, regions);
+  Parallel one_thread;
+  nonlinear.add_diagonal_stiffness(u, regions, one_thread);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const CornerStiffness K = corner_stiffness(elements, t, u(Eigen::all, setup.mesh.tets.col(t)));
     for (int c = 0; c < 4; ++c) sum.col(setup.mesh.tets(c, t)) += K.col(c);

@@ -30,8 +30,9 @@ class NonlinearRegion {
 
   double energy(const Mat3X<Real>& u) { return elements_.energy(u); }  // [J]
 
-  typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) {
-    return elements_.add_diagonal_stiffness(u, K);
+  typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
+                                                           Parallel& parallel) {
+    return elements_.add_diagonal_stiffness(u, K, parallel);
   }
 
  private:

@@ -1,16 +1,11 @@
-// What Patches computes: forces by the kernels of an instruction set; energies and stiffness, which are asked
-// for less often, by the registers that the whole library is compiled for.
+// What Patches computes: forces and stiffness by the kernels of an instruction set; energies, which are asked for less
+// often, by the registers that the whole library is compiled for.
 #include <algorithm>
 
 #include "lobe/region/element_lanes.h"
 #include "lobe/region/patches.h"
 
 namespace lobe {
-namespace {
-
-constexpr int upper[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
-
-}  // namespace
 
 template <class Real>
 PatchArrays<Real> Patches<Real>::arrays(Index p, const LocalVectors& u) const {
@@ -54,28 +49,26 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart
                    });
 }
 
-// Calls visit(lanes, arrays of the patch, block, first slot, tetrahedra in use), patch by patch.
+// Calls visit(lanes, arrays of the patch, block, first slot, tetrahedra in use).
 template <class Real>
 template <class Visit>
-void Patches<Real>::for_lanes(const Mat3X<Real>& u, Visit&& visit) {
+void Patches<Real>::for_lanes(Index p, const Mat3X<Real>& u, Visit&& visit) {
   using Lanes = ElementLanes<Pack<Real>>;
-  Parallel one_thread;
-  if (nodal_pressure_) find_pressures(u, one_thread);
   LocalVectors local;
-  for (Index p = 0; p < layout_.patch_count(); ++p) {
-    sums_.gather(layout_, p, u, local);
-    const PatchArrays<Real> patch = arrays(p, local);
-    for (Index i = 0; i < layout_.patch(p).items; i += Lanes::count)
-      visit(Lanes(patch.blocks[i / width], i % width, patch.u), patch, i / width, p * Layout::capacity + i,
-            std::min<int>(Lanes::count, layout_.patch(p).items - i));
-  }
+  sums_.gather(layout_, p, u, local);
+  const PatchArrays<Real> patch = arrays(p, local);
+  for (Index i = 0; i < layout_.patch(p).items; i += Lanes::count)
+    visit(Lanes(patch.blocks[i / width], i % width, patch.u), patch, i / width, p * Layout::capacity + i,
+          std::min<int>(Lanes::count, layout_.patch(p).items - i));
 }
 
 template <class Real>
 double Patches<Real>::energy(const Mat3X<Real>& u) {
   using T = Pack<Real>;
+  Parallel one_thread;
+  if (nodal_pressure_) find_pressures(u, one_thread);
   double sum = 0;
-  for_lanes(u, [&](const auto& e, const PatchArrays<Real>& patch, Index block, Index slot, int used) {
+  const auto add = [&](const auto& e, const PatchArrays<Real>& patch, Index block, Index slot, int used) {
     T W = svk_energy_density<T>(e.H, patch.lambda, patch.mu);
     if (kappa_ > 0) W += volume_energy_density<T>(e.H, patch.kappa);
     if (nodal_pressure_)
@@ -84,58 +77,69 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
     if (guard_below_ > 0) W += guard_energy_density<T>(e.H, patch.guard_modulus, patch.guard_below);
     W *= e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
-  });
+  };
+  for (Index p = 0; p < layout_.patch_count(); ++p) for_lanes(p, u, add);
   return sum;
 }
 
 // ∂(V tr E)/∂u_c = V F α_c.
 template <class Real>
-template <class Lanes>
-void Patches<Real>::keep_slopes(const Lanes& e, Index first_slot, int used) {
-  for (int c = 0; c < 4; ++c) {
-    const Vec3<Pack<Real>> a = e.gradient(c), Fa = a + e.H.lazyProduct(a);
-    for (int lane = 0; lane < used; ++lane)
-      for (int d = 0; d < 3; ++d)
-        slopes_(d, 4 * layout_.id_of(first_slot + lane) + c) =
-            double(Real(e.V[lane])) * double(Real(Fa[d][lane]));
-  }
+void Patches<Real>::find_slopes(const Mat3X<Real>& u) {
+  const auto keep = [&](const auto& e, const PatchArrays<Real>&, Index, Index slot, int used) {
+    for (int c = 0; c < 4; ++c) {
+      const Vec3<Pack<Real>> a = e.gradient(c), Fa = a + e.H.lazyProduct(a);
+      for (int lane = 0; lane < used; ++lane)
+        for (int d = 0; d < 3; ++d)
+          slopes_(d, 4 * layout_.id_of(slot + lane) + c) =
+              double(Real(e.V[lane])) * double(Real(Fa[d][lane]));
+    }
+  };
+  for (Index p = 0; p < layout_.patch_count(); ++p) for_lanes(p, u, keep);
 }
 
+// Which tetrahedron it is, is looked for in its patch alone.
 template <class Real>
-typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
-                                                                        DiagonalStiffness& K) {
-  using T = Pack<Real>;
+typename Patches<Real>::Stiffness Patches<Real>::smallest_of(const std::vector<Real>& ratios,
+                                                             const Mat3X<Real>& u) {
   Stiffness result;
-  for_lanes(u, [&](const auto& e, const PatchArrays<Real>& patch, Index block, Index slot, int used) {
-    const T change = volume_change(e.H);
+  const auto smallest = std::min_element(ratios.begin(), ratios.end());
+  if (smallest == ratios.end() || !(*smallest < 1)) return result;
+  const auto find = [&](const auto& e, const PatchArrays<Real>&, Index, Index slot, int used) {
+    const auto change = volume_change(e.H);
     for (int lane = 0; lane < used; ++lane)
       if (1 + Real(change[lane]) < result.smallest_volume_ratio) {
         result.smallest_volume_ratio = 1 + Real(change[lane]);
         result.smallest_tet = layout_.id_of(slot + lane);
       }
-    T pressure = 0;
-    if (nodal_pressure_) {
-      pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
-      keep_slopes(e, slot, used);
-    }
-    const bool guarded = guard_below_ > 0 && e.any_below(patch.guard_below);
-    const Index* vertices = layout_.vertices(slot / Layout::capacity);
-    for (int c = 0; c < 4; ++c) {
-      const Vec3<T> a = e.gradient(c);
-      Mat3<T> own = svk_diagonal_block<T>(e.H, a, patch.lambda, patch.mu);
-      if (kappa_ > 0) own += volume_diagonal_block<T>(e.H, a, patch.kappa);
-      if (guarded) own += guard_diagonal_block<T>(e.H, a, patch.guard_modulus, patch.guard_below);
-      if (nodal_pressure_)
-        for (int i = 0; i < 3; ++i) own(i, i) += pressure * a.cwiseProduct(a).sum();
-      const std::uint8_t* corners = &patch.blocks[block].corners[c][slot % width];
-      for (int i = 0; i < 6; ++i) {
-        const T entry = e.V * own(upper[i][0], upper[i][1]);
-        for (int lane = 0; lane < used; ++lane) K(i, vertices[corners[lane]]) += double(Real(entry[lane]));
-      }
-    }
-  });
-  if (nodal_pressure_) nodes_.add_diagonal_stiffness(slopes_, K);
+  };
+  for_lanes(static_cast<Index>(smallest - ratios.begin()), u, find);
   return result;
+}
+
+// In two passes of three entries, each added up like a force.
+template <class Real>
+typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
+                                                                        DiagonalStiffness& K,
+                                                                        Parallel& parallel) {
+  if (nodal_pressure_) find_pressures(u, parallel);
+  entries_.resize(3, layout_.places().vertex_count());
+  ratios_.resize(std::size_t(layout_.patch_count()));
+  for (const StiffnessPart part : {StiffnessPart::diagonal, StiffnessPart::beside}) {
+    entries_.setZero();
+    sums_.add_forces(layout_, u, entries_, parallel,
+                     [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
+                       ratios_[p] = kernels_.add_stiffness(arrays(p, local), part, sums);
+                     });
+    const std::array<int, 3> rows =
+        part == StiffnessPart::diagonal ? std::array{0, 3, 5} : std::array{1, 2, 4};
+    for (Index v = 0; v < entries_.cols(); ++v)
+      for (int i = 0; i < 3; ++i) K(rows[i], v) += double(entries_(i, v));
+  }
+  if (nodal_pressure_) {
+    find_slopes(u);
+    nodes_.add_diagonal_stiffness(slopes_, K);
+  }
+  return smallest_of(ratios_, u);
 }
 
 template class Patches<float>;

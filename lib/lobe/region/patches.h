@@ -29,7 +29,7 @@ class Patches {
     double smallest_volume_ratio = 1;  // of det F over the region
     Index smallest_tet = -1;
   };
-  Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K);  // at the state u
+  Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);  // at u
 
  private:
   using Block = ElementBlock<Real>;
@@ -40,10 +40,10 @@ class Patches {
 
   PatchArrays<Real> arrays(Index p, const LocalVectors& u) const;
   template <class Visit>
-  void for_lanes(const Mat3X<Real>& u, Visit&& visit);
+  void for_lanes(Index p, const Mat3X<Real>& u, Visit&& visit);
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
-  template <class Lanes>
-  void keep_slopes(const Lanes& lanes, Index first_slot, int used);
+  void find_slopes(const Mat3X<Real>& u);
+  Stiffness smallest_of(const std::vector<Real>& ratios, const Mat3X<Real>& u);
 
   void remove(Index tet);
   void write(const Elements& elements, const Layout::Item& item);
@@ -57,6 +57,8 @@ class Patches {
   double guard_below_ = 0;
   std::vector<Block> blocks_;  // patch_blocks per patch
   PatchSums<Real> sums_;       // scratch
+  Mat3X<Real> entries_;        // scratch: of the stiffness per vertex [N/m]
+  std::vector<Real> ratios_;   // scratch: smallest det F per patch
 
   bool nodal_pressure_ = false;  // of any material; without, the rest is empty
   PressureNodes nodes_;

@@ -84,6 +84,52 @@ LOBE_FLATTEN void volume_strains(const PatchArrays<Real>& patch, Real* rows) {
     }
 }
 
+template <StiffnessPart part, class T>
+Vec3<T> entries_of(const Mat3<T>& K) {
+  if constexpr (part == StiffnessPart::diagonal) return K.diagonal();
+  return {K(0, 1), K(0, 2), K(1, 2)};
+}
+
+template <class Real, StiffnessPart part, bool nodal_pressure>
+LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
+  using T = Pack<Real>;
+  using Lanes = ElementLanes<T>;
+  T smallest = 1;
+  for (Index b = 0; b < patch.block_count; ++b)
+    for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
+      const Lanes e(patch.blocks[b], first, patch.u);
+      const T ratio = T(1) + volume_change(e.H);
+      where(ratio < smallest, smallest) = ratio;
+      const bool guarded = patch.guard_below > 0 && any_of(ratio < T(patch.guard_below));
+      T pressure = 0;
+      if constexpr (nodal_pressure)
+        pressure = Lanes::pressure(patch.pressure_blocks[b], first, patch.pressure);
+      Mat34<T> entries;
+      for (int c = 0; c < 4; ++c) {
+        const Vec3<T> a = e.gradient(c);
+        Mat3<T> K = svk_diagonal_block<T>(e.H, a, patch.lambda, patch.mu);
+        if (patch.kappa > 0) K += volume_diagonal_block<T>(e.H, a, patch.kappa);
+        if (guarded) [[unlikely]]
+          K += guard_diagonal_block<T>(e.H, a, patch.guard_modulus, patch.guard_below);
+        if constexpr (nodal_pressure)
+          for (int i = 0; i < 3; ++i) K(i, i) += pressure * a.cwiseProduct(a).sum();
+        entries.col(c) = entries_of<part, T>(K) * e.V;
+      }
+      add_to_vertices<T>(entries, patch.blocks[b].corners, first, sums);
+    }
+  return hmin(smallest);
+}
+
+template <class Real>
+Real add_stiffness(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K) {
+  Real* sums = &K->xyz0[0];
+  if (part == StiffnessPart::diagonal)
+    return patch.pressure_blocks ? add_stiffness_of<Real, StiffnessPart::diagonal, true>(patch, sums)
+                                 : add_stiffness_of<Real, StiffnessPart::diagonal, false>(patch, sums);
+  return add_stiffness_of<Real, StiffnessPart::beside, false>(patch,
+                                                              sums);  // a pressure adds to the diagonal
+}
+
 template <class Real, class Terms>
 LOBE_FLATTEN void add_forces_of_terms(const TermBlocks<Real, Terms>& terms, const Real* u, Real* sums) {
   using T = Pack<Real>;
@@ -164,11 +210,11 @@ LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, co
 
 }  // namespace
 
-extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>,
-                                               add_term_forces<float>, dense_product<float>,
-                                               add_edge_forces<float>};
-extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>,
-                                                add_term_forces<double>, dense_product<double>,
-                                                add_edge_forces<double>};
+extern const WideKernels<float> single_kernels{add_forces<float>,    volume_strains<float>,
+                                               add_stiffness<float>, add_term_forces<float>,
+                                               dense_product<float>, add_edge_forces<float>};
+extern const WideKernels<double> double_kernels{add_forces<double>,    volume_strains<double>,
+                                                add_stiffness<double>, add_term_forces<double>,
+                                                dense_product<double>, add_edge_forces<double>};
 
 }  // namespace lobe::LOBE_KERNELS

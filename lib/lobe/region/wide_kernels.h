@@ -11,6 +11,8 @@ namespace lobe {
 
 enum class ElementPart { svk, volume_term, both };  // each with the guard, where there is one
 
+enum class StiffnessPart { diagonal, beside };  // xx, yy, zz; xy, xz, yz
+
 template <class Real>
 struct PatchArrays {  // one patch: all its tetrahedra are of one material
   const ElementBlock<Real>* blocks;
@@ -30,6 +32,8 @@ struct WideKernels {
   // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
   void (*add_forces)(const PatchArrays<Real>& patch, ElementPart part, PaddedVector<Real>* f);
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
+  // Adds three of the six entries of what each vertex feels when it moves alone [N/m]; returns the smallest det F.
+  Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
   // The same of the terms of the stored evaluator, carrier by carrier.
   void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);
   // y = S x of blocks [begin, end).

@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <vector>
 
+#include "lobe/parallel.h"
 #include "lobe/types.h"
 
 namespace lobe {
@@ -20,25 +22,51 @@ struct Fastest {
   Real all = 0, turned = 0;
 };
 
-// Moves every vertex but those with inverse mass 0. v lives half a step before u.
 template <class Real>
-Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass, Real dt,
-                                 Real damping, Mat3X<Real>& u, Mat3X<Real>& v) {
-  const Real keep = (1 - damping * dt / 2) / (1 + damping * dt / 2), push = dt / (1 + damping * dt / 2);
+struct StepFactors {  // v⁺ = keep v⁻ + push f/m, u⁺ = u + dt v⁺
+  StepFactors(Real step, Real damping)
+      : keep((1 - damping * step / 2) / (1 + damping * step / 2)),
+        push(step / (1 + damping * step / 2)),
+        dt(step) {}
+  Real keep, push, dt;
+};
+
+// Vertices [begin, end).
+template <class Real>
+Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass,
+                                 const StepFactors<Real>& step, Index begin, Index end, Mat3X<Real>& u,
+                                 Mat3X<Real>& v) {
   Fastest<Real> fastest;
   bool finite = true;
-  for (Index i = 0; i < static_cast<Index>(inverse_mass.size()); ++i) {
+  for (Index i = begin; i < end; ++i) {
     if (inverse_mass[i] == 0) continue;
     const Vec3<Real> before = v.col(i);
-    v.col(i) = keep * before + (push * inverse_mass[i]) * f.col(i);
-    u.col(i) += dt * v.col(i);
-    const Real speed = v.col(i).squaredNorm();
+    const Vec3<Real> after = step.keep * before + (step.push * inverse_mass[i]) * f.col(i);
+    v.col(i) = after;
+    u.col(i) += step.dt * after;
+    const Real speed = after.squaredNorm();
     finite = finite && speed < std::numeric_limits<Real>::max();
     fastest.all = std::max(fastest.all, speed);
-    if (before.dot(v.col(i)) < 0 && speed > before.squaredNorm())
+    if (before.dot(after) < 0 && speed > before.squaredNorm())
       fastest.turned = std::max(fastest.turned, speed);
   }
   if (!finite) fastest.all = std::numeric_limits<Real>::infinity();
+  return fastest;
+}
+
+// Moves every vertex but those with inverse mass 0. v lives half a step before u.
+template <class Real>
+Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass, Real dt,
+                                 Real damping, Mat3X<Real>& u, Mat3X<Real>& v, Parallel& parallel) {
+  const StepFactors<Real> step(dt, damping);
+  Fastest<Real> fastest;
+  std::mutex mutex;
+  parallel.for_ranges(static_cast<Index>(inverse_mass.size()), 2048, [&](Index begin, Index end) {
+    const Fastest<Real> own = central_difference(f, inverse_mass, step, begin, end, u, v);
+    const std::lock_guard lock(mutex);
+    fastest.all = std::max(fastest.all, own.all);
+    fastest.turned = std::max(fastest.turned, own.turned);
+  });
   return fastest;
 }
 

@@ -89,11 +89,14 @@ bool World<Real>::step(double dt) {
 template <class Real>
 void World<Real>::integrate(double dt) {
   known_ = Known::stale;
-  for (const HeldVertices::Held& item : held_.all())  // stays where it is until move_held()
-    for (int i = 0; i < 3; ++i)
+  for (const HeldVertices::Held& item : held_.all()) {  // what slides; the others have inverse mass 0
+    if (held_.fixes(item.vertex)) continue;
+    for (int i = 0; i < 3; ++i)  // stays where it is until move_held()
       if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
-  const Fastest<Real> fastest = central_difference(
-      forces_.padded(), step_mass_, Real(dt), Real(setup_.damping), state_.u.padded(), state_.v.padded());
+  }
+  const Fastest<Real> fastest =
+      central_difference(forces_.padded(), step_mass_, Real(dt), Real(setup_.damping), state_.u.padded(),
+                         state_.v.padded(), parallel_);
   fastest_ = std::sqrt(double(fastest.all));
   turned_ = std::sqrt(double(fastest.turned));
   interior_is_stale_ = true;
@@ -109,9 +112,12 @@ double World<Real>::missing_loads(double time) const {
 
 template <class Real>
 Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
-  forces_.view() = external_.view();
   const double missing = missing_loads(state_.time);
-  if (missing > 0) forces_.view() -= Real(missing) * dead_loads_.view();
+  parallel_.for_ranges(forces_.count(), 16384, [&](Index begin, Index end) {
+    auto own = forces_.view().middleCols(begin, end - begin);
+    own = external_.view().middleCols(begin, end - begin);
+    if (missing > 0) own -= Real(missing) * dead_loads_.view().middleCols(begin, end - begin);
+  });
   precomputed_.add_forces(state_.u.padded(), Real(missing), forces_.padded(), parallel_);
   add_internal_forces(state_.u.padded(), forces_.padded());
   return std::as_const(forces_).view();
@@ -124,24 +130,30 @@ void World<Real>::add_internal_forces(const Mat3X<Real>& u, Mat3X<Real>& f) {
 }
 
 template <class Real>
-Vec3d World<Real>::held_displacement(const HeldVertices::Held& item, double time) const {
+double World<Real>::ramp_at(double time) const {
+  return setup_.ramp > 0 ? std::clamp(time / setup_.ramp, 0.0, 1.0) : 1.0;
+}
+
+template <class Real>
+Vec3d World<Real>::held_displacement(const HeldVertices::Held& item, double time, double ramp) const {
   if (item.holder != HeldVertices::boundary) return tools_.grasped(item, time);
-  const double ramp = setup_.ramp > 0 ? std::clamp(time / setup_.ramp, 0.0, 1.0) : 1.0;
   return item.start + ramp * (item.goal - item.start);
 }
 
 template <class Real>
 void World<Real>::move_held(double dt) {
   fastest_held_ = 0;
+  const double ramp = ramp_at(state_.time);
   for (const HeldVertices::Held& item : held_.all()) {
-    const Vec3<Real> u = held_displacement(item, state_.time).template cast<Real>();
+    const Vec3<Real> u = held_displacement(item, state_.time, ramp).template cast<Real>();
     for (int i = 0; i < 3; ++i) {
       if (!item.axes[i]) continue;
       state_.v(i, item.vertex) = (u[i] - state_.u(i, item.vertex)) / Real(dt);
       state_.u(i, item.vertex) = u[i];
     }
-    fastest_held_ = std::max(fastest_held_, double(state_.v.col(item.vertex).norm()));
+    fastest_held_ = std::max(fastest_held_, double(state_.v.col(item.vertex).squaredNorm()));
   }
+  fastest_held_ = std::sqrt(fastest_held_);
 }
 
 // The accelerations of generalised-α are taken from the forces after every edit.
@@ -158,8 +170,9 @@ bool World<Real>::implicit_step(double dt) {
     const double load_time = state_.time + implicit_->load_time() * dt;
     StepLoads loads{mass_, external_.view() - missing_loads(load_time) * dead_loads_.view(), state_.u.view(),
                     setup_.damping};
+    const double ramp = ramp_at(state_.time + dt);
     for (const HeldVertices::Held& item : held_.all()) {
-      const Vec3d u = held_displacement(item, state_.time + dt);
+      const Vec3d u = held_displacement(item, state_.time + dt, ramp);
       for (int i = 0; i < 3; ++i)
         if (item.axes[i]) loads.given(i, item.vertex) = u[i];
     }
@@ -211,7 +224,7 @@ void World<Real>::find_frequencies() {
   frequencies_.find(inverse_mass_, [&](DiagonalStiffness& K) {
     tensor_mass_.add_diagonal_stiffness(K);
     precomputed_.add_diagonal_stiffness(K);
-    const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), K);
+    const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), K, parallel_);
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
   });

@@ -141,7 +141,8 @@ class World {
   void advance_to(double end, Report& report);
   void play_tools(double duration, Report& report);
   void integrate(double dt);
-  Vec3d held_displacement(const HeldVertices::Held& item, double time) const;
+  double ramp_at(double time) const;  // the share of what is prescribed
+  Vec3d held_displacement(const HeldVertices::Held& item, double time, double ramp) const;
   void move_held(double dt);
   bool run_steps(int steps, double dt, bool first_try, Report& report);
   std::string culprit() const;

@@ -45,6 +45,7 @@ template <int n>
 void PatchLayout<n>::resize(Index vertex_count, Index id_count) {
   slot_of_.resize(std::size_t(id_count), -1);
   while (places_.vertex_count() < vertex_count) places_.add_vertex();
+  is_used_.resize(std::size_t(vertex_count), false);
 }
 
 template <int n>
@@ -94,7 +95,18 @@ void PatchLayout<n>::list_places(Index first_patch) {
     for_places([&](Index place) { ++lengths[vertex_[place]]; });
     places_ = VertexLists<Index>(lengths);
   }
-  for_places([&](Index place) { places_.append(vertex_[place], place); });
+  for_places([&](Index place) {
+    places_.append(vertex_[place], place);
+    use(vertex_[place]);
+  });
+  std::sort(used_.begin(), used_.end());
+}
+
+template <int n>
+void PatchLayout<n>::use(Index vertex) {
+  if (is_used_[vertex]) return;
+  is_used_[vertex] = true;
+  used_.push_back(vertex);
 }
 
 template <int n>
@@ -186,6 +198,7 @@ Index PatchLayout<n>::number_vertex(Index p, Index vertex) {
   }
   vertex_[place] = vertex;
   places_.append(vertex, place);
+  use(vertex);
   return place % patch_vertices;
 }
 

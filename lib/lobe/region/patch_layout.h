@@ -49,6 +49,8 @@ class PatchLayout {
   const Index* vertices(Index p) const { return vertex_.data() + std::size_t(p) * patch_vertices; }
   // Per vertex of the mesh: its places, patch_vertices × patch + number there.
   const VertexLists<Index>& places() const { return places_; }
+  // The vertices that have places, or had some.
+  const std::vector<Index>& used_vertices() const { return used_; }
   LocalCorners local_corners(Index p, const Corners& corners) const;
 
   // Makes room for the vertices and ids that are new.
@@ -67,12 +69,15 @@ class PatchLayout {
   Index open_patch(std::uint16_t kind);
   Index local_number(Index p, Index vertex) const;  // −1 if it has none
   Index number_vertex(Index p, Index vertex);
+  void use(Index vertex);
   void put(Index p, const Item& item);
 
   std::vector<Patch> patches_;
   std::vector<Index> vertex_;        // per place
   std::vector<std::uint16_t> uses_;  // per place: corners of items
   VertexLists<Index> places_;
+  std::vector<Index> used_;
+  std::vector<bool> is_used_;           // per vertex
   std::vector<Index> id_of_, slot_of_;  // per slot; per id
   std::vector<Index> empty_;            // patches, some of which may have been filled again
   Index open_ = -1;                     // patch that takes what fits nowhere else

@@ -43,16 +43,18 @@ class PatchSums {
         evaluate(p, local, sums);
       }
     });
-    parallel.for_ranges(layout.places().vertex_count(), 4096,
-                        [&](Index begin, Index end) { sum_places(layout.places(), begin, end, f); });
+    const std::vector<Index>& used = layout.used_vertices();
+    parallel.for_ranges(static_cast<Index>(used.size()), 4096, [&](Index begin, Index end) {
+      sum_places(layout.places(), {used.data() + begin, used.data() + end}, f);
+    });
   }
 
  private:
   // Sums lie as far apart as the patches: they are asked for ahead.
-  void sum_places(const VertexLists<Index>& places, Index begin, Index end, Mat3X<Real>& f) const {
+  void sum_places(const VertexLists<Index>& places, std::span<const Index> vertices, Mat3X<Real>& f) const {
     using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
     const std::span<const Index> all = places.items();
-    for (Index v = begin; v < end; ++v) {
+    for (Index v : vertices) {
       Four sum{}, own;
       for (const Index& place : places[v]) {
         const std::size_t ahead = std::size_t(&place - all.data()) + 32;

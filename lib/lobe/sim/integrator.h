@@ -31,17 +31,32 @@ struct StepFactors {  // v⁺ = keep v⁻ + push f/m, u⁺ = u + dt v⁺
   Real keep, push, dt;
 };
 
-// Vertices [begin, end).
 template <class Real>
-Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass,
+struct MovingVertex {
+  Index vertex = 0;
+  Real inverse_mass = 0;  // [1/kg]
+};
+
+// Those that move by themselves: with an inverse mass above 0.
+template <class Real>
+std::vector<MovingVertex<Real>> moving_vertices(const std::vector<double>& inverse_mass) {
+  std::vector<MovingVertex<Real>> moving;
+  for (std::size_t v = 0; v < inverse_mass.size(); ++v)
+    if (inverse_mass[v] != 0) moving.push_back({static_cast<Index>(v), static_cast<Real>(inverse_mass[v])});
+  return moving;
+}
+
+// The vertices [begin, end) of the list.
+template <class Real>
+Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  const StepFactors<Real>& step, Index begin, Index end, Mat3X<Real>& u,
                                  Mat3X<Real>& v) {
   Fastest<Real> fastest;
   bool finite = true;
-  for (Index i = begin; i < end; ++i) {
-    if (inverse_mass[i] == 0) continue;
+  for (Index at = begin; at < end; ++at) {
+    const auto [i, inverse_mass] = moving[std::size_t(at)];
     const Vec3<Real> before = v.col(i);
-    const Vec3<Real> after = step.keep * before + (step.push * inverse_mass[i]) * f.col(i);
+    const Vec3<Real> after = step.keep * before + (step.push * inverse_mass) * f.col(i);
     v.col(i) = after;
     u.col(i) += step.dt * after;
     const Real speed = after.squaredNorm();
@@ -54,15 +69,15 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& 
   return fastest;
 }
 
-// Moves every vertex but those with inverse mass 0. v lives half a step before u.
+// v lives half a step before u.
 template <class Real>
-Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<Real>& inverse_mass, Real dt,
+Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving, Real dt,
                                  Real damping, Mat3X<Real>& u, Mat3X<Real>& v, Parallel& parallel) {
   const StepFactors<Real> step(dt, damping);
   Fastest<Real> fastest;
   std::mutex mutex;
-  parallel.for_ranges(static_cast<Index>(inverse_mass.size()), 2048, [&](Index begin, Index end) {
-    const Fastest<Real> own = central_difference(f, inverse_mass, step, begin, end, u, v);
+  parallel.for_ranges(static_cast<Index>(moving.size()), 2048, [&](Index begin, Index end) {
+    const Fastest<Real> own = central_difference(f, moving, step, begin, end, u, v);
     const std::lock_guard lock(mutex);
     fastest.all = std::max(fastest.all, own.all);
     fastest.turned = std::max(fastest.turned, own.turned);

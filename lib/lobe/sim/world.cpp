@@ -10,7 +10,6 @@
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
 #include "lobe/sim/check_setup.h"
-#include "lobe/sim/integrator.h"
 
 namespace lobe {
 namespace {
@@ -89,20 +88,36 @@ bool World<Real>::step(double dt) {
 template <class Real>
 void World<Real>::integrate(double dt) {
   known_ = Known::stale;
-  for (const HeldVertices::Held& item : held_.all()) {  // what slides; the others have inverse mass 0
-    if (held_.fixes(item.vertex)) continue;
-    for (int i = 0; i < 3; ++i)  // stays where it is until move_held()
+  if (moving_is_stale_) find_moving();
+  for (const HeldVertices::Held& item : led_) {
+    if (held_.fixes(item.vertex)) continue;  // it is none that moves by itself
+    for (int i = 0; i < 3; ++i)              // stays where it is until move_held()
       if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
   }
-  const Fastest<Real> fastest =
-      central_difference(forces_.padded(), step_mass_, Real(dt), Real(setup_.damping), state_.u.padded(),
-                         state_.v.padded(), parallel_);
+  const Fastest<Real> fastest = central_difference(forces_.padded(), moving_, Real(dt), Real(setup_.damping),
+                                                   state_.u.padded(), state_.v.padded(), parallel_);
   fastest_ = std::sqrt(double(fastest.all));
   turned_ = std::sqrt(double(fastest.turned));
   interior_is_stale_ = true;
   state_.time += dt;
   move_held(dt);
   groups_.moved((fastest_ + fastest_held_) * dt, std::numeric_limits<Real>::epsilon());
+}
+
+// What rests is put in its place here, and needs nothing from a step.
+template <class Real>
+void World<Real>::find_moving() {
+  moving_ = moving_vertices<Real>(inverse_mass_);
+  led_.clear();
+  for (const HeldVertices::Held& item : held_.all()) {
+    if (item.holder != HeldVertices::boundary || item.start != item.goal || item.axes != all_axes) {
+      led_.push_back(item);
+      continue;
+    }
+    state_.u.col(item.vertex) = item.goal.template cast<Real>();
+    state_.v.col(item.vertex).setZero();
+  }
+  moving_is_stale_ = false;
 }
 
 template <class Real>
@@ -144,7 +159,7 @@ template <class Real>
 void World<Real>::move_held(double dt) {
   fastest_held_ = 0;
   const double ramp = ramp_at(state_.time);
-  for (const HeldVertices::Held& item : held_.all()) {
+  for (const HeldVertices::Held& item : led_) {
     const Vec3<Real> u = held_displacement(item, state_.time, ramp).template cast<Real>();
     for (int i = 0; i < 3; ++i) {
       if (!item.axes[i]) continue;
@@ -203,7 +218,7 @@ void World<Real>::set_state(const State<Real>& state) {
   state_.u.view() = state.u;
   state_.v.view() = state.v;
   state_.time = state.time;
-  implicit_is_stale_ = interior_is_stale_ = true;
+  implicit_is_stale_ = interior_is_stale_ = moving_is_stale_ = true;
   known_ = Known::stale;
   groups_.forget();
 }

@@ -13,6 +13,7 @@
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
 #include "lobe/sim/frequency.h"
+#include "lobe/sim/integrator.h"
 #include "lobe/sim/mass_scaling.h"
 #include "lobe/sim/report.h"
 #include "lobe/sim/tools.h"
@@ -141,6 +142,7 @@ class World {
   void advance_to(double end, Report& report);
   void play_tools(double duration, Report& report);
   void integrate(double dt);
+  void find_moving();
   double ramp_at(double time) const;  // the share of what is prescribed
   Vec3d held_displacement(const HeldVertices::Held& item, double time, double ramp) const;
   void move_held(double dt);
@@ -159,8 +161,13 @@ class World {
   Tools tools_;
   HeldVertices held_;
   std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]: 0 where held or orphan
-  std::vector<Real> step_mass_;              // inverse_mass_ in the precision of the step
   std::vector<double> mass_factor_;          // of mass scaling, else empty
+
+  // What a step moves, found again where masses, holds or the state are given anew.
+  std::vector<MovingVertex<Real>> moving_;  // by themselves
+  std::vector<HeldVertices::Held> led_;     // held, but not at one place in all components
+  bool moving_is_stale_ = true;
+
   MassScaling mass_scaling_;
   Columns dead_loads_;          // at full size [N]
   Columns external_;            // gravity and dead loads at full size [N]

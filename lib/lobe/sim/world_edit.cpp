@@ -144,7 +144,6 @@ template <class Real>
 void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   const Index n = elements_.topology.vertex_count();
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(std::size_t(n), 0);
-  step_mass_.resize(std::size_t(n), 0);
   for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v) * (mass_factor_.empty() ? 1.0 : mass_factor_[v]);
@@ -158,8 +157,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
 template <class Real>
 void World<Real>::refresh_inverse_mass(Index v) {
   inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
-  step_mass_[v] = static_cast<Real>(inverse_mass_[v]);
-  implicit_is_stale_ = true;
+  implicit_is_stale_ = moving_is_stale_ = true;
   if (known_ != Known::stale) frequencies_.update(v, inverse_mass_[v]);
 }
 

@@ -21,6 +21,7 @@
 
 #include "lobe/condense/anchors.h"
 #include "lobe/condense/interface_size.h"
+#include "lobe/condense/narrow_interface.h"
 #include "lobe/diagnostics/compare.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"

@@ -19,11 +19,9 @@ template <class Real>
 void PrecomputedRegion<Real>::add_forces(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f,
                                          Parallel& parallel) {
   const Index n = interface_size();
-  for (Index i = 0; i < n; ++i) x_[i] = u.data()[components_[i]];
-  parallel.for_ranges(static_cast<Index>(y_.size()) / dense_block, 4, [&](Index begin, Index end) {
-    kernels_.dense_product(rows_.data(), n, x_.data(), begin, end, y_.data());
-  });
-  for (Index i = 0; i < n; ++i) f.data()[components_[i]] += given_[i] + missing * missing_[i] - y_[i];
+  for (Index i = 0; i < n; ++i) stiffness_.x()[i] = u.data()[components_[i]];
+  const std::vector<Real>& own = stiffness_.multiply(parallel);
+  for (Index i = 0; i < n; ++i) f.data()[components_[i]] += given_[i] + missing * missing_[i] - own[i];
 }
 
 template <class Real>

@@ -9,8 +9,7 @@
 
 #include "lobe/condense/condensed.h"
 #include "lobe/condense/region_factor.h"
-#include "lobe/parallel.h"
-#include "lobe/region/wide_kernels.h"
+#include "lobe/condense/symmetric_product.h"
 #include "lobe/sim/boundary_conditions.h"
 
 namespace lobe {
@@ -20,7 +19,7 @@ class PrecomputedRegion {
  public:
   explicit PrecomputedRegion(SparseFactorMaker make_factor = make_ldlt,
                              InstructionSet set = chosen_instruction_set())
-      : make_factor_(std::move(make_factor)), kernels_(wide_kernels<Real>(set)) {}
+      : make_factor_(std::move(make_factor)), stiffness_(set) {}
 
   // After an edit of the mesh or the regions; `edit.vertices` also names vertices that somebody took hold of or let go.
   // Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act through the
@@ -68,7 +67,6 @@ class PrecomputedRegion {
   void prepare_step(const Elements& elements);
 
   SparseFactorMaker make_factor_;
-  WideKernels<Real> kernels_;
 
   std::vector<std::uint8_t> member_;  // per tetrahedron
   Index tet_count_ = 0;
@@ -81,11 +79,10 @@ class PrecomputedRegion {
   Index most_touched_ = 0;  // beyond, it is condensed afresh
 
   // What a step reads.
-  std::vector<Index> components_;      // of the interface: 3 × vertex + axis
-  std::vector<Index> shared_;          // vertices
-  std::vector<Real> rows_;             // of S, in blocks (wide_kernels.h)
+  std::vector<Index> components_;  // of the interface: 3 × vertex + axis
+  std::vector<Index> shared_;      // vertices
+  SymmetricProduct<Real> stiffness_;
   std::vector<Real> given_, missing_;  // force of all loads, and of the dead ones that are missing [N]
-  std::vector<Real> x_, y_;            // scratch
 };
 
 }  // namespace lobe

@@ -207,20 +207,14 @@ void PrecomputedRegion<Real>::build(const Elements& elements) {
 template <class Real>
 void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
   const Eigen::MatrixXd& S = condensed_->stiffness();
-  const Index n = static_cast<Index>(S.rows()), padded = (n + dense_block - 1) / dense_block * dense_block;
-  rows_.assign(std::size_t(padded) * n, 0);
-  for (Index j = 0; j < n; ++j)
-    for (Index i = 0; i < n; ++i)
-      rows_[std::size_t(i / dense_block) * dense_block * n + std::size_t(j) * dense_block + i % dense_block] =
-          static_cast<Real>(S(i, amplitudes + j));
+  const auto n = static_cast<Index>(S.rows());
+  stiffness_.set(S.rightCols(n));
   given_.resize(std::size_t(n));
   missing_.resize(std::size_t(n));
   for (Index i = 0; i < n; ++i) {
     given_[i] = static_cast<Real>(-S(i, 0));
     missing_[i] = static_cast<Real>(-S(i, 1));
   }
-  x_.assign(std::size_t(n), 0);
-  y_.assign(std::size_t(padded), 0);
   components_.resize(std::size_t(n));
   for (Eigen::Index i = 0; i < dof_.size(); ++i)
     if (dof_.data()[i] >= 0 && condensed_->column(dof_.data()[i]) >= 0)

@@ -164,25 +164,62 @@ void add_term_forces(const TermArrays<Real>& patch, PaddedVector<Real>* f) {
   add_forces_of_terms(patch.tets, u, sums);
 }
 
+// The sums over the sixteen lanes of each of four columns, always in the same order.
 template <class Real>
-LOBE_FLATTEN void dense_product(const Real* blocks, Index columns, const Real* x, Index begin, Index end,
-                                Real* y) {
-  constexpr int width = static_cast<int>(Pack<Real>::size()), packs = dense_block / width;
-  for (Index b = begin; b < end; ++b) {
-    const Real* column = blocks + std::size_t(b) * dense_block * std::size_t(columns);
-    Pack<Real> even[packs], odd[packs];  // two sums: one alone would wait for its last addition
-    for (int k = 0; k < packs; ++k) even[k] = odd[k] = 0;
-    for (Index j = 0; j + 1 < columns; j += 2, column += 2 * dense_block)
-      for (int k = 0; k < packs; ++k) {
-        even[k] += Pack<Real>(column + k * width, std::experimental::element_aligned) * x[j];
-        odd[k] += Pack<Real>(column + dense_block + k * width, std::experimental::element_aligned) * x[j + 1];
+void add_column_sums(const Real* lanes, Real* sums) {
+  using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
+  using Places [[gnu::vector_size(4 * sizeof(Real))]] = std::conditional_t<sizeof(Real) == 4, int, long>;
+  Four f[4];
+  unrolled<4>([&](int c) {
+    Four quarter[4];
+    std::memcpy(quarter, lanes + 16 * c, sizeof quarter);
+    f[c] = (quarter[0] + quarter[1]) + (quarter[2] + quarter[3]);
+  });
+  const Places low{0, 4, 1, 5}, high{2, 6, 3, 7}, left{0, 1, 4, 5}, right{2, 3, 6, 7};
+  const Four xy = __builtin_shuffle(f[0], f[1], low), zw = __builtin_shuffle(f[0], f[1], high),
+             next_xy = __builtin_shuffle(f[2], f[3], low), next_zw = __builtin_shuffle(f[2], f[3], high);
+  Four sum;
+  std::memcpy(&sum, sums, sizeof sum);
+  sum += (__builtin_shuffle(xy, next_xy, left) + __builtin_shuffle(xy, next_xy, right)) +
+         (__builtin_shuffle(zw, next_zw, left) + __builtin_shuffle(zw, next_zw, right));
+  std::memcpy(sums, &sum, sizeof sum);
+}
+
+// Each entry is read once and used twice, as S_ij and as S_ji; the sums of a panel's columns stay in registers.
+template <class Real>
+LOBE_FLATTEN void symmetric_product(const Real* tiles, SymmetricHalf shape, const Real* x, Index begin,
+                                    Index end, Real* y) {
+  using T = Pack<Real>;
+  constexpr int columns = SymmetricHalf::panel_columns, rows = SymmetricHalf::tile_rows;
+  constexpr auto aligned = std::experimental::element_aligned;
+  const Index tile_count = shape.tiles();
+  for (Index p = begin; p < end; ++p) {
+    const Index first = p * columns / rows;
+    const Real* panel = tiles + std::size_t(shape.tiles_before(p)) * SymmetricHalf::tile_size;
+    alignas(64) Real lanes[columns * rows];
+    for (int k = 0; k < rows; k += static_cast<int>(T::size())) {
+      T sums[columns], x_of[columns];
+      unrolled<columns>([&](int c) {
+        sums[c] = 0;
+        x_of[c] = x[p * columns + c];
+      });
+      const Real* tile = panel + k;
+      for (Index t = first; t < tile_count; ++t, tile += SymmetricHalf::tile_size) {
+        const T own(x + t * rows + k, aligned);
+        T even = 0, odd = 0;
+        unrolled<columns>([&](int c) {
+          const T S(tile + c * rows, aligned);
+          (c % 2 == 0 ? even : odd) += S * x_of[c];
+          sums[c] += S * own;
+        });
+        T sum(y + t * rows + k, aligned);
+        sum += even + odd;
+        sum.copy_to(y + t * rows + k, aligned);
       }
-    for (int k = 0; k < packs; ++k) {
-      if (columns % 2 == 1)
-        even[k] += Pack<Real>(column + k * width, std::experimental::element_aligned) * x[columns - 1];
-      even[k] += odd[k];
-      even[k].copy_to(y + b * dense_block + k * width, std::experimental::element_aligned);
+      unrolled<columns>([&](int c) { sums[c].copy_to(lanes + c * rows + k, aligned); });
     }
+    add_column_sums(lanes, y + p * columns);
+    add_column_sums(lanes + columns * rows / 2, y + p * columns + 4);
   }
 }
 
@@ -212,9 +249,9 @@ LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, co
 
 extern const WideKernels<float> single_kernels{add_forces<float>,    volume_strains<float>,
                                                add_stiffness<float>, add_term_forces<float>,
-                                               dense_product<float>, add_edge_forces<float>};
+                                               symmetric_product<float>, add_edge_forces<float>};
 extern const WideKernels<double> double_kernels{add_forces<double>,    volume_strains<double>,
                                                 add_stiffness<double>, add_term_forces<double>,
-                                                dense_product<double>, add_edge_forces<double>};
+                                                symmetric_product<double>, add_edge_forces<double>};
 
 }  // namespace lobe::LOBE_KERNELS

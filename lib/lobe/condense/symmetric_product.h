@@ -1,0 +1,38 @@
+// The product of a dense symmetric matrix with a vector, of which every step of a condensed region takes one. The half below
+// the diagonal is all that is read: 2 n² numbers' worth of bytes in single precision, at the speed of the cache or memory
+// that holds them.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "lobe/parallel.h"
+#include "lobe/region/wide_kernels.h"
+
+namespace lobe {
+
+template <class Real>
+class SymmetricProduct {
+ public:
+  explicit SymmetricProduct(InstructionSet set = chosen_instruction_set())
+      : kernels_(wide_kernels<Real>(set)) {}
+
+  void set(const Eigen::Ref<const Eigen::MatrixXd>& S);  // of which the lower triangle is read
+
+  Index size() const { return shape_.size; }
+  std::size_t bytes() const { return tiles_.size() * sizeof(Real); }  // read by a product
+  std::vector<Real>& x() { return x_; }                               // at least size(), the rest stays 0
+  // S x. The same bits on any number of threads.
+  const std::vector<Real>& multiply(Parallel& parallel);
+
+ private:
+  void divide();
+
+  WideKernels<Real> kernels_;
+  SymmetricHalf shape_;
+  std::vector<Real> tiles_, diagonal_;
+  std::vector<Index> parts_ = {0};  // of the panels: where each begins, and the end
+  std::vector<Real> x_, y_, sums_;  // y; y of each part
+};
+
+}  // namespace lobe

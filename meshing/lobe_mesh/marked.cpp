@@ -34,7 +34,7 @@ void write_marked(const std::filesystem::path& file, const Surface& surface, con
     arrays.push_back({finding->name, row, DataArray::Type::int32});
   }
   arrays.push_back({"faults", faults, DataArray::Type::int32});
-  write_vtp(file, surface.points, surface.triangles, arrays);
+  write_surface(file, surface.points, surface.triangles, arrays);
 }
 
 }  // namespace lobe::meshing

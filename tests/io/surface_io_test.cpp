@@ -47,11 +47,36 @@ TEST_CASE("surfaces as PLY and STL have the size their header announces") {
   CHECK(normal[2] == -1);
 }
 
+TEST_CASE("data of triangles become properties of the faces of a PLY") {
+  const fixture::Folder folder;
+  const Surface surface = tetrahedron();
+  const std::vector<DataArray> data{{"open edges", Eigen::RowVector4d(0, 1, 0, 2), DataArray::Type::int32},
+                                    {"area", Eigen::RowVector4d(0.5, 1, 2, 4)}};
+  write_surface(folder.path / "a.ply", surface.points, surface.triangles, data);
+  const std::string ply = io::read_file(folder.path / "a.ply"), end = "end_header\n";
+  CHECK_CONTAINS(ply, "property int open_edges\nproperty double area\nend_header");
+  const std::size_t faces = ply.find(end) + end.size() + 4 * 24, face = 13 + 4 + 8;
+  REQUIRE(ply.size() == faces + 4 * face);
+  std::int32_t edges = 0;
+  double area = 0;
+  std::memcpy(&edges, ply.data() + faces + 3 * face + 13, sizeof edges);
+  std::memcpy(&area, ply.data() + faces + 3 * face + 17, sizeof area);
+  CHECK(edges == 2);
+  CHECK(area == 4);
+  const auto fault = [&](const char* name, const DataArray& array) {
+    return fixture::fault_of(
+        [&] { write_surface(folder.path / name, surface.points, surface.triangles, {array}); });
+  };
+  CHECK_CONTAINS(fault("a.stl", data[0]), "holds no data of triangles: use .vtp");
+  CHECK_CONTAINS(fault("b.ply", {"normal", Eigen::MatrixXd::Zero(3, 4)}), "several components");
+  CHECK_CONTAINS(fault("b.vtu", {"few", Eigen::RowVector2d(0, 1)}), "one value per triangle");
+}
+
 TEST_CASE("a surface as VTP reads back bit for bit") {
   const fixture::Folder folder;
   const Surface surface = tetrahedron();
   const DataArray faults{"faults", Eigen::RowVector4d(0, 1, 0, 2), DataArray::Type::int32};
-  write_vtp(folder.path / "a.vtp", surface.points, surface.triangles, {faults});
+  write_surface(folder.path / "a.vtp", surface.points, surface.triangles, {faults});
   const Polygons read = read_vtp(folder.path / "a.vtp");
   REQUIRE(read.points.size() == 4);
   REQUIRE(read.corners.size() == 4);

@@ -3,8 +3,10 @@
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkNew.h>
+#include <vtkPLYReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
@@ -41,22 +43,30 @@ TEST_CASE("VTK reads a VTU of ours: points, tetrahedra, labels, displacement") {
   }
 }
 
-TEST_CASE("VTK reads a VTP of ours: points, triangles, data of the triangles") {
+TEST_CASE("VTK reads a surface of ours as VTP, VTU and PLY: points, triangles, data of the triangles") {
   const fixture::Folder folder;
   Mat3X<double> points(3, 4);
   points << 0, 0.1, 0, 0, /**/ 0, 0, 1, 0, /**/ 0, 0, 0, 1;
   Triangles triangles(3, 2);
   triangles << 0, 0, /**/ 2, 1, /**/ 1, 3;
-  write_vtp(folder.path / "a.vtp", points, triangles,
-            {{"open edges", Eigen::RowVector2d(0, 1), DataArray::Type::int32}});
-  vtkNew<vtkXMLPolyDataReader> reader;
-  reader->SetFileName((folder.path / "a.vtp").c_str());
-  reader->Update();
-  vtkPolyData* surface = reader->GetOutput();
-  REQUIRE(surface->GetNumberOfPoints() == 4);
-  REQUIRE(surface->GetNumberOfPolys() == 2);
-  CHECK(surface->GetPoint(1)[0] == 0.1);
-  CHECK(surface->GetCell(1)->GetPointId(2) == 3);
-  REQUIRE(surface->GetCellData()->GetArray("open edges") != nullptr);
-  CHECK(surface->GetCellData()->GetArray("open edges")->GetComponent(1, 0) == 1);
+  for (const char* name : {"a.vtp", "a.vtu", "a.ply"})
+    write_surface(folder.path / name, points, triangles,
+                  {{"open edges", Eigen::RowVector2d(0, 1), DataArray::Type::int32}});
+  const auto read = [&](auto reader, const char* name) {
+    reader->SetFileName((folder.path / name).c_str());
+    reader->Update();
+    auto* surface = reader->GetOutput();
+    REQUIRE(surface->GetNumberOfPoints() == 4);
+    REQUIRE(surface->GetNumberOfCells() == 2);
+    CHECK(surface->GetPoint(1)[0] == doctest::Approx(0.1));
+    CHECK(surface->GetCell(1)->GetNumberOfPoints() == 3);
+    CHECK(surface->GetCell(1)->GetPointId(2) == 3);
+    return vtkSmartPointer<vtkCellData>(surface->GetCellData());
+  };
+  for (const auto& data : {read(vtkSmartPointer<vtkXMLPolyDataReader>::New(), "a.vtp"),
+                           read(vtkSmartPointer<vtkXMLUnstructuredGridReader>::New(), "a.vtu")}) {
+    REQUIRE(data->GetArray("open edges") != nullptr);
+    CHECK(data->GetArray("open edges")->GetComponent(1, 0) == 1);
+  }
+  read(vtkSmartPointer<vtkPLYReader>::New(), "a.ply");  // drops properties of faces that it does not know
 }

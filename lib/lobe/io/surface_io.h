@@ -9,16 +9,15 @@
 
 namespace lobe {
 
-// By extension: .vtp, .obj and .off (exact), .ply (binary, double precision), .stl (binary, single precision
-// and without shared vertices, as the format is). Whole or absent, like write_vtu(). Throws InputError for
-// another extension, a vertex number out of range, or a folder that cannot be written to.
+// By extension: .vtp, .vtu, .obj and .off (exact), .ply (binary, double precision), .stl (binary, single precision
+// and without shared vertices, as the format is). Whole or absent, like write_vtu(). `data` of the triangles go
+// into .vtp, .vtu and .ply; there as properties of the faces, blanks in names as underscores, one component only.
+// Throws InputError for another extension, data that the format does not hold, a vertex number out of range, or a
+// folder that cannot be written to.
 void write_surface(const std::filesystem::path& file,
                    const Mat3X<double>& points,  // 3 × #vertices [m]
-                   const Triangles& triangles);  // 3 × #triangles, counter-clockwise seen from outside
-
-// With data of the triangles (ParaView and VTK open it).
-void write_vtp(const std::filesystem::path& file, const Mat3X<double>& points, const Triangles& triangles,
-               const std::vector<DataArray>& cell_data = {});
+                   const Triangles& triangles,   // 3 × #triangles, counter-clockwise seen from outside
+                   const std::vector<DataArray>& data = {});
 
 // Points and polygons as they stand in a file; corners are from 0 and not checked against the points.
 struct Polygons {

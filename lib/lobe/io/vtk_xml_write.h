@@ -45,4 +45,8 @@ VtkBlock vtk_offsets(const char* section, std::size_t cells, int vertices);
 void write_vtk_xml(const std::filesystem::path& file, const std::string& type, const std::string& piece,
                    const std::vector<VtkBlock>& blocks);
 
+// Triangles with data: .vtu, or .vtp for any other extension.
+void write_vtk_triangles(const std::filesystem::path& file, const Mat3X<double>& points,
+                         const Triangles& triangles, const std::vector<DataArray>& data);
+
 }  // namespace lobe::io

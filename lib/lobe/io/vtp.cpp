@@ -10,17 +10,23 @@ namespace lobe {
 
 using namespace io;
 
-void write_vtp(const std::filesystem::path& file, const Mat3X<double>& points, const Triangles& triangles,
-               const std::vector<DataArray>& cell_data) {
+void io::write_vtk_triangles(const std::filesystem::path& file, const Mat3X<double>& points,
+                             const Triangles& triangles, const std::vector<DataArray>& data) {
   const auto count = static_cast<std::size_t>(triangles.cols());
+  const bool is_grid = file.extension() == ".vtu";
+  const char* const cells = is_grid ? "Cells" : "Polys";
   std::vector<VtkBlock> blocks;
-  for (const DataArray& array : cell_data)
+  for (const DataArray& array : data)
     blocks.push_back(vtk_data_block("CellData", array, static_cast<Index>(count), file.string()));
   blocks.push_back(vtk_in_place("Points", vtk_attributes("Points", "Float64", 3), points));
-  blocks.push_back(vtk_in_place("Polys", vtk_attributes("connectivity", "Int32", 1), triangles));
-  blocks.push_back(vtk_offsets("Polys", count, 3));
-  write_vtk_xml(file, "PolyData",
-                " NumberOfPoints=\"" + std::to_string(points.cols()) + "\" NumberOfPolys=\"" +
+  blocks.push_back(vtk_in_place(cells, vtk_attributes("connectivity", "Int32", 1), triangles));
+  blocks.push_back(vtk_offsets(cells, count, 3));
+  if (is_grid) {
+    blocks.push_back(vtk_converted(cells, vtk_attributes("types", "UInt8", 1),
+                                   std::vector<std::uint8_t>(count, 5)));  // VTK_TRIANGLE
+  }
+  write_vtk_xml(file, is_grid ? "UnstructuredGrid" : "PolyData",
+                " NumberOfPoints=\"" + std::to_string(points.cols()) + "\" NumberOf" + cells + "=\"" +
                     std::to_string(count) + "\"",
                 blocks);
 }

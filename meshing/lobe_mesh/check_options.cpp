@@ -46,25 +46,38 @@ void check_numbers(const MeshOptions& options, std::vector<Fault>& faults) {
   if (options.tries < 1 || options.tries > 8) faults.push_back({"tries", "must be from 1 to 8"});
 }
 
-void check_labels(const MeshOptions& options, const Model& model, std::vector<Fault>& faults) {
-  const int last = static_cast<int>(model.surfaces.size()) - 1;
-  for (const auto& [label, edge] : options.label_edges) {
-    if (label < 0 || label > last)
-      faults.push_back({"edge of label " + std::to_string(label), "labels are 0 … " + std::to_string(last)});
-  }
-  const bool sized = !options.label_edges.empty() || !options.balls.empty();
-  if (sized && options.mesher == Mesher::tetgen)
-    faults.push_back({"--mesher tetgen", "makes edges of one length only: use --mesher cgal for a sizing"});
+std::string labels_of(const Model& model) {
+  std::string text;
+  for (const int label : model.labels) text += (text.empty() ? "" : ", ") + std::to_string(label);
+  return text;
 }
+
+void check_labels(const MeshOptions& options, const Model& model, std::vector<Fault>& faults) {
+  for (const auto& [label, edge] : options.label_edges) {
+    if (model.region_of(label) < 0)
+      faults.push_back({"edge of label " + std::to_string(label), "the labels are " + labels_of(model)});
+  }
+  if (options.mesher != Mesher::tetgen) return;
+  if (!options.label_edges.empty() || !options.balls.empty())
+    faults.push_back({"--mesher tetgen", "makes edges of one length only: use --mesher cgal for a sizing"});
+  if (model.is_image())
+    faults.push_back({"--mesher tetgen", "fills closed surfaces only: use --mesher cgal for a label image"});
+}
+
+}  // namespace
 
 // About one tetrahedron per face of the boundary counts where a body is thin or has spikes.
 double expected_tets(const MeshOptions& options, const Model& model) {
   double tets = 0, smaller_balls = 0;
-  for (int label = 0; label < static_cast<int>(model.surfaces.size()); ++label) {
-    const auto own = options.label_edges.find(label);
+  for (int region = 0; region < model.region_count(); ++region) {
+    const auto own = options.label_edges.find(model.labels[region]);
     const double edge = own == options.label_edges.end() ? options.edge : own->second;
-    const double faces = area(model.surfaces[label]) / (std::numbers::sqrt3 / 4 * edge * edge);
-    tets += std::max(model.volume_of(label) / regular_volume(edge), faces);
+    double faces = 0;
+    for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
+      if (model.sides[k].inside == region)
+        faces += area(model.surfaces[k]) / (std::numbers::sqrt3 / 4 * edge * edge);
+    }
+    tets += std::max(model.volumes[region] / regular_volume(edge), faces);
   }
   for (const SizeBall& ball : options.balls) {
     const double volume =
@@ -73,8 +86,6 @@ double expected_tets(const MeshOptions& options, const Model& model) {
   }
   return tets + smaller_balls;
 }
-
-}  // namespace
 
 void check_options(const MeshOptions& options, const Model& model) {
   std::vector<Fault> faults;

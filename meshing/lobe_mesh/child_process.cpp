@@ -62,7 +62,7 @@ ChildResult ended(pid_t child, int status, const rusage& used) {
   return result;
 }
 
-ChildResult wait_for(pid_t child, double seconds) {
+ChildResult wait_for(pid_t child, double seconds, const std::function<void()>& meanwhile) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   int status = 0;
@@ -77,6 +77,7 @@ ChildResult wait_for(pid_t child, double seconds) {
       result.end = ChildResult::End::timed_out;
       return result;
     }
+    meanwhile();
     std::this_thread::sleep_for(pause);
   }
 }
@@ -107,30 +108,32 @@ ChildResult run_child(const std::filesystem::path& program, const std::vector<st
   const pid_t child = fork();
   if (child < 0) return {ChildResult::End::not_started, 0, 0, 0, 0};
   if (child == 0) become(pointers.data(), limits, errors.c_str());
-  return wait_for(child, limits.seconds);
+  return wait_for(child, limits.seconds, [] {});
 }
 
-ChildResult run_contained(const std::function<int()>& work, double memory_bytes) {
+ChildResult run_contained(const std::function<int()>& work, double memory_bytes,
+                          const std::function<void()>& meanwhile) {
   std::fflush(nullptr);
   const pid_t child = fork();
   if (child < 0) return {ChildResult::End::not_started, 0, 0, 0, 0};
   if (child == 0) {
+    setpgid(0, 0);
+    signal(SIGTTOU, SIG_IGN);  // may write to the terminal all the same
     restrict_child(memory_bytes);
     std::exit(work());
   }
+  setpgid(child, child);  // both do, so that it is done whoever comes first
   contained_child = child;
   struct sigaction action = {}, old[2];
   action.sa_handler = hand_on;
   sigaction(SIGINT, &action, &old[0]);
   sigaction(SIGTERM, &action, &old[1]);
-  int status = 0;
-  rusage used{};
-  while (wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
-  }
+  const ChildResult result = wait_for(child, 1e9, meanwhile);  // it limits its time itself
   contained_child = 0;
+  if (result.end == ChildResult::End::killed) kill(-child, SIGKILL);
   sigaction(SIGINT, &old[0], nullptr);
   sigaction(SIGTERM, &old[1], nullptr);
-  return ended(child, status, used);
+  return result;
 }
 
 std::filesystem::path find_program(const std::string& name) {

@@ -7,11 +7,11 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <set>
 #include <sstream>
 
 #include "lobe_mesh/clean.h"
+#include "lobe_mesh/groups.h"
 #include "lobe_mesh/model.h"
 #include "lobe_mesh/steps.h"
 
@@ -105,20 +105,6 @@ void check_edges(const Surface& surface, const Edges& edges, Diagnosis& d) {
         use.triangles);
   }
 }
-
-// Sets of numbers that are joined pair by pair.
-class Groups {
- public:
-  explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  Index root(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index a, Index b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<Index> parent_;
-};
 
 Groups pieces_of(const Surface& surface, const Edges& edges) {
   Groups pieces(surface.triangle_count());

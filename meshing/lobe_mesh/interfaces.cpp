@@ -65,24 +65,35 @@ std::vector<InterfaceFace> interface_faces(const TetMesh& mesh) {
 Freedom find_freedom(const TetMesh& mesh, const Interfaces& interfaces,
                      const std::vector<Mat3X<double>>& features, double on_line) {
   Freedom freedom;
-  freedom.slides_on.assign(mesh.vertex_count(), nullptr);
+  freedom.slides_on.assign(mesh.vertex_count(), {});
   freedom.is_fixed.assign(mesh.vertex_count(), false);
   for (const InterfaceFace& face : interface_faces(mesh)) {
     const NearestPoint* surface = surface_between(interfaces, face);
     for (const Index v : face.corners) {
-      if (surface == nullptr || (freedom.slides_on[v] != nullptr && freedom.slides_on[v] != surface))
+      std::vector<const NearestPoint*>& all = freedom.slides_on[v];
+      if (surface == nullptr)
         freedom.is_fixed[v] = true;
-      freedom.slides_on[v] = surface;
+      else if (std::find(all.begin(), all.end(), surface) == all.end())
+        all.push_back(surface);
     }
   }
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    if (freedom.slides_on[v] == nullptr) continue;
+    if (freedom.slides_on[v].empty()) continue;
     const auto near = [&](const Mat3X<double>& line) {
       return distance_to_line(mesh.points.col(v), line) < on_line;
     };
     if (std::any_of(features.begin(), features.end(), near)) freedom.is_fixed[v] = true;
   }
   return freedom;
+}
+
+// From surface to surface in turn, which leads to the line where they meet.
+Vec3d Freedom::on_surfaces(Index v, const Vec3d& point) const {
+  constexpr int rounds = 3;
+  Vec3d x = point;
+  for (int round = 0; round < (slides_on[v].size() > 1 ? rounds : 1); ++round)
+    for (const NearestPoint* surface : slides_on[v]) x = (*surface)(x);
+  return x;
 }
 
 void restore_volume(TetMesh& mesh, const Interfaces& interfaces, const Freedom& freedom) {
@@ -103,7 +114,8 @@ void restore_volume(TetMesh& mesh, const Interfaces& interfaces, const Freedom& 
     }
   }
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    if (area_at[v] > 0 && !freedom.is_fixed[v]) mesh.points.col(v) += shift.col(v) / area_at[v];
+    if (area_at[v] > 0 && !freedom.is_fixed[v] && freedom.slides_on[v].size() == 1)
+      mesh.points.col(v) += shift.col(v) / area_at[v];
   }
 }
 

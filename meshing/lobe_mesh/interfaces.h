@@ -26,8 +26,12 @@ using Interfaces = std::map<std::pair<int, int>, const NearestPoint*>;
 
 // Where each vertex may go.
 struct Freedom {
-  std::vector<const NearestPoint*> slides_on;  // of each vertex, or null
-  std::vector<bool> is_fixed;                  // on a feature line, or where three regions meet
+  std::vector<std::vector<const NearestPoint*>>
+      slides_on;               // of each vertex; several where several regions meet
+  std::vector<bool> is_fixed;  // on a feature line
+
+  // The point near `point` that is on everything that vertex v slides on.
+  Vec3d on_surfaces(Index v, const Vec3d& point) const;
 };
 
 // `features`: lines of points; what lies within a distance of `on_line` [m] from one stays.

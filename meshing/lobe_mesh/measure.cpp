@@ -13,16 +13,17 @@ namespace lobe::meshing {
 namespace {
 
 void measure_parts(const TetMesh& mesh, const Model& model, MeshReport& report) {
-  report.parts.assign(model.surfaces.size(), {});
+  report.parts.assign(model.labels.size(), {});
   for (Index t = 0; t < mesh.tet_count(); ++t) {
     MeshReport::Part& part = report.parts[mesh.labels[t]];
     ++part.tets;
     part.volume += signed_volume(tet_points(mesh, t));
   }
   for (std::size_t k = 0; k < report.parts.size(); ++k) {
-    report.parts[k].surface_volume = model.volume_of(static_cast<int>(k));
+    report.parts[k].label = model.labels[k];
+    report.parts[k].surface_volume = model.volumes[k];
     if (report.parts[k].tets == 0)
-      report.warnings.push_back("no tetrahedra in surface " + std::to_string(k) +
+      report.warnings.push_back("no tetrahedra in label " + std::to_string(model.labels[k]) +
                                 ": choose a shorter edge for it");
   }
 }

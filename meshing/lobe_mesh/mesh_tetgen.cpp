@@ -23,18 +23,18 @@ TetMesh inside_part(const TetgenFile& file, const Model& model) {
   const auto point = [&](std::int32_t v) {
     return Vec3d(file.points[3 * v], file.points[3 * v + 1], file.points[3 * v + 2]);
   };
-  std::map<std::int32_t, int> label_of;
+  std::map<std::int32_t, int> region_of;
   std::vector<Index> number(file.points.size() / 3, -1);
   std::vector<Vec3d> points;
   std::vector<Index> cells;
   TetMesh mesh;
   for (std::size_t t = 0; t < file.regions.size(); ++t) {
     const std::int32_t* corners = &file.cells[4 * t];
-    const auto [region, is_new] = label_of.try_emplace(file.regions[t], -1);
+    const auto [region, is_new] = region_of.try_emplace(file.regions[t], -1);
     if (is_new) {
       const Vec3d centre =
           (point(corners[0]) + point(corners[1]) + point(corners[2]) + point(corners[3])) / 4;
-      region->second = model.label_at(centre);
+      region->second = model.region_at(centre);
     }
     if (region->second < 0) continue;
     mesh.labels.push_back(region->second);

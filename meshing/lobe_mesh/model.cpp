@@ -2,11 +2,15 @@
 #include "lobe_mesh/model.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <numeric>
 
 #include "lobe/error.h"
 #include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/label_grid.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {
@@ -50,35 +54,25 @@ int find_parent(const std::vector<Surface>& surfaces, std::size_t k) {
 
 }  // namespace
 
-// Of the surfaces around the point the one that is nested deepest.
-int Model::label_at(const Vec3d& point) const {
-  const auto depth = [&](int label) {
-    int count = 0;
-    for (; label >= 0; label = parents[label]) ++count;
-    return count;
-  };
-  int label = -1;
-  for (int k = 0; k < static_cast<int>(surfaces.size()); ++k) {
-    if (depth(k) > depth(label) && winding_number(surfaces[k], point) > 0.5) label = k;
-  }
-  return label;
+int Model::region_of(int label) const {
+  const auto found = std::find(labels.begin(), labels.end(), label);
+  return found == labels.end() ? -1 : static_cast<int>(found - labels.begin());
 }
 
-double Model::volume_of(int label) const {
-  double volume = enclosed_volume(surfaces[label]);
+// The surfaces of a region, seen from its inside, wind once around a point in it.
+int Model::region_at(const Vec3d& point) const {
+  if (is_image()) return image_region(point);
+  std::vector<double> winding(labels.size(), 0);
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
-    if (parents[k] == label) volume -= enclosed_volume(surfaces[k]);
+    const double w = winding_number(surfaces[k], point);
+    winding[sides[k].inside] += w;
+    if (sides[k].outside >= 0) winding[sides[k].outside] -= w;
   }
-  return volume;
+  const auto most = std::max_element(winding.begin(), winding.end());
+  return *most > 0.5 ? static_cast<int>(most - winding.begin()) : -1;
 }
 
-double Model::total_volume() const {
-  double volume = 0;
-  for (std::size_t k = 0; k < surfaces.size(); ++k) {
-    if (parents[k] < 0) volume += enclosed_volume(surfaces[k]);
-  }
-  return volume;
-}
+double Model::total_volume() const { return std::accumulate(volumes.begin(), volumes.end(), 0.0); }
 
 Model make_model(std::vector<Surface> surfaces) {
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
@@ -87,10 +81,30 @@ Model make_model(std::vector<Surface> surfaces) {
       throw InputError(surface_name(k, surfaces.size()), "not closed and manifold: repair it first");
   }
   if (surfaces.size() > 1) refuse_intersections(surfaces);
-  Model model{std::move(surfaces), {}, {}};
-  for (std::size_t k = 0; k < model.surfaces.size(); ++k)
-    model.parents.push_back(find_parent(model.surfaces, k));
+  Model model;
+  model.surfaces = std::move(surfaces);
   model.features.resize(model.surfaces.size());
+  for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
+    model.labels.push_back(static_cast<int>(k));
+    model.sides.push_back({static_cast<int>(k), find_parent(model.surfaces, k)});
+    model.volumes.push_back(enclosed_volume(model.surfaces[k]));
+  }
+  for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
+    if (model.sides[k].outside >= 0)
+      model.volumes[model.sides[k].outside] -= enclosed_volume(model.surfaces[k]);
+  }
+  return model;
+}
+
+Model make_model(const LabelImage& image, double smoothing) {
+  const auto grid = std::make_shared<const LabelGrid>(make_label_grid(image, smoothing));
+  Model model;
+  model.surfaces = label_surfaces(*grid, model.sides);
+  model.features.resize(model.surfaces.size());
+  model.labels = grid->values;
+  model.volumes = grid->volumes;
+  model.warnings = grid->warnings;
+  model.image_region = [grid, region = RegionAt(*grid)](const Vec3d& point) { return region(point) - 1; };
   return model;
 }
 

@@ -1,27 +1,46 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// The closed surfaces that are meshed together: an organ, and in it a tumour, vessels, a cyst.
+// What is meshed: regions with labels, and the surfaces between them. Either closed surfaces (an organ, and in it a
+// tumour, vessels, a cyst), or a label image.
 #pragma once
 
+#include <functional>
+#include <string>
 #include <vector>
 
+#include "lobe_mesh/label_image.h"
 #include "lobe_mesh/surface.h"
 
 namespace lobe::meshing {
 
-// Label k is what surface k encloses, without what the surfaces inside it enclose.
+// Of a surface: the regions on either side, −1 outside of the body.
+struct Sides {
+  int inside = 0, outside = -1;
+};
+
+// Of closed surfaces, region k is what surface k encloses, without what the surfaces inside it enclose. Of an image,
+// surface k is where two regions meet; it is not closed, and its neighbours share its border.
 struct Model {
   std::vector<Surface> surfaces;                // [m]
-  std::vector<int> parents;                     // the surface just around each, −1: none
+  std::vector<Sides> sides;                     // of each surface
   std::vector<std::vector<Polyline>> features;  // of each surface
+  std::vector<int> labels;                      // of each region, in what is written
+  std::vector<double> volumes;                  // [m³] of each region
+  std::vector<std::string> warnings;
+  std::function<int(const Vec3d&)> image_region;  // of an image, −1: background; else empty
 
-  int label_at(const Vec3d& point) const;  // −1: outside. O(#triangles)
-  double volume_of(int label) const;       // [m³]
-  double total_volume() const;             // [m³] inside any of the surfaces
+  bool is_image() const { return static_cast<bool>(image_region); }
+  int region_count() const { return static_cast<int>(labels.size()); }
+  int region_of(int label) const;           // −1: there is no such label
+  int region_at(const Vec3d& point) const;  // −1: outside. O(#triangles)
+  double total_volume() const;              // [m³] of all regions
 };
 
 // Throws InputError if a surface is not closed and manifold, or if two of them touch or intersect.
 Model make_model(std::vector<Surface> surfaces);
+
+// Throws InputError for what is no segmentation, see label_grid.h.
+Model make_model(const LabelImage& image, double smoothing);  // [voxels]
 
 // How often the surface winds around a point (solid angle / 4π): 1 inside, 0 outside or in a cavity.
 double winding_number(const Surface& surface, const Vec3d& point);

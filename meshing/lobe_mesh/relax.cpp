@@ -198,11 +198,10 @@ bool Relaxation::try_position(Index v, const Vec3d& x, double& cost) {
   return false;
 }
 
-// On a surface: along it, at the distance that the vertex has from it.
+// On surfaces: along them, at the distance that the vertex has from them.
 Vec3d Relaxation::target(Index v, const Vec3d& shift) const {
   const Vec3d x = mesh_.points.col(v);
-  const NearestPoint* surface = freedom_.slides_on[v];
-  return surface == nullptr ? Vec3d(x + shift) : Vec3d(x + (*surface)(x + shift) - (*surface)(x));
+  return x + freedom_.on_surfaces(v, x + shift) - freedom_.on_surfaces(v, x);
 }
 
 void Relaxation::improve(Index v) {

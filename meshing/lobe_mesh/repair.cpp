@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "lobe/error.h"
+#include "lobe/text.h"
 #include "lobe_mesh/clean.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/nearest.h"
@@ -72,6 +73,31 @@ Surface clean_up(const Surface& surface, RepairReport& report) {
   return near > 0 ? clean(result, again) : result;
 }
 
+// Measures what each rung did; surfaces in the box of unit size.
+class Ladder {
+ public:
+  Ladder(const Surface& input, double size, RepairReport& report)
+      : input_(input), size_(size), volume_(enclosed_volume(input)), report_(report) {}
+
+  void measure(const Surface& now) {
+    if (measured_ == report_.steps.size()) return;
+    const double volume = enclosed_volume(now), distance = sampled_distance(input_, now);
+    for (; measured_ < report_.steps.size(); ++measured_) {
+      RepairStep& step = report_.steps[measured_];
+      step.volume_before = std::pow(size_, 3) * volume_;
+      step.volume_after = std::pow(size_, 3) * volume;
+      step.distance = size_ * distance;
+    }
+    volume_ = volume;
+  }
+
+ private:
+  const Surface& input_;
+  double size_, volume_;
+  RepairReport& report_;
+  std::size_t measured_ = 0;
+};
+
 void compare(const Surface& input, const Surface& result, const Diagnosis& after, RepairReport& report) {
   report.volume_after = enclosed_volume(result);
   if (!report.steps.empty()) {
@@ -119,24 +145,33 @@ Surface wrap(const Surface& surface, const UnitBox& unit, const RepairOptions& o
 
 }  // namespace
 
+std::string RepairStep::in_words() const {
+  return message + " (" + rounded(volume_before) + " → " + rounded(volume_after) + " m³, at most " +
+         rounded(distance) + " m from the input)";
+}
+
 Surface repair_surface(const Surface& surface, const RepairOptions& options, RepairReport& report) {
   refuse_hopeless(surface);
   report = {};
   report.volume_before = enclosed_volume(surface);
   const Diagnosis before = diagnose(surface);
   if (options.level == Repair::none) refuse_unless_meshable(before, "use --repair basic");
-  const UnitBox unit(surface);
-  Surface result{unit.to_unit(surface.points), surface.triangles};
-  if (options.level == Repair::wrap) {
-    result = wrap(clean_up(result, report), unit, options, report);
-  } else if (options.level == Repair::basic && !(before.meshable() && before.components == 1)) {
-    result = repair_by_rungs(clean_up(result, report), options.largest_hole, report);
-  } else {
+  const bool wraps = options.level == Repair::wrap;
+  if (!wraps && before.meshable() && (options.level == Repair::none || before.components == 1)) {
     CleanReport ignored;
-    result = before.unused_points > 0 ? clean(surface, ignored) : surface;
-    compare(surface, result, before, report);
-    return result;
+    const Surface same = before.unused_points > 0 ? clean(surface, ignored) : surface;
+    compare(surface, same, before, report);
+    return same;
   }
+  const UnitBox unit(surface);
+  const Surface input{unit.to_unit(surface.points), surface.triangles};
+  Ladder ladder(input, unit.size, report);
+  const auto measure = [&](const Surface& now) { ladder.measure(now); };
+  const Surface cleaned = clean_up(input, report);
+  measure(cleaned);
+  Surface result = wraps ? wrap(cleaned, unit, options, report)
+                         : repair_by_rungs(cleaned, options.largest_hole, report, measure);
+  measure(result);
   const Diagnosis after = diagnose(result);
   refuse_unless_meshable(after, "this is left after the repair: use --repair wrap");
   result.points = unit.from_unit(result.points);

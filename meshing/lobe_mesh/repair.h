@@ -28,6 +28,11 @@ struct RepairStep {
   std::string name;
   Index count = 0;      // of what was changed
   std::string message;  // "filled 2 holes with 17 triangles"
+  // [m³] enclosed before and after its rung; of little meaning while the surface is open.
+  double volume_before = 0, volume_after = 0;
+  double distance = 0;  // [m] of the surface after its rung from the input, sampled as max_distance is
+
+  std::string in_words() const;
 };
 
 struct RepairReport {
@@ -35,9 +40,9 @@ struct RepairReport {
   std::vector<std::string> warnings;
   double volume_before = 0;  // [m³] enclosed by the input; of little meaning if that is open
   double volume_after = 0;   // [m³]
-  double max_distance = 0;   // [m] largest sampled distance between input and result, either way
-  int pieces = 0;            // bodies (outer shells) in the result
-  int cavities = 0;          // inner shells
+  double max_distance = 0;  // [m] from vertices and centres of triangles of input and result to the other one
+  int pieces = 0;           // bodies (outer shells) in the result
+  int cavities = 0;         // inner shells
 };
 
 // Throws InputError, with the option that would help, if the surface is beyond the chosen level.

@@ -179,10 +179,13 @@ void face_outwards(CgalMesh& mesh, RepairReport& report) {
 
 }  // namespace
 
-Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairReport& report) {
+Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairReport& report,
+                        const std::function<void(const Surface&)>& done) {
   CgalMesh mesh;
   const auto rung = [&](const std::string& name, const auto& step) {
+    const std::size_t steps = report.steps.size();
     guarded("repair (" + name + ")", step);
+    if (report.steps.size() > steps) done(from_cgal(mesh));
   };
   rung("orient", [&] { mesh = orient(surface, report); });
   rung("stitch", [&] { stitch(mesh, report); });

@@ -15,7 +15,12 @@ Json as_json(const RepairReport& repair) {
   Json json;
   json["steps"] = Json::array();
   for (const RepairStep& step : repair.steps) {
-    json["steps"].push_back({{"name", step.name}, {"count", step.count}, {"message", step.message}});
+    json["steps"].push_back({{"name", step.name},
+                             {"count", step.count},
+                             {"message", step.message},
+                             {"volume_before", step.volume_before},
+                             {"volume_after", step.volume_after},
+                             {"distance", step.distance}});
   }
   json["volume_before"] = repair.volume_before;
   json["volume_after"] = repair.volume_after;
@@ -57,10 +62,11 @@ std::string position(const Vec3d& p) {
 
 }  // namespace
 
-std::string in_json(const std::vector<RepairedFile>& surfaces, const std::string& mesh_file,
+std::string in_json(const std::vector<InputFile>& inputs, const std::string& mesh_file,
                     const MeshOptions& options, const MeshReport& report) {
   Json json;
-  json["surface"] = surfaces.front().file;
+  const bool is_image = !inputs.front().repair;
+  json[is_image ? "image" : "surface"] = inputs.front().file;
   json["mesh"] = mesh_file;
   json["mesher"] = name_of(report.mesher);
   json["edge"] = report.edge;
@@ -83,17 +89,21 @@ std::string in_json(const std::vector<RepairedFile>& surfaces, const std::string
   json["passes"] = report.passes();
   for (const Attempt& attempt : report.attempts) json["attempts"].push_back(as_json(attempt));
   for (const Phase& phase : report.phases) json["seconds"][phase.name] = phase.seconds;
-  json["repair"] = as_json(surfaces.front().repair);
+  if (is_image)
+    json["smoothing"] = options.smoothing;
+  else
+    json["repair"] = as_json(*inputs.front().repair);
   json["warnings"] = Json::array();
-  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+  for (std::size_t k = 0; k < report.parts.size(); ++k) {
     const MeshReport::Part& part = report.parts[k];
-    json["parts"].push_back({{"label", k},
-                             {"surface", surfaces[k].file},
+    json["parts"].push_back({{"label", part.label},
                              {"tets", part.tets},
                              {"volume", part.volume},
-                             {"surface_volume", part.surface_volume},
-                             {"repair", as_json(surfaces[k].repair)}});
-    for (const std::string& warning : surfaces[k].repair.warnings) json["warnings"].push_back(warning);
+                             {"surface_volume", part.surface_volume}});
+    if (is_image) continue;
+    json["parts"].back()["surface"] = inputs[k].file;
+    json["parts"].back()["repair"] = as_json(*inputs[k].repair);
+    for (const std::string& warning : inputs[k].repair->warnings) json["warnings"].push_back(warning);
   }
   for (const std::string& warning : report.warnings) json["warnings"].push_back(warning);
   return json.dump(2);
@@ -113,13 +123,12 @@ std::string in_words(const MeshReport& report) {
   text << report.vertices << " vertices, " << report.tets << " tetrahedra of mean edge " << report.mean_edge
        << " m (asked: " << report.edge << ")\n";
   if (report.parts.size() > 1) {
-    for (std::size_t k = 0; k < report.parts.size(); ++k)
-      text << "label " << k << ": " << report.parts[k].tets << " tetrahedra, " << report.parts[k].volume
-           << " m³\n";
+    for (const MeshReport::Part& part : report.parts)
+      text << "label " << part.label << ": " << part.tets << " tetrahedra, " << part.volume << " m³\n";
   }
   text << "dihedral angles " << q.min_dihedral << " … " << q.max_dihedral << "°, median of the smallest "
        << q.median_min_dihedral << "°; smallest altitude " << q.smallest_altitude << " m\n";
-  text << "volume " << q.volume << " m³, " << report.volume_error << " % from the surface's\n";
+  text << "volume " << q.volume << " m³, " << report.volume_error << " % from the input's\n";
   text << "stable time step " << report.time_step << " s (dt* " << report.time_step_star
        << "), bounded near vertex " << report.bottleneck.vertex << " at "
        << position(report.bottleneck.position) << ", "

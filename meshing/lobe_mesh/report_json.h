@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,14 +10,14 @@
 
 namespace lobe::meshing {
 
-// A surface of one run and what its repair did.
-struct RepairedFile {
+// A file of one run and what its repair did; a label image is not repaired.
+struct InputFile {
   std::string file;
-  RepairReport repair;
+  std::optional<RepairReport> repair;
 };
 
 // Everything about one run of lobe-mesh; units as in the structs.
-std::string in_json(const std::vector<RepairedFile>& surfaces, const std::string& mesh_file,
+std::string in_json(const std::vector<InputFile>& inputs, const std::string& mesh_file,
                     const MeshOptions& options, const MeshReport& report);
 std::string in_words(const MeshReport& report);
 

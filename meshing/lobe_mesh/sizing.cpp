@@ -10,10 +10,10 @@ namespace lobe::meshing {
 
 Sizing::Sizing(const Model& model, const MeshOptions& options)
     : model_(model),
-      edges_(model.surfaces.size(), options.edge),
+      edges_(model.labels.size(), options.edge),
       balls_(options.balls),
       growth_(options.growth) {
-  for (const auto& [label, edge] : options.label_edges) edges_[label] = edge;
+  for (const auto& [label, edge] : options.label_edges) edges_[model.region_of(label)] = edge;
   shortest_ = *std::min_element(edges_.begin(), edges_.end());
   const double longest = *std::max_element(edges_.begin(), edges_.end());
   for (const SizeBall& ball : balls_) shortest_ = std::min(shortest_, ball.edge);
@@ -22,21 +22,22 @@ Sizing::Sizing(const Model& model, const MeshOptions& options)
   for (const Surface& surface : model.surfaces) surfaces_.emplace_back(surface);
 }
 
-// The region's own surface or one of those inside it is nearest.
-double Sizing::distance_to_label(const Vec3d& point, int label) const {
-  double nearest = surfaces_[label].distance(point);
+double Sizing::distance_to_region(const Vec3d& point, int region) const {
+  double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
-    if (model_.parents[k] == label) nearest = std::min(nearest, surfaces_[k].distance(point));
+    const Sides& sides = model_.sides[k];
+    if (sides.inside == region || sides.outside == region)
+      nearest = std::min(nearest, surfaces_[k].distance(point));
   }
   return nearest;
 }
 
-double Sizing::operator()(const Vec3d& point, int label) const {
+double Sizing::operator()(const Vec3d& point, int region) const {
   if (uniform_) return shortest_;
   double edge = std::numeric_limits<double>::infinity();
   for (int k = 0; k < static_cast<int>(edges_.size()); ++k) {
     if (edges_[k] < edge)
-      edge = std::min(edge, edges_[k] + (k == label ? 0 : growth_ * distance_to_label(point, k)));
+      edge = std::min(edge, edges_[k] + (k == region ? 0 : growth_ * distance_to_region(point, k)));
   }
   for (const SizeBall& ball : balls_)
     edge = std::min(edge, ball.edge + growth_ * std::max(0.0, (point - ball.centre).norm() - ball.radius));

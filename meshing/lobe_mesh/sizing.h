@@ -21,14 +21,14 @@ class Sizing {
 
   bool uniform() const { return uniform_; }
   double shortest() const { return shortest_; }  // [m]
-  // Edge at a point [m]; `label`: of the region it lies in, −1 if it is on a surface.
-  double operator()(const Vec3d& point, int label) const;
+  // Edge at a point [m]; `region`: that it lies in, −1 if it is on a surface.
+  double operator()(const Vec3d& point, int region) const;
 
  private:
-  double distance_to_label(const Vec3d& point, int label) const;
+  double distance_to_region(const Vec3d& point, int region) const;
 
   const Model& model_;
-  std::vector<double> edges_;  // of each label
+  std::vector<double> edges_;  // of each region
   std::vector<SizeBall> balls_;
   std::vector<NearestPoint> surfaces_;
   double growth_ = 0, shortest_ = 0;

@@ -4,6 +4,7 @@
 // them expect surfaces scaled to about unit size (UnitBox).
 #pragma once
 
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -20,8 +21,9 @@ class Sizing;
 // Pairs of triangles that intersect other than in what they share. Welded surface expected; at most `most`.
 std::vector<std::pair<Index, Index>> self_intersections(const Surface& surface, std::size_t most = 100000);
 
-// The rungs of Repair::basic; each appends to the report what it changed.
-Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairReport& report);
+// The rungs of Repair::basic; each appends to the report what it changed. After each, `done` gets what it left.
+Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairReport& report,
+                        const std::function<void(const Surface&)>& done);
 
 // Closed surface around the whole, at `offset` from it, that bridges gaps narrower than `alpha`.
 Surface alpha_wrap(const Surface& surface, double alpha, double offset);
@@ -29,8 +31,16 @@ Surface alpha_wrap(const Surface& surface, double alpha, double offset);
 // Triangles of about the same size; feature lines stay.
 Surface remesh(const Surface& surface, const std::vector<Polyline>& features, double edge);
 
-// CGAL's Delaunay refinement (Mesh_3). Stops with MeshingFailure after `time_limit` [s].
-TetMesh mesh_with_cgal(const Model& model, const Sizing& sizing, double time_limit);
+struct MeshingRun {
+  const Sizing& sizing;
+  double time_limit;                          // [s]
+  double expected_tets;                       // for `progress`
+  std::function<void(double done)> progress;  // 0 … 1
+};
+
+// CGAL's Delaunay refinement (Mesh_3). Stops with MeshingFailure when the time is over.
+TetMesh mesh_with_cgal(const Model& model, const MeshingRun& run);
+TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run);  // of a label image
 
 // TetGen in a process of its own; the surfaces become the faces of the mesh, triangle for triangle.
 TetMesh mesh_with_tetgen(const Model& model, double edge, const MeshOptions& options);

@@ -111,12 +111,16 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
   for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
     Surface& surface = scaled_.surfaces[k];
     surface.points = unit_.to_unit(surface.points);
-    scaled_.features[k] = feature_lines(surface, options.feature_angle, 6 * scaled_options_.edge);
+    if (!model.is_image())  // its surfaces are smooth but for the steps between voxels
+      scaled_.features[k] = feature_lines(surface, options.feature_angle, 6 * scaled_options_.edge);
     for (const Polyline& line : scaled_.features[k]) features_.push_back(surface.points(Eigen::all, line));
     surfaces_.emplace_back(surface);
   }
   for (std::size_t k = 0; k < surfaces_.size(); ++k)
-    interfaces_[std::minmax(model.parents[k], static_cast<int>(k))] = &surfaces_[k];
+    interfaces_[std::minmax(model.sides[k].outside, model.sides[k].inside)] = &surfaces_[k];
+  if (model.is_image()) {
+    scaled_.image_region = [&](const Vec3d& point) { return model.image_region(unit_.from_unit(point)); };
+  }
   report_.shortest_edge = unit_.size * Sizing(scaled_, scaled_options_).shortest();
   stopwatch_.phase("prepare");
 }
@@ -124,7 +128,8 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
 bool Tries::available(Mesher mesher) const {
   if (mesher == options_.mesher) return true;
   if (mesher == Mesher::tetgen)
-    return options_.label_edges.empty() && options_.balls.empty() && !find_program("lobe-tetgen").empty();
+    return !model_.is_image() && options_.label_edges.empty() && options_.balls.empty() &&
+           !find_program("lobe-tetgen").empty();
   return true;
 }
 
@@ -133,15 +138,20 @@ TetMesh Tries::mesh_with(Mesher mesher, double factor) {
   options.time_limit = std::max(0.001, options_.time_limit - stopwatch_.elapsed());
   options.edge *= factor;
   if (mesher == Mesher::cgal) {
-    refuse_touching(joined_surface(model_.surfaces));
+    if (!model_.is_image()) refuse_touching(joined_surface(model_.surfaces));
     for (auto& [label, edge] : options.label_edges) edge *= factor;
     for (SizeBall& ball : options.balls) ball.edge *= factor;
-    TetMesh mesh = mesh_with_cgal(scaled_, Sizing(scaled_, options), options.time_limit);
+    const Sizing sizing(scaled_, options);
+    const MeshingRun run{sizing, options.time_limit, expected_tets(options, scaled_),
+                         [&](double done) { options.progress("mesh (cgal)", done); }};
+    TetMesh mesh = model_.is_image() ? mesh_image_with_cgal(scaled_, run) : mesh_with_cgal(scaled_, run);
     stopwatch_.phase("cgal");
     return mesh;
   }
+  options.progress("remesh", -1);
   const Model remeshed = remesh_without_intersections(scaled_, options.edge);
   stopwatch_.phase("remesh");
+  options.progress("mesh (tetgen)", -1);
   TetMesh mesh = mesh_with_tetgen(remeshed, options.edge, options);
   peel_flat_tets(mesh);
   stopwatch_.phase("tetgen");
@@ -149,6 +159,7 @@ TetMesh Tries::mesh_with(Mesher mesher, double factor) {
 }
 
 void Tries::improve(TetMesh& mesh) {
+  options_.progress("relax", -1);
   constexpr double on_line = 0.05;  // of the edge
   const double mean_edge = regular_edge(total_volume(mesh) / mesh.tet_count());
   const double shortest = report_.shortest_edge / unit_.size;
@@ -171,6 +182,7 @@ void Tries::one(Mesher mesher, double factor) {
     prepare(mesh, "mesh");
     MeshReport now = report_;
     now.mesher = mesher;
+    options_.progress("measure", -1);
     measure(mesh, model_, options_, now);
     stopwatch_.phase("measure");
     attempt.min_dihedral = now.quality.min_dihedral;
@@ -198,10 +210,9 @@ TetMesh Tries::best() {
   one(options_.mesher, 1);
   for (int i = 1; i < options_.tries && !out_of_time(); ++i) one(options_.mesher, jitter[i]);
   const Mesher other = options_.mesher == Mesher::cgal ? Mesher::tetgen : Mesher::cgal;
-  for (int i = 0; i < second_tries && !best_report_.passes() && !out_of_time(); ++i) {
-    const Mesher mesher = i % 2 == 0 && available(other) ? other : options_.mesher;
-    one(mesher, jitter[(i + 1) / 2]);
-  }
+  const bool both = available(other);
+  for (int i = 0; i < second_tries && !best_report_.passes() && !out_of_time(); ++i)
+    one(both && i % 2 == 0 ? other : options_.mesher, jitter[both ? (i + 1) / 2 : i + 1]);
   if (best_.tet_count() == 0) throw MeshingFailure(report_.attempts.front().failure);
   best_report_.attempts = report_.attempts;
   best_report_.phases = phases_;
@@ -209,22 +220,31 @@ TetMesh Tries::best() {
   return std::move(best_);
 }
 
-}  // namespace
-
-TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report) {
+TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& report) {
   report = {};
-  const Model model = make_model(surfaces);
   MeshOptions chosen = options;
-  if (options.edge == 0) chosen.edge = box_diagonal(joined_surface(surfaces)) / 25;
+  if (options.edge == 0) chosen.edge = box_diagonal(joined_surface(model.surfaces)) / 25;
   check_options(chosen, model);
   report.edge = chosen.edge;
   TetMesh mesh = Tries(model, chosen, report).best();
+  for (int& label : mesh.labels) label = model.labels[label];
+  report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
   if (!report.passes()) {
     report.warnings.push_back(
         "the mesh is below the gate (smallest dihedral angle 15°, altitude 0.1 of the edge, "
         "dt* 0.5): try another --edge, or smooth the surface there");
   }
   return mesh;
+}
+
+}  // namespace
+
+TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report) {
+  return mesh_model(make_model(surfaces), options, report);
+}
+
+TetMesh tetrahedralise(const LabelImage& image, const MeshOptions& options, MeshReport& report) {
+  return mesh_model(make_model(image, options.smoothing), options, report);
 }
 
 }  // namespace lobe::meshing

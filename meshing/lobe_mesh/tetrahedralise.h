@@ -1,15 +1,17 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// From a closed surface to tetrahedra that an explicit time integration can use.
+// From closed surfaces or a label image to tetrahedra that an explicit time integration can use.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "lobe/mesh/quality.h"
 #include "lobe/mesh/tet_mesh.h"
+#include "lobe_mesh/label_image.h"
 #include "lobe_mesh/surface.h"
 
 namespace lobe::meshing {
@@ -33,13 +35,17 @@ struct MeshOptions {
   double growth = 0.3;                     // of the edge per distance, where it changes
   Mesher mesher = Mesher::cgal;
 
-  int tries = 1;                              // meshes of slightly different edges, of which the best is kept
-  double feature_angle = 60;                  // [degrees] edges that turn by more are kept sharp
-  double time_limit = 600;                    // [s] of wall-clock time for all tries of the mesher
-  double memory_limit = 8e9;                  // [bytes] of TetGen's process
-  double lambda = 4e4;                        // [Pa] material that the stable time step is reported for
-  double mu = 1e4;                            // [Pa]
-  double density = 1000;                      // [kg/m³]
+  double smoothing = 1;  // [voxels] of a label image's staircase: width of the Gaussian, see label_grid.h
+
+  int tries = 1;              // meshes of slightly different edges, of which the best is kept
+  double feature_angle = 60;  // [degrees] edges that turn by more are kept sharp
+  double time_limit = 600;    // [s] of wall-clock time for all tries of the mesher
+  double memory_limit = 8e9;  // [bytes] of TetGen's process
+  double lambda = 4e4;        // [Pa] material that the stable time step is reported for
+  double mu = 1e4;            // [Pa]
+  double density = 1000;      // [kg/m³]
+  // Called now and then with what is being done, and how much of it: 0 … 1, or −1 where that is unknown.
+  std::function<void(const std::string& phase, double done)> progress = [](const std::string&, double) {};
   std::filesystem::path tetgen_program = {};  // empty: lobe-tetgen beside the running program, or on the PATH
 };
 
@@ -89,8 +95,9 @@ struct MeshReport {
   double time_step_star = 0;
   Bottleneck bottleneck;
   struct Part {
+    int label = 0;
     Index tets = 0;
-    double volume = 0, surface_volume = 0;  // [m³]
+    double volume = 0, surface_volume = 0;  // [m³] of the mesh; of the surfaces or voxels
   };
   std::vector<Part> parts;  // of each label
   std::vector<Attempt> attempts;
@@ -106,5 +113,8 @@ struct MeshReport {
 // for bit. Throws InputError for options that make no sense for the surface, MeshingFailure if the meshers
 // give up.
 TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report);
+
+// The same for every label of the image but 0; tetrahedra carry the image's labels. With Mesher::cgal only.
+TetMesh tetrahedralise(const LabelImage& image, const MeshOptions& options, MeshReport& report);
 
 }  // namespace lobe::meshing

@@ -102,6 +102,7 @@ TEST_CASE("bad input ends with one line per fault, status 2 and nothing written"
   refused(good + " --colour red", "--colour");
   refused(good + " " + good, "one");
   refused(good + " --report " + (folder.path / "no/r.json").string(), "there is no folder");
+  refused(good + " --report " + (folder.path / "m.vtu").string(), "two outputs");
   const Run no_output = lobe_mesh(good);
   CHECK(no_output.status == 2);
   CHECK(contains(no_output.err, "-o MESH.vtu"));
@@ -126,11 +127,96 @@ TEST_CASE("--diagnose marks the faults in a file") {
   const SurfaceFolder folder;
   const std::string surface = folder.write("s.off", without_triangle(make_cube(1), 0)).string(),
                     marked = (folder.path / "marked.vtp").string();
-  CHECK(lobe_mesh(surface + " --diagnose --marked " + marked).status == 0);
-  CHECK(contains(text_of(marked), "open edges"));
+  for (const std::string extension : {".vtp", ".vtu", ".ply"}) {
+    const std::string file = (folder.path / ("marked" + extension)).string();
+    CHECK(lobe_mesh(surface + " --diagnose --marked " + file).status == 0);
+    CHECK(contains(text_of(file), extension == ".ply" ? "open_edges" : "open edges"));
+  }
+  CHECK(contains(lobe_mesh(surface + " --diagnose --marked m.stl").err, ".vtp, .vtu or .ply"));
   const Run wrong = lobe_mesh(surface + " -o " + (folder.path / "m.vtu").string() + " --marked " + marked);
   CHECK(wrong.status == 2);
   CHECK(contains(wrong.err, "--diagnose"));
+}
+
+TEST_CASE("each rung of the repair is reported with its volumes and its distance from the input") {
+  const SurfaceFolder folder;
+  const Surface sphere = make_sphere(0.05, 3);
+  const std::string surface = folder.write("s.off", without_triangle(joined(sphere, sphere), 7)).string();
+  const Run run = lobe_mesh(surface + " --edge 0.02 --json -o " + (folder.path / "m.vtu").string());
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  const auto steps = nlohmann::json::parse(run.out)["repair"]["steps"];
+  REQUIRE(steps.size() >= 2);
+  for (const auto& step : steps) {
+    CHECK(contains(run.err, step["message"]));
+    CHECK(step["distance"] ==
+          doctest::Approx(0).epsilon(1e-9));  // the second copy fills the hole of the first
+  }
+  CHECK(steps[0]["volume_before"].get<double>() > 1.9 * enclosed_volume(sphere));
+  CHECK(steps.back()["volume_after"].get<double>() == doctest::Approx(enclosed_volume(sphere)));
+}
+
+TEST_CASE("a label image becomes a mesh with its labels") {
+  const SurfaceFolder folder;
+  std::string image =
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 16 12 12\nencoding: raw\nspacings: 1 1 1\n"
+      "units: \"mm\" \"mm\" \"mm\"\n\n";
+  for (int n = 0; n < 16 * 12 * 12; ++n) image += n % 16 < 8 ? '\5' : '\2';
+  const std::string file = folder.write("a.nrrd", image).string(), mesh = (folder.path / "m.vtu").string();
+  const Run run = lobe_mesh(file + " --edge 0.003 --label-edge 2=0.002 --json -o " + mesh);
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  const auto json = nlohmann::json::parse(run.out);
+  CHECK(json["image"] == file);
+  CHECK(json["parts"][0]["label"] == 2);
+  CHECK(json["parts"][1]["label"] == 5);
+  CHECK(json["parts"][1]["surface_volume"].get<double>() == doctest::Approx(8 * 12 * 12 * 1e-9));
+  const std::vector<int> labels = read_mesh(mesh).mesh.labels;
+  CHECK(std::count(labels.begin(), labels.end(), 5) == json["parts"][1]["tets"]);
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    const Run bad = lobe_mesh(arguments + " -o " + (folder.path / "x.vtu").string());
+    CHECK(bad.status == 2);
+    CHECK_MESSAGE(contains(bad.err, message), bad.err);
+  };
+  refused(file + " --repair wrap", "--repair");
+  refused(file + " --mesher tetgen", "--mesher cgal");
+  refused(file + " " + file, "meshed alone");
+  refused(file + " --label-edge 3=0.001", "the labels are 2, 5");
+  refused(folder.write("s.off", make_cube(0.1)).string() + " --smoothing 2", "belongs to a label image");
+}
+
+TEST_CASE("--picture draws a picture, or says why not and keeps the mesh") {
+  const SurfaceFolder folder;
+  const std::string surface = folder.write("s.off", make_sphere(0.05, 3)).string(),
+                    mesh = (folder.path / "m.vtu").string(), picture = (folder.path / "p.png").string();
+  const Run run = lobe_mesh(surface + " --edge 0.012 --quiet -o " + mesh + " --picture " + picture);
+  const bool can_draw = std::filesystem::exists(LOBE_BIN_DIR "/lobe-picture");
+  CHECK(std::filesystem::exists(mesh));
+  if (can_draw) {
+    CHECK_MESSAGE(run.status == 0, run.err);
+    CHECK(std::filesystem::file_size(picture) > 20000);
+    CHECK(text_of(picture).starts_with("\x89PNG"));
+  } else {
+    CHECK(run.status == 1);
+    CHECK(contains(run.err, "LOBE_PICTURES"));
+  }
+  CHECK(folder.file_count() == (can_draw ? 3 : 2));
+  CHECK(contains(lobe_mesh(surface + " --picture p.jpg -o " + mesh).err, "ends in .png"));
+}
+
+TEST_CASE("a terminal shows a progress bar, a file does not") {
+  const SurfaceFolder folder;
+  const std::string surface = folder.write("s.off", make_sphere(0.05, 4)).string();
+  const auto on_terminal = [&](const std::string& options) {
+    const std::string screen = (folder.path / "screen").string(),
+                      run = LOBE_BIN_DIR "/lobe-mesh " + surface + " --edge 0.003 -o " +
+                            (folder.path / "m.vtu").string() + options;
+    REQUIRE(std::system(("script -qec '" + run + "' " + screen + " >/dev/null").c_str()) == 0);
+    return text_of(screen);
+  };
+  const std::string screen = on_terminal("");
+  CHECK(contains(screen, "mesh (cgal) [#"));
+  CHECK(contains(screen, "tetrahedra of mean edge"));
+  CHECK(!contains(on_terminal(" --quiet"), "mesh (cgal)"));
+  CHECK(!contains(lobe_mesh(surface + " --edge 0.003 -o " + (folder.path / "m.vtu").string()).err, "[#"));
 }
 
 TEST_CASE("several surfaces become labels in any format, sizes are read from the command line") {

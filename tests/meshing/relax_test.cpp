@@ -56,7 +56,7 @@ TEST_CASE(
 TEST_CASE("a mesh that reaches the goal is left alone, bit for bit") {
   TetMesh mesh = shaken_cube();
   const TetMesh before = mesh;
-  const Freedom free{std::vector<const NearestPoint*>(mesh.vertex_count(), nullptr),
+  const Freedom free{std::vector<std::vector<const NearestPoint*>>(mesh.vertex_count()),
                      std::vector<bool>(mesh.vertex_count(), false)};
   relax(mesh, free, {.edge = edge, .time_step_star = 1e-3, .min_dihedral = 1e-3});
   CHECK(mesh.points == before.points);

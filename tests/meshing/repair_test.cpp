@@ -76,6 +76,30 @@ TEST_CASE("a small hole is filled, a large one is refused with the option that h
   CHECK(contains(refusal(box), "hole"));
 }
 
+TEST_CASE("each rung says how far its surface is from the input, and what volume it left") {
+  Surface sphere = make_sphere(1, 3);
+  const double volume = enclosed_volume(sphere);
+  RepairReport report;
+  repair_surface(inverted(sphere), {}, report);
+  REQUIRE(report.steps.size() == 1);
+  CHECK(report.steps[0].volume_before == doctest::Approx(-volume));
+  CHECK(report.steps[0].volume_after == doctest::Approx(volume));
+  CHECK(report.steps[0].distance == doctest::Approx(0).epsilon(1e-9));
+
+  // A hole, then a dent through the opposite side; in millimetres.
+  sphere.points.col(0) *= -1.02;
+  const Surface result = repair_surface(scaled(without_triangle(sphere, 77), 1e3), {}, report);
+  const RepairStep *hole = step(report, "holes"), *dent = step(report, "self-intersections");
+  REQUIRE(hole);
+  REQUIRE(dent);
+  CHECK(hole->volume_after == doctest::Approx(dent->volume_before));
+  CHECK(dent->volume_after == doctest::Approx(enclosed_volume(result)));
+  CHECK(hole->distance > 0);
+  CHECK(hole->distance < 60);   // from the middle of the patch to its rim
+  CHECK(dent->distance > 500);  // from the middle of the triangles that reached across, now gone
+  CHECK(dent->distance == doctest::Approx(report.max_distance));
+}
+
 TEST_CASE("wrapping closes what repair refuses, and says what it cost") {
   const Surface box = without_triangle(make_cube(1), 11);
   RepairReport report;

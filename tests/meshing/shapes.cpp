@@ -124,7 +124,10 @@ std::filesystem::path SurfaceFolder::write(const std::string& name, const Surfac
   return path / name;
 }
 
-void check_boundary(const TetMesh& mesh) {
+namespace {
+
+// The faces that belong to one tetrahedron; checks the others.
+Surface boundary_of(const TetMesh& mesh) {
   std::map<std::array<Index, 3>, std::vector<std::array<Index, 3>>> faces;
   for (const auto& tet : mesh.tets.colwise()) {
     for (const auto& face : face_corners) {
@@ -134,10 +137,17 @@ void check_boundary(const TetMesh& mesh) {
       faces[key].push_back(corners);
     }
   }
+  const auto turned =
+      [](const std::array<Index, 3>& f) {  // 1 if f is an even permutation of its sorted corners
+        return (f[0] < f[1]) == ((f[1] < f[2]) == (f[0] < f[2]));
+      };
   std::vector<std::array<Index, 3>> boundary;
   for (const auto& [key, uses] : faces) {
-    CHECK(uses.size() <= 2);
-    if (uses.size() == 1) boundary.push_back(uses.front());
+    REQUIRE(uses.size() <= 2);
+    if (uses.size() == 1)
+      boundary.push_back(uses.front());
+    else
+      CHECK(turned(uses[0]) != turned(uses[1]));
   }
   Surface surface{mesh.points, {}};
   surface.triangles.resize(3, static_cast<Index>(boundary.size()));
@@ -145,7 +155,17 @@ void check_boundary(const TetMesh& mesh) {
     for (int k = 0; k < 3; ++k)
       surface.triangles(k, static_cast<Index>(t)) = boundary[t][static_cast<std::size_t>(k)];
   }
-  const Diagnosis diagnosis = diagnose(surface);
+  return surface;
+}
+
+}  // namespace
+
+void check_faces(const TetMesh& mesh) {
+  CHECK(enclosed_volume(boundary_of(mesh)) == doctest::Approx(total_volume(mesh)));
+}
+
+void check_boundary(const TetMesh& mesh) {
+  const Diagnosis diagnosis = diagnose(boundary_of(mesh));
   CHECK(diagnosis.closed());
   CHECK(diagnosis.non_manifold_points.count == 0);
   CHECK(diagnosis.self_intersections.count == 0);

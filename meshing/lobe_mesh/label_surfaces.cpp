@@ -1,0 +1,108 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include <Eigen/LU>
+#include <algorithm>
+#include <map>
+
+#include "lobe_mesh/label_grid.h"
+
+namespace lobe::meshing {
+namespace {
+
+using Cell = std::array<Index, 3>;
+
+// Where the interface crosses the edge from one voxel to the next, as a part of the edge.
+double crossing(const LabelGrid& grid, std::size_t from, std::size_t to) {
+  const double a = static_cast<double>(grid.leads[from]), b = static_cast<double>(grid.leads[to]);
+  return a / (a + b);
+}
+
+// The mean of the crossings on the edges of a cube of voxels [grid coordinates]; false if there are none.
+bool dual_vertex(const LabelGrid& grid, const Cell& cell, Vec3d& vertex) {
+  Vec3d sum = Vec3d::Zero();
+  int count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 4; ++side) {
+      Cell from = cell;
+      from[(axis + 1) % 3] += side & 1;
+      from[(axis + 2) % 3] += side >> 1;
+      Cell to = from;
+      ++to[axis];
+      const std::size_t a = grid.index(from[0], from[1], from[2]), b = grid.index(to[0], to[1], to[2]);
+      if (grid.regions[a] == grid.regions[b]) continue;
+      sum += Vec3d(from[0], from[1], from[2]) + crossing(grid, a, b) * Vec3d::Unit(axis);
+      ++count;
+    }
+  }
+  if (count > 0) vertex = sum / count;
+  return count > 0;
+}
+
+// A surface that grows.
+struct Patch {
+  std::map<Index, Index> number;  // of a vertex of the whole in this patch
+  std::vector<Vec3d> points;
+  std::vector<std::array<Index, 3>> triangles;
+
+  Index add(Index vertex, const Vec3d& point) {
+    const auto [entry, is_new] = number.try_emplace(vertex, static_cast<Index>(points.size()));
+    if (is_new) points.push_back(point);
+    return entry->second;
+  }
+  Surface surface() const {
+    Surface surface{Mat3X<double>(3, points.size()), Triangles(3, triangles.size())};
+    for (std::size_t i = 0; i < points.size(); ++i) surface.points.col(i) = points[i];
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      surface.triangles.col(t) << triangles[t][0], triangles[t][1], triangles[t][2];
+    return surface;
+  }
+};
+
+}  // namespace
+
+std::vector<Surface> label_surfaces(const LabelGrid& grid, std::vector<Sides>& sides) {
+  std::vector<Index> vertex_of(grid.regions.size(), -1);  // of the cube whose first corner is this voxel
+  std::vector<Vec3d> points;
+  const auto for_each = [&](const auto& visit) {
+    for (Index k = 0; k + 1 < grid.size[2]; ++k)
+      for (Index j = 0; j + 1 < grid.size[1]; ++j)
+        for (Index i = 0; i + 1 < grid.size[0]; ++i) visit(Cell{i, j, k});
+  };
+  for_each([&](const Cell& cell) {
+    Vec3d at;
+    if (!dual_vertex(grid, cell, at)) return;
+    vertex_of[grid.index(cell[0], cell[1], cell[2])] = static_cast<Index>(points.size());
+    points.push_back(grid.to_world.leftCols<3>() * at + grid.to_world.col(3));
+  });
+  const bool mirrored = grid.to_world.leftCols<3>().determinant() < 0;
+  std::map<std::pair<int, int>, Patch> patches;
+  // Every edge between two regions is in four cubes, whose vertices make a square that it pierces.
+  for_each([&](const Cell& from) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Cell to = from;
+      ++to[axis];
+      const int a = grid.regions[grid.index(from[0], from[1], from[2])],
+                b = grid.regions[grid.index(to[0], to[1], to[2])];
+      if (a == b) continue;
+      Patch& patch = patches[std::minmax(a, b)];
+      std::array<Index, 4> corners{};
+      for (int c = 0; c < 4; ++c) {  // counter-clockwise about the edge
+        Cell cube = from;
+        cube[(axis + 1) % 3] -= c == 0 || c == 3 ? 1 : 0;
+        cube[(axis + 2) % 3] -= c < 2 ? 1 : 0;
+        const Index vertex = vertex_of[grid.index(cube[0], cube[1], cube[2])];
+        corners[c] = patch.add(vertex, points[vertex]);
+      }
+      if ((a < b) != mirrored) std::swap(corners[1], corners[3]);  // seen from outside of the larger
+      patch.triangles.push_back({corners[0], corners[1], corners[2]});
+      patch.triangles.push_back({corners[0], corners[2], corners[3]});
+    }
+  });
+  std::vector<Surface> surfaces;
+  for (const auto& [pair, patch] : patches) {
+    surfaces.push_back(patch.surface());
+    sides.push_back({pair.second - 1, pair.first - 1});
+  }
+  return surfaces;
+}
+
+}  // namespace lobe::meshing

@@ -1,0 +1,90 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include <CGAL/Labeled_mesh_domain_3.h>
+#include <CGAL/Mesh_domain_with_polyline_features_3.h>
+
+#include <algorithm>
+#include <map>
+
+#include "lobe_mesh/groups.h"
+#include "lobe_mesh/mesh_3.h"
+#include "lobe_mesh/model.h"
+#include "lobe_mesh/steps.h"
+
+namespace lobe::meshing {
+namespace {
+
+using LabelDomain = CGAL::Labeled_mesh_domain_3<Kernel>;
+
+// Starts the refinement from points of every piece of every interface that is as large as an edge.
+class Domain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomain> {
+  using Base = CGAL::Mesh_domain_with_polyline_features_3<LabelDomain>;
+
+ public:
+  Domain(const Model& model, const Sizing& sizing, const CGAL::Bbox_3& box, double error_bound,
+         CGAL::Random& random)
+      : Base(
+            [&model](const Point& p) {
+              return model.image_region({p.x(), p.y(), p.z()}) + 1;
+            },
+            box, error_bound, CGAL::Null_subdomain_index(), &random),
+        model_(model),
+        sizing_(sizing) {}
+
+  struct Construct_initial_points {
+    template <class Output>
+    Output operator()(Output out, int = 0) const {
+      for (std::size_t k = 0; k < domain.model_.surfaces.size(); ++k) {
+        const Sides& sides = domain.model_.sides[k];
+        const auto index = domain.index_from_surface_patch_index({sides.outside + 1, sides.inside + 1});
+        for (const Vec3d& p : starts(domain.model_.surfaces[k], domain.sizing_.shortest()))
+          *out++ = std::pair(Point(p.x(), p.y(), p.z()), index);
+      }
+      return out;
+    }
+    const Domain& domain;
+  };
+  Construct_initial_points construct_initial_points_object() const { return {*this}; }
+
+ private:
+  static std::vector<Vec3d> starts(const Surface& surface, double edge) {
+    Groups pieces(static_cast<std::size_t>(surface.point_count()));
+    for (const auto& t : surface.triangles.colwise()) pieces.join(t[0], t[1]), pieces.join(t[1], t[2]);
+    std::map<lobe::Index, std::vector<lobe::Index>> points_of;
+    for (lobe::Index v = 0; v < surface.point_count(); ++v) points_of[pieces.root(v)].push_back(v);
+    std::vector<Vec3d> result;
+    for (const auto& [root, points] : points_of) {
+      const Mat3X<double> x = surface.points(Eigen::all, points);
+      if ((x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm() < edge) continue;
+      const std::size_t count = std::min(points_per_piece, points.size());
+      for (std::size_t i = 0; i < count; ++i) result.push_back(x.col(i * points.size() / count));
+    }
+    return result;
+  }
+
+  const Model& model_;
+  const Sizing& sizing_;
+};
+
+CGAL::Bbox_3 box_of(const Model& model, double margin) {
+  const Surface all = joined_surface(model.surfaces);
+  const Vec3d low = all.points.rowwise().minCoeff().array() - margin,
+              high = all.points.rowwise().maxCoeff().array() + margin;
+  return {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
+}
+
+}  // namespace
+
+TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run) {
+  return guarded("the mesher cgal", [&] {
+    constexpr double error_bound = 0.01;  // of an edge: where the surface is taken to be
+    CGAL::Random random(0);
+    const double edge = run.sizing.shortest();
+    const CGAL::Bbox_3 box = box_of(model, edge);
+    const double radius =
+        std::hypot(box.xmax() - box.xmin(), box.ymax() - box.ymin(), box.zmax() - box.zmin()) / 2;
+    Counted<Domain> domain(model, run.sizing, box, error_bound * edge / radius, random);
+    return refine(domain, run, CGAL::parameters::non_manifold());
+  });
+}
+
+}  // namespace lobe::meshing

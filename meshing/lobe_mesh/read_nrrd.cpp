@@ -1,0 +1,135 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#include "lobe/error.h"
+#include "lobe_mesh/label_image_parts.h"
+
+#ifdef LOBE_TEEM
+
+#include <teem/nrrd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+namespace lobe::meshing {
+namespace {
+
+struct Nuke {
+  void operator()(Nrrd* nrrd) const { nrrdNuke(nrrd); }
+  void operator()(NrrdIoState* state) const { nrrdIoStateNix(state); }
+};
+using NrrdOwner = std::unique_ptr<Nrrd, Nuke>;
+
+NrrdOwner load(const std::string& file, bool header_only) {
+  NrrdOwner nrrd(nrrdNew());
+  const std::unique_ptr<NrrdIoState, Nuke> state(nrrdIoStateNew());
+  state->skipData = header_only ? 1 : 0;
+  if (nrrdLoad(nrrd.get(), file.c_str(), state.get()) == 0) return nrrd;
+  const std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
+  std::string why(text.get());  // one line per level of teem's calls, the cause last
+  while (!why.empty() && why.back() == '\n') why.pop_back();
+  throw InputError(file, "teem cannot read it (" + why.substr(why.find_last_of('\n') + 1) + ")");
+}
+
+VoxelType type_of(const Nrrd& nrrd) {
+  switch (nrrd.type) {
+    case nrrdTypeChar:
+      return VoxelType::int8;
+    case nrrdTypeUChar:
+      return VoxelType::uint8;
+    case nrrdTypeShort:
+      return VoxelType::int16;
+    case nrrdTypeUShort:
+      return VoxelType::uint16;
+    case nrrdTypeInt:
+      return VoxelType::int32;
+    case nrrdTypeUInt:
+      return VoxelType::uint32;
+    case nrrdTypeLLong:
+      return VoxelType::int64;
+    case nrrdTypeULLong:
+      return VoxelType::uint64;
+    default:
+      return VoxelType::other;
+  }
+}
+
+// Metres per unit; 1 if the file names none.
+double metres(const std::string& file, const char* unit) {
+  static const std::map<std::string, double> known{
+      {"", 1}, {"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"microns", 1e-6}, {"\u00b5m", 1e-6}};
+  const auto found = known.find(unit == nullptr ? "" : unit);
+  if (found == known.end())
+    throw InputError(file, "unknown unit '" + std::string(unit) + "', expected m, cm, mm or um");
+  return found->second;
+}
+
+// From the axes of the file's space to left, posterior, superior; spaces that name no such axes stay.
+Vec3d signs_of(int space) {
+  if (space == nrrdSpaceRightAnteriorSuperior) return {-1, -1, 1};
+  if (space == nrrdSpaceLeftAnteriorSuperior) return {1, -1, 1};
+  return {1, 1, 1};
+}
+
+Mat34<double> oriented(const std::string& file, const Nrrd& nrrd) {
+  Mat34<double> to_world;
+  const Vec3d signs = signs_of(nrrd.space);
+  for (int row = 0; row < 3; ++row) {
+    const double unit = signs[row] * metres(file, nrrd.spaceUnits[row]);
+    for (int k = 0; k < 3; ++k) to_world(row, k) = unit * nrrd.axis[k].spaceDirection[row];
+    to_world(row, 3) = unit * nrrd.spaceOrigin[row];
+  }
+  if (!to_world.col(3).allFinite())
+    throw InputError(file, "the 'space origin' is missing: the position is unknown");
+  return to_world;
+}
+
+// Without a space: voxel (0, 0, 0) at the origin, axes along x, y and z.
+Mat34<double> spaced(const std::string& file, const Nrrd& nrrd) {
+  Mat34<double> to_world = Mat34<double>::Zero();
+  for (int k = 0; k < 3; ++k) {
+    if (!std::isfinite(nrrd.axis[k].spacing))
+      throw InputError(file, "neither 'space directions' nor 'spacings': size and orientation are unknown");
+    if (std::isfinite(nrrd.axis[k].min))
+      throw InputError(file, "'axis mins' are not understood: give 'space origin' and 'space directions'");
+    to_world(k, k) = metres(file, nrrd.axis[k].units) * nrrd.axis[k].spacing;
+  }
+  return to_world;
+}
+
+}  // namespace
+
+LabelImage read_nrrd(const std::string& file) {
+  LabelImage image;
+  {
+    const NrrdOwner header = load(file, true);
+    if (header->dim != 3 || (header->spaceDim != 0 && header->spaceDim != 3))
+      throw InputError(file,
+                       std::to_string(header->dim) +
+                           " axes, expected 3: one label per voxel (save overlapping segments one by one)");
+    std::array<double, 3> size{};
+    for (int k = 0; k < 3; ++k) size[k] = static_cast<double>(header->axis[k].size);
+    image.size = checked_size(file, size);
+    image.to_world = header->spaceDim == 3 ? oriented(file, *header) : spaced(file, *header);
+    check_axes(file, image.to_world);
+    check_type(file, type_of(*header));
+  }
+  const NrrdOwner nrrd = load(file, false);
+  image.values = to_labels(file, nrrd->data, nrrdElementNumber(nrrd.get()), type_of(*nrrd));
+  return image;
+}
+
+}  // namespace lobe::meshing
+
+#else
+
+namespace lobe::meshing {
+
+LabelImage read_nrrd(const std::string& file) {
+  throw InputError(file,
+                   "lobe was built without teem: install libteem-dev and build again, or save it as NIfTI");
+}
+
+}  // namespace lobe::meshing
+
+#endif

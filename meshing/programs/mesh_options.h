@@ -1,0 +1,33 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+//
+// What the command line of lobe-mesh says.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "lobe_mesh/repair.h"
+#include "lobe_mesh/tetrahedralise.h"
+
+namespace lobe::meshing {
+
+struct Options {
+  std::vector<std::string> surfaces;
+  std::string output, report, marked, picture;
+  std::vector<std::string> label_edges, balls;
+  double scale = 1;
+  bool diagnose = false, json = false, quiet = false;
+  RepairOptions repair;
+  MeshOptions mesh;
+
+  bool is_image() const { return is_label_image(surfaces.front()); }
+  std::vector<std::string> outputs() const { return {output, report, marked, picture}; }
+};
+
+void declare_options(CLI::App& app, Options& options);
+
+// After parsing: throws InputError with all faults at once.
+void check_options(const CLI::App& app, Options& options);
+
+}  // namespace lobe::meshing

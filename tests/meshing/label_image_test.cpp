@@ -1,0 +1,310 @@
+// Label images: what is read, what is refused, and the meshes of them.
+#include "lobe_mesh/label_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <numbers>
+
+#include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/label_grid.h"
+#include "lobe_mesh/tetrahedralise.h"
+#include "meshing/shapes.h"
+
+using namespace lobe;
+using namespace lobe::meshing;
+
+namespace {
+
+using LabelAt = std::function<int(const Vec3d&)>;  // of the centre of a voxel [m]
+
+LabelImage make_image(const std::array<Index, 3>& size, const Mat34<double>& to_world, const LabelAt& label) {
+  LabelImage image{size, {}, to_world};
+  for (Index k = 0; k < size[2]; ++k)
+    for (Index j = 0; j < size[1]; ++j)
+      for (Index i = 0; i < size[0]; ++i)
+        image.values.push_back(label(to_world * Eigen::Vector4d(i, j, k, 1)));
+  return image;
+}
+
+Mat34<double> aligned(const Vec3d& spacing, const Vec3d& origin) {
+  Mat34<double> to_world;
+  to_world << Mat3<double>(spacing.asDiagonal()), origin;
+  return to_world;
+}
+
+// Voxels of 1 mm; a ball around the origin.
+LabelImage ball(
+    double radius, const LabelAt& label = [](const Vec3d&) { return 1; }) {
+  const auto half = static_cast<Index>(std::ceil(radius / 1e-3)) + 1;
+  const Index n = 2 * half + 1;
+  return make_image({n, n, n}, aligned(Vec3d::Constant(1e-3), Vec3d::Constant(-1e-3 * half)),
+                    [&](const Vec3d& x) { return x.norm() <= radius ? label(x) : 0; });
+}
+
+double voxels(const LabelImage& image, int label) {
+  return static_cast<double>(std::count(image.values.begin(), image.values.end(), label));
+}
+
+TetMesh mesh_of(const LabelImage& image, const MeshOptions& options, MeshReport& report) {
+  const TetMesh mesh = tetrahedralise(image, options, report);
+  check_faces(mesh);
+  return mesh;
+}
+
+std::string nrrd_header(const std::string& rest, const std::string& sizes = "3 2 1") {
+  return "NRRD0004\ndimension: 3\nsizes: " + sizes + "\nendian: little\n" + rest + "\n";
+}
+
+const std::string lps =
+    "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
+    "space origin: (10,20,30)\n";
+const std::string six_bytes("\0\1\2\0\0\7", 6);
+
+template <class Value>
+void put(std::string& bytes, std::size_t at, Value value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+// A NIfTI-1 header of 3 × 2 × 1 voxels of type unsigned char, in millimetres, with an sform.
+std::string nifti(const std::string& voxels = six_bytes) {
+  std::string bytes(352, '\0');
+  put<std::int32_t>(bytes, 0, 348);
+  const std::int16_t dim[] = {3, 3, 2, 1, 1, 1, 1, 1};
+  std::memcpy(bytes.data() + 40, dim, sizeof dim);
+  put<std::int16_t>(bytes, 70, 2);  // unsigned char
+  put<std::int16_t>(bytes, 72, 8);
+  const float pixdim[] = {1, 2, 3, 4, 1, 1, 1, 1};
+  std::memcpy(bytes.data() + 76, pixdim, sizeof pixdim);
+  put<float>(bytes, 108, 352);
+  bytes[123] = 2;  // millimetres
+  put<std::int16_t>(bytes, 254, 1);
+  const float rows[] = {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30};
+  std::memcpy(bytes.data() + 280, rows, sizeof rows);
+  std::memcpy(bytes.data() + 344, "n+1", 4);
+  return bytes + voxels;
+}
+
+}  // namespace
+
+TEST_CASE("NRRD images are read with spacing, origin, orientation and unit") {
+  const SurfaceFolder folder;
+  const auto read = [&](const std::string& text) { return read_label_image(folder.write("a.nrrd", text)); };
+  const LabelImage image = read(nrrd_header("type: uchar\nencoding: raw\n" + lps) + six_bytes);
+  CHECK(image.size == std::array<Index, 3>{3, 2, 1});
+  CHECK(image.values == std::vector<std::int32_t>{0, 1, 2, 0, 0, 7});
+  CHECK(image.to_world == aligned({2, 3, 4}, {10, 20, 30}));
+  // To the right and to the front becomes to the left and to the back; millimetres become metres.
+  std::string ras = lps;
+  ras.replace(ras.find("left-posterior"), 14, "right-anterior");
+  const std::string millimetres = "space units: \"mm\" \"mm\" \"mm\"\n";
+  const LabelImage turned = read(nrrd_header("type: uchar\nencoding: raw\n" + ras + millimetres) + six_bytes);
+  CHECK(turned.to_world.isApprox(Vec3d(-1e-3, -1e-3, 1e-3).asDiagonal() * image.to_world));
+  // Any axes, here a rotation by 90° about z; text and two bytes per voxel.
+  const LabelImage oblique =
+      read(nrrd_header("type: short\nencoding: ascii\nspace: left-posterior-superior\nspace directions: "
+                       "(0,2,0) (-3,0,0) (0,0,4)\n"
+                       "space origin: (0,0,0)\n") +
+           "0 1 2 0 0 300\n");
+  CHECK(oblique.values.back() == 300);
+  CHECK(oblique.to_world.col(0) == Vec3d(0, 2, 0));
+  CHECK(oblique.to_world.col(1) == Vec3d(-3, 0, 0));
+  const LabelImage spaced = read(nrrd_header("type: uchar\nencoding: raw\nspacings: 2 3 4\n") + six_bytes);
+  CHECK(spaced.to_world == aligned({2, 3, 4}, {0, 0, 0}));
+}
+
+TEST_CASE("NIfTI images are read with spacing, origin, orientation and unit") {
+  const SurfaceFolder folder;
+  const LabelImage image = read_label_image(folder.write("a.nii", nifti()));
+  CHECK(image.size == std::array<Index, 3>{3, 2, 1});
+  CHECK(image.values == std::vector<std::int32_t>{0, 1, 2, 0, 0, 7});
+  CHECK(image.to_world.isApprox(Vec3d(-1e-3, -1e-3, 1e-3).asDiagonal() * aligned({2, 3, 4}, {10, 20, 30})));
+  const std::string packed = (folder.path / "b.nii.gz").string();
+  REQUIRE(std::system(("gzip -c " + (folder.path / "a.nii").string() + " >" + packed).c_str()) == 0);
+  CHECK(read_label_image(packed).values == image.values);
+}
+
+TEST_CASE("images that are no segmentations are refused with the reason") {
+  const SurfaceFolder folder;
+  const auto refusal = [&](const std::string& name, const std::string& text) {
+    return input_error([&] { read_label_image(folder.write(name, text)); });
+  };
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: float\nencoding: raw\n" + lps) + std::string(24, '\0')),
+                 "not whole numbers"));
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: uchar\nencoding: raw\n" + lps) + "abc"), "teem"));
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: uchar\nencoding: raw\n" + lps, "30000 30000 30000")),
+                 "too large"));
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: uchar\nencoding: raw\n") + six_bytes), "orientation"));
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: uchar\nencoding: raw\nspace: left-posterior-superior\n"
+                                               "space directions: (1,0,0) (1,0,0) (0,0,1)\n"
+                                               "space origin: (0,0,0)\n") +
+                                       six_bytes),
+                 "orientation"));
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: uchar\nencoding: raw\n" + lps +
+                                               "space units: \"inch\" \"mm\" \"mm\"\n") +
+                                       six_bytes),
+                 "inch"));
+  CHECK(contains(refusal("a.nrrd", ""), "teem"));
+  CHECK(contains(refusal("a.nii", "hello"), "not a NIfTI file"));
+  CHECK(contains(refusal("a.nii", nifti("ab")), "truncated"));
+  std::string bytes = nifti();
+  put<std::int16_t>(bytes, 254, 0);
+  CHECK(contains(refusal("a.nii", bytes), "orientation"));
+  bytes = nifti(std::string(24, '\0'));
+  put<std::int16_t>(bytes, 70, 16);  // float
+  put<std::int16_t>(bytes, 72, 32);
+  CHECK(contains(refusal("a.nii", bytes), "not whole numbers"));
+  bytes = nifti();
+  put<float>(bytes, 112, 0.5F);  // slope
+  CHECK(contains(refusal("a.nii", bytes), "scaled"));
+  bytes = nifti(std::string(12, '\0'));
+  const std::int16_t dim[] = {4, 3, 2, 1, 2};
+  std::memcpy(bytes.data() + 40, dim, sizeof dim);
+  CHECK(contains(refusal("a.nii", bytes), "more than 3 axes"));
+  CHECK(contains(input_error([&] { read_label_image(folder.path / "none.nii"); }), "no such file"));
+
+  const auto content = [](const LabelAt& label, double smoothing = 1) {
+    return input_error([&] {
+      make_label_grid(make_image({8, 8, 8}, aligned(Vec3d::Ones(), Vec3d::Zero()), label), smoothing);
+    });
+  };
+  CHECK(contains(content([](const Vec3d&) { return 0; }), "empty"));
+  CHECK(contains(content([](const Vec3d&) { return 5; }), "only one value"));
+  CHECK(contains(content([](const Vec3d& x) { return x.x() < 4 ? -1 : 0; }), "-1"));
+  CHECK(contains(content([](const Vec3d& x) { return static_cast<int>(x.x() + 8 * x.y() + 64 * x.z()); }),
+                 "not a segmentation"));
+  CHECK(contains(content([](const Vec3d& x) { return x == Vec3d(4, 4, 4) ? 9 : 0; }), "--smoothing 0"));
+  CHECK(contains(content([](const Vec3d& x) { return x.x() < 4 ? 1 : 0; }, 9), "expected 0 … 5"));
+}
+
+TEST_CASE(
+    "without smoothing a point has the label of the voxel around it, also in a turned and mirrored image") {
+  Mat34<double> to_world;
+  to_world << 0, -3, 0, 5, 2, 0, 0, -1, 0, 0, -4, 2;
+  const auto label = [](const Vec3d& x) { return x.y() < 2 ? 4 : x.x() > 0 ? 0 : 2; };
+  const LabelImage image = make_image({6, 5, 4}, to_world, label);
+  const LabelGrid grid = make_label_grid(image, 0);
+  CHECK(grid.values == std::vector<int>{2, 4});
+  CHECK(grid.volumes[0] == doctest::Approx(24 * voxels(image, 2)));
+  const RegionAt region(grid);
+  for (Index k = 0; k < 4; ++k)
+    for (Index j = 0; j < 5; ++j)
+      for (Index i = 0; i < 6; ++i) {
+        const int value = image.at(i, j, k);
+        CHECK(region(to_world * Eigen::Vector4d(i, j, k, 1)) == (value == 2 ? 1 : value == 4 ? 2 : 0));
+      }
+  CHECK(region(to_world * Eigen::Vector4d(-0.6, 2, 2, 1)) == 0);  // half a voxel outside
+  CHECK(region(to_world * Eigen::Vector4d(-0.4, 2, 2, 1)) != 0);
+}
+
+TEST_CASE("the smoothing takes the steps from a ball, not its volume") {
+  const LabelImage image = ball(12e-3);
+  const double volume = 1e-9 * voxels(image, 1), radius = std::cbrt(3 * volume / (4 * std::numbers::pi));
+  const auto roughness = [&](double smoothing) {
+    std::vector<Sides> sides;
+    const std::vector<Surface> surfaces = label_surfaces(make_label_grid(image, smoothing), sides);
+    REQUIRE(surfaces.size() == 1);
+    CHECK(sides[0].inside == 0);
+    CHECK(sides[0].outside == -1);
+    CHECK(diagnose(surfaces[0]).meshable());
+    CHECK(enclosed_volume(surfaces[0]) == doctest::Approx(volume).epsilon(0.012));  // chords of one voxel
+    const Eigen::RowVectorXd distance = surfaces[0].points.colwise().norm().array() - radius;
+    CHECK(std::abs(distance.mean()) < 0.05e-3);
+    return std::sqrt(distance.squaredNorm() / static_cast<double>(distance.size()));
+  };
+  CHECK(roughness(1) < 0.75 * roughness(0));
+  CHECK(roughness(2) < 0.6 * roughness(0));
+}
+
+TEST_CASE("the surface of a box of voxels lies on their faces, with smoothing to 0.14 voxels") {
+  const Vec3d spacing(1, 2, 3);
+  const LabelImage image = make_image({20, 20, 20}, aligned(spacing, {10, 20, 30}), [&](const Vec3d& x) {
+    return x.x() < 26 && x.y() > 25 && x.z() > 40 && x.z() < 80 ? 1 : 0;
+  });
+  const auto voxels_off = [&](double smoothing) {
+    std::vector<Sides> sides;
+    const Surface surface = label_surfaces(make_label_grid(image, smoothing), sides).front();
+    const Vec3d low = surface.points.rowwise().minCoeff() - Vec3d(9.5, 25, 40.5),
+                high = surface.points.rowwise().maxCoeff() - Vec3d(25.5, 59, 79.5);
+    return std::max(low.cwiseQuotient(spacing).cwiseAbs().maxCoeff(),
+                    high.cwiseQuotient(spacing).cwiseAbs().maxCoeff());
+  };
+  CHECK(voxels_off(0) < 1e-9);
+  CHECK(voxels_off(1) < 0.14);  // beside the edges of the box
+}
+
+TEST_CASE("a ball of voxels becomes a good mesh of its volume") {
+  const LabelImage image = ball(12e-3);
+  for (const double edge : {4e-3, 2e-3}) {
+    CAPTURE(edge);
+    MeshReport report;
+    const TetMesh mesh = mesh_of(image, {.edge = edge}, report);
+    check_boundary(mesh);
+    CHECK(report.passes());
+    CHECK(report.surface_volume == doctest::Approx(1e-9 * voxels(image, 1)));
+    CHECK(total_volume(mesh) ==
+          doctest::Approx(4.0 / 3 * std::numbers::pi * std::pow(12e-3, 3)).epsilon(0.01));
+  }
+}
+
+TEST_CASE("the mesh of a box of flat voxels has its place and, but for its edges, its volume") {
+  // 28 × 14 × 12 voxels of 1 × 1 × 2 mm; along x they fill the image.
+  const LabelImage image =
+      make_image({28, 20, 20}, aligned({1e-3, 1e-3, 2e-3}, {0.1, -0.2, 0.3}), [](const Vec3d& x) {
+        return x.y() > -0.1975 && x.y() < -0.1835 && x.z() > 0.307 && x.z() < 0.331 ? 3 : 0;
+      });
+  REQUIRE(voxels(image, 3) == 28 * 14 * 12);
+  double lost[2];
+  for (int i = 0; i < 2; ++i) {
+    MeshReport report;
+    const TetMesh mesh = mesh_of(image, {.edge = i == 0 ? 3e-3 : 1.5e-3}, report);
+    CHECK(std::all_of(mesh.labels.begin(), mesh.labels.end(), [](int label) { return label == 3; }));
+    const Vec3d low = mesh.points.rowwise().minCoeff(), high = mesh.points.rowwise().maxCoeff();
+    CHECK((low - Vec3d(0.0995, -0.1975, 0.307)).cwiseAbs().maxCoeff() < 0.5e-3);
+    CHECK((high - Vec3d(0.1275, -0.1835, 0.331)).cwiseAbs().maxCoeff() < 0.5e-3);
+    lost[i] = 28 * 14 * 12 * 2e-9 - total_volume(mesh);
+  }
+  CHECK(lost[0] < 0.035 * 28 * 14 * 12 * 2e-9);  // edges are rounded
+  CHECK(lost[1] < 0.6 * lost[0]);
+  CHECK(lost[1] > 0);
+}
+
+TEST_CASE("labels that share walls conform, with the volumes of their voxels") {
+  const LabelImage image = ball(14e-3, [](const Vec3d& x) {
+    return (x - Vec3d(0, 5e-3, 0)).norm() < 5e-3 ? 9 : x.x() < 0 ? 3 : 7;
+  });
+  MeshReport report;
+  const TetMesh mesh = mesh_of(image, {.edge = 2e-3}, report);
+  check_boundary(mesh);
+  REQUIRE(report.parts.size() == 3);
+  const int labels[] = {3, 7, 9};
+  for (int k = 0; k < 3; ++k) {
+    CHECK(report.parts[k].label == labels[k]);
+    CHECK(report.parts[k].surface_volume == doctest::Approx(1e-9 * voxels(image, labels[k])));
+    CHECK(report.parts[k].volume == doctest::Approx(report.parts[k].surface_volume).epsilon(0.03));
+    CHECK(std::count(mesh.labels.begin(), mesh.labels.end(), labels[k]) == report.parts[k].tets);
+  }
+  CHECK(report.quality.volume == doctest::Approx(report.surface_volume).epsilon(0.01));
+  CHECK(report.quality.min_dihedral > 8);
+}
+
+TEST_CASE("edges follow the labels of an image, and its unit does not matter") {
+  const auto core = [](const Vec3d& x) { return x.norm() < 5e-3 ? 2 : 1; };
+  LabelImage image = ball(14e-3, core);
+  MeshReport coarse, fine;
+  mesh_of(image, {.edge = 4e-3}, coarse);
+  const TetMesh mesh = mesh_of(image, {.edge = 4e-3, .label_edges = {{2, 1.5e-3}}}, fine);
+  CHECK(fine.parts[1].tets > 5 * coarse.parts[1].tets);
+  CHECK(fine.shortest_edge == doctest::Approx(1.5e-3));
+  image.to_world *= 1024;
+  const TetMesh large =
+      tetrahedralise(image, {.edge = 4e-3 * 1024, .label_edges = {{2, 1.5e-3 * 1024}}}, coarse);
+  CHECK(large.tets == mesh.tets);
+  const auto refusal = [&](const MeshOptions& options) {
+    return input_error([&] { tetrahedralise(image, options, coarse); });
+  };
+  CHECK(contains(refusal({.label_edges = {{0, 1}}}), "the labels are 1, 2"));
+  CHECK(contains(refusal({.mesher = Mesher::tetgen}), "--mesher cgal"));
+}

@@ -62,6 +62,14 @@ std::vector<InterfaceFace> interface_faces(const TetMesh& mesh) {
   return faces;
 }
 
+Surface boundary_surface(const TetMesh& mesh) {
+  std::vector<Index> corners;
+  for (const InterfaceFace& face : interface_faces(mesh)) {
+    if (face.other < 0) corners.insert(corners.end(), face.corners.begin(), face.corners.end());
+  }
+  return {mesh.points, Eigen::Map<const Triangles>(corners.data(), 3, corners.size() / 3)};
+}
+
 Freedom find_freedom(const TetMesh& mesh, const Interfaces& interfaces,
                      const std::vector<Mat3X<double>>& features, double on_line) {
   Freedom freedom;

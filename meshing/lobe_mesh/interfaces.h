@@ -20,6 +20,7 @@ struct InterfaceFace {
   int other = -1;                  // of the other one; −1: outside
 };
 std::vector<InterfaceFace> interface_faces(const TetMesh& mesh);  // in the order of their vertices
+Surface boundary_surface(const TetMesh& mesh);                    // with all points of the mesh
 
 // The surfaces between the labels of a mesh: (smaller label, larger label), −1 is outside.
 using Interfaces = std::map<std::pair<int, int>, const NearestPoint*>;

@@ -24,16 +24,6 @@ const char* const cell_angle = "smallest dihedral angle [deg]";
 const char* const drawn = "picture.png";  // beside the request
 const char* const bar_angle = "dihedral angle [deg]";
 
-void write_boundary(const std::filesystem::path& file, const TetMesh& mesh) {
-  const std::vector<InterfaceFace> faces = interface_faces(mesh);
-  std::vector<Index> corners;
-  for (const InterfaceFace& face : faces) {
-    if (face.other < 0) corners.insert(corners.end(), face.corners.begin(), face.corners.end());
-  }
-  const auto count = static_cast<Eigen::Index>(corners.size() / 3);
-  write_surface(file, mesh.points, Eigen::Map<const Triangles>(corners.data(), 3, count));
-}
-
 // The half of the mesh that lies beyond a plane through its middle.
 void write_half(const std::filesystem::path& file, const TetMesh& mesh, const Vec3d& middle) {
   std::vector<Index> kept;
@@ -105,7 +95,8 @@ std::string draw_picture(const std::filesystem::path& file, const TetMesh& mesh,
   if (program.empty()) return "lobe-picture was not found: build lobe with LOBE_PICTURES, which needs VTK";
   if (!has_display && display.empty()) return "no display, and xvfb-run was not found: install xvfb";
   const TemporaryFolder folder;
-  write_boundary(folder.path() / "boundary.vtp", mesh);
+  const Surface boundary = boundary_surface(mesh);
+  write_surface(folder.path() / "boundary.vtp", boundary.points, boundary.triangles);
   write_half(folder.path() / "half.vtu", mesh, (report.quality.box_min + report.quality.box_max) / 2);
   write_bars(folder.path() / "bars.vtp", report.quality);
   const std::filesystem::path request = folder.path() / "request.json", errors = folder.path() / "errors";

@@ -220,6 +220,17 @@ TetMesh Tries::best() {
   return std::move(best_);
 }
 
+// The refinement of an image keeps labels apart, but its boundary may touch itself where theirs does.
+void warn_of_pinches(const TetMesh& mesh, MeshReport& report) {
+  const Diagnosis boundary = diagnose(boundary_surface(mesh));
+  for (const Finding* finding : {&boundary.non_manifold_edges, &boundary.non_manifold_points}) {
+    if (finding->count == 0) continue;
+    report.warnings.push_back("the boundary of the mesh touches itself: " + std::to_string(finding->count) +
+                              " " + finding->name + ", first " + finding->places.front() +
+                              "; choose a shorter --edge, or separate the parts there");
+  }
+}
+
 TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& report) {
   report = {};
   MeshOptions chosen = options;
@@ -227,6 +238,7 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   check_options(chosen, model);
   report.edge = chosen.edge;
   TetMesh mesh = Tries(model, chosen, report).best();
+  if (model.is_image()) warn_of_pinches(mesh, report);
   for (int& label : mesh.labels) label = model.labels[label];
   report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
   if (!report.passes()) {

@@ -138,14 +138,22 @@ struct Counts {
   int meshed = 0, refused = 0, gave_up = 0, wrong = 0;
 };
 
+// Coarse, so that a thousand surfaces take minutes; where the size makes no sense, lobe-mesh's own choice.
+std::vector<std::string> arguments(const std::string& file, const std::string& mesh, const Surface& surface,
+                                   const BenchOptions& options) {
+  std::vector<std::string> words{file, "-o", mesh, "--quiet", "--time-limit", exact(options.time_limit)};
+  const double edge = box_diagonal(surface) / 12;
+  if (std::isfinite(edge) && edge > 0) words.insert(words.end(), {"--edge", exact(edge)});
+  return words;
+}
+
 // "" or what is wrong.
-std::string run_one(const std::filesystem::path& surface, const BenchOptions& options, Counts& counts) {
+std::string run_one(const std::filesystem::path& file, const Surface& surface, const BenchOptions& options,
+                    Counts& counts) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = folder.path() / "mesh.vtu", errors = folder.path() / "errors";
-  const std::string limit = exact(options.time_limit);
-  const ChildResult result =
-      run_child(find_program("lobe-mesh"), {surface, "-o", mesh, "--quiet", "--time-limit", limit},
-                {options.time_limit + 30, 9e9}, errors);
+  const ChildResult result = run_child(find_program("lobe-mesh"), arguments(file, mesh, surface, options),
+                                       {options.time_limit + 30, 9e9}, errors);
   if (result.end != ChildResult::End::normal) return result.in_words();
   const bool written = std::filesystem::exists(mesh);
   if (result.status == 0) {
@@ -182,11 +190,14 @@ int bench_fuzz(const BenchOptions& options) {
     const std::string kind = damage(surface, number, random);
     const std::filesystem::path file = folder.path() / "surface.vtp";
     write_surface(file, surface.points, surface.triangles);
-    const std::string fault = run_one(file, options, table[kind]);
+    const std::string fault = run_one(file, surface, options, table[kind]);
+    if ((number + 1) % 50 == 0)
+      std::fprintf(stderr, "%d of %d, %d wrong\n", number + 1, options.count, wrong);
     if (fault.empty()) continue;
     ++wrong;
     ++table[kind].wrong;
     std::printf("surface %d (%s): %s\n", number, kind.c_str(), fault.c_str());
+    std::fflush(stdout);
     write_surface(options.output / ("fuzzed_" + std::to_string(number) + ".vtp"), surface.points,
                   surface.triangles);
   }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/interfaces.h"
 #include "lobe_mesh/label_grid.h"
 #include "lobe_mesh/tetrahedralise.h"
 #include "meshing/shapes.h"
@@ -288,6 +289,22 @@ TEST_CASE("labels that share walls conform, with the volumes of their voxels") {
   }
   CHECK(report.quality.volume == doctest::Approx(report.surface_volume).epsilon(0.01));
   CHECK(report.quality.min_dihedral > 8);
+}
+
+TEST_CASE(
+    "parts that touch at an edge only are meshed, with a warning where the boundary then touches itself") {
+  const LabelImage image =
+      make_image({24, 24, 12}, aligned(Vec3d::Constant(1e-3), Vec3d::Zero()),
+                 [](const Vec3d& x) { return (x.x() < 11.5e-3) == (x.y() < 11.5e-3) ? 1 : 0; });
+  MeshReport report;
+  const TetMesh mesh = mesh_of(image, {.edge = 3e-3, .smoothing = 0}, report);
+  CHECK(total_volume(mesh) == doctest::Approx(2 * 12e-3 * 12e-3 * 12e-3).epsilon(0.06));
+  const Diagnosis boundary = diagnose(boundary_surface(mesh));
+  const Index pinches = boundary.non_manifold_edges.count + boundary.non_manifold_points.count;
+  const bool warned = std::any_of(report.warnings.begin(), report.warnings.end(),
+                                  [](const std::string& text) { return contains(text, "touches itself"); });
+  CHECK(warned == (pinches > 0));
+  CHECK(pinches > 0);
 }
 
 TEST_CASE("edges follow the labels of an image, and its unit does not matter") {

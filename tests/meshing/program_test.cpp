@@ -252,8 +252,9 @@ TEST_CASE("a run that is cancelled leaves nothing behind") {
   const std::size_t files = folder.file_count();
   for (const std::string mesher : {"cgal", "tetgen"}) {
     CAPTURE(mesher);
-    const std::string command = "TMPDIR=" + temporary.path.string() +
-                                " timeout -s INT 1 " LOBE_BIN_DIR "/lobe-mesh " + surface +
+    const std::string signal = mesher == "cgal" ? "INT" : "TERM";
+    const std::string command = "TMPDIR=" + temporary.path.string() + " timeout -s " + signal +
+                                " 1 " LOBE_BIN_DIR "/lobe-mesh " + surface +
                                 " --edge 0.0008 --quiet --mesher " + mesher + " -o " +
                                 (folder.path / "m.vtu").string() + " 2>/dev/null";
     const int status = std::system(command.c_str());

@@ -229,16 +229,17 @@ void World<Real>::find_bodies() {
 }
 
 // Whether an edit may have set more loose than the body that it is known to have cut: what is left of it is held as
-// before, unless its pieces took a vertex that holds it, or the tetrahedra around the last such vertex are gone.
+// before, unless its pieces took a vertex that holds it, or the tetrahedra around the last such vertex are gone. Held
+// tetrahedra are near then, if there are any left: the search for one is short.
 template <class Real>
 bool World<Real>::needs_all_pieces(const MeshEdit& edit) {
-  if (std::any_of(edit.cut_off.begin(), edit.cut_off.end(), [&](const auto& p) { return is_held(p); }))
-    return true;
   const auto gone = [&](Index v) { return held_.holds(v) && elements_.topology.around(v).empty(); };
-  const bool lost_a_holder = std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
-    const Eigen::Vector4i corners = elements_.topology.corners(t);
-    return std::any_of(corners.begin(), corners.end(), gone);
-  });
+  const bool lost_a_holder =
+      std::any_of(edit.cut_off.begin(), edit.cut_off.end(), [&](const auto& p) { return is_held(p); }) ||
+      std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
+        const Eigen::Vector4i corners = elements_.topology.corners(t);
+        return std::any_of(corners.begin(), corners.end(), gone);
+      });
   return lost_a_holder && std::any_of(edit.beside.begin(), edit.beside.end(), [&](Index tet) {
            return body_was_held_[body_of_[tet]] &&
                   !elements_.topology.visit_piece(tet, [&](Index t) { return is_held(t); });
@@ -289,7 +290,7 @@ Index World<Real>::treat_loose_piece(const std::vector<Index>& piece) {
     return static_cast<Index>(piece.size());
   }
   if (setup_.loose_pieces == LoosePieces::fall) {
-    set_region(piece, RegionModel::nonlinear);  // it will turn: a linear piece would grow
+    change_region(piece, RegionModel::nonlinear);  // it will turn: a linear piece would grow
     return 0;
   }
   for (Index t : piece)

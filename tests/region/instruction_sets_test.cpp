@@ -7,6 +7,7 @@
 
 #include "lobe/error.h"
 #include "lobe/region/nonlinear.h"
+#include "lobe/region/tensor_mass.h"
 #include "support.h"
 
 using namespace lobe;
@@ -14,13 +15,14 @@ using namespace lobe::test;
 
 namespace {
 
-template <class Real>
-Mat3X<Real> forces(const Setup& setup, InstructionSet set) {
+template <class Real, class Region>
+Mat3X<Real> forces(const Setup& setup, Region region) {
   const Elements elements(setup);
   RegionEdit edit;
   edit.entered.resize(std::size_t(setup.mesh.tet_count()));
   std::iota(edit.entered.begin(), edit.entered.end(), 0);
-  NonlinearRegion<Real> region(Evaluator::direct, set);
+  edit.vertices.resize(std::size_t(setup.mesh.vertex_count()));
+  std::iota(edit.vertices.begin(), edit.vertices.end(), 0);
   region.follow(elements, edit);
   const Mat3X<Real> u = random_displacement<Real>(setup.mesh.vertex_count(), 2e-3);
   Mat3X<Real> f = Mat3X<Real>::Zero(3, u.cols());
@@ -29,14 +31,20 @@ Mat3X<Real> forces(const Setup& setup, InstructionSet set) {
   return f;
 }
 
-template <class Real>
-void check_same_bits(const Setup& setup) {
-  const Mat3X<Real> expected = forces<Real>(setup, InstructionSet::baseline);
+// region(set) makes one that runs on a set of instructions.
+template <class Real, class Make>
+void check_same_bits(const Setup& setup, Make&& region) {
+  const Mat3X<Real> expected = forces<Real>(setup, region(InstructionSet::baseline));
   CHECK(expected.norm() > 0);
   for (InstructionSet set : available_instruction_sets()) {
     CAPTURE(name(set));
-    CHECK((forces<Real>(setup, set).array() == expected.array()).all());
+    CHECK((forces<Real>(setup, region(set)).array() == expected.array()).all());
   }
+}
+
+template <class Real>
+void check_nonlinear(const Setup& setup, Evaluator evaluator = Evaluator::direct) {
+  check_same_bits<Real>(setup, [&](InstructionSet set) { return NonlinearRegion<Real>(evaluator, set); });
 }
 
 }  // namespace
@@ -47,11 +55,19 @@ TEST_CASE(
   for (const auto& [kappa, below] : {std::pair{0.0, 0.0}, {0.0, 0.8}, {1e5, 0.0}, {1e5, 0.8}}) {
     setup.volume_penalty = kappa;
     setup.guard_below = below;
-    check_same_bits<float>(setup);
-    check_same_bits<double>(setup);
-    check_same_bits<float>(averaged(setup));
-    check_same_bits<double>(averaged(setup));
+    check_nonlinear<float>(setup);
+    check_nonlinear<double>(setup);
+    check_nonlinear<float>(averaged(setup));
+    check_nonlinear<double>(averaged(setup));
   }
+}
+
+TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms and with tensor-mass", Real,
+                   float, double) {
+  const TetMesh mesh = irregular_box(4);
+  check_nonlinear<Real>(setup_of(mesh), Evaluator::stored);
+  check_same_bits<Real>(setup_of(mesh, RegionModel::tensor_mass),
+                        [](InstructionSet set) { return TensorMassRegion<Real>(set); });
 }
 
 TEST_CASE("LOBE_INSTRUCTION_SET chooses the set, and what the processor does not have is refused") {

@@ -39,7 +39,7 @@ std::vector<Index> TetGroups::touched(const Topology& topology, const Mat3X<doub
   if (groups_.empty()) {
     form(topology, points);
     path_ = 0;
-    reach_ = double(u.colwise().norm().maxCoeff());
+    reach_ = double(u.leftCols(topology.vertex_count()).colwise().norm().maxCoeff());
   }
   const Eigen::AlignedBox3d reached = box_of(sweep);
   const auto corners_of = [&](Index t) -> Mat34<double> {

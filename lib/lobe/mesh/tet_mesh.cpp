@@ -11,11 +11,6 @@ Mat34<double> tet_points(const TetMesh& mesh, Index tet) {
 }
 
 // V = det[X1−X0, X2−X0, X3−X0] / 6
-double signed_volume(const Mat34<double>& corners) {
-  const Mat3<double> edges = corners.rightCols<3>().colwise() - corners.col(0);
-  return edges.determinant() / 6;
-}
-
 double total_volume(const TetMesh& mesh) {
   double volume = 0;
   for (Index t = 0; t < mesh.tet_count(); ++t) volume += signed_volume(tet_points(mesh, t));

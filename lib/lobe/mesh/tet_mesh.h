@@ -1,6 +1,7 @@
 // A tetrahedral mesh at rest, as it is read, written and handed from part to part.
 #pragma once
 
+#include <Eigen/LU>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,12 @@ inline constexpr int face_corners[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 
 // The six edges of a tetrahedron as pairs of corners.
 inline constexpr int edge_corners[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-Mat34<double> tet_points(const TetMesh& mesh, Index tet);  // 3 × 4 [m]
-double signed_volume(const Mat34<double>& corners);        // [m³], positive if well oriented
-double total_volume(const TetMesh& mesh);                  // [m³]
+Mat34<double> tet_points(const TetMesh& mesh, Index tet);    // 3 × 4 [m]
+inline double signed_volume(const Mat34<double>& corners) {  // [m³], positive if well oriented
+  const Mat3<double> edges = corners.rightCols<3>().colwise() - corners.col(0);
+  return edges.determinant() / 6;
+}
+double total_volume(const TetMesh& mesh);  // [m³]
 struct Box {
   Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  // [m]
 };

@@ -48,8 +48,7 @@ Topology::Topology(const TetMesh& mesh)
       alive_(std::size_t(mesh.tet_count()), 1),
       alive_count_(mesh.tet_count()),
       around_(tets_per_vertex(mesh)),
-      found_by_(std::size_t(mesh.tet_count()), -1),
-      boundary_slot_(std::size_t(4 * mesh.tet_count()), -1) {
+      found_by_(std::size_t(mesh.tet_count()), -1) {
   for (Index t = 0; t < mesh.tet_count(); ++t)
     for (int c = 0; c < 4; ++c) around_.append(tets_(c, t), t);
   const std::vector<FaceKey> faces = sorted_faces(tets_);
@@ -69,16 +68,15 @@ Eigen::Vector3i Topology::face(Index code) const {
 }
 
 void Topology::open_face(Index code) {
-  boundary_slot_[code] = static_cast<Index>(boundary_.size());
+  neighbours_.data()[code] = -1 - static_cast<Index>(boundary_.size());
   boundary_.push_back(code);
 }
 
 void Topology::close_face(Index code) {
-  const Index slot = boundary_slot_[code];
-  boundary_[slot] = boundary_.back();
-  boundary_slot_[boundary_[slot]] = slot;
+  const Index place = -1 - neighbours_.data()[code];
+  boundary_[place] = boundary_.back();
+  neighbours_.data()[boundary_[place]] = -1 - place;
   boundary_.pop_back();
-  boundary_slot_[code] = -1;
 }
 
 void Topology::unlink(Index tet) {
@@ -88,13 +86,10 @@ void Topology::unlink(Index tet) {
     const Index other = neighbours_(f, tet);
     if (other < 0) {
       close_face(4 * tet + f);
-      continue;
+    } else {
+      for (int g = 0; g < 4; ++g)
+        if (neighbours_(g, other) == tet) open_face(4 * other + g);
     }
-    for (int g = 0; g < 4; ++g)
-      if (neighbours_(g, other) == tet) {
-        neighbours_(g, other) = -1;
-        open_face(4 * other + g);
-      }
     neighbours_(f, tet) = -1;
   }
 }
@@ -208,27 +203,29 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
   return edit;
 }
 
-// Numbers the face-connected parts of the tetrahedra around v; part_of runs parallel to around(v).
-Index Topology::parts_around(Index v, std::vector<Index>& part_of) {
+// Numbers the face-connected parts of the tetrahedra around v; part_of_ runs parallel to around(v).
+Index Topology::parts_around(Index v) {
   const std::span<const Index> star = around(v);
   for (std::size_t i = 0; i < star.size(); ++i) found_by_[star[i]] = static_cast<Index>(i);
-  part_of.assign(star.size(), -1);
-  std::vector<std::size_t> front;
+  part_of_.assign(star.size(), -1);
   Index parts = 0;
-  for (std::size_t first = 0; first < star.size(); ++first) {
-    if (part_of[first] >= 0) continue;
-    part_of[first] = parts;
-    front.assign(1, first);
-    while (!front.empty()) {
-      const Index t = star[front.back()];
-      front.pop_back();
+  std::size_t reached = 0;
+  for (std::size_t first = 0; reached < star.size(); ++first) {
+    if (part_of_[first] >= 0) continue;
+    part_of_[first] = parts;
+    ++reached;
+    front_.assign(1, static_cast<Index>(first));
+    while (!front_.empty() && reached < star.size()) {
+      const Index t = star[front_.back()];
+      front_.pop_back();
       for (int f = 0; f < 4; ++f) {
         const Index other = neighbours_(f, t);
         if (other < 0 || tets_(f, t) == v) continue;
-        const std::size_t at = std::size_t(found_by_[other]);
-        if (part_of[at] >= 0) continue;
-        part_of[at] = parts;
-        front.push_back(at);
+        const Index at = found_by_[other];
+        if (part_of_[at] >= 0) continue;
+        part_of_[at] = parts;
+        ++reached;
+        front_.push_back(at);
       }
     }
     ++parts;
@@ -238,19 +235,19 @@ Index Topology::parts_around(Index v, std::vector<Index>& part_of) {
 }
 
 void Topology::split_if_apart(Index v, std::vector<VertexSplit>& splits) {
-  std::vector<Index> part_of;
-  const Index parts = parts_around(v, part_of);
+  const Index parts = parts_around(v);
   if (parts < 2) return;
   const std::vector<Index> star(around(v).begin(), around(v).end());
   std::vector<Index> size(std::size_t(parts), 0);
-  for (Index part : part_of) ++size[part];
+  for (Index part : part_of_) ++size[part];
   const Index keeps = static_cast<Index>(std::max_element(size.begin(), size.end()) - size.begin());
   for (Index part = 0; part < parts; ++part) {
     if (part == keeps) continue;
     VertexSplit split{v, vertex_count(), {}};
+    origins_.push_back(origin(v));
     around_.add_vertex();
     for (std::size_t i = 0; i < star.size(); ++i) {
-      if (part_of[i] != part) continue;
+      if (part_of_[i] != part) continue;
       around_.erase_value(v, star[i]);
       around_.append(split.copy, star[i]);
       tets_(corner_of(tets_, star[i], v), star[i]) = split.copy;

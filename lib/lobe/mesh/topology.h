@@ -2,6 +2,7 @@
 // boundary surface. It is edited in place; every other structure follows the record that an edit returns.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -40,11 +41,16 @@ class Topology {
   bool alive(Index tet) const { return alive_[tet] != 0; }
   const Tets& tets() const { return tets_; }
   Eigen::Vector4i corners(Index tet) const { return tets_.col(tet); }
+  Index origin(Index v) const {  // the vertex of the mesh at the start that it is, or is a copy of
+    const Index copy = v - (vertex_count() - copy_count());
+    return copy < 0 ? v : origins_[copy];
+  }
+  Index copy_count() const { return static_cast<Index>(origins_.size()); }
 
   // Alive tetrahedra that have v for a corner; a vertex without any is an orphan and stays where it is.
   std::span<const Index> around(Index v) const { return around_[v]; }
   // Across the face opposite to a corner; −1 on the boundary.
-  Index neighbour(Index tet, int face) const { return neighbours_(face, tet); }
+  Index neighbour(Index tet, int face) const { return std::max(neighbours_(face, tet), -1); }
   // The boundary as codes 4 × tetrahedron + corner opposite to the face, in no particular order.
   const std::vector<Index>& boundary_faces() const { return boundary_; }
   Eigen::Vector3i face(Index code) const;
@@ -84,16 +90,17 @@ class Topology {
   void open_face(Index code);
   void close_face(Index code);
   void split_if_apart(Index v, std::vector<VertexSplit>& splits);
-  Index parts_around(Index v, std::vector<Index>& part_of);
+  Index parts_around(Index v);
 
   Tets tets_;
-  Tets neighbours_;
+  Tets neighbours_;  // per face: the other tetrahedron; on the boundary −1 − its place in boundary_
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;
-  std::vector<Index> found_by_;  // scratch of a search: per tetrahedron, −1 outside of it
+  std::vector<Index> origins_;          // of the copies
+  std::vector<Index> found_by_;         // scratch of a search: per tetrahedron, −1 outside of it
+  std::vector<Index> part_of_, front_;  // scratch of parts_around()
   std::vector<Index> boundary_;
-  std::vector<Index> boundary_slot_;  // per face code: where it stands in boundary_, −1 inside
 };
 
 // The mesh that is left, renumbered without removed tetrahedra and orphans, in the old order.

@@ -1,5 +1,5 @@
 // A matrix of one column per vertex, with spare columns behind them: a vertex that a cut adds copies nothing, most of
-// the time.
+// the time. Spare columns hold nothing: memory that nobody touches costs nothing.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,18 +13,17 @@ class VertexColumns {
  public:
   using View = Eigen::Map<const Matrix>;
 
-  explicit VertexColumns(Index count = 0) : padded_(Matrix::Zero(rows, with_spare(count))), count_(count) {}
+  explicit VertexColumns(Index count = 0) : padded_(rows, with_spare(count)), count_(count) {
+    view().setZero();
+  }
   explicit VertexColumns(const Matrix& columns) : VertexColumns(static_cast<Index>(columns.cols())) {
     view() = columns;
   }
 
   Index count() const { return count_; }
   void extend(Index count) {  // new columns are zero
-    if (count > padded_.cols()) {
-      const Eigen::Index before = padded_.cols();
-      padded_.conservativeResize(rows, with_spare(count));
-      padded_.rightCols(padded_.cols() - before).setZero();
-    }
+    if (count > padded_.cols()) padded_.conservativeResize(rows, with_spare(count));
+    if (count > count_) padded_.middleCols(count_, count - count_).setZero();
     count_ = count;
   }
 

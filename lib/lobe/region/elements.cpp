@@ -14,12 +14,6 @@ Elements::Elements(const Body& body)
       volume_penalty(body.volume_penalty),
       guard_below(body.guard_below) {}
 
-Mat34<double> Elements::corner_points(Index tet) const {
-  Mat34<double> X;
-  for (int c = 0; c < 4; ++c) X.col(c) = points.col(topology.tets()(c, tet));
-  return X;
-}
-
 bool Elements::any_nodal_pressure() const {
   return std::any_of(materials.begin(), materials.end(),
                      [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });

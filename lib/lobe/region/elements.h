@@ -22,7 +22,11 @@ struct Elements {
   double volume_penalty = 0;  // κ [Pa], of the non-linear region
   double guard_below = 0;     // J₀, of the non-linear region
 
-  Mat34<double> corner_points(Index tet) const;  // [m]
+  Mat34<double> corner_points(Index tet) const {  // [m]
+    Mat34<double> X;
+    for (int c = 0; c < 4; ++c) X.col(c) = points.col(topology.tets()(c, tet));
+    return X;
+  }
   Shape shape_of(Index tet) const { return shape(corner_points(tet)); }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
   bool any_nodal_pressure() const;

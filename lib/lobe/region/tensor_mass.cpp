@@ -13,11 +13,18 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
   return -1;
 }
 
+// V B_ij of shape.h and hooke.h from the area vectors of the faces opposite to two corners: α_c is minus that of its face
+// over 3V.
 Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {  // [N/m]
   const Elastic& elastic = elements.elastic_of(tet);
-  const Shape s = elements.shape_of(tet);
-  return s.volume *
-         hooke_block<double>(s.gradients.col(own), s.gradients.col(other), elastic.lambda, elastic.mu);
+  const Mat34<double> X = elements.corner_points(tet);
+  const auto doubled_area = [&](int c) -> Vec3d {
+    const int* face = face_corners[c];
+    return (X.col(face[1]) - X.col(face[0])).cross(X.col(face[2]) - X.col(face[0]));
+  };
+  const Vec3d a = doubled_area(own), b = doubled_area(other);
+  const double six_volumes = a.dot(X.col(face_corners[own][0]) - X.col(own));
+  return hooke_block<double>(a, b, elastic.lambda, elastic.mu) / (6 * six_volumes);
 }
 
 // K_ij of the region's tetrahedra that are there; whether there are any.
@@ -40,7 +47,6 @@ bool sum_block(const Elements& elements, Index i, Index j, Mat3<double>& sum) {
 template <class Real>
 void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& edit) {
   struct Fresh {
-    Ends ends;
     Index edge;
     Mat3<Real> block;
   };
@@ -53,7 +59,7 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
     Mat3<double> block;
     if (sum_block(elements, ends[0], ends[1], block)) {
       if (edge < 0) entered.push_back({edge = add_edge(ends), ends});
-      fresh.push_back({ends, edge, block.cast<Real>()});
+      fresh.push_back({edge, block.cast<Real>()});
     } else if (edge >= 0) {
       erase_edge(ends, edge);
     }
@@ -62,7 +68,8 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
   layout_.enter(entered, elements.points.padded());
   resize_with_room(blocks_, std::size_t(layout_.patch_count()) * patch_blocks);
   sums_.resize(layout_.patch_count());
-  for (const Fresh& f : fresh) write(f.ends, f.edge, f.block);
+  for (const Layout::Item& item : entered) write_ends(item);
+  for (const Fresh& f : fresh) write(f.edge, f.block);
 }
 
 // Returns those that are no members any more, or changed corners.
@@ -102,6 +109,7 @@ std::vector<typename TensorMassRegion<Real>::Ends> TensorMassRegion<Real>::touch
       for (const Neighbour& n : neighbours_[v])
         if (std::binary_search(edit.vertices.begin(), edit.vertices.end(), n.vertex))
           edges.push_back({v, n.vertex});
+  if (edges.size() == 6) return edges;  // of one tetrahedron
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;
@@ -130,7 +138,8 @@ void TensorMassRegion<Real>::erase_edge(const Ends& ends, Index edge) {
       ends[0], &*std::find_if(list.begin(), list.end(), [&](const Neighbour& n) { return n.edge == edge; }));
   unused_.push_back(edge);
   const Index slot = layout_.slot_of(edge);
-  const Index last = layout_.leave(edge, layout_.local_corners(slot / Layout::capacity, ends));
+  const auto& corners = blocks_[slot / width].corners;
+  const Index last = layout_.leave(edge, {corners[0][slot % width], corners[1][slot % width]});
   const auto move = [&](auto& from, auto& to) {  // and leave zeros
     for (std::size_t i = 0; i < from.size(); ++i) {
       to[i][slot % width] = from[i][last % width];
@@ -142,12 +151,16 @@ void TensorMassRegion<Real>::erase_edge(const Ends& ends, Index edge) {
 }
 
 template <class Real>
-void TensorMassRegion<Real>::write(const Ends& ends, Index edge, const Mat3<Real>& block) {
+void TensorMassRegion<Real>::write_ends(const Layout::Item& item) {
+  const Index slot = layout_.slot_of(item.id);
+  const auto local = layout_.local_corners(slot / Layout::capacity, item.corners);
+  for (int c = 0; c < 2; ++c) blocks_[slot / width].corners[c][slot % width] = local[c];
+}
+
+template <class Real>
+void TensorMassRegion<Real>::write(Index edge, const Mat3<Real>& block) {
   const Index slot = layout_.slot_of(edge);
-  const auto local = layout_.local_corners(slot / Layout::capacity, ends);
-  Block& target = blocks_[slot / width];
-  for (int i = 0; i < 9; ++i) target.K[i][slot % width] = block.data()[i];
-  for (int c = 0; c < 2; ++c) target.corners[c][slot % width] = local[c];
+  for (int i = 0; i < 9; ++i) blocks_[slot / width].K[i][slot % width] = block.data()[i];
 }
 
 template <class Real>

@@ -45,7 +45,8 @@ class TensorMassRegion {
   Index edge_of(const Ends& ends) const;  // −1 if there is none
   Index add_edge(const Ends& ends);
   void erase_edge(const Ends& ends, Index edge);
-  void write(const Ends& ends, Index edge, const Mat3<Real>& block);
+  void write_ends(const Layout::Item& item);
+  void write(Index edge, const Mat3<Real>& block);
   template <class Visit>
   void for_edges(Visit&& visit) const;
 

@@ -93,7 +93,7 @@ std::uint64_t fingerprint(const Setup& setup) {
 template <class Real>
 Checkpoint<Real> World<Real>::save() const {
   Checkpoint<Real> c;
-  c.setup = fingerprint(setup_);
+  c.setup = fingerprint_;
   c.history = history_;
   c.state = state();
   c.held = held_;
@@ -108,10 +108,9 @@ Checkpoint<Real> World<Real>::save() const {
 
 template <class Real>
 void World<Real>::restore(const Checkpoint<Real>& c) {
-  if (c.setup != fingerprint(setup_))
-    throw InputError("checkpoint", "is of another scene, mesh or version of them");
+  if (c.setup != fingerprint_) throw InputError("checkpoint", "is of another scene, mesh or version of them");
   if (c.history != history_) {  // what was removed does not grow back
-    World fresh(Setup(setup_), parallel_.threads());
+    World fresh(initial_setup(), parallel_.threads());
     for (const Edit& edit : c.history) fresh.repeat(edit);
     fresh.check_fits(c);
     *this = std::move(fresh);
@@ -126,6 +125,18 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
   acceleration_ = c.acceleration;
   implicit_is_stale_ = c.implicit_is_stale;
+}
+
+// The mesh before all edits: no vertex has moved, and copies are what they were.
+template <class Real>
+Setup World<Real>::initial_setup() const {
+  const Topology& now = elements_.topology;
+  Setup setup = setup_;
+  setup.mesh.points = elements_.points.view().leftCols(now.vertex_count() - now.copy_count());
+  setup.mesh.tets = now.tets().unaryExpr([&](Index v) { return now.origin(v); });
+  setup.mesh.labels = elements_.labels;
+  setup.material_of = elements_.material_of;
+  return setup;
 }
 
 template <class Real>
@@ -170,6 +181,8 @@ bool CheckpointRing<Real>::roll_back(World<Real>& world, double seconds) {
   return true;
 }
 
+template Setup World<float>::initial_setup() const;
+template Setup World<double>::initial_setup() const;
 template Checkpoint<float> World<float>::save() const;
 template Checkpoint<double> World<double>::save() const;
 template void World<float>::restore(const Checkpoint<float>&);

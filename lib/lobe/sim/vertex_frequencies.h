@@ -28,7 +28,7 @@ class VertexFrequencies {
   void find(const std::vector<double>& inverse_mass, Add&& add) {  // [1/kg], 0 where held
     const auto n = static_cast<Index>(inverse_mass.size());
     K_.extend(n);
-    K_.padded().setZero();
+    K_.view().setZero();
     add(K_.padded());
     is_exact_.assign(std::size_t(n), 0);
     squares_.assign(n, [&](Index v) { return bound(v) * inverse_mass[v]; });

@@ -10,6 +10,7 @@
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
 #include "lobe/sim/check_setup.h"
+#include "lobe/sim/checkpoint.h"
 
 namespace lobe {
 namespace {
@@ -52,11 +53,14 @@ const char* name(Condition::Kind kind) {
 template <class Real>
 World<Real>::World(const Setup& setup, int threads)
     : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
+      fingerprint_(fingerprint(setup)),
       elements_(setup),
       nonlinear_(setup.evaluator),
       loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),
       parallel_(threads) {
+  setup_.mesh = {};
+  setup_.material_of = {};
   const Index n = elements_.topology.vertex_count();
   state_.u = state_.v = Columns(n);
   longest_move_ = mean_edge(elements_);

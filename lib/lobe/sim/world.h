@@ -151,7 +151,10 @@ class World {
   bool implicit_step(double dt);
   double missing_loads(double time) const;  // the share of the dead loads that the ramp still holds back
 
-  Setup setup_;  // loads, gravity, damping …; its mesh is only the start
+  Setup initial_setup() const;
+
+  Setup setup_;                // loads, gravity, damping …; without the mesh and its materials
+  std::uint64_t fingerprint_;  // of all that it was built from
   std::vector<Edit> history_;
   Elements elements_;
   TensorMassRegion<Real> tensor_mass_;

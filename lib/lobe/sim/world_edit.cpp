@@ -93,8 +93,10 @@ void World<Real>::follow(RegionEdit edit) {
   refresh_vertices(edit.vertices);
   const std::vector<Index> mechanism =
       precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded());
-  for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
-  for (Index v : edit.vertices) refresh_inverse_mass(v);
+  if (precomputed_.tet_count() > 0) {
+    for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
+    for (Index v : edit.vertices) refresh_inverse_mass(v);
+  }
   implicit_is_stale_ = interior_is_stale_ = true;
   if (precomputed_.tet_count() > 0) known_ = Known::stale;
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));

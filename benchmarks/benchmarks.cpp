@@ -11,6 +11,9 @@ std::span<const Benchmark> all_benchmarks() {
       {"cut", "cost of removing a tetrahedron, against building the model anew", bench_cut},
       {"hybrid", "a step with a pre-computed or tensor-mass part, against all non-linear", bench_hybrid,
        true},
+      {"realtime", "whole gestures, all non-linear, against the clock; what the time step gains",
+       bench_realtime, true},
+      {"features", "what each option costs per step, on and off", bench_features},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"soak", "random gestures for a given time, invariants checked every second", bench_soak},
   };

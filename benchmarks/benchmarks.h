@@ -14,10 +14,10 @@ struct Options {
   std::filesystem::path output;  // made if it does not exist
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
-  int threads = 1;               // kernels: if above 1, timed beside one thread; accuracy: of every run
-  double minutes = 10;           // soak: of wall time
-  std::vector<std::filesystem::path> scenes;  // accuracy, hybrid: in place of the shipped ones
-  std::vector<std::filesystem::path> meshes;  // accuracy, hybrid: of the one scene, beside its own
+  int threads = 1;      // kernels, realtime: if above 1, timed beside one thread; accuracy: of every run
+  double minutes = 10;  // soak: of wall time
+  std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
+  std::vector<std::filesystem::path> meshes;  // accuracy, hybrid, realtime: of the one scene, beside its own
 };
 
 // A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its end; failed
@@ -39,6 +39,8 @@ void bench_kernels(const Options& options);
 void bench_accuracy(const Options& options);
 void bench_validation(const Options& options);
 void bench_cut(const Options& options);
+void bench_features(const Options& options);
+void bench_realtime(const Options& options);
 void bench_hybrid(const Options& options);
 void bench_stress(const Options& options);
 void bench_soak(const Options& options);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "benchmarks/machine.h"
 #include "benchmarks/roofline.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
@@ -123,7 +124,9 @@ void add_step(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
     expected->col(held.vertex).setZero();
   }
   for (int n : threads) {
+    const double before = resident_bytes();
     const auto world = std::make_shared<World<Real>>(specimen->setup, n);
+    const double bytes = resident_bytes() - before;
     const double dt = 1e-4 * world->time_step_limit();
     State<Real> state = world->state();
     state.u = specimen->u.cast<Real>();
@@ -135,6 +138,7 @@ void add_step(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
       for (Index v = 0; v < f.cols(); ++v) f.col(v) *= mass[v];
       return f;
     };
+    kernel.world_bytes_per_tet = std::max(0.0, bytes) / specimen->setup.mesh.tet_count();
     kernels.push_back(std::move(kernel));
   }
 }

@@ -44,6 +44,7 @@ struct Kernel {
   std::function<Mat3X<double>()> forces;          // found by the last evaluation [N]
   std::shared_ptr<const Mat3X<double>> expected;  // [N]
   double flops_per_tet = 0;                       // 0: not counted
+  double world_bytes_per_tet = 0;                 // of a whole World in memory; 0: of another kernel
 };
 
 // `reference` first, then each kernel in both precisions on each number of threads.

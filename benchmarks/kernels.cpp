@@ -65,6 +65,10 @@ void print(const std::vector<Row>& rows) {
     std::printf("%-8s %-18s %-9s %7d %8d %8.2f %7.3f %10.1f %6.1f %8.1f %10.1e %5.0f %%\n", r.mesh.c_str(),
                 r.kernel.name.c_str(), r.kernel.precision.c_str(), r.kernel.threads, r.tets, r.ns_per_tet,
                 r.ratio, r.kernel.bytes_per_tet, r.gb_per_s(), r.gflop_per_s(), r.deviation, 100 * r.spread);
+  for (const Row& r : rows)
+    if (r.kernel.world_bytes_per_tet > 0)
+      std::printf("a world takes %.0f bytes per tetrahedron (%s, %d threads)\n", r.kernel.world_bytes_per_tet,
+                  r.kernel.precision.c_str(), r.kernel.threads);
   std::fflush(stdout);
 }
 
@@ -72,13 +76,13 @@ std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "kernel,precision,threads,tets,ns_per_tet,ratio,bytes_per_tet,deviation,spread,mesh,flops_per_tet,"
          "gb_per_s,"
-         "gflop_per_s\n"
+         "gflop_per_s,world_bytes_per_tet\n"
       << std::setprecision(5);
   for (const Row& r : rows)
     out << r.kernel.name << ',' << r.kernel.precision << ',' << r.kernel.threads << ',' << r.tets << ','
         << r.ns_per_tet << ',' << r.ratio << ',' << r.kernel.bytes_per_tet << ',' << r.deviation << ','
         << r.spread << ',' << r.mesh << ',' << r.kernel.flops_per_tet << ',' << r.gb_per_s() << ','
-        << r.gflop_per_s() << '\n';
+        << r.gflop_per_s() << ',' << r.kernel.world_bytes_per_tet << '\n';
   return out.str();
 }
 

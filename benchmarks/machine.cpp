@@ -1,10 +1,15 @@
 #include "benchmarks/machine.h"
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <thread>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "benchmarks/files.h"
 #include "lobe/instruction_set.h"
@@ -59,6 +64,15 @@ std::string begin_results(const std::filesystem::path& directory, const std::str
   write_file(directory / "machine.txt", text + own + machine + '\n');
   std::printf("%s\n", machine.c_str());
   return machine;
+}
+
+double resident_bytes() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+  std::ifstream pages("/proc/self/statm");
+  double all = 0, resident = 0;
+  return pages >> all >> resident ? resident * double(sysconf(_SC_PAGESIZE)) : 0;
 }
 
 }  // namespace lobe::bench

@@ -13,4 +13,7 @@ std::string begin_results(const std::filesystem::path& directory, const std::str
 // "AMD EPYC, 2 hardware threads; GCC 12.2.0, avx2; 2026-01-31 12:00 UTC, load 0.5"
 std::string machine_line();
 
+// What this program has in memory now [bytes]; 0 where that cannot be asked for. Freed memory is given back first.
+double resident_bytes();
+
 }  // namespace lobe::bench

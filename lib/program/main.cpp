@@ -60,8 +60,9 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand(
       "bench", "Measure speed, accuracy (docs/benchmarks.md), correctness (docs/validation.md)");
   command
-      ->add_option("NAME", options.name,
-                   "which benchmark: kernels, accuracy, cut, hybrid, validation, stress or soak")
+      ->add_option(
+          "NAME", options.name,
+          "which benchmark: kernels, cut, realtime, features, hybrid, accuracy, validation, stress or soak")
       ->required();
   command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
@@ -69,7 +70,8 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
       ->check(CLI::Range(6, 5000000));
   command->add_flag("--quick", options.quick, "less precise, or with smaller meshes");
   command
-      ->add_option("--threads", options.threads, "kernels: timed beside one thread; accuracy: of every run")
+      ->add_option("--threads", options.threads,
+                   "kernels, realtime: timed beside one thread; accuracy: of every run")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_option("--minutes", options.minutes, "soak: how long")
@@ -77,9 +79,9 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--scene", options.scenes,
-                   "accuracy, hybrid: your own scene, in place of the shipped ones")
+                   "accuracy, hybrid, realtime: your own scene, in place of the shipped ones")
       ->allow_extra_args(false);
-  command->add_option("--mesh", options.meshes, "accuracy, hybrid: a further mesh of that scene")
+  command->add_option("--mesh", options.meshes, "accuracy, hybrid, realtime: a further mesh of that scene")
       ->allow_extra_args(false);
   command->callback([&] { action = [&] { return run_benchmark(options); }; });
 }

@@ -106,7 +106,7 @@ TEST_CASE("lobe bench kernels writes a table of finite positive ratios, a plot s
     const std::vector<std::string> cells = split(line);
     REQUIRE(cells.size() ==
             split("kernel,precision,threads,tets,ns_per_tet,ratio,bytes_per_tet,deviation,spread,mesh,"
-                  "flops_per_tet,gb_per_s,gflop_per_s")
+                  "flops_per_tet,gb_per_s,gflop_per_s,world_bytes_per_tet")
                 .size());
     kernels.insert(cells[0]);
     CHECK((cells[3] == "384" || cells[3] == "2058"));

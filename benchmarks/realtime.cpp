@@ -1,0 +1,141 @@
+// lobe bench realtime: whole gestures with every tetrahedron non-linear, cuts included, against the clock; and what the
+// time step of each mesh is worth.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+
+#include "benchmarks/accuracy_cases.h"
+#include "benchmarks/accuracy_models.h"
+#include "benchmarks/accuracy_play.h"
+#include "benchmarks/files.h"
+#include "benchmarks/machine.h"
+#include "lobe/mesh/quality.h"
+#include "lobe/scene/material_constants.h"
+#include "lobe/scene/resolve.h"
+#include "lobe/sim/world.h"
+
+namespace lobe::bench {
+namespace {
+
+struct Row {
+  std::string organ;
+  Index tets = 0;
+  int threads = 1;
+  double wave_step = 0;    // the usual guess, height of the flattest tetrahedron over c_p [s]
+  double limit = 0;        // 2/ω_max at rest [s]
+  double scaled_gain = 1;  // of the limit, by 1.5 % more mass
+  double local_gain = 1;   // no local time stepping does fewer force evaluations than by this factor
+  Played played = {};
+};
+
+double wave_step(const Setup& setup) {
+  double step = std::numeric_limits<double>::infinity();
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Elastic& e = setup.materials[setup.material_of[std::size_t(t)]];
+    const auto heights = altitudes(tet_points(setup.mesh, t));
+    step = std::min(
+        step, *std::min_element(heights.begin(), heights.end()) / wave_speed(e.lambda, e.mu, e.density));
+  }
+  return step;
+}
+
+// If each tetrahedron was evaluated as seldom as the stiffest of its own vertices allows at rest, in steps of the
+// shortest one times a power of two. Neighbours of other steps, which cost and need shorter ones, are left out.
+double local_gain(const World<float>& world) {
+  const Elements& elements = world.elements();
+  const Index vertices = elements.topology.vertex_count(), tets = elements.topology.tet_count();
+  std::vector<double> inverse_mass, squares;
+  for (Index v = 0; v < vertices; ++v)
+    inverse_mass.push_back(world.held().fixes(v) ? 0 : 1 / world.mass()[std::size_t(v)]);
+  VertexFrequencies frequencies;
+  frequencies.find(inverse_mass, [&](DiagonalStiffness& K) {
+    for (Index t = 0; t < tets; ++t) {
+      const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());
+      for (int c = 0; c < 4; ++c) K.col(elements.topology.tets()(c, t)) += own.col(c);
+    }
+  });
+  for (Index v = 0; v < vertices; ++v)
+    squares.push_back(frequencies.exact_square(v, inverse_mass[std::size_t(v)]));
+  const double highest = *std::max_element(squares.begin(), squares.end());
+  constexpr int longest = 6;  // 64 shortest steps
+  double evaluations = 0;
+  for (Index t = 0; t < tets; ++t) {
+    double own = 0;
+    for (Index v : elements.topology.corners(t)) own = std::max(own, squares[std::size_t(v)]);
+    const double ratio = std::sqrt(highest / own);  // of the steps; infinite where all corners are held
+    evaluations += std::exp2(-std::min(double(longest), std::floor(std::log2(ratio))));
+  }
+  return tets / evaluations;
+}
+
+Row row_of_mesh(const std::string& organ, const Setup& setup) {
+  Row row{organ, setup.mesh.tet_count()};
+  World<float> world(setup);
+  row.wave_step = wave_step(setup);
+  row.limit = world.time_step_limit();
+  row.local_gain = local_gain(world);
+  Setup scaled = setup;
+  scaled.mass_scaling = 0.015;
+  row.scaled_gain = World<float>(scaled).time_step_limit() / row.limit;
+  return row;
+}
+
+void print(const Row& r) {
+  std::printf("%-16s %8d %7d %8.0f %8.0f %6.2f %8.2f %8.2f %8.0f %10.2f  %s\n", r.organ.c_str(), r.tets,
+              r.threads, 1e6 * r.wave_step, 1e6 * r.limit, r.limit / r.wave_step, r.scaled_gain, r.local_gain,
+              1e6 * r.played.dt, 1 / r.played.wall_per_s, r.played.status.c_str());
+  std::fflush(stdout);
+}
+
+std::string csv(const std::vector<Row>& rows) {
+  std::ostringstream out;
+  out << "organ,tets,threads,wave_step_us,limit_us,limit_gain,mass_scaling_gain,local_step_gain,dt_us,"
+         "wall_s_per_s,real_time_factor,status\n"
+      << std::setprecision(4);
+  for (const Row& r : rows)
+    out << r.organ << ',' << r.tets << ',' << r.threads << ',' << 1e6 * r.wave_step << ',' << 1e6 * r.limit
+        << ',' << r.limit / r.wave_step << ',' << r.scaled_gain << ',' << r.local_gain << ','
+        << 1e6 * r.played.dt << ',' << r.played.wall_per_s << ',' << 1 / r.played.wall_per_s << ','
+        << r.played.status << '\n';
+  return out.str();
+}
+
+// The shipped resection of a liver, also on a finer mesh, or the user's scenes.
+std::vector<Case> organs(Options options) {
+  if (!options.scenes.empty()) return make_organs(options);
+  options.scenes = {std::filesystem::path(LOBE_DATA_DIR) / "scenes/liver_resection.json"};
+  std::vector<Case> organs = make_organs(options);
+  std::vector<TetMesh>& meshes = organs[0].meshes;
+  if (!options.quick && options.meshes.empty()) meshes.push_back(refine(meshes[0]).mesh);
+  return organs;
+}
+
+}  // namespace
+
+void bench_realtime(const Options& options) {
+  std::vector<int> threads{1};
+  if (options.threads > 1) threads.push_back(options.threads);
+  begin_results(options.output, "realtime");
+  std::printf("\n%-16s %8s %7s %8s %8s %6s %8s %8s %8s %10s  %s\n", "organ", "tets", "threads", "h/c us",
+              "limit us", "gain", "+1.5% m", "local", "step us", "real time", "status");
+  std::vector<Row> rows;
+  for (const Case& organ : organs(options))
+    for (const TetMesh& mesh : organ.meshes) {
+      const Setup setup = reference_setup(resolve(organ.scene, mesh).setup);
+      Time time = organ.scene.time;
+      time.duration = std::min(time.duration, options.quick ? 0.2 : 2.0);
+      Row row = row_of_mesh(organ.name, setup);
+      for (int n : threads) {
+        row.threads = n;
+        row.played =
+            play(setup, gesture_of(time, 1), {Precision::single_precision, organ.scene.time.safety, n});
+        print(rows.emplace_back(row));
+      }
+    }
+  write_file(options.output / "realtime.csv", csv(rows));
+}
+
+}  // namespace lobe::bench

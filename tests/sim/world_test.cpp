@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <type_traits>
 
 #include "lobe/error.h"
 #include "support.h"
@@ -196,6 +197,29 @@ TEST_CASE_TEMPLATE("a shuffled mesh moves as the ordered one does, to rounding",
   const Mat3X<Real> expected = a.state().u(Eigen::all, vertex);
   CHECK(expected.norm() > 1e-3);
   CHECK((b.state().u - expected).norm() < (sizeof(Real) == 8 ? 1e-11 : 1e-4) * expected.norm());
+}
+
+TEST_CASE_TEMPLATE("a region that was empty at first is as if built so, with nodal pressure, too", Model,
+                   std::integral_constant<RegionModel, RegionModel::nonlinear>,
+                   std::integral_constant<RegionModel, RegionModel::tensor_mass>) {
+  const RegionModel other =
+      Model::value == RegionModel::nonlinear ? RegionModel::tensor_mass : RegionModel::nonlinear;
+  for (const double share : {0.0, 1.0}) {
+    Setup setup = averaged(setup_of(irregular_box(3), other), share);
+    World<double> changed(setup);
+    CHECK(changed.energies().total() == 0);
+    const std::vector<Index> tets{3, 4, 50, 51};
+    changed.set_region(tets, Model::value);
+    for (Index t : tets) setup.region_of[std::size_t(t)] = Model::value;
+    World<double> fresh(setup);
+    State<double> state = fresh.state();
+    state.u = random_displacement(setup.mesh.vertex_count(), 1e-3);
+    for (World<double>* world : {&changed, &fresh}) world->set_state(state);
+    const Mat3X<double> expected = fresh.forces();
+    CHECK((changed.forces() - expected).norm() < 1e-12 * expected.norm());
+    CHECK(changed.energies().total() == doctest::Approx(fresh.energies().total()).epsilon(1e-12));
+    CHECK(changed.highest_vertex().omega == doctest::Approx(fresh.highest_vertex().omega).epsilon(1e-12));
+  }
 }
 
 TEST_CASE("a load beyond what the model can bear ends in a report, not in a NaN") {

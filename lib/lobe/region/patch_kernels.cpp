@@ -65,6 +65,7 @@ void Patches<Real>::for_lanes(Index p, const Mat3X<Real>& u, Visit&& visit) {
 template <class Real>
 double Patches<Real>::energy(const Mat3X<Real>& u) {
   using T = Pack<Real>;
+  if (tet_count() == 0) return 0;
   Parallel one_thread;
   if (nodal_pressure_) find_pressures(u, one_thread);
   double sum = 0;
@@ -121,6 +122,7 @@ template <class Real>
 typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
                                                                         DiagonalStiffness& K,
                                                                         Parallel& parallel) {
+  if (tet_count() == 0) return {};
   if (nodal_pressure_) find_pressures(u, parallel);
   entries_.resize(3, layout_.places().vertex_count());
   ratios_.resize(std::size_t(layout_.patch_count()));

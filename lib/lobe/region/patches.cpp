@@ -12,11 +12,12 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   guard_below_ = elements.guard_below;
   nodal_pressure_ = std::any_of(materials_.begin(), materials_.end(),
                                 [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
+  const std::vector<Layout::Item> own = nonlinear_items(elements, enter);
+  if (own.empty() && tet_count() == 0) return;  // what is not there takes no memory
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   for (Index t : leave)
     if (layout_.slot_of(t) >= 0) remove(t);
   if (nodal_pressure_) nodes_.follow(elements, leave, enter);
-  const std::vector<Layout::Item> own = nonlinear_items(elements, enter);
   layout_.enter(own, elements.points.padded());
   const std::size_t patches = std::size_t(layout_.patch_count());
   resize_with_room(blocks_, patches * patch_blocks);

@@ -23,8 +23,8 @@ Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {
     return (X.col(face[1]) - X.col(face[0])).cross(X.col(face[2]) - X.col(face[0]));
   };
   const Vec3d a = doubled_area(own), b = doubled_area(other);
-  const double six_volumes = a.dot(X.col(face_corners[own][0]) - X.col(own));
-  return hooke_block<double>(a, b, elastic.lambda, elastic.mu) / (6 * six_volumes);
+  const double per_36_volumes = 1 / (6 * a.dot(X.col(face_corners[own][0]) - X.col(own)));
+  return hooke_block<double>(a, b, elastic.lambda * per_36_volumes, elastic.mu * per_36_volumes);
 }
 
 // K_ij of the region's tetrahedra that are there; whether there are any.
@@ -50,8 +50,9 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
     Index edge;
     Mat3<Real> block;
   };
-  while (neighbours_.vertex_count() < elements.topology.vertex_count()) neighbours_.add_vertex();
   const std::vector<Index> removed = update_members(elements, edit);
+  if (tet_count_ == 0 && removed.empty()) return;  // what is not there takes no memory
+  while (neighbours_.vertex_count() < elements.topology.vertex_count()) neighbours_.add_vertex();
   std::vector<Fresh> fresh;
   std::vector<Layout::Item> entered;
   for (const Ends& ends : touched_edges(elements, edit, removed)) {

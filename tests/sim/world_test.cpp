@@ -199,6 +199,27 @@ TEST_CASE_TEMPLATE("a shuffled mesh moves as the ordered one does, to rounding",
   CHECK((b.state().u - expected).norm() < (sizeof(Real) == 8 ? 1e-11 : 1e-4) * expected.norm());
 }
 
+TEST_CASE_TEMPLATE("a change of regions says by how much the energy changes", Real, float, double) {
+  for (const double share : {0.0, 1.0}) {
+    Setup setup = averaged(hybrid_setup(irregular_box(4)), share);
+    setup.guard_below = 0.9;
+    setup.gravity = Vec3d(0, 0, -9.81);
+    World<Real> world(setup);
+    State<Real> state = world.state();
+    state.u = random_displacement<Real>(setup.mesh.vertex_count(), 2e-3);
+    world.set_state(state);
+    world.remove_tets({7});
+    std::vector<Index> tets;  // some twice, one that is gone, of both regions
+    for (Index t = 0; t < setup.mesh.tet_count(); t += 3) tets.insert(tets.end(), {t, 7, t / 2});
+    for (RegionModel model : {RegionModel::tensor_mass, RegionModel::nonlinear}) {
+      const double before = world.energies().total(), change = world.set_region(tets, model);
+      CHECK(std::abs(change) > 0.01 * std::abs(before));
+      CHECK(world.energies().total() - before ==
+            doctest::Approx(change).epsilon(sizeof(Real) == 8 ? 1e-9 : 1e-4));
+    }
+  }
+}
+
 TEST_CASE_TEMPLATE("a region that was empty at first is as if built so, with nodal pressure, too", Model,
                    std::integral_constant<RegionModel, RegionModel::nonlinear>,
                    std::integral_constant<RegionModel, RegionModel::tensor_mass>) {

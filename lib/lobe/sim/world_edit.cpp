@@ -4,6 +4,7 @@
 
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
+#include "lobe/region/energy_density.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -12,6 +13,19 @@ namespace {
 void make_unique(std::vector<Index>& list) {
   std::sort(list.begin(), list.end());
   list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+template <class Real>
+double energy_of(const Elements& elements, const std::vector<Index>& tets, const Mat3X<Real>& u) {  // [J]
+  double sum = 0;
+  for (Index t : tets) {
+    const Shape s = elements.shape_of(t);
+    const Mat34<Real> own = u(Eigen::all, elements.topology.corners(t));
+    const Mat3<double> H =
+        displacement_gradient<double>(own.template cast<double>(), s.gradients.rightCols<3>());
+    sum += s.volume * energy_density(elements, t, H);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -167,9 +181,17 @@ template <class Real>
 double World<Real>::set_region(const std::vector<Index>& tets, RegionModel model) {
   check_tets(tets);
   if (model == RegionModel::precomputed) refuse_precomputed(tets);
-  const double before = energies().total();
+  const bool is_local = precomputed_.tet_count() == 0 && model != RegionModel::precomputed &&
+                        !elements_.any_nodal_pressure();  // to the energies of these tetrahedra
+  std::vector<Index> own = tets;
+  make_unique(own);
+  std::erase_if(own, [&](Index t) { return !elements_.topology.alive(t); });
+  const auto energy = [&] {
+    return is_local ? energy_of(elements_, own, state_.u.padded()) : energies().total();
+  };
+  const double before = energy();
   change_region(tets, model);
-  return energies().total() - before;
+  return energy() - before;
 }
 
 template <class Real>

@@ -9,6 +9,7 @@
 #include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
+#include "lobe/region/energy_density.h"
 
 namespace lobe {
 namespace {
@@ -50,17 +51,13 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
         result.smallest_volume_ratio = ratio;
         result.smallest_tet = t;
       }
-      result.energy += s.volume * (svk_energy_density(H, lambda, e.mu) + volume_energy_density(H, kappa) +
-                                   pressure_energy_density(H, pressures[t]));
+      result.energy += s.volume * pressure_energy_density(H, pressures[t]);
       P = svk_stress(H, lambda, e.mu) + volume_stress(H, kappa) + pressure_stress(H, pressures[t]);
-      if (ratio < elements.guard_below) {
-        result.energy += s.volume * guard_energy_density(H, e.guard_modulus(), elements.guard_below);
-        P += guard_stress(H, e.guard_modulus(), elements.guard_below);
-      }
+      if (ratio < elements.guard_below) P += guard_stress(H, e.guard_modulus(), elements.guard_below);
     } else {
-      result.energy += s.volume * hooke_energy_density(H, e.lambda, e.mu);
       P = hooke_stress(H, e.lambda, e.mu);
     }
+    result.energy += s.volume * energy_density(elements, t, H);
     const Mat34<double> f = corner_forces<double>(s.volume * P, alpha);
     for (int c = 0; c < 4; ++c) result.forces.col(elements.topology.tets()(c, t)) += f.col(c);
   });

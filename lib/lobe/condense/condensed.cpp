@@ -4,6 +4,16 @@
 #include <numeric>
 
 namespace lobe {
+namespace {
+
+using Matrix = Condensed::Matrix;
+
+Matrix inverse(const Eigen::LLT<Matrix>& factor) {
+  return factor.solve(Matrix::Identity(factor.rows(), factor.rows()));
+}
+Matrix inverse(const Matrix& K) { return inverse(Eigen::LLT<Matrix>(K)); }
+
+}  // namespace
 
 Condensed::Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads)
     : factor_(std::move(factor)), loads_(loads), response_(loads) {
@@ -74,43 +84,39 @@ void Condensed::leave(const Dofs& dofs) {
   interface_ = std::move(kept);
 }
 
-// With C = (L Lᵀ)⁻¹, products X C Xᵀ are (X L⁻ᵀ)(X L⁻ᵀ)ᵀ, half of which is found.
+// What is touched for the first time has no φ yet.
 void Condensed::promote(const Dofs& dofs) {
   if (dofs.empty()) return;
-  const bool first = touched_.empty();  // N is zero
+  const Index known_before = touched();
   touch(dofs);
   const std::vector<Index> P = slots(dofs);
   const auto count = Eigen::Index(P.size()), before = S_.rows(), amplitudes = loads_.cols();
   const Matrix A_TP = A_(Eigen::all, P);
+  const auto A_known = A_TP.topRows(known_before);
   Matrix Z = Matrix::Zero(A_.rows(), count);
-  if (!first) Z.noalias() -= N_.selfadjointView<Eigen::Lower>() * A_TP;
   for (Eigen::Index i = 0; i < count; ++i) Z(P[std::size_t(i)], i) += 1;
-  Matrix G = A_TP.transpose() * Phi_;
+  products_.add(-1, {N_.topLeftCorner(known_before, known_before)}, {A_known}, Z.topRows(known_before));
+  Matrix G = products_.product({A_known, true}, {Phi_.topRows(known_before)});
   for (Eigen::Index i = 0; i < count; ++i)
     if (known(dofs[std::size_t(i)])) G.row(i).head(amplitudes) += response_.row(dofs[std::size_t(i)]);
-  const Eigen::LLT<Matrix> factor(A_TP.transpose() * Z);
-  const Matrix C = factor.solve(Matrix::Identity(count, count)), CG = C * G;
-  const Matrix half_G = factor.matrixL().solve(G);  // L⁻¹ G
-  const Matrix half_Z = factor.matrixL().solve(Z.transpose());
+  const Matrix C = inverse(products_.product({A_TP, true}, {Z}));
+  const Matrix CG = products_.product({C}, {G}), ZC = products_.product({Z}, {C});
   join(dofs);
-  add_to_stiffness(half_G, 1);
+  add_to_stiffness(1, G, CG);
   S_.topRightCorner(before, count) = -CG.rightCols(before).transpose();
   S_.bottomLeftCorner(count, amplitudes + before) = -CG;
   S_.bottomRightCorner(count, count) = C;
-  const Matrix ZC = half_Z.transpose() * factor.matrixL().solve(Matrix::Identity(count, count));
-  Phi_.leftCols(amplitudes + before).noalias() -= ZC * G;
+  products_.add(-1, {ZC}, {G}, Phi_.leftCols(amplitudes + before));
   Phi_.rightCols(count) = ZC;
-  N_.selfadjointView<Eigen::Lower>().rankUpdate(half_Z.transpose());
+  products_.add_symmetric(1, {ZC}, {Z, true}, N_);
 }
 
-// S += sign × the interface's part of Hᵀ H.
-void Condensed::add_to_stiffness(const Matrix& H, double sign) {
-  const Eigen::Index amplitudes = loads_.cols(), n = H.cols() - amplitudes;
-  const auto of_interface = H.rightCols(n);
-  Matrix sum = Matrix::Zero(n, n);
-  sum.selfadjointView<Eigen::Lower>().rankUpdate(of_interface.transpose(), sign);
-  S_.topLeftCorner(n, amplitudes) += sign * of_interface.transpose() * H.leftCols(amplitudes);
-  S_.block(0, amplitudes, n, n) += Matrix(sum.selfadjointView<Eigen::Lower>());
+// S += sign × the interface's part of Gᵀ C G.
+void Condensed::add_to_stiffness(double sign, const Matrix& G, const Matrix& CG) {
+  const Eigen::Index amplitudes = loads_.cols(), n = G.cols() - amplitudes;
+  const auto G_B = G.rightCols(n);
+  S_.topLeftCorner(n, amplitudes).noalias() += sign * G_B.transpose() * CG.leftCols(amplitudes);
+  products_.add_symmetric(sign, {G_B, true}, {CG.rightCols(n)}, S_.block(0, amplitudes, n, n));
 }
 
 bool Condensed::demote(const Dofs& dofs) {
@@ -126,10 +132,11 @@ bool Condensed::demote(const Dofs& dofs) {
   if (factor.info() != Eigen::Success ||
       (factor.matrixLLT().diagonal().array().square() <= loose * S_DD.diagonal().array()).any())
     return false;
-  const Matrix S_D = S_(rows, Eigen::all);
-  add_to_stiffness(factor.matrixL().solve(S_D), -1);
-  Phi_.noalias() -= Phi_D * factor.solve(S_D);
-  N_.selfadjointView<Eigen::Lower>().rankUpdate(factor.matrixL().solve(Phi_D.transpose()).transpose(), -1);
+  const Matrix S_D = S_(rows, Eigen::all), C = inverse(factor);
+  const Matrix CS = products_.product({C}, {S_D}), PhiC = products_.product({Phi_D}, {C});
+  add_to_stiffness(-1, S_D, CS);
+  products_.add(-1, {Phi_D}, {CS}, Phi_);
+  products_.add_symmetric(-1, {PhiC}, {Phi_D, true}, N_);
   leave(dofs);
   return true;
 }

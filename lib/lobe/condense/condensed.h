@@ -18,6 +18,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "lobe/condense/dense_products.h"
 #include "lobe/solve/sparse_factor.h"
 #include "lobe/types.h"
 
@@ -58,8 +59,9 @@ class Condensed {
   bool known(Index dof) const { return dof < loads_.rows(); }  // to K̂
   void join(const Dofs& dofs);
   void leave(const Dofs& dofs);
-  void add_to_stiffness(const Matrix& H, double sign);
+  void add_to_stiffness(double sign, const Matrix& G, const Matrix& CG);
 
+  DenseProducts products_;
   std::unique_ptr<SparseFactor> factor_;
   Matrix loads_;                      // f
   Matrix response_;                   // A f
@@ -67,7 +69,7 @@ class Condensed {
   Dofs interface_;                    // B
   std::vector<Index> slot_, column_;  // per dof: in T, in B
   std::vector<double> added_;         // scale of the dofs that were added
-  Matrix A_, N_;                      // T × T; of N the lower triangle
+  Matrix A_, N_;                      // T × T
   Matrix Phi_;                        // T × [a; B]
   Matrix S_;                          // B × [a; B]
 };

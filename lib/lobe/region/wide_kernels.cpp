@@ -2,6 +2,7 @@
 #include "lobe/region/wide_kernels.h"
 
 #include "lobe/region/element_lanes.h"
+#include "lobe/region/matrix_product.h"
 
 namespace lobe::LOBE_KERNELS {
 namespace {
@@ -247,11 +248,11 @@ LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, co
 
 }  // namespace
 
-extern const WideKernels<float> single_kernels{add_forces<float>,    volume_strains<float>,
-                                               add_stiffness<float>, add_term_forces<float>,
-                                               symmetric_product<float>, add_edge_forces<float>};
-extern const WideKernels<double> double_kernels{add_forces<double>,    volume_strains<double>,
-                                                add_stiffness<double>, add_term_forces<double>,
-                                                symmetric_product<double>, add_edge_forces<double>};
+extern const WideKernels<float> single_kernels{
+    add_forces<float>,        volume_strains<float>, add_stiffness<float>,  add_term_forces<float>,
+    symmetric_product<float>, add_product<float>,    add_edge_forces<float>};
+extern const WideKernels<double> double_kernels{
+    add_forces<double>,        volume_strains<double>, add_stiffness<double>,  add_term_forces<double>,
+    symmetric_product<double>, add_product<double>,    add_edge_forces<double>};
 
 }  // namespace lobe::LOBE_KERNELS

@@ -41,6 +41,26 @@ struct SymmetricHalf {
   }
 };
 
+// C += sign A B, with A of rows × depth, B of depth × columns; entry (i, j) of a factor is at i × row + j × column.
+template <class Real>
+struct MatrixFactor {
+  const Real* entries;
+  std::size_t row, column;
+};
+template <class Real>
+struct MatrixProduct {
+  Real sign;
+  MatrixFactor<Real> A, B;
+  Index rows, depth, columns;
+  bool lower;  // of C, nothing is wanted above the diagonal
+  Real* C;     // column by column
+  std::size_t stride;
+};
+inline constexpr Index product_depth = 192, product_height = 256;  // of the blocks in which it is done
+inline std::size_t product_scratch(Index columns) {
+  return std::size_t(product_depth) * std::size_t(product_height + columns + 8);
+}
+
 template <class Real>
 struct WideKernels {
   // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
@@ -53,6 +73,7 @@ struct WideKernels {
   // Adds to y what the panels [begin, end) of a symmetric matrix make of x, both filled up to whole tiles.
   void (*symmetric_product)(const Real* tiles, SymmetricHalf shape, const Real* x, Index begin, Index end,
                             Real* y);
+  void (*add_product)(const MatrixProduct<Real>& product, Real* scratch);  // of product_scratch()
   // The same as add_forces of the edges of a linear patch, of `count` blocks.
   void (*add_edge_forces)(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
                           PaddedVector<Real>* f);

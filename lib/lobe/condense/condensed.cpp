@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <numeric>
+#include <optional>
+#include <span>
 
 namespace lobe {
 namespace {
@@ -11,7 +13,25 @@ using Matrix = Condensed::Matrix;
 Matrix inverse(const Eigen::LLT<Matrix>& factor) {
   return factor.solve(Matrix::Identity(factor.rows(), factor.rows()));
 }
-Matrix inverse(const Matrix& K) { return inverse(Eigen::LLT<Matrix>(K)); }
+
+// Whether no displacement goes without a force.
+bool holds(const Eigen::LLT<Matrix>& factor, const Matrix& K) {
+  constexpr double loose = 1e-10;  // of the stiffness of each component alone
+  return factor.info() == Eigen::Success &&
+         (factor.matrixLLT().diagonal().array().square() > loose * K.diagonal().array()).all();
+}
+
+// W of (3); R is zero but for the rows of the interior. None where what is left does not hold.
+std::optional<Matrix> change_between(const std::vector<Index>& interior, const Matrix& stiffness,
+                                     const Matrix& R) {
+  if (interior.empty()) return stiffness;
+  const Eigen::LLT<Matrix> compliance(Matrix(R(interior, interior)));
+  const Matrix left = inverse(compliance) + stiffness(interior, interior);
+  const Eigen::LLT<Matrix> factor(left);
+  if (!holds(factor, left)) return std::nullopt;
+  const Matrix of_interior = stiffness(interior, Eigen::all);
+  return stiffness - of_interior.transpose() * factor.solve(of_interior);
+}
 
 }  // namespace
 
@@ -23,6 +43,59 @@ Condensed::Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads)
   column_ = slot_;
   Phi_.resize(0, loads.cols());
   S_.resize(0, loads.cols());
+}
+
+namespace {
+
+void put(io::ByteWriter& out, const Matrix& M) {
+  out.put(std::int64_t(M.rows()));
+  out.put_all(std::span(M.data(), std::size_t(M.size())));
+}
+
+Matrix get(io::ByteReader& in, Eigen::Index columns) {
+  const auto rows = in.get<std::int64_t>();
+  const std::vector<double> values = in.get_all<double>();
+  in.expect(rows >= 0 && std::size_t(rows) * std::size_t(columns) == values.size());
+  return Eigen::Map<const Matrix>(values.data(), rows, columns);
+}
+
+}  // namespace
+
+bool Condensed::save(io::ByteWriter& out) const {
+  if (!added_.empty() || !factor_->save(out)) return false;
+  out.put_all(std::span(touched_.data(), touched_.size()));
+  out.put_all(std::span(interface_.data(), interface_.size()));
+  for (const Matrix* M : {&response_, &A_, &N_, &Phi_, &S_}) put(out, *M);
+  return true;
+}
+
+std::unique_ptr<Condensed> Condensed::load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
+                                           const Matrix& loads) {
+  if (!factor->load(in)) return nullptr;
+  in.expect(factor->size() == loads.rows());
+  std::unique_ptr<Condensed> c(new Condensed);
+  c->factor_ = std::move(factor);
+  c->loads_ = loads;
+  c->slot_.assign(std::size_t(loads.rows()), -1);
+  c->column_ = c->slot_;
+  const auto number = [&](const Dofs& dofs, std::vector<Index>& numbers) {
+    for (std::size_t i = 0; i < dofs.size(); ++i) {
+      in.expect(dofs[i] >= 0 && dofs[i] < loads.rows());
+      numbers[std::size_t(dofs[i])] = static_cast<Index>(i);
+    }
+  };
+  number(c->touched_ = in.get_all<Index>(), c->slot_);
+  number(c->interface_ = in.get_all<Index>(), c->column_);
+  const auto T = Eigen::Index(c->touched_.size()), B = Eigen::Index(c->interface_.size());
+  c->response_ = get(in, loads.cols());
+  c->A_ = get(in, T);
+  c->N_ = get(in, T);
+  c->Phi_ = get(in, loads.cols() + B);
+  c->S_ = get(in, loads.cols() + B);
+  in.expect(c->response_.rows() == loads.rows() && c->A_.rows() == T && c->N_.rows() == T &&
+            c->Phi_.rows() == T && c->S_.rows() == B);
+  in.expect_end();
+  return c;
 }
 
 std::vector<Index> Condensed::slots(const Dofs& dofs) const {
@@ -85,21 +158,60 @@ void Condensed::leave(const Dofs& dofs) {
 }
 
 // What is touched for the first time has no φ yet.
+Condensed::Response Condensed::response_at(const Dofs& dofs) {
+  const auto count = Eigen::Index(dofs.size()), amplitudes = loads_.cols();
+  Response at{Matrix::Zero(count, S_.cols()), {}, Matrix::Zero(count, count)};
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (const Index b = column(dofs[std::size_t(i)]); b >= 0) at.G(i, amplitudes + b) = 1;
+  const std::vector<Index> rows = interior_rows(dofs);
+  Dofs inside;
+  for (Index i : rows) inside.push_back(dofs[std::size_t(i)]);
+  const Index before = touched();
+  touch(inside);
+  const std::vector<Index> P = slots(inside);
+  const Matrix A_TP = A_(Eigen::all, P);
+  const auto A_known = A_TP.topRows(before);
+  Matrix Z = Matrix::Zero(A_.rows(), A_TP.cols()),
+         G = products_.product({A_known, true}, {Phi_.topRows(before)});
+  for (std::size_t i = 0; i < P.size(); ++i) {
+    Z(P[i], Eigen::Index(i)) = 1;
+    if (known(inside[i])) G.row(Eigen::Index(i)).head(amplitudes) += response_.row(inside[i]);
+  }
+  products_.add(-1, {N_.topLeftCorner(before, before)}, {A_known}, Z.topRows(before));
+  at.R(rows, rows) = products_.product({A_TP, true}, {Z});
+  at.G(rows, Eigen::all) = G;
+  at.Z = Matrix::Zero(A_.rows(), count);
+  at.Z(Eigen::all, rows) = Z;
+  return at;
+}
+
+bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
+  auto [G, Z, R] = response_at(dofs);
+  const auto W = change_between(interior_rows(dofs), stiffness, R);
+  if (!W) return false;
+  const Eigen::Index amplitudes = loads_.cols(), n = S_.rows();
+  S_.leftCols(amplitudes).noalias() -= G.rightCols(n).transpose() * loads;
+  Phi_.leftCols(amplitudes).noalias() += Z * loads;
+  G.leftCols(amplitudes).noalias() += R * loads;
+  const Matrix WG = products_.product({*W}, {G}), ZW = products_.product({Z}, {*W});
+  add_to_stiffness(1, G, WG);
+  products_.add(-1, {Z}, {WG}, Phi_);
+  products_.add_symmetric(1, {ZW}, {Z, true}, N_);
+  return true;
+}
+
+std::vector<Index> Condensed::interior_rows(const Dofs& dofs) const {
+  std::vector<Index> rows;
+  for (std::size_t i = 0; i < dofs.size(); ++i)
+    if (column(dofs[i]) < 0) rows.push_back(static_cast<Index>(i));
+  return rows;
+}
+
 void Condensed::promote(const Dofs& dofs) {
   if (dofs.empty()) return;
-  const Index known_before = touched();
-  touch(dofs);
-  const std::vector<Index> P = slots(dofs);
-  const auto count = Eigen::Index(P.size()), before = S_.rows(), amplitudes = loads_.cols();
-  const Matrix A_TP = A_(Eigen::all, P);
-  const auto A_known = A_TP.topRows(known_before);
-  Matrix Z = Matrix::Zero(A_.rows(), count);
-  for (Eigen::Index i = 0; i < count; ++i) Z(P[std::size_t(i)], i) += 1;
-  products_.add(-1, {N_.topLeftCorner(known_before, known_before)}, {A_known}, Z.topRows(known_before));
-  Matrix G = products_.product({A_known, true}, {Phi_.topRows(known_before)});
-  for (Eigen::Index i = 0; i < count; ++i)
-    if (known(dofs[std::size_t(i)])) G.row(i).head(amplitudes) += response_.row(dofs[std::size_t(i)]);
-  const Matrix C = inverse(products_.product({A_TP, true}, {Z}));
+  const auto [G, Z, R] = response_at(dofs);
+  const auto count = Eigen::Index(dofs.size()), before = S_.rows(), amplitudes = loads_.cols();
+  const Matrix C = inverse(Eigen::LLT<Matrix>(R));
   const Matrix CG = products_.product({C}, {G}), ZC = products_.product({Z}, {C});
   join(dofs);
   add_to_stiffness(1, G, CG);
@@ -128,10 +240,7 @@ bool Condensed::demote(const Dofs& dofs) {
   }
   const Matrix S_DD = S_(rows, columns), Phi_D = Phi_(Eigen::all, columns);
   const Eigen::LLT<Matrix> factor(S_DD);
-  constexpr double loose = 1e-10;  // of the stiffness of each component alone
-  if (factor.info() != Eigen::Success ||
-      (factor.matrixLLT().diagonal().array().square() <= loose * S_DD.diagonal().array()).any())
-    return false;
+  if (!holds(factor, S_DD)) return false;
   const Matrix S_D = S_(rows, Eigen::all), C = inverse(factor);
   const Matrix CS = products_.product({C}, {S_D}), PhiC = products_.product({Phi_D}, {C});
   add_to_stiffness(-1, S_D, CS);

@@ -6,12 +6,14 @@
 // with loads f and their amplitudes a, and the displacements u_B of the interface B ⊂ T. On the interface acts
 //   −S [a; u_B],                                                                                    (2)
 // and the interior, the interface held, answers to a force with A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N
-// exact, with G = dependence of displacements on [a; u_B] and C as below:
-//   promote: components P join B.   C = (E_Pᵀ (A − A E N Eᵀ A) E_P)⁻¹, Z = E_P − N A_TP,
-//            S ← [S + G_Bᵀ C G, −G_Bᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ          (3)
-//   change:  stiffness between components of B, loads on them: entries of S
+// exact, with G = dependence of displacements on [a; u_B], R = E_Pᵀ (A − A E N Eᵀ A) E_P, Z = E_P − N A_TP:
+//   change:  K and f between components P by ΔK and Δf, wherever they are.
+//            W = ΔK − ΔK (R⁻¹ + ΔK)⁻¹ ΔK,  S ← S + G_Bᵀ W G,  Φ ← Φ − Z W G,  N ← N + Z W Zᵀ           (3)
+//            after the same of Δf: S ← S − G_Bᵀ Δf, Φ ← Φ + Z Δf in the columns of a
+//   promote: P joins B.   C = R⁻¹,
+//            S ← [S + G_Bᵀ C G, −G_Bᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ          (4)
 //   demote:  components D of B join the interior.  C = S_DD⁻¹,
-//            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (4)
+//            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (5)
 // Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each.
 #pragma once
 
@@ -35,12 +37,14 @@ class Condensed {
   // Columns of S: amplitudes, then the interface in this order. Rows: the interface.
   const Dofs& interface() const { return interface_; }
   const Matrix& stiffness() const { return S_; }  // [N], [N/m]
-  Matrix& stiffness() { return S_; }              // to be changed between components of the interface
   Index column(Index dof) const {
     return column_[std::size_t(dof)];
   }  // less the amplitudes; −1 if it is interior
   Index touched() const { return static_cast<Index>(touched_.size()); }
 
+  // False, and nothing changes, if some of the interior could then move without a force.
+  bool change(const Dofs& dofs, const Matrix& stiffness,  // #dofs × #dofs [N/m]
+              const Matrix& loads);                       // #dofs × #amplitudes [N]
   void promote(const Dofs& dofs);
   // False, and nothing changes, if they could then move without a force.
   bool demote(const Dofs& dofs);
@@ -50,15 +54,27 @@ class Condensed {
   // `scale` [N/m] is of the order of K's diagonal.
   Index add(Index count, double scale);
 
+  // Before anything was added; false where the factor cannot be kept. What was saved goes on with the same loads.
+  bool save(io::ByteWriter& out) const;
+  static std::unique_ptr<Condensed> load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
+                                         const Matrix& loads);
+
   // The whole field in equilibrium: all dofs × #columns, from [a; u_B] in each column.
   Matrix field(const Matrix& driven) const;
 
  private:
+  Condensed() = default;
   void touch(const Dofs& dofs);
   std::vector<Index> slots(const Dofs& dofs) const;
+  std::vector<Index> interior_rows(const Dofs& dofs) const;    // of a matrix with one per dof
   bool known(Index dof) const { return dof < loads_.rows(); }  // to K̂
   void join(const Dofs& dofs);
   void leave(const Dofs& dofs);
+  // G, Z and R of components, of which those on the interface move with it alone.
+  struct Response {
+    Matrix G, Z, R;
+  };
+  Response response_at(const Dofs& dofs);
   void add_to_stiffness(double sign, const Matrix& G, const Matrix& CG);
 
   DenseProducts products_;

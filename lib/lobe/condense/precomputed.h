@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "lobe/condense/condensed.h"
+#include "lobe/condense/condensed_cache.h"
 #include "lobe/condense/region_factor.h"
 #include "lobe/condense/symmetric_product.h"
 #include "lobe/sim/boundary_conditions.h"
@@ -17,9 +17,10 @@ namespace lobe {
 template <class Real>
 class PrecomputedRegion {
  public:
-  explicit PrecomputedRegion(SparseFactorMaker make_factor = make_ldlt,
+  explicit PrecomputedRegion(CondensedCache cache = CondensedCache(),
+                             SparseFactorMaker make_factor = make_ldlt,
                              InstructionSet set = chosen_instruction_set())
-      : make_factor_(std::move(make_factor)), stiffness_(set) {}
+      : cache_(std::move(cache)), make_factor_(std::move(make_factor)), stiffness_(set) {}
 
   // After an edit of the mesh or the regions; `edit.vertices` also names vertices that somebody took hold of or let go.
   // Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act through the
@@ -28,6 +29,7 @@ class PrecomputedRegion {
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
                             Mat3X<Real>& external, Mat3X<Real>& dead);
 
+  std::string take_notice() { return cache_.take_notice(); }  // of the cache
   Index tet_count() const { return tet_count_; }
   bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[tet]; }
   Index interface_size() const { return static_cast<Index>(components_.size()); }  // components
@@ -60,12 +62,15 @@ class PrecomputedRegion {
 
   void open(const std::vector<Index>& vertices);
   void change_members(const Elements& elements, const RegionEdit& edit);
-  void add_stiffness(const Elements& elements, Index tet, double sign);
+  void add_stiffness(const Elements& elements, Index tet, double sign, const std::vector<Index>& row,
+                     Eigen::MatrixXd& sum) const;
+  void change(const Elements& elements, const RegionEdit& edit, Mat3X<Real>& external, Mat3X<Real>& dead);
   void take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external, Mat3X<Real>& dead);
   std::vector<Index> close(const Elements& elements, const std::vector<Index>& vertices);
   void build(const Elements& elements);
   void prepare_step(const Elements& elements);
 
+  CondensedCache cache_;
   SparseFactorMaker make_factor_;
 
   std::vector<std::uint8_t> member_;  // per tetrahedron

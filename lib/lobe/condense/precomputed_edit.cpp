@@ -76,41 +76,74 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   const Hold hold(elements, held);
   for_components(edit.vertices, [&](int axis, Index v) { roles_(axis, v) = hold.role(v, axis); });
   const bool afresh = !condensed_ || condensed_->touched() > most_touched_;
-  if (afresh)
-    condensed_.reset();
-  else
-    open(edit.vertices);
-  change_members(elements, edit);
-  take_loads(edit.vertices, external, dead);
   std::vector<Index> mechanism;
-  if (afresh)
+  if (afresh) {
+    change_members(elements, edit);
+    take_loads(edit.vertices, external, dead);
     build(elements);
-  else
+  } else {
+    open(edit.vertices);
+    change(elements, edit, external, dead);
     mechanism = close(elements, edit.vertices);
+  }
   prepare_step(elements);
   return mechanism;
 }
 
-// All components of the region on the interface.
+// On the interface what belongs to it from now on, and what is new.
 template <class Real>
 void PrecomputedRegion<Real>::open(const std::vector<Index>& vertices) {
-  std::vector<Index> interior, fresh;
+  std::vector<Index> leaving, fresh;
   for_components(vertices, [&](int axis, Index v) {
     const Index dof = dof_(axis, v);
     if (dof < 0 && roles_(axis, v) != Role::none)
       fresh.push_back(3 * v + axis);
-    else if (dof >= 0 && condensed_->column(dof) < 0)
-      interior.push_back(dof);
+    else if (dof >= 0 && condensed_->column(dof) < 0 && roles_(axis, v) == Role::interface)
+      leaving.push_back(dof);
   });
-  condensed_->promote(interior);
+  condensed_->promote(leaving);
   Index dof = fresh.empty() ? 0 : condensed_->add(static_cast<Index>(fresh.size()), scale_);
   for (Index component : fresh) dof_.data()[component] = dof++;
+}
+
+// Stiffness and loads where they change. Components that nothing is attached to any more are held by a spring, unless
+// they are on the interface, which they leave. A mechanism becomes one of the interface, for close() to find.
+template <class Real>
+void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit, Mat3X<Real>& external,
+                                     Mat3X<Real>& dead) {
+  std::vector<Index> dofs, components, inside;
+  for_components(edit.vertices, [&](int axis, Index v) {
+    if (dof_(axis, v) < 0) return;
+    dofs.push_back(dof_(axis, v));
+    components.push_back(3 * v + axis);
+    if (condensed_->column(dofs.back()) < 0) inside.push_back(dofs.back());
+  });
+  const auto count = Eigen::Index(dofs.size());
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count), loads(count, amplitudes);
+  std::vector<Index> row(roles_.size(), -1);
+  for (std::size_t i = 0; i < components.size(); ++i) row[std::size_t(components[i])] = static_cast<Index>(i);
+  for (Index t : edit.left)
+    if (member_[t]) add_stiffness(elements, t, -1, row, stiffness);
+  change_members(elements, edit);
+  for (Index t : edit.entered)
+    if (member_[t]) add_stiffness(elements, t, 1, row, stiffness);
+  const Loads before = loads_;
+  take_loads(edit.vertices, external, dead);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Index component = components[std::size_t(i)];
+    for (int a = 0; a < amplitudes; ++a)
+      loads(i, a) = loads_[a].data()[component] - before[a].data()[component];
+    if (roles_.data()[component] == Role::none) stiffness(i, i) += scale_;
+  }
+  if (stiffness.isZero(0) && loads.isZero(0)) return;
+  if (condensed_->change(dofs, stiffness, loads)) return;
+  condensed_->promote(inside);
+  condensed_->change(dofs, stiffness, loads);
 }
 
 template <class Real>
 void PrecomputedRegion<Real>::change_members(const Elements& elements, const RegionEdit& edit) {
   for (Index t : edit.left) {
-    if (member_[t] && condensed_) add_stiffness(elements, t, -1);
     tet_count_ -= member_[t];
     member_[t] = 0;
   }
@@ -118,23 +151,19 @@ void PrecomputedRegion<Real>::change_members(const Elements& elements, const Reg
     member_[t] = is_member(elements, t);
     tet_count_ += member_[t];
     corners_.col(t) = elements.topology.corners(t);
-    if (member_[t] && condensed_) add_stiffness(elements, t, 1);
   }
 }
 
-// Between the corners that a member had when it was last followed.
+// Between the corners that a member had when it was last followed. `row`: of each component, or −1.
 template <class Real>
-void PrecomputedRegion<Real>::add_stiffness(const Elements& elements, Index tet, double sign) {
+void PrecomputedRegion<Real>::add_stiffness(const Elements& elements, Index tet, double sign,
+                                            const std::vector<Index>& row, Eigen::MatrixXd& sum) const {
   const TetStiffness K = tet_stiffness(elements, tet, Mat34<double>::Zero());
-  std::array<Index, 12> column;
-  for (int i = 0; i < 12; ++i) {
-    const Index dof = dof_(i % 3, corners_(i / 3, tet));
-    column[i] = dof < 0 ? -1 : condensed_->column(dof);
-  }
+  std::array<Index, 12> at;
+  for (int i = 0; i < 12; ++i) at[i] = row[std::size_t(3 * corners_(i / 3, tet) + i % 3)];
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 12; ++j)
-      if (column[i] >= 0 && column[j] >= 0)
-        condensed_->stiffness()(column[i], amplitudes + column[j]) += sign * K(i, j);
+      if (at[i] >= 0 && at[j] >= 0) sum(at[i], at[j]) += sign * K(i, j);
 }
 
 // A load on the interior acts through the region, all others are the world's.
@@ -147,11 +176,7 @@ void PrecomputedRegion<Real>::take_loads(const std::vector<Index>& vertices, Mat
       load = {double(external(axis, v)), -double(dead(axis, v))};
       external(axis, v) = dead(axis, v) = 0;
     }
-    const Index row = condensed_ && dof_(axis, v) >= 0 ? condensed_->column(dof_(axis, v)) : -1;
-    for (int a = 0; a < amplitudes; ++a) {
-      if (row >= 0) condensed_->stiffness()(row, a) -= load[a] - loads_[a](axis, v);
-      loads_[a](axis, v) = load[a];
-    }
+    for (int a = 0; a < amplitudes; ++a) loads_[a](axis, v) = load[a];
   });
 }
 
@@ -163,11 +188,12 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
   for_components(vertices, [&](int axis, Index v) {
     Index& dof = dof_(axis, v);
     if (dof < 0) return;
-    if (roles_(axis, v) == Role::interior) {
+    const bool is_outside = condensed_->column(dof) >= 0;
+    if (roles_(axis, v) == Role::interior && is_outside) {
       interior.push_back(dof);
       interior_vertices.push_back(v);
     } else if (roles_(axis, v) == Role::none) {
-      gone.push_back(dof);
+      if (is_outside) gone.push_back(dof);
       dof = -1;
     }
   });
@@ -187,20 +213,16 @@ void PrecomputedRegion<Real>::build(const Elements& elements) {
   for (Eigen::Index i = 0; i < roles_.size(); ++i)
     if (roles_.data()[i] == Role::interface) interface.push_back(static_cast<Index>(i));
   refuse_large(static_cast<Index>(interface.size()));
-  RegionFactor K(elements, roles_, make_factor_);
+  const RegionFactor K(elements, roles_);
   dof_ = K.number;
   scale_ = K.mean_stiffness;
   Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(K.size, amplitudes);
   for (Eigen::Index i = 0; i < dof_.size(); ++i)
     for (int a = 0; a < amplitudes && dof_.data()[i] >= 0; ++a)
       loads(dof_.data()[i], a) = loads_[a].data()[i];
-  condensed_ = std::make_unique<Condensed>(std::move(K.factor), loads);
   std::vector<Index> dofs;
   for (Index component : interface) dofs.push_back(dof_.data()[component]);
-  condensed_->promote(dofs);
-  for (std::size_t i = 0; i < interface.size(); ++i)
-    condensed_->stiffness()(Eigen::Index(i), amplitudes + Eigen::Index(i)) -=
-        K.springs[std::size_t(interface[i] / 3)];
+  condensed_ = cache_.condense(K, loads, dofs, make_factor_);
   most_touched_ = 2 * condensed_->touched() + 600;
 }
 

@@ -40,8 +40,7 @@ Part region_part(const Elements& elements) {
 
 }  // namespace
 
-RegionFactor::RegionFactor(const Elements& elements, const Roles& roles,
-                           const SparseFactorMaker& make_factor) {
+RegionFactor::RegionFactor(const Elements& elements, const Roles& roles) {
   const Part part = region_part(elements);
   const Elements own(part.body);
   const auto vertices = static_cast<Index>(part.source.size());
@@ -50,26 +49,32 @@ RegionFactor::RegionFactor(const Elements& elements, const Roles& roles,
   size = unknowns.count;
   number.setConstant(3, elements.topology.vertex_count(), -1);
   number(Eigen::all, part.source) = unknowns.number;
-  springs.assign(std::size_t(elements.topology.vertex_count()), 0);
-  Tangent K(own, unknowns);
-  K.update(Mat3X<double>::Zero(3, vertices));
-  const Eigen::VectorXd diagonal = K.matrix().diagonal();
+  springs.assign(std::size_t(size), 0);
+  Tangent tangent(own, unknowns);
+  tangent.update(Mat3X<double>::Zero(3, vertices));
+  const Eigen::VectorXd diagonal = tangent.matrix().diagonal();
   mean_stiffness = size > 0 ? diagonal.mean() : 1;
   std::vector<double> own_springs(std::size_t(vertices), 0);
   for (Index v = 0; v < vertices; ++v) {
-    const Index source = part.source[v];
-    if ((roles.col(source).array() == Role::interior).any()) continue;
+    if ((roles.col(part.source[v]).array() == Role::interior).any()) continue;
     for (Index row : unknowns.number.col(v))
-      if (row >= 0) own_springs[v] = springs[source] = std::max(own_springs[v], diagonal[row]);
+      if (row >= 0) own_springs[v] = std::max(own_springs[v], diagonal[row]);
+    for (Index row : unknowns.number.col(v))
+      if (row >= 0) springs[std::size_t(row)] = own_springs[v];
   }
-  K.scale_and_add_mass(1, 1, own_springs);
-  factor = make_factor();
-  factor->analyse(K.matrix());
-  if (size > 0 && !factor->factorise(K.matrix()))
+  tangent.scale_and_add_mass(1, 1, own_springs);
+  K = tangent.matrix();
+}
+
+std::unique_ptr<SparseFactor> RegionFactor::factorise(const SparseFactorMaker& make_factor) const {
+  std::unique_ptr<SparseFactor> factor = make_factor();
+  factor->analyse(K);
+  if (size > 0 && !factor->factorise(K))
     throw InputError(
         "precomputed region",
         "its stiffness is singular: a part of it can move although nothing moves it; fix more of its "
         "vertices, or make that part tensor-mass or nonlinear");
+  return factor;
 }
 
 }  // namespace lobe

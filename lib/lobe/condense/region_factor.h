@@ -19,13 +19,14 @@ using ComponentNumbers = Eigen::Matrix<Index, 3, Eigen::Dynamic>;  // 3 × #vert
 // vertex whose components are all interface or fixed. They hold K̂ where nothing else holds the region, are of the size of its
 // own stiffness, and are taken off again by who condenses.
 struct RegionFactor {
-  RegionFactor(const Elements& elements, const Roles& roles, const SparseFactorMaker& make_factor);
+  RegionFactor(const Elements& elements, const Roles& roles);
+  std::unique_ptr<SparseFactor> factorise(const SparseFactorMaker& make_factor) const;
 
   ComponentNumbers number;      // rows of K̂
-  std::vector<double> springs;  // per vertex [N/m]
+  std::vector<double> springs;  // per row [N/m]
   double mean_stiffness = 0;    // of K's diagonal [N/m]
   Index size = 0;               // of K̂
-  std::unique_ptr<SparseFactor> factor;
+  SparseFactor::Matrix K;       // K̂, its lower triangle
 };
 
 }  // namespace lobe

@@ -134,6 +134,8 @@ struct Scene {
   std::vector<Tool> tools;
   LoosePieces loose_pieces = LoosePieces::fall;
   Evaluator evaluator = Evaluator::direct;
+  std::filesystem::path
+      condensed_cache;  // folder, absolute or relative to the scene file; none: nothing is kept
   Time time;
   Output output;
 };

@@ -88,7 +88,7 @@ void put(io::ByteWriter& out, const Condition& condition) {
 
 Condition get_condition(io::ByteReader& in) {
   Condition condition;
-  condition.kind = Condition::Kind(in.get_choice(1 + int(Condition::Kind::everything_cut)));
+  condition.kind = Condition::Kind(in.get_choice(1 + int(Condition::Kind::cache)));
   condition.time = in.get<double>();
   const std::vector<char> text = in.get_all<char>();
   condition.text.assign(text.begin(), text.end());

@@ -17,7 +17,8 @@ struct Condition {
     sub_stepped,     // a frame was run again with smaller steps: nothing to do
     near_inversion,  // a tetrahedron is below 5 % of its volume: a volume penalty, or a finer mesh there
     pieces,          // a cut set pieces loose: as the scene's loose_pieces says
-    everything_cut   // no tetrahedron is left
+    everything_cut,  // no tetrahedron is left
+    cache            // a condensed region could not be read or kept, as the text says: nothing to do
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy

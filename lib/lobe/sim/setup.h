@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,8 @@ struct Setup : Body {
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
+  std::filesystem::path
+      condensed_cache;  // folder that keeps condensed regions (condensed_cache.h); none: it does not
 };
 
 }  // namespace lobe

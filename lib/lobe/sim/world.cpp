@@ -46,6 +46,8 @@ const char* name(Condition::Kind kind) {
       return "pieces";
     case Condition::Kind::everything_cut:
       return "everything_cut";
+    case Condition::Kind::cache:
+      return "cache";
   }
   return "";
 }
@@ -55,6 +57,7 @@ World<Real>::World(const Setup& setup, int threads)
     : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
       fingerprint_(fingerprint(setup)),
       elements_(setup),
+      precomputed_(CondensedCache(setup.condensed_cache)),
       nonlinear_(setup.evaluator),
       loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),

@@ -107,6 +107,8 @@ void World<Real>::follow(RegionEdit edit) {
   refresh_vertices(edit.vertices);
   const std::vector<Index> mechanism =
       precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded());
+  if (const std::string notice = precomputed_.take_notice(); !notice.empty())
+    pending_.push_back({Condition::Kind::cache, notice, state_.time});
   if (precomputed_.tet_count() > 0) {
     for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
     for (Index v : edit.vertices) refresh_inverse_mass(v);

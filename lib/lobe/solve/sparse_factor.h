@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "lobe/io/sealed_file.h"
+
 namespace lobe {
 
 class SparseFactor {
@@ -26,6 +28,9 @@ class SparseFactor {
   // Rows × columns of A⁻¹, both by their numbers in A.
   virtual Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const;
   virtual long long nonzeros() const = 0;  // of the factor
+  // To go on with a factor without finding it again. False where that is not available.
+  virtual bool save(io::ByteWriter&) const { return false; }
+  virtual bool load(io::ByteReader&) { return false; }
 };
 
 using SparseFactorMaker = std::function<std::unique_ptr<SparseFactor>()>;

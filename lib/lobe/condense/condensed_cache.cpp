@@ -1,0 +1,83 @@
+#include "lobe/condense/condensed_cache.h"
+
+#include <cstdio>
+#include <span>
+
+#include "lobe/error.h"
+#include "lobe/io/sealed_file.h"
+
+namespace lobe {
+namespace {
+
+constexpr io::Format format{"lobecond", 1, "condensed region"};
+
+std::uint64_t key_of(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                     const Condensed::Dofs& interface, const char* method) {
+  const SparseFactor::Matrix& K = region.K;
+  const auto entries = std::size_t(K.nonZeros());
+  std::uint64_t key = io::digest(method);
+  key = io::digest_of(std::span(K.outerIndexPtr(), std::size_t(K.cols()) + 1), key);
+  key = io::digest_of(std::span(K.innerIndexPtr(), entries), key);
+  key = io::digest_of(std::span(K.valuePtr(), entries), key);
+  key = io::digest_of(std::span(loads.data(), std::size_t(loads.size())), key);
+  key = io::digest_of(std::span(region.springs.data(), region.springs.size()), key);
+  return io::digest_of(std::span(interface.data(), interface.size()), key);
+}
+
+std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                           const Condensed::Dofs& interface,
+                                           const SparseFactorMaker& make_factor) {
+  auto condensed = std::make_unique<Condensed>(region.factorise(make_factor), loads);
+  condensed->promote(interface);
+  const auto count = Eigen::Index(interface.size());
+  Eigen::MatrixXd springs = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    springs(i, i) = -region.springs[std::size_t(interface[std::size_t(i)])];
+  condensed->change(interface, springs, Eigen::MatrixXd::Zero(count, loads.cols()));
+  return condensed;
+}
+
+}  // namespace
+
+std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                                    const Dofs& interface,
+                                                    const SparseFactorMaker& make_factor) {
+  if (folder_.empty()) return condense_afresh(region, loads, interface, make_factor);
+  std::unique_ptr<SparseFactor> factor = make_factor();
+  char name[32];
+  std::snprintf(name, sizeof name, "%016llx.condensed",
+                static_cast<unsigned long long>(key_of(region, loads, interface, factor->name())));
+  const std::filesystem::path file = folder_ / name;
+  if (std::filesystem::exists(file))
+    if (auto kept = load(file, std::move(factor), loads)) return kept;
+  auto condensed = condense_afresh(region, loads, interface, make_factor);
+  save(file, *condensed);
+  return condensed;
+}
+
+std::unique_ptr<Condensed> CondensedCache::load(const std::filesystem::path& file,
+                                                std::unique_ptr<SparseFactor> factor,
+                                                const Eigen::MatrixXd& loads) {
+  try {
+    const std::string contents = io::read_sealed(file, format);
+    io::ByteReader in(file.string(), contents);
+    return Condensed::load(in, std::move(factor), loads);
+  } catch (const InputError& error) {
+    notice_ = std::string(error.what()) + "; the region was condensed afresh, and the file replaced";
+    return nullptr;
+  }
+}
+
+void CondensedCache::save(const std::filesystem::path& file, const Condensed& condensed) {
+  io::ByteWriter out;
+  if (!condensed.save(out)) return;
+  try {
+    std::error_code ignored;  // what cannot be written to says so
+    std::filesystem::create_directories(folder_, ignored);
+    io::write_sealed(file, format, out.bytes());
+  } catch (const InputError& error) {
+    notice_ = std::string(error.what()) + "; the condensed region was not kept";
+  }
+}
+
+}  // namespace lobe

@@ -1,0 +1,36 @@
+// What was condensed, on disk: a file per region, named and keyed by all that condensing starts from (stiffness, which has
+// mesh, materials and boundary in it; loads; interface), so that a changed input finds nothing.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "lobe/condense/condensed.h"
+#include "lobe/condense/region_factor.h"
+
+namespace lobe {
+
+class CondensedCache {
+ public:
+  using Dofs = Condensed::Dofs;
+
+  explicit CondensedCache(std::filesystem::path folder = {})
+      : folder_(std::move(folder)) {}  // none: keeps nothing
+
+  // The region condensed to its interface: from the folder, or else afresh, and then kept there. A file that is damaged
+  // is replaced, one that cannot be written is left: take_notice() says so.
+  std::unique_ptr<Condensed> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                      const Dofs& interface, const SparseFactorMaker& make_factor);
+  std::string take_notice() { return std::exchange(notice_, {}); }
+
+ private:
+  std::unique_ptr<Condensed> load(const std::filesystem::path& file, std::unique_ptr<SparseFactor> factor,
+                                  const Eigen::MatrixXd& loads);
+  void save(const std::filesystem::path& file, const Condensed& condensed);
+
+  std::filesystem::path folder_;
+  std::string notice_;
+};
+
+}  // namespace lobe

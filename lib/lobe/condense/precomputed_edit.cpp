@@ -107,11 +107,20 @@ void PrecomputedRegion<Real>::open(const std::vector<Index>& vertices) {
 }
 
 // Stiffness and loads where they change. Components that nothing is attached to any more are held by a spring, unless
-// they are on the interface, which they leave. A mechanism becomes one of the interface, for close() to find.
+// they are on the interface, which they leave; what becomes fixed does so, too. A mechanism becomes one of the interface,
+// for close() to find.
 template <class Real>
 void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit, Mat3X<Real>& external,
                                      Mat3X<Real>& dead) {
-  std::vector<Index> dofs, components, inside;
+  std::vector<Index> dofs, components, inside, fixed;
+  for_components(edit.vertices, [&](int axis, Index v) {
+    if (dof_(axis, v) < 0) return;
+    const auto around = elements.topology.around(v);
+    if (roles_(axis, v) == Role::none && condensed_->column(dof_(axis, v)) < 0 &&
+        std::any_of(around.begin(), around.end(), [&](Index t) { return is_member(elements, t); }))
+      fixed.push_back(dof_(axis, v));
+  });
+  condensed_->promote(fixed);
   for_components(edit.vertices, [&](int axis, Index v) {
     if (dof_(axis, v) < 0) return;
     dofs.push_back(dof_(axis, v));
@@ -133,7 +142,8 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
     const Index component = components[std::size_t(i)];
     for (int a = 0; a < amplitudes; ++a)
       loads(i, a) = loads_[a].data()[component] - before[a].data()[component];
-    if (roles_.data()[component] == Role::none) stiffness(i, i) += scale_;
+    const bool is_inside = condensed_->column(dofs[std::size_t(i)]) < 0;
+    if (roles_.data()[component] == Role::none && is_inside) stiffness(i, i) += scale_;
   }
   if (stiffness.isZero(0) && loads.isZero(0)) return;
   if (condensed_->change(dofs, stiffness, loads)) return;

@@ -53,27 +53,57 @@ class Ldlt : public SparseFactor {
 };
 
 // Several right-hand sides at once, one row per unknown, so that L is read once for all of them.
-constexpr int batch = 16;
+constexpr int batch = 32;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, batch, Eigen::RowMajor>;
+
+#ifdef LOBE_X86_KERNELS
+#define LOBE_WIDE [[gnu::target_clones("default", "avx2", "avx512f")]]
+#else
+#define LOBE_WIDE
+#endif
+
+struct Column {  // of L, below its diagonal
+  const int* row;
+  const double* value;
+  int count;
+};
+Column column(const SparseFactor::Matrix& L, Eigen::Index j) {
+  const int begin = L.outerIndexPtr()[j];
+  return {L.innerIndexPtr() + begin, L.valuePtr() + begin, L.outerIndexPtr()[j + 1] - begin};
+}
+
+// x_row −= value × own, for all rows of the column.
+LOBE_WIDE void subtract_column(Column column, const double* __restrict own, double* __restrict x) {
+  for (int e = 0; e < column.count; ++e) {
+    double* other = x + std::ptrdiff_t(batch) * column.row[e];
+    for (int k = 0; k < batch; ++k) other[k] -= column.value[e] * own[k];
+  }
+}
+
+// own −= Σ value × x_row.
+LOBE_WIDE void subtract_rows(Column column, const double* x, double* own) {
+  double sum[batch];
+  for (int k = 0; k < batch; ++k) sum[k] = own[k];
+  for (int e = 0; e < column.count; ++e) {
+    const double* other = x + std::ptrdiff_t(batch) * column.row[e];
+    for (int k = 0; k < batch; ++k) sum[k] -= column.value[e] * other[k];
+  }
+  for (int k = 0; k < batch; ++k) own[k] = sum[k];
+}
 
 // x = L⁻¹ b, passing over columns that nothing reaches: from a few unknowns only their ancestors in the elimination tree
 // are reached.
 void forward(const SparseFactor::Matrix& L, Rows& x) {
   for (Eigen::Index j = 0; j < L.cols(); ++j) {
     const Eigen::Matrix<double, 1, batch> own = x.row(j);
-    if (own.isZero(0)) continue;
-    for (SparseFactor::Matrix::InnerIterator at(L, j); at; ++at) x.row(at.row()) -= at.value() * own;
+    if (!own.isZero(0)) subtract_column(column(L, j), own.data(), x.data());
   }
 }
 
 // x = L⁻ᵀ b where it is wanted, which takes the ancestors of what is wanted.
 void backward(const SparseFactor::Matrix& L, const std::vector<char>& wanted, Rows& x) {
-  for (Eigen::Index j = L.cols(); j-- > 0;) {
-    if (!wanted[std::size_t(j)]) continue;
-    Eigen::Matrix<double, 1, batch> own = x.row(j);
-    for (SparseFactor::Matrix::InnerIterator at(L, j); at; ++at) own -= at.value() * x.row(at.row());
-    x.row(j) = own;
-  }
+  for (Eigen::Index j = L.cols(); j-- > 0;)
+    if (wanted[std::size_t(j)]) subtract_rows(column(L, j), x.data(), x.row(j).data());
 }
 
 std::vector<char> with_ancestors(const SparseFactor::Matrix& L, std::vector<char> wanted) {

@@ -28,9 +28,8 @@ template <class Real>
 void PrecomputedRegion<Real>::add_diagonal_stiffness(DiagonalStiffness& K) const {
   for (Index v : shared_) {
     const auto S = [&](int i, int j) {
-      const Index row = dof_(i, v), column = dof_(j, v);  // none where it is fixed
-      if (row < 0 || column < 0) return 0.0;
-      return condensed_->stiffness()(condensed_->column(row), amplitudes + condensed_->column(column));
+      const Index row = reduced_->column(3 * v + i), column = reduced_->column(3 * v + j);
+      return row < 0 || column < 0 ? 0.0 : reduced_->stiffness()(row, amplitudes + column);  // fixed
     };
     K.col(v) += Eigen::Matrix<double, 6, 1>(S(0, 0), S(0, 1), S(0, 2), S(1, 1), S(1, 2), S(2, 2));
   }
@@ -71,11 +70,11 @@ void PrecomputedRegion<Real>::recover(Real missing, Mat3X<Real>& u, Mat3X<Real>&
   driven.topRows<amplitudes>() << 1, 0, double(missing), 0;
   for (Index i = 0; i < n; ++i)
     driven.row(amplitudes + i) << double(u.data()[components_[i]]), double(v.data()[components_[i]]);
-  const Eigen::MatrixXd field = condensed_->field(driven);
-  for (Eigen::Index i = 0; i < dof_.size(); ++i) {
+  const Eigen::MatrixXd field = reduced_->field(driven);
+  for (Eigen::Index i = 0; i < roles_.size(); ++i) {
     if (roles_.data()[i] != Role::interior) continue;
-    u.data()[i] = static_cast<Real>(field(dof_.data()[i], 0));
-    v.data()[i] = static_cast<Real>(field(dof_.data()[i], 1));
+    u.data()[i] = static_cast<Real>(field(i, 0));
+    v.data()[i] = static_cast<Real>(field(i, 1));
   }
 }
 

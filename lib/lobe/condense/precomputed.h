@@ -5,10 +5,10 @@
 // that come and go, and vertices that a tool takes hold of keep all of it exact (condensed.h).
 #pragma once
 
+#include <future>
 #include <memory>
 
-#include "lobe/condense/condensed_cache.h"
-#include "lobe/condense/region_factor.h"
+#include "lobe/condense/reduced_region.h"
 #include "lobe/condense/symmetric_product.h"
 #include "lobe/sim/boundary_conditions.h"
 
@@ -28,6 +28,15 @@ class PrecomputedRegion {
   // region cannot be condensed: only where tetrahedra enter it.
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
                             Mat3X<Real>& external, Mat3X<Real>& dead);
+
+  // What is touched by edits makes the next ones dearer, until the region is condensed afresh. That is done by another
+  // thread, from a copy of what there is now; edits go on meanwhile, and are repeated on the result.
+  bool wants_refresh() const {
+    return tet_count_ > 0 && !is_refreshing() && reduced_->touched() > most_touched_;
+  }
+  bool is_refreshing() const { return refreshed_.valid(); }
+  void begin_refresh(const Elements& elements);
+  void end_refresh(const Elements& elements);  // waits for it; the result is as before, to rounding
 
   std::string take_notice() { return cache_.take_notice(); }  // of the cache
   Index tet_count() const { return tet_count_; }
@@ -60,13 +69,17 @@ class PrecomputedRegion {
   static constexpr int amplitudes = 2;  // all loads; the dead ones that are missing
   using Loads = std::array<Mat3X<double>, amplitudes>;
 
-  void open(const std::vector<Index>& vertices);
+  void open(const std::vector<Index>& components);
   void change_members(const Elements& elements, const RegionEdit& edit);
   void add_stiffness(const Elements& elements, Index tet, double sign, const std::vector<Index>& row,
                      Eigen::MatrixXd& sum) const;
-  void change(const Elements& elements, const RegionEdit& edit, Mat3X<Real>& external, Mat3X<Real>& dead);
+  void change(const Elements& elements, const RegionEdit& edit, const std::vector<Index>& components,
+              Mat3X<Real>& external, Mat3X<Real>& dead);
   void take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external, Mat3X<Real>& dead);
-  std::vector<Index> close(const Elements& elements, const std::vector<Index>& vertices);
+  std::vector<Index> close(const Elements& elements, const std::vector<Index>& components);
+  std::vector<Index> interface() const;
+  Eigen::MatrixXd loads() const;
+  void take(std::unique_ptr<ReducedRegion> reduced);
   void build(const Elements& elements);
   void prepare_step(const Elements& elements);
 
@@ -75,13 +88,12 @@ class PrecomputedRegion {
 
   std::vector<std::uint8_t> member_;  // per tetrahedron
   Index tet_count_ = 0;
-  Tets corners_;          // of members, when they were last followed
-  Roles roles_;           // 3 × #vertices
-  Loads loads_;           // of the interior, 3 × #vertices [N]
-  ComponentNumbers dof_;  // 3 × #vertices, in condensed_
-  std::unique_ptr<Condensed> condensed_;
-  double scale_ = 1;        // of the stiffness [N/m]
-  Index most_touched_ = 0;  // beyond, it is condensed afresh
+  Tets corners_;  // of members, when they were last followed
+  Roles roles_;   // 3 × #vertices
+  Loads loads_;   // of the interior, 3 × #vertices [N]
+  std::unique_ptr<ReducedRegion> reduced_;
+  Index most_touched_ = 0;  // beyond, it had better be condensed afresh
+  std::future<std::unique_ptr<ReducedRegion>> refreshed_;
 
   // What a step reads.
   std::vector<Index> components_;  // of the interface: 3 × vertex + axis

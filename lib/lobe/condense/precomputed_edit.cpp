@@ -1,7 +1,7 @@
 // The pre-computed region follows edits: each is a promotion of the components around it to the interface, a change of
 // stiffness and loads there, and a demotion of those that are interior afterwards.
 #include <algorithm>
-#include <numeric>
+#include <iterator>
 
 #include "lobe/condense/precomputed.h"
 #include "lobe/error.h"
@@ -42,10 +42,18 @@ class Hold {
   Eigen::Matrix<std::uint8_t, 3, Eigen::Dynamic> state_;
 };
 
-template <class Visit>  // visit(axis, vertex)
-void for_components(const std::vector<Index>& vertices, Visit&& visit) {
+std::vector<Index> components_of(const std::vector<Index>& vertices) {
+  std::vector<Index> components;
   for (Index v : vertices)
-    for (int axis = 0; axis < 3; ++axis) visit(axis, v);
+    for (int axis = 0; axis < 3; ++axis) components.push_back(3 * v + axis);
+  return components;
+}
+
+template <class Picks>
+std::vector<Index> picked(const std::vector<Index>& components, Picks&& picks) {
+  std::vector<Index> found;
+  std::copy_if(components.begin(), components.end(), std::back_inserter(found), picks);
+  return found;
 }
 
 void refuse_large(Index interface) {
@@ -70,21 +78,20 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   member_.resize(std::size_t(tets), 0);
   corners_.conservativeResize(4, tets);
   roles_.conservativeResizeLike(Roles::Constant(3, vertices, Role::none));
-  dof_.conservativeResizeLike(ComponentNumbers::Constant(3, vertices, -1));
   for (Mat3X<double>& load : loads_) load.conservativeResizeLike(Mat3X<double>::Zero(3, vertices));
 
   const Hold hold(elements, held);
-  for_components(edit.vertices, [&](int axis, Index v) { roles_(axis, v) = hold.role(v, axis); });
-  const bool afresh = !condensed_ || condensed_->touched() > most_touched_;
+  const std::vector<Index> components = components_of(edit.vertices);
+  for (Index i : components) roles_.data()[i] = hold.role(i / 3, i % 3);
   std::vector<Index> mechanism;
-  if (afresh) {
+  if (!reduced_) {
     change_members(elements, edit);
     take_loads(edit.vertices, external, dead);
     build(elements);
   } else {
-    open(edit.vertices);
-    change(elements, edit, external, dead);
-    mechanism = close(elements, edit.vertices);
+    open(components);
+    change(elements, edit, components, external, dead);
+    mechanism = close(elements, components);
   }
   prepare_step(elements);
   return mechanism;
@@ -92,44 +99,28 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
 
 // On the interface what belongs to it from now on, and what is new.
 template <class Real>
-void PrecomputedRegion<Real>::open(const std::vector<Index>& vertices) {
-  std::vector<Index> leaving, fresh;
-  for_components(vertices, [&](int axis, Index v) {
-    const Index dof = dof_(axis, v);
-    if (dof < 0 && roles_(axis, v) != Role::none)
-      fresh.push_back(3 * v + axis);
-    else if (dof >= 0 && condensed_->column(dof) < 0 && roles_(axis, v) == Role::interface)
-      leaving.push_back(dof);
-  });
-  condensed_->promote(leaving);
-  Index dof = fresh.empty() ? 0 : condensed_->add(static_cast<Index>(fresh.size()), scale_);
-  for (Index component : fresh) dof_.data()[component] = dof++;
+void PrecomputedRegion<Real>::open(const std::vector<Index>& components) {
+  const auto role = [&](Index i) { return roles_.data()[i]; };
+  reduced_->promote(
+      picked(components, [&](Index i) { return reduced_->is_interior(i) && role(i) == Role::interface; }));
+  reduced_->add(picked(components, [&](Index i) { return !reduced_->has(i) && role(i) != Role::none; }));
 }
 
-// Stiffness and loads where they change. Components that nothing is attached to any more are held by a spring, unless
-// they are on the interface, which they leave; what becomes fixed does so, too. A mechanism becomes one of the interface,
-// for close() to find.
+// Stiffness and loads where they change. What becomes fixed leaves by way of the interface; components that nothing is
+// attached to any more are held by a spring.
 template <class Real>
-void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit, Mat3X<Real>& external,
+void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit,
+                                     const std::vector<Index>& all, Mat3X<Real>& external,
                                      Mat3X<Real>& dead) {
-  std::vector<Index> dofs, components, inside, fixed;
-  for_components(edit.vertices, [&](int axis, Index v) {
-    if (dof_(axis, v) < 0) return;
-    const auto around = elements.topology.around(v);
-    if (roles_(axis, v) == Role::none && condensed_->column(dof_(axis, v)) < 0 &&
-        std::any_of(around.begin(), around.end(), [&](Index t) { return is_member(elements, t); }))
-      fixed.push_back(dof_(axis, v));
-  });
-  condensed_->promote(fixed);
-  for_components(edit.vertices, [&](int axis, Index v) {
-    if (dof_(axis, v) < 0) return;
-    dofs.push_back(dof_(axis, v));
-    components.push_back(3 * v + axis);
-    if (condensed_->column(dofs.back()) < 0) inside.push_back(dofs.back());
-  });
-  const auto count = Eigen::Index(dofs.size());
+  reduced_->promote(picked(all, [&](Index i) {
+    const auto around = elements.topology.around(i / 3);
+    return reduced_->is_interior(i) && roles_.data()[i] == Role::none &&
+           std::any_of(around.begin(), around.end(), [&](Index t) { return is_member(elements, t); });
+  }));
+  const std::vector<Index> components = picked(all, [&](Index i) { return reduced_->has(i); });
+  const auto count = Eigen::Index(components.size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count), loads(count, amplitudes);
-  std::vector<Index> row(roles_.size(), -1);
+  std::vector<Index> row(std::size_t(roles_.size()), -1);
   for (std::size_t i = 0; i < components.size(); ++i) row[std::size_t(components[i])] = static_cast<Index>(i);
   for (Index t : edit.left)
     if (member_[t]) add_stiffness(elements, t, -1, row, stiffness);
@@ -142,13 +133,10 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
     const Index component = components[std::size_t(i)];
     for (int a = 0; a < amplitudes; ++a)
       loads(i, a) = loads_[a].data()[component] - before[a].data()[component];
-    const bool is_inside = condensed_->column(dofs[std::size_t(i)]) < 0;
-    if (roles_.data()[component] == Role::none && is_inside) stiffness(i, i) += scale_;
+    if (roles_.data()[component] == Role::none && reduced_->is_interior(component))
+      stiffness(i, i) += reduced_->spring();
   }
-  if (stiffness.isZero(0) && loads.isZero(0)) return;
-  if (condensed_->change(dofs, stiffness, loads)) return;
-  condensed_->promote(inside);
-  condensed_->change(dofs, stiffness, loads);
+  if (!stiffness.isZero(0) || !loads.isZero(0)) reduced_->change(components, stiffness, loads);
 }
 
 template <class Real>
@@ -180,65 +168,94 @@ void PrecomputedRegion<Real>::add_stiffness(const Elements& elements, Index tet,
 template <class Real>
 void PrecomputedRegion<Real>::take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external,
                                          Mat3X<Real>& dead) {
-  for_components(vertices, [&](int axis, Index v) {
+  for (Index i : components_of(vertices)) {
+    const Index v = i / 3;
+    const int axis = i % 3;
     std::array<double, amplitudes> load{};
     if (roles_(axis, v) == Role::interior) {
       load = {double(external(axis, v)), -double(dead(axis, v))};
       external(axis, v) = dead(axis, v) = 0;
     }
     for (int a = 0; a < amplitudes; ++a) loads_[a](axis, v) = load[a];
-  });
+  }
 }
 
 // Back to the interior with what does not belong to the interface.
 template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
-                                                  const std::vector<Index>& vertices) {
-  std::vector<Index> interior, gone, interior_vertices;
-  for_components(vertices, [&](int axis, Index v) {
-    Index& dof = dof_(axis, v);
-    if (dof < 0) return;
-    const bool is_outside = condensed_->column(dof) >= 0;
-    if (roles_(axis, v) == Role::interior && is_outside) {
-      interior.push_back(dof);
-      interior_vertices.push_back(v);
-    } else if (roles_(axis, v) == Role::none) {
-      if (is_outside) gone.push_back(dof);
-      dof = -1;
-    }
-  });
-  condensed_->forget(gone);
+                                                  const std::vector<Index>& components) {
+  reduced_->forget(
+      picked(components, [&](Index i) { return reduced_->has(i) && roles_.data()[i] == Role::none; }));
+  const std::vector<Index> interior = picked(
+      components, [&](Index i) { return roles_.data()[i] == Role::interior && reduced_->column(i) >= 0; });
   std::vector<Index> mechanism;
-  if (condensed_->demote(interior)) return mechanism;
-  for (Index v : interior_vertices)
-    for (Index t : elements.topology.around(v)) mechanism.push_back(t);
+  if (reduced_->demote(interior)) return mechanism;
+  for (Index i : interior)
+    for (Index t : elements.topology.around(i / 3)) mechanism.push_back(t);
   std::sort(mechanism.begin(), mechanism.end());
   mechanism.erase(std::unique(mechanism.begin(), mechanism.end()), mechanism.end());
   return mechanism;
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::build(const Elements& elements) {
-  std::vector<Index> interface;
+std::vector<Index> PrecomputedRegion<Real>::interface() const {
+  std::vector<Index> components;
   for (Eigen::Index i = 0; i < roles_.size(); ++i)
-    if (roles_.data()[i] == Role::interface) interface.push_back(static_cast<Index>(i));
-  refuse_large(static_cast<Index>(interface.size()));
-  const RegionFactor K(elements, roles_);
-  dof_ = K.number;
-  scale_ = K.mean_stiffness;
-  Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(K.size, amplitudes);
-  for (Eigen::Index i = 0; i < dof_.size(); ++i)
-    for (int a = 0; a < amplitudes && dof_.data()[i] >= 0; ++a)
-      loads(dof_.data()[i], a) = loads_[a].data()[i];
-  std::vector<Index> dofs;
-  for (Index component : interface) dofs.push_back(dof_.data()[component]);
-  condensed_ = cache_.condense(K, loads, dofs, make_factor_);
-  most_touched_ = 2 * condensed_->touched() + 600;
+    if (roles_.data()[i] == Role::interface) components.push_back(static_cast<Index>(i));
+  return components;
+}
+
+template <class Real>
+Eigen::MatrixXd PrecomputedRegion<Real>::loads() const {
+  Eigen::MatrixXd loads(roles_.size(), amplitudes);
+  for (int a = 0; a < amplitudes; ++a) loads.col(a) = loads_[a].reshaped();
+  return loads;
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::take(std::unique_ptr<ReducedRegion> reduced) {
+  reduced_ = std::move(reduced);
+  most_touched_ = 2 * reduced_->touched() + 150;
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::build(const Elements& elements) {
+  const std::vector<Index> components = interface();
+  refuse_large(static_cast<Index>(components.size()));
+  take(std::make_unique<ReducedRegion>(RegionFactor(elements, roles_), components, loads(), cache_,
+                                       make_factor_));
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::begin_refresh(const Elements& elements) {
+  reduced_->record();
+  refreshed_ = std::async(std::launch::async, [elements, roles = roles_, components = interface(),
+                                               loads = loads(), make_factor = make_factor_] {
+    CondensedCache none;
+    std::unique_ptr<ReducedRegion> reduced;
+    try {
+      reduced = std::make_unique<ReducedRegion>(RegionFactor(elements, roles), components, loads, none,
+                                                make_factor);
+    } catch (const InputError&) {
+    }
+    return reduced;
+  });
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::end_refresh(const Elements& elements) {
+  std::unique_ptr<ReducedRegion> reduced = refreshed_.get();
+  if (reduced && reduced_->repeat_on(*reduced)) {
+    take(std::move(reduced));
+    prepare_step(elements);
+  } else {  // what one finds loose, to rounding, the other does not: the old one is as exact
+    most_touched_ *= 2;
+  }
 }
 
 template <class Real>
 void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
-  const Eigen::MatrixXd& S = condensed_->stiffness();
+  const Eigen::MatrixXd& S = reduced_->stiffness();
   const auto n = static_cast<Index>(S.rows());
   stiffness_.set(S.rightCols(n));
   given_.resize(std::size_t(n));
@@ -247,10 +264,7 @@ void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
     given_[i] = static_cast<Real>(-S(i, 0));
     missing_[i] = static_cast<Real>(-S(i, 1));
   }
-  components_.resize(std::size_t(n));
-  for (Eigen::Index i = 0; i < dof_.size(); ++i)
-    if (dof_.data()[i] >= 0 && condensed_->column(dof_.data()[i]) >= 0)
-      components_[std::size_t(condensed_->column(dof_.data()[i]))] = static_cast<Index>(i);
+  components_ = reduced_->interface();
   shared_.clear();
   for (Index component : components_) {
     const auto around = elements.topology.around(component / 3);

@@ -148,6 +148,11 @@ void World<Real>::repeat(const Edit& edit) {
   if (edit.kind == Edit::Kind::removal) cut(edit.tets);
   if (edit.kind == Edit::Kind::region) change_region(edit.tets, edit.model);
   if (edit.kind == Edit::Kind::held) refresh_held(std::exchange(held_, edit.held));
+  const bool begins = edit.kind == Edit::Kind::begin_refresh, ends = edit.kind == Edit::Kind::end_refresh;
+  if ((begins || ends) && (ends != precomputed_.is_refreshing() || precomputed_.tet_count() == 0))
+    throw InputError("checkpoint", "does not fit the scene that it says it is of");
+  if (begins) begin_refresh(edit.due);
+  if (ends) end_refresh();
 }
 
 template <class Real>

@@ -9,7 +9,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 3,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 4,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -69,14 +69,17 @@ void put(io::ByteWriter& out, const Edit& edit) {
   out.put(edit.model);
   out.put_all(std::span(edit.tets));
   put(out, edit.held);
+  out.put(edit.due);
 }
 
 Edit get_edit(io::ByteReader& in, Eigen::Index vertices) {
   Edit edit;
-  edit.kind = Edit::Kind(in.get_choice(3));
+  edit.kind = Edit::Kind(in.get_choice(5));
   edit.model = RegionModel(in.get_choice(3));
   edit.tets = in.get_all<Index>();
   edit.held = get_held_vertices(in, vertices);
+  edit.due = in.get<double>();
+  in.expect(std::isfinite(edit.due));
   return edit;
 }
 

@@ -38,13 +38,15 @@ struct StateView {
 };
 
 // One edit of a world: tetrahedra that were removed, or that were given another model; what is held from then on, where
-// a precomputed region depends on it.
+// a precomputed region depends on it; that this is condensed afresh beside the simulation, and that it goes on with the
+// result.
 struct Edit {
-  enum class Kind : std::uint8_t { removal, region, held };
+  enum class Kind : std::uint8_t { removal, region, held, begin_refresh, end_refresh };
   Kind kind = Kind::removal;
   RegionModel model = RegionModel::nonlinear;
   std::vector<Index> tets;
   HeldVertices held = {};
+  double due = 0;  // of begin_refresh: when the other follows [s]
   bool operator==(const Edit&) const = default;
 };
 
@@ -118,6 +120,9 @@ class World {
   void follow(RegionEdit edit);
   void add_unanchored(RegionEdit& edit);
   void refresh_held(const HeldVertices& before);
+  void refresh_condensed();
+  void begin_refresh(double due);
+  void end_refresh();
   void refuse_precomputed(const std::vector<Index>& tets);
   RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);
   void refresh_vertices(const std::vector<Index>& vertices);
@@ -159,6 +164,7 @@ class World {
   Elements elements_;
   TensorMassRegion<Real> tensor_mass_;
   PrecomputedRegion<Real> precomputed_;
+  double refresh_due_ = 0;  // while it is condensed afresh [s]
   NonlinearRegion<Real> nonlinear_;
   DeadLoads loads_;
   Tools tools_;

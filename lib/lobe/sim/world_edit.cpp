@@ -118,6 +118,32 @@ void World<Real>::follow(RegionEdit edit) {
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
 }
 
+// At a frame's start. The result is taken when it is due, on a slow machine by waiting for it, so that a run is the same
+// to the bit on every one.
+template <class Real>
+void World<Real>::refresh_condensed() {
+  constexpr double delay = 1;  // [s]
+  if (precomputed_.is_refreshing() && state_.time >= refresh_due_)
+    end_refresh();
+  else if (precomputed_.wants_refresh())
+    begin_refresh(state_.time + delay);
+}
+
+template <class Real>
+void World<Real>::begin_refresh(double due) {
+  precomputed_.begin_refresh(elements_);
+  refresh_due_ = due;
+  history_.push_back({Edit::Kind::begin_refresh, {}, {}, {}, due});
+}
+
+template <class Real>
+void World<Real>::end_refresh() {
+  precomputed_.end_refresh(elements_);
+  interior_is_stale_ = true;
+  known_ = Known::stale;
+  history_.push_back({Edit::Kind::end_refresh, {}, {}});
+}
+
 // Vertices that somebody has taken hold of or let go.
 template <class Real>
 void World<Real>::refresh_held(const HeldVertices& before) {

@@ -109,6 +109,7 @@ Report World<Real>::advance(double duration) {
 template <class Real>
 void World<Real>::advance_to(double end, Report& report) {
   const double duration = end - state_.time;
+  refresh_condensed();
   if (known_ != Known::anew) {
     const Timed timed(report, Phase::time_step);
     find_frequencies();

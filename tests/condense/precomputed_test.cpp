@@ -287,6 +287,6 @@ TEST_CASE("an interface too large for memory is refused before anything is alloc
     if (barycentre(setup.mesh, t).z() < 0.01) setup.region_of[t] = RegionModel::precomputed;
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (setup.mesh.points(2, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
-  CHECK_THROWS_WITH_AS(World<float>{setup}, doctest::Contains("3721 vertices would take 4486 MB"),
+  CHECK_THROWS_WITH_AS(World<float>{setup}, doctest::Contains("3721 vertices would take 10966 MB"),
                        InputError);
 }

@@ -24,7 +24,6 @@ bool holds(const Eigen::LLT<Matrix>& factor, const Matrix& K) {
 // W of (3); R is zero but for the rows of the interior. None where what is left does not hold.
 std::optional<Matrix> change_between(const std::vector<Index>& interior, const Matrix& stiffness,
                                      const Matrix& R) {
-  if (interior.empty()) return stiffness;
   const Eigen::LLT<Matrix> compliance(Matrix(R(interior, interior)));
   const Matrix left = inverse(compliance) + stiffness(interior, interior);
   const Eigen::LLT<Matrix> factor(left);
@@ -177,8 +176,11 @@ Condensed::Response Condensed::response_at(const Dofs& dofs) {
     Z(P[i], Eigen::Index(i)) = 1;
     if (known(inside[i])) G.row(Eigen::Index(i)).head(amplitudes) += response_.row(inside[i]);
   }
-  products_.add(-1, {N_.topLeftCorner(before, before)}, {A_known}, Z.topRows(before));
-  at.R(rows, rows) = products_.product({A_TP, true}, {Z});
+  const Matrix NA = products_.product({N_.topLeftCorner(before, before)}, {A_known});
+  Z.topRows(before) -= NA;
+  Matrix R = A_(P, P);
+  products_.add_symmetric(-1, {A_known, true}, {NA}, R);
+  at.R(rows, rows) = R;
   at.G(rows, Eigen::all) = G;
   at.Z = Matrix::Zero(A_.rows(), count);
   at.Z(Eigen::all, rows) = Z;
@@ -186,8 +188,17 @@ Condensed::Response Condensed::response_at(const Dofs& dofs) {
 }
 
 bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
+  const std::vector<Index> interior = interior_rows(dofs);
+  if (interior.empty()) {
+    for (std::size_t i = 0; i < dofs.size(); ++i) {
+      S_.row(column(dofs[i])).head(loads_.cols()) -= loads.row(Eigen::Index(i));
+      for (std::size_t j = 0; j < dofs.size(); ++j)
+        S_(column(dofs[i]), loads_.cols() + column(dofs[j])) += stiffness(Eigen::Index(i), Eigen::Index(j));
+    }
+    return true;
+  }
   auto [G, Z, R] = response_at(dofs);
-  const auto W = change_between(interior_rows(dofs), stiffness, R);
+  const auto W = change_between(interior, stiffness, R);
   if (!W) return false;
   const Eigen::Index amplitudes = loads_.cols(), n = S_.rows();
   S_.leftCols(amplitudes).noalias() -= G.rightCols(n).transpose() * loads;

@@ -57,7 +57,7 @@ std::vector<Index> picked(const std::vector<Index>& components, Picks&& picks) {
 }
 
 void refuse_large(Index interface) {
-  const double bytes = 36.0 * interface * interface;
+  const double bytes = 88.0 * interface * interface;  // while it is condensed; afterwards half of it
   if (bytes <= most_bytes) return;
   throw InputError("precomputed region",
                    "its interface of " + std::to_string(interface / 3) + " vertices would take " +

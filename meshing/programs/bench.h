@@ -13,6 +13,7 @@ struct BenchOptions {
   std::vector<std::string> surfaces;
   std::filesystem::path output;
   std::vector<int> tets = {2000, 20000, 200000};
+  int first = 0;           // number of the first fuzzed surface
   int count = 1000;        // of fuzzed surfaces
   double time_limit = 60;  // [s] of each of those
 };

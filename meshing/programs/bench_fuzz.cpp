@@ -184,15 +184,14 @@ int bench_fuzz(const BenchOptions& options) {
   const TemporaryFolder folder;
   std::map<std::string, Counts> table;
   int wrong = 0;
-  for (int number = 0; number < options.count; ++number) {
+  for (int number = options.first; number < options.first + options.count; ++number) {
     Random random(static_cast<std::uint64_t>(number));
     Surface surface = bases[static_cast<std::size_t>(number / (kind_count + 1)) % bases.size()];
     const std::string kind = damage(surface, number, random);
     const std::filesystem::path file = folder.path() / "surface.vtp";
     write_surface(file, surface.points, surface.triangles);
     const std::string fault = run_one(file, surface, options, table[kind]);
-    if ((number + 1) % 50 == 0)
-      std::fprintf(stderr, "%d of %d, %d wrong\n", number + 1, options.count, wrong);
+    if (number % 50 == 0) std::fprintf(stderr, "surface %d, %d wrong so far\n", number, wrong);
     if (fault.empty()) continue;
     ++wrong;
     ++table[kind].wrong;

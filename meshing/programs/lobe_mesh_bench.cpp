@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   common(quality);
   common(fuzz);
   quality.add_option("--tets", options.tets, "numbers of tetrahedra")->delimiter(',')->capture_default_str();
+  fuzz.add_option("--first", options.first, "number of the first damaged surface")->capture_default_str();
   fuzz.add_option("--count", options.count, "of damaged surfaces")->capture_default_str();
   fuzz.add_option("--time-limit", options.time_limit, "of each [s]")->capture_default_str();
   app.require_subcommand(1);

@@ -1,4 +1,4 @@
-// lobe-organs -o DIR: writes the surfaces of data/ from their formulas, and prints what README.md there says
+// lobe-organs -o DIR: writes the surfaces and the label image of data/ from their formulas, and prints what README.md there says
 // of them. Exit status 1 if a surface fails a check, 2 for bad input.
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "iso_surface.h"
+#include "labels.h"
 
 namespace {
 
@@ -45,7 +46,9 @@ void write_obj(const std::filesystem::path& file, const Organ& organ) {
 int main(int argc, char** argv) {
   CLI::App app{"Generates the organ surfaces of data/ from formulas."};
   std::filesystem::path folder;
-  app.add_option("-o,--output", folder, "Folder to write liver.obj, kidney.obj, cylinder.obj to")->required();
+  app.add_option("-o,--output", folder,
+                 "Folder to write liver.obj, kidney.obj, cylinder.obj, liver_labels.nrrd to")
+      ->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -65,6 +68,7 @@ int main(int argc, char** argv) {
       sound = sound && is_sound(report);
       write_obj(folder / (organ.name + ".obj"), organ);
     }
+    organs::write_labels(folder / "liver_labels.nrrd");
     return sound ? 0 : 1;
   } catch (const std::exception& error) {
     std::cerr << "lobe-organs: error: " << error.what() << '\n';

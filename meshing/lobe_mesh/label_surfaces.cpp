@@ -57,48 +57,68 @@ struct Patch {
   }
 };
 
+class Contour {
+ public:
+  explicit Contour(const LabelGrid& grid)
+      : grid_(grid),
+        vertex_of_(grid.regions.size(), -1),
+        mirrored_(grid.to_world.leftCols<3>().determinant() < 0) {
+    for_each_cell([&](const Cell& cell) { add_vertex(cell); });
+    for_each_cell([&](const Cell& cell) {
+      for (int axis = 0; axis < 3; ++axis) add_square(cell, axis);
+    });
+  }
+  const std::map<std::pair<int, int>, Patch>& patches() const { return patches_; }
+
+ private:
+  template <class Visit>
+  void for_each_cell(const Visit& visit) const {
+    for (Index k = 0; k + 1 < grid_.size[2]; ++k)
+      for (Index j = 0; j + 1 < grid_.size[1]; ++j)
+        for (Index i = 0; i + 1 < grid_.size[0]; ++i) visit(Cell{i, j, k});
+  }
+  int region(const Cell& c) const { return grid_.regions[grid_.index(c[0], c[1], c[2])]; }
+
+  void add_vertex(const Cell& cell) {
+    Vec3d at;
+    if (!dual_vertex(grid_, cell, at)) return;
+    vertex_of_[grid_.index(cell[0], cell[1], cell[2])] = static_cast<Index>(points_.size());
+    points_.push_back(grid_.to_world.leftCols<3>() * at + grid_.to_world.col(3));
+  }
+
+  // An edge between two regions is in four cubes, whose vertices make a square that it pierces.
+  void add_square(const Cell& from, int axis) {
+    Cell to = from;
+    ++to[axis];
+    const int a = region(from), b = region(to);
+    if (a == b) return;
+    Patch& patch = patches_[std::minmax(a, b)];
+    std::array<Index, 4> corners{};
+    for (int c = 0; c < 4; ++c) {  // counter-clockwise about the edge
+      Cell cube = from;
+      cube[(axis + 1) % 3] -= c == 0 || c == 3 ? 1 : 0;
+      cube[(axis + 2) % 3] -= c < 2 ? 1 : 0;
+      const Index vertex = vertex_of_[grid_.index(cube[0], cube[1], cube[2])];
+      corners[c] = patch.add(vertex, points_[vertex]);
+    }
+    if ((a < b) != mirrored_) std::swap(corners[1], corners[3]);  // seen from outside of the larger
+    patch.triangles.push_back({corners[0], corners[1], corners[2]});
+    patch.triangles.push_back({corners[0], corners[2], corners[3]});
+  }
+
+  const LabelGrid& grid_;
+  std::vector<Index> vertex_of_;  // of the cube whose first corner is this voxel
+  bool mirrored_;
+  std::vector<Vec3d> points_;
+  std::map<std::pair<int, int>, Patch> patches_;
+};
+
 }  // namespace
 
 std::vector<Surface> label_surfaces(const LabelGrid& grid, std::vector<Sides>& sides) {
-  std::vector<Index> vertex_of(grid.regions.size(), -1);  // of the cube whose first corner is this voxel
-  std::vector<Vec3d> points;
-  const auto for_each = [&](const auto& visit) {
-    for (Index k = 0; k + 1 < grid.size[2]; ++k)
-      for (Index j = 0; j + 1 < grid.size[1]; ++j)
-        for (Index i = 0; i + 1 < grid.size[0]; ++i) visit(Cell{i, j, k});
-  };
-  for_each([&](const Cell& cell) {
-    Vec3d at;
-    if (!dual_vertex(grid, cell, at)) return;
-    vertex_of[grid.index(cell[0], cell[1], cell[2])] = static_cast<Index>(points.size());
-    points.push_back(grid.to_world.leftCols<3>() * at + grid.to_world.col(3));
-  });
-  const bool mirrored = grid.to_world.leftCols<3>().determinant() < 0;
-  std::map<std::pair<int, int>, Patch> patches;
-  // Every edge between two regions is in four cubes, whose vertices make a square that it pierces.
-  for_each([&](const Cell& from) {
-    for (int axis = 0; axis < 3; ++axis) {
-      Cell to = from;
-      ++to[axis];
-      const int a = grid.regions[grid.index(from[0], from[1], from[2])],
-                b = grid.regions[grid.index(to[0], to[1], to[2])];
-      if (a == b) continue;
-      Patch& patch = patches[std::minmax(a, b)];
-      std::array<Index, 4> corners{};
-      for (int c = 0; c < 4; ++c) {  // counter-clockwise about the edge
-        Cell cube = from;
-        cube[(axis + 1) % 3] -= c == 0 || c == 3 ? 1 : 0;
-        cube[(axis + 2) % 3] -= c < 2 ? 1 : 0;
-        const Index vertex = vertex_of[grid.index(cube[0], cube[1], cube[2])];
-        corners[c] = patch.add(vertex, points[vertex]);
-      }
-      if ((a < b) != mirrored) std::swap(corners[1], corners[3]);  // seen from outside of the larger
-      patch.triangles.push_back({corners[0], corners[1], corners[2]});
-      patch.triangles.push_back({corners[0], corners[2], corners[3]});
-    }
-  });
+  const Contour contour(grid);
   std::vector<Surface> surfaces;
-  for (const auto& [pair, patch] : patches) {
+  for (const auto& [pair, patch] : contour.patches()) {
     surfaces.push_back(patch.surface());
     sides.push_back({pair.second - 1, pair.first - 1});
   }

@@ -10,6 +10,7 @@
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"
+#include "lobe_mesh/model.h"
 #include "lobe_mesh/repair.h"
 
 namespace lobe::meshing {
@@ -28,6 +29,12 @@ struct Row {
            (asked < 20000 || std::abs(value("volume_error_percent")) <= 1);
   }
 };
+
+double volume_of(const std::string& file) {
+  if (is_label_image(file)) return make_model(read_label_image(file), 0).total_volume();
+  RepairReport repair;
+  return enclosed_volume(repair_surface(read_surface(file), {}, repair));
+}
 
 Row measure(const std::string& file, double volume, const std::string& mesher, int tets) {
   const TemporaryFolder folder;
@@ -78,10 +85,10 @@ int bench_quality(const BenchOptions& options) {
       "|\n|---|---|---|---|---|---|---|---|---|---|---|---|");
   int bad = 0;
   for (const std::string& file : options.surfaces) {
-    RepairReport repair;
-    const double volume = enclosed_volume(repair_surface(read_surface(file), {}, repair));
+    const double volume = volume_of(file);
     for (const int tets : options.tets) {
       for (const char* mesher : {"cgal", "tetgen"}) {
+        if (is_label_image(file) && mesher == std::string("tetgen")) continue;
         const Row row = measure(file, volume, mesher, tets);
         print(row);
         std::fflush(stdout);

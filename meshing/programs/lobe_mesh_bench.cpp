@@ -12,7 +12,9 @@ int main(int argc, char** argv) {
   CLI::App app("What lobe-mesh reaches, and what it survives.", "lobe-mesh-bench");
   BenchOptions options;
   const auto common = [&](CLI::App& command) {
-    command.add_option("SURFACE", options.surfaces, "surfaces, as for lobe-mesh")->required();
+    command
+        .add_option("SURFACE", options.surfaces, "surfaces, and for quality label images, as for lobe-mesh")
+        ->required();
     command.add_option("-o,--output", options.output, "folder for the table, made if missing")->required();
   };
   CLI::App& quality = *app.add_subcommand("quality", "quality, time and memory of meshes of several sizes");

@@ -200,6 +200,18 @@ TEST_CASE(
   CHECK(region(to_world * Eigen::Vector4d(-0.4, 2, 2, 1)) != 0);
 }
 
+TEST_CASE("surfaces face outwards, also in a mirrored image") {
+  for (const double side : {1.0, -1.0}) {
+    LabelImage image = ball(8e-3);
+    image.to_world.row(1) *= side;
+    std::vector<Sides> sides;
+    const Surface surface = label_surfaces(make_label_grid(image, 1), sides).front();
+    CHECK(enclosed_volume(surface) == doctest::Approx(1e-9 * voxels(image, 1)).epsilon(0.03));
+    MeshReport report;
+    CHECK(total_volume(mesh_of(image, {.edge = 4e-3}, report)) > 0);
+  }
+}
+
 TEST_CASE("the smoothing takes the steps from a ball, not its volume") {
   const LabelImage image = ball(12e-3);
   const double volume = 1e-9 * voxels(image, 1), radius = std::cbrt(3 * volume / (4 * std::numbers::pi));

@@ -53,8 +53,13 @@ class RegionAt {
   Mat34<double> to_grid_;
 };
 
-// The interfaces between the regions, one surface per pair that meets, by dual contouring: a vertex in every cube
-// of eight voxels that are not all of one region, at the mean of the crossings on its edges.
-std::vector<Surface> label_surfaces(const LabelGrid& grid, std::vector<Sides>& sides);
+// The interfaces between the regions, by dual contouring: a vertex in every cube of eight voxels that are not all of
+// one region, at the mean of the crossings on its edges.
+struct LabelSurfaces {
+  std::vector<Surface> surfaces;         // one per pair of regions that meet
+  std::vector<Sides> sides;              // of each
+  std::vector<Mat3X<double>> junctions;  // lines where three or more regions meet, smoothed
+};
+LabelSurfaces label_surfaces(const LabelGrid& grid);
 
 }  // namespace lobe::meshing

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "lobe_mesh/label_grid.h"
+#include "lobe_mesh/lines.h"
 
 namespace lobe::meshing {
 namespace {
@@ -65,10 +66,23 @@ class Contour {
         mirrored_(grid.to_world.leftCols<3>().determinant() < 0) {
     for_each_cell([&](const Cell& cell) { add_vertex(cell); });
     for_each_cell([&](const Cell& cell) {
-      for (int axis = 0; axis < 3; ++axis) add_square(cell, axis);
+      for (int axis = 0; axis < 3; ++axis) {
+        add_square(cell, axis);
+        add_junction(cell, axis);
+      }
     });
   }
   const std::map<std::pair<int, int>, Patch>& patches() const { return patches_; }
+
+  std::vector<Mat3X<double>> junctions() const {
+    std::vector<Mat3X<double>> lines;
+    for (const Polyline& line : lines_of(junction_edges_)) {
+      Mat3X<double>& points = lines.emplace_back(3, line.size());
+      for (std::size_t i = 0; i < line.size(); ++i) points.col(i) = points_[line[i]];
+      smooth(points);
+    }
+    return lines;
+  }
 
  private:
   template <class Visit>
@@ -106,23 +120,52 @@ class Contour {
     patch.triangles.push_back({corners[0], corners[2], corners[3]});
   }
 
+  // Between the cubes on both sides of a square of four voxels with three or more regions.
+  void add_junction(const Cell& cube, int axis) {
+    Cell before = cube;
+    if (--before[axis] < 0) return;
+    std::array<int, 4> regions{};
+    for (int c = 0; c < 4; ++c) {
+      Cell voxel = cube;
+      voxel[(axis + 1) % 3] += c & 1;
+      voxel[(axis + 2) % 3] += c >> 1;
+      regions[c] = region(voxel);
+    }
+    std::sort(regions.begin(), regions.end());
+    if (std::unique(regions.begin(), regions.end()) - regions.begin() < 3) return;
+    junction_edges_.emplace_back(vertex_of_[grid_.index(before[0], before[1], before[2])],
+                                 vertex_of_[grid_.index(cube[0], cube[1], cube[2])]);
+  }
+
+  // The steps between voxels; ends stay.
+  static void smooth(Mat3X<double>& line) {
+    constexpr int rounds = 10;
+    for (int round = 0; round < rounds; ++round) {
+      const Mat3X<double> old = line;
+      for (Eigen::Index i = 1; i + 1 < line.cols(); ++i)
+        line.col(i) = (old.col(i - 1) + 2 * old.col(i) + old.col(i + 1)) / 4;
+    }
+  }
+
   const LabelGrid& grid_;
   std::vector<Index> vertex_of_;  // of the cube whose first corner is this voxel
   bool mirrored_;
   std::vector<Vec3d> points_;
   std::map<std::pair<int, int>, Patch> patches_;
+  std::vector<std::pair<Index, Index>> junction_edges_;
 };
 
 }  // namespace
 
-std::vector<Surface> label_surfaces(const LabelGrid& grid, std::vector<Sides>& sides) {
+LabelSurfaces label_surfaces(const LabelGrid& grid) {
   const Contour contour(grid);
-  std::vector<Surface> surfaces;
+  LabelSurfaces result;
   for (const auto& [pair, patch] : contour.patches()) {
-    surfaces.push_back(patch.surface());
-    sides.push_back({pair.second - 1, pair.first - 1});
+    result.surfaces.push_back(patch.surface());
+    result.sides.push_back({pair.second - 1, pair.first - 1});
   }
-  return surfaces;
+  result.junctions = contour.junctions();
+  return result;
 }
 
 }  // namespace lobe::meshing

@@ -72,6 +72,19 @@ CGAL::Bbox_3 box_of(const Model& model, double margin) {
   return {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
 }
 
+// Lines where regions meet become lines of edges; too short ones would ask for tiny edges and are left to chance.
+void add_junctions(Domain& domain, const Model& model, double edge) {
+  constexpr double shortest = 2.5;  // edges
+  std::vector<std::vector<Point>> lines;
+  for (const Mat3X<double>& line : model.junctions) {
+    const auto n = line.cols() - 1;
+    if ((line.rightCols(n) - line.leftCols(n)).colwise().norm().sum() < shortest * edge) continue;
+    auto& points = lines.emplace_back();
+    for (const auto& p : line.colwise()) points.emplace_back(p.x(), p.y(), p.z());
+  }
+  if (!lines.empty()) domain.add_features(lines.begin(), lines.end());
+}
+
 }  // namespace
 
 TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run) {
@@ -83,6 +96,7 @@ TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run) {
     const double radius =
         std::hypot(box.xmax() - box.xmin(), box.ymax() - box.ymin(), box.zmax() - box.zmin()) / 2;
     Counted<Domain> domain(model, run.sizing, box, error_bound * edge / radius, random);
+    add_junctions(domain, model, edge);
     return refine(domain, run, CGAL::parameters::non_manifold());
   });
 }

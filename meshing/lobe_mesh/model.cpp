@@ -99,7 +99,10 @@ Model make_model(std::vector<Surface> surfaces) {
 Model make_model(const LabelImage& image, double smoothing) {
   const auto grid = std::make_shared<const LabelGrid>(make_label_grid(image, smoothing));
   Model model;
-  model.surfaces = label_surfaces(*grid, model.sides);
+  LabelSurfaces found = label_surfaces(*grid);
+  model.surfaces = std::move(found.surfaces);
+  model.sides = std::move(found.sides);
+  model.junctions = std::move(found.junctions);
   model.features.resize(model.surfaces.size());
   model.labels = grid->values;
   model.volumes = grid->volumes;

@@ -27,6 +27,7 @@ struct Model {
   std::vector<int> labels;                      // of each region, in what is written
   std::vector<double> volumes;                  // [m³] of each region
   std::vector<std::string> warnings;
+  std::vector<Mat3X<double>> junctions;           // [m] of an image: lines where three or more regions meet
   std::function<int(const Vec3d&)> image_region;  // of an image, −1: background; else empty
 
   bool is_image() const { return static_cast<bool>(image_region); }

@@ -9,6 +9,8 @@
 #include <numeric>
 #include <set>
 
+#include "lobe_mesh/lines.h"
+
 namespace lobe::meshing {
 namespace {
 
@@ -107,14 +109,11 @@ Mat3X<double> UnitBox::from_unit(const Mat3X<double>& points) const {
   return (points * size).colwise() + centre;
 }
 
-std::vector<Polyline> feature_lines(const Surface& surface, double angle, double shortest) {
-  EdgeLengths edges = sharp_edges(surface, angle);
-  drop_creases(surface, edges);
-  drop_short_groups(edges, shortest);
+std::vector<Polyline> lines_of(const std::vector<std::pair<Index, Index>>& edges) {
   std::map<Index, std::set<Index>> next;
-  for (const auto& [edge, length] : edges) {
-    next[edge.first].insert(edge.second);
-    next[edge.second].insert(edge.first);
+  for (const auto& [a, b] : edges) {
+    next[a].insert(b);
+    next[b].insert(a);
   }
   std::set<Index> corners;  // where a line ends: other than two edges meet
   for (const auto& [v, around] : next) {
@@ -139,6 +138,15 @@ std::vector<Polyline> feature_lines(const Surface& surface, double angle, double
     if (!around.empty()) follow(v);  // what remains are closed loops
   }
   return lines;
+}
+
+std::vector<Polyline> feature_lines(const Surface& surface, double angle, double shortest) {
+  EdgeLengths edges = sharp_edges(surface, angle);
+  drop_creases(surface, edges);
+  drop_short_groups(edges, shortest);
+  std::vector<std::pair<Index, Index>> pairs;
+  for (const auto& [edge, length] : edges) pairs.push_back(edge);
+  return lines_of(pairs);
 }
 
 }  // namespace lobe::meshing

@@ -118,6 +118,7 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
   }
   for (std::size_t k = 0; k < surfaces_.size(); ++k)
     interfaces_[std::minmax(model.sides[k].outside, model.sides[k].inside)] = &surfaces_[k];
+  for (Mat3X<double>& line : scaled_.junctions) line = unit_.to_unit(line);
   if (model.is_image()) {
     scaled_.image_region = [&](const Vec3d& point) { return model.image_region(unit_.from_unit(point)); };
   }

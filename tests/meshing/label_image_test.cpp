@@ -204,8 +204,7 @@ TEST_CASE("surfaces face outwards, also in a mirrored image") {
   for (const double side : {1.0, -1.0}) {
     LabelImage image = ball(8e-3);
     image.to_world.row(1) *= side;
-    std::vector<Sides> sides;
-    const Surface surface = label_surfaces(make_label_grid(image, 1), sides).front();
+    const Surface surface = label_surfaces(make_label_grid(image, 1)).surfaces.front();
     CHECK(enclosed_volume(surface) == doctest::Approx(1e-9 * voxels(image, 1)).epsilon(0.03));
     MeshReport report;
     CHECK(total_volume(mesh_of(image, {.edge = 4e-3}, report)) > 0);
@@ -216,8 +215,8 @@ TEST_CASE("the smoothing takes the steps from a ball, not its volume") {
   const LabelImage image = ball(12e-3);
   const double volume = 1e-9 * voxels(image, 1), radius = std::cbrt(3 * volume / (4 * std::numbers::pi));
   const auto roughness = [&](double smoothing) {
-    std::vector<Sides> sides;
-    const std::vector<Surface> surfaces = label_surfaces(make_label_grid(image, smoothing), sides);
+    const auto [surfaces, sides, junctions] = label_surfaces(make_label_grid(image, smoothing));
+    CHECK(junctions.empty());
     REQUIRE(surfaces.size() == 1);
     CHECK(sides[0].inside == 0);
     CHECK(sides[0].outside == -1);
@@ -237,8 +236,7 @@ TEST_CASE("the surface of a box of voxels lies on their faces, with smoothing to
     return x.x() < 26 && x.y() > 25 && x.z() > 40 && x.z() < 80 ? 1 : 0;
   });
   const auto voxels_off = [&](double smoothing) {
-    std::vector<Sides> sides;
-    const Surface surface = label_surfaces(make_label_grid(image, smoothing), sides).front();
+    const Surface surface = label_surfaces(make_label_grid(image, smoothing)).surfaces.front();
     const Vec3d low = surface.points.rowwise().minCoeff() - Vec3d(9.5, 25, 40.5),
                 high = surface.points.rowwise().maxCoeff() - Vec3d(25.5, 59, 79.5);
     return std::max(low.cwiseQuotient(spacing).cwiseAbs().maxCoeff(),
@@ -282,6 +280,22 @@ TEST_CASE("the mesh of a box of flat voxels has its place and, but for its edges
   CHECK(lost[0] < 0.035 * 28 * 14 * 12 * 2e-9);  // edges are rounded
   CHECK(lost[1] < 0.6 * lost[0]);
   CHECK(lost[1] > 0);
+}
+
+TEST_CASE("labels meet in lines") {
+  // Two halves of a ball and what is outside meet in a circle.
+  const double radius = 10e-3;
+  const LabelImage image = ball(radius, [](const Vec3d& x) { return x.z() < 0 ? 1 : 2; });
+  const auto [surfaces, sides, junctions] = label_surfaces(make_label_grid(image, 1));
+  CHECK(surfaces.size() == 3);
+  REQUIRE(junctions.size() == 1);
+  const Mat3X<double>& line = junctions[0];
+  CHECK(line.col(0) == line.col(line.cols() - 1));
+  CHECK(std::abs(line.row(2).maxCoeff()) < 0.8e-3);
+  CHECK((line.topRows<2>().colwise().norm().array() - radius).abs().maxCoeff() < 0.8e-3);
+  const auto n = line.cols() - 1;
+  CHECK((line.rightCols(n) - line.leftCols(n)).colwise().norm().sum() ==
+        doctest::Approx(2 * std::numbers::pi * radius).epsilon(0.05));
 }
 
 TEST_CASE("labels that share walls conform, with the volumes of their voxels") {

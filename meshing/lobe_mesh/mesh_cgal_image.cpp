@@ -74,7 +74,7 @@ CGAL::Bbox_3 box_of(const Model& model, double margin) {
 
 // Lines where regions meet become lines of edges; too short ones would ask for tiny edges and are left to chance.
 void add_junctions(Domain& domain, const Model& model, double edge) {
-  constexpr double shortest = 2.5;  // edges
+  constexpr double shortest = 3;  // edges
   std::vector<std::vector<Point>> lines;
   for (const Mat3X<double>& line : model.junctions) {
     const auto n = line.cols() - 1;

@@ -9,6 +9,7 @@
 #include "benchmarks/accuracy_cases.h"
 #include "benchmarks/accuracy_models.h"
 #include "benchmarks/files.h"
+#include "benchmarks/gestures.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
 #include "lobe/condense/interface_size.h"
@@ -229,7 +230,8 @@ void bench_hybrid(const Options& options) {
       }
     }
   write_file(options.output / "hybrid.csv", csv(all));
-  write_file(options.output / "hybrid.gp", plot_script);
+  const std::string of_gestures = options.scenes.empty() ? bench_gestures(options) : "";
+  write_file(options.output / "hybrid.gp", plot_script + of_gestures);
 }
 
 }  // namespace lobe::bench

@@ -6,6 +6,7 @@
 //   cut/          instruments against tetrahedra
 //   sim/          state, time step, tools, World
 //   solve/        static equilibrium
+//   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
 //   diagnostics/  strain, stress, volume, differences between results
@@ -27,6 +28,8 @@
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
+#include "lobe/linearity/proposal.h"
+#include "lobe/linearity/watch.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/mesh/refine.h"

@@ -41,6 +41,21 @@ Loaded load(const SceneOptions& options) {
   return {std::move(scene), std::move(resolved)};
 }
 
+// Static solutions of the gestures that the regions are chosen for.
+void choose_regions(Loaded& loaded) {
+  ProgressBar bar("choosing regions");
+  propose(loaded.scene, loaded.resolved, linked_solver.make, [&](double fraction) { bar.show(fraction); });
+}
+
+void print_proposal(const Proposal& proposal) {
+  std::printf("linear: %.3g %% of the volume; step %.2f times as fast as all non-linear (predicted %.2f)\n",
+              100 * proposal.linear_share, proposal.measured_speedup, proposal.predicted_speedup);
+  for (const GestureOutcome& gesture : proposal.gestures)
+    std::printf("  %-24s error %.2f %% (predicted %.2f %%)\n", gesture.name.c_str(), 100 * gesture.measured,
+                100 * gesture.predicted);
+  std::fflush(stdout);
+}
+
 Json info_json(const MeshFile& file, const InfoOptions& options) {
   const TetMesh& mesh = file.mesh;
   const Quality q = mesh_quality(mesh);
@@ -98,7 +113,8 @@ void print_info(const Json& j) {
 
 // Plays or solves a scene with a progress bar, draws what pictures it asks for, prints the result.
 int produce(const SceneOptions& options, const char* what, decltype(&run_scene) function) {
-  const Loaded loaded = load(options);
+  Loaded loaded = load(options);
+  choose_regions(loaded);
   print_warnings(loaded.resolved.warnings);
   RunResult result;
   {
@@ -152,7 +168,8 @@ int run(const SceneOptions& options) { return produce(options, "simulating", run
 
 int replay(const SceneOptions& options) {
   const Recording recording = read_recording(options.record);
-  const Loaded loaded = load(options);
+  Loaded loaded = load(options);
+  choose_regions(loaded);
   const auto play = [&](auto world) { return replay(recording, world); };
   const Replayed replayed = loaded.scene.in_double()
                                 ? play(World<double>(loaded.resolved.setup, options.threads))
@@ -203,14 +220,19 @@ int compare(const CompareOptions& options) {
 int regions(const SceneOptions& options) {
   if (options.output.extension() != ".vtu")
     throw InputError(options.output.string(), "the mesh is written as VTU; give a name that ends in .vtu");
-  const Loaded loaded = load(options);
+  Loaded loaded = load(options);
+  choose_regions(loaded);
   print_warnings(loaded.resolved.warnings);
   const Setup& setup = loaded.resolved.setup;
   DataArray region{"region", Eigen::MatrixXd(1, setup.mesh.tet_count()), DataArray::Type::int32};
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     region.values(0, t) = static_cast<int>(setup.region_of[t]);
   write_vtu(options.output, setup.mesh, {}, {region});
+  if (loaded.resolved.proposal) print_proposal(*loaded.resolved.proposal);
   std::cout << "written to " << options.output.string() << '\n';
+  if (options.picture.empty()) return done;
+  const std::string trouble = draw_regions(options.output, options.picture);
+  if (!trouble.empty()) print_warnings({trouble});
   return done;
 }
 

@@ -24,8 +24,9 @@ struct SceneOptions {
   int threads = 1;
   bool json = false;
   bool no_pictures = false;
-  std::filesystem::path record;  // of `run`: a file for the recording; of `replay`: the recording
-  std::string solver = "eigen";  // of `solve`: the one that is linked, or that of a sibling program
+  std::filesystem::path picture;  // of `regions`, if not empty
+  std::filesystem::path record;   // of `run`: a file for the recording; of `replay`: the recording
+  std::string solver = "eigen";   // of `solve`: the one that is linked, or that of a sibling program
 };
 
 // The sparse solver that this program is linked to.

@@ -141,6 +141,7 @@ int main(int argc, char** argv) {
   CLI::App* regions_command =
       add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
   regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();
+  regions_command->add_option("--picture", options.picture, "picture of the regions to draw (.png)");
   BenchOptions bench_options;
   add_bench(app, bench_options, action);
 

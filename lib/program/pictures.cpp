@@ -1,6 +1,9 @@
 #include "pictures.h"
 
+#include <nlohmann/json.hpp>
+
 #include "console.h"
+#include "lobe/io/atomic_file.h"
 
 namespace lobe::program {
 
@@ -12,6 +15,22 @@ std::string render_pictures(const std::filesystem::path& request) {
   const std::string again = "; to draw them later: xvfb-run -a lobe-picture " + request.string();
   if (status == 127) return "no pictures: lobe-picture or xvfb-run is missing" + again;
   return "no pictures: lobe-picture ended with status " + std::to_string(status) + again;
+}
+
+std::string draw_regions(const std::filesystem::path& mesh, const std::filesystem::path& picture) {
+  std::filesystem::path file = picture;
+  file.replace_extension(".json");
+  const nlohmann::json panel{{"mesh", std::filesystem::absolute(mesh).string()},
+                             {"title", mesh.stem().string()},
+                             {"color", "region"},
+                             {"edges", true}};
+  io::AtomicFile request(file);
+  request.stream() << nlohmann::json{
+      {"pictures", {{{"out", picture.filename().string()}, {"panels", {panel}}}}}};
+  request.commit();
+  const std::string trouble = render_pictures(file);
+  if (trouble.empty()) std::filesystem::remove(file);
+  return trouble;
 }
 
 }  // namespace lobe::program

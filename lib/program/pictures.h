@@ -10,4 +10,7 @@ namespace lobe::program {
 // no pictures and what to do about it.
 std::string render_pictures(const std::filesystem::path& request);
 
+// The same of a mesh, coloured by its cell data "region".
+std::string draw_regions(const std::filesystem::path& mesh, const std::filesystem::path& picture);
+
 }  // namespace lobe::program

@@ -187,6 +187,26 @@ TEST_CASE("lobe regions writes the mesh with the models that will be used") {
     CHECK(tagged.cell_data.at("region")(0, t) == (barycentre(input, t).x() < 0.03 ? 0 : 2));
 }
 
+TEST_CASE("lobe regions and run choose regions where the scene leaves that to them") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["regions"] = {{"auto", {{"tolerance", 0.3}, {"correct", true}}}};
+  write_scene_files(folder, scene);
+  const Ended chosen = lobe_in(folder, "regions scene.json -o tagged.vtu");
+  CHECK(chosen.status == 0);
+  CHECK(contains(chosen.out, "linear: "));
+  CHECK(contains(chosen.out, "  grasp "));
+  CHECK(read_mesh(folder.path / "tagged.vtu").cell_data.contains("region"));
+  const Ended checked = lobe_in(folder, "check scene.json");
+  CHECK(contains(checked.out, "automatic, for an error of 30 % in grasp"));
+  const Ended ran = lobe_in(folder, "run scene.json -o out --no-pictures");
+  CHECK(ran.status == 0);
+  const Json report = report_in(folder.path / "out");
+  CHECK(report["auto_regions"]["gestures"][0]["measured_error"].get<double>() <= 0.3);
+  CHECK(report["linearity"]["series"].size() == 15);
+  CHECK(report["linearity"]["worst_error"].get<double>() >= 0);
+}
+
 TEST_CASE("lobe info counts and measures a mesh") {
   const Folder folder;
   write_scene_files(folder);

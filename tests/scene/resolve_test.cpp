@@ -321,3 +321,37 @@ TEST_CASE("a scene built in code is checked before it is resolved") {
   bad.materials[0].lame_mu = -1;
   CHECK_THROWS_WITH_AS(resolve(bad, bar()), "/materials/0/lame_mu: -1.0, must be above 0", InputError);
 }
+
+TEST_CASE("gestures of automatic regions are vertices that are moved or loaded") {
+  const Resolved result = resolved(R"({"regions": {"auto": {"gestures": [
+    {"name": "lift", "where": )" + end_face +
+                                   R"(, "displacement": [0, 0, 0.02]},
+    {"where": )" + end_face + R"(, "force": [0, 0, -1]}]}}})");
+  REQUIRE(result.gestures.size() == 2);
+  CHECK(result.gestures[0].name == "lift");
+  CHECK(result.gestures[0].vertices.size() == 4);
+  CHECK(result.gestures[0].displacements == std::vector<Vec3d>(4, Vec3d(0, 0, 0.02)));
+  CHECK(result.gestures[1].displacements.empty());
+  CHECK(result.gestures[1].force == Vec3d(0, 0, -1));
+  CHECK_FALSE(result.proposal.has_value());
+  const Setup end = at_the_end_of(result.gestures[0], result.setup);
+  CHECK(end.prescribed.size() == result.setup.prescribed.size() + 4);
+}
+
+TEST_CASE("without gestures the grasps of the scene are the gestures, where they have moved furthest") {
+  const Resolved result =
+      resolved(R"({"regions": {"auto": {}}, "tools": [{"type": "grasp", "name": "clip", "where": )" +
+               end_face + R"(, "path": [[0, 0, 0, 0], [0.5, 0, 0, 0.03], [1, 0, 0, 0.01]]}]})");
+  REQUIRE(result.gestures.size() == 1);
+  CHECK(result.gestures[0].name == "clip");
+  CHECK(result.gestures[0].displacements[0] == Vec3d(0, 0, 0.03));
+}
+
+TEST_CASE("automatic regions: what cannot be had is refused at its place") {
+  CHECK(
+      faults(
+          R"({"regions": {"auto": {"gestures": [{"where": {"sphere": {"center": [9, 9, 9], "radius": 1}}, "force": [0, 0, 1]}]}}})") ==
+      "/regions/auto/gestures/0/where: selects no vertex" + spans);
+  CHECK(faults(R"({"regions": {"auto": {}}, "time": {"integrator": "implicit"}})")
+            .find("/regions/auto: needs \"integrator\": \"explicit\"") == 0);
+}

@@ -45,6 +45,22 @@ TEST_CASE("a scene survives being written and read") {
   CHECK(after["tools"][0] == before["tools"][0]);
 }
 
+TEST_CASE("automatic regions survive being written and read, and have the schema's defaults") {
+  json document = json::parse(small_scene);
+  document["regions"] = {{"auto",
+                          {{"tolerance", 0.05},
+                           {"precomputed", false},
+                           {"correct", true},
+                           {"gestures",
+                            {{{"name", "lift"}, {"where", {{"all", true}}}, {"displacement", {0, 0, 1}}},
+                             {{"name", "load"}, {"where", {{"label", {1}}}}, {"force", {1, 0, 0}}}}}}}};
+  CHECK(json::parse(to_json(parse_scene(document.dump())))["regions"] == document["regions"]);
+  document["regions"] = {{"auto", json::object()}};
+  const json written = json::parse(to_json(parse_scene(document.dump())));
+  const json definition = json::parse(scene_schema())["definitions"]["auto_regions"];
+  CHECK(compare_defaults(definition["properties"], written["regions"]["auto"]) == 4);
+}
+
 TEST_CASE("the schema's defaults are the library's") {
   const json schema = json::parse(scene_schema());
   const json written = json::parse(to_json(parse_scene(small_scene)));

@@ -6,16 +6,15 @@ namespace lobe {
 
 Index InterfaceSize::most_that_pay() const { return static_cast<Index>(2.9 * std::sqrt(double(tets))); }
 
-InterfaceSize interface_size(const Elements& elements) {
+InterfaceSize interface_size(const Elements& elements, RegionModel model) {
   InterfaceSize size;
   for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
     Index inside = 0, outside = 0;
-    for (Index t : elements.topology.around(v))
-      ++(elements.region_of[t] == RegionModel::precomputed ? inside : outside);
+    for (Index t : elements.topology.around(v)) ++(elements.region_of[t] == model ? inside : outside);
     size.vertices += inside > 0 && outside > 0;
   }
   for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    size.tets += elements.topology.alive(t) && elements.region_of[t] == RegionModel::precomputed;
+    size.tets += elements.topology.alive(t) && elements.region_of[t] == model;
   return size;
 }
 

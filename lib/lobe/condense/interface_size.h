@@ -6,13 +6,13 @@
 namespace lobe {
 
 struct InterfaceSize {
-  Index vertices = 0;  // shared by pre-computed and other tetrahedra
-  Index tets = 0;      // pre-computed
+  Index vertices = 0;  // shared by tetrahedra of this model and of others
+  Index tets = 0;      // of this model
 
   // 9 n_b² multiplications against those of tensor-mass, as measured on one thread in single precision (benchmarks.md).
   Index most_that_pay() const;
   bool pays() const { return vertices <= most_that_pay(); }
 };
-InterfaceSize interface_size(const Elements& elements);
+InterfaceSize interface_size(const Elements& elements, RegionModel model = RegionModel::precomputed);
 
 }  // namespace lobe

@@ -51,11 +51,12 @@ Index Recorded<Real>::remove_tets(const std::vector<Index>& tets) {
 }
 
 template <class Real>
-void Recorded<Real>::set_region(const std::vector<Index>& tets, RegionModel model) {
-  world_.set_region(tets, model);
+double Recorded<Real>::set_region(const std::vector<Index>& tets, RegionModel model) {
+  const double energy_change = world_.set_region(tets, model);
   RecordedCall& call = add(RecordedCall::Kind::set_region);
   call.tets = tets;
   call.model = model;
+  return energy_change;
 }
 
 template <class Real>

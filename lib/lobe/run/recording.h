@@ -37,7 +37,7 @@ class Recorded {
 
   Report advance(double duration);
   Index remove_tets(const std::vector<Index>& tets);
-  void set_region(const std::vector<Index>& tets, RegionModel model);
+  double set_region(const std::vector<Index>& tets, RegionModel model);
   const Recording& recording() const { return recording_; }
 
  private:

@@ -11,6 +11,7 @@
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
+#include "lobe/linearity/watch.h"
 #include "lobe/run/recorder.h"
 #include "lobe/run/recording.h"
 #include "lobe/scene/read_scene.h"
@@ -97,6 +98,19 @@ Json timing_json(const Totals& totals, double simulated, double setup_seconds) {
           {"phases_s", phases}};
 }
 
+Json proposal_json(const Proposal& proposal) {
+  Json gestures = Json::array();
+  for (const GestureOutcome& gesture : proposal.gestures)
+    gestures.push_back({{"name", gesture.name},
+                        {"reached", gesture.reached},
+                        {"predicted_error", gesture.predicted},
+                        {"measured_error", gesture.measured}});
+  return {{"linear_share", proposal.linear_share},
+          {"predicted_speedup", proposal.predicted_speedup},
+          {"measured_speedup", proposal.measured_speedup},
+          {"gestures", gestures}};
+}
+
 std::string summary_of(const Json& report) {
   const Json& timing = report["timing"];
   char line[512];
@@ -145,9 +159,64 @@ void clear_earlier_run(const std::filesystem::path& directory,
   for (const std::filesystem::path& file : earlier) std::filesystem::remove(file, error);
 }
 
+// What is seen of linear regions that lobe has chosen.
+template <class Real>
+class Watched {
+ public:
+  Watched(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
+    if (!scene.auto_regions) return;
+    tolerance_ = scene.auto_regions->tolerance;
+    std::vector<std::vector<Index>> grasps;
+    for (const GraspSetup& grasp : resolved.setup.grasps) grasps.push_back(grasp.vertices);
+    watch_.emplace(world, grasps, LinearityOptions{tolerance_, scene.auto_regions->correct});
+  }
+
+  void look(World<Real>& world, Recorded<Real>* recorded) {
+    if (!watch_) return;
+    typename LinearityWatch<Real>::SetRegion set_region;
+    if (recorded)
+      set_region = [recorded](const std::vector<Index>& tets, RegionModel model) {
+        return recorded->set_region(tets, model);
+      };
+    const LinearityReport seen = watch_->look(world, set_region);
+    if (seen.error > worst_.error) worst_ = seen;
+    exceeded_ += seen.exceeded;
+    to_nonlinear_ += seen.to_nonlinear;
+    to_linear_ += seen.to_linear;
+    series_.push_back({{"time", seen.time}, {"error", seen.error}});
+  }
+
+  bool any() const { return watch_.has_value(); }
+  std::string warning() const {
+    if (worst_.error <= tolerance_) return "";
+    return "linear regions were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
+           rounded(worst_.time) + " s, most at [" + rounded(worst_.place[0]) + ", " +
+           rounded(worst_.place[1]) + ", " + rounded(worst_.place[2]) +
+           "] m; declare that gesture, or set \"correct\"";
+  }
+  Json json() const {
+    return {{"worst_error", worst_.error},
+            {"worst_time", worst_.time},
+            {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
+            {"frames_exceeded", exceeded_},
+            {"tetrahedra_to_nonlinear", to_nonlinear_},
+            {"tetrahedra_to_linear", to_linear_},
+            {"looking_s", watch_->looking_seconds()},
+            {"series", series_}};
+  }
+
+ private:
+  std::optional<LinearityWatch<Real>> watch_;
+  double tolerance_ = 0;
+  LinearityReport worst_;
+  int exceeded_ = 0;
+  Index to_nonlinear_ = 0, to_linear_ = 0;
+  Json series_ = Json::array();
+};
+
 template <class Real>
 bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder,
-          Totals& totals) {
+          Totals& totals, Watched<Real>& watched) {
   const long frames = std::max(1L, std::lround(scene.time.duration / scene.time.frame));
   const double frame = scene.time.duration / double(frames);
   const auto record = [&](bool last) {
@@ -164,6 +233,7 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Rec
     const Clock::time_point start = Clock::now();
     const double time = world.time();
     const Report report = recorded ? recorded->advance(frame) : world.advance(frame);
+    watched.look(world, recorded ? &*recorded : nullptr);
     totals.add(report, time, seconds_since(start));
     record(!report.ok || i + 1 == frames);
     if (options.progress) options.progress(double(i + 1) / double(frames));
@@ -185,8 +255,10 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   result.warnings = resolved.warnings;
   const Json regions = region_counts(world.elements());
   const double limit = world.time_step_limit();
-  result.ok = play(world, scene, options, recorder, totals);
+  Watched<Real> watched(world, scene, resolved);
+  result.ok = play(world, scene, options, recorder, totals, watched);
   result.picture_request = recorder.finish();
+  if (const std::string warning = watched.warning(); !warning.empty()) result.warnings.push_back(warning);
   result.warnings.insert(result.warnings.end(), totals.warnings.begin(), totals.warnings.end());
   Json report{
       {"ok", result.ok},
@@ -213,6 +285,8 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"conditions", totals.conditions},
       {"cuts", totals.cuts},
       {"series", totals.series}};
+  if (resolved.proposal) report["auto_regions"] = proposal_json(*resolved.proposal);
+  if (watched.any()) report["linearity"] = watched.json();
   if (const MassScaling& scaling = world.mass_scaling(); scaling.added > 0)
     report["mass_scaling"] = {{"added_kg", scaling.added},
                               {"share", scaling.share},
@@ -229,6 +303,8 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
 }  // namespace
 
 RunResult run_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
+  if (scene.auto_regions && !resolved.proposal)
+    throw InputError("/regions/auto", "the regions have not been chosen: call propose()");
   if (scene.in_double()) return run<double>(scene, resolved, options);
   return run<float>(scene, resolved, options);
 }

@@ -21,6 +21,9 @@ class MeaningChecker {
     for (std::size_t i = 0; i < scene_.regions.size(); ++i) {
       check_where(scene_.regions[i].where, child_pointer("/regions", i));
     }
+    if (scene_.auto_regions)
+      for (const SceneGesture& gesture : scene_.auto_regions->gestures)
+        check_selector(gesture.where, gesture.pointer + "/where");
     for (std::size_t i = 0; i < scene_.boundary.size(); ++i) {
       check_boundary(scene_.boundary[i], child_pointer("/boundary", i));
     }

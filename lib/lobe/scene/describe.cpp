@@ -51,8 +51,14 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
   return list;
 }
 
-ordered_json summarise_regions(const Setup& setup) {
+ordered_json summarise_regions(const Scene& scene, const Resolved& resolved) {
+  const Setup& setup = resolved.setup;
   ordered_json counts;
+  if (scene.auto_regions && !resolved.proposal) {
+    ordered_json names = ordered_json::array();
+    for (const Gesture& gesture : resolved.gestures) names.push_back(gesture.name);
+    return {{"auto", {{"tolerance", scene.auto_regions->tolerance}, {"gestures", names}}}};
+  }
   for (const char* name : model_names) counts[name] = 0;
   for (const RegionModel model : setup.region_of) {
     auto& count = counts[model_names[static_cast<int>(model)]];
@@ -123,7 +129,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["materials"] = summarise_materials(scene, setup);
   summary["volume_penalty_Pa"] = setup.volume_penalty;
   summary["guard_below"] = setup.guard_below;
-  summary["regions"] = summarise_regions(setup);
+  summary["regions"] = summarise_regions(scene, resolved);
   summary["fixed_vertices"] = setup.prescribed.size() - static_cast<std::size_t>(moved + sliding);
   summary["sliding_vertices"] = sliding;
   summary["moved_vertices"] = moved;
@@ -145,6 +151,25 @@ std::string triple(const ordered_json& v) {
 }
 
 double norm(const ordered_json& v) { return Vec3d(v[0], v[1], v[2]).norm(); }
+
+void print_regions(std::ostream& out, const ordered_json& regions) {
+  out << "regions   ";
+  if (regions.contains("auto")) {
+    const ordered_json& chosen = regions["auto"];
+    out << " automatic, for an error of " << rounded(100 * chosen["tolerance"].get<double>()) << " % in ";
+    if (chosen["gestures"].empty()) out << "pulls on the free surface";
+    for (std::size_t i = 0; i < chosen["gestures"].size(); ++i)
+      out << (i > 0 ? ", " : "") << chosen["gestures"][i].get<std::string>();
+    out << "\n";
+    return;
+  }
+  const char* separator = " ";
+  for (const auto& [name, count] : regions.items()) {
+    out << separator << name << " " << count;
+    separator = ", ";
+  }
+  out << " tetrahedra\n";
+}
 
 void print_materials(std::ostream& out, const ordered_json& materials) {
   for (const ordered_json& m : materials) {
@@ -199,13 +224,7 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   out << "volume     penalty " << rounded(summary["volume_penalty_Pa"]) << " Pa";
   if (const double below = summary["guard_below"]; below > 0) out << ", guard below " << rounded(below);
   out << "\n";
-  out << "regions   ";
-  const char* separator = " ";
-  for (const auto& [name, count] : summary["regions"].items()) {
-    out << separator << name << " " << count;
-    separator = ", ";
-  }
-  out << " tetrahedra\n";
+  print_regions(out, summary["regions"]);
   print_loads(out, summary);
   print_tools(out, summary["tools"]);
   out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)

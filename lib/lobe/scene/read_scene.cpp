@@ -122,11 +122,31 @@ void read_entries(const json& document, const char* key, std::vector<Entry>& ent
   }
 }
 
+SceneGesture read_gesture(const json& entry, const std::string& pointer) {
+  SceneGesture gesture;
+  gesture.name = pointer;
+  read(entry, "name", gesture.name);
+  gesture.where = read_selector(entry["where"]);
+  gesture.is_force = entry.contains("force");
+  gesture.value = read_vector(entry[gesture.is_force ? "force" : "displacement"]);
+  gesture.pointer = pointer;
+  return gesture;
+}
+
+AutoRegions read_auto_regions(const json& object) {
+  AutoRegions regions;
+  read(object, "tolerance", regions.tolerance);
+  read(object, "precomputed", regions.precomputed);
+  read(object, "correct", regions.correct);
+  if (!object.contains("gestures")) return regions;
+  for (const json& entry : object["gestures"])
+    regions.gestures.push_back(
+        read_gesture(entry, child_pointer("/regions/auto/gestures", regions.gestures.size())));
+  return regions;
+}
+
 // Of a document that satisfies the schema.
 Scene from_document(const json& document) {
-  if (document.contains("regions") && document["regions"].is_object()) {
-    throw InputError("/regions/auto", "not available yet; list the regions, or leave \"regions\" out");
-  }
   Scene scene;
   read(document, "name", scene.name);
   const auto mesh = document["mesh"].get<std::string>();
@@ -134,7 +154,10 @@ Scene from_document(const json& document) {
   read(document, "volume_penalty", scene.volume_penalty);
   read(document, "guard_below", scene.guard_below);
   read_entries(document, "materials", scene.materials, read_material);
-  read_entries(document, "regions", scene.regions, read_region);
+  if (document.contains("regions") && document["regions"].is_object())
+    scene.auto_regions = read_auto_regions(document["regions"]["auto"]);
+  else
+    read_entries(document, "regions", scene.regions, read_region);
   read_entries(document, "boundary", scene.boundary, read_boundary);
   read_entries(document, "tools", scene.tools, read_tool);
   if (document.contains("gravity")) scene.gravity = read_vector(document["gravity"]);

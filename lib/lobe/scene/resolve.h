@@ -1,15 +1,20 @@
 // A scene on its mesh: which material and model every tetrahedron has, what is held, what is loaded.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "lobe/linearity/proposal.h"
 #include "lobe/scene/scene.h"
 
 namespace lobe {
 
 struct Resolved {
   Setup setup;
+  std::vector<Gesture> gestures;  // of automatic regions
+  std::optional<Proposal>
+      proposal;  // of automatic regions, once propose() has chosen them: all are nonlinear before
   std::vector<std::string> warnings;  // one line each; the scene can run all the same
 };
 
@@ -17,5 +22,10 @@ struct Resolved {
 // this version cannot give: selections that select nothing, tetrahedra without material, what is not
 // available yet.
 Resolved resolve(const Scene& scene, TetMesh mesh);
+
+// Chooses the regions where the scene leaves that to lobe, and does nothing else where not; warnings say what could not be
+// had. Takes minutes on a large mesh.
+void propose(const Scene& scene, Resolved& resolved, const SparseFactorMaker& factor = make_ldlt,
+             const std::function<void(double fraction)>& progress = {});
 
 }  // namespace lobe

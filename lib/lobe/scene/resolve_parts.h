@@ -45,6 +45,7 @@ void resolve_materials(Resolution& resolution);
 void resolve_regions(Resolution& resolution);
 void resolve_boundary(Resolution& resolution);
 void resolve_tools(Resolution& resolution);
+void resolve_gestures(Resolution& resolution);
 void suspect_units(Resolution& resolution);
 
 }  // namespace lobe

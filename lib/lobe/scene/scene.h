@@ -76,6 +76,22 @@ struct Region {
   std::string pointer;
 };
 
+// A trial of what will be done: a displacement of vertices [m], or a force on them [N].
+struct SceneGesture {
+  std::string name;
+  Selector where;
+  bool is_force = false;
+  Vec3d value = Vec3d::Zero();
+  std::string pointer;
+};
+
+struct AutoRegions {
+  double tolerance = 0.02;             // relative L2 error of the displacement, of each gesture
+  bool precomputed = true;             // whether linear regions may be precomputed
+  bool correct = false;                // whether zones change their model while the scene runs
+  std::vector<SceneGesture> gestures;  // none: those of the tools, else usual ones
+};
+
 struct Boundary {
   enum class Kind { fix, displacement, traction, force };
   Kind kind = Kind::fix;
@@ -126,9 +142,10 @@ struct Scene {
   std::filesystem::path file;  // where it was read from
   std::filesystem::path mesh;  // absolute, or relative to the scene file
   std::vector<Material> materials;
-  double volume_penalty = 0;    // κ [Pa]
-  double guard_below = 0;       // J₀ of fem/guard.h, 0: no guard
-  std::vector<Region> regions;  // first match wins; where none matches: nonlinear
+  double volume_penalty = 0;                // κ [Pa]
+  double guard_below = 0;                   // J₀ of fem/guard.h, 0: no guard
+  std::vector<Region> regions;              // first match wins; where none matches: nonlinear
+  std::optional<AutoRegions> auto_regions;  // in place of regions
   std::vector<Boundary> boundary;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
   std::vector<Tool> tools;

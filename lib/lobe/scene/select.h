@@ -8,19 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "lobe/mesh/tet_mesh.h"
+#include "lobe/mesh/outer_faces.h"
 #include "lobe/scene/scene.h"
 
 namespace lobe {
-
-struct TetFace {
-  Index tet = 0;
-  int face = 0;  // opposite to this corner
-  bool operator==(const TetFace&) const = default;
-};
-
-// Faces that belong to exactly one tetrahedron, ordered by tetrahedron and face.
-std::vector<TetFace> outer_faces(const TetMesh& mesh);
 
 // All results are ascending. An index beyond the mesh throws InputError; `place` is the selector's JSON
 // pointer.

@@ -75,6 +75,19 @@ ordered_json write(const Region& region) {
   return entry;
 }
 
+ordered_json write(const AutoRegions& regions) {
+  ordered_json gestures = ordered_json::array();
+  for (const SceneGesture& gesture : regions.gestures)
+    gestures.push_back({{"name", gesture.name},
+                        {"where", selector(gesture.where)},
+                        {gesture.is_force ? "force" : "displacement", vector(gesture.value)}});
+  return {{"auto",
+           {{"tolerance", regions.tolerance},
+            {"precomputed", regions.precomputed},
+            {"correct", regions.correct},
+            {"gestures", gestures}}}};
+}
+
 ordered_json write(const Boundary& boundary) {
   static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force"};
   ordered_json value = boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector(boundary.value);
@@ -129,7 +142,7 @@ std::string to_json(const Scene& scene) {
   document["materials"] = entries(scene.materials);
   document["volume_penalty"] = scene.volume_penalty;
   document["guard_below"] = scene.guard_below;
-  document["regions"] = entries(scene.regions);
+  document["regions"] = scene.auto_regions ? write(*scene.auto_regions) : entries(scene.regions);
   document["boundary"] = entries(scene.boundary);
   document["gravity"] = vector(scene.gravity);
   document["tools"] = entries(scene.tools);

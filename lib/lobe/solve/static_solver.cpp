@@ -138,6 +138,13 @@ StaticResult solve_static(const Setup& setup, const StaticOptions& options) {
   result.unknowns = equations.unknowns.count;
   result.u.setZero(3, equations.elements.topology.vertex_count());
   Equilibrium equilibrium(equations, options, result);
+  if (options.start) {
+    result.u = *options.start;
+    if (equilibrium.find(1))
+      result.load_fraction = result.load_steps = 1;
+    else
+      result.u.setZero();
+  }
   double step = 1;
   while (result.load_fraction < 1) {
     const double fraction = std::min(1.0, result.load_fraction + step);

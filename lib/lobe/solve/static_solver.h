@@ -17,6 +17,8 @@ struct StaticOptions {
   int most_iterations = 60;          // of Newton's method per load step
   double smallest_load_step = 1e-4;  // as a fraction of all loads and prescribed displacements
   SparseFactorMaker factor = make_ldlt;
+  const Mat3X<double>* start =
+      nullptr;  // a guess at the solution, 3 × #vertices [m]; none: the loads grow from 0
   std::function<void(double load_fraction)> progress;
 };
 

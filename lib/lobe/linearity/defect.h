@@ -1,0 +1,48 @@
+// What a linear law gets wrong (theory, section 15): the defect of its stress against that of the non-linear model,
+//   D = P_svk(F) − σ_linear(∇u)                                                                       [Pa],
+// in a state of the non-linear body, or in one of the linear body, whose rotations and strains are first made those of a
+// non-linear one (twin()).
+#pragma once
+
+#include "lobe/linearity/zones.h"
+
+namespace lobe {
+
+// ∇u of the non-linear state that a linear one stands for: R U − I with the rotation R of its skew part as rotation
+// vector, and the stretch U = √(I + 2ε) whose Green strain is its symmetric part ε; no stretch is taken below 0.2.
+// A rotation that grows linearly, as in a linear solution, is thus no strain.
+Mat3<double> twin(const Mat3<double>& H);
+
+// At the displacement gradient H of the non-linear model with volume penalty κ.
+Mat3<double> stress_defect(const Mat3<double>& H, double lambda, double mu, double kappa);  // [Pa]
+
+// ∫ D dV per zone, each with its nine entries in a column [Pa m³]: 9 × #zones.
+using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
+
+// Tetrahedron by tetrahedron, of a state of the non-linear body: 3 × #vertices [m].
+Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u);
+
+// From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean materials.
+class MeanDefects {
+ public:
+  MeanDefects(const Elements& elements, const Zones& zones);
+
+  Eigen::Matrix<double, 9, Eigen::Dynamic> gradients(const Mat3X<double>& u) const;
+  // Of a zone with this mean gradient; in a linear zone that of its twin counts.
+  Eigen::Matrix<double, 9, 1> at(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
+                                 bool is_linear) const;
+
+ private:
+  struct Weight {
+    Index vertex;
+    Vec3d gradient;  // of its shape function, averaged over the zone [1/m]
+  };
+  std::vector<std::vector<Weight>> weights_;  // per zone
+  struct Mean {
+    double volume = 0, lambda = 0, mu = 0;
+  };
+  std::vector<Mean> mean_;
+  double kappa_;
+};
+
+}  // namespace lobe

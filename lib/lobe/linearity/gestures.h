@@ -1,0 +1,28 @@
+// What regions are chosen for: what will be done to the body.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lobe/sim/setup.h"
+
+namespace lobe {
+
+struct Gesture {
+  std::string name;
+  std::vector<Index> vertices;
+  std::vector<Vec3d> displacements;  // of the vertices [m]; none: a force acts on them
+  Vec3d force = Vec3d::Zero();       // in all [N], beside the loads of the setup
+};
+
+// The setup at the gesture's end: what it moves is prescribed, tools are gone.
+Setup at_the_end_of(const Gesture& gesture, const Setup& setup);
+
+// What the grasps of a setup do, each where it has moved furthest. Empty if there are none.
+std::vector<Gesture> gestures_of_grasps(const Setup& setup);
+
+// Pulls at five places of the free surface, as far from each other and from what is held as they can be, outwards by
+// a tenth of the body's diagonal.
+std::vector<Gesture> usual_gestures(const Setup& setup);
+
+}  // namespace lobe

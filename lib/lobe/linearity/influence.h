@@ -1,0 +1,39 @@
+// How far a body at rest moves, on the average over each zone, where stresses act in a zone (theory, section 15):
+//   e_y = M_yz ∫_z D dV,   M_yz = mean over z of the gradient of K⁻¹ (mean over y)ᵀ.
+// The stress defects of linear zones give the displacement error that they cause; exact to first order in the error.
+#pragma once
+
+#include "lobe/linearity/zones.h"
+#include "lobe/sim/boundary_conditions.h"
+#include "lobe/solve/sparse_factor.h"
+
+namespace lobe {
+
+class Influence {
+ public:
+  // One sparse factor and three solves per zone. `grasps` are sets of vertices that may be held later, as rigid bodies.
+  // What stresses do is without a resultant, so that pieces that float do so without harm.
+  Influence(const Elements& elements, const Zones& zones, const HeldVertices& held,
+            const std::vector<std::vector<Index>>& grasps, const SparseFactorMaker& make_factor = make_ldlt);
+
+  // Who holds from now on: numbers of grasps, sorted. None at first.
+  void hold(const std::vector<Index>& grasps);
+
+  // Mean displacements of all zones [m], 3 × #zones in one column, from the defect of one [Pa m³].
+  Eigen::VectorXd displacement(Index zone, const Eigen::Matrix<double, 9, 1>& defect) const {
+    return (M_.middleCols<9>(9 * zone) * defect.cast<float>()).cast<double>();
+  }
+
+ private:
+  // Unit forces along the six rigid motions of a grasp, and what they do.
+  struct Grasp {
+    Eigen::Matrix<double, Eigen::Dynamic, 6> forces, fields;  // 3 × #vertices [N], [m]
+    Eigen::Matrix<double, Eigen::Dynamic, 6> means;           // of fields, 3 × #zones
+    Eigen::Matrix<double, Eigen::Dynamic, 6> gradients;       // of fields, 9 × #zones, mean
+  };
+  std::vector<Grasp> grasps_;
+  std::vector<Index> holding_;
+  Eigen::MatrixXf free_, M_;  // 3 × #zones by 9 × #zones: with no grasp, and as they hold
+};
+
+}  // namespace lobe

@@ -1,0 +1,260 @@
+#include "lobe/linearity/proposal.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "lobe/condense/anchors.h"
+#include "lobe/condense/interface_size.h"
+#include "lobe/condense/narrow_interface.h"
+#include "lobe/error.h"
+#include "lobe/linearity/defect.h"
+#include "lobe/linearity/influence.h"
+#include "lobe/linearity/select_zones.h"
+#include "lobe/solve/static_solver.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+constexpr double least_reached = 0.05;  // share of a gesture that is still of use
+
+double norm(const Elements& elements, const Mat3X<double>& u) {  // √∫|u|², vertex by vertex
+  double sum = 0;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    sum += signed_volume(elements.corner_points(t)) / 4 *
+           u(Eigen::all, elements.topology.corners(t)).colwise().squaredNorm().sum();
+  return std::sqrt(sum);
+}
+
+void scale(Setup& setup, double fraction) {
+  for (PrescribedVertex& p : setup.prescribed) p.displacement *= fraction;
+  for (FaceLoad& load : setup.face_loads) load.traction *= fraction;
+  for (VertexLoad& load : setup.vertex_loads) load.force *= fraction;
+  setup.gravity *= fraction;
+}
+
+struct Trial {
+  Setup setup;      // at the gesture's end
+  Mat3X<double> u;  // in equilibrium, all non-linear
+  std::size_t gesture = 0;
+};
+
+class Proposer {
+ public:
+  Proposer(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options)
+      : options_(options),
+        setup_(all_nonlinear(setup)),
+        gestures_(std::move(gestures)),
+        elements_(setup_),
+        zones_(elements_, options.zones > 0 ? options.zones : usual_zone_count(setup.mesh.tet_count())) {}
+
+  Proposal propose() {
+    proposal_.region_of = setup_.region_of;
+    if (gestures_.empty()) gestures_ = usual_gestures(setup_);
+    try {
+      solve_trials();
+      if (trials_.empty()) throw InputError("gestures", "none has an equilibrium");
+      predict();
+      cost_ = measure_step_cost(setup_, zones_, options_.in_double);
+      try_variants();
+    } catch (const InputError& error) {
+      nothing_linear(error.what());
+    }
+    progress(1);
+    return std::move(proposal_);
+  }
+
+ private:
+  struct Variant {
+    std::vector<RegionModel> region_of;
+    std::vector<double> predicted, measured;  // errors, per trial
+    double cost = std::numeric_limits<double>::max();
+  };
+
+  static Setup all_nonlinear(Setup setup) {
+    setup.region_of.assign(std::size_t(setup.mesh.tet_count()), RegionModel::nonlinear);
+    return setup;
+  }
+  void progress(double fraction) const {
+    if (options_.progress) options_.progress(fraction);
+  }
+  void nothing_linear(const std::string& why) { proposal_.notes.push_back("nothing is linear: " + why); }
+  StaticOptions static_options() const {
+    StaticOptions options;
+    options.factor = options_.factor;
+    options.tolerance = 1e-8;
+    return options;
+  }
+
+  void solve_trials() {
+    for (std::size_t g = 0; g < gestures_.size(); ++g) {
+      Trial trial{at_the_end_of(gestures_[g], setup_), {}, g};
+      StaticResult found = solve_static(trial.setup, static_options());
+      GestureOutcome& outcome = proposal_.gestures.emplace_back();
+      outcome.name = gestures_[g].name;
+      outcome.reached = found.load_fraction;
+      if (!found.converged)
+        proposal_.notes.push_back("gesture \"" + outcome.name + "\" was followed to " +
+                                  rounded(100 * found.load_fraction) + " %: " + found.reason);
+      progress(0.4 * double(g + 1) / double(gestures_.size()));
+      if (found.load_fraction < least_reached || found.u.isZero(0)) continue;
+      scale(trial.setup, found.load_fraction);
+      trial.u = std::move(found.u);
+      trials_.push_back(std::move(trial));
+    }
+  }
+
+  // To first order, from the exact solutions.
+  void predict() {
+    std::vector<std::vector<Index>> grasps;
+    for (const Gesture& gesture : gestures_) grasps.push_back(gesture.vertices);
+    Influence influence(elements_, zones_, held_by(setup_.prescribed), grasps, options_.factor);
+    for (const Trial& trial : trials_) {
+      const bool holds = !gestures_[trial.gesture].displacements.empty();
+      influence.hold(holds ? std::vector<Index>{static_cast<Index>(trial.gesture)} : std::vector<Index>{});
+      const Defects defects = exact_defects(elements_, zones_, trial.u);
+      TrialError& error = errors_.emplace_back();
+      error.norm = norm(elements_, trial.u);
+      error.contributions.resize(3 * zones_.count(), zones_.count());
+      for (Index z = 0; z < zones_.count(); ++z)
+        error.contributions.col(z) = influence.displacement(z, defects.col(z));
+    }
+  }
+
+  std::vector<RegionModel> regions_of(const std::vector<char>& linear, bool condensed) const {
+    Elements tagged = elements_;
+    std::vector<Side> sides;
+    for (std::size_t t = 0; t < zones_.of.size(); ++t)
+      sides.push_back(linear[std::size_t(zones_.of[t])] ? Side::linear : Side::nonlinear);
+    if (condensed) sides = with_narrow_interface(setup_.mesh, may_shrink(linear, std::move(sides)));
+    for (std::size_t t = 0; t < sides.size(); ++t)
+      if (sides[t] == Side::linear)
+        tagged.region_of[t] = condensed ? RegionModel::precomputed : RegionModel::tensor_mass;
+    if (condensed)
+      for (Index t : unanchored_tets(tagged, held_by(setup_.prescribed)))
+        tagged.region_of[t] = RegionModel::tensor_mass;
+    return tagged.region_of;
+  }
+
+  // Within the linear zones at the border, the region may end wherever its interface is narrowest.
+  std::vector<Side> may_shrink(const std::vector<char>& linear, std::vector<Side> sides) const {
+    std::vector<char> at_border(linear.size(), 0);
+    for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
+      const auto around = elements_.topology.around(v);
+      const auto is_linear = [&](Index t) { return linear[std::size_t(zones_.of[std::size_t(t)])] != 0; };
+      if (std::all_of(around.begin(), around.end(), is_linear)) continue;
+      for (Index t : around) at_border[std::size_t(zones_.of[std::size_t(t)])] = 1;
+    }
+    for (std::size_t t = 0; t < sides.size(); ++t)
+      if (sides[t] == Side::linear && at_border[std::size_t(zones_.of[t])]) sides[t] = Side::either;
+    return sides;
+  }
+
+  // Measured errors correct the predictions, and the choice is made again.
+  Variant find(bool condensed, double from, double to) {
+    constexpr int tries = 4;
+    for (TrialError& error : errors_) error.scale = 1;
+    Variant best;
+    for (int i = 0; i < tries; ++i) {
+      progress(from + (to - from) * i / tries);
+      const std::vector<char> linear =
+          select_zones(elements_, zones_, errors_, options_.tolerance, cost_, condensed);
+      if (std::count(linear.begin(), linear.end(), 1) == 0) break;
+      Variant variant;
+      variant.region_of = regions_of(linear, condensed);
+      bool fits = true;
+      double worst = 0;
+      for (std::size_t i_trial = 0; i_trial < trials_.size(); ++i_trial) {
+        const double predicted = errors_[i_trial].of(zones_, linear),
+                     measured = error_of(variant, trials_[i_trial]);
+        variant.predicted.push_back(predicted);
+        variant.measured.push_back(measured);
+        worst = std::max(worst, measured);
+        fits = fits && measured <= options_.tolerance;
+        errors_[i_trial].scale *= std::clamp(1.05 * measured / predicted, 0.5, 10.0);
+      }
+      Setup setup = setup_;
+      setup.region_of = variant.region_of;
+      if (fits) variant.cost = seconds_of(setup);
+      if (variant.cost < best.cost) best = std::move(variant);
+      if (fits && (i > 0 || worst > 0.8 * options_.tolerance)) break;
+    }
+    return best;
+  }
+
+  double seconds_of(const Setup& setup) const {
+    try {
+      return step_seconds(setup, options_.in_double);
+    } catch (const InputError&) {  // it cannot be condensed
+      return std::numeric_limits<double>::max();
+    }
+  }
+
+  double error_of(const Variant& variant, const Trial& trial) const {
+    Setup setup = trial.setup;
+    for (std::size_t t = 0; t < variant.region_of.size(); ++t)
+      if (variant.region_of[t] != RegionModel::nonlinear) setup.region_of[t] = RegionModel::tensor_mass;
+    StaticOptions options = static_options();
+    options.start = &trial.u;
+    const StaticResult found = solve_static(setup, options);
+    if (!found.converged) return 1;
+    return norm(elements_, found.u - trial.u) / norm(elements_, trial.u);
+  }
+
+  void try_variants() {
+    const double nonlinear = cost_.nonlinear * double(setup_.mesh.tet_count());
+    Variant best = find(false, 0.45, options_.condense ? 0.7 : 1);
+    if (options_.condense) {
+      Variant condensed = find(true, 0.7, 1);
+      if (condensed.cost < best.cost) best = std::move(condensed);
+    }
+    const std::string error = "the error below " + rounded(100 * options_.tolerance) + " %";
+    if (best.region_of.empty()) return nothing_linear("no zone keeps " + error);
+    if (best.cost >= nonlinear)
+      return nothing_linear("the regions that keep " + error + " are too small to pay");
+    describe(best, nonlinear);
+  }
+
+  void describe(const Variant& best, double nonlinear) {
+    proposal_.region_of = best.region_of;
+    proposal_.measured_speedup = nonlinear / best.cost;
+    double counts[3] = {0, 0, 0}, linear = 0, all = 0;
+    for (Index t = 0; t < setup_.mesh.tet_count(); ++t) {
+      const double volume = signed_volume(elements_.corner_points(t));
+      ++counts[static_cast<int>(best.region_of[t])];
+      all += volume;
+      if (best.region_of[t] != RegionModel::nonlinear) linear += volume;
+    }
+    proposal_.linear_share = linear / all;
+    Elements tagged = elements_;
+    tagged.region_of = best.region_of;
+    proposal_.predicted_speedup =
+        nonlinear / cost_.of(counts[2], counts[0], interface_size(tagged, RegionModel::tensor_mass).vertices,
+                             3.0 * interface_size(tagged, RegionModel::precomputed).vertices);
+    for (std::size_t i = 0; i < trials_.size(); ++i) {
+      GestureOutcome& outcome = proposal_.gestures[trials_[i].gesture];
+      outcome.predicted = best.predicted[i];
+      outcome.measured = best.measured[i];
+    }
+  }
+
+  const ProposalOptions& options_;
+  Setup setup_;
+  std::vector<Gesture> gestures_;
+  Elements elements_;
+  Zones zones_;
+  std::vector<Trial> trials_;
+  std::vector<TrialError> errors_;  // per trial
+  StepCost cost_;
+  Proposal proposal_;
+};
+
+}  // namespace
+
+Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options) {
+  if (!(options.tolerance > 0 && options.tolerance < 1))
+    throw InputError("tolerance", rounded(options.tolerance) + ", must be above 0 and below 1");
+  return Proposer(setup, std::move(gestures), options).propose();
+}
+
+}  // namespace lobe

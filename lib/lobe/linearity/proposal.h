@@ -1,0 +1,40 @@
+// Regions for declared gestures: the cheapest step whose displacement error, measured against the non-linear body, stays
+// below a tolerance (theory, section 15).
+#pragma once
+
+#include <functional>
+
+#include "lobe/linearity/gestures.h"
+#include "lobe/solve/sparse_factor.h"
+
+namespace lobe {
+
+struct ProposalOptions {
+  double tolerance = 0.02;  // of the L2 norm of the displacement
+  bool condense = true;     // linear regions may be precomputed
+  Index zones = 0;          // 0: usual_zone_count()
+  bool in_double = false;   // precision of the run, in which its step is timed
+  SparseFactorMaker factor = make_ldlt;
+  std::function<void(double fraction)> progress;
+};
+
+struct GestureOutcome {
+  std::string name;
+  double reached = 1;                  // share of the gesture at which the body was still in equilibrium
+  double predicted = 0, measured = 0;  // relative L2 error
+};
+
+struct Proposal {
+  std::vector<RegionModel> region_of;                  // per tetrahedron
+  double linear_share = 0;                             // of the volume
+  double predicted_speedup = 1, measured_speedup = 1;  // of a step, against all non-linear
+  std::vector<GestureOutcome> gestures;
+  std::vector<std::string> notes;  // one line each: what could not be had, and why
+};
+
+// What the setup's regions are does not matter. Without gestures: usual_gestures(). Nothing is linear where that would not
+// pay, where no tolerance can be met, or where the body floats; the notes say so. Takes a static solution per gesture and
+// try; deterministic but for the choice by measured cost.
+Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options);
+
+}  // namespace lobe

@@ -1,0 +1,78 @@
+#include "lobe/linearity/step_cost.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include "lobe/condense/interface_size.h"
+#include "lobe/condense/symmetric_product.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+namespace {
+
+// The smallest of repeated measurements, over at least a twentieth of a second.
+template <class Function>
+double smallest_seconds(const Function& function) {
+  using Clock = std::chrono::steady_clock;
+  double smallest = std::numeric_limits<double>::max(), total = 0;
+  for (int i = 0; i < 20 || total < 0.05; ++i) {
+    const auto start = Clock::now();
+    function();
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    smallest = std::min(smallest, seconds);
+    total += seconds;
+  }
+  return smallest;
+}
+
+template <class Real>
+double seconds_of(const Setup& setup) {
+  World<Real> world(setup);
+  State<Real> state = world.state();
+  state.u.setRandom();
+  state.u *= Real(1e-5) * static_cast<Real>(std::cbrt(total_volume(setup.mesh)));
+  for (const HeldVertices::Held& item : world.held().all()) state.u.col(item.vertex).setZero();
+  world.set_state(state);
+  const double dt = 0.5 * world.time_step_limit();
+  return smallest_seconds([&] { world.step(dt); });
+}
+
+template <class Real>
+double seconds_per_entry() {
+  constexpr Index size = 600;
+  SymmetricProduct<Real> product;
+  product.set(Eigen::MatrixXd::Identity(size, size));
+  Parallel alone(1);
+  return smallest_seconds([&] { product.multiply(alone); }) / (double(size) * size);
+}
+
+}  // namespace
+
+double step_seconds(const Setup& setup, bool in_double) {
+  return in_double ? seconds_of<double>(setup) : seconds_of<float>(setup);
+}
+
+StepCost measure_step_cost(const Setup& setup, const Zones& zones, bool in_double) {
+  const double tets = double(setup.mesh.tet_count());
+  Setup trial = setup;
+  const auto seconds = [&](auto&& model_of) {
+    for (std::size_t t = 0; t < trial.region_of.size(); ++t) trial.region_of[t] = model_of(t);
+    return step_seconds(trial, in_double);
+  };
+  StepCost cost;
+  cost.nonlinear = seconds([](std::size_t) { return RegionModel::nonlinear; }) / tets;
+  cost.tensor_mass = seconds([](std::size_t) { return RegionModel::tensor_mass; }) / tets;
+  const double mixed = seconds([&](std::size_t t) {
+    return zones.of[t] % 2 == 0 ? RegionModel::nonlinear : RegionModel::tensor_mass;
+  });
+  const auto linear =
+      double(std::count(trial.region_of.begin(), trial.region_of.end(), RegionModel::tensor_mass));
+  const double unshared = cost.of(tets - linear, linear, 0, 0);
+  const Index shared = interface_size(Elements(trial), RegionModel::tensor_mass).vertices;
+  if (shared > 0) cost.shared = std::max(0.0, mixed - unshared) / shared;
+  cost.dense = in_double ? seconds_per_entry<double>() : seconds_per_entry<float>();
+  return cost;
+}
+
+}  // namespace lobe

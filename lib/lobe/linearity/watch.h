@@ -1,0 +1,92 @@
+// Watches what linear regions get wrong while a world runs, and moves zones to the non-linear model and back, if asked
+// (theory, section 15).
+//
+//   LinearityWatch<float> watch(world, grasps, {.tolerance = 0.02, .correct = true});
+//   world.advance(1.0 / 30);
+//   const LinearityReport report = watch.look(world);
+#pragma once
+
+#include <functional>
+#include <future>
+#include <memory>
+
+#include "lobe/linearity/defect.h"
+#include "lobe/linearity/influence.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+struct LinearityReport {
+  double time = 0;   // [s]
+  double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
+  double worst = 0;  // of the mean displacement errors of zones [m]
+  Vec3d place = Vec3d::Zero();            // centre of that zone at rest [m]
+  bool exceeded = false;                  // the tolerance
+  Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
+  double energy_change = 0;               // by that [J]
+};
+
+struct LinearityOptions {
+  double tolerance = 0.02;
+  bool correct = false;
+  RegionModel linear = RegionModel::tensor_mass;  // of zones that become linear
+  Index zones = 0;                                // 0: usual_zone_count()
+  int recover_every = 12;  // looks, where the interior of a precomputed region must be recovered
+  Index most_tets = 600;   // that change their model in one look
+  std::function<void(const LinearityReport&)> on_exceeded = {};
+};
+
+template <class Real>
+class LinearityWatch {
+ public:
+  // One factor and three solves per zone. `grasps` are the vertices of the setup's grasps.
+  LinearityWatch(const World<Real>& world, const std::vector<std::vector<Index>>& grasps,
+                 LinearityOptions options);
+  LinearityWatch(const LinearityWatch&) = delete;
+  LinearityWatch& operator=(const LinearityWatch&) = delete;
+
+  // After a frame. Costs one small dense product, beside a precomputed region also the recovery of its interior, so that
+  // the last report stands in for most looks there.
+  // What cuts do to the influence of zones is found by a background thread and used from a fixed number of looks on.
+  // `set_region` moves tetrahedra in place of World::set_region(), if it is given.
+  using SetRegion = std::function<double(const std::vector<Index>& tets, RegionModel model)>;
+  LinearityReport look(World<Real>& world, const SetRegion& set_region = {});
+
+  double looking_seconds() const { return looking_seconds_; }  // in all, corrections left out
+
+ private:
+  using Columns = Eigen::MatrixXd;
+
+  HeldVertices boundary_of(const World<Real>& world) const;
+  void follow_edits(const World<Real>& world);
+  void find_shares(const Elements& elements);
+  bool any_precomputed(const Elements& elements) const;
+  void hold(const HeldVertices& held);
+  double relative(const Eigen::VectorXd& error) const;
+  void correct(const World<Real>& world, const SetRegion& set_region, const Columns& contributions,
+               Eigen::VectorXd error, LinearityReport& report);
+  void move(const World<Real>& world, const SetRegion& set_region, Index zone, RegionModel model,
+            LinearityReport& report);
+
+  LinearityOptions options_;
+  std::vector<std::vector<Index>> grasps_;
+  Zones zones_;
+  MeanDefects defects_;
+  std::unique_ptr<Influence> influence_;
+  std::future<std::unique_ptr<Influence>> next_influence_;
+  int looks_to_wait_ = 0;
+  bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
+  std::vector<double> share_;        // of each zone that is linear, by volume
+  std::vector<int> calm_;            // looks since each zone could have been linear
+  std::vector<double> volume_;       // per vertex [m³]
+  std::size_t edits_ = 0;            // of the world's, that are known
+  double largest_ = 0;               // norm so far [m^2.5]
+  double looking_seconds_ = 0;
+  int looks_ = 0;
+  LinearityReport last_;
+};
+
+extern template class LinearityWatch<float>;
+extern template class LinearityWatch<double>;
+
+}  // namespace lobe

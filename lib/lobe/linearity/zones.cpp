@@ -1,0 +1,50 @@
+#include "lobe/linearity/zones.h"
+
+#include <metis.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "lobe/error.h"
+
+namespace lobe {
+
+Zones::Zones(const Elements& elements, Index count) : of(std::size_t(elements.topology.tet_count()), 0) {
+  const Index tet_count = elements.topology.tet_count();
+  if (count < 1 || count > tet_count)
+    throw InputError("zones", std::to_string(count) + ", must be 1 to the number of tetrahedra, " +
+                                  std::to_string(tet_count));
+  if (count == tet_count) {
+    std::iota(of.begin(), of.end(), 0);
+  } else if (count > 1) {
+    std::vector<idx_t> start, corners, part(of.size()),
+        vertex_part(std::size_t(elements.topology.vertex_count()));
+    for (Index t = 0; t <= tet_count; ++t) start.push_back(4 * t);
+    for (Index t = 0; t < tet_count; ++t)
+      for (Index v : elements.topology.corners(t)) corners.push_back(v);
+    idx_t size = tet_count, vertices = elements.topology.vertex_count(), shared = 3, parts = count, cut = 0;
+    METIS_PartMeshDual(&size, &vertices, start.data(), corners.data(), nullptr, nullptr, &shared, &parts,
+                       nullptr, nullptr, &cut, part.data(), vertex_part.data());
+    std::copy(part.begin(), part.end(), of.begin());
+  }
+  tets.resize(std::size_t(count));
+  for (Index t = 0; t < tet_count; ++t) tets[std::size_t(of[t])].push_back(t);
+  std::erase_if(tets, [](const std::vector<Index>& zone) { return zone.empty(); });
+  for (std::size_t z = 0; z < tets.size(); ++z) {
+    double& sum = volume.emplace_back(0);
+    for (Index t : tets[z]) {
+      of[std::size_t(t)] = static_cast<Index>(z);
+      sum += signed_volume(elements.corner_points(t));
+    }
+  }
+}
+
+double Zones::norm(const Eigen::VectorXd& u) const {
+  double sum = 0;
+  for (Index z = 0; z < count(); ++z) sum += volume[std::size_t(z)] * u.segment<3>(3 * z).squaredNorm();
+  return std::sqrt(sum);
+}
+
+Index usual_zone_count(Index tets) { return std::min(std::max(tets / 60, std::min<Index>(tets, 8)), 96); }
+
+}  // namespace lobe

@@ -1,0 +1,93 @@
+#include "lobe/linearity/defect.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+
+#include "lobe/fem/svk.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+const Vec3d axis = Vec3d(1, -2, 0.5).normalized();
+
+Mat3<double> skew(const Vec3d& w) {
+  Mat3<double> W;
+  W << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
+  return W;
+}
+
+Mat3<double> some_strain(double size) {
+  Mat3<double> e;
+  e << 0.5, 0.2, -0.3, 0.2, -0.4, 0.1, -0.3, 0.1, 0.6;
+  return size * e;
+}
+
+Setup body_of(const TetMesh& mesh) {
+  Setup setup = setup_of(mesh);
+  setup.volume_penalty = 1e5;
+  return setup;
+}
+
+}  // namespace
+
+TEST_CASE("the twin of a linear rotation is the rotation, free of strain") {
+  for (const double angle : {0.0, 1e-9, 0.3, 1.5, 3.0}) {
+    const Mat3<double> exact = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    CHECK((twin(skew(angle * axis)) + Mat3<double>::Identity() - exact).norm() < 1e-14);
+  }
+}
+
+TEST_CASE("the Green strain of a twin is the linear strain, as long as that leaves it a volume") {
+  for (const double size : {1e-3, 0.1, 0.5}) {
+    const Mat3<double> strain = some_strain(size);
+    CHECK((green_strain<double>(twin(strain + skew(0.7 * axis))) - strain).norm() < 1e-7);
+  }
+  const Mat3<double> crushed = -3 * Mat3<double>::Identity();
+  CHECK((twin(crushed) + 0.8 * Mat3<double>::Identity()).norm() < 1e-12);
+}
+
+TEST_CASE("the stress defect is of second order in the displacement gradient") {
+  const Mat3<double> H = some_strain(1) + skew(axis);
+  const auto size = [&](double h) { return stress_defect(h * H, 4e4, 1e4, 1e5).norm(); };
+  CHECK(size(1e-3) > 0);
+  CHECK(std::log2(size(2e-4) / size(1e-4)) == doctest::Approx(2).epsilon(0.01));
+}
+
+TEST_CASE("mean defects are the exact ones where the gradient is the same everywhere") {
+  const Elements elements(body_of(box_mesh({0.02, 0.03, 0.04}, 3, 3, 4)));
+  const Zones zones(elements, 5);
+  const Mat3<double> H = some_strain(0.2) + skew(0.3 * axis);
+  const Mat3X<double> u = H * elements.points.view();
+  const Defects exact = exact_defects(elements, zones, u);
+  const MeanDefects mean(elements, zones);
+  const auto gradients = mean.gradients(u);
+  for (Index z = 0; z < zones.count(); ++z) {
+    CHECK((gradients.col(z) - H.reshaped()).norm() < 1e-12);
+    CHECK((mean.at(z, gradients.col(z), false) - exact.col(z)).norm() < 1e-10 * exact.col(z).norm());
+    const Mat3<double> of_twin = stress_defect(twin(H), 4e4, 1e4, 1e5) * zones.volume[std::size_t(z)];
+    CHECK((mean.at(z, gradients.col(z), true) - of_twin.reshaped()).norm() < 1e-10 * of_twin.norm());
+  }
+}
+
+TEST_CASE("zones take every tetrahedron once, and are of about the same size") {
+  const Elements elements(body_of(box_mesh({0.1, 0.1, 0.1}, 6, 6, 6)));
+  const Zones zones(elements, 24);
+  CHECK(zones.count() == 24);
+  std::vector<int> taken(zones.of.size(), 0);
+  double volume = 0;
+  for (Index z = 0; z < zones.count(); ++z) {
+    for (Index t : zones.tets[std::size_t(z)]) {
+      ++taken[std::size_t(t)];
+      CHECK(zones.of[std::size_t(t)] == z);
+    }
+    CHECK(zones.tets[std::size_t(z)].size() < 2 * zones.of.size() / 24);
+    volume += zones.volume[std::size_t(z)];
+  }
+  CHECK(std::count(taken.begin(), taken.end(), 1) == std::ptrdiff_t(taken.size()));
+  CHECK(volume == doctest::Approx(1e-3).epsilon(1e-12));
+  CHECK_THROWS_WITH(Zones(elements, 0), doctest::Contains("must be 1 to the number of tetrahedra"));
+}

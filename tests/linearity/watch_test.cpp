@@ -1,0 +1,106 @@
+#include "lobe/linearity/watch.h"
+
+#include <doctest/doctest.h>
+
+#include "liver.h"
+#include "lobe/sim/rebuild.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// The left lobe of a liver, all linear, that a grasp leads somewhere in 0.3 s.
+Setup grasped_liver(const Vec3d& to, RegionModel model) {
+  Setup setup = held_liver(model);
+  setup.damping = 20;
+  setup.grasps = {{"grasper", left_lobe(setup), {{0, Vec3d::Zero()}, {0.3, to}}, false}};
+  return setup;
+}
+
+double norm(const World<double>& world, const Mat3X<double>& u) {
+  double sum = 0;
+  for (Index v = 0; v < u.cols(); ++v) sum += lumped_mass(world.elements(), v) * u.col(v).squaredNorm();
+  return std::sqrt(sum);
+}
+
+struct Played {
+  double estimated = 0, measured = 0;  // at the end
+  Index moved = 0;
+};
+
+Played play(const Vec3d& to, LinearityOptions options, double seconds = 0.6) {
+  World<double> exact(grasped_liver(to, RegionModel::nonlinear));
+  const Setup setup = grasped_liver(to, RegionModel::tensor_mass);
+  World<double> world(setup);
+  LinearityWatch<double> watch(world, {setup.grasps[0].vertices}, std::move(options));
+  Played played;
+  double largest = 0;
+  while (world.time() < seconds - 1e-9) {
+    exact.advance(0.02);
+    world.advance(0.02);
+    const LinearityReport report = watch.look(world);
+    played.estimated = report.error;
+    played.moved += report.to_nonlinear;
+    largest = std::max(largest, norm(exact, exact.state().u));
+  }
+  played.measured = norm(exact, world.state().u - exact.state().u) / largest;
+  return played;
+}
+
+}  // namespace
+
+TEST_CASE("the estimated error is within a factor of two of the measured one") {
+  for (const Vec3d& to : {Vec3d(0.004, -0.004, 0.04), Vec3d(0, 0.03, 0), Vec3d(0.02, -0.01, 0.01),
+                          Vec3d(0, 0, 0.015), Vec3d(-0.01, 0.01, -0.03)}) {
+    CAPTURE(to.transpose());
+    const Played played = play(to, {});
+    CHECK(played.moved == 0);
+    CHECK(played.estimated < 2 * played.measured);
+    CHECK(played.estimated > played.measured / 2);
+  }
+}
+
+TEST_CASE("corrected regions keep the measured error near the tolerance") {
+  LinearityOptions options;
+  const Vec3d up(0.004, -0.004, 0.04);
+  const Played left_alone = play(up, options);
+  options.correct = true;
+  const Played corrected = play(up, options);
+  CHECK(left_alone.measured > 0.04);
+  CHECK(corrected.moved > 0);
+  CHECK(corrected.measured < 0.03);
+}
+
+TEST_CASE("who exceeds the tolerance is told, with the place") {
+  LinearityOptions options;
+  options.tolerance = 0.01;
+  int told = 0;
+  options.on_exceeded = [&](const LinearityReport& report) {
+    ++told;
+    CHECK(report.exceeded);
+    CHECK(report.error > 0.01);
+    CHECK(report.worst > 0);
+    CHECK(report.place.x() > -0.02);  // not near the clamp
+  };
+  play(Vec3d(0.004, -0.004, 0.04), options);
+  CHECK(told > 3);
+}
+
+TEST_CASE("cuts and corrections in any order: the world equals one built afresh") {
+  Setup setup = grasped_liver(Vec3d(0.004, -0.004, 0.04), RegionModel::tensor_mass);
+  World<double> world(setup);
+  LinearityOptions options;
+  options.correct = true;
+  LinearityWatch<double> watch(world, {setup.grasps[0].vertices}, options);
+  Index moved = 0;
+  for (int frame = 0; frame < 30; ++frame) {
+    REQUIRE(world.advance(0.02).ok);
+    if (frame % 5 == 2) world.remove_tets({37 * frame % setup.mesh.tet_count()});
+    const LinearityReport report = watch.look(world);
+    moved += report.to_nonlinear + report.to_linear;
+    CHECK(std::isfinite(report.error));
+  }
+  CHECK(moved > 0);
+  CHECK(compare_with_rebuilt(world).largest() < 1e-12);
+}

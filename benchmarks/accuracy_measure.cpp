@@ -27,10 +27,10 @@ struct Reference {
   double change = 0;  // when the steps were halved, relative
 };
 
-Reference make_reference(Setup setup, const Gesture& gesture, const double (&safety)[2]) {
+Reference make_reference(Setup setup, const Schedule& schedule, const double (&safety)[2]) {
   Reference reference{std::move(setup), {}, 0};
-  reference.samples = play_reference(reference.setup, gesture, safety[1], reference_threads());
-  const Samples before = play_reference(reference.setup, gesture, safety[0], reference_threads());
+  reference.samples = play_reference(reference.setup, schedule, safety[1], reference_threads());
+  const Samples before = play_reference(reference.setup, schedule, safety[0], reference_threads());
   reference.change = ErrorNorm(reference.setup).relative(before, reference.samples);
   return reference;
 }
@@ -105,7 +105,7 @@ AccuracyRow row_of(const Model& model, const Way& way, const Played& played) {
 }  // namespace
 
 Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&)) {
-  const Gesture gesture = gesture_of(scene.scene.time);
+  const Schedule schedule = schedule_of(scene.scene.time);
   Accuracy accuracy{{}, warnings_of(scene)};
   Setup fine = fine_setup(scene);
   std::vector<Setup> setups;
@@ -114,14 +114,14 @@ Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const Acc
     setups.push_back(setup_on(scene.scene, mesh));
     total_norms.emplace_back(fine, mesh);
   }
-  const Reference total = make_reference(std::move(fine), gesture, total_safety);
+  const Reference total = make_reference(std::move(fine), schedule, total_safety);
   const bool only_largest = selects_by_number(scene.scene);
   for (std::size_t i = 0; i < setups.size(); ++i) {
-    const Reference same_mesh = make_reference(reference_setup(setups[i]), gesture, model_safety);
+    const Reference same_mesh = make_reference(reference_setup(setups[i]), schedule, model_safety);
     const ErrorNorm model_norm(same_mesh.setup);
     for (const Model& model : make_models(setups[i], accuracy.warnings))
       for (const Way& way : ways(threads)) {
-        const Played played = play(model.setup, gesture, way);
+        const Played played = play(model.setup, schedule, way);
         AccuracyRow row = row_of(model, way, played);
         row.scene = scene.name;
         set_errors(model_norm, same_mesh, played, row);

@@ -29,7 +29,7 @@ std::string remark(Condition::Kind kind) {
 }
 
 template <class Real>
-Played play_once(const Setup& setup, const Gesture& gesture, const Way& way) {
+Played play_once(const Setup& setup, const Schedule& schedule, const Way& way) {
   Setup with_safety = setup;
   with_safety.safety = way.safety;
   World<Real> world(with_safety, way.threads);
@@ -37,9 +37,9 @@ Played play_once(const Setup& setup, const Gesture& gesture, const Way& way) {
   std::set<std::string> remarks;
   double seconds = 0;
   long long steps = 0;
-  for (int frame = 1; frame <= gesture.frames && played.to_the_end; ++frame) {
+  for (int frame = 1; frame <= schedule.frames && played.to_the_end; ++frame) {
     const Stopwatch watch(way.threads == 1);
-    const Report report = world.advance(gesture.frame);
+    const Report report = world.advance(schedule.frame);
     seconds += watch.seconds();
     steps += report.steps;
     played.to_the_end = report.ok;
@@ -48,11 +48,11 @@ Played play_once(const Setup& setup, const Gesture& gesture, const Way& way) {
     if (!report.ok)
       played.status =
           std::string(name(report.conditions.back().kind)) + " at " + rounded(world.time()) + " s";
-    else if (frame % (gesture.frames / gesture.samples) == 0)
+    else if (frame % (schedule.frames / schedule.samples) == 0)
       played.samples.push_back(world.state().u.template cast<double>());
   }
   played.dt = world.time() / double(std::max(1LL, steps));
-  played.wall_per_s = seconds / std::max(world.time(), gesture.frame);
+  played.wall_per_s = seconds / std::max(world.time(), schedule.frame);
   if (played.to_the_end) {
     played.status = "done";
     for (const std::string& text : remarks) played.status += "; " + text;
@@ -60,32 +60,32 @@ Played play_once(const Setup& setup, const Gesture& gesture, const Way& way) {
   return played;
 }
 
-Played play_in_precision(const Setup& setup, const Gesture& gesture, const Way& way) {
-  return way.precision == Precision::single_precision ? play_once<float>(setup, gesture, way)
-                                                      : play_once<double>(setup, gesture, way);
+Played play_in_precision(const Setup& setup, const Schedule& schedule, const Way& way) {
+  return way.precision == Precision::single_precision ? play_once<float>(setup, schedule, way)
+                                                      : play_once<double>(setup, schedule, way);
 }
 
 }  // namespace
 
-Gesture gesture_of(const Time& time, int samples) {
-  Gesture gesture;
-  gesture.samples = samples;
+Schedule schedule_of(const Time& time, int samples) {
+  Schedule schedule;
+  schedule.samples = samples;
   const double frames_per_sample = std::ceil(time.duration / (time.frame * samples) * (1 - 1e-9));
-  gesture.frames = samples * static_cast<int>(frames_per_sample);
-  gesture.frame = time.duration / gesture.frames;
-  return gesture;
+  schedule.frames = samples * static_cast<int>(frames_per_sample);
+  schedule.frame = time.duration / schedule.frames;
+  return schedule;
 }
 
-Played play(const Setup& setup, const Gesture& gesture, const Way& way) {
-  Played played = play_in_precision(setup, gesture, way);
-  const bool again = played.to_the_end && played.wall_per_s * gesture.duration() < short_run;
+Played play(const Setup& setup, const Schedule& schedule, const Way& way) {
+  Played played = play_in_precision(setup, schedule, way);
+  const bool again = played.to_the_end && played.wall_per_s * schedule.duration() < short_run;
   for (int i = 1; again && i < most_repetitions; ++i)
-    played.wall_per_s = std::min(played.wall_per_s, play_in_precision(setup, gesture, way).wall_per_s);
+    played.wall_per_s = std::min(played.wall_per_s, play_in_precision(setup, schedule, way).wall_per_s);
   return played;
 }
 
-Samples play_reference(const Setup& setup, const Gesture& gesture, double safety, int threads) {
-  Played played = play_once<double>(setup, gesture, {Precision::double_precision, safety, threads});
+Samples play_reference(const Setup& setup, const Schedule& schedule, double safety, int threads) {
+  Played played = play_once<double>(setup, schedule, {Precision::double_precision, safety, threads});
   if (!played.to_the_end)
     throw WrongResult(
         "the reference of " + std::to_string(setup.mesh.tet_count()) +

@@ -1,4 +1,4 @@
-// One gesture played by one model: how long it takes, and where the vertices were.
+// One schedule played by one model: how long it takes, and where the vertices were.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@ namespace lobe::bench {
 
 // All runs of a scene advance in the same frames, about as long as the scene's, and are sampled at the same times, equally spaced, the last at the
 // end.
-struct Gesture {
+struct Schedule {
   int frames = 0;  // a multiple of the number of samples
   int samples = 0;
   double frame = 0;  // [s]
   double duration() const { return frames * frame; }
 };
-Gesture gesture_of(const Time& time, int samples = 10);
+Schedule schedule_of(const Time& time, int samples = 10);
 
 struct Way {
   Precision precision = Precision::double_precision;
@@ -36,9 +36,9 @@ struct Played {
 
 // On one thread it is that thread's processor time that is taken. Runs below 0.1 s are played three times, and the
 // shortest time counts.
-Played play(const Setup& setup, const Gesture& gesture, const Way& way);
+Played play(const Setup& setup, const Schedule& schedule, const Way& way);
 
 // Plays it once, for a reference. Throws WrongResult if it does not run to its end.
-Samples play_reference(const Setup& setup, const Gesture& gesture, double safety, int threads);
+Samples play_reference(const Setup& setup, const Schedule& schedule, double safety, int threads);
 
 }  // namespace lobe::bench

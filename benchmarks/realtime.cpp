@@ -131,7 +131,7 @@ void bench_realtime(const Options& options) {
       for (int n : threads) {
         row.threads = n;
         row.played =
-            play(setup, gesture_of(time, 1), {Precision::single_precision, organ.scene.time.safety, n});
+            play(setup, schedule_of(time, 1), {Precision::single_precision, organ.scene.time.safety, n});
         print(rows.emplace_back(row));
       }
     }

@@ -156,23 +156,23 @@ TEST_CASE("the table has the columns that docs/benchmarks.md explains, and no nu
 TEST_CASE("a run that diverges says so; as a reference it is refused") {
   Setup torn = turning_setup();
   torn.grasps[0].path = {{0.1, {0, 0, 0}}, {0.11, {1000, 0, 0}}};
-  const Gesture gesture{30, 10, 0.01};
-  const Played played = play(torn, gesture, {Precision::single_precision, 0.9, 1});
+  const Schedule schedule{30, 10, 0.01};
+  const Played played = play(torn, schedule, {Precision::single_precision, 0.9, 1});
   CHECK_FALSE(played.to_the_end);
   CHECK(played.status == "diverged at 0.1 s");
   CHECK(played.samples.size() == 3);
-  CHECK_THROWS_AS(play_reference(torn, gesture, 0.9, 1), WrongResult);
+  CHECK_THROWS_AS(play_reference(torn, schedule, 0.9, 1), WrongResult);
 }
 
 TEST_CASE("all runs of a scene are sampled at the same times, the last at the end") {
   Time time;
   time.duration = 0.7;
   time.frame = 0.02;
-  const Gesture gesture = gesture_of(time);
-  CHECK(gesture.frames == 40);
-  CHECK(gesture.duration() == doctest::Approx(0.7).epsilon(1e-15));
+  const Schedule schedule = schedule_of(time);
+  CHECK(schedule.frames == 40);
+  CHECK(schedule.duration() == doctest::Approx(0.7).epsilon(1e-15));
   time.frame = 5;
-  CHECK(gesture_of(time).frames == 10);
+  CHECK(schedule_of(time).frames == 10);
   const Setup setup = turning_setup();
   const Samples samples = play_reference(setup, {20, 10, 0.01}, 0.9, 1);
   REQUIRE(samples.size() == 10);

@@ -67,12 +67,12 @@ std::vector<Making> makings(const Scene& scene, const Resolved& resolved) {
   options.condense = false;
   const Proposal tensor_mass = propose_regions(setup, resolved.gestures, options);
   if (!resolved.gestures.empty())
-    add("strain recipe", by_strain(setup, resolved.gestures, tensor_mass.linear_share), false, false);
+    add("strain-recipe", by_strain(setup, resolved.gestures, tensor_mass.linear_share), false, false);
   add("proposed", tensor_mass.region_of, true, false);
   if (condensed.region_of != tensor_mass.region_of)
-    add("proposed, precomputed", condensed.region_of, true, false);
-  add("proposed, corrected", tensor_mass.region_of, true, true);
-  add("all linear, corrected", std::vector<RegionModel>(setup.region_of.size(), RegionModel::tensor_mass),
+    add("proposed-precomputed", condensed.region_of, true, false);
+  add("proposed-corrected", tensor_mass.region_of, true, true);
+  add("all-linear-corrected", std::vector<RegionModel>(setup.region_of.size(), RegionModel::tensor_mass),
       true, true);
   return list;
 }
@@ -180,8 +180,8 @@ std::string csv(const std::vector<Row>& rows) {
          "watching,moved\n"
       << std::setprecision(4);
   for (const Row& r : rows)
-    out << r.scene << ',' << r.tets << ",\"" << r.regions << "\"," << r.linear_share << ',' << r.speedup
-        << ',' << r.worst_frame << ',' << r.mean_error << ',' << r.largest_error << ',' << r.estimated << ','
+    out << r.scene << ',' << r.tets << ',' << r.regions << ',' << r.linear_share << ',' << r.speedup << ','
+        << r.worst_frame << ',' << r.mean_error << ',' << r.largest_error << ',' << r.estimated << ','
         << r.watching << ',' << r.moved << '\n';
   return out.str();
 }
@@ -196,9 +196,9 @@ set key outside right
 set xlabel 'speed-up of all frames over all non-linear'
 set ylabel 'largest error of any frame, relative L2'
 series(s, r) = strcol(1) eq s && strcol(3) eq r ? column(5) : NaN
-plot for [r in "'strain recipe' 'proposed' 'proposed, precomputed' 'proposed, corrected' 'all linear, corrected'"] \
+plot for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected"] \
        'gestures.csv' using (series('liver_declared', r)):8 with points pt 7 ps 1.5 title r.', declared', \
-     for [r in "'strain recipe' 'proposed' 'proposed, precomputed' 'proposed, corrected' 'all linear, corrected'"] \
+     for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected"] \
        'gestures.csv' using (series('liver_undeclared', r)):8 with points pt 6 ps 1.5 title r.', undeclared'
 )";
 

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "lobe/error.h"
+#include "lobe/solve/floating.h"
 #include "lobe/solve/tangent.h"
 
 namespace lobe {
@@ -17,15 +18,23 @@ constexpr double weak_spring =
 // Averages over zones, of fields of 3 × #vertices.
 class Means {
  public:
-  Means(const Elements& elements, const Zones& zones) : elements_(elements), zones_(zones) {}
+  // Of pieces that these unknowns leave free to move, nothing is counted.
+  Means(const Elements& elements, const Zones& zones, const Unknowns& unknowns)
+      : elements_(elements), zones_(zones), counts_(zones.of.size(), 0) {
+    const auto is_given = [&](Index v, int axis) { return unknowns.number(axis, v) < 0; };
+    for (const std::vector<Index>& piece : elements.topology.pieces())
+      if (is_held(elements, piece, is_given))
+        for (Index t : piece) counts_[std::size_t(t)] = 1;
+  }
 
   // The force whose work with a displacement is its mean component in a zone.
   Mat3X<double> mean(Index zone, int axis) const {
     Mat3X<double> weights = Mat3X<double>::Zero(3, elements_.topology.vertex_count());
     for (Index t : zones_.tets[std::size_t(zone)])
-      for (Index v : elements_.topology.corners(t))
-        weights(axis, v) +=
-            signed_volume(elements_.corner_points(t)) / (4 * zones_.volume[std::size_t(zone)]);
+      if (counts_[std::size_t(t)])
+        for (Index v : elements_.topology.corners(t))
+          weights(axis, v) +=
+              signed_volume(elements_.corner_points(t)) / (4 * zones_.volume[std::size_t(zone)]);
     return weights;
   }
 
@@ -52,10 +61,11 @@ class Means {
   template <class Visit>
   void for_tets(const Visit& visit) const {
     for (Index t = 0; t < static_cast<Index>(zones_.of.size()); ++t)
-      if (elements_.topology.alive(t)) visit(t, zones_.of[std::size_t(t)], elements_.shape_of(t));
+      if (counts_[std::size_t(t)]) visit(t, zones_.of[std::size_t(t)], elements_.shape_of(t));
   }
   const Elements& elements_;
   const Zones& zones_;
+  std::vector<char> counts_;  // per tetrahedron
 };
 
 // Forces on the vertices of a grasp along its six rigid motions, of about the same size: 3 × #vertices by 6.
@@ -96,7 +106,7 @@ Influence::Influence(const Elements& elements, const Zones& zones, const HeldVer
   const auto solve = [&](const Mat3X<double>& f) {
     return unknowns.scatter(K.solve(*factor, unknowns.gather(f)));
   };
-  const Means means(elements, zones);
+  const Means means(elements, zones, unknowns);
   free_.resize(3 * zones.count(), 9 * zones.count());
   for (Index z = 0; z < zones.count(); ++z)
     for (int axis = 0; axis < 3; ++axis)

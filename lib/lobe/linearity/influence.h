@@ -12,7 +12,7 @@ namespace lobe {
 class Influence {
  public:
   // One sparse factor and three solves per zone. `grasps` are sets of vertices that may be held later, as rigid bodies.
-  // What stresses do is without a resultant, so that pieces that float do so without harm.
+  // Nothing is said of pieces that float without a grasp.
   Influence(const Elements& elements, const Zones& zones, const HeldVertices& held,
             const std::vector<std::vector<Index>>& grasps, const SparseFactorMaker& make_factor = make_ldlt);
 

@@ -2,35 +2,19 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <sstream>
-#include <string>
-#include <vector>
 
-#include "folder.h"
+#include "benchmarks/bench_results.h"
 
 using namespace lobe::test;
 
 TEST_CASE("lobe bench cut writes a row per region, size and batch, of positive times and small errors") {
-  const Folder folder;
-  const std::string results = (folder.path / "results").string();
-  REQUIRE(std::system(
-              (LOBE_BIN_DIR "/lobe bench cut --tets 384,2000 -o '" + results + "' >/dev/null").c_str()) == 0);
-  std::istringstream csv(bytes_of(folder.path / "results" / "cut.csv"));
-  std::string line;
-  REQUIRE(std::getline(csv, line));
-  CHECK(line.starts_with("region,tets,batch,us_per_tet,rebuild_us,error"));
-  int rows = 0;
-  while (std::getline(csv, line)) {
-    INFO(line);
-    std::vector<std::string> cells;
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-    REQUIRE(cells.size() == 7);
-    CHECK((cells[0] == "nonlinear" || cells[0] == "tensor-mass" || cells[0] == "precomputed"));
-    CHECK((std::isfinite(std::stod(cells[3])) && std::stod(cells[3]) > 0));
-    CHECK(std::stod(cells[4]) > std::stod(cells[3]));
-    CHECK(std::stod(cells[5]) <= 1e-5);
-    ++rows;
+  const std::vector<Record> rows = BenchResults("cut", "--tets 384,2000").rows("cut");
+  for (const Record& row : rows) {
+    const std::string& region = row.at("region");
+    CHECK((region == "nonlinear" || region == "tensor-mass" || region == "precomputed"));
+    CHECK((std::isfinite(number(row, "us_per_tet")) && number(row, "us_per_tet") > 0));
+    CHECK(number(row, "rebuild_us") > number(row, "us_per_tet"));
+    CHECK(number(row, "error") <= 1e-5);
   }
-  CHECK(rows == 2 * (3 + 3 + 2));
+  CHECK(rows.size() == 2 * (3 + 3 + 2));
 }

@@ -1,39 +1,34 @@
 // `lobe bench hybrid`.
 #include <doctest/doctest.h>
 
-#include <sstream>
-#include <string>
-#include <vector>
-
-#include "folder.h"
+#include "benchmarks/bench_results.h"
 
 using namespace lobe::test;
 
-TEST_CASE("lobe bench hybrid writes both representations of each linear part, with one error") {
-  const Folder folder;
-  const std::string results = (folder.path / "results").string();
-  REQUIRE(std::system((LOBE_BIN_DIR "/lobe bench hybrid --quick -o '" + results + "' >/dev/null").c_str()) ==
-          0);
-  std::istringstream csv(bytes_of(folder.path / "results" / "hybrid.csv"));
-  std::string line, last_error;
-  REQUIRE(std::getline(csv, line));
-  CHECK(line.starts_with(
-      "organ,tets,linear_fraction,representation,step_us,svk_step_us,speedup,error_l2,error_free,error_max"));
-  int rows = 0;
-  while (std::getline(csv, line)) {
-    INFO(line);
-    std::vector<std::string> cells;
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-    REQUIRE(cells.size() == 14);
-    CHECK(cells[3] == (rows % 2 == 0 ? "precomputed" : "tensor-mass"));
-    CHECK(std::stod(cells[4]) > 0);
-    CHECK(std::stod(cells[6]) == doctest::Approx(std::stod(cells[5]) / std::stod(cells[4])).epsilon(1e-3));
-    if (rows % 2 == 1) CHECK(cells[7] == last_error);
-    CHECK((std::stod(cells[7]) > 1e-3 && std::stod(cells[7]) < 0.1));
-    CHECK((rows % 2 == 1 || (std::stod(cells[13]) > 0 && std::stod(cells[13]) < 0.1)));
-    last_error = cells[7];
-    ++rows;
+TEST_CASE("lobe bench hybrid writes both representations of each linear part, with one error, and gestures") {
+  const BenchResults results("hybrid", "--quick");
+  const std::vector<Record> rows = results.rows("hybrid");
+  CHECK(rows.size() == 6);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Record& row = rows[i];
+    CHECK(row.at("representation") == (i % 2 == 0 ? "precomputed" : "tensor-mass"));
+    CHECK(number(row, "step_us") > 0);
+    CHECK(number(row, "speedup") ==
+          doctest::Approx(number(row, "svk_step_us") / number(row, "step_us")).epsilon(1e-3));
+    if (i % 2 == 1) CHECK(row.at("error_l2") == rows[i - 1].at("error_l2"));
+    CHECK((number(row, "error_l2") > 1e-3 && number(row, "error_l2") < 0.1));
+    CHECK((i % 2 == 1 || (number(row, "error_transient") > 0 && number(row, "error_transient") < 0.1)));
   }
-  CHECK(rows == 6);
+  const std::vector<Record> gestures = results.rows("gestures");
+  REQUIRE(gestures.size() >= 5);
+  CHECK(gestures[0].at("regions") == "nonlinear");
+  for (const Record& row : gestures) {
+    CAPTURE(row.at("regions"));
+    CHECK(number(row, "speedup") > 0);
+    CHECK(number(row, "mean_error") <= number(row, "largest_error"));
+    if (row.at("regions").ends_with("corrected")) {
+      CHECK(number(row, "moved") > 0);
+      CHECK(number(row, "mean_error") < 0.02);  // the scene's tolerance
+    }
+  }
 }

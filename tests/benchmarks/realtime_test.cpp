@@ -1,51 +1,12 @@
 // `lobe bench realtime` and `lobe bench features`.
 #include <doctest/doctest.h>
 
-#include <cmath>
-#include <map>
-#include <sstream>
-#include <string>
-#include <vector>
-
-#include "folder.h"
+#include "benchmarks/bench_results.h"
 
 using namespace lobe::test;
 
-namespace {
-
-using Record = std::map<std::string, std::string>;
-
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  return cells;
-}
-
-// The rows of DIR/NAME.csv by column, after `lobe bench NAME ARGUMENTS -o DIR`.
-std::vector<Record> rows_of(const std::string& name, const std::string& arguments) {
-  const Folder folder;
-  const std::string command =
-      LOBE_BIN_DIR "/lobe bench " + name + ' ' + arguments + " -o '" + folder.path.string() + "' >/dev/null";
-  REQUIRE(std::system(command.c_str()) == 0);
-  std::istringstream csv(bytes_of(folder.path / (name + ".csv")));
-  std::string line;
-  REQUIRE(std::getline(csv, line));
-  const std::vector<std::string> columns = cells_of(line);
-  std::vector<Record> rows;
-  while (std::getline(csv, line)) {
-    const std::vector<std::string> cells = cells_of(line);
-    REQUIRE(cells.size() == columns.size());
-    Record& row = rows.emplace_back();
-    for (std::size_t i = 0; i < cells.size(); ++i) row[columns[i]] = cells[i];
-  }
-  return rows;
-}
-
-}  // namespace
-
 TEST_CASE("lobe bench realtime plays the shipped gesture to its end and says what the time step gains") {
-  const std::vector<Record> rows = rows_of("realtime", "--quick --threads 2");
+  const std::vector<Record> rows = BenchResults("realtime", "--quick --threads 2").rows("realtime");
   REQUIRE(rows.size() == 2);
   for (const Record& row : rows) {
     CHECK(row.at("tets") == "10299");
@@ -63,7 +24,7 @@ TEST_CASE("lobe bench realtime plays the shipped gesture to its end and says wha
 }
 
 TEST_CASE("lobe bench features times each feature on and off") {
-  const std::vector<Record> rows = rows_of("features", "--quick --tets 384");
+  const std::vector<Record> rows = BenchResults("features", "--quick --tets 384").rows("features");
   CHECK(rows.size() > 10);
   for (const Record& row : rows) {
     INFO(row.at("feature"));

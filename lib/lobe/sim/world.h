@@ -144,6 +144,7 @@ class World {
   void check_fits(const Checkpoint<Real>& checkpoint) const;
   bool is_held(Index tet) const;
   bool is_held(const std::vector<Index>& piece) const;
+  void prepare_frame(double duration, Report& report);
   void advance_to(double end, Report& report);
   void play_tools(double duration, Report& report);
   void integrate(double dt);

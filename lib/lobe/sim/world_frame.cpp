@@ -106,9 +106,9 @@ Report World<Real>::advance(double duration) {
   return report;
 }
 
+// Tools, cuts, and the time step limit that follows from them.
 template <class Real>
-void World<Real>::advance_to(double end, Report& report) {
-  const double duration = end - state_.time;
+void World<Real>::prepare_frame(double duration, Report& report) {
   refresh_condensed();
   if (known_ != Known::anew) {
     const Timed timed(report, Phase::time_step);
@@ -123,6 +123,12 @@ void World<Real>::advance_to(double end, Report& report) {
   report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, volume_ratio_);
   if (volume_ratio_ < 0.05)
     report.conditions.push_back(near_inversion(volume_ratio_, volume_ratio_tet_, state_.time));
+}
+
+template <class Real>
+void World<Real>::advance_to(double end, Report& report) {
+  const double duration = end - state_.time;
+  prepare_frame(duration, report);
   constexpr int most_steps = 1 << 20, most_tries = 9;
   const double longest = !implicit_                 ? setup_.safety * report.time_step_limit
                          : setup_.implicit_step > 0 ? setup_.implicit_step

@@ -27,7 +27,7 @@ struct Row {
   Index tets = 0;
   double linear_fraction = 0;  // of the volume
   RegionModel representation = RegionModel::precomputed;
-  double step_us = 0, svk_step_us = 0;
+  double step_us = 0, svk_step_us = 0, frame_step_us = 0;
   double error_l2 = 0, error_free = 0, error_max = 0;  // relative, in equilibrium, to all non-linear
   double error_transient = 0;                          // of the condensed in motion, to tensor-mass
   InterfaceSize interface = {};
@@ -145,6 +145,9 @@ void time_rows(const Setup& hybrid, std::vector<Row>& rows, const Sampling& samp
   std::vector<std::unique_ptr<World<float>>> worlds;
   for (Row& row : rows) worlds.push_back(moving_world(with_linear(hybrid, row.representation), row.set_up_s));
   check(*worlds[0], *worlds[1], rows[0]);
+  Setup turning = with_linear(hybrid, RegionModel::precomputed);
+  turning.precomputed_frame = RegionFrame::corotated;
+  worlds.push_back(moving_world(turning, seconds));
   worlds.push_back(moving_world(with_linear(reference_setup(hybrid), RegionModel::nonlinear), seconds));
   std::vector<Timed> functions;
   for (const auto& world : worlds) {
@@ -155,6 +158,7 @@ void time_rows(const Setup& hybrid, std::vector<Row>& rows, const Sampling& samp
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].step_us = 1e6 * samples[i].front();
     rows[i].svk_step_us = 1e6 * samples.back().front();
+    rows[i].frame_step_us = 1e6 * samples[rows.size()].front();
   }
 }
 
@@ -163,10 +167,10 @@ const char* name_of(const Row& row) {
 }
 
 void print(const Row& r) {
-  std::printf("%-8s %7d %7.2f %-12s %6d %9.2f %9.2f %8.2f %10.2e %10.2e %10.2e %10.2e %8.2f\n",
+  std::printf("%-8s %7d %7.2f %-12s %6d %9.2f %9.2f %8.2f %9.2f %10.2e %10.2e %10.2e %10.2e %8.2f\n",
               r.organ.c_str(), r.tets, r.linear_fraction, name_of(r), r.interface.vertices, r.step_us,
-              r.svk_step_us, r.svk_step_us / r.step_us, r.error_l2, r.error_free, r.error_max,
-              r.error_transient, r.set_up_s);
+              r.svk_step_us, r.svk_step_us / r.step_us, r.frame_step_us, r.error_l2, r.error_free,
+              r.error_max, r.error_transient, r.set_up_s);
   std::fflush(stdout);
 }
 
@@ -174,13 +178,13 @@ std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "organ,tets,linear_fraction,representation,step_us,svk_step_us,speedup,error_l2,error_free,error_"
          "max,"
-         "interface_vertices,pays,set_up_s,error_transient\n"
+         "interface_vertices,pays,set_up_s,error_transient,frame_step_us\n"
       << std::setprecision(4);
   for (const Row& r : rows)
     out << r.organ << ',' << r.tets << ',' << r.linear_fraction << ',' << name_of(r) << ',' << r.step_us
         << ',' << r.svk_step_us << ',' << r.svk_step_us / r.step_us << ',' << r.error_l2 << ','
         << r.error_free << ',' << r.error_max << ',' << r.interface.vertices << ',' << r.interface.pays()
-        << ',' << r.set_up_s << ',' << r.error_transient << '\n';
+        << ',' << r.set_up_s << ',' << r.error_transient << ',' << r.frame_step_us << '\n';
   return out.str();
 }
 
@@ -206,9 +210,9 @@ plot 'hybrid.csv' using (series('precomputed')):8:(0.5 + 0.6 * log10($2 / 1000))
 void bench_hybrid(const Options& options) {
   const Sampling sampling = options.quick ? Sampling{5, 0.01} : Sampling{15, 0.02};
   begin_results(options.output, "hybrid");
-  std::printf("\n%-8s %7s %7s %-12s %6s %9s %9s %8s %10s %10s %10s %10s %8s\n", "organ", "tets", "linear",
-              "represented", "shared", "step us", "svk us", "speed-up", "error l2", "error free", "error max",
-              "transient", "set up s");
+  std::printf("\n%-8s %7s %7s %-12s %6s %9s %9s %8s %9s %10s %10s %10s %10s %8s\n", "organ", "tets", "linear",
+              "represented", "shared", "step us", "svk us", "speed-up", "frame us", "error l2", "error free",
+              "error max", "transient", "set up s");
   std::vector<Row> all;
   for (const Case& organ : make_organs(options))
     for (const TetMesh& mesh : organ.meshes) {

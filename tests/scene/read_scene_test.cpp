@@ -46,10 +46,12 @@ TEST_CASE("regions and their selectors are read") {
   REQUIRE(scene.regions.size() == 4);
   CHECK(scene.regions[0].name == "held part");
   CHECK(scene.regions[0].model == RegionModel::precomputed);
+  CHECK(scene.regions[0].frame == RegionFrame::corotated);
   CHECK(as<SelectBox>(*scene.regions[0].where).min == Vec3d(-0.1, -0.2, -0.3));
   CHECK(as<SelectBox>(*scene.regions[0].where).max == Vec3d(0, 0.1, 0.2));
   CHECK(scene.regions[1].name == "tensor-mass");
   CHECK(scene.regions[1].model == RegionModel::tensor_mass);
+  CHECK(scene.regions[1].frame == RegionFrame::fixed);
   CHECK(as<SelectSphere>(*scene.regions[1].where).center == Vec3d(0.01, 0, 0));
   CHECK(as<SelectSphere>(*scene.regions[1].where).radius == 0.02);
   const auto& any = as<SelectAnyOf>(*scene.regions[2].where);

@@ -159,11 +159,15 @@ TEST_CASE("a precomputed region must be held, explicit, and end where it is narr
   CHECK(faults(R"({"regions": [{"model": "nonlinear", )" + near + R"(}, {"model": "precomputed"}]})") ==
         "precomputed region: 12 of its tetrahedra, among them 12, are in parts without enough fixed vertices "
         "of their "
-        "own, and a linear part that turned would grow; fix some of their vertices, or make them tensor-mass "
-        "or "
-        "nonlinear");
+        "own, and a linear part that turned would grow; fix some of their vertices, let one part have "
+        "\"frame\": \"corotated\", or make them tensor-mass or nonlinear");
   CHECK(faults(R"({"regions": [{"model": "precomputed"}], "time": {"integrator": "implicit"}})") ==
         "/regions/0/model: \"precomputed\" needs \"integrator\": \"explicit\"; use \"tensor-mass\"");
+  CHECK(faults(R"({"regions": [{"model": "nonlinear", "frame": "corotated"}]})") ==
+        "/regions/0/frame: \"corotated\" needs \"model\": \"precomputed\"");
+  CHECK(faults(R"({"regions": [{"model": "precomputed", "frame": "corotated", )" + near +
+               R"(}, {"model": "precomputed"}]})") ==
+        "/regions/1/frame: all precomputed regions have one frame in common; give all of them the same");
   CHECK(warnings(R"({"regions": [{"model": "precomputed", "where": {"tetrahedra": [0]}}]})") ==
         "/regions: the precomputed region shares 4 vertices with others, which costs more than its 1 "
         "tetrahedra do as "

@@ -40,13 +40,20 @@ class Anchors {
   }
 
   bool hold(const std::vector<Index>& part) const {
-    const bool held = any_corner(part, [&](Index v) { return given_.col(v).any(); });
-    return held && (shares_a_face(part) || is_held(elements_, part, [&](Index v, int axis) {
-                      return given_(axis, v) || is_shared(v);
-                    }));
+    return any_corner(part, [&](Index v) { return given_.col(v).any(); }) &&
+           keep_shape(part, [&](Index v, int axis) { return given_(axis, v); });
+  }
+  // In a frame all components of a vertex that is held in any are led.
+  bool hold_in_frame(const std::vector<Index>& part) const {
+    return keep_shape(part, [&](Index v, int) { return given_.col(v).any(); });
   }
 
  private:
+  template <class Given>
+  bool keep_shape(const std::vector<Index>& part, Given&& given) const {
+    return shares_a_face(part) ||
+           is_held(elements_, part, [&](Index v, int axis) { return given(v, axis) || is_shared(v); });
+  }
   template <class Holds>
   bool any_corner(const std::vector<Index>& part, Holds&& holds) const {
     return std::any_of(part.begin(), part.end(), [&](Index t) {
@@ -76,20 +83,33 @@ class Anchors {
 
 std::vector<Index> unanchored_tets(const Elements& elements, const HeldVertices& held) {
   const Anchors anchors(elements, held);
+  const std::vector<std::vector<Index>> parts = parts_of_region(elements);
+  const auto largest = std::max_element(parts.begin(), parts.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  const bool has_frame = elements.precomputed_frame == RegionFrame::corotated;
   std::vector<Index> tets;
-  for (const std::vector<Index>& part : parts_of_region(elements))
-    if (!anchors.hold(part)) tets.insert(tets.end(), part.begin(), part.end());
+  for (auto part = parts.begin(); part != parts.end(); ++part)
+    if (has_frame ? part != largest || !anchors.hold_in_frame(*part) : !anchors.hold(*part))
+      tets.insert(tets.end(), part->begin(), part->end());
   return tets;
 }
 
 void refuse_unanchored(const Elements& elements, const HeldVertices& held) {
   const std::vector<Index> tets = unanchored_tets(elements, held);
   if (tets.empty()) return;
-  throw InputError(
-      "precomputed region",
-      std::to_string(tets.size()) + " of its tetrahedra, among them " + std::to_string(tets[0]) +
-          ", are in parts without enough fixed vertices of their own, and a linear part that turned "
-          "would grow; fix some of their vertices, or make them tensor-mass or nonlinear");
+  const std::string some =
+      std::to_string(tets.size()) + " of its tetrahedra, among them " + std::to_string(tets[0]);
+  if (elements.precomputed_frame == RegionFrame::corotated)
+    throw InputError("precomputed region",
+                     some +
+                         ", are not in the one part, the largest, that its frame follows, or share too few "
+                         "vertices with others for a frame: three that are not in line; make them "
+                         "tensor-mass or nonlinear");
+  throw InputError("precomputed region",
+                   some +
+                       ", are in parts without enough fixed vertices of their own, and a linear part that "
+                       "turned would grow; fix some of their vertices, let one part have \"frame\": "
+                       "\"corotated\", or make them tensor-mass or nonlinear");
 }
 
 }  // namespace lobe

@@ -41,7 +41,7 @@ Condensed::Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads)
   slot_.assign(std::size_t(loads.rows()), -1);
   column_ = slot_;
   Phi_.resize(0, loads.cols());
-  S_.resize(0, loads.cols());
+  S_ = -loads.transpose() * response_;
 }
 
 namespace {
@@ -92,7 +92,7 @@ std::unique_ptr<Condensed> Condensed::load(io::ByteReader& in, std::unique_ptr<S
   c->Phi_ = get(in, loads.cols() + B);
   c->S_ = get(in, loads.cols() + B);
   in.expect(c->response_.rows() == loads.rows() && c->A_.rows() == T && c->N_.rows() == T &&
-            c->Phi_.rows() == T && c->S_.rows() == B);
+            c->Phi_.rows() == T && c->S_.rows() == loads.cols() + B);
   in.expect_end();
   return c;
 }
@@ -131,28 +131,26 @@ void Condensed::join(const Dofs& dofs) {
     column_[std::size_t(d)] = static_cast<Index>(interface_.size());
     interface_.push_back(d);
   }
-  const Eigen::Index rows = S_.rows() + Eigen::Index(dofs.size()),
-                     columns = S_.cols() + Eigen::Index(dofs.size());
-  S_.conservativeResizeLike(Matrix::Zero(rows, columns));
-  Phi_.conservativeResizeLike(Matrix::Zero(Phi_.rows(), columns));
+  const Eigen::Index size = S_.rows() + Eigen::Index(dofs.size());
+  S_.conservativeResizeLike(Matrix::Zero(size, size));
+  Phi_.conservativeResizeLike(Matrix::Zero(Phi_.rows(), size));
 }
 
 void Condensed::leave(const Dofs& dofs) {
   for (Index d : dofs) column_[std::size_t(d)] = -1;
-  const Eigen::Index amplitudes = loads_.cols();
-  std::vector<Index> rows, columns(static_cast<std::size_t>(amplitudes));
-  std::iota(columns.begin(), columns.end(), 0);
+  const auto amplitudes = static_cast<Index>(loads_.cols());
+  std::vector<Index> places(static_cast<std::size_t>(amplitudes));
+  std::iota(places.begin(), places.end(), 0);
   Dofs kept;
   for (std::size_t b = 0; b < interface_.size(); ++b) {
     Index& column = column_[std::size_t(interface_[b])];
     if (column < 0) continue;
     column = static_cast<Index>(kept.size());
     kept.push_back(interface_[b]);
-    rows.push_back(static_cast<Index>(b));
-    columns.push_back(static_cast<Index>(amplitudes) + static_cast<Index>(b));
+    places.push_back(amplitudes + static_cast<Index>(b));
   }
-  S_ = Matrix(S_(rows, columns));
-  Phi_ = Matrix(Phi_(Eigen::all, columns));
+  S_ = Matrix(S_(places, places));
+  Phi_ = Matrix(Phi_(Eigen::all, places));
   interface_ = std::move(kept);
 }
 
@@ -189,23 +187,26 @@ Condensed::Response Condensed::response_at(const Dofs& dofs) {
 
 bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
   const std::vector<Index> interior = interior_rows(dofs);
+  const Eigen::Index amplitudes = loads_.cols();
   if (interior.empty()) {
     for (std::size_t i = 0; i < dofs.size(); ++i) {
-      S_.row(column(dofs[i])).head(loads_.cols()) -= loads.row(Eigen::Index(i));
+      const Eigen::Index row = amplitudes + column(dofs[i]);
+      S_.row(row).head(amplitudes) -= loads.row(Eigen::Index(i));
+      S_.col(row).head(amplitudes) -= loads.row(Eigen::Index(i)).transpose();
       for (std::size_t j = 0; j < dofs.size(); ++j)
-        S_(column(dofs[i]), loads_.cols() + column(dofs[j])) += stiffness(Eigen::Index(i), Eigen::Index(j));
+        S_(row, amplitudes + column(dofs[j])) += stiffness(Eigen::Index(i), Eigen::Index(j));
     }
     return true;
   }
   auto [G, Z, R] = response_at(dofs);
   const auto W = change_between(interior, stiffness, R);
   if (!W) return false;
-  const Eigen::Index amplitudes = loads_.cols(), n = S_.rows();
-  S_.leftCols(amplitudes).noalias() -= G.rightCols(n).transpose() * loads;
-  Phi_.leftCols(amplitudes).noalias() += Z * loads;
+  S_.topRows(amplitudes).noalias() -= loads.transpose() * G;
   G.leftCols(amplitudes).noalias() += R * loads;
+  S_.leftCols(amplitudes).noalias() -= G.transpose() * loads;
+  Phi_.leftCols(amplitudes).noalias() += Z * loads;
   const Matrix WG = products_.product({*W}, {G}), ZW = products_.product({Z}, {*W});
-  add_to_stiffness(1, G, WG);
+  products_.add_symmetric(1, {G, true}, {WG}, S_);
   products_.add(-1, {Z}, {WG}, Phi_);
   products_.add_symmetric(1, {ZW}, {Z, true}, N_);
   return true;
@@ -221,40 +222,29 @@ std::vector<Index> Condensed::interior_rows(const Dofs& dofs) const {
 void Condensed::promote(const Dofs& dofs) {
   if (dofs.empty()) return;
   const auto [G, Z, R] = response_at(dofs);
-  const auto count = Eigen::Index(dofs.size()), before = S_.rows(), amplitudes = loads_.cols();
+  const auto count = Eigen::Index(dofs.size()), before = S_.rows();
   const Matrix C = inverse(Eigen::LLT<Matrix>(R));
   const Matrix CG = products_.product({C}, {G}), ZC = products_.product({Z}, {C});
   join(dofs);
-  add_to_stiffness(1, G, CG);
-  S_.topRightCorner(before, count) = -CG.rightCols(before).transpose();
-  S_.bottomLeftCorner(count, amplitudes + before) = -CG;
+  products_.add_symmetric(1, {G, true}, {CG}, S_.topLeftCorner(before, before));
+  S_.topRightCorner(before, count) = -CG.transpose();
+  S_.bottomLeftCorner(count, before) = -CG;
   S_.bottomRightCorner(count, count) = C;
-  products_.add(-1, {ZC}, {G}, Phi_.leftCols(amplitudes + before));
+  products_.add(-1, {ZC}, {G}, Phi_.leftCols(before));
   Phi_.rightCols(count) = ZC;
   products_.add_symmetric(1, {ZC}, {Z, true}, N_);
 }
 
-// S += sign × the interface's part of Gᵀ C G.
-void Condensed::add_to_stiffness(double sign, const Matrix& G, const Matrix& CG) {
-  const Eigen::Index amplitudes = loads_.cols(), n = G.cols() - amplitudes;
-  const auto G_B = G.rightCols(n);
-  S_.topLeftCorner(n, amplitudes).noalias() += sign * G_B.transpose() * CG.leftCols(amplitudes);
-  products_.add_symmetric(sign, {G_B, true}, {CG.rightCols(n)}, S_.block(0, amplitudes, n, n));
-}
-
 bool Condensed::demote(const Dofs& dofs) {
   if (dofs.empty()) return true;
-  std::vector<Index> rows, columns;
-  for (Index d : dofs) {
-    rows.push_back(column(d));
-    columns.push_back(static_cast<Index>(loads_.cols()) + column(d));
-  }
-  const Matrix S_DD = S_(rows, columns), Phi_D = Phi_(Eigen::all, columns);
+  std::vector<Index> places;
+  for (Index d : dofs) places.push_back(static_cast<Index>(loads_.cols()) + column(d));
+  const Matrix S_DD = S_(places, places), Phi_D = Phi_(Eigen::all, places);
   const Eigen::LLT<Matrix> factor(S_DD);
   if (!holds(factor, S_DD)) return false;
-  const Matrix S_D = S_(rows, Eigen::all), C = inverse(factor);
+  const Matrix S_D = S_(places, Eigen::all), C = inverse(factor);
   const Matrix CS = products_.product({C}, {S_D}), PhiC = products_.product({Phi_D}, {C});
-  add_to_stiffness(-1, S_D, CS);
+  products_.add_symmetric(-1, {S_D, true}, {CS}, S_);
   products_.add(-1, {Phi_D}, {CS}, Phi_);
   products_.add_symmetric(-1, {PhiC}, {Phi_D, true}, N_);
   leave(dofs);

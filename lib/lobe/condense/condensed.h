@@ -3,15 +3,17 @@
 // A factor gives A = K̂⁻¹ of the structure as it was at first. Since then forces φ on a few touched components T stand
 // for all that has changed, so that a field in equilibrium is
 //   u = A (f·a + E_T φ),   φ = Φ [a; u_B],                                                          (1)
-// with loads f and their amplitudes a, and the displacements u_B of the interface B ⊂ T. On the interface acts
-//   −S [a; u_B],                                                                                    (2)
-// and the interior, the interface held, answers to a force with A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N
-// exact, with G = dependence of displacements on [a; u_B], R = E_Pᵀ (A − A E N Eᵀ A) E_P, Z = E_P − N A_TP:
+// with loads f and their amplitudes a, and the displacements u_B of the interface B ⊂ T. Its energy, less what the loads
+// have done, is ½ [a; u_B]·S [a; u_B], so that the rows of B in
+//   −S [a; u_B]                                                                                     (2)
+// are the force on the interface, those of a the work of unit loads on the interior. This, the interface held, answers to
+// a force with A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N exact, with G = dependence of displacements on
+// [a; u_B], R = E_Pᵀ (A − A E N Eᵀ A) E_P, Z = E_P − N A_TP:
 //   change:  K and f between components P by ΔK and Δf, wherever they are.
-//            W = ΔK − ΔK (R⁻¹ + ΔK)⁻¹ ΔK,  S ← S + G_Bᵀ W G,  Φ ← Φ − Z W G,  N ← N + Z W Zᵀ           (3)
-//            after the same of Δf: S ← S − G_Bᵀ Δf, Φ ← Φ + Z Δf in the columns of a
+//            W = ΔK − ΔK (R⁻¹ + ΔK)⁻¹ ΔK,  S ← S + Gᵀ W G,  Φ ← Φ − Z W G,  N ← N + Z W Zᵀ             (3)
+//            after the same of Δf: S ← S − Gᵀ Δf − Δfᵀ G − Δfᵀ R Δf, Φ ← Φ + Z Δf, where a is concerned
 //   promote: P joins B.   C = R⁻¹,
-//            S ← [S + G_Bᵀ C G, −G_Bᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ          (4)
+//            S ← [S + Gᵀ C G, −Gᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ              (4)
 //   demote:  components D of B join the interior.  C = S_DD⁻¹,
 //            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (5)
 // Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each.
@@ -34,9 +36,9 @@ class Condensed {
   // Nothing is touched, B is empty.
   Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads);  // f: size of K̂ × #amplitudes [N]
 
-  // Columns of S: amplitudes, then the interface in this order. Rows: the interface.
+  // Rows and columns of S: amplitudes, then the interface in this order.
   const Dofs& interface() const { return interface_; }
-  const Matrix& stiffness() const { return S_; }  // [N], [N/m]
+  const Matrix& stiffness() const { return S_; }  // [N m], [N], [N/m]
   Index column(Index dof) const {
     return column_[std::size_t(dof)];
   }  // less the amplitudes; −1 if it is interior
@@ -75,7 +77,6 @@ class Condensed {
     Matrix G, Z, R;
   };
   Response response_at(const Dofs& dofs);
-  void add_to_stiffness(double sign, const Matrix& G, const Matrix& CG);
 
   DenseProducts products_;
   std::unique_ptr<SparseFactor> factor_;
@@ -87,7 +88,7 @@ class Condensed {
   std::vector<double> added_;         // scale of the dofs that were added
   Matrix A_, N_;                      // T × T
   Matrix Phi_;                        // T × [a; B]
-  Matrix S_;                          // B × [a; B]
+  Matrix S_;                          // [a; B] × [a; B]
 };
 
 }  // namespace lobe

@@ -9,7 +9,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"lobecond", 1, "condensed region"};
+constexpr io::Format format{"lobecond", 2, "condensed region"};
 
 std::uint64_t key_of(const RegionFactor& region, const Eigen::MatrixXd& loads,
                      const Condensed::Dofs& interface, const char* method) {

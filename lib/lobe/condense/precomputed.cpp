@@ -18,19 +18,33 @@ Mat3<double> gradient_of(const Elements& elements, const Mat3X<Real>& u, Index t
 template <class Real>
 void PrecomputedRegion<Real>::add_forces(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f,
                                          Parallel& parallel) {
-  const Index n = interface_size();
-  for (Index i = 0; i < n; ++i) stiffness_.x()[i] = u.data()[components_[i]];
-  const std::vector<Real>& own = stiffness_.multiply(parallel);
-  for (Index i = 0; i < n; ++i) f.data()[components_[i]] += given_[i] + missing * missing_[i] - own[i];
+  if (has_frame_) return add_forces_in_frame(u, missing, f, parallel);
+  add_stiffness_forces(u, f, parallel);
+  for (Index i = 0; i < interface_size(); ++i)
+    f.data()[components_[i]] += static_cast<Real>(of_loads_(i, 0) + double(missing) * of_loads_(i, 1));
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::add_diagonal_stiffness(DiagonalStiffness& K) const {
-  for (Index v : shared_) {
-    const auto S = [&](int i, int j) {
-      const Index row = reduced_->column(3 * v + i), column = reduced_->column(3 * v + j);
-      return row < 0 || column < 0 ? 0.0 : reduced_->stiffness()(row, amplitudes + column);  // fixed
-    };
+void PrecomputedRegion<Real>::add_stiffness_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  const Index n = interface_size();
+  for (Index i = 0; i < n; ++i) stiffness_.x()[i] = u.data()[components_[i]];
+  const std::vector<Real>& own = stiffness_.multiply(parallel);
+  for (Index i = 0; i < n; ++i) f.data()[components_[i]] -= own[i];
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const {
+  Pose pose;
+  if (has_frame_) place(u, pose);
+  for (Index v : has_frame_ ? vertices_ : shared_) {
+    Mat3<double> S = Mat3<double>::Zero();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const Index row = reduced_->column(3 * v + i), column = reduced_->column(3 * v + j);
+        if (row < 0 || column < 0) continue;  // fixed
+        S(i, j) = reduced_->stiffness()(amplitudes() + row, amplitudes() + column);
+      }
+    S = pose.R * S * pose.R.transpose();
     K.col(v) += Eigen::Matrix<double, 6, 1>(S(0, 0), S(0, 1), S(0, 2), S(1, 1), S(1, 2), S(2, 2));
   }
 }
@@ -63,13 +77,15 @@ const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& ele
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::recover(Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const {
+void PrecomputedRegion<Real>::recover(const Elements& elements, Real missing, Mat3X<Real>& u,
+                                      Mat3X<Real>& v) const {
   if (tet_count_ == 0) return;
+  if (has_frame_) return recover_in_frame(elements, missing, u, v);
   const Index n = interface_size();
-  Eigen::MatrixXd driven(amplitudes + n, 2);
-  driven.topRows<amplitudes>() << 1, 0, double(missing), 0;
+  Eigen::MatrixXd driven(2 + n, 2);
+  driven.topRows<2>() << 1, 0, double(missing), 0;
   for (Index i = 0; i < n; ++i)
-    driven.row(amplitudes + i) << double(u.data()[components_[i]]), double(v.data()[components_[i]]);
+    driven.row(2 + i) << double(u.data()[components_[i]]), double(v.data()[components_[i]]);
   const Eigen::MatrixXd field = reduced_->field(driven);
   for (Eigen::Index i = 0; i < roles_.size(); ++i) {
     if (roles_.data()[i] != Role::interior) continue;
@@ -83,11 +99,15 @@ typename PrecomputedRegion<Real>::Energy PrecomputedRegion<Real>::energy(const E
                                                                          const Mat3X<Real>& u) const {
   Energy e;
   if (tet_count_ == 0) return e;
+  Pose pose;
+  if (has_frame_) place(u, pose);
+  const Mat3<double> I = Mat3<double>::Identity();
   for (Index t = 0; t < static_cast<Index>(member_.size()); ++t) {
     if (!member_[t]) continue;
     const Shape s = elements.shape_of(t);
     const Elastic& elastic = elements.elastic_of(t);
-    e.elastic += s.volume * hooke_energy_density(gradient_of(elements, u, t, s), elastic.lambda, elastic.mu);
+    const Mat3<double> H = pose.R.transpose() * (I + gradient_of(elements, u, t, s)) - I;
+    e.elastic += s.volume * hooke_energy_density(H, elastic.lambda, elastic.mu);
   }
   e.loads = -loads_[0].cwiseProduct(u.leftCols(loads_[0].cols()).template cast<double>()).sum();
   return e;

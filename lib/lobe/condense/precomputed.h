@@ -2,13 +2,15 @@
 // equilibrium it follows the interface, on which a dense matrix acts,
 //   f_B = −S u_B + (loads of the interior, condensed),
 // whatever the number of its tetrahedra. Interior displacements are found only where somebody looks. Cuts, tetrahedra
-// that come and go, and vertices that a tool takes hold of keep all of it exact (condensed.h).
+// that come and go, and vertices that a tool takes hold of keep all of it exact (condensed.h). With a frame, u_B are the
+// displacements from the rigid motion that fits the interface best, and every vertex that is held belongs to that.
 #pragma once
 
 #include <future>
 #include <memory>
 
 #include "lobe/condense/reduced_region.h"
+#include "lobe/condense/rigid_frame.h"
 #include "lobe/condense/symmetric_product.h"
 #include "lobe/sim/boundary_conditions.h"
 
@@ -52,10 +54,12 @@ class PrecomputedRegion {
                   Real missing,          // share of the dead loads that does not act yet
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
-  void add_diagonal_stiffness(DiagonalStiffness& K) const;
+  void add_stiffness_forces(const Mat3X<Real>& u, Mat3X<Real>& f,
+                            Parallel& parallel);  // at rest, without loads
+  void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
   // Interior displacements and velocities from those of the interface. One or two solves with the factor.
-  void recover(Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const;
+  void recover(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const;
 
   // Of recovered displacements:
   struct Energy {
@@ -66,9 +70,19 @@ class PrecomputedRegion {
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
  private:
-  static constexpr int amplitudes = 2;  // all loads; the dead ones that are missing
-  using Loads = std::array<Mat3X<double>, amplitudes>;
+  using Loads = std::array<Mat3X<double>, 2>;  // all; less the dead ones, of which some may be missing
+  using Pose = RigidFrame::Pose;
 
+  // A load for each of these acts alone. A frame needs nine: a load along l in space acts along k in the frame with R_lk.
+  Eigen::Index amplitudes() const { return has_frame_ ? 18 : 2; }
+  using Amplitudes = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 18>;
+  Amplitudes amplitudes(Real missing, const Mat3<double>& R) const;
+  Eigen::RowVectorXd load_row(const Loads& loads, Index component) const;
+  void place(const Mat3X<Real>& u, Pose& pose) const;
+  void add_forces_in_frame(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f, Parallel& parallel);
+  Vec3d torque_of_loads(const Amplitudes& a, Real missing) const;
+  void recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const;
+  void prepare_frame(const Elements& elements);
   void open(const std::vector<Index>& components);
   void change_members(const Elements& elements, const RegionEdit& edit);
   void add_stiffness(const Elements& elements, Index tet, double sign, const std::vector<Index>& row,
@@ -97,9 +111,18 @@ class PrecomputedRegion {
 
   // What a step reads.
   std::vector<Index> components_;  // of the interface: 3 × vertex + axis
-  std::vector<Index> shared_;      // vertices
+  std::vector<Index> vertices_;    // of the interface, in the order of their components
+  std::vector<Index> shared_;      // vertices that are others' as well
   SymmetricProduct<Real> stiffness_;
-  std::vector<Real> given_, missing_;  // force of all loads, and of the dead ones that are missing [N]
+  Eigen::MatrixXd of_loads_;  // force of each amplitude [N], #components × #amplitudes
+
+  bool has_frame_ = false;
+  RigidFrame frame_;         // of vertices_
+  Mat3X<double> rest_;       // their positions [m]
+  Eigen::VectorXd at_rest_;  // per amplitude: work of its load on the arms of the interior at rest [N m]
+  Pose pose_;                // scratch
+  Mat3X<double> forces_;
+  bool has_loads_ = false;  // on the interior
 };
 
 }  // namespace lobe

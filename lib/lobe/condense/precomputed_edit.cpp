@@ -2,6 +2,7 @@
 // stiffness and loads there, and a demotion of those that are interior afterwards.
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "lobe/condense/precomputed.h"
 #include "lobe/error.h"
@@ -17,10 +18,11 @@ bool is_member(const Elements& elements, Index tet) {
 }
 
 // What boundary conditions and tools do to the components of vertices. Where somebody leads one component of a vertex, he
-// is taken to lead all that are held.
+// is taken to lead all that are held; in a frame, which may turn, all of them.
 class Hold {
  public:
-  Hold(const Elements& elements, const HeldVertices& held) : elements_(elements) {
+  Hold(const Elements& elements, const HeldVertices& held)
+      : elements_(elements), has_frame_(elements.precomputed_frame == RegionFrame::corotated) {
     state_.setZero(3, elements.topology.vertex_count());
     for (const HeldVertices::Held& item : held.all()) {
       const bool stays = item.holder == HeldVertices::boundary && item.start.isZero(0) && item.goal.isZero(0);
@@ -32,13 +34,16 @@ class Hold {
   Role role(Index v, int axis) const {
     bool in_region = false, in_others = false;
     for (Index t : elements_.topology.around(v)) (is_member(elements_, t) ? in_region : in_others) = true;
-    if (!in_region || state_(axis, v) == fixed) return Role::none;
+    if (!in_region) return Role::none;
+    if (has_frame_) return in_others || !state_.col(v).isZero() ? Role::interface : Role::interior;
+    if (state_(axis, v) == fixed) return Role::none;
     return in_others || state_(axis, v) == led ? Role::interface : Role::interior;
   }
 
  private:
   enum : std::uint8_t { nobody, fixed, led };
   const Elements& elements_;
+  bool has_frame_;
   Eigen::Matrix<std::uint8_t, 3, Eigen::Dynamic> state_;
 };
 
@@ -75,6 +80,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
   const auto enters = [&](Index t) { return is_member(elements, t); };
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return {};
+  has_frame_ = elements.precomputed_frame == RegionFrame::corotated;
   member_.resize(std::size_t(tets), 0);
   corners_.conservativeResize(4, tets);
   roles_.conservativeResizeLike(Roles::Constant(3, vertices, Role::none));
@@ -119,7 +125,7 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
   }));
   const std::vector<Index> components = picked(all, [&](Index i) { return reduced_->has(i); });
   const auto count = Eigen::Index(components.size());
-  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count), loads(count, amplitudes);
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count), loads(count, amplitudes());
   std::vector<Index> row(std::size_t(roles_.size()), -1);
   for (std::size_t i = 0; i < components.size(); ++i) row[std::size_t(components[i])] = static_cast<Index>(i);
   for (Index t : edit.left)
@@ -131,8 +137,7 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
   take_loads(edit.vertices, external, dead);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Index component = components[std::size_t(i)];
-    for (int a = 0; a < amplitudes; ++a)
-      loads(i, a) = loads_[a].data()[component] - before[a].data()[component];
+    loads.row(i) = load_row(loads_, component) - load_row(before, component);
     if (roles_.data()[component] == Role::none && reduced_->is_interior(component))
       stiffness(i, i) += reduced_->spring();
   }
@@ -171,12 +176,10 @@ void PrecomputedRegion<Real>::take_loads(const std::vector<Index>& vertices, Mat
   for (Index i : components_of(vertices)) {
     const Index v = i / 3;
     const int axis = i % 3;
-    std::array<double, amplitudes> load{};
-    if (roles_(axis, v) == Role::interior) {
-      load = {double(external(axis, v)), -double(dead(axis, v))};
-      external(axis, v) = dead(axis, v) = 0;
-    }
-    for (int a = 0; a < amplitudes; ++a) loads_[a](axis, v) = load[a];
+    loads_[0](axis, v) = loads_[1](axis, v) = 0;
+    if (roles_(axis, v) != Role::interior) continue;
+    loads_[0](axis, v) = double(std::exchange(external(axis, v), Real(0)));
+    loads_[1](axis, v) = -double(std::exchange(dead(axis, v), Real(0)));
   }
 }
 
@@ -207,9 +210,20 @@ std::vector<Index> PrecomputedRegion<Real>::interface() const {
 
 template <class Real>
 Eigen::MatrixXd PrecomputedRegion<Real>::loads() const {
-  Eigen::MatrixXd loads(roles_.size(), amplitudes);
-  for (int a = 0; a < amplitudes; ++a) loads.col(a) = loads_[a].reshaped();
+  Eigen::MatrixXd loads(roles_.size(), amplitudes());
+  for (Eigen::Index i = 0; i < roles_.size(); ++i) loads.row(i) = load_row(loads_, static_cast<Index>(i));
   return loads;
+}
+
+// On a component, of each amplitude.
+template <class Real>
+Eigen::RowVectorXd PrecomputedRegion<Real>::load_row(const Loads& loads, Index component) const {
+  const Index v = component / 3, axis = component % 3;
+  if (!has_frame_) return Eigen::RowVector2d(loads[0](axis, v), loads[1](axis, v));
+  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(amplitudes());
+  for (Index set = 0; set < 2; ++set)
+    for (Index l = 0; l < 3; ++l) row[9 * set + 3 * l + axis] = loads[std::size_t(set)](l, v);
+  return row;
 }
 
 template <class Real>
@@ -256,23 +270,21 @@ void PrecomputedRegion<Real>::end_refresh(const Elements& elements) {
 template <class Real>
 void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
   const Eigen::MatrixXd& S = reduced_->stiffness();
-  const auto n = static_cast<Index>(S.rows());
-  stiffness_.set(S.rightCols(n));
-  given_.resize(std::size_t(n));
-  missing_.resize(std::size_t(n));
-  for (Index i = 0; i < n; ++i) {
-    given_[i] = static_cast<Real>(-S(i, 0));
-    missing_[i] = static_cast<Real>(-S(i, 1));
-  }
+  const auto n = static_cast<Index>(S.rows() - amplitudes());
+  stiffness_.set(S.bottomRightCorner(n, n));
+  of_loads_ = -S.bottomLeftCorner(n, amplitudes());
   components_ = reduced_->interface();
+  vertices_.clear();
+  for (Index component : components_)
+    if (vertices_.empty() || vertices_.back() != component / 3) vertices_.push_back(component / 3);
   shared_.clear();
-  for (Index component : components_) {
-    const auto around = elements.topology.around(component / 3);
-    if (std::any_of(around.begin(), around.end(), [&](Index t) { return !member_[t]; }))
-      shared_.push_back(component / 3);
+  for (Index v : vertices_) {
+    const auto around = elements.topology.around(v);
+    if (std::any_of(around.begin(), around.end(), [&](Index t) { return !member_[t]; })) shared_.push_back(v);
   }
   std::sort(shared_.begin(), shared_.end());
   shared_.erase(std::unique(shared_.begin(), shared_.end()), shared_.end());
+  if (has_frame_) prepare_frame(elements);
 }
 
 template class PrecomputedRegion<float>;

@@ -9,6 +9,10 @@
 namespace lobe {
 
 enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2 };
+enum class RegionFrame : std::uint8_t {
+  fixed,     // a linear region's displacements are those in space
+  corotated  // those from a rigid motion that follows the region (condense/rigid_frame.h)
+};
 enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
 
 struct Elastic {
@@ -26,6 +30,7 @@ struct Body {
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;  // per tetrahedron: which of the materials
   std::vector<RegionModel> region_of;      // per tetrahedron
+  RegionFrame precomputed_frame = RegionFrame::fixed;
   double volume_penalty = 0;               // κ [Pa], of the non-linear region
   double guard_below = 0;  // J₀ of fem/guard.h, of the non-linear region, 0…1; 0: no guard
 };

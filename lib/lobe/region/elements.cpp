@@ -11,6 +11,7 @@ Elements::Elements(const Body& body)
       materials(body.materials),
       material_of(body.material_of),
       region_of(body.region_of),
+      precomputed_frame(body.precomputed_frame),
       volume_penalty(body.volume_penalty),
       guard_below(body.guard_below) {}
 

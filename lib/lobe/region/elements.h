@@ -19,6 +19,7 @@ struct Elements {
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;
   std::vector<RegionModel> region_of;
+  RegionFrame precomputed_frame = RegionFrame::fixed;
   double volume_penalty = 0;  // κ [Pa], of the non-linear region
   double guard_below = 0;     // J₀, of the non-linear region
 

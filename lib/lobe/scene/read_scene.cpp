@@ -55,6 +55,7 @@ Region read_region(const json& entry, const std::string& pointer) {
   region.model = model == "tensor-mass"   ? RegionModel::tensor_mass
                  : model == "precomputed" ? RegionModel::precomputed
                                           : RegionModel::nonlinear;
+  if (entry.value("frame", "fixed") == "corotated") region.frame = RegionFrame::corotated;
   region.where = read_where(entry);
   region.pointer = pointer;
   return region;

@@ -21,6 +21,23 @@ void refuse_implicit_precomputed(Resolution& resolution) {
   }
 }
 
+// Precomputed regions have one dense matrix in common, and so one frame.
+void resolve_frame(Resolution& resolution) {
+  const std::vector<Region>& regions = resolution.scene.regions;
+  const Region* first = nullptr;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const bool is_precomputed = regions[i].model == RegionModel::precomputed;
+    const std::string place = "/regions/" + std::to_string(i) + "/frame";
+    if (!is_precomputed && regions[i].frame == RegionFrame::corotated)
+      resolution.fail(place, "\"corotated\" needs \"model\": \"precomputed\"");
+    if (!is_precomputed) continue;
+    if (!first) first = &regions[i];
+    if (regions[i].frame != first->frame)
+      resolution.fail(place, "all precomputed regions have one frame in common; give all of them the same");
+  }
+  if (first) resolution.result.setup.precomputed_frame = first->frame;
+}
+
 // The stored polynomial holds what each tetrahedron does alone; an average over its neighbours has no place in it.
 void refuse_stored_nodal_pressure(Resolution& resolution) {
   const std::vector<Material>& materials = resolution.scene.materials;
@@ -182,6 +199,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.load_ramp = scene.time.load_ramp;
 
   refuse_implicit_precomputed(resolution);
+  resolve_frame(resolution);
   refuse_stored_nodal_pressure(resolution);
   resolve_materials(resolution);
   resolve_regions(resolution);

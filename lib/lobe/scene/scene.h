@@ -72,6 +72,7 @@ struct Material {
 struct Region {
   std::string name;
   RegionModel model = RegionModel::nonlinear;
+  RegionFrame frame = RegionFrame::fixed;  // of precomputed ones, the same for all
   std::optional<Selector> where;
   std::string pointer;
 };

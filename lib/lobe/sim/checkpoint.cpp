@@ -41,6 +41,7 @@ void add_body(Fingerprint& print, const Body& body) {
     for (double value : {e.lambda, e.mu, e.density, e.nodal_pressure}) print.add(value);
   print.add_enums(body.material_of);
   print.add_enums(body.region_of);
+  print.add(body.precomputed_frame);
   print.add(body.volume_penalty);
   print.add(body.guard_below);
 }

@@ -235,7 +235,7 @@ void World<Real>::set_state(const State<Real>& state) {
 template <class Real>
 StateView<Real> World<Real>::state() const {
   if (interior_is_stale_)
-    precomputed_.recover(Real(missing_loads(state_.time)), state_.u.padded(), state_.v.padded());
+    precomputed_.recover(elements_, Real(missing_loads(state_.time)), state_.u.padded(), state_.v.padded());
   interior_is_stale_ = false;
   const Moving& moving = state_;
   return {moving.u.view(), moving.v.view(), moving.time};
@@ -245,7 +245,7 @@ template <class Real>
 void World<Real>::find_frequencies() {
   frequencies_.find(inverse_mass_, [&](DiagonalStiffness& K) {
     tensor_mass_.add_diagonal_stiffness(K);
-    precomputed_.add_diagonal_stiffness(K);
+    precomputed_.add_diagonal_stiffness(state_.u.padded(), K);
     const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), K, parallel_);
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
@@ -268,22 +268,10 @@ void World<Real>::measure_frequency_ratio() {
       inverse_mass_, [&](Index v) { return frequencies_.bounded_square(v); }, small,
       [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
         add_internal_forces(u, f);
-        add_precomputed_stiffness(u, Real(small), f);
+        precomputed_.add_stiffness_forces(u, f, parallel_);
       });
   frequency_ratio_ = std::max(1.0, frequency_search_.omega / vertex);
   rest_frequency_ = frequency_ratio_ * vertex;
-}
-
-// The region's forces without its loads, at displacements that are too small to be told from these: the region is linear.
-template <class Real>
-void World<Real>::add_precomputed_stiffness(const Mat3X<Real>& u, Real small, Mat3X<Real>& f) {
-  if (precomputed_.tet_count() == 0) return;
-  Mat3X<Real> loads = Mat3X<Real>::Zero(3, u.cols()), all = loads;
-  precomputed_.add_forces(loads, 0, all, parallel_);
-  loads.swap(all);
-  all.setZero();
-  precomputed_.add_forces(u / small, 0, all, parallel_);
-  f += small * (all - loads);
 }
 
 template <class Real>

@@ -134,7 +134,6 @@ class World {
   void follow_frequencies(const MeshEdit& edit);
   CornerStiffness stiffness_of(Index tet) const;
   void add_internal_forces(const Mat3X<Real>& u, Mat3X<Real>& f);  // of the regions but the precomputed one
-  void add_precomputed_stiffness(const Mat3X<Real>& u, Real small, Mat3X<Real>& f);
   std::vector<Index> touched(const Sweep& sweep);
   bool needs_all_pieces(const MeshEdit& edit);
   std::vector<std::vector<Index>> pieces_to_judge(const MeshEdit& edit);

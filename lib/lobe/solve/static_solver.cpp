@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lobe/error.h"
 #include "lobe/sim/boundary_conditions.h"
 #include "lobe/sim/check_setup.h"
 #include "lobe/solve/floating.h"
@@ -19,6 +20,11 @@ Mat3X<double> prescribed_displacements(const HeldVertices& held, Index vertices)
   return u;
 }
 
+bool has_turning_region(const Elements& elements) {
+  return elements.precomputed_frame == RegionFrame::corotated &&
+         std::count(elements.region_of.begin(), elements.region_of.end(), RegionModel::precomputed) > 0;
+}
+
 // The equations of one setup: which displacements are unknown, what loads them.
 class Equations {
  public:
@@ -26,6 +32,10 @@ class Equations {
       : elements((check_setup(setup), setup)),
         unknowns(free_components(elements, held_by(setup.prescribed))),
         prescribed(prescribed_displacements(held_by(setup.prescribed), elements.topology.vertex_count())) {
+    if (has_turning_region(elements))
+      throw InputError("static solution",
+                       "there is none of precomputed regions with \"frame\": \"corotated\"; "
+                       "use \"fixed\", or a run with damping");
     refuse_floating_pieces(elements, unknowns);
     loads = dead_loads(elements, setup.face_loads, setup.vertex_loads);
     for (Index v = 0; v < loads.cols(); ++v) loads.col(v) += lumped_mass(elements, v) * setup.gravity;

@@ -1,0 +1,100 @@
+// The pre-computed region in a frame that turns with it (theory, section 14).
+#include "lobe/condense/precomputed.h"
+
+namespace lobe {
+
+template <class Real>
+void PrecomputedRegion<Real>::prepare_frame(const Elements& elements) {
+  const auto count = Eigen::Index(vertices_.size());
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);  // volume of the region around each
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Index t : elements.topology.around(vertices_[std::size_t(i)]))
+      if (member_[t]) weights[i] += signed_volume(elements.corner_points(t)) / 4;
+  rest_ = elements.points.view()(Eigen::all, vertices_);
+  frame_ = RigidFrame(rest_, std::move(weights));
+  forces_.resize(3, count);
+  at_rest_.setZero(amplitudes());
+  has_loads_ = !loads_[0].isZero(0) || !loads_[1].isZero(0);
+  for (Eigen::Index i = 0; has_loads_ && i < roles_.size(); ++i) {
+    const Eigen::Index v = i / 3, axis = i % 3;
+    at_rest_ += (elements.points(axis, v) - frame_.centroid()[axis]) *
+                load_row(loads_, static_cast<Index>(i)).transpose();
+  }
+}
+
+template <class Real>
+void PrecomputedRegion<Real>::place(const Mat3X<Real>& u, Pose& pose) const {
+  pose.d.resize(3, rest_.cols());
+  for (Eigen::Index i = 0; i < rest_.cols(); ++i)
+    pose.d.col(i) = rest_.col(i) + u.col(vertices_[std::size_t(i)]).template cast<double>();
+  frame_.fit(pose);
+}
+
+template <class Real>
+typename PrecomputedRegion<Real>::Amplitudes PrecomputedRegion<Real>::amplitudes(
+    Real missing, const Mat3<double>& R) const {
+  Amplitudes a(amplitudes());
+  a.template head<9>() = R.transpose().reshaped();
+  a.template tail<9>() = double(missing) * a.template head<9>();
+  return a;
+}
+
+// (42c)
+template <class Real>
+void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f,
+                                                  Parallel& parallel) {
+  if (vertices_.empty()) return;
+  place(u, pose_);
+  for (Eigen::Index i = 0; i < pose_.d.size(); ++i)
+    stiffness_.x()[std::size_t(i)] = static_cast<Real>(pose_.d.data()[i]);
+  const std::vector<Real>& own = stiffness_.multiply(parallel);
+  for (Eigen::Index i = 0; i < forces_.size(); ++i) forces_.data()[i] = -double(own[std::size_t(i)]);
+  Vec3d of_loads = Vec3d::Zero();
+  if (has_loads_) {
+    const Amplitudes a = amplitudes(missing, pose_.R);
+    forces_.reshaped().noalias() += of_loads_ * a;
+    of_loads = torque_of_loads(a, missing);
+  }
+  frame_.take_off(pose_, frame_.torque(pose_, forces_) - of_loads, forces_);
+  for (Eigen::Index i = 0; i < forces_.cols(); ++i)
+    f.col(vertices_[std::size_t(i)]) += (pose_.R * forces_.col(i)).template cast<Real>();
+}
+
+// τ_f of (42c): of the loads on the interior, about the centroid of the interface, in the frame: from the work that each amplitude's
+// load does on the arms of the interior, Σ (Y + d)_k f_l.
+template <class Real>
+Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing) const {
+  const auto count = amplitudes();
+  Amplitudes work = at_rest_;
+  work.noalias() += of_loads_.transpose() * pose_.d.reshaped();
+  work.noalias() -= reduced_->stiffness().topLeftCorner(count, count) * a;
+  const Mat3<double> M =
+      (work.template head<9>() + double(missing) * work.template tail<9>()).reshaped(3, 3) * pose_.R;
+  return {M(1, 2) - M(2, 1), M(2, 0) - M(0, 2), M(0, 1) - M(1, 0)};
+}
+
+// Displacements in the frame are those of (39); their velocities come with those of the frame and of the loads in it.
+template <class Real>
+void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u,
+                                               Mat3X<Real>& v) const {
+  Pose pose;
+  place(u, pose);
+  const RigidFrame::Rate rate = frame_.rate(pose, v(Eigen::all, vertices_).template cast<double>());
+  Mat3<double> turning;  // Ṙ
+  for (int axis = 0; axis < 3; ++axis) turning.col(axis) = pose.R * rate.spin.cross(Vec3d::Unit(axis));
+  Eigen::MatrixXd driven(amplitudes() + pose.d.size(), 2);
+  driven << amplitudes(missing, pose.R), amplitudes(missing, turning), pose.d.reshaped(), rate.d.reshaped();
+  const Eigen::MatrixXd field = reduced_->field(driven);
+  for (Index i = 0; i < static_cast<Index>(roles_.cols()); ++i) {
+    if (!is_interior(i)) continue;
+    const Vec3d X = elements.points.col(i), arm = X - frame_.centroid() + field.col(0).segment<3>(3 * i);
+    u.col(i) = (pose.R * arm + pose.centroid - X).template cast<Real>();
+    v.col(i) = (pose.R * (rate.velocity + rate.spin.cross(arm) + field.col(1).segment<3>(3 * i)))
+                   .template cast<Real>();
+  }
+}
+
+template class PrecomputedRegion<float>;
+template class PrecomputedRegion<double>;
+
+}  // namespace lobe

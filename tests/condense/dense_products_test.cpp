@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "lobe/condense/symmetric_sweep.h"
+
 using namespace lobe;
 
 namespace {
@@ -40,6 +42,20 @@ TEST_CASE("dense products are Eigen's, and the same to the bit on all processors
           CHECK(C == first);
         }
       }
+}
+
+TEST_CASE("the inverse of a stiffness is that of a Cholesky factor, and a mechanism has none") {
+  DenseProducts products;
+  for (int n : {1, 7, 96, 97, 300}) {
+    const Matrix B = Matrix::Random(n, n + 3);
+    Matrix K = B * B.transpose() + Matrix::Identity(n, n), inverse = K;
+    REQUIRE(invert(inverse, 1e-10, products));
+    CHECK((inverse * K - Matrix::Identity(n, n)).norm() < 1e-11 * n);
+    CHECK(inverse == Matrix(inverse.transpose()));
+    K.row(n - 1).setZero();
+    K.col(n - 1).setZero();
+    CHECK_FALSE(invert(K, 1e-10, products));
+  }
 }
 
 TEST_CASE("half of a symmetric product is enough") {

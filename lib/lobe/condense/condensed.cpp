@@ -1,35 +1,30 @@
 #include "lobe/condense/condensed.h"
 
-#include <Eigen/Cholesky>
 #include <numeric>
 #include <optional>
 #include <span>
+
+#include "lobe/condense/symmetric_sweep.h"
 
 namespace lobe {
 namespace {
 
 using Matrix = Condensed::Matrix;
 
-Matrix inverse(const Eigen::LLT<Matrix>& factor) {
-  return factor.solve(Matrix::Identity(factor.rows(), factor.rows()));
-}
-
-// Whether no displacement goes without a force.
-bool holds(const Eigen::LLT<Matrix>& factor, const Matrix& K) {
-  constexpr double loose = 1e-10;  // of the stiffness of each component alone
-  return factor.info() == Eigen::Success &&
-         (factor.matrixLLT().diagonal().array().square() > loose * K.diagonal().array()).all();
-}
+// A pivot below this share of the stiffness of its component alone: something moves without a force.
+constexpr double loose = 1e-10;
 
 // W of (3); R is zero but for the rows of the interior. None where what is left does not hold.
 std::optional<Matrix> change_between(const std::vector<Index>& interior, const Matrix& stiffness,
-                                     const Matrix& R) {
-  const Eigen::LLT<Matrix> compliance(Matrix(R(interior, interior)));
-  const Matrix left = inverse(compliance) + stiffness(interior, interior);
-  const Eigen::LLT<Matrix> factor(left);
-  if (!holds(factor, left)) return std::nullopt;
+                                     const Matrix& R, DenseProducts& products) {
+  Matrix left = R(interior, interior);
+  if (!invert(left, 0, products)) return std::nullopt;
+  left += stiffness(interior, interior);
+  if (!invert(left, loose, products)) return std::nullopt;
   const Matrix of_interior = stiffness(interior, Eigen::all);
-  return stiffness - of_interior.transpose() * factor.solve(of_interior);
+  Matrix W = stiffness;
+  products.add_symmetric(-1, {of_interior, true}, {products.product({left}, {of_interior})}, W);
+  return W;
 }
 
 }  // namespace
@@ -199,7 +194,7 @@ bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& 
     return true;
   }
   auto [G, Z, R] = response_at(dofs);
-  const auto W = change_between(interior, stiffness, R);
+  const auto W = change_between(interior, stiffness, R, products_);
   if (!W) return false;
   S_.topRows(amplitudes).noalias() -= loads.transpose() * G;
   G.leftCols(amplitudes).noalias() += R * loads;
@@ -221,9 +216,9 @@ std::vector<Index> Condensed::interior_rows(const Dofs& dofs) const {
 
 void Condensed::promote(const Dofs& dofs) {
   if (dofs.empty()) return;
-  const auto [G, Z, R] = response_at(dofs);
+  auto [G, Z, C] = response_at(dofs);  // R so far
   const auto count = Eigen::Index(dofs.size()), before = S_.rows();
-  const Matrix C = inverse(Eigen::LLT<Matrix>(R));
+  invert(C, 0, products_);
   const Matrix CG = products_.product({C}, {G}), ZC = products_.product({Z}, {C});
   join(dofs);
   products_.add_symmetric(1, {G, true}, {CG}, S_.topLeftCorner(before, before));
@@ -239,10 +234,9 @@ bool Condensed::demote(const Dofs& dofs) {
   if (dofs.empty()) return true;
   std::vector<Index> places;
   for (Index d : dofs) places.push_back(static_cast<Index>(loads_.cols()) + column(d));
-  const Matrix S_DD = S_(places, places), Phi_D = Phi_(Eigen::all, places);
-  const Eigen::LLT<Matrix> factor(S_DD);
-  if (!holds(factor, S_DD)) return false;
-  const Matrix S_D = S_(places, Eigen::all), C = inverse(factor);
+  const Matrix S_D = S_(places, Eigen::all), Phi_D = Phi_(Eigen::all, places);
+  Matrix C = S_(places, places);
+  if (!invert(C, loose, products_)) return false;
   const Matrix CS = products_.product({C}, {S_D}), PhiC = products_.product({Phi_D}, {C});
   products_.add_symmetric(-1, {S_D, true}, {CS}, S_);
   products_.add(-1, {Phi_D}, {CS}, Phi_);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lobe/condense/anchors.h"
+#include "lobe/condense/supernodal_factor.h"
 #include "lobe/error.h"
 #include "lobe/sim/check_setup.h"
 #include "lobe/sim/checkpoint.h"
@@ -57,7 +58,7 @@ World<Real>::World(const Setup& setup, int threads)
     : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
       fingerprint_(fingerprint(setup)),
       elements_(setup),
-      precomputed_(CondensedCache(setup.condensed_cache)),
+      precomputed_(CondensedCache(setup.condensed_cache), make_supernodal),
       nonlinear_(setup.evaluator),
       loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),

@@ -1,0 +1,224 @@
+#include "lobe/condense/supernodal_factor.h"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+#include "lobe/condense/supernodes.h"
+#include "lobe/condense/symmetric_sweep.h"
+
+namespace lobe {
+namespace {
+
+class Supernodal : public SparseFactor {
+ public:
+  using Dense = Eigen::MatrixXd;
+
+  const char* name() const override { return "supernodal block LDLT, METIS nested dissection"; }
+  bool takes_indefinite() const override { return false; }
+  void analyse(const Matrix& A) override;
+  bool factorise(const Matrix& A, Eigen::Index negative) override;
+  Eigen::Index size() const override { return Eigen::Index(nodes_.place.size()); }
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override;
+  Dense inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const override;
+  long long nonzeros() const override { return static_cast<long long>(values_.size()); }
+  bool save(io::ByteWriter& out) const override;
+  bool load(io::ByteReader& in) override;
+
+ private:
+  using Block = Eigen::Map<const Dense>;
+  using Marks = std::vector<char>;  // per supernode
+
+  struct Entry {  // of A, in the order: in a column of a supernode
+    int row, column;
+    int source;  // place among the values of A
+  };
+
+  const std::vector<int>& below(int s) const { return nodes_.below[std::size_t(s)]; }
+  Block inverse_pivot(int s) const {
+    return {values_.data() + begin_[std::size_t(s)], nodes_.width(s), nodes_.width(s)};
+  }
+  Block L(int s) const {  // below the pivot
+    return {
+        values_.data() + begin_[std::size_t(s)] + std::size_t(nodes_.width(s)) * std::size_t(nodes_.width(s)),
+        Eigen::Index(below(s).size()), nodes_.width(s)};
+  }
+  void find_places();
+  void assemble(const Matrix& A, int s, std::vector<Dense>& updates, std::vector<int>& at,
+                Dense& front) const;
+  Marks with_ancestors(const std::vector<int>& components) const;
+  void solve(Dense& x, const Marks& given, const Marks& wanted) const;
+
+  Supernodes nodes_;
+  std::vector<std::size_t> begin_;           // of each supernode's values, and the end
+  std::vector<std::vector<int>> children_;   // of each supernode
+  std::vector<std::vector<Entry>> entries_;  // of A, per supernode
+  std::vector<double> values_;               // inverse pivot and L of each
+};
+
+void Supernodal::analyse(const Matrix& A) {
+  nodes_ = find_supernodes(A);
+  find_places();
+  entries_.assign(std::size_t(nodes_.count()), {});
+  for (Eigen::Index j = 0; j < A.cols(); ++j)
+    for (int e = A.outerIndexPtr()[j]; e < A.outerIndexPtr()[j + 1]; ++e) {
+      const auto [column, row] =
+          std::minmax(nodes_.place[std::size_t(j)], nodes_.place[std::size_t(A.innerIndexPtr()[e])]);
+      entries_[std::size_t(nodes_.of[std::size_t(column)])].push_back({row, column, e});
+    }
+}
+
+void Supernodal::find_places() {
+  begin_.assign(1, 0);
+  children_.assign(std::size_t(nodes_.count()), {});
+  for (int s = 0; s < nodes_.count(); ++s) {
+    const auto width = std::size_t(nodes_.width(s));
+    begin_.push_back(begin_.back() + width * (width + below(s).size()));
+    if (const int parent = nodes_.parent(s); parent >= 0) children_[std::size_t(parent)].push_back(s);
+  }
+}
+
+// The entries of A in the columns of a supernode, and what its children have left there.
+void Supernodal::assemble(const Matrix& A, int s, std::vector<Dense>& updates, std::vector<int>& at,
+                          Dense& front) const {
+  const int first = nodes_.first[std::size_t(s)], width = nodes_.width(s);
+  for (int i = 0; i < width; ++i) at[std::size_t(first + i)] = i;
+  for (std::size_t i = 0; i < below(s).size(); ++i)
+    at[std::size_t(below(s)[i])] = width + static_cast<int>(i);
+  const auto size = width + Eigen::Index(below(s).size());
+  front.setZero(size, size);
+  for (const Entry& e : entries_[std::size_t(s)])
+    front(at[std::size_t(e.row)], e.column - first) = A.valuePtr()[e.source];
+  for (int child : children_[std::size_t(s)]) {
+    Dense& update = updates[std::size_t(child)];
+    const std::vector<int>& rows = below(child);
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      double* column = &front(0, at[std::size_t(rows[j])]);
+      for (std::size_t i = j; i < rows.size(); ++i)
+        column[at[std::size_t(rows[i])]] += update(Eigen::Index(i), Eigen::Index(j));
+    }
+    update = {};
+  }
+}
+
+bool Supernodal::factorise(const Matrix& A, Eigen::Index negative) {
+  constexpr double loose = 1e-13;  // a pivot of that share of the diagonal's entry is rounding
+  values_.resize(begin_.back());
+  std::vector<Dense> updates(std::size_t(nodes_.count()));
+  std::vector<int> at(nodes_.place.size());
+  DenseProducts products;
+  Dense front;
+  for (int s = 0; s < nodes_.count(); ++s) {
+    assemble(A, s, updates, at, front);
+    const Eigen::Index width = nodes_.width(s), rows = Eigen::Index(below(s).size());
+    if (!sweep(front, width, loose, products)) return false;
+    double* own = values_.data() + begin_[std::size_t(s)];
+    Eigen::Map<Dense>(own, width, width) =
+        -Dense(front.topLeftCorner(width, width).selfadjointView<Eigen::Lower>());
+    Eigen::Map<Dense>(own + width * width, rows, width) = front.bottomLeftCorner(rows, width);
+    updates[std::size_t(s)] = front.bottomRightCorner(rows, rows);
+  }
+  return negative == 0;
+}
+
+// The supernodes of components, by their places, and all that depends on them.
+Supernodal::Marks Supernodal::with_ancestors(const std::vector<int>& components) const {
+  Marks marks(std::size_t(nodes_.count()), 0);
+  for (int i : components)
+    for (int s = nodes_.of[std::size_t(i)]; s >= 0 && !marks[std::size_t(s)]; s = nodes_.parent(s))
+      marks[std::size_t(s)] = 1;
+  return marks;
+}
+
+// Of right-hand sides in the rows of x, given in some supernodes, wanted in others.
+void Supernodal::solve(Dense& x, const Marks& given, const Marks& wanted) const {
+  DenseProducts products;
+  for (int s = 0; s < nodes_.count(); ++s) {
+    if (!given[std::size_t(s)]) continue;
+    auto own = x.middleCols(nodes_.first[std::size_t(s)], nodes_.width(s));
+    const Dense others = products.product({own}, {L(s), true});
+    for (std::size_t i = 0; i < below(s).size(); ++i) x.col(below(s)[i]) -= others.col(Eigen::Index(i));
+    own = products.product({own}, {inverse_pivot(s)});
+  }
+  for (int s = nodes_.count(); s-- > 0;)
+    if (wanted[std::size_t(s)]) {
+      const Dense others = x(Eigen::all, below(s));
+      products.add(-1, {others}, {L(s)}, x.middleCols(nodes_.first[std::size_t(s)], nodes_.width(s)));
+    }
+}
+
+Eigen::VectorXd Supernodal::solve(const Eigen::VectorXd& b) const {
+  Eigen::VectorXd x(b.size());
+  for (Eigen::Index i = 0; i < b.size(); ++i) x[nodes_.place[std::size_t(i)]] = b[i];
+  for (int s = 0; s < nodes_.count(); ++s) {
+    auto own = x.segment(nodes_.first[std::size_t(s)], nodes_.width(s));
+    const Eigen::VectorXd others = L(s) * own;
+    for (std::size_t i = 0; i < below(s).size(); ++i) x[below(s)[i]] -= others[Eigen::Index(i)];
+    own = inverse_pivot(s) * Eigen::VectorXd(own);
+  }
+  for (int s = nodes_.count(); s-- > 0;)
+    x.segment(nodes_.first[std::size_t(s)], nodes_.width(s)) -= L(s).transpose() * x(below(s));
+  return x(nodes_.place);
+}
+
+// Columns in the order of the factor, so that those that are solved for at once depend on much the same.
+Supernodal::Dense Supernodal::inverse_block(const std::vector<int>& rows,
+                                            const std::vector<int>& columns) const {
+  constexpr std::size_t batch = 128;
+  const auto place = [&](int i) { return nodes_.place[std::size_t(i)]; };
+  std::vector<int> order(columns.size()), places;
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return place(columns[std::size_t(a)]) < place(columns[std::size_t(b)]); });
+  for (int i : rows) places.push_back(place(i));
+  const Marks wanted = with_ancestors(places);
+  Dense block(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  for (std::size_t begin = 0; begin < order.size(); begin += batch) {
+    const std::size_t count = std::min(batch, order.size() - begin);
+    Dense x = Dense::Zero(Eigen::Index(count), size());
+    std::vector<int> given;
+    for (std::size_t c = 0; c < count; ++c) {
+      given.push_back(place(columns[std::size_t(order[begin + c])]));
+      x(Eigen::Index(c), given.back()) = 1;
+    }
+    solve(x, with_ancestors(given), wanted);
+    for (std::size_t c = 0; c < count; ++c) block.col(order[begin + c]) = x.row(Eigen::Index(c))(places);
+  }
+  return block;
+}
+
+bool Supernodal::save(io::ByteWriter& out) const {
+  const auto put = [&](const std::vector<int>& list) { out.put_all(std::span(list.data(), list.size())); };
+  put(nodes_.place);
+  put(nodes_.first);
+  for (const std::vector<int>& rows : nodes_.below) put(rows);
+  out.put_all(std::span(values_.data(), values_.size()));
+  return true;
+}
+
+bool Supernodal::load(io::ByteReader& in) {
+  nodes_ = {};
+  nodes_.place = in.get_all<int>();
+  nodes_.first = in.get_all<int>();
+  const auto size = static_cast<int>(nodes_.place.size());
+  in.expect(!nodes_.first.empty() && nodes_.first.front() == 0 && nodes_.first.back() == size &&
+            std::is_sorted(nodes_.first.begin(), nodes_.first.end()));
+  const auto is_place = [&](int i) { return i >= 0 && i < size; };
+  in.expect(std::all_of(nodes_.place.begin(), nodes_.place.end(), is_place));
+  for (std::size_t s = 0; s + 1 < nodes_.first.size(); ++s) {
+    const std::vector<int>& rows = nodes_.below.emplace_back(in.get_all<int>());
+    in.expect(std::is_sorted(rows.begin(), rows.end()) && std::all_of(rows.begin(), rows.end(), is_place) &&
+              (rows.empty() || rows.front() >= nodes_.first[s + 1]));
+  }
+  nodes_.number();
+  find_places();
+  values_ = in.get_all<double>();
+  in.expect(values_.size() == begin_.back());
+  return true;
+}
+
+}  // namespace
+
+std::unique_ptr<SparseFactor> make_supernodal() { return std::make_unique<Supernodal>(); }
+
+}  // namespace lobe

@@ -1,0 +1,30 @@
+// In which order a sparse symmetric matrix is factorised, and which columns of its factor have the same rows below them: a
+// supernode, whose part of the factor is dense.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+struct Supernodes {
+  std::vector<int> place;               // per component of the matrix: where it comes in the order
+  std::vector<int> first = {0};         // per supernode: its first component, in the order; and the end
+  std::vector<std::vector<int>> below;  // per supernode: the rows below its diagonal block, in order
+  std::vector<int> of;                  // per component, in the order: its supernode
+
+  int count() const { return static_cast<int>(below.size()); }
+  int width(int s) const { return first[std::size_t(s) + 1] - first[std::size_t(s)]; }
+  int parent(int s) const {  // −1: none
+    return below[std::size_t(s)].empty() ? -1 : of[std::size_t(below[std::size_t(s)].front())];
+  }
+  void number();  // `of`, from `first`
+};
+
+// Nested dissection (METIS) of groups of consecutive components with the same neighbours, as those of a vertex are; then
+// supernodes that differ little are made one. Of a lower triangle.
+Supernodes find_supernodes(const Eigen::SparseMatrix<double>& A);
+
+}  // namespace lobe

@@ -12,6 +12,7 @@
 #include "benchmarks/accuracy_play.h"
 #include "benchmarks/files.h"
 #include "benchmarks/machine.h"
+#include "benchmarks/resting.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/resolve.h"
@@ -103,6 +104,29 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
+void print_resting(const Row& row, const Resting& resting) {
+  for (int part = 0; part < 2; ++part) {
+    const Resting::Part& p = resting.parts[std::size_t(part)];
+    std::printf("%-16s %8d %-8s %10.3f %10.3f %8.1f %8.3f %10.1e\n", row.organ.c_str(), row.tets,
+                resting_parts[part], p.awake, p.asleep, p.awake / p.asleep, p.skipped, resting.error);
+  }
+  std::fflush(stdout);
+}
+
+std::string resting_csv(const std::vector<std::pair<Row, Resting>>& all) {
+  std::ostringstream out;
+  out << "organ,tets,part,tolerance_m,awake_s_per_s,asleep_s_per_s,gain,share_asleep,error\n"
+      << std::setprecision(4);
+  for (const auto& [row, resting] : all)
+    for (std::size_t part = 0; part < 2; ++part) {
+      const Resting::Part& p = resting.parts[part];
+      out << row.organ << ',' << row.tets << ',' << resting_parts[part] << ',' << resting.tolerance << ','
+          << p.awake << ',' << p.asleep << ',' << p.awake / p.asleep << ',' << p.skipped << ','
+          << resting.error << '\n';
+    }
+  return out.str();
+}
+
 // The shipped resection of a liver, also on a finer mesh, or the user's scenes.
 std::vector<Case> organs(Options options) {
   if (!options.scenes.empty()) return make_organs(options);
@@ -122,6 +146,7 @@ void bench_realtime(const Options& options) {
   std::printf("\n%-16s %8s %7s %8s %8s %6s %8s %8s %8s %10s  %s\n", "organ", "tets", "threads", "h/c us",
               "limit us", "gain", "+1.5% m", "local", "step us", "real time", "status");
   std::vector<Row> rows;
+  std::vector<std::pair<Row, Resting>> resting;
   for (const Case& organ : organs(options))
     for (const TetMesh& mesh : organ.meshes) {
       const Setup setup = reference_setup(resolve(organ.scene, mesh).setup);
@@ -134,7 +159,13 @@ void bench_realtime(const Options& options) {
             play(setup, schedule_of(time, 1), {Precision::single_precision, organ.scene.time.safety, n});
         print(rows.emplace_back(row));
       }
+      if (!setup.grasps.empty())
+        resting.emplace_back(row, play_with_rests(setup, organ.scene.time.frame, options.quick ? 0.5 : 2));
     }
+  std::printf("\n%-16s %8s %-8s %10s %10s %8s %8s %10s\n", "organ", "tets", "tool", "awake s/s", "asleep s/s",
+              "gain", "asleep", "error");
+  for (const auto& [row, result] : resting) print_resting(row, result);
+  write_file(options.output / "resting.csv", resting_csv(resting));
   write_file(options.output / "realtime.csv", csv(rows));
 }
 

@@ -6,7 +6,8 @@
 using namespace lobe::test;
 
 TEST_CASE("lobe bench realtime plays the shipped gesture to its end and says what the time step gains") {
-  const std::vector<Record> rows = BenchResults("realtime", "--quick --threads 2").rows("realtime");
+  const BenchResults results("realtime", "--quick --threads 2");
+  const std::vector<Record> rows = results.rows("realtime");
   REQUIRE(rows.size() == 2);
   for (const Record& row : rows) {
     CHECK(row.at("tets") == "10299");
@@ -21,6 +22,13 @@ TEST_CASE("lobe bench realtime plays the shipped gesture to its end and says wha
   }
   CHECK(rows[0].at("threads") == "1");
   CHECK(rows[1].at("threads") == "2");
+  const std::vector<Record> resting = results.rows("resting");
+  REQUIRE(resting.size() == 2);
+  for (const Record& row : resting) {
+    CHECK(number(row, "gain") ==
+          doctest::Approx(number(row, "awake_s_per_s") / number(row, "asleep_s_per_s")).epsilon(1e-2));
+    CHECK(number(row, "error") < 1e-3);
+  }
 }
 
 TEST_CASE("lobe bench features times each feature on and off") {

@@ -112,6 +112,26 @@ TEST_CASE("the report tells added mass and the longer step, where mass was asked
   CHECK(number(scaled, "/time_step_s/limit_at_rest") > number(plain, "/time_step_s/limit_at_rest"));
 }
 
+TEST_CASE("the report tells what was skipped") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["tools"] = Json::array();
+  scene["time"]["duration"] = 2;
+  play(write_scene_files(folder, scene), folder.path / "awake");
+  scene["time"]["sleep"] = 1e-5;
+  play(write_scene_files(folder, scene), folder.path / "asleep");
+  const Json awake = report_in(folder.path / "awake"), asleep = report_in(folder.path / "asleep");
+  CHECK(awake["skipped"]["states_not_written"] == 101 - awake["frames"].get<int>());
+  CHECK(awake["skipped"]["terms"] == Json{"guard_below", "nodal_pressure", "load_ramp", "sleep"});
+  CHECK(asleep["skipped"]["terms"] == Json{"guard_below", "nodal_pressure", "load_ramp"});
+  CHECK(number(awake, "/skipped/patches/share_asleep") == 0);
+  const double evaluated = number(asleep, "/skipped/patches/evaluated"),
+               skipped = number(asleep, "/skipped/patches/asleep");
+  CHECK(skipped > 0);
+  CHECK(evaluated + skipped <= number(awake, "/skipped/patches/evaluated"));
+  CHECK(number(asleep, "/skipped/patches/share_asleep") == doctest::Approx(skipped / (evaluated + skipped)));
+}
+
 TEST_CASE("loose pieces that vanish count as removed") {
   const Folder folder;
   Json scene = small_scene();

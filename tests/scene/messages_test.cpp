@@ -95,7 +95,8 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "\"regions\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"damping\", \"duration\", \"frame\", \"integrator\", "
-       "\"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"spectral_radius\", \"step\""},
+       "\"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"sleep\", "
+       "\"spectral_radius\", \"step\""},
   });
 }
 

@@ -56,7 +56,7 @@ const std::string clamp = R"({"fix": true, "where": {"box": {"min": [-1, -1, -1]
 TEST_CASE("a plain scene resolves without a warning") {
   const Resolved result =
       resolved(R"({"volume_penalty": 5, "guard_below": 0.3, "gravity": [0, 0, -9.81], "evaluator": "stored",
-    "loose_pieces": "stay", "time": {"damping": 3, "safety": 0.5, "mass_scaling": 0.01, "ramp": 0.2, "load_ramp": 0.3}})");
+    "loose_pieces": "stay", "time": {"damping": 3, "safety": 0.5, "mass_scaling": 0.01, "ramp": 0.2, "load_ramp": 0.3, "sleep": 1e-5}})");
   const Setup& setup = result.setup;
   CHECK(result.warnings.empty());
   CHECK(setup.mesh.tet_count() == 24);
@@ -81,6 +81,7 @@ TEST_CASE("a plain scene resolves without a warning") {
   CHECK(setup.mass_scaling == 0.01);
   CHECK(setup.ramp == 0.2);
   CHECK(setup.load_ramp == 0.3);
+  CHECK(setup.sleep == 1e-5);
 }
 
 TEST_CASE("the first matching material wins, the one without where is the default") {
@@ -318,6 +319,14 @@ TEST_CASE("nodal pressure is refused with the stored evaluator") {
         "/materials/0/nodal_pressure: not with \"evaluator\": \"stored\"; use \"direct\"");
   CHECK(faults(R"({"evaluator": "stored",
                    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": false}]})") == "");
+}
+
+TEST_CASE("sleep is refused beside nodal pressure and implicit steps") {
+  CHECK(faults(R"({"time": {"sleep": 1e-5, "integrator": "implicit", "precision": "double"}})") ==
+        "/time/sleep: needs \"integrator\": \"explicit\"; leave it out");
+  CHECK(faults(R"({"time": {"sleep": 1e-5},
+    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
+        "/time/sleep: not with \"nodal_pressure\"; leave one of them out");
 }
 
 TEST_CASE("a scene built in code is checked before it is resolved") {

@@ -1,6 +1,7 @@
 // A body at rest: what it is made of, and which model each of its tetrahedra follows.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,11 @@ struct Elastic {
   double element_lambda() const { return lambda - nodal_lambda(); }   // (1 − w)λ [Pa]
   double guard_modulus() const { return element_lambda() + 2 * mu; }  // M of fem/guard.h [Pa]
 };
+
+inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {
+  return std::any_of(materials.begin(), materials.end(),
+                     [](const Elastic& e) { return e.nodal_lambda() > 0; });
+}
 
 struct Body {
   TetMesh mesh;

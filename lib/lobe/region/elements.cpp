@@ -15,11 +15,6 @@ Elements::Elements(const Body& body)
       volume_penalty(body.volume_penalty),
       guard_below(body.guard_below) {}
 
-bool Elements::any_nodal_pressure() const {
-  return std::any_of(materials.begin(), materials.end(),
-                     [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
-}
-
 double lumped_mass(const Elements& elements, Index vertex) {
   double mass = 0;
   for (Index t : elements.topology.around(vertex))

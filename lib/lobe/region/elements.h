@@ -30,7 +30,6 @@ struct Elements {
   }
   Shape shape_of(Index tet) const { return shape(corner_points(tet)); }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
-  bool any_nodal_pressure() const;
 };
 
 // What an edit of the mesh or of the regions' tags means for the regions.

@@ -28,6 +28,12 @@ class NonlinearRegion {
                          parallel);
   }
 
+  template <class Visit>  // visit(layout, sums), of each evaluator
+  void visit_patches(Visit&& visit) {
+    elements_.visit_patches(visit);
+    terms_.visit_patches(visit);
+  }
+
   double energy(const Mat3X<Real>& u) { return elements_.energy(u); }  // [J]
 
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,

@@ -123,6 +123,7 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
                                                                         DiagonalStiffness& K,
                                                                         Parallel& parallel) {
   if (tet_count() == 0) return {};
+  sums_.forget();  // the entries take the place of kept forces
   if (nodal_pressure_) find_pressures(u, parallel);
   entries_.resize(3, layout_.places().vertex_count());
   ratios_.resize(std::size_t(layout_.patch_count()));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "lobe/mesh/vertex_lists.h"
@@ -47,6 +48,9 @@ class PatchLayout {
 
   // Vertices by the patch's numbers; any vertex where a number is not in use.
   const Index* vertices(Index p) const { return vertex_.data() + std::size_t(p) * patch_vertices; }
+  std::span<const Index> vertices_of(Index p) const {
+    return {vertices(p), std::size_t(patches_[p].vertices)};
+  }
   // Per vertex of the mesh: its places, patch_vertices × patch + number there.
   const VertexLists<Index>& places() const { return places_; }
   // The vertices that have places, or had some.

@@ -1,16 +1,21 @@
 // What evaluators in patches have in common: a patch works on a copy of its vertices' displacements, which stays in the
 // first cache, and adds up the forces on them in a place of its own; then each vertex sums what its patches found, in the
-// order of a list, so that the result does not depend on threads.
+// order of a list, so that the result does not depend on threads. Where no vertex moves any more, sums can be kept.
 #pragma once
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 
 #include "lobe/parallel.h"
 #include "lobe/region/element_block.h"
 #include "lobe/region/patch_layout.h"
 
 namespace lobe {
+
+struct PatchCount {  // of all evaluations
+  long long evaluated = 0, skipped = 0;
+};
 
 template <class Real>
 class PatchSums {
@@ -30,20 +35,50 @@ class PatchSums {
     }
   }
 
-  // evaluate(patch, its displacements [m], sums of forces [N]), for each patch.
+  // Right after add_forces(): patches whose vertices are all `still` keep their sums until forget().
+  template <class Layout>
+  void keep(const Layout& layout, const std::vector<std::uint8_t>& still) {  // per vertex
+    keeps_ = true;
+    awake_.clear();
+    for (Index p = 0; p < layout.patch_count(); ++p) {
+      const std::span<const Index> own = layout.vertices_of(p);
+      if (!std::all_of(own.begin(), own.end(), [&](Index v) { return still[v] != 0; })) awake_.push_back(p);
+    }
+  }
+  // The vertices of the other patches.
+  template <class Layout>
+  void mark_awake(const Layout& layout, std::vector<std::uint8_t>& vertices) const {
+    for (Index p : awake_)
+      for (Index v : layout.vertices_of(p)) vertices[v] = 1;
+  }
+  // While sums are kept, forces are added at these vertices alone: at least those of mark_awake().
+  template <class Layout>
+  void add_at(const Layout& layout, const std::vector<std::uint8_t>& vertices) {
+    summed_.clear();
+    for (Index v : layout.used_vertices())
+      if (vertices[v]) summed_.push_back(v);
+  }
+  void forget() { keeps_ = false; }
+  const PatchCount& count() const { return count_; }
+
+  // evaluate(patch, its displacements [m], sums of forces [N]), for each patch that does not keep them.
   template <class Layout, class Evaluate>
   void add_forces(const Layout& layout, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel,
                   Evaluate&& evaluate) {
-    parallel.for_ranges(layout.patch_count(), patches_at_once, [&](Index begin, Index end) {
+    const Index evaluated = keeps_ ? static_cast<Index>(awake_.size()) : layout.patch_count();
+    count_.evaluated += evaluated;
+    count_.skipped += layout.patch_count() - evaluated;
+    parallel.for_ranges(evaluated, patches_at_once, [&](Index begin, Index end) {
       LocalVectors local;
-      for (Index p = begin; p < end; ++p) {
+      for (Index i = begin; i < end; ++i) {
+        const Index p = keeps_ ? awake_[i] : i;
         Vector* sums = sums_.data() + std::size_t(p) * patch_vertices;
         std::fill_n(sums, layout.patch(p).vertices, Vector{});
         gather(layout, p, u, local);
         evaluate(p, local, sums);
       }
     });
-    const std::vector<Index>& used = layout.used_vertices();
+    const std::vector<Index>& used = keeps_ ? summed_ : layout.used_vertices();
     parallel.for_ranges(static_cast<Index>(used.size()), 4096, [&](Index begin, Index end) {
       sum_places(layout.places(), {used.data() + begin, used.data() + end}, f);
     });
@@ -67,6 +102,10 @@ class PatchSums {
   }
 
   std::vector<Vector> sums_;  // per place [N]
+  bool keeps_ = false;
+  std::vector<Index> awake_;   // if so: patches
+  std::vector<Index> summed_;  // vertices
+  PatchCount count_;
 };
 
 }  // namespace lobe

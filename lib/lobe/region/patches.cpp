@@ -10,8 +10,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   materials_ = elements.materials;
   kappa_ = elements.volume_penalty;
   guard_below_ = elements.guard_below;
-  nodal_pressure_ = std::any_of(materials_.begin(), materials_.end(),
-                                [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; });
+  nodal_pressure_ = any_nodal_pressure(materials_);
   const std::vector<Layout::Item> own = nonlinear_items(elements, enter);
   if (own.empty() && tet_count() == 0) return;  // what is not there takes no memory
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());

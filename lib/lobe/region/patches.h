@@ -25,6 +25,11 @@ class Patches {
                   Parallel& parallel);
   double energy(const Mat3X<Real>& u);  // [J]
 
+  template <class Visit>  // visit(layout, sums)
+  void visit_patches(Visit&& visit) {
+    visit(layout_, sums_);
+  }
+
   struct Stiffness {
     double smallest_volume_ratio = 1;  // of det F over the region
     Index smallest_tet = -1;

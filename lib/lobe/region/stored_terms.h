@@ -22,6 +22,10 @@ class StoredTerms {
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
+  template <class Visit>  // visit(layout, sums)
+  void visit_patches(Visit&& visit) {
+    visit(layout_, sums_);
+  }
   std::size_t bytes() const;  // of coefficients and the vertices they belong to
 
  private:

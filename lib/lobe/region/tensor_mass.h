@@ -26,6 +26,10 @@ class TensorMassRegion {
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
+  template <class Visit>  // visit(layout, sums)
+  void visit_patches(Visit&& visit) {
+    visit(layout_, sums_);
+  }
   double energy(const Mat3X<Real>& u) const;  // [J]
   void add_diagonal_stiffness(DiagonalStiffness& K) const;
 

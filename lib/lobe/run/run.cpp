@@ -36,6 +36,7 @@ struct Totals {
   std::array<double, phase_count> phases{};
   Json cuts = Json::array(), conditions = Json::array(), series = Json::array();
   Index tets_removed = 0;
+  long long states = 1, patches_evaluated = 0, patches_skipped = 0;
   std::vector<std::string> warnings;
   bool warned_of_inversion = false;
 
@@ -51,6 +52,9 @@ void Totals::add(const Report& report, double time, double wall) {
   slowest_frame = std::max(slowest_frame, wall);
   for (int p = 0; p < phase_count; ++p) phases[p] += report.seconds[p];
   tets_removed += report.tets_removed;
+  ++states;
+  patches_evaluated += report.patches_evaluated;
+  patches_skipped += report.patches_skipped;
   if (report.tets_removed > 0) cuts.push_back({{"time", time}, {"tetrahedra", report.tets_removed}});
   for (const Condition& c : report.conditions) {
     conditions.push_back({{"time", c.time}, {"condition", name(c.kind)}, {"text", c.text}});
@@ -96,6 +100,28 @@ Json timing_json(const Totals& totals, double simulated, double setup_seconds) {
           {"slowest_frame_s", totals.slowest_frame},
           {"real_time_factor", totals.simulation_seconds > 0 ? simulated / totals.simulation_seconds : 0},
           {"phases_s", phases}};
+}
+
+// What the run did not compute: patches that slept, states that nobody asked to see, terms that the scene leaves out.
+Json skipped_json(const Totals& totals, const Setup& setup, std::size_t written) {
+  const long long all = totals.patches_evaluated + totals.patches_skipped;
+  Json terms = Json::array();
+  const auto unless = [&](bool asked, const char* term) {
+    if (!asked) terms.push_back(term);
+  };
+  unless(setup.volume_penalty > 0, "volume_penalty");
+  unless(setup.guard_below > 0, "guard_below");
+  unless(any_nodal_pressure(setup.materials), "nodal_pressure");
+  unless(setup.damping > 0, "damping");
+  unless(!setup.gravity.isZero(0), "gravity");
+  unless(setup.load_ramp > 0, "load_ramp");
+  unless(setup.sleep > 0, "sleep");
+  return {{"patches",
+           {{"evaluated", totals.patches_evaluated},
+            {"asleep", totals.patches_skipped},
+            {"share_asleep", all > 0 ? double(totals.patches_skipped) / double(all) : 0}}},
+          {"states_not_written", totals.states - static_cast<long long>(written)},
+          {"terms", terms}};
 }
 
 Json proposal_json(const Proposal& proposal) {
@@ -280,6 +306,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"smallest_volume_ratio", totals.smallest_volume_ratio},
       {"tetrahedra_removed", totals.tets_removed},
       {"timing", timing_json(totals, world.time(), setup_seconds)},
+      {"skipped", skipped_json(totals, resolved.setup, recorder.frame_count())},
       {"frames", recorder.frame_count()},
       {"warnings", result.warnings},
       {"conditions", totals.conditions},

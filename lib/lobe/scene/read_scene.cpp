@@ -107,6 +107,7 @@ void read_time(const json& object, Time& time) {
   read(object, "mass_scaling", time.mass_scaling);
   read(object, "ramp", time.ramp);
   read(object, "load_ramp", time.load_ramp);
+  read(object, "sleep", time.sleep);
   read(object, "step", time.step);
   read(object, "spectral_radius", time.spectral_radius);
   if (object.value("integrator", "explicit") == "implicit") time.integrator = Integrator::generalised_alpha;

@@ -48,6 +48,17 @@ void refuse_stored_nodal_pressure(Resolution& resolution) {
   }
 }
 
+// Who sleeps must be told from patches' own vertices and explicit steps.
+void refuse_sleep(Resolution& resolution) {
+  const Scene& scene = resolution.scene;
+  if (scene.time.sleep == 0) return;
+  if (scene.time.integrator == Integrator::generalised_alpha)
+    resolution.fail("/time/sleep", "needs \"integrator\": \"explicit\"; leave it out");
+  for (const Material& material : scene.materials)
+    if (material.nodal_pressure > 0)
+      return resolution.fail("/time/sleep", "not with \"nodal_pressure\"; leave one of them out");
+}
+
 // A region that nothing keeps in place is refused, and one whose interface costs more than its tetrahedra is not worth it.
 void check_precomputed(Resolution& resolution) {
   const Setup& setup = resolution.result.setup;
@@ -197,10 +208,12 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.spectral_radius = scene.time.spectral_radius;
   setup.ramp = scene.time.ramp;
   setup.load_ramp = scene.time.load_ramp;
+  setup.sleep = scene.time.sleep;
 
   refuse_implicit_precomputed(resolution);
   resolve_frame(resolution);
   refuse_stored_nodal_pressure(resolution);
+  refuse_sleep(resolution);
   resolve_materials(resolution);
   resolve_regions(resolution);
   resolve_boundary(resolution);

@@ -122,6 +122,7 @@ struct Time {
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's
   double ramp = 0.1;        // [s] over which prescribed displacements are reached
   double load_ramp = 0;     // [s] over which tractions and forces grow to their full size
+  double sleep = 0;         // [m] by which displacements may differ where parts at rest sleep; 0: none does
   Precision precision = Precision::single_precision;
   Integrator integrator = Integrator::central_difference;
   double step = 0;               // of the implicit integrator [s]; 0: one per frame

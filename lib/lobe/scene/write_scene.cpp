@@ -127,6 +127,7 @@ ordered_json write(const Time& time) {
           {"mass_scaling", time.mass_scaling},
           {"ramp", time.ramp},
           {"load_ramp", time.load_ramp},
+          {"sleep", time.sleep},
           {"precision", time.precision == Precision::single_precision ? "single" : "double"},
           {"integrator", name(time.integrator)},
           {"step", time.step},

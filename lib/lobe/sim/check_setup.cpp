@@ -81,6 +81,10 @@ void Checker::check_materials() {
   expect(setup_.mass_scaling == 0 || std::find(setup_.region_of.begin(), setup_.region_of.end(),
                                                RegionModel::precomputed) == setup_.region_of.end(),
          "mass_scaling is not available beside precomputed regions; use tensor-mass");
+  expect(not_negative(setup_.sleep), "sleep must be finite and not negative");
+  expect(setup_.sleep == 0 ||
+             (setup_.integrator == Integrator::central_difference && !any_nodal_pressure(setup_.materials)),
+         "sleep is available neither with the implicit integrator nor with nodal_pressure; leave it out");
   expect(setup_.gravity.allFinite(), "gravity is not finite");
 }
 

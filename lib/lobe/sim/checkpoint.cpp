@@ -86,7 +86,7 @@ std::uint64_t fingerprint(const Setup& setup) {
   print.add(setup.loose_pieces);
   print.add(setup.integrator);
   for (double value : {setup.damping, setup.safety, setup.mass_scaling, setup.implicit_step,
-                       setup.spectral_radius, setup.ramp, setup.load_ramp})
+                       setup.spectral_radius, setup.ramp, setup.load_ramp, setup.sleep})
     print.add(value);
   return print.value();
 }
@@ -101,6 +101,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.grasps = tools_.grasp_states();
   c.body_of = body_of_;
   c.body_was_held.assign(body_was_held_.begin(), body_was_held_.end());
+  c.sleep = sleep_.state();
   c.implicit_is_stale = implicit_is_stale_;
   c.acceleration = acceleration_;
   c.pending = pending_;
@@ -118,6 +119,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   }
   check_fits(c);
   set_state(c.state);
+  sleep_.set_state(c.sleep);
   held_ = c.held;
   tools_.set_grasp_states(c.grasps);
   body_of_ = c.body_of;
@@ -163,6 +165,8 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
   const auto is_known = [&](Index body) { return body >= 0 && std::size_t(body) < c.body_was_held.size(); };
   bool fits = c.state.u.cols() == vertices && c.state.v.cols() == vertices && c.body_of.size() == tets &&
               c.grasps.size() == setup_.grasps.size() &&
+              c.sleep.asleep.size() == sleep_.state().asleep.size() &&
+              c.sleep.restless_till.size() == c.sleep.asleep.size() &&
               (c.acceleration.size() == 0 ? c.implicit_is_stale : c.acceleration.cols() == vertices);
   for (Index body : c.body_of) fits = fits && is_known(body);
   for (const HeldVertices::Held& item : c.held.all())

@@ -9,7 +9,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 4,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 5,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -83,6 +83,13 @@ Edit get_edit(io::ByteReader& in, Eigen::Index vertices) {
   return edit;
 }
 
+Sleep::State get_sleep(io::ByteReader& in) {
+  Sleep::State sleep{in.get_all<std::uint8_t>(), in.get_all<double>()};
+  for (std::uint8_t asleep : sleep.asleep) in.expect(asleep <= 1);
+  for (double time : sleep.restless_till) in.expect(std::isfinite(time));
+  return sleep;
+}
+
 void put(io::ByteWriter& out, const Condition& condition) {
   out.put(std::uint8_t(condition.kind));
   out.put(condition.time);
@@ -117,6 +124,8 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   for (const Tools::GraspState grasp : c.grasps) out.put(grasp);
   out.put_all(std::span(c.body_of));
   out.put_all(std::span(c.body_was_held));
+  out.put_all(std::span(c.sleep.asleep));
+  out.put_all(std::span(c.sleep.restless_till));
   out.put(std::uint8_t(c.implicit_is_stale));
   put_matrix(out, c.acceleration);
   put_each(c.pending);
@@ -139,6 +148,7 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
     c.grasps.push_back(Tools::GraspState(in.get_choice(3)));
   c.body_of = in.get_all<Index>();
   c.body_was_held = in.get_all<std::uint8_t>();
+  c.sleep = get_sleep(in);
   c.implicit_is_stale = in.get_choice(2) == 1;
   c.acceleration = get_matrix<double>(in);
   in.expect(c.acceleration.allFinite());

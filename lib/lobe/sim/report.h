@@ -38,6 +38,7 @@ struct Report {
   Index limiting_vertex = -1;  // whose stiffness it follows
   int reruns = 0;              // of frames, with smaller steps
   Index tets_removed = 0;
+  long long patches_evaluated = 0, patches_skipped = 0;  // in all evaluations; skipped: asleep
   double smallest_volume_ratio = 1;  // of det F over the non-linear region, at the start of the frame
   std::array<double, phase_count> seconds{};  // of wall time per phase
   std::vector<Condition> conditions;

@@ -74,6 +74,7 @@ struct Setup : Body {
   double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping
   double ramp = 0.1;             // prescribed displacements are reached over this time [s]
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
+  double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
   std::filesystem::path

@@ -25,6 +25,11 @@ double mean_edge(const Elements& elements) {
   return sum / (6.0 * elements.topology.tet_count());
 }
 
+double diagonal(const Elements& elements) {  // of the bounding box [m]
+  const auto points = elements.points.view();
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+}
+
 template <class Real>
 void check_precision(const Setup& setup) {
   if (setup.integrator == Integrator::generalised_alpha && !std::is_same_v<Real, double>)
@@ -68,6 +73,7 @@ World<Real>::World(const Setup& setup, int threads)
   const Index n = elements_.topology.vertex_count();
   state_.u = state_.v = Columns(n);
   longest_move_ = mean_edge(elements_);
+  sleep_ = Sleep(setup.sleep / 8 * longest_move_ / diagonal(elements_));
   held_ = held_by(setup.prescribed);
   RegionEdit everything;
   everything.entered.resize(std::size_t(elements_.topology.tet_count()));
@@ -95,13 +101,13 @@ bool World<Real>::step(double dt) {
 
 template <class Real>
 void World<Real>::integrate(double dt) {
-  known_ = Known::stale;
   if (moving_is_stale_) find_moving();
   for (const HeldVertices::Held& item : led_) {
     if (held_.fixes(item.vertex)) continue;  // it is none that moves by itself
     for (int i = 0; i < 3; ++i)              // stays where it is until move_held()
       if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
   }
+  update_sleep();
   const Fastest<Real> fastest = central_difference(forces_.padded(), moving_, Real(dt), Real(setup_.damping),
                                                    state_.u.padded(), state_.v.padded(), parallel_);
   fastest_ = std::sqrt(double(fastest.all));
@@ -109,6 +115,7 @@ void World<Real>::integrate(double dt) {
   interior_is_stale_ = true;
   state_.time += dt;
   move_held(dt);
+  if (!moving_.empty() || fastest_held_ > 0) known_ = Known::stale;
   groups_.moved((fastest_ + fastest_held_) * dt, std::numeric_limits<Real>::epsilon());
 }
 
@@ -116,6 +123,7 @@ void World<Real>::integrate(double dt) {
 template <class Real>
 void World<Real>::find_moving() {
   moving_ = moving_vertices<Real>(inverse_mass_);
+  std::erase_if(moving_, [&](const MovingVertex<Real>& own) { return sleep_.is_asleep(own.vertex); });
   led_.clear();
   for (const HeldVertices::Held& item : held_.all()) {
     if (item.holder != HeldVertices::boundary || item.start != item.goal || item.axes != all_axes) {
@@ -135,13 +143,8 @@ double World<Real>::missing_loads(double time) const {
 
 template <class Real>
 Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
-  const double missing = missing_loads(state_.time);
-  parallel_.for_ranges(forces_.count(), 16384, [&](Index begin, Index end) {
-    auto own = forces_.view().middleCols(begin, end - begin);
-    own = external_.view().middleCols(begin, end - begin);
-    if (missing > 0) own -= Real(missing) * dead_loads_.view().middleCols(begin, end - begin);
-  });
-  precomputed_.add_forces(state_.u.padded(), Real(missing), forces_.padded(), parallel_);
+  put_loads();
+  precomputed_.add_forces(state_.u.padded(), Real(missing_loads(state_.time)), forces_.padded(), parallel_);
   add_internal_forces(state_.u.padded(), forces_.padded());
   return std::as_const(forces_).view();
 }
@@ -166,6 +169,7 @@ Vec3d World<Real>::held_displacement(const HeldVertices::Held& item, double time
 template <class Real>
 void World<Real>::move_held(double dt) {
   fastest_held_ = 0;
+  std::vector<Index> moved;
   const double ramp = ramp_at(state_.time);
   for (const HeldVertices::Held& item : led_) {
     const Vec3<Real> u = held_displacement(item, state_.time, ramp).template cast<Real>();
@@ -174,8 +178,11 @@ void World<Real>::move_held(double dt) {
       state_.v(i, item.vertex) = (u[i] - state_.u(i, item.vertex)) / Real(dt);
       state_.u(i, item.vertex) = u[i];
     }
-    fastest_held_ = std::max(fastest_held_, double(state_.v.col(item.vertex).squaredNorm()));
+    const double speed = double(state_.v.col(item.vertex).squaredNorm());
+    fastest_held_ = std::max(fastest_held_, speed);
+    if (speed > 0 && sleep_.is_asleep(item.vertex)) moved.push_back(item.vertex);
   }
+  if (!moved.empty()) wake(moved);
   fastest_held_ = std::sqrt(fastest_held_);
 }
 
@@ -213,9 +220,6 @@ bool World<Real>::implicit_step(double dt) {
   return false;
 }
 
-// False as soon as a vertex is not a number or moves further than an edge in one step; in a first try already where one
-// swings to and fro, ever faster, by more than a fiftieth of that: a state of high frequency in its own right looks the
-// same, and is left alone in the second try.
 template <class Real>
 void World<Real>::set_state(const State<Real>& state) {
   if (state.u.cols() != state_.u.count() || state.v.cols() != state_.v.count())
@@ -226,7 +230,8 @@ void World<Real>::set_state(const State<Real>& state) {
   state_.u.view() = state.u;
   state_.v.view() = state.v;
   state_.time = state.time;
-  implicit_is_stale_ = interior_is_stale_ = moving_is_stale_ = true;
+  implicit_is_stale_ = interior_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
+  sleep_.wake_all(state.time);
   known_ = Known::stale;
   groups_.forget();
 }
@@ -251,6 +256,7 @@ void World<Real>::find_frequencies() {
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
   });
+  kept_is_stale_ = true;  // stiffness has taken the place of forces
   known_ = Known::anew;
 }
 

@@ -16,6 +16,7 @@
 #include "lobe/sim/integrator.h"
 #include "lobe/sim/mass_scaling.h"
 #include "lobe/sim/report.h"
+#include "lobe/sim/sleep.h"
 #include "lobe/sim/tools.h"
 #include "lobe/sim/vertex_frequencies.h"
 #include "lobe/solve/implicit_step.h"
@@ -105,6 +106,7 @@ class World {
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   const std::vector<Edit>& history() const { return history_; }
+  Index asleep() const { return sleep_.count(); }  // vertices
 
   // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew), and where
   // its parts come from.
@@ -148,6 +150,16 @@ class World {
   void play_tools(double duration, Report& report);
   void integrate(double dt);
   void find_moving();
+  template <class Visit>
+  void for_patches(Visit&& visit);  // visit(layout, sums)
+  void put_loads();
+  void update_sleep();
+  void fall_asleep();
+  bool is_still(Index vertex) const;
+  void wake_pulled();
+  void wake(const std::vector<Index>& vertices);
+  void keep_forces();
+  PatchCount patch_count();
   double ramp_at(double time) const;  // the share of what is prescribed
   Vec3d held_displacement(const HeldVertices::Held& item, double time, double ramp) const;
   void move_held(double dt);
@@ -206,6 +218,9 @@ class World {
     followed,         // of this state, cuts followed since
     anew              // of this state: what a restored world would find, to the bit
   } known_ = Known::stale;
+  Sleep sleep_;
+  bool kept_is_stale_ = true;  // what those who sleep keep
+  bool frame_begins_ = false;
   TetGroups groups_;  // for cauteries
   Index limiting_vertex_ = -1;
   double volume_ratio_ = 1;

@@ -115,6 +115,8 @@ void World<Real>::follow(RegionEdit edit) {
   }
   implicit_is_stale_ = interior_is_stale_ = true;
   if (precomputed_.tet_count() > 0) known_ = Known::stale;
+  kept_is_stale_ = true;
+  wake(edit.vertices);
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
 }
 
@@ -166,7 +168,7 @@ CornerStiffness World<Real>::stiffness_of(Index tet) const {
 template <class Real>
 void World<Real>::follow_frequencies(const MeshEdit& edit) {
   const bool is_local =
-      precomputed_.tet_count() == 0 && !elements_.any_nodal_pressure() &&
+      precomputed_.tet_count() == 0 && !any_nodal_pressure(elements_.materials) &&
       std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
   known_ = known_ != Known::stale && is_local ? Known::followed : Known::stale;
   if (known_ == Known::stale) return;
@@ -189,6 +191,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   const Index n = elements_.topology.vertex_count();
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(std::size_t(n), 0);
   for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
+  sleep_.extend(n, state_.time);
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v) * (mass_factor_.empty() ? 1.0 : mass_factor_[v]);
     refresh_inverse_mass(v);
@@ -210,7 +213,7 @@ double World<Real>::set_region(const std::vector<Index>& tets, RegionModel model
   check_tets(tets);
   if (model == RegionModel::precomputed) refuse_precomputed(tets);
   const bool is_local = precomputed_.tet_count() == 0 && model != RegionModel::precomputed &&
-                        !elements_.any_nodal_pressure();  // to the energies of these tetrahedra
+                        !any_nodal_pressure(elements_.materials);  // to the energies of these tetrahedra
   std::vector<Index> own = tets;
   make_unique(own);
   std::erase_if(own, [&](Index t) { return !elements_.topology.alive(t); });
@@ -244,7 +247,7 @@ void World<Real>::change_region(const std::vector<Index>& tets, RegionModel mode
 template <class Real>
 RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionModel model) {
   RegionEdit edit;
-  if (precomputed_.tet_count() > 0 || elements_.any_nodal_pressure()) known_ = Known::stale;
+  if (precomputed_.tet_count() > 0 || any_nodal_pressure(elements_.materials)) known_ = Known::stale;
   for (Index t : tets) {
     if (!elements_.topology.alive(t) || elements_.region_of[t] == model) continue;
     const Eigen::Vector4i corners = elements_.topology.corners(t);

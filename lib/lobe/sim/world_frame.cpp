@@ -53,8 +53,12 @@ Condition diverged(double step, const std::string& fastest, double time) {
 
 }  // namespace
 
+// False as soon as a vertex is not a number or moves further than an edge in one step; in a first try already where one
+// swings to and fro, ever faster, by more than a fiftieth of that: a state of high frequency in its own right looks the
+// same, and is left alone in the second try.
 template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
+  frame_begins_ = true;
   for (int i = 0; i < steps; ++i) {
     if (implicit_) {
       const Timed timed(report, Phase::integration);
@@ -98,11 +102,14 @@ Report World<Real>::advance(double duration) {
   if (!(duration > 0) || !std::isfinite(duration))
     throw InputError("advance", "the duration must be above 0 s and finite, not " + std::to_string(duration));
   Report report;
+  const PatchCount before = patch_count();
   const double end = state_.time + duration, shortest = 1e-9 * duration;
   while (report.ok && state_.time < end - shortest) {
     const double next = tools_.next_grasp_change(state_.time + shortest);
     advance_to(next < end - shortest ? next : end, report);
   }
+  report.patches_evaluated = patch_count().evaluated - before.evaluated;
+  report.patches_skipped = patch_count().skipped - before.skipped;
   return report;
 }
 
@@ -141,6 +148,7 @@ void World<Real>::advance_to(double end, Report& report) {
   }
   int steps = std::max(1, static_cast<int>(wanted));
   const auto start = state_;
+  const Sleep::State sleep_at_start = sleep_.state();
   double step = 0;
   std::string fastest;
   for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt) {
@@ -164,7 +172,8 @@ void World<Real>::advance_to(double end, Report& report) {
     }
     fastest = culprit();
     state_ = start;
-    implicit_is_stale_ = interior_is_stale_ = true;
+    sleep_.set_state(sleep_at_start);
+    implicit_is_stale_ = interior_is_stale_ = kept_is_stale_ = true;
     known_ = Known::stale;
     groups_.forget();
     ++report.reruns;

@@ -133,7 +133,7 @@ std::string markdown(const std::vector<Row>& rows, const std::string& machine) {
       << std::fixed << std::setprecision(2);
   for (const Row& r : rows)
     out << "| " << r.feature->name << " | " << r.feature->what << " | " << r.off << " | " << r.on << " | "
-        << r.on / r.off << " | " << r.spread << " |\n";
+        << std::setprecision(3) << r.on / r.off << " | " << r.spread << std::setprecision(2) << " |\n";
   return out.str();
 }
 

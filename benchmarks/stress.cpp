@@ -46,14 +46,15 @@ std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "case,body,model,precision,must,passed,smallest_det_F,largest_det_F,last_det_F,energy_start_J,"
          "energy_early_J,"
-         "energy_late_J,momentum_drift,farthest,steps,reruns,smallest_step_s,largest_step_s,limited_by,"
+         "energy_late_J,momentum_drift,cut_error,farthest,steps,reruns,smallest_step_s,largest_step_s,"
+         "limited_by,"
          "seconds,why\n";
   for (const Row& r : rows) {
     const Verdict& v = r.verdict;
     out << quoted(r.plan->name) << ',' << r.plan->body << ',' << r.plan->model << ',' << precision(r) << ','
         << quoted(name(r.plan->must)) << ',' << (v.passed ? "yes" : "no");
     for (double x : {v.smallest_ratio, v.largest_ratio, v.last_ratio, v.energy_start, v.energy_early,
-                     v.energy_late, v.momentum_drift, v.farthest})
+                     v.energy_late, v.momentum_drift, v.cut_error, v.farthest})
       out << ',' << rounded(x);
     out << ',' << v.steps << ',' << v.reruns << ',' << rounded(v.smallest_step) << ','
         << rounded(v.largest_step) << ',' << v.limited_by << ',' << rounded(v.seconds) << ',' << quoted(v.why)

@@ -43,8 +43,8 @@ struct Subject {  // a mesh that is held at its low end along x, and handled at 
 Subject box();                            // 162 irregular tetrahedra, 3 cm long
 std::vector<Subject> organs(bool quick);  // the shipped meshes
 
-// Every model and mixture of models: "mixed" and "precomputed" are linear in their
-// low half and non-linear in the other.
+// Every model and mixture of models: "mixed", "precomputed" and "corotated" (precomputed, in a frame that turns with it)
+// are linear in their low half and non-linear in the other.
 const std::vector<std::string>& models();
 // A guarded body of soft tissue, held at its low end if asked, damped.
 Setup tissue(const TetMesh& mesh, const std::string& model);

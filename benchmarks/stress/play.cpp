@@ -9,6 +9,7 @@
 
 #include "benchmarks/timing.h"
 #include "lobe/fem/volume_term.h"
+#include "lobe/sim/rebuild.h"
 #include "lobe/sim/world.h"
 
 namespace lobe::stress {
@@ -49,6 +50,7 @@ class Player {
  private:
   void bare_steps();
   void frame();
+  void cut();
   void measure();
   std::string judge() const;
 
@@ -92,13 +94,21 @@ void Player<Real>::bare_steps() {
   measure();
 }
 
+// At random, and compared with what would be built from the cut mesh.
 template <class Real>
-void Player<Real>::frame() {
+void Player<Real>::cut() {
   const auto count = std::size_t(std::ceil(plan_.cut_share * double(to_cut_.size())));
   const std::size_t end = std::min(to_cut_.size(), cut_ + count);
-  if (end > cut_)
-    world_.remove_tets({to_cut_.begin() + std::ptrdiff_t(cut_), to_cut_.begin() + std::ptrdiff_t(end)});
+  if (end == cut_) return;
+  world_.remove_tets({to_cut_.begin() + std::ptrdiff_t(cut_), to_cut_.begin() + std::ptrdiff_t(end)});
   cut_ = end;
+  if (verdict_.in_double)
+    verdict_.cut_error = std::max(verdict_.cut_error, compare_with_rebuilt(world_).largest());
+}
+
+template <class Real>
+void Player<Real>::frame() {
+  cut();
   const Report report = world_.advance(frame_);
   ok_ = report.ok;
   verdict_.steps += report.steps;
@@ -149,6 +159,7 @@ std::string Player<Real>::judge() const {
   if (plan_.must == Must::be_flagged)
     return finite_ && verdict_.energy_late < 1e3 * verdict_.energy_start ? "did not grow" : "";
   if (!finite_) return "not finite";
+  if (!(verdict_.cut_error < 1e-9)) return "the cut world differs from one built afresh";
   if (!ok_) return plan_.must == Must::report && !reported_.empty() ? "" : "stopped: " + reported_;
   const double drift_per_step = verdict_.in_double ? 1e-13 : 1e-6;
   if (verdict_.momentum_drift > drift_per_step * double(verdict_.steps)) return "momentum drifts";

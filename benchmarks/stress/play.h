@@ -14,7 +14,8 @@ struct Verdict {
   double energy_start = 0;                   // kinetic, elastic and of loads [J]; kinetic half a step before
   double energy_early = 0, energy_late = 0;  // the largest of the first and of the second half
   double momentum_drift = 0;                 // of a body that nothing holds or loads, relative to Σ m|v|
-  double farthest = 0;  // at the end, displacement relative to the longest side of the box
+  double cut_error = 0;  // largest difference of the cut world to one built afresh, in double precision
+  double farthest = 0;   // at the end, displacement relative to the longest side of the box
   long steps = 0;
   int reruns = 0;
   double smallest_step = 0, largest_step = 0;  // [s]

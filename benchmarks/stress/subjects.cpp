@@ -41,7 +41,7 @@ std::vector<Subject> organs(bool quick) {
 
 const std::vector<std::string>& models() {
   static const std::vector<std::string> all{"nonlinear",   "volume term", "nodal pressure", "stored",
-                                            "tensor-mass", "mixed",       "precomputed"};
+                                            "tensor-mass", "mixed",       "precomputed",    "corotated"};
   return all;
 }
 
@@ -55,7 +55,8 @@ Setup tissue(const TetMesh& mesh, const std::string& model) {
   setup.guard_below = 0.2;
   setup.volume_penalty = model == "volume term" ? 1e5 : 0;
   setup.evaluator = model == "stored" ? Evaluator::stored : Evaluator::direct;
-  if (model != "mixed" && model != "precomputed") return setup;
+  if (model == "corotated") setup.precomputed_frame = RegionFrame::corotated;
+  if (model != "mixed" && model != "precomputed" && model != "corotated") return setup;
   const double middle = mesh.points.row(0).mean();
   for (Index t = 0; t < mesh.tet_count(); ++t)
     if (barycentre(mesh, t).x() < middle)

@@ -10,7 +10,8 @@ namespace {
 // What docs/stability.md does not guarantee is left to the table: whether a tangle unravels, and the momentum of a free
 // body in the stored evaluator in single precision.
 bool not_guaranteed(const Plan& plan, const Verdict& verdict) {
-  const bool partly_linear = plan.model == "mixed" || plan.model == "precomputed";
+  const bool partly_linear =
+      plan.model == "mixed" || plan.model == "precomputed" || plan.model == "corotated";
   if (plan.name == "randomised" || plan.name == "collapsed to a point" ||
       (plan.name == "mirrored" && partly_linear))
     return verdict.why == "a tetrahedron stays inverted or crushed" ||

@@ -87,9 +87,11 @@ void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real mi
   const Eigen::MatrixXd field = reduced_->field(driven);
   for (Index i = 0; i < static_cast<Index>(roles_.cols()); ++i) {
     if (!is_interior(i)) continue;
-    const Vec3d X = elements.points.col(i), arm = X - frame_.centroid() + field.col(0).segment<3>(3 * i);
-    u.col(i) = (pose.R * arm + pose.centroid - X).template cast<Real>();
-    v.col(i) = (pose.R * (rate.velocity + rate.spin.cross(arm) + field.col(1).segment<3>(3 * i)))
+    const Vec3d Y = elements.points.col(i) - frame_.centroid(), d = field.col(0).segment<3>(3 * i);
+    const Vec3d moved =
+        (pose.R - Mat3<double>::Identity()) * Y + pose.R * d + (pose.centroid - frame_.centroid());
+    u.col(i) = moved.template cast<Real>();
+    v.col(i) = (pose.R * (rate.velocity + rate.spin.cross(Vec3d(Y + d)) + field.col(1).segment<3>(3 * i)))
                    .template cast<Real>();
   }
 }

@@ -2,9 +2,16 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace lobe {
 namespace {
+
+Vec3d mean(const Mat3X<double>& x, const Eigen::VectorXd& weights) {
+  Vec3d sum = Vec3d::Zero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i) sum += weights[i] * x.col(i);
+  return sum / weights.sum();
+}
 
 // The rotation for which the trace of RᵀM is largest: the eigenvector of the largest eigenvalue of Horn's matrix.
 Mat3<double> closest_rotation(const Mat3<double>& M) {
@@ -15,22 +22,25 @@ Mat3<double> closest_rotation(const Mat3<double>& M) {
   N.bottomLeftCorner<3, 1>() = axial;
   N.bottomRightCorner<3, 3>() = M + M.transpose() - M.trace() * Mat3<double>::Identity();
   const Eigen::Vector4d q = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(N).eigenvectors().col(3);
+  if (axial.isZero(0) && std::abs(q[0]) > 0.5) return Mat3<double>::Identity();  // what rests, rests exactly
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
 }
 
 }  // namespace
 
 RigidFrame::RigidFrame(const Mat3X<double>& rest, Eigen::VectorXd weights)
-    : w_(std::move(weights)), C_(rest * w_ / w_.sum()) {
+    : w_(std::move(weights)), C_(mean(rest, w_)) {
   Y_ = rest.colwise() - C_;
 }
 
 void RigidFrame::fit(Pose& pose) const {
-  pose.centroid = pose.d * w_ / w_.sum();
+  pose.centroid = mean(pose.d, w_);
   Mat3<double> M = Mat3<double>::Zero(), at_rest = M;
   for (Eigen::Index i = 0; i < Y_.cols(); ++i) {
     pose.d.col(i) -= pose.centroid;
-    M += w_[i] * pose.d.col(i) * Y_.col(i).transpose();
+    const Mat3<double> own =
+        pose.d.col(i) * Y_.col(i).transpose();  // then weighted: symmetric to the bit at rest
+    M += w_[i] * own;
     at_rest += w_[i] * Y_.col(i) * Y_.col(i).transpose();
   }
   pose.R = closest_rotation(M);
@@ -47,7 +57,7 @@ void RigidFrame::fit(Pose& pose) const {
 
 RigidFrame::Rate RigidFrame::rate(const Pose& pose, const Mat3X<double>& v) const {
   Rate rate{Vec3d::Zero(), Vec3d::Zero(), pose.R.transpose() * v};
-  rate.velocity = rate.d * w_ / w_.sum();
+  rate.velocity = mean(rate.d, w_);
   rate.d.colwise() -= rate.velocity;
   for (Eigen::Index i = 0; i < Y_.cols(); ++i) rate.spin += w_[i] * Y_.col(i).cross(rate.d.col(i));
   rate.spin = pose.A_inverse * rate.spin;

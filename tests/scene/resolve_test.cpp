@@ -154,7 +154,7 @@ TEST_CASE("indices beyond the mesh are refused with their place, once") {
         "/tools/0/where/vertices/0: 20, must be from 0 to 19: the mesh has 20 vertices");
 }
 
-TEST_CASE("a precomputed region must be held, explicit, and end where it is narrow") {
+TEST_CASE("a precomputed region must be held, and explicit") {
   const std::string near = R"("where": {"box": {"min": [-1, -1, -1], "max": [0.19, 1, 1]}})";
   CHECK(resolved(R"({"regions": [{"model": "precomputed", )" + near + "}]}").warnings.empty());
   CHECK(faults(R"({"regions": [{"model": "nonlinear", )" + near + R"(}, {"model": "precomputed"}]})") ==
@@ -169,10 +169,31 @@ TEST_CASE("a precomputed region must be held, explicit, and end where it is narr
   CHECK(faults(R"({"regions": [{"model": "precomputed", "frame": "corotated", )" + near +
                R"(}, {"model": "precomputed"}]})") ==
         "/regions/1/frame: all precomputed regions have one frame in common; give all of them the same");
-  CHECK(warnings(R"({"regions": [{"model": "precomputed", "where": {"tetrahedra": [0]}}]})") ==
-        "/regions: the precomputed region shares 4 vertices with others, which costs more than its 1 "
-        "tetrahedra do as "
-        "tensor-mass; up to 2 pay: let it end at a narrower part, or use \"tensor-mass\"");
+}
+
+TEST_CASE(
+    "a precomputed region is tensor-mass where that is measured to cost less, unless the scene wants it "
+    "condensed") {
+  const auto models = [](const std::string& keys, const std::string& where, Resolved& result) {
+    const Scene plate = scene(R"({"regions": [{"model": "precomputed", )" + keys + "\"where\": " + where +
+                              R"(}], "boundary": [{"fix": true, "where": {"plane": {"point": [0, 0, 0],
+                              "normal": [0, 0, 1], "within": 1e-9}}}]})");
+    result = resolve(plate, box_mesh({0.24, 0.24, 0.02}, 24, 24, 2));
+    CHECK(result.warnings.empty());
+    propose(plate, result);
+    return std::count(result.setup.region_of.begin(), result.setup.region_of.end(), RegionModel::precomputed);
+  };
+  const std::string half = R"({"box": {"min": [-1, -1, -1], "max": [1, 1, 0.01]}})";
+  Resolved result;
+  CHECK(models("", half, result) == 0);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].starts_with("/regions: the precomputed region shares 625 vertices with others"));
+  CHECK(result.warnings[0].ends_with("it is tensor-mass now; let it end at a narrower part"));
+  CHECK(models(R"("representation": "condensed", )", half, result) == 24 * 24 * 6);
+  CHECK(result.warnings.size() == 1);
+  CHECK(models("", R"({"all": true})", result) == 24 * 24 * 2 * 6);
+  CHECK(result.warnings.empty());
+  CHECK(models(R"("frame": "corotated", )", half, result) == 24 * 24 * 6);
 }
 
 TEST_CASE("a mesh without tetrahedra is refused") {

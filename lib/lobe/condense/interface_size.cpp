@@ -1,10 +1,6 @@
 #include "lobe/condense/interface_size.h"
 
-#include <cmath>
-
 namespace lobe {
-
-Index InterfaceSize::most_that_pay() const { return static_cast<Index>(2.9 * std::sqrt(double(tets))); }
 
 InterfaceSize interface_size(const Elements& elements, RegionModel model) {
   InterfaceSize size;

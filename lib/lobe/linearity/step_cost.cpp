@@ -39,12 +39,15 @@ double seconds_of(const Setup& setup) {
 }
 
 template <class Real>
-double seconds_per_entry() {
-  constexpr Index size = 600;
+double seconds_of_product(Index size) {
   SymmetricProduct<Real> product;
   product.set(Eigen::MatrixXd::Identity(size, size));
   Parallel alone(1);
-  return smallest_seconds([&] { product.multiply(alone); }) / (double(size) * size);
+  return smallest_seconds([&] { product.multiply(alone); });
+}
+
+double product_seconds(Index size, bool in_double) {
+  return in_double ? seconds_of_product<double>(size) : seconds_of_product<float>(size);
 }
 
 }  // namespace
@@ -71,7 +74,19 @@ StepCost measure_step_cost(const Setup& setup, const Zones& zones, bool in_doubl
   const double unshared = cost.of(tets - linear, linear, 0, 0);
   const Index shared = interface_size(Elements(trial), RegionModel::tensor_mass).vertices;
   if (shared > 0) cost.shared = std::max(0.0, mixed - unshared) / shared;
-  cost.dense = in_double ? seconds_per_entry<double>() : seconds_per_entry<float>();
+  constexpr Index usual = 600;
+  cost.dense = product_seconds(usual, in_double) / (double(usual) * usual);
+  return cost;
+}
+
+Representations measure_representations(const Setup& setup, bool in_double) {
+  const InterfaceSize size = interface_size(Elements(setup));
+  Representations cost;
+  if (size.tets == 0) return cost;
+  if (size.vertices > 0) cost.condensed = product_seconds(3 * size.vertices, in_double);
+  Setup trial = setup;
+  std::fill(trial.region_of.begin(), trial.region_of.end(), RegionModel::tensor_mass);
+  cost.tensor_mass = step_seconds(trial, in_double) * double(size.tets) / double(setup.mesh.tet_count());
   return cost;
 }
 

@@ -56,6 +56,7 @@ Region read_region(const json& entry, const std::string& pointer) {
                  : model == "precomputed" ? RegionModel::precomputed
                                           : RegionModel::nonlinear;
   if (entry.value("frame", "fixed") == "corotated") region.frame = RegionFrame::corotated;
+  region.always_condensed = entry.value("representation", "measured") == "condensed";
   region.where = read_where(entry);
   region.pointer = pointer;
   return region;

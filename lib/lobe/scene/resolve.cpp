@@ -4,7 +4,6 @@
 #include <set>
 
 #include "lobe/condense/anchors.h"
-#include "lobe/condense/interface_size.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/resolve_parts.h"
 
@@ -59,20 +58,11 @@ void refuse_sleep(Resolution& resolution) {
       return resolution.fail("/time/sleep", "not with \"nodal_pressure\"; leave one of them out");
 }
 
-// A region that nothing keeps in place is refused, and one whose interface costs more than its tetrahedra is not worth it.
+// A region that nothing keeps in place is refused.
 void check_precomputed(Resolution& resolution) {
   const Setup& setup = resolution.result.setup;
   if (!std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed)) return;
-  const Elements elements(setup);
-  refuse_unanchored(elements, held_by(setup.prescribed));
-  const InterfaceSize size = interface_size(elements);
-  if (size.pays()) return;
-  resolution.warn("/regions", "the precomputed region shares " +
-                                  counted(std::size_t(size.vertices), "vertex", "vertices") +
-                                  " with others, which costs more than its " + std::to_string(size.tets) +
-                                  " tetrahedra do as tensor-mass; up to " +
-                                  std::to_string(size.most_that_pay()) +
-                                  " pay: let it end at a narrower part, or use \"tensor-mass\"");
+  refuse_unanchored(Elements(setup), held_by(setup.prescribed));
 }
 
 std::string triple(const Vec3d& v) {

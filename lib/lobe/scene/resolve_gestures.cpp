@@ -1,3 +1,7 @@
+#include <algorithm>
+
+#include "lobe/condense/interface_size.h"
+#include "lobe/linearity/step_cost.h"
 #include "lobe/scene/resolve_parts.h"
 
 namespace lobe {
@@ -27,9 +31,36 @@ void resolve_gestures(Resolution& resolution) {
   if (gestures.empty()) gestures = gestures_of_grasps(resolution.result.setup);
 }
 
+namespace {
+
+// A wide interface costs more than the tetrahedra behind it. In a frame that turns there is no other way.
+void choose_representation(const Scene& scene, Resolved& resolved) {
+  Setup& setup = resolved.setup;
+  if (setup.precomputed_frame == RegionFrame::corotated) return;
+  const Representations cost = measure_representations(setup, scene.in_double());
+  constexpr double clearly = 1.2;
+  if (cost.condensed <= clearly * cost.tensor_mass) return;
+  const InterfaceSize size = interface_size(Elements(setup));
+  const bool stays = std::any_of(scene.regions.begin(), scene.regions.end(), [](const Region& region) {
+    return region.model == RegionModel::precomputed && region.always_condensed;
+  });
+  if (!stays)
+    std::replace(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed,
+                 RegionModel::tensor_mass);
+  resolved.warnings.push_back(
+      "/regions: the precomputed region shares " + counted(std::size_t(size.vertices), "vertex", "vertices") +
+      " with others, which cost " + rounded(1e6 * cost.condensed) + " us per step, its " +
+      counted(std::size_t(size.tets), "tetrahedron", "tetrahedra") + " as tensor-mass " +
+      rounded(1e6 * cost.tensor_mass) +
+      " us: " + (stays ? "it is condensed all the same, as the scene asks" : "it is tensor-mass now") +
+      "; let it end at a narrower part");
+}
+
+}  // namespace
+
 void propose(const Scene& scene, Resolved& resolved, const SparseFactorMaker& factor,
              const std::function<void(double fraction)>& progress) {
-  if (!scene.auto_regions) return;
+  if (!scene.auto_regions) return choose_representation(scene, resolved);
   ProposalOptions options;
   options.tolerance = scene.auto_regions->tolerance;
   options.condense = scene.auto_regions->precomputed;

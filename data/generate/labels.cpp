@@ -13,8 +13,8 @@ constexpr int size[] = {112, 72, 56};
 const Vec3 spacing(0.002, 0.002, 0.0025), first(-0.116, -0.074, -0.073);  // [m]
 
 char label_at(const Vec3& p) {
-  const Vec3 tumour(-0.05, 0.005, 0.01), vein_from(-0.003, 0.075, 0.02), vein_to(-0.035, -0.01, 0.02);
-  const double vein_radius = 0.007, tumour_radius = 0.014;
+  const Vec3 tumour(-0.066, 0.002, 0), vein_from(-0.003, 0.075, 0.02), vein_to(-0.035, -0.01, 0.02);
+  const double vein_radius = 0.013, tumour_radius = 0.016;
   if (liver(p) > 0) return 0;
   if ((p - tumour).norm() < tumour_radius) return 2;
   return distance_to_segment(p, vein_from, vein_to) < vein_radius ? 3 : 1;

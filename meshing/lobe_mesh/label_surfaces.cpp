@@ -131,6 +131,8 @@ class Contour {
       voxel[(axis + 2) % 3] += c >> 1;
       regions[c] = region(voxel);
     }
+    // Where equal ones are across from each other, either no line pierces the square, or two do.
+    if (regions[0] == regions[3] || regions[1] == regions[2]) return;
     std::sort(regions.begin(), regions.end());
     if (std::unique(regions.begin(), regions.end()) - regions.begin() < 3) return;
     junction_edges_.emplace_back(vertex_of_[grid_.index(before[0], before[1], before[2])],

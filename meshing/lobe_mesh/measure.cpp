@@ -41,8 +41,14 @@ void measure_faces(const TetMesh& mesh, MeshReport& report) {
 
 }  // namespace
 
+Index MeshReport::missing_labels() const {
+  return static_cast<Index>(
+      std::count_if(parts.begin(), parts.end(), [](const Part& part) { return part.tets == 0; }));
+}
+
 bool MeshReport::passes() const {
-  return quality.min_dihedral >= quality_gate.min_dihedral && time_step_star >= quality_gate.time_step_star &&
+  return missing_labels() == 0 && quality.min_dihedral >= quality_gate.min_dihedral &&
+         time_step_star >= quality_gate.time_step_star &&
          quality.smallest_altitude_ratio >= quality_gate.smallest_altitude_ratio;
 }
 

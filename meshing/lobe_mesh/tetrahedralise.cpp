@@ -5,6 +5,7 @@
 #include <chrono>
 #include <map>
 #include <sstream>
+#include <tuple>
 
 #include "lobe/error.h"
 #include "lobe_mesh/check_options.h"
@@ -172,7 +173,7 @@ void Tries::improve(TetMesh& mesh) {
   stopwatch_.phase("relax");
 }
 
-// Keeps the mesh if it is the best so far: nearest to passing the gate, then of the longest time step.
+// Keeps the mesh if it is the best so far: with the most labels, nearest to passing the gate, of the longest time step.
 void Tries::one(Mesher mesher, double factor) {
   Attempt attempt{mesher, factor * options_.edge, 0, 0, {}};
   try {
@@ -192,7 +193,7 @@ void Tries::one(Mesher mesher, double factor) {
       const double dihedral = r.quality.min_dihedral / quality_gate.min_dihedral,
                    altitude = r.quality.smallest_altitude_ratio / quality_gate.smallest_altitude_ratio,
                    step = r.time_step_star / quality_gate.time_step_star;
-      return std::pair(std::min({1.0, dihedral, altitude, step}), step);
+      return std::tuple(-r.missing_labels(), std::min({1.0, dihedral, altitude, step}), step);
     };
     if (best_.tet_count() == 0 || rank(now) > rank(best_report_)) {
       best_ = std::move(mesh);
@@ -244,7 +245,7 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
   if (!report.passes()) {
     report.warnings.push_back(
-        "the mesh is below the gate (smallest dihedral angle 15°, altitude 0.1 of the edge, "
+        "the mesh is below the gate (every label, smallest dihedral angle 15°, altitude 0.1 of the edge, "
         "dt* 0.5): try another --edge, or smooth the surface there");
   }
   return mesh;

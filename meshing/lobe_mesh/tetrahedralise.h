@@ -104,7 +104,8 @@ struct MeshReport {
   std::vector<Phase> phases;
   std::vector<std::string> warnings;
 
-  bool passes() const;  // the gate
+  Index missing_labels() const;  // without a tetrahedron
+  bool passes() const;           // the gate, with every label
 };
 
 // Surfaces must be what repair_surface() returns, each inside another one or apart from it; every piece of

@@ -21,7 +21,11 @@ int main(int argc, char** argv) {
   CLI::App& fuzz = *app.add_subcommand("fuzz", "surfaces damaged at random");
   common(quality);
   common(fuzz);
-  quality.add_option("--tets", options.tets, "numbers of tetrahedra")->delimiter(',')->capture_default_str();
+  const auto sizes = [&](const char* name, std::vector<int>& tets, const char* help) {
+    quality.add_option(name, tets, help)->delimiter(',')->allow_extra_args(false)->capture_default_str();
+  };
+  sizes("--tets", options.tets, "numbers of tetrahedra");
+  sizes("--first-tets", options.first_tets, "more of them for the first surface");
   fuzz.add_option("--first", options.first, "number of the first damaged surface")->capture_default_str();
   fuzz.add_option("--count", options.count, "of damaged surfaces")->capture_default_str();
   fuzz.add_option("--time-limit", options.time_limit, "of each [s]")->capture_default_str();

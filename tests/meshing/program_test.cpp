@@ -272,3 +272,18 @@ TEST_CASE("damaged surfaces end in a mesh or a named error") {
   CHECK(std::system(command.c_str()) == 0);
   CHECK(contains(text_of(folder.path / "fuzz" / "fuzz.csv"), "noise"));
 }
+
+TEST_CASE("the table of quality has a line for every mesher, size and body") {
+  const SurfaceFolder folder;
+  const std::filesystem::path out = folder.path / "quality";
+  const std::string command = LOBE_BIN_DIR "/lobe-mesh-bench quality --tets 500 --first-tets 1000 " +
+                              folder.write("a.off", make_sphere(0.05, 3)).string() + " " +
+                              folder.write("b.off", make_sphere(0.05, 3)).string() + " -o " + out.string() +
+                              " >/dev/null";
+  CHECK(std::system(command.c_str()) == 0);
+  const std::string table = text_of(out / "quality.md");
+  CHECK(std::count(table.begin(), table.end(), '\n') == 2 + 2 * 2 + 2);
+  CHECK(contains(table, "| a, 642 vertices | 1,000 | tetgen |"));
+  CHECK(contains(table, "| b, 642 vertices | 500 | cgal |"));
+  CHECK(!contains(table, "below the gate"));
+}

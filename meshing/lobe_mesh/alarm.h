@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "lobe/text.h"
@@ -12,7 +13,7 @@
 
 namespace lobe::meshing {
 
-// Raises a flag when the time is over, unless it is destroyed before.
+// Raises a flag when the time is over, or for a reason that its owner knows, unless it is destroyed before.
 class Alarm {
  public:
   explicit Alarm(double seconds)
@@ -32,9 +33,16 @@ class Alarm {
   Alarm& operator=(const Alarm&) = delete;
 
   std::atomic<bool>* flag() { return &ringing_; }
+  void ring(const std::string& reason) {
+    reason_ = reason;
+    ringing_ = true;
+  }
   double seconds_left() const { return std::chrono::duration<double>(end_ - Clock::now()).count(); }
   void check() const {
     if (!ringing_ && seconds_left() > 0) return;
+    if (!reason_.empty())
+      throw MeshingFailure("the mesher cgal " + reason_ +
+                           ": use another --edge, or for surfaces --mesher tetgen or --repair wrap");
     throw MeshingFailure("the mesher cgal did not finish within the time limit of " + rounded(limit_) +
                          " s: choose a longer edge or --time-limit");
   }
@@ -48,6 +56,7 @@ class Alarm {
   }
 
   double limit_;
+  std::string reason_;
   Clock::time_point end_;
   std::atomic<bool> ringing_ = false;
   bool done_ = false;

@@ -98,7 +98,8 @@ TetMesh to_tet_mesh(const Complex& complex) {
   return mesh;
 }
 
-// Counts how often the refinement asks what a new tetrahedron lies in, which tells how far it is.
+// Counts how often the refinement asks what a new tetrahedron lies in, or where the surface meets the edge between two
+// of them: how far it is, and whether it will end.
 template <class Domain>
 struct Counted : Domain {
   using Domain::Domain;
@@ -112,20 +113,35 @@ struct Counted : Domain {
   };
   Is_in_domain is_in_domain_object() const { return {*this}; }
 
-  mutable std::size_t asked = 0;
+  struct Construct_intersection {
+    template <class Edge>
+    auto operator()(const Edge& edge) const {
+      if (++counted.intersected % 1024 == 0 && counted.on_progress) counted.on_progress();
+      return counted.Domain::construct_intersection_object()(edge);
+    }
+    const Counted& counted;
+  };
+  Construct_intersection construct_intersection_object() const { return {*this}; }
+
+  mutable std::size_t asked = 0, intersected = 0;
   std::function<void()> on_progress;
 };
 constexpr double asked_per_tet = 6;  // of the finished mesh, roughly
+
+// Far more than any refinement needs that ends: coarse meshes of detailed surfaces, too.
+inline double most_intersections(double expected_tets) { return 1e6 + 100 * expected_tets; }
 
 // Perturbation breaks slivers up; the other optimisers take ten times longer than the refinement and leave no
 // longer time step after the relaxation.
 template <class Domain, class Topology>
 TetMesh refine(Counted<Domain>& domain, const MeshingRun& run, const Topology& topology) {
   using namespace CGAL::parameters;
+  Alarm alarm(run.time_limit);
   domain.on_progress = [&] {
     run.progress(std::min(1.0, static_cast<double>(domain.asked) / (asked_per_tet * run.expected_tets)));
+    if (static_cast<double>(domain.intersected) > most_intersections(run.expected_tets))
+      alarm.ring("refines without end, perhaps where two parts of the surface nearly touch");
   };
-  Alarm alarm(run.time_limit);
   auto complex = CGAL::make_mesh_3<typename Mesh3<Counted<Domain>>::Complex>(
       domain, criteria_of(domain, run.sizing), topology, no_lloyd(), no_odt(), no_perturb(), no_exude(),
       mesh_3_options(pointer_to_stop_atomic_boolean = alarm.flag()));

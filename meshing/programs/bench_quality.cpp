@@ -77,10 +77,11 @@ std::string table_line(const Row& row) {
   if (row.report.empty()) return start + " | failed: " + row.child.in_words() + " |\n";
   const std::string kept = row.mesher_kept() == row.mesher ? "" : ", " + row.mesher_kept() + " kept";
   char figures[200];
-  std::snprintf(figures, sizeof figures, " | %s | %.2f | %.1f | %.0f | %.2f | %+.2f | %zu | %.1f | %.0f |\n",
+  std::snprintf(figures, sizeof figures, " | %s | %.2f | %.1f | %.0f | %.2f | %.2f | %zu | %.1f | %.0f |\n",
                 grouped(row.report["tets"].get<int>()).c_str(), row.value("time_step_star"),
                 row.value("min_dihedral"), row.value("median_min_dihedral"),
-                row.value("smallest_altitude_ratio"), row.value("volume_error_percent"),
+                row.value("smallest_altitude_ratio"),
+                std::round(100 * row.value("volume_error_percent")) / 100 + 0.0,  // no −0.00
                 row.report["attempts"].size(), row.child.cpu_seconds, row.child.peak_bytes / 1e6);
   return start + kept + figures;
 }

@@ -126,7 +126,8 @@ int run(const Options& o) {
 void limit_time(double seconds) {
   std::signal(SIGALRM, [](int) {
     static constexpr char message[] =
-        "lobe-mesh: error: the time limit is over: choose a longer --time-limit\n";
+        "lobe-mesh: error: the time limit is over: try the other --mesher, --repair wrap or a longer "
+        "--time-limit\n";
     [[maybe_unused]] const auto written = write(STDERR_FILENO, message, sizeof message - 1);
     _exit(1);
   });

@@ -114,6 +114,16 @@ TEST_CASE("where a mesh does not pass the gate, the other mesher is tried") {
   CHECK(total_volume(mesh) == doctest::Approx(2e-3));
 }
 
+TEST_CASE("where the refinement does not end, it is stopped and the other mesher is tried") {
+  const Surface cube = make_cube(0.1);
+  MeshReport report;
+  tetrahedralise({joined(cube, moved(cube, {0.1 + 1e-6, 0, 0}))}, {.edge = 0.02, .feature_angle = 180},
+                 report);
+  const std::string why = report.attempts.at(0).failure;
+  CHECK_MESSAGE(contains(why, "refines without end"), why);
+  CHECK(report.mesher == Mesher::tetgen);
+}
+
 TEST_CASE("options that make no sense for the body are refused with numbers") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(contains(refusal({.edge = -1}), "must not be negative"));

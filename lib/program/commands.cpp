@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "console.h"
 #include "lobe/diagnostics/compare.h"
@@ -118,9 +119,14 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
   print_warnings(loaded.resolved.warnings);
   RunResult result;
   {
+    std::optional<ProgressBar> condensing("condensing");
     ProgressBar bar(what);
     RunOptions run_options{options.output, options.threads, options.record, linked_solver.make, {}};
-    run_options.progress = [&](double fraction) { bar.show(fraction); };
+    run_options.condensing = [&](double fraction) { condensing->show(fraction); };
+    run_options.progress = [&](double fraction) {
+      condensing.reset();
+      bar.show(fraction);
+    };
     result = function(loaded.scene, loaded.resolved, run_options);
   }
   // The last warning of what ended early is why.

@@ -55,6 +55,20 @@ TEST_CASE(
   CHECK(compare_with_rebuilt(second).largest() < 1e-9);
 }
 
+TEST_CASE("condensing tells how far it is and what it took, and from the disk it takes nothing") {
+  const Folder folder;
+  Setup setup = half_linear(RegionModel::precomputed);
+  setup.condensed_cache = folder.path;
+  std::vector<double> fractions;
+  const auto note = [&](double fraction) { fractions.push_back(fraction); };
+  const World<double> first(setup, 1, note);
+  CHECK(fractions == std::vector<double>{1.0 / 3, 2.0 / 3, 1});
+  for (double seconds : first.condensing().seconds()) CHECK(seconds > 0);
+  const World<double> second(setup, 1, note);
+  CHECK(fractions.size() == 3);
+  for (double seconds : second.condensing().seconds()) CHECK(seconds == 0);
+}
+
 TEST_CASE("whatever changes a condensed region finds none on disk") {
   const Folder folder;
   Setup setup = half_linear(RegionModel::precomputed, 3);

@@ -93,6 +93,8 @@ TEST_CASE("steps and times of the report fit together") {
   double phases = 0;
   for (const Json& phase : report["timing"]["phases_s"]) phases += phase.get<double>();
   CHECK(phases == doctest::Approx(number(report, "/timing/simulation_s")).epsilon(1e-6));
+  CHECK(report["timing"]["condensing_s"].size() == 3);
+  CHECK(number(report, "/timing/condensing_s/factor") == 0);  // it has no such region
   CHECK(number(report, "/timing/slowest_frame_s") <= number(report, "/timing/simulation_s"));
   const std::string steps = "in " + std::to_string(report["steps"].get<int>()) + " steps";
   CHECK(result.summary.find(steps) != std::string::npos);

@@ -26,15 +26,18 @@ std::uint64_t key_of(const RegionFactor& region, const Eigen::MatrixXd& loads,
 
 std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                            const Condensed::Dofs& interface,
-                                           const SparseFactorMaker& make_factor) {
-  auto condensed = std::make_unique<Condensed>(region.factorise(make_factor), loads);
-  condensed->promote(interface);
-  const auto count = Eigen::Index(interface.size());
-  Eigen::MatrixXd springs = Eigen::MatrixXd::Zero(count, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    springs(i, i) = -region.springs[std::size_t(interface[std::size_t(i)])];
-  condensed->change(interface, springs, Eigen::MatrixXd::Zero(count, loads.cols()));
-  return condensed;
+                                           const SparseFactorMaker& make_factor, CondensingLog& log) {
+  auto factor = region.factorise(make_factor, log);
+  return log.time(CondensingPhase::interface, [&] {
+    auto condensed = std::make_unique<Condensed>(std::move(factor), loads);
+    condensed->promote(interface);
+    const auto count = Eigen::Index(interface.size());
+    Eigen::MatrixXd springs = Eigen::MatrixXd::Zero(count, count);
+    for (Eigen::Index i = 0; i < count; ++i)
+      springs(i, i) = -region.springs[std::size_t(interface[std::size_t(i)])];
+    condensed->change(interface, springs, Eigen::MatrixXd::Zero(count, loads.cols()));
+    return condensed;
+  });
 }
 
 }  // namespace
@@ -42,7 +45,7 @@ std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eig
 std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                                     const Dofs& interface,
                                                     const SparseFactorMaker& make_factor) {
-  if (folder_.empty()) return condense_afresh(region, loads, interface, make_factor);
+  if (folder_.empty()) return condense_afresh(region, loads, interface, make_factor, log_);
   std::unique_ptr<SparseFactor> factor = make_factor();
   char name[32];
   std::snprintf(name, sizeof name, "%016llx.condensed",
@@ -50,7 +53,7 @@ std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, 
   const std::filesystem::path file = folder_ / name;
   if (std::filesystem::exists(file))
     if (auto kept = load(file, std::move(factor), loads)) return kept;
-  auto condensed = condense_afresh(region, loads, interface, make_factor);
+  auto condensed = condense_afresh(region, loads, interface, make_factor, log_);
   save(file, *condensed);
   return condensed;
 }

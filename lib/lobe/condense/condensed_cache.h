@@ -15,13 +15,15 @@ class CondensedCache {
  public:
   using Dofs = Condensed::Dofs;
 
-  explicit CondensedCache(std::filesystem::path folder = {})
-      : folder_(std::move(folder)) {}  // none: keeps nothing
+  explicit CondensedCache(std::filesystem::path folder = {},  // none: keeps nothing
+                          CondensingLog::Progress progress = {})
+      : folder_(std::move(folder)), log_(std::move(progress)) {}
 
   // The region condensed to its interface: from the folder, or else afresh, and then kept there. A file that is damaged
   // is replaced, one that cannot be written is left: take_notice() says so.
   std::unique_ptr<Condensed> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                       const Dofs& interface, const SparseFactorMaker& make_factor);
+  const CondensingLog& log() const { return log_; }
   std::string take_notice() { return std::exchange(notice_, {}); }
 
  private:
@@ -30,6 +32,7 @@ class CondensedCache {
   void save(const std::filesystem::path& file, const Condensed& condensed);
 
   std::filesystem::path folder_;
+  CondensingLog log_;
   std::string notice_;
 };
 

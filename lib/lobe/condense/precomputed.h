@@ -40,7 +40,8 @@ class PrecomputedRegion {
   void begin_refresh(const Elements& elements);
   void end_refresh(const Elements& elements);  // waits for it; the result is as before, to rounding
 
-  std::string take_notice() { return cache_.take_notice(); }  // of the cache
+  std::string take_notice() { return cache_.take_notice(); }        // of the cache
+  const CondensingLog& condensing() const { return cache_.log(); }  // at the start
   Index tet_count() const { return tet_count_; }
   bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[tet]; }
   Index interface_size() const { return static_cast<Index>(components_.size()); }  // components

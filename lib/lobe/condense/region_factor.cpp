@@ -66,10 +66,14 @@ RegionFactor::RegionFactor(const Elements& elements, const Roles& roles) {
   K = tangent.matrix();
 }
 
-std::unique_ptr<SparseFactor> RegionFactor::factorise(const SparseFactorMaker& make_factor) const {
-  std::unique_ptr<SparseFactor> factor = make_factor();
-  factor->analyse(K);
-  if (size > 0 && !factor->factorise(K))
+std::unique_ptr<SparseFactor> RegionFactor::factorise(const SparseFactorMaker& make_factor,
+                                                      CondensingLog& log) const {
+  auto factor = log.time(CondensingPhase::ordering, [&] {
+    std::unique_ptr<SparseFactor> ordered = make_factor();
+    ordered->analyse(K);
+    return ordered;
+  });
+  if (size > 0 && !log.time(CondensingPhase::factor, [&] { return factor->factorise(K); }))
     throw InputError(
         "precomputed region",
         "its stiffness is singular: a part of it can move although nothing moves it; fix more of its "

@@ -1,6 +1,7 @@
 // The pre-computed region as a body of its own, factorised once: what its tetrahedra are at one moment.
 #pragma once
 
+#include "lobe/condense/condensing_log.h"
 #include "lobe/region/elements.h"
 #include "lobe/solve/sparse_factor.h"
 
@@ -20,7 +21,7 @@ using ComponentNumbers = Eigen::Matrix<Index, 3, Eigen::Dynamic>;  // 3 × #vert
 // own stiffness, and are taken off again by who condenses.
 struct RegionFactor {
   RegionFactor(const Elements& elements, const Roles& roles);
-  std::unique_ptr<SparseFactor> factorise(const SparseFactorMaker& make_factor) const;
+  std::unique_ptr<SparseFactor> factorise(const SparseFactorMaker& make_factor, CondensingLog& log) const;
 
   ComponentNumbers number;      // rows of K̂
   std::vector<double> springs;  // per row [N/m]

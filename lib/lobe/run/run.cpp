@@ -86,7 +86,8 @@ Json region_counts(const Elements& elements) {
   return {{"tensor-mass", count[0]}, {"precomputed", count[1]}, {"nonlinear", count[2]}};
 }
 
-Json timing_json(const Totals& totals, double simulated, double setup_seconds) {
+Json timing_json(const Totals& totals, double simulated, double setup_seconds,
+                 const CondensingLog& condensing) {
   Json phases;
   double known = 0;
   for (int p = 0; p < phase_count; ++p) {
@@ -94,7 +95,11 @@ Json timing_json(const Totals& totals, double simulated, double setup_seconds) {
     known += totals.phases[p];
   }
   phases["other"] = std::max(0.0, totals.simulation_seconds - known);
+  Json condensing_s;
+  for (std::size_t p = 0; p < condensing_phases.size(); ++p)
+    condensing_s[condensing_phases[p]] = condensing.seconds()[p];
   return {{"setup_s", setup_seconds},
+          {"condensing_s", condensing_s},
           {"simulation_s", totals.simulation_seconds},
           {"output_s", totals.output_seconds},
           {"slowest_frame_s", totals.slowest_frame},
@@ -272,7 +277,7 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Rec
 template <class Real>
 RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
   const Clock::time_point start = Clock::now();
-  World<Real> world(resolved.setup, options.threads);
+  World<Real> world(resolved.setup, options.threads, options.condensing);
   const double setup_seconds = seconds_since(start);
   clear_earlier_run(options.directory, {mesh_path(scene), scene.file});
   Recorder recorder(scene.output, options.directory);
@@ -305,7 +310,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
         {"largest", totals.largest_step}}},
       {"smallest_volume_ratio", totals.smallest_volume_ratio},
       {"tetrahedra_removed", totals.tets_removed},
-      {"timing", timing_json(totals, world.time(), setup_seconds)},
+      {"timing", timing_json(totals, world.time(), setup_seconds, world.condensing())},
       {"skipped", skipped_json(totals, resolved.setup, recorder.frame_count())},
       {"frames", recorder.frame_count()},
       {"warnings", result.warnings},

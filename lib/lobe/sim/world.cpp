@@ -59,11 +59,11 @@ const char* name(Condition::Kind kind) {
 }
 
 template <class Real>
-World<Real>::World(const Setup& setup, int threads)
+World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
     : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
       fingerprint_(fingerprint(setup)),
       elements_(setup),
-      precomputed_(CondensedCache(setup.condensed_cache), make_supernodal),
+      precomputed_(CondensedCache(setup.condensed_cache, condensing), make_supernodal),
       nonlinear_(setup.evaluator),
       loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),

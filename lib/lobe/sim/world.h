@@ -59,7 +59,7 @@ class World {
  public:
   // Throws InputError if the setup is inconsistent, asks for a region model that is not available, or for the
   // implicit integrator in single precision.
-  explicit World(const Setup& setup, int threads = 1);
+  explicit World(const Setup& setup, int threads = 1, const CondensingLog::Progress& condensing = {});
 
   // Plays tools and cuts, then takes as many steps as the time step limit asks for. Tools cut at the start of
   // a frame what they will sweep during it; grasps take hold and let go on time. Throws InputError for a
@@ -88,6 +88,7 @@ class World {
   VertexFrequency highest_vertex();                                               // found anew
   const MassScaling& mass_scaling() const { return mass_scaling_; }               // what was added
   const HighestFrequency& frequency_search() const { return frequency_search_; }  // at the start
+  const CondensingLog& condensing() const { return precomputed_.condensing(); }
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
   Vec3d reaction(int holder);              // force that who holds these vertices must apply now [N]
   Energies energies();

@@ -13,6 +13,7 @@ TEST_CASE("lobe bench hybrid writes both representations of each linear part, wi
     const Record& row = rows[i];
     CHECK(row.at("representation") == (i % 2 == 0 ? "precomputed" : "tensor-mass"));
     CHECK(number(row, "step_us") > 0);
+    CHECK(number(row, "frame_step_us") > 0);
     CHECK(number(row, "speedup") ==
           doctest::Approx(number(row, "svk_step_us") / number(row, "step_us")).epsilon(1e-3));
     if (i % 2 == 1) CHECK(row.at("error_l2") == rows[i - 1].at("error_l2"));

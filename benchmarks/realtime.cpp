@@ -51,7 +51,7 @@ double local_gain(const World<float>& world) {
   std::vector<double> inverse_mass, squares;
   for (Index v = 0; v < vertices; ++v)
     inverse_mass.push_back(world.held().fixes(v) ? 0 : 1 / world.mass()[std::size_t(v)]);
-  VertexFrequencies frequencies;
+  VertexFrequencies<double> frequencies;
   frequencies.find(inverse_mass, [&](DiagonalStiffness& K) {
     for (Index t = 0; t < tets; ++t) {
       const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());

@@ -14,6 +14,21 @@ using namespace lobe::test;
 
 namespace {
 
+// Those around a vertex that the first of them reaches by faces that contain it.
+std::size_t reached_around(const Topology& topology, Index v) {
+  std::set<Index> reached{topology.around(v)[0]};
+  std::vector<Index> front(reached.begin(), reached.end());
+  while (!front.empty()) {
+    const Index t = front.back();
+    front.pop_back();
+    for (int face = 0; face < 4; ++face) {
+      const Index other = topology.neighbour(t, face);
+      if (other >= 0 && topology.tets()(face, t) != v && reached.insert(other).second) front.push_back(other);
+    }
+  }
+  return reached.size();
+}
+
 // Every boundary edge belongs to an even number of boundary faces, each vertex of it to one fan of
 // tetrahedra.
 void check_topology(const Topology& topology) {
@@ -25,7 +40,11 @@ void check_topology(const Topology& topology) {
   }
   for (const auto& [edge, count] : edges) CHECK(count % 2 == 0);
   Index corners = 0;
-  for (Index v = 0; v < topology.vertex_count(); ++v) corners += Index(topology.around(v).size());
+  for (Index v = 0; v < topology.vertex_count(); ++v) {
+    if (topology.around(v).empty()) continue;
+    corners += Index(topology.around(v).size());
+    CHECK(reached_around(topology, v) == topology.around(v).size());
+  }
   CHECK(corners == 4 * topology.alive_count());
 }
 

@@ -154,7 +154,7 @@ TEST_CASE("a frame's stress holds the nodal pressure") {
 TEST_CASE("a frame holds the arrays that docs/commands.md promises, tensors as xx, yy, zz, xy, yz, xz") {
   const Folder folder;
   Elements body = elements(RegionModel::nonlinear);
-  for (std::size_t t = 0; t < body.labels.size(); ++t) body.labels[t] = int(t % 3);
+  for (Index t = 0; t < body.topology.tet_count(); ++t) body.labels.push_back(t % 3);
   body.region_of[7] = RegionModel::tensor_mass;
   body.topology.remove(std::vector<Index>{0});
   REQUIRE(body.topology.vertex_count() == body.points.count());

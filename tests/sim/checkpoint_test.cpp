@@ -116,7 +116,7 @@ TEST_CASE("a checkpoint whose numbers do not fit its setup is refused") {
   refused([](auto& c) { c.state.v.setConstant(std::nan("")); });
   refused([](auto& c) { c.history.push_back({Edit::Kind::removal, {}, {-1}}); });
   refused([](auto& c) { c.history.push_back({Edit::Kind::region, RegionModel::tensor_mass, {1 << 30}}); });
-  refused([](auto& c) { c.body_of[0] = 7; });
+  refused([](auto& c) { c.body_of.assign(busy_setup().region_of.size(), 7); });
   refused([](auto& c) { c.grasps.clear(); });
   refused([](auto& c) { c.held.hold({40, 9, Vec3d::Zero(), Vec3d::Zero()}); });
 }

@@ -66,7 +66,7 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
     if (!topology.alive(t)) continue;
     const TetFields fields = tet_fields(elements, t, corner_displacements(elements, t, u), pressures[t]);
     mesh.tets.col(at) = topology.tets().col(t);
-    mesh.labels.push_back(elements.labels[t]);
+    mesh.labels.push_back(elements.label_of(t));
     region.values(0, at) = static_cast<int>(elements.region_of[t]);
     source.values(0, at) = t;
     ratio.values(0, at) = fields.volume_ratio;

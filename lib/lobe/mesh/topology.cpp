@@ -59,6 +59,7 @@ Topology::Topology(const TetMesh& mesh)
     }
   for (Index code = 0; code < 4 * mesh.tet_count(); ++code)
     if (neighbours_.data()[code] < 0) open_face(code);
+  for (Index v = 0; v < vertex_count() && stars_are_whole_; ++v) stars_are_whole_ = parts_around(v) < 2;
 }
 
 Eigen::Vector3i Topology::face(Index code) const {
@@ -186,21 +187,55 @@ void Topology::find_cut_off(const std::vector<Index>& rims, const std::vector<In
 
 MeshEdit Topology::remove(std::span<const Index> tets) {
   MeshEdit edit;
-  std::vector<Index> touched;
   for (Index t : tets) {
     if (!alive(t)) continue;
     alive_[t] = 0;
     edit.removed.push_back(t);
-    for (int c = 0; c < 4; ++c) touched.push_back(tets_(c, t));
   }
-  std::vector<Index> ends;
+  std::vector<Index> ends, touched;
   const std::vector<Index> rims = rims_of(edit.removed, ends);
-  for (Index t : edit.removed) unlink(t);
+  for (Index t : edit.removed) {
+    const Eigen::Vector4i beside = neighbours_.col(t);
+    unlink(t);
+    const std::array<bool, 4> whole = stays_whole(tets_.col(t), beside);
+    for (int c = 0; c < 4; ++c)
+      if (!whole[c] || !stars_are_whole_) touched.push_back(tets_(c, t));
+  }
   find_cut_off(rims, ends, edit);
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (Index v : touched) split_if_apart(v, edit.splits);
   return edit;
+}
+
+// Whether the ring of tetrahedra around the edge v w leads from one to another; `behind`: the corner of the first that is
+// left behind.
+bool Topology::ring_closes(Index from, Index to, Index v, Index w, Index behind) const {
+  while (from != to) {
+    const auto corners = tets_.col(from);
+    const Index next = neighbours_(corner_of(tets_, from, behind), from);
+    if (next < 0) return false;
+    behind ^= corners[0] ^ corners[1] ^ corners[2] ^ corners[3] ^ v ^ w;
+    from = next;
+  }
+  return true;
+}
+
+// Of a tetrahedron that was unlinked: at which corners the rings around its edges show that what was beside it still
+// hangs together. What hung together around a corner before then does.
+std::array<bool, 4> Topology::stays_whole(const Eigen::Vector4i& corners,
+                                          const Eigen::Vector4i& beside) const {  // per face; negative: none
+  std::array<int, 4> parts;
+  for (int c = 0; c < 4; ++c) parts[c] = static_cast<int>((beside.array() >= 0).count()) - (beside[c] >= 0);
+  for (int edge = 0; edge < 6; ++edge) {
+    const auto [i, j] = edge_corners[edge];
+    const auto [k, l] = edge_corners[5 - edge];  // the opposite one
+    if (beside[k] < 0 || beside[l] < 0) continue;
+    const bool closes = ring_closes(beside[k], beside[l], corners[i], corners[j], corners[l]);
+    parts[i] -= closes;
+    parts[j] -= closes;
+  }
+  return {parts[0] < 2, parts[1] < 2, parts[2] < 2, parts[3] < 2};
 }
 
 // Numbers the face-connected parts of the tetrahedra around v; part_of_ runs parallel to around(v).
@@ -296,7 +331,7 @@ CompactMesh compact(const Topology& topology, const Mat3X<double>& points, const
   for (std::size_t t = 0; t < result.tet_source.size(); ++t) {
     for (int c = 0; c < 4; ++c)
       result.mesh.tets(c, Eigen::Index(t)) = result.vertex_target[topology.tets()(c, result.tet_source[t])];
-    result.mesh.labels.push_back(labels[result.tet_source[t]]);
+    result.mesh.labels.push_back(labels.empty() ? 0 : labels[result.tet_source[t]]);
   }
   return result;
 }

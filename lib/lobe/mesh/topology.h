@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -91,9 +92,12 @@ class Topology {
   void close_face(Index code);
   void split_if_apart(Index v, std::vector<VertexSplit>& splits);
   Index parts_around(Index v);
+  bool ring_closes(Index from, Index to, Index v, Index w, Index behind) const;
+  std::array<bool, 4> stays_whole(const Eigen::Vector4i& corners, const Eigen::Vector4i& beside) const;
 
   Tets tets_;
   Tets neighbours_;  // per face: the other tetrahedron; on the boundary −1 − its place in boundary_
+  bool stars_are_whole_ = true;  // the tetrahedra around each vertex hang together by faces
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;
@@ -112,6 +116,6 @@ struct CompactMesh {
   std::vector<Index> tet_target;
 };
 CompactMesh compact(const Topology& topology, const Mat3X<double>& points,  // 3 × topology.vertex_count() [m]
-                    const std::vector<int>& labels);
+                    const std::vector<int>& labels);  // per tetrahedron; none: all are 0
 
 }  // namespace lobe

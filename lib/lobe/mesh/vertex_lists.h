@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,10 +23,10 @@ class VertexLists {
     begin_.reserve(vertices);
     count_.reserve(vertices);
     capacity_.reserve(vertices);
-    std::size_t total = 0;
+    std::uint32_t total = 0;
     for (Index length : lengths) {
       begin_.push_back(total);
-      total += static_cast<std::size_t>(length);
+      total += static_cast<std::uint32_t>(length);
     }
     count_.assign(lengths.size(), 0);
     capacity_ = lengths;
@@ -43,7 +44,7 @@ class VertexLists {
   std::span<const Item> items() const { return items_; }
 
   void add_vertex() {
-    begin_.push_back(items_.size());
+    begin_.push_back(end());
     count_.push_back(0);
     capacity_.push_back(0);
   }
@@ -69,7 +70,7 @@ class VertexLists {
   // A list that does not fit takes a place of exactly its size at the end of the array.
   void assign(Index v, std::span<const Item> list) {
     if (static_cast<Index>(list.size()) > capacity_[v]) {
-      begin_[v] = items_.size();
+      begin_[v] = end();
       capacity_[v] = static_cast<Index>(list.size());
       items_.resize(begin_[v] + list.size());
     }
@@ -80,9 +81,10 @@ class VertexLists {
   void clear(Index v) { count_[v] = 0; }
 
  private:
+  std::uint32_t end() const { return static_cast<std::uint32_t>(items_.size()); }
   void grow(Index v) {
     const Index capacity = std::max<Index>(4, 2 * capacity_[v]);
-    const std::size_t begin = items_.size();
+    const std::uint32_t begin = end();
     items_.resize(begin + std::size_t(capacity));
     std::copy_n(items_.begin() + std::ptrdiff_t(begin_[v]), count_[v],
                 items_.begin() + std::ptrdiff_t(begin));
@@ -90,7 +92,7 @@ class VertexLists {
     capacity_[v] = capacity;
   }
 
-  std::vector<std::size_t> begin_;
+  std::vector<std::uint32_t> begin_;
   std::vector<Index> count_, capacity_;
   std::vector<Item> items_;
 };

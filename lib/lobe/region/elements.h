@@ -15,7 +15,7 @@ struct Elements {
 
   Topology topology;
   VertexColumns<Mat3X<double>> points;  // 3 × topology.vertex_count(), rest positions [m]
-  std::vector<int> labels;
+  std::vector<int> labels;              // none if all are 0
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;
   std::vector<RegionModel> region_of;
@@ -29,6 +29,7 @@ struct Elements {
     return X;
   }
   Shape shape_of(Index tet) const { return shape(corner_points(tet)); }
+  int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
 };
 

@@ -125,18 +125,18 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
   if (tet_count() == 0) return {};
   sums_.forget();  // the entries take the place of kept forces
   if (nodal_pressure_) find_pressures(u, parallel);
-  entries_.resize(3, layout_.places().vertex_count());
+  Mat3X<Real> entries(3, layout_.places().vertex_count());  // of the stiffness per vertex [N/m]
   ratios_.resize(std::size_t(layout_.patch_count()));
   for (const StiffnessPart part : {StiffnessPart::diagonal, StiffnessPart::beside}) {
-    entries_.setZero();
-    sums_.add_forces(layout_, u, entries_, parallel,
+    entries.setZero();
+    sums_.add_forces(layout_, u, entries, parallel,
                      [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
                        ratios_[p] = kernels_.add_stiffness(arrays(p, local), part, sums);
                      });
     const std::array<int, 3> rows =
         part == StiffnessPart::diagonal ? std::array{0, 3, 5} : std::array{1, 2, 4};
-    for (Index v = 0; v < entries_.cols(); ++v)
-      for (int i = 0; i < 3; ++i) K(rows[i], v) += double(entries_(i, v));
+    for (Index v = 0; v < entries.cols(); ++v)
+      for (int i = 0; i < 3; ++i) K(rows[i], v) += double(entries(i, v));
   }
   if (nodal_pressure_) {
     find_slopes(u);

@@ -62,7 +62,6 @@ class Patches {
   double guard_below_ = 0;
   std::vector<Block> blocks_;  // patch_blocks per patch
   PatchSums<Real> sums_;       // scratch
-  Mat3X<Real> entries_;        // scratch: of the stiffness per vertex [N/m]
   std::vector<Real> ratios_;   // scratch: smallest det F per patch
 
   bool nodal_pressure_ = false;  // of any material; without, the rest is empty

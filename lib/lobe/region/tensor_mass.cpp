@@ -31,12 +31,14 @@ Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {
 bool sum_block(const Elements& elements, Index i, Index j, Mat3<double>& sum) {
   sum.setZero();
   bool any = false;
-  for (Index t : elements.topology.around(i)) {
+  const auto& tets = elements.topology.tets();
+  const std::span<const Index> around_i = elements.topology.around(i), around_j = elements.topology.around(j);
+  const bool from_i = around_i.size() <= around_j.size();  // the shorter list
+  for (Index t : from_i ? around_i : around_j) {
+    if ((tets.col(t).array() != (from_i ? j : i)).all()) continue;
     if (elements.region_of[t] != RegionModel::tensor_mass) continue;
-    const Eigen::Vector4i corners = elements.topology.corners(t);
-    const int other = corner_of(corners, j);
-    if (other < 0) continue;
-    sum += block_of(elements, t, corner_of(corners, i), other);
+    const Eigen::Vector4i corners = tets.col(t);
+    sum += block_of(elements, t, corner_of(corners, i), corner_of(corners, j));
     any = true;
   }
   return any;
@@ -50,8 +52,10 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
     Index edge;
     Mat3<Real> block;
   };
+  const auto enters = [&](Index t) { return elements.region_of[t] == RegionModel::tensor_mass; };
+  if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters))
+    return;  // what is not there takes no memory
   const std::vector<Index> removed = update_members(elements, edit);
-  if (tet_count_ == 0 && removed.empty()) return;  // what is not there takes no memory
   while (neighbours_.vertex_count() < elements.topology.vertex_count()) neighbours_.add_vertex();
   std::vector<Fresh> fresh;
   std::vector<Layout::Item> entered;

@@ -138,6 +138,7 @@ Setup World<Real>::initial_setup() const {
   setup.mesh.points = elements_.points.view().leftCols(now.vertex_count() - now.copy_count());
   setup.mesh.tets = now.tets().unaryExpr([&](Index v) { return now.origin(v); });
   setup.mesh.labels = elements_.labels;
+  setup.mesh.labels.resize(std::size_t(now.tet_count()), 0);
   setup.material_of = elements_.material_of;
   return setup;
 }
@@ -163,11 +164,12 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
   const Index vertices = elements_.topology.vertex_count();
   const auto tets = std::size_t(elements_.topology.tet_count());
   const auto is_known = [&](Index body) { return body >= 0 && std::size_t(body) < c.body_was_held.size(); };
-  bool fits = c.state.u.cols() == vertices && c.state.v.cols() == vertices && c.body_of.size() == tets &&
-              c.grasps.size() == setup_.grasps.size() &&
+  bool fits = c.state.u.cols() == vertices && c.state.v.cols() == vertices &&
+              (c.body_of.empty() || c.body_of.size() == tets) && c.grasps.size() == setup_.grasps.size() &&
               c.sleep.asleep.size() == sleep_.state().asleep.size() &&
               c.sleep.restless_till.size() == c.sleep.asleep.size() &&
               (c.acceleration.size() == 0 ? c.implicit_is_stale : c.acceleration.cols() == vertices);
+  fits = fits && is_known(0);
   for (Index body : c.body_of) fits = fits && is_known(body);
   for (const HeldVertices::Held& item : c.held.all())
     fits = fits && item.vertex >= 0 && item.vertex < vertices && item.holder >= 0 &&

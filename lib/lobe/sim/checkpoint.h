@@ -18,7 +18,7 @@ struct Checkpoint {
   State<Real> state;
   HeldVertices held;
   std::vector<Tools::GraspState> grasps;
-  std::vector<Index> body_of;  // World's: which pieces were known
+  std::vector<Index> body_of;  // World's: which pieces were known; none: one
   std::vector<std::uint8_t> body_was_held;
   Sleep::State sleep;
   bool implicit_is_stale = true;

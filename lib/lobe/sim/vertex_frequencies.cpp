@@ -30,7 +30,8 @@ CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat3
   return s.volume * K;
 }
 
-VertexFrequency VertexFrequencies::highest(const std::vector<double>& inverse_mass) {
+template <class Real>
+VertexFrequency VertexFrequencies<Real>::highest(const std::vector<double>& inverse_mass) {
   while (squares_.largest() > 0) {
     const Index v = squares_.winner();
     if (is_exact_[v]) return {std::sqrt(squares_.largest()), v};
@@ -41,21 +42,26 @@ VertexFrequency VertexFrequencies::highest(const std::vector<double>& inverse_ma
 }
 
 // With q = tr K/3 and p² = |K − qI|²/6 the eigenvalues of a symmetric 3 × 3 matrix are q + 2p cos φ at three angles.
-double VertexFrequencies::bound(Index v) const {
-  const auto K = K_.col(v);
+template <class Real>
+double VertexFrequencies<Real>::bound(Index v) const {
+  const auto K = stiffness(v);
   const double q = (K[0] + K[3] + K[5]) / 3;
   const double off = K[1] * K[1] + K[2] * K[2] + K[4] * K[4];
   const double on = (K[0] - q) * (K[0] - q) + (K[3] - q) * (K[3] - q) + (K[5] - q) * (K[5] - q);
   return std::max(0.0, q + 2 * std::sqrt((on + 2 * off) / 6));
 }
 
-double VertexFrequencies::largest_eigenvalue(Index v) const {
-  const auto K = K_.col(v);
+template <class Real>
+double VertexFrequencies<Real>::largest_eigenvalue(Index v) const {
+  const auto K = stiffness(v);
   Mat3<double> block;
   block << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
   Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
   solver.computeDirect(block, Eigen::EigenvaluesOnly);
   return std::max(0.0, solver.eigenvalues()[2]);
 }
+
+template class VertexFrequencies<float>;
+template class VertexFrequencies<double>;
 
 }  // namespace lobe

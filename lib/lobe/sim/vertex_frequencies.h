@@ -21,15 +21,17 @@ using CornerStiffness = Eigen::Matrix<double, 6, 4>;
 CornerStiffness corner_stiffness(const Elements& elements, Index tet,
                                  const Mat34<double>& u);  // of its corners [m]
 
+template <class Real>
 class VertexFrequencies {
  public:
-  // Anew: add(K) adds the stiffness of all vertices to K, 6 × at least #vertices, which is zero before. O(#vertices).
+  // Anew: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before. O(#vertices).
   template <class Add>
   void find(const std::vector<double>& inverse_mass, Add&& add) {  // [1/kg], 0 where held
     const auto n = static_cast<Index>(inverse_mass.size());
+    DiagonalStiffness K = DiagonalStiffness::Zero(6, n);
+    add(K);
     K_.extend(n);
-    K_.view().setZero();
-    add(K_.padded());
+    K_.view() = K.cast<Real>();
     is_exact_.assign(std::size_t(n), 0);
     squares_.assign(n, [&](Index v) { return bound(v) * inverse_mass[v]; });
   }
@@ -39,9 +41,11 @@ class VertexFrequencies {
     K_.extend(vertices);
     is_exact_.resize(std::size_t(vertices), 0);
   }
-  void add(Index vertex, const Eigen::Matrix<double, 6, 1>& stiffness) { K_.col(vertex) += stiffness; }
+  void add(Index vertex, const Eigen::Matrix<double, 6, 1>& stiffness) {
+    K_.col(vertex) += stiffness.template cast<Real>();
+  }
   void subtract(const Eigen::Vector4i& corners, const CornerStiffness& stiffness) {
-    for (int c = 0; c < 4; ++c) K_.col(corners[c]) -= stiffness.col(c);
+    for (int c = 0; c < 4; ++c) K_.col(corners[c]) -= stiffness.col(c).template cast<Real>();
   }
   void update(Index vertex, double inverse_mass) {
     is_exact_[vertex] = 0;
@@ -61,8 +65,10 @@ class VertexFrequencies {
   double bound(Index vertex) const;  // of the largest eigenvalue of K_vv
   double largest_eigenvalue(Index vertex) const;
 
-  VertexColumns<DiagonalStiffness> K_;  // [N/m]
-  Tournament squares_;                  // ω_v² where is_exact_, else a bound of it
+  Eigen::Matrix<double, 6, 1> stiffness(Index v) const { return K_.col(v).template cast<double>(); }
+
+  VertexColumns<Eigen::Matrix<Real, 6, Eigen::Dynamic>> K_;  // upper triangles [N/m]
+  Tournament squares_;                                       // ω_v² where is_exact_, else a bound of it
   std::vector<std::uint8_t> is_exact_;
 };
 

@@ -131,6 +131,8 @@ class World {
   void refresh_vertices(const std::vector<Index>& vertices);
   void refresh_inverse_mass(Index v);
   void find_bodies();
+  Index body_of(Index tet) const { return body_of_.empty() ? 0 : body_of_[tet]; }
+  void add_body(const std::vector<Index>& piece, bool was_held);
   void find_frequencies();
   void measure_frequency_ratio();
   void scale_masses();
@@ -196,8 +198,9 @@ class World {
   double frequency_ratio_ = 1;  // ω_max / vertex estimate, measured at rest
   double longest_move_ = 0;     // a step that moves a vertex further is trouble [m]
   HighestFrequency frequency_search_;
-  double rest_frequency_ = 0;   // ω_max at the start [rad/s]
-  std::vector<Index> body_of_;  // per tetrahedron: the piece it belonged to at the start, or since
+  double rest_frequency_ = 0;  // ω_max at the start [rad/s]
+  std::vector<Index>
+      body_of_;  // per tetrahedron: the piece it belonged to at the start, or since; none: all to 0
   std::vector<bool> body_was_held_;
 
   std::unique_ptr<ImplicitStep> implicit_;  // none: central differences
@@ -213,7 +216,7 @@ class World {
   Columns forces_;                          // scratch
   double fastest_ = 0, turned_ = 0;         // highest speeds of the last step (integrator.h) [m/s]
   double fastest_held_ = 0;                 // of held vertices [m/s]
-  VertexFrequencies frequencies_;
+  VertexFrequencies<Real> frequencies_;
   enum class Known {  // of the frequencies
     stale,            // of another state
     followed,         // of this state, cuts followed since

@@ -276,11 +276,15 @@ bool World<Real>::is_held(const std::vector<Index>& piece) const {
 
 template <class Real>
 void World<Real>::find_bodies() {
-  body_of_.assign(std::size_t(elements_.topology.tet_count()), 0);
-  for (const std::vector<Index>& piece : elements_.topology.pieces()) {
+  for (const std::vector<Index>& piece : elements_.topology.pieces()) add_body(piece, is_held(piece));
+}
+
+template <class Real>
+void World<Real>::add_body(const std::vector<Index>& piece, bool was_held) {
+  if (!body_was_held_.empty()) body_of_.resize(std::size_t(elements_.topology.tet_count()), 0);
+  if (!body_of_.empty())
     for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
-    body_was_held_.push_back(is_held(piece));
-  }
+  body_was_held_.push_back(was_held);
 }
 
 // Whether an edit may have set more loose than the body that it is known to have cut: what is left of it is held as
@@ -296,7 +300,7 @@ bool World<Real>::needs_all_pieces(const MeshEdit& edit) {
         return std::any_of(corners.begin(), corners.end(), gone);
       });
   return lost_a_holder && std::any_of(edit.beside.begin(), edit.beside.end(), [&](Index tet) {
-           return body_was_held_[body_of_[tet]] &&
+           return body_was_held_[body_of(tet)] &&
                   !elements_.topology.visit_piece(tet, [&](Index t) { return is_held(t); });
          });
 }
@@ -306,7 +310,7 @@ template <class Real>
 std::vector<std::vector<Index>> World<Real>::pieces_to_judge(const MeshEdit& edit) {
   std::vector<std::vector<Index>> pieces = edit.cut_off;
   const Index beside = edit.beside.front();
-  if (body_was_held_[body_of_[beside]]) return pieces;
+  if (body_was_held_[body_of(beside)]) return pieces;
   std::vector<Index>& other = pieces.emplace_back();
   elements_.topology.visit_piece(beside, [&](Index t) {
     other.push_back(t);
@@ -321,16 +325,15 @@ template <class Real>
 Index World<Real>::treat_loose_pieces(const std::vector<std::vector<Index>>& pieces) {
   std::map<Index, std::size_t> largest_of;
   for (const std::vector<Index>& piece : pieces) {
-    std::size_t& largest = largest_of[body_of_[piece[0]]];
+    std::size_t& largest = largest_of[body_of(piece[0])];
     largest = std::max(largest, piece.size());
   }
   Index vanished = 0;
   for (const std::vector<Index>& piece : pieces) {
-    const Index body = body_of_[piece[0]];
+    const Index body = body_of(piece[0]);
     const bool was_held = body_was_held_[body];
     const bool stays = is_held(piece) || (!was_held && piece.size() == largest_of[body]);
-    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
-    body_was_held_.push_back(stays && was_held);
+    add_body(piece, stays && was_held);
     if (!stays) vanished += treat_loose_piece(piece);
   }
   return vanished;

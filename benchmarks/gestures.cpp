@@ -29,6 +29,7 @@ struct Row {
          estimated = 0;  // L2, of the largest displacement so far; the last the largest
   double watching = 0;   // share of the time
   Index moved = 0;       // tetrahedra that changed their model
+  double expanded = 0;   // share of the frames after which the precomputed region was
 };
 
 // How the regions are made, and whether they are corrected.
@@ -53,6 +54,10 @@ std::vector<RegionModel> by_strain(const Setup& setup, const std::vector<Gesture
   return trial.region_of;
 }
 
+bool any_precomputed(const std::vector<RegionModel>& region_of) {
+  return std::count(region_of.begin(), region_of.end(), RegionModel::precomputed) > 0;
+}
+
 std::vector<Making> makings(const Scene& scene, const Resolved& resolved) {
   const Setup& setup = resolved.setup;
   std::vector<Making> list;
@@ -72,6 +77,15 @@ std::vector<Making> makings(const Scene& scene, const Resolved& resolved) {
   if (condensed.region_of != tensor_mass.region_of)
     add("proposed-precomputed", condensed.region_of, true, false);
   add("proposed-corrected", tensor_mass.region_of, true, true);
+  options.condense = true;
+  const Proposal corrected = propose_regions_to_correct(setup, resolved.gestures, options);
+  if (any_precomputed(corrected.region_of)) {
+    add("precomputed-alone", corrected.region_of, true, false);
+    add("precomputed-in-frame", corrected.region_of, false, false);
+    list.back().setup.precomputed_frame = RegionFrame::corotated;
+    add("precomputed-corrected", corrected.region_of, true, true);
+    list.back().setup.expandable = true;
+  }
   add("all-linear-corrected", std::vector<RegionModel>(setup.region_of.size(), RegionModel::tensor_mass),
       true, true);
   return list;
@@ -85,6 +99,7 @@ class Player {
     std::vector<std::vector<Index>> grasps;
     for (const GraspSetup& grasp : making.setup.grasps) grasps.push_back(grasp.vertices);
     watch_.emplace(world_, grasps, LinearityOptions{tolerance, making.correct});
+    watch_->look(world_);
   }
 
   void advance(double frame) {
@@ -95,6 +110,7 @@ class Player {
       const LinearityReport seen = watch_->look(world_);
       estimated_ = std::max(estimated_, seen.error);
       moved_ += seen.to_nonlinear + seen.to_linear;
+      expanded_ += seen.is_expanded;
     }
     seconds_.push_back(watch.seconds());
   }
@@ -109,6 +125,7 @@ class Player {
   double estimated() const { return estimated_; }
   double watching() const { return watch_ ? watch_->looking_seconds() / seconds() : 0; }
   Index moved() const { return moved_; }
+  double expanded() const { return expanded_ / double(seconds_.size()); }
 
  private:
   World<float> world_;
@@ -116,6 +133,7 @@ class Player {
   std::vector<double> seconds_;  // per frame
   double estimated_ = 0;
   Index moved_ = 0;
+  int expanded_ = 0;  // frames
 };
 
 // √Σ m |u|² over the vertices that both still have.
@@ -163,26 +181,27 @@ std::vector<Row> play(const std::string& name, const Scene& scene, const Resolve
     rows[p].estimated = players[p]->estimated();
     rows[p].watching = players[p]->watching();
     rows[p].moved = players[p]->moved();
+    rows[p].expanded = players[p]->expanded();
   }
   return rows;
 }
 
 void print(const Row& r) {
-  std::printf("%-22s %7d %-24s %7.2f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d\n", r.scene.c_str(), r.tets,
-              r.regions.c_str(), r.linear_share, r.speedup, r.worst_frame, r.mean_error, r.largest_error,
-              r.estimated, r.watching, r.moved);
+  std::printf("%-22s %7d %-24s %7.2f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d %8.2f\n", r.scene.c_str(),
+              r.tets, r.regions.c_str(), r.linear_share, r.speedup, r.worst_frame, r.mean_error,
+              r.largest_error, r.estimated, r.watching, r.moved, r.expanded);
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "scene,tets,regions,linear_share,speedup,worst_frame,mean_error,largest_error,estimated_error,"
-         "watching,moved\n"
+         "watching,moved,expanded\n"
       << std::setprecision(4);
   for (const Row& r : rows)
     out << r.scene << ',' << r.tets << ',' << r.regions << ',' << r.linear_share << ',' << r.speedup << ','
         << r.worst_frame << ',' << r.mean_error << ',' << r.largest_error << ',' << r.estimated << ','
-        << r.watching << ',' << r.moved << '\n';
+        << r.watching << ',' << r.moved << ',' << r.expanded << '\n';
   return out.str();
 }
 
@@ -196,17 +215,17 @@ set key outside right
 set xlabel 'speed-up of all frames over all non-linear'
 set ylabel 'largest error of any frame, relative L2'
 series(s, r) = strcol(1) eq s && strcol(3) eq r ? column(5) : NaN
-plot for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected"] \
+plot for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected precomputed-alone precomputed-in-frame precomputed-corrected"] \
        'gestures.csv' using (series('liver_declared', r)):8 with points pt 7 ps 1.5 title r.', declared', \
-     for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected"] \
+     for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected precomputed-alone precomputed-in-frame precomputed-corrected"] \
        'gestures.csv' using (series('liver_undeclared', r)):8 with points pt 6 ps 1.5 title r.', undeclared'
 )";
 
 }  // namespace
 
 std::string bench_gestures(const Options& options) {
-  std::printf("\n%-22s %7s %-24s %7s %8s %8s %9s %9s %9s %8s %7s\n", "scene", "tets", "regions", "linear",
-              "speed-up", "slowest", "mean err", "largest", "estimate", "watching", "moved");
+  std::printf("\n%-22s %7s %-24s %7s %8s %8s %9s %9s %9s %8s %7s %8s\n", "scene", "tets", "regions", "linear",
+              "speed-up", "slowest", "mean err", "largest", "estimate", "watching", "moved", "expanded");
   std::vector<Row> all;
   for (const char* name : {"liver_declared", "liver_undeclared"}) {
     const Scene scene =

@@ -50,6 +50,28 @@ TEST_CASE_TEMPLATE("a recording replays bit for bit on one and on two threads", 
   }
 }
 
+TEST_CASE("a recording keeps what was done to an expandable region") {
+  Setup setup = gesture();
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    if (setup.region_of[std::size_t(t)] == RegionModel::tensor_mass && barycentre(setup.mesh, t).z() < 0.01)
+      setup.region_of[std::size_t(t)] = RegionModel::precomputed;
+  setup.expandable = true;
+  World<float> world(setup);
+  Recorded<float> recorded(world);
+  recorded.expand();
+  recorded.advance(0.01);
+  recorded.renew(0.005);
+  recorded.advance(0.01);
+  recorded.condense();
+  for (int i = 0; i < 3; ++i) recorded.advance(0.01);
+  World<float> again(setup, 2);
+  const Replayed replayed = replay(recorded.recording(), again);
+  CHECK(replayed.same);
+  CHECK(replayed.calls == 8);
+  CHECK_FALSE(again.is_expanded());
+  CHECK(again.linearised_about().size() > 0);
+}
+
 TEST_CASE("a replay stops where the bits begin to differ") {
   Recording recording = played<float>();
   recording.calls[2].tets = {50};

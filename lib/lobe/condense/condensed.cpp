@@ -268,19 +268,41 @@ Index Condensed::add(Index count, double scale) {
   return first;
 }
 
-Condensed::Matrix Condensed::field(const Matrix& driven) const {
-  const Matrix phi = Phi_ * driven;
-  Matrix forces = loads_ * driven.topRows(loads_.cols()), u(Eigen::Index(slot_.size()), driven.cols());
+// A (f + E_T φ); of those that were added, φ alone.
+Condensed::Matrix Condensed::solve(const Matrix& forces, const Matrix& phi) const {
+  Matrix sum = forces, u(Eigen::Index(slot_.size()), phi.cols());
   for (Index s = 0; s < touched(); ++s) {
     const Index d = touched_[std::size_t(s)];
     if (known(d))
-      forces.row(d) += phi.row(s);
+      sum.row(d) += phi.row(s);
     else
       u.row(d) = phi.row(s) / added_[std::size_t(d - loads_.rows())];
   }
-  for (Eigen::Index c = 0; c < driven.cols(); ++c)
-    u.col(c).head(loads_.rows()) = factor_->solve(forces.col(c));
+  for (Eigen::Index c = 0; c < phi.cols(); ++c)
+    if (!sum.col(c).isZero(0))
+      u.col(c).head(loads_.rows()) = factor_->solve(sum.col(c));
+    else
+      u.col(c).head(loads_.rows()).setZero();
   return u;
+}
+
+Condensed::Matrix Condensed::field(const Matrix& driven) const {
+  return solve(loads_ * driven.topRows(loads_.cols()), Phi_ * driven);
+}
+
+Condensed::Answer Condensed::held(const Matrix& forces) const {
+  Matrix phi(touched(), forces.cols());  // of what was added
+  for (Index s = 0; s < touched(); ++s) {
+    const Index d = touched_[std::size_t(s)];
+    if (known(d))
+      phi.row(s).setZero();
+    else
+      phi.row(s) = forces.row(d);
+  }
+  const Matrix known_forces = forces.topRows(loads_.rows());
+  const Matrix free = solve(known_forces, phi)(touched_, Eigen::all);
+  phi -= N_ * free;
+  return {Phi_.rightCols(Eigen::Index(interface_.size())).transpose() * free, solve(known_forces, phi)};
 }
 
 }  // namespace lobe

@@ -42,6 +42,7 @@ class Condensed {
   Index column(Index dof) const {
     return column_[std::size_t(dof)];
   }  // less the amplitudes; −1 if it is interior
+  Index size() const { return static_cast<Index>(slot_.size()); }  // dofs in all
   Index touched() const { return static_cast<Index>(touched_.size()); }
 
   // False, and nothing changes, if some of the interior could then move without a force.
@@ -63,9 +64,16 @@ class Condensed {
 
   // The whole field in equilibrium: all dofs × #columns, from [a; u_B] in each column.
   Matrix field(const Matrix& driven) const;
+  // What forces on the interior do while the interface is held, from all dofs × #columns [N].
+  struct Answer {
+    Matrix on_interface;  // what the interface bears, interface × #columns [N]: field() transposed
+    Matrix displacement;  // all dofs × #columns [m]
+  };
+  Answer held(const Matrix& forces) const;
 
  private:
   Condensed() = default;
+  Matrix solve(const Matrix& forces, const Matrix& phi) const;
   void touch(const Dofs& dofs);
   std::vector<Index> slots(const Dofs& dofs) const;
   std::vector<Index> interior_rows(const Dofs& dofs) const;    // of a matrix with one per dof

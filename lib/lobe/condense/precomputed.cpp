@@ -1,16 +1,14 @@
 #include "lobe/condense/precomputed.h"
 
-#include "lobe/fem/hooke.h"
+#include <algorithm>
 
 namespace lobe {
 namespace {
 
 template <class Real>
-Mat3<double> gradient_of(const Elements& elements, const Mat3X<Real>& u, Index tet, const Shape& shape) {
-  Mat34<double> corners;
-  for (int c = 0; c < 4; ++c)
-    corners.col(c) = u.col(elements.topology.tets()(c, tet)).template cast<double>();
-  return displacement_gradient<double>(corners, shape.gradients.rightCols<3>());
+Mat34<double> corners_of(const Elements& elements, const Mat3X<Real>& u, Index tet) {
+  const Mat34<Real> corners = u(Eigen::all, elements.topology.corners(tet));
+  return corners.template cast<double>();
 }
 
 }  // namespace
@@ -50,47 +48,55 @@ void PrecomputedRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, Diago
 }
 
 template <class Real>
+void PrecomputedRegion<Real>::take_over_loads(Mat3X<Real>& external, Mat3X<Real>& dead) const {
+  for (Eigen::Index i = 0; i < roles_.size(); ++i)
+    if (roles_.data()[i] == Role::interior) external.data()[i] = dead.data()[i] = 0;
+}
+
+template <class Real>
 const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& elements,
-                                                             std::vector<double>& mass) const {
+                                                             std::vector<double>& mass) {
   if (tet_count_ == 0) return shared_;
-  std::vector<double> own(shared_.size(), 0);
-  double of_shared = 0, of_region = 0;
-  const auto share = [&](Index t) {
-    return elements.elastic_of(t).density * signed_volume(elements.corner_points(t)) / 4;
-  };
-  for (std::size_t i = 0; i < shared_.size(); ++i) {
-    for (Index t : elements.topology.around(shared_[i]))
-      if (member_[t]) own[i] += share(t);
-    of_shared += own[i];
+  const ReducedRegion::Inertia& follows =
+      reduced_->inertia(interior_masses(elements, roles_), shared_components(elements, roles_));
+  for (Index v = 0; v < static_cast<Index>(roles_.cols()); ++v)
+    if (is_interior(v)) mass[v] = 0;
+  double all = 0, positive = 0;  // the few that are not go to the others
+  for (Index v : shared_) {
+    double own = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      if (const Index at = reduced_->column(3 * v + axis); at >= 0) own += follows.mass[at] / 3;
+    mass[v] = std::max(0.0, own);
+    all += own;
+    positive += mass[v];
   }
-  for (Index t = 0; t < static_cast<Index>(member_.size()); ++t) {
-    if (!member_[t]) continue;
-    for (Index v : elements.topology.corners(t)) {
-      if (!is_interior(v)) continue;
-      of_region += share(t);
-      mass[v] = 0;
-    }
-  }
-  for (std::size_t i = 0; i < shared_.size(); ++i)
-    mass[shared_[i]] = lumped_mass(elements, shared_[i]) + of_region * own[i] / of_shared;
+  for (Index v : shared_)
+    mass[v] = lumped_mass(elements, v) + (positive > 0 ? std::max(0.0, all) / positive * mass[v] : 0);
   return shared_;
 }
 
 template <class Real>
+double PrecomputedRegion<Real>::lag(const Vec3d& acceleration) const {
+  return tet_count_ > 0 ? reduced_->sway().cwiseProduct(acceleration).norm() : 0;
+}
+
+template <class Real>
 void PrecomputedRegion<Real>::recover(const Elements& elements, Real missing, Mat3X<Real>& u,
-                                      Mat3X<Real>& v) const {
+                                      Mat3X<Real>* v) const {
   if (tet_count_ == 0) return;
   if (has_frame_) return recover_in_frame(elements, missing, u, v);
   const Index n = interface_size();
-  Eigen::MatrixXd driven(2 + n, 2);
-  driven.topRows<2>() << 1, 0, double(missing), 0;
-  for (Index i = 0; i < n; ++i)
-    driven.row(2 + i) << double(u.data()[components_[i]]), double(v.data()[components_[i]]);
+  Eigen::MatrixXd driven = Eigen::MatrixXd::Zero(2 + n, v ? 2 : 1);
+  driven.topLeftCorner<2, 1>() << 1, double(missing);
+  for (Index i = 0; i < n; ++i) {
+    driven(2 + i, 0) = double(u.data()[components_[i]]);
+    if (v) driven(2 + i, 1) = double(v->data()[components_[i]]);
+  }
   const Eigen::MatrixXd field = reduced_->field(driven);
   for (Eigen::Index i = 0; i < roles_.size(); ++i) {
     if (roles_.data()[i] != Role::interior) continue;
     u.data()[i] = static_cast<Real>(field(i, 0));
-    v.data()[i] = static_cast<Real>(field(i, 1));
+    if (v) v->data()[i] = static_cast<Real>(field(i, 1));
   }
 }
 
@@ -101,13 +107,11 @@ typename PrecomputedRegion<Real>::Energy PrecomputedRegion<Real>::energy(const E
   if (tet_count_ == 0) return e;
   Pose pose;
   if (has_frame_) place(u, pose);
-  const Mat3<double> I = Mat3<double>::Identity();
   for (Index t = 0; t < static_cast<Index>(member_.size()); ++t) {
     if (!member_[t]) continue;
-    const Shape s = elements.shape_of(t);
-    const Elastic& elastic = elements.elastic_of(t);
-    const Mat3<double> H = pose.R.transpose() * (I + gradient_of(elements, u, t, s)) - I;
-    e.elastic += s.volume * hooke_energy_density(H, elastic.lambda, elastic.mu);
+    const Mat34<double> X = elements.corner_points(t);
+    const Mat34<double> own = pose.R.transpose() * (X + corners_of(elements, u, t)) - X;
+    e.elastic += linearisation_.energy(elements, t, own);
   }
   e.loads = -loads_[0].cwiseProduct(u.leftCols(loads_[0].cols()).template cast<double>()).sum();
   return e;
@@ -119,11 +123,11 @@ Vec3d PrecomputedRegion<Real>::force_on_fixed(const Elements& elements, const Ma
   Vec3d force = Vec3d::Zero();
   for (Index t : elements.topology.around(vertex)) {
     if (!has(t)) continue;
-    const Shape s = elements.shape_of(t);
-    const Elastic& elastic = elements.elastic_of(t);
-    const Mat3<double> stress = hooke_stress(gradient_of(elements, u, t, s), elastic.lambda, elastic.mu);
+    const Eigen::Vector4i corners = elements.topology.corners(t);
+    const Linearisation::Forces own = linearisation_.forces(elements, t, corners);
+    const Mat34<double> f = (own.constant - own.K * corners_of(elements, u, t).reshaped()).reshaped(3, 4);
     for (int c = 0; c < 4; ++c)
-      if (elements.topology.tets()(c, t) == vertex) force -= s.volume * stress * s.gradients.col(c);
+      if (elements.topology.tets()(c, t) == vertex) force += f.col(c);
   }
   for (int axis = 0; axis < 3; ++axis)
     if (tet_count_ > 0 && roles_(axis, vertex) != Role::none) force[axis] = 0;

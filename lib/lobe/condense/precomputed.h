@@ -28,8 +28,11 @@ class PrecomputedRegion {
   // Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act through the
   // interface. Returns tetrahedra that have become a mechanism and must leave the region. Throws InputError if the
   // region cannot be condensed: only where tetrahedra enter it.
+  // Where the world does without the region for now, it may be followed lazily: then it is outdated, until it is
+  // renewed.
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
-                            Mat3X<Real>& external, Mat3X<Real>& dead);
+                            Mat3X<Real>& external, Mat3X<Real>& dead, bool lazily = false);
+  bool is_outdated() const { return is_outdated_; }
 
   // What is touched by edits makes the next ones dearer, until the region is condensed afresh. That is done by another
   // thread, from a copy of what there is now; edits go on meanwhile, and are repeated on the result.
@@ -37,8 +40,22 @@ class PrecomputedRegion {
     return tet_count_ > 0 && !is_refreshing() && reduced_->touched() > most_touched_;
   }
   bool is_refreshing() const { return refreshed_.valid(); }
-  void begin_refresh(const Elements& elements);
-  void end_refresh(const Elements& elements);  // waits for it; the result is as before, to rounding
+  void begin_refresh(const Elements& elements) { begin_refresh(elements, linearisation_); }
+  // Linearised anew about these displacements: 3 × #vertices [m].
+  void begin_renewal(const Elements& elements, const Mat3X<double>& about) {
+    begin_refresh(elements, Linearisation{about});
+  }
+  // Waits for it. The result of a refresh is as before, to rounding. False where there is none, and all stays as it is: the
+  // tangent of a renewal is not positive definite, or it was followed lazily meanwhile.
+  bool end_refresh(const Elements& elements);
+
+  bool has_changed() const { return has_changed_; }  // by the last edit that was followed
+  // 3 × #vertices, what it is linearised about [m]; none: rest.
+  const Mat3X<double>& about() const { return linearisation_.about; }
+  const std::vector<Index>& shared() const { return shared_; }  // vertices that are others' as well
+  // How far the interior lags behind for want of inertia, √Σ m |u|² [√kg m], where the vertices that it shares are
+  // accelerated, in the mean, by `acceleration` [m/s²]. Of the masses of move_mass().
+  double lag(const Vec3d& acceleration) const;
 
   std::string take_notice() { return cache_.take_notice(); }        // of the cache
   const CondensingLog& condensing() const { return cache_.log(); }  // at the start
@@ -47,9 +64,13 @@ class PrecomputedRegion {
   Index interface_size() const { return static_cast<Index>(components_.size()); }  // components
   bool is_interior(Index vertex) const { return (roles_.col(vertex).array() == Role::interior).any(); }
 
-  // The region's mass moves to the vertices that it shares with other regions, in proportion to what its own
-  // tetrahedra put there: `mass` per vertex [kg] is changed there and in the interior. Returns the shared vertices.
-  const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass) const;
+  // What becomes of the interior's loads where the world has put them back.
+  void take_over_loads(Mat3X<Real>& external, Mat3X<Real>& dead) const;
+
+  // The interior follows the interface, and its mass with it: what it takes to move the interface as a whole goes to the
+  // vertices that it shares with other regions (theory, section 14). `mass` per vertex [kg] is changed there and in the
+  // interior. Returns the shared vertices.
+  const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass);
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Real missing,          // share of the dead loads that does not act yet
@@ -59,8 +80,9 @@ class PrecomputedRegion {
                             Parallel& parallel);  // at rest, without loads
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
-  // Interior displacements and velocities from those of the interface. One or two solves with the factor.
-  void recover(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const;
+  // Interior displacements, and velocities unless there are none, from those of the interface. A solve with the factor for
+  // either.
+  void recover(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
 
   // Of recovered displacements:
   struct Energy {
@@ -82,12 +104,14 @@ class PrecomputedRegion {
   void place(const Mat3X<Real>& u, Pose& pose) const;
   void add_forces_in_frame(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f, Parallel& parallel);
   Vec3d torque_of_loads(const Amplitudes& a, Real missing) const;
-  void recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>& v) const;
+  void recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
   void prepare_frame(const Elements& elements);
   void open(const std::vector<Index>& components);
   void change_members(const Elements& elements, const RegionEdit& edit);
-  void add_stiffness(const Elements& elements, Index tet, double sign, const std::vector<Index>& row,
-                     Eigen::MatrixXd& sum) const;
+  void begin_refresh(const Elements& elements, Linearisation linearisation);
+  void extend(Linearisation& linearisation, const Elements& elements, const RegionEdit& edit) const;
+  void add(const Linearisation& linearisation, const Elements& elements, Index tet, double sign,
+           const std::vector<Index>& row, ReducedRegion::Change& sum) const;
   void change(const Elements& elements, const RegionEdit& edit, const std::vector<Index>& components,
               Mat3X<Real>& external, Mat3X<Real>& dead);
   void take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external, Mat3X<Real>& dead);
@@ -106,9 +130,13 @@ class PrecomputedRegion {
   Tets corners_;  // of members, when they were last followed
   Roles roles_;   // 3 × #vertices
   Loads loads_;   // of the interior, 3 × #vertices [N]
+  bool has_changed_ = false;
+  bool is_outdated_ = false, refreshed_is_outdated_ = false;
+  Linearisation linearisation_;
   std::unique_ptr<ReducedRegion> reduced_;
   Index most_touched_ = 0;  // beyond, it had better be condensed afresh
   std::future<std::unique_ptr<ReducedRegion>> refreshed_;
+  Linearisation refreshed_linearisation_;
 
   // What a step reads.
   std::vector<Index> components_;  // of the interface: 3 × vertex + axis

@@ -6,7 +6,6 @@
 
 #include "lobe/condense/precomputed.h"
 #include "lobe/error.h"
-#include "lobe/solve/tangent.h"
 
 namespace lobe {
 namespace {
@@ -71,29 +70,54 @@ void refuse_large(Index interface) {
                        " MB are used: let it end at a narrower part of the body, or make it tensor-mass");
 }
 
+// To the first column, of all components.
+void add_constants(const Linearisation& linearisation, const Elements& elements, Eigen::MatrixXd& loads) {
+  if (linearisation.is_at_rest()) return;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    if (!is_member(elements, t)) continue;
+    const Eigen::Vector4i corners = elements.topology.corners(t);
+    const Linearisation::Forces own = linearisation.forces(elements, t, corners);
+    for (int i = 0; i < 12; ++i) loads(3 * corners[i / 3] + i % 3, 0) += own.constant[i];
+  }
+}
+
 }  // namespace
 
 template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, const HeldVertices& held,
                                                    const RegionEdit& edit, Mat3X<Real>& external,
-                                                   Mat3X<Real>& dead) {
+                                                   Mat3X<Real>& dead, bool lazily) {
   const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
   const auto enters = [&](Index t) { return is_member(elements, t); };
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return {};
   has_frame_ = elements.precomputed_frame == RegionFrame::corotated;
   member_.resize(std::size_t(tets), 0);
-  corners_.conservativeResize(4, tets);
+  if (!reduced_) corners_ = elements.topology.tets();
   roles_.conservativeResizeLike(Roles::Constant(3, vertices, Role::none));
   for (Mat3X<double>& load : loads_) load.conservativeResizeLike(Mat3X<double>::Zero(3, vertices));
 
+  extend(linearisation_, elements, edit);
+  extend(refreshed_linearisation_, elements, edit);
   const Hold hold(elements, held);
   const std::vector<Index> components = components_of(edit.vertices);
+  const auto has_role = [&](Index i) { return roles_.data()[i] != Role::none; };
+  has_changed_ = !reduced_ || std::any_of(components.begin(), components.end(), has_role);
   for (Index i : components) roles_.data()[i] = hold.role(i / 3, i % 3);
+  has_changed_ = has_changed_ || std::any_of(components.begin(), components.end(), has_role);
+  if (!has_changed_) {
+    for (Index t : edit.entered) corners_.col(t) = elements.topology.corners(t);
+    return {};
+  }
   std::vector<Index> mechanism;
   if (!reduced_) {
     change_members(elements, edit);
     take_loads(edit.vertices, external, dead);
     build(elements);
+  } else if (lazily) {
+    change_members(elements, edit);
+    take_loads(edit.vertices, external, dead);
+    is_outdated_ = refreshed_is_outdated_ = true;
+    return {};
   } else {
     open(components);
     change(elements, edit, components, external, dead);
@@ -125,23 +149,33 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
   }));
   const std::vector<Index> components = picked(all, [&](Index i) { return reduced_->has(i); });
   const auto count = Eigen::Index(components.size());
-  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count), loads(count, amplitudes());
+  const auto nothing = [&] {
+    return ReducedRegion::Change{Eigen::MatrixXd::Zero(count, count),
+                                 Eigen::MatrixXd::Zero(count, amplitudes())};
+  };
+  ReducedRegion::Change now = nothing(), repeated = nothing();
   std::vector<Index> row(std::size_t(roles_.size()), -1);
   for (std::size_t i = 0; i < components.size(); ++i) row[std::size_t(components[i])] = static_cast<Index>(i);
-  for (Index t : edit.left)
-    if (member_[t]) add_stiffness(elements, t, -1, row, stiffness);
+  const auto add_members = [&](const std::vector<Index>& tets, double sign) {
+    for (Index t : tets) {
+      if (!member_[t]) continue;
+      add(linearisation_, elements, t, sign, row, now);
+      if (is_refreshing()) add(refreshed_linearisation_, elements, t, sign, row, repeated);
+    }
+  };
+  add_members(edit.left, -1);
   change_members(elements, edit);
-  for (Index t : edit.entered)
-    if (member_[t]) add_stiffness(elements, t, 1, row, stiffness);
+  add_members(edit.entered, 1);
   const Loads before = loads_;
   take_loads(edit.vertices, external, dead);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Index component = components[std::size_t(i)];
-    loads.row(i) = load_row(loads_, component) - load_row(before, component);
-    if (roles_.data()[component] == Role::none && reduced_->is_interior(component))
-      stiffness(i, i) += reduced_->spring();
-  }
-  if (!stiffness.isZero(0) || !loads.isZero(0)) reduced_->change(components, stiffness, loads);
+  for (ReducedRegion::Change* change : {&now, &repeated})
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Index component = components[std::size_t(i)];
+      change->loads.row(i) += load_row(loads_, component) - load_row(before, component);
+      if (roles_.data()[component] == Role::none && reduced_->is_interior(component))
+        change->stiffness(i, i) += reduced_->spring();
+    }
+  if (!now.stiffness.isZero(0) || !now.loads.isZero(0)) reduced_->change(components, now, repeated);
 }
 
 template <class Real>
@@ -159,14 +193,32 @@ void PrecomputedRegion<Real>::change_members(const Elements& elements, const Reg
 
 // Between the corners that a member had when it was last followed. `row`: of each component, or −1.
 template <class Real>
-void PrecomputedRegion<Real>::add_stiffness(const Elements& elements, Index tet, double sign,
-                                            const std::vector<Index>& row, Eigen::MatrixXd& sum) const {
-  const TetStiffness K = tet_stiffness(elements, tet, Mat34<double>::Zero());
+void PrecomputedRegion<Real>::add(const Linearisation& linearisation, const Elements& elements, Index tet,
+                                  double sign, const std::vector<Index>& row,
+                                  ReducedRegion::Change& sum) const {
+  const Linearisation::Forces own = linearisation.forces(elements, tet, corners_.col(tet));
   std::array<Index, 12> at;
   for (int i = 0; i < 12; ++i) at[i] = row[std::size_t(3 * corners_(i / 3, tet) + i % 3)];
-  for (int i = 0; i < 12; ++i)
+  for (int i = 0; i < 12; ++i) {
+    if (at[i] < 0) continue;
+    sum.loads(at[i], 0) += sign * own.constant[i];
     for (int j = 0; j < 12; ++j)
-      if (at[i] >= 0 && at[j] >= 0) sum(at[i], at[j]) += sign * K(i, j);
+      if (at[j] >= 0) sum.stiffness(at[i], at[j]) += sign * own.K(i, j);
+  }
+}
+
+// A copy of a vertex starts where the vertex was.
+template <class Real>
+void PrecomputedRegion<Real>::extend(Linearisation& linearisation, const Elements& elements,
+                                     const RegionEdit& edit) const {
+  if (linearisation.is_at_rest()) return;
+  Mat3X<double>& about = linearisation.about;
+  const auto before = static_cast<Index>(about.cols());
+  about.conservativeResize(3, elements.topology.vertex_count());
+  for (Index t : edit.entered)
+    for (int c = 0; c < 4; ++c)
+      if (const Index v = elements.topology.tets()(c, t); v >= before)
+        about.col(v) = about.col(corners_(c, t));
 }
 
 // A load on the interior acts through the region, all others are the world's.
@@ -236,35 +288,45 @@ template <class Real>
 void PrecomputedRegion<Real>::build(const Elements& elements) {
   const std::vector<Index> components = interface();
   refuse_large(static_cast<Index>(components.size()));
-  take(std::make_unique<ReducedRegion>(RegionFactor(elements, roles_), components, loads(), cache_,
-                                       make_factor_));
+  take(std::make_unique<ReducedRegion>(RegionFactor(elements, roles_, linearisation_), components, loads(),
+                                       cache_, make_factor_));
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::begin_refresh(const Elements& elements) {
+void PrecomputedRegion<Real>::begin_refresh(const Elements& elements, Linearisation linearisation) {
   reduced_->record();
-  refreshed_ = std::async(std::launch::async, [elements, roles = roles_, components = interface(),
-                                               loads = loads(), make_factor = make_factor_] {
-    CondensedCache none;
-    std::unique_ptr<ReducedRegion> reduced;
-    try {
-      reduced = std::make_unique<ReducedRegion>(RegionFactor(elements, roles), components, loads, none,
-                                                make_factor);
-    } catch (const InputError&) {
-    }
-    return reduced;
-  });
+  refreshed_is_outdated_ = false;
+  refreshed_linearisation_ = std::move(linearisation);
+  refreshed_ = std::async(
+      std::launch::async, [elements, roles = roles_, components = interface(), loads = loads(),
+                           make_factor = make_factor_, linearisation = refreshed_linearisation_]() mutable {
+        add_constants(linearisation, elements, loads);
+        CondensedCache none;
+        std::unique_ptr<ReducedRegion> reduced;
+        try {
+          reduced = std::make_unique<ReducedRegion>(RegionFactor(elements, roles, linearisation), components,
+                                                    loads, none, make_factor);
+          reduced->inertia(interior_masses(elements, roles), shared_components(elements, roles));
+        } catch (const InputError&) {
+        }
+        return reduced;
+      });
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::end_refresh(const Elements& elements) {
+bool PrecomputedRegion<Real>::end_refresh(const Elements& elements) {
   std::unique_ptr<ReducedRegion> reduced = refreshed_.get();
-  if (reduced && reduced_->repeat_on(*reduced)) {
-    take(std::move(reduced));
-    prepare_step(elements);
-  } else {  // what one finds loose, to rounding, the other does not: the old one is as exact
+  if (!reduced || refreshed_is_outdated_ ||
+      !reduced_->repeat_on(*reduced)) {  // what one finds loose, to rounding, the other does not
     most_touched_ *= 2;
+    reduced_->forget_steps();
+    return false;
   }
+  linearisation_ = std::move(refreshed_linearisation_);
+  is_outdated_ = false;
+  take(std::move(reduced));
+  prepare_step(elements);
+  return true;
 }
 
 template <class Real>

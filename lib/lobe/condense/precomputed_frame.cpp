@@ -76,10 +76,12 @@ Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing
 // Displacements in the frame are those of (39); their velocities come with those of the frame and of the loads in it.
 template <class Real>
 void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u,
-                                               Mat3X<Real>& v) const {
+                                               Mat3X<Real>* v) const {
   Pose pose;
   place(u, pose);
-  const RigidFrame::Rate rate = frame_.rate(pose, v(Eigen::all, vertices_).template cast<double>());
+  Mat3X<double> speeds = Mat3X<double>::Zero(3, Eigen::Index(vertices_.size()));
+  if (v) speeds = (*v)(Eigen::all, vertices_).template cast<double>();
+  const RigidFrame::Rate rate = frame_.rate(pose, speeds);
   Mat3<double> turning;  // Ṙ
   for (int axis = 0; axis < 3; ++axis) turning.col(axis) = pose.R * rate.spin.cross(Vec3d::Unit(axis));
   Eigen::MatrixXd driven(amplitudes() + pose.d.size(), 2);
@@ -91,8 +93,9 @@ void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real mi
     const Vec3d moved =
         (pose.R - Mat3<double>::Identity()) * Y + pose.R * d + (pose.centroid - frame_.centroid());
     u.col(i) = moved.template cast<Real>();
-    v.col(i) = (pose.R * (rate.velocity + rate.spin.cross(Vec3d(Y + d)) + field.col(1).segment<3>(3 * i)))
-                   .template cast<Real>();
+    if (!v) continue;
+    v->col(i) = (pose.R * (rate.velocity + rate.spin.cross(Vec3d(Y + d)) + field.col(1).segment<3>(3 * i)))
+                    .template cast<Real>();
   }
 }
 

@@ -36,23 +36,42 @@ ReducedRegion::Matrix ReducedRegion::field(const Matrix& driven) const {
   return field;
 }
 
+const ReducedRegion::Inertia& ReducedRegion::inertia(const Eigen::VectorXd& mass, const Components& moving) {
+  if (inertia_) return *inertia_;
+  inertia_.emplace();
+  const Components own = interface();
+  const auto n = Eigen::Index(own.size()), amplitudes = Eigen::Index(stiffness().cols()) - n;
+  Matrix unit = Matrix::Zero(amplitudes + n, 3);
+  for (Index component : moving) unit(amplitudes + column(component), component % 3) = 1;
+  const Matrix follows = condensed_->field(unit);
+  Eigen::VectorXd own_mass = Eigen::VectorXd::Zero(follows.rows());
+  for (std::size_t i = 0; i < number_.size(); ++i)
+    if (number_[i] >= 0) own_mass[number_[i]] = mass[Eigen::Index(i)];
+  const Condensed::Answer answer = condensed_->held(own_mass.asDiagonal() * follows);
+  inertia_->mass.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) inertia_->mass[i] = answer.on_interface(i, own[std::size_t(i)] % 3);
+  inertia_->sway = (own_mass.asDiagonal() * answer.displacement.cwiseAbs2()).colwise().sum().cwiseSqrt();
+  return *inertia_;
+}
+
 void ReducedRegion::promote(const Components& components) { take({Kind::promote, components}); }
 void ReducedRegion::add(const Components& components) { take({Kind::add, components}); }
-void ReducedRegion::change(const Components& components, const Matrix& stiffness, const Matrix& loads) {
-  take({Kind::change, components, stiffness, loads});
+void ReducedRegion::change(const Components& components, const Change& change, const Change& repeated) {
+  take({Kind::change, components, change, repeated});
 }
 bool ReducedRegion::demote(const Components& components) { return take({Kind::demote, components}); }
 void ReducedRegion::forget(const Components& components) { take({Kind::forget, components}); }
 
 bool ReducedRegion::take(Step step) {
   if (step.components.empty()) return true;
-  step.worked = apply(step);
+  step.worked = apply(step, step.change);
   const bool worked = step.worked;
   if (is_recorded_) steps_.push_back(std::move(step));
   return worked;
 }
 
-bool ReducedRegion::apply(const Step& step) {
+bool ReducedRegion::apply(const Step& step, const Change& change) {
+  inertia_.reset();
   const Condensed::Dofs dofs = numbers(step.components);
   switch (step.kind) {
     case Kind::promote:
@@ -66,12 +85,12 @@ bool ReducedRegion::apply(const Step& step) {
       return true;
     }
     case Kind::change: {
-      if (condensed_->change(dofs, step.stiffness, step.loads)) return true;
+      if (condensed_->change(dofs, change.stiffness, change.loads)) return true;
       Condensed::Dofs inside;
       for (Index dof : dofs)
         if (condensed_->column(dof) < 0) inside.push_back(dof);
       condensed_->promote(inside);
-      condensed_->change(dofs, step.stiffness, step.loads);
+      condensed_->change(dofs, change.stiffness, change.loads);
       return false;
     }
     case Kind::demote:
@@ -90,7 +109,7 @@ bool ReducedRegion::apply(const Step& step) {
 
 bool ReducedRegion::repeat_on(ReducedRegion& other) const {
   return std::all_of(steps_.begin(), steps_.end(),
-                     [&](const Step& step) { return other.apply(step) == step.worked; });
+                     [&](const Step& step) { return other.apply(step, step.repeated) == step.worked; });
 }
 
 }  // namespace lobe

@@ -2,6 +2,8 @@
 // condensed.h on them. They may be recorded, to be repeated on another that was condensed from an earlier state.
 #pragma once
 
+#include <optional>
+
 #include "lobe/condense/condensed_cache.h"
 #include "lobe/condense/region_factor.h"
 
@@ -26,16 +28,33 @@ class ReducedRegion {
   Components interface() const;  // in the order of the columns
   const Matrix& stiffness() const { return condensed_->stiffness(); }
   Matrix field(const Matrix& driven) const;  // per component, 0 where there is none
+  // What masses of the interior do that follows its interface: per component, 0 outside of the interior [kg].
+  struct Inertia {
+    Eigen::VectorXd mass;  // per component of the interface, for it to move as a whole along its axis [kg]
+    Vec3d sway =
+        Vec3d::Zero();  // how far the interior then lags behind, per axis: √Σ m |u|² for 1 m/s² [√kg s²]
+  };
+  // Found once, and again after an operation.
+  const Inertia& inertia(const Eigen::VectorXd& mass,
+                         const Components& moving);  // those of the interface that move
+  Vec3d sway() const { return inertia_ ? inertia_->sway : Vec3d::Zero(); }  // as far as it has been found
 
   void promote(const Components& components);
   void add(const Components& components);
-  // What would become a mechanism is promoted. Components of which nothing is left are held by springs, if `gone`.
-  void change(const Components& components, const Matrix& stiffness, const Matrix& loads);
+  struct Change {
+    Matrix stiffness = {}, loads = {};
+  };
+  // What would become a mechanism is promoted. `repeated`: the same of the region that it is to be repeated on.
+  void change(const Components& components, const Change& change, const Change& repeated);
   bool demote(const Components& components);  // false if it would be a mechanism
   void forget(const Components& components);
   double spring() const { return spring_; }  // of the size of the stiffness [N/m]
 
   void record() { is_recorded_ = true; }
+  void forget_steps() {
+    is_recorded_ = false;
+    steps_.clear();
+  }
   // The same operations on another; false if they do not end the same way.
   bool repeat_on(ReducedRegion& other) const;
 
@@ -44,11 +63,11 @@ class ReducedRegion {
   struct Step {
     Kind kind;
     Components components;
-    Matrix stiffness = {}, loads = {};
+    Change change = {}, repeated = {};
     bool worked = true;
   };
   bool take(Step step);
-  bool apply(const Step& step);
+  bool apply(const Step& step, const Change& change);
   Index number(Index component) const {
     return std::size_t(component) < number_.size() ? number_[std::size_t(component)] : -1;
   }
@@ -57,6 +76,7 @@ class ReducedRegion {
   std::vector<Index> number_;  // per component, in condensed_
   double spring_ = 1;
   std::unique_ptr<Condensed> condensed_;
+  std::optional<Inertia> inertia_;
   bool is_recorded_ = false;
   std::vector<Step> steps_;
 };

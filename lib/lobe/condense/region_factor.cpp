@@ -1,5 +1,7 @@
 #include "lobe/condense/region_factor.h"
 
+#include <algorithm>
+
 #include "lobe/error.h"
 #include "lobe/solve/tangent.h"
 
@@ -12,7 +14,7 @@ struct Part {
   std::vector<Index> source;  // per vertex: its number in the whole
 };
 
-Part region_part(const Elements& elements) {
+Part region_part(const Elements& elements, RegionModel model) {
   Part part;
   std::vector<Index> target(std::size_t(elements.topology.vertex_count()), -1), tets;
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
@@ -33,15 +35,17 @@ Part region_part(const Elements& elements) {
     body.material_of.push_back(elements.material_of[tets[i]]);
   }
   body.mesh.labels.assign(tets.size(), 0);
-  body.region_of.assign(tets.size(), RegionModel::precomputed);
+  body.region_of.assign(tets.size(), model);
   body.materials = elements.materials;
+  body.volume_penalty = elements.volume_penalty;
+  body.guard_below = elements.guard_below;
   return part;
 }
 
 }  // namespace
 
-RegionFactor::RegionFactor(const Elements& elements, const Roles& roles) {
-  const Part part = region_part(elements);
+RegionFactor::RegionFactor(const Elements& elements, const Roles& roles, const Linearisation& linearisation) {
+  const Part part = region_part(elements, linearisation.model());
   const Elements own(part.body);
   const auto vertices = static_cast<Index>(part.source.size());
   const Unknowns unknowns(vertices,
@@ -51,7 +55,9 @@ RegionFactor::RegionFactor(const Elements& elements, const Roles& roles) {
   number(Eigen::all, part.source) = unknowns.number;
   springs.assign(std::size_t(size), 0);
   Tangent tangent(own, unknowns);
-  tangent.update(Mat3X<double>::Zero(3, vertices));
+  Mat3X<double> about = Mat3X<double>::Zero(3, vertices);
+  if (!linearisation.is_at_rest()) about = linearisation.about(Eigen::all, part.source);
+  tangent.update(about);
   const Eigen::VectorXd diagonal = tangent.matrix().diagonal();
   mean_stiffness = size > 0 ? diagonal.mean() : 1;
   std::vector<double> own_springs(std::size_t(vertices), 0);
@@ -79,6 +85,25 @@ std::unique_ptr<SparseFactor> RegionFactor::factorise(const SparseFactorMaker& m
         "its stiffness is singular: a part of it can move although nothing moves it; fix more of its "
         "vertices, or make that part tensor-mass or nonlinear");
   return factor;
+}
+
+Eigen::VectorXd interior_masses(const Elements& elements, const Roles& roles) {
+  Eigen::VectorXd masses = Eigen::VectorXd::Zero(roles.size());
+  for (Eigen::Index i = 0; i < roles.size(); ++i)
+    if (roles.data()[i] == Role::interior) masses[i] = lumped_mass(elements, static_cast<Index>(i / 3));
+  return masses;
+}
+
+std::vector<Index> shared_components(const Elements& elements, const Roles& roles) {
+  const auto is_other = [&](Index t) { return elements.region_of[t] != RegionModel::precomputed; };
+  std::vector<Index> components;
+  for (Index v = 0; v < static_cast<Index>(roles.cols()); ++v) {
+    const auto around = elements.topology.around(v);
+    if (std::none_of(around.begin(), around.end(), is_other)) continue;
+    for (int axis = 0; axis < 3; ++axis)
+      if (roles(axis, v) == Role::interface) components.push_back(3 * v + axis);
+  }
+  return components;
 }
 
 }  // namespace lobe

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lobe/condense/condensing_log.h"
+#include "lobe/condense/linearisation.h"
 #include "lobe/region/elements.h"
 #include "lobe/solve/sparse_factor.h"
 
@@ -20,7 +21,7 @@ using ComponentNumbers = Eigen::Matrix<Index, 3, Eigen::Dynamic>;  // 3 × #vert
 // vertex whose components are all interface or fixed. They hold K̂ where nothing else holds the region, are of the size of its
 // own stiffness, and are taken off again by who condenses.
 struct RegionFactor {
-  RegionFactor(const Elements& elements, const Roles& roles);
+  RegionFactor(const Elements& elements, const Roles& roles, const Linearisation& linearisation = {});
   std::unique_ptr<SparseFactor> factorise(const SparseFactorMaker& make_factor, CondensingLog& log) const;
 
   ComponentNumbers number;      // rows of K̂
@@ -29,5 +30,10 @@ struct RegionFactor {
   Index size = 0;               // of K̂
   SparseFactor::Matrix K;       // K̂, its lower triangle
 };
+
+// Of the components of the interior, 0 for others: 3 × #vertices [kg].
+Eigen::VectorXd interior_masses(const Elements& elements, const Roles& roles);
+// Components of the interface whose vertices belong to tetrahedra of other regions as well.
+std::vector<Index> shared_components(const Elements& elements, const Roles& roles);
 
 }  // namespace lobe

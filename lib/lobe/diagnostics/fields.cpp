@@ -2,11 +2,8 @@
 
 #include <cmath>
 
-#include "lobe/fem/guard.h"
-#include "lobe/fem/hooke.h"
 #include "lobe/fem/pressure_term.h"
-#include "lobe/fem/svk.h"
-#include "lobe/fem/volume_term.h"
+#include "lobe/region/energy_density.h"
 #include "lobe/region/nodal_pressure.h"
 
 namespace lobe {
@@ -26,21 +23,16 @@ Mat34<double> corner_displacements(const Elements& elements, Index tet, const Ma
 
 TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u, double pressure) {
   const Shape s = elements.shape_of(tet);
-  const Elastic& elastic = elements.elastic_of(tet);
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
   TetFields fields;
   fields.volume_ratio = 1 + volume_change(H);
+  fields.stress = stress(elements, tet, H, elements.region_of[tet]);
   if (elements.region_of[tet] == RegionModel::nonlinear) {
     const Mat3<double> F = Mat3<double>::Identity() + H;
-    Mat3<double> P = svk_stress(H, elastic.element_lambda(), elastic.mu) + pressure_stress(H, pressure) +
-                     volume_stress(H, elements.volume_penalty);
-    if (fields.volume_ratio < elements.guard_below)
-      P += guard_stress(H, elastic.guard_modulus(), elements.guard_below);
     fields.strain = green_strain(H);
-    fields.stress = P * F.transpose() / fields.volume_ratio;
+    fields.stress = (fields.stress + pressure_stress(H, pressure)) * F.transpose() / fields.volume_ratio;
   } else {
     fields.strain = (H + H.transpose()) / 2;
-    fields.stress = hooke_stress(H, elastic.lambda, elastic.mu);
   }
   const Mat3<double> deviator = fields.stress - fields.stress.trace() / 3 * Mat3<double>::Identity();
   fields.von_mises = std::sqrt(1.5) * deviator.norm();

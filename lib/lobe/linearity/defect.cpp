@@ -91,4 +91,20 @@ Column MeanDefects::at(Index zone, const Column& gradient, bool is_linear) const
   return mean.volume * column(stress_defect(H, mean.lambda, mean.mu, kappa_));
 }
 
+Column MeanDefects::beyond_tangent(Index zone, const Column& gradient, const Column& about,
+                                   bool is_linear) const {
+  const Mean& mean = mean_[std::size_t(zone)];
+  if (mean.volume == 0) return Column::Zero();
+  const auto stress = [&](const Column& g) {
+    return column(svk_stress<double>(matrix(g), mean.lambda, mean.mu) +
+                  volume_stress<double>(matrix(g), kappa_));
+  };
+  const Mat3<double> F0 = Mat3<double>::Identity() + matrix(about);
+  const Mat3<double> since = matrix(gradient - about) * F0.inverse();
+  const Column change = column((is_linear ? twin(since) : since) * F0);
+  constexpr double step = 1e-4;  // of the change: the tangent as a central difference
+  const Column tangent = (stress(about + step * change) - stress(about - step * change)) / (2 * step);
+  return mean.volume * (stress(about + change) - stress(about) - tangent);
+}
+
 }  // namespace lobe

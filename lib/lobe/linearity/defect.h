@@ -31,6 +31,10 @@ class MeanDefects {
   // Of a zone with this mean gradient; in a linear zone that of its twin counts.
   Eigen::Matrix<double, 9, 1> at(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                  bool is_linear) const;
+  // Of a zone whose linear law is the tangent at the mean gradient `about`; a linear zone's twin is one of what it has gone
+  // through since.
+  Eigen::Matrix<double, 9, 1> beyond_tangent(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
+                                             const Eigen::Matrix<double, 9, 1>& about, bool is_linear) const;
 
  private:
   struct Weight {

@@ -257,4 +257,19 @@ Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, cons
   return Proposer(setup, std::move(gestures), options).propose();
 }
 
+Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
+                                    ProposalOptions options) {
+  constexpr double correctable = 3;  // times the tolerance
+  if (options.condense && setup.precomputed_frame == RegionFrame::fixed &&
+      !any_nodal_pressure(setup.materials)) {
+    options.tolerance *= correctable;
+    const Proposal proposal = propose_regions(setup, gestures, options);
+    if (std::count(proposal.region_of.begin(), proposal.region_of.end(), RegionModel::precomputed) > 0)
+      return proposal;
+    options.tolerance /= correctable;
+  }
+  options.condense = false;
+  return propose_regions(setup, gestures, options);
+}
+
 }  // namespace lobe

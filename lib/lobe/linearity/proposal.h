@@ -37,4 +37,9 @@ struct Proposal {
 // try; deterministic but for the choice by measured cost.
 Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options);
 
+// For regions that are corrected while they run (watch.h). What is precomputed may be wrong by three times the tolerance, since
+// it will be linearised anew or expanded; where nothing pays to be precomputed, as above without it.
+Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
+                                    ProposalOptions options);
+
 }  // namespace lobe

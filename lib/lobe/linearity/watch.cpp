@@ -2,13 +2,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <utility>
 
 namespace lobe {
 namespace {
 
-constexpr double leave_down_to = 0.7;  // of the tolerance: where zones stop to leave
-constexpr double join_below = 0.4;     // where they may join
-constexpr int patience = 8;            // looks for which one must have been welcome
+constexpr double leave_down_to = 0.7;   // of the tolerance: where zones stop to leave
+constexpr double join_below = 0.4;      // where they may join
+constexpr int patience = 8;             // looks for which one must have been welcome
+constexpr double leave_above = 0.8;     // of the tolerance: where a precomputed region is expanded
+constexpr double renew_above = 0.25;    // where it is linearised anew
+constexpr double condense_below = 0.5;  // where it is condensed again
+constexpr int patience_to_condense = 2;
+constexpr double delay_per_tet = 8e-6;  // of its renewal [s]: what condensing takes on a slow machine
 constexpr int looks_for_influence = 30;
 
 bool is_linear(const Elements& elements, Index tet) {
@@ -40,6 +47,14 @@ LinearityWatch<Real>::LinearityWatch(const World<Real>& world, const std::vector
       edits_(world.history().size()) {
   influence_ = std::make_unique<Influence>(world.elements(), zones_, boundary_of(world), grasps_);
   find_shares(world.elements());
+  double mass = 0, volume = 0;
+  for (Index t = 0; t < world.elements().topology.tet_count(); ++t) {
+    if (!world.elements().topology.alive(t)) continue;
+    const double own = signed_volume(world.elements().corner_points(t));
+    volume += own;
+    mass += own * world.elements().elastic_of(t).density;
+  }
+  density_ = mass / volume;
 }
 
 template <class Real>
@@ -66,33 +81,34 @@ HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
   return boundary;
 }
 
-// A cut changes what zones do to each other: found anew from a copy, since it takes as long as many frames.
+// Whether there was a cut. It changes what zones do to each other: found anew from a copy, since that takes as long as many
+// frames.
 template <class Real>
-void LinearityWatch<Real>::follow_edits(const World<Real>& world) {
+bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   if (next_influence_.valid() && --looks_to_wait_ <= 0) influence_ = next_influence_.get();
   const std::vector<Edit>& history = world.history();
+  bool was_cut = false;
   if (history.size() != edits_) {
     const auto is_cut = [](const Edit& edit) { return edit.kind == Edit::Kind::removal; };
     const bool restored = history.size() < edits_;
-    if (restored || std::any_of(history.begin() + std::ptrdiff_t(edits_), history.end(), is_cut)) {
-      defects_ = MeanDefects(world.elements(), zones_);
-      volume_ = vertex_volumes(world.elements());
-      influence_is_stale_ = true;
-    }
+    was_cut = restored || std::any_of(history.begin() + std::ptrdiff_t(edits_), history.end(), is_cut);
+    if (was_cut) means_are_stale_ = influence_is_stale_ = true;
     edits_ = history.size();
     find_shares(world.elements());
   }
-  if (!influence_is_stale_ || next_influence_.valid()) return;
+  if (!influence_is_stale_ || next_influence_.valid()) return was_cut;
   influence_is_stale_ = false;
   looks_to_wait_ = looks_for_influence;
   next_influence_ =
       std::async(std::launch::async, [elements = world.elements(), boundary = boundary_of(world), this] {
         return std::make_unique<Influence>(elements, zones_, boundary, grasps_);
       });
+  return was_cut;
 }
 
+// Whether others hold than before.
 template <class Real>
-void LinearityWatch<Real>::hold(const HeldVertices& held) {
+bool LinearityWatch<Real>::hold(const HeldVertices& held) {
   std::vector<Index> holding;
   for (const HeldVertices::Held& item : held.all())
     if (item.holder != HeldVertices::boundary && item.holder <= static_cast<int>(grasps_.size()))
@@ -100,6 +116,7 @@ void LinearityWatch<Real>::hold(const HeldVertices& held) {
   std::sort(holding.begin(), holding.end());
   holding.erase(std::unique(holding.begin(), holding.end()), holding.end());
   influence_->hold(holding);
+  return std::exchange(holding_, holding) != holding;
 }
 
 template <class Real>
@@ -108,51 +125,118 @@ double LinearityWatch<Real>::relative(const Eigen::VectorXd& error) const {
 }
 
 template <class Real>
-LinearityReport LinearityWatch<Real>::look(World<Real>& world, const SetRegion& set_region) {
+bool LinearityWatch<Real>::may_expand(const World<Real>& world) const {
+  return options_.correct && world.is_expandable();
+}
+
+template <class Real>
+bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) {
+  const bool expandable = may_expand(world);
+  if (expandable && is_startled && world.is_expanded()) return true;  // and stays so
+  const bool is_calm = last_.error < join_below * options_.tolerance;
+  const int every = !expandable ? options_.recover_every : is_calm ? 6 : 3;
+  if (looks_++ % every == 0 || (expandable && (is_startled || world.is_expanded()))) return false;
+  return any_precomputed(world.elements());
+}
+
+// Mean displacements of zones that come of the linear law in each zone that is linear, in `all` of those that are not as well.
+template <class Real>
+typename LinearityWatch<Real>::Columns LinearityWatch<Real>::contributions(const World<Real>& world,
+                                                                           const Mat3X<double>& u,
+                                                                           bool all) const {
+  Columns contributions = Columns::Zero(3 * zones_.count(), zones_.count());
+  const auto gradients = defects_.gradients(u);
+  const Mat3X<double>& about = world.linearised_about();
+  const auto tangents = defects_.gradients(about.size() > 0 ? about : Mat3X<double>::Zero(3, u.cols()));
+  for (Index z = 0; z < zones_.count(); ++z) {
+    const double share = share_[std::size_t(z)];
+    if (share == 0 && !all) continue;
+    const bool is_linear = share > 0.5 && !world.is_expanded();
+    const auto defect = about.size() > 0
+                            ? defects_.beyond_tangent(z, gradients.col(z), tangents.col(z), is_linear)
+                            : defects_.at(z, gradients.col(z), is_linear);
+    contributions.col(z) = influence_->displacement(z, defect);
+  }
+  return contributions;
+}
+
+template <class Real>
+void LinearityWatch<Real>::place_worst(const Elements& elements, const Eigen::VectorXd& error,
+                                       LinearityReport& report) const {
+  Index worst = 0;
+  error.reshaped(3, zones_.count()).colwise().norm().maxCoeff(&worst);
+  report.worst = error.segment<3>(3 * worst).norm();
+  const Index middle = zones_.tets[std::size_t(worst)][zones_.tets[std::size_t(worst)].size() / 2];
+  report.place = elements.corner_points(middle).rowwise().mean();
+}
+
+template <class Real>
+LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& steering) {
   const auto start = std::chrono::steady_clock::now();
-  follow_edits(world);
-  if (looks_++ % options_.recover_every != 0 && any_precomputed(world.elements())) {
+  const bool begins = looks_ == 0, is_cut = follow_edits(world);
+  const double frame = world.time() - std::exchange(time_, world.time());
+  const bool holders_changed = hold(world.held()) || world.next_grasp_change() < world.time() + 1.5 * frame;
+  const bool is_startled = begins || is_cut || holders_changed;
+  if (may_skip(world, is_startled)) {
+    welcome_ = is_startled ? 0 : welcome_;
     last_.time = world.time();
     last_.to_nonlinear = last_.to_linear = 0;
     last_.energy_change = 0;
     return last_;
   }
-  hold(world.held());
-  const Mat3X<double> u = world.state().u.template cast<double>();
+  if (std::exchange(means_are_stale_, false)) {
+    defects_ = MeanDefects(world.elements(), zones_);
+    volume_ = vertex_volumes(world.elements());
+  }
+  const Mat3X<double> u = world.displacements().template cast<double>();
   double sum = 0;
   for (std::size_t v = 0; v < volume_.size(); ++v) sum += volume_[v] * u.col(Eigen::Index(v)).squaredNorm();
   largest_ = std::max(largest_, std::sqrt(sum));
-  const auto gradients = defects_.gradients(u);
-  Columns contributions(3 * zones_.count(), zones_.count());
+  const bool expandable = may_expand(world);
+  const Columns of_zones = contributions(world, u, options_.correct && !expandable);
   Eigen::VectorXd error = Eigen::VectorXd::Zero(3 * zones_.count());
-  for (Index z = 0; z < zones_.count(); ++z) {
-    const double share = share_[std::size_t(z)];
-    if (share == 0 && !options_.correct) continue;
-    contributions.col(z) = influence_->displacement(z, defects_.at(z, gradients.col(z), share > 0.5));
-    error += share * contributions.col(z);
-  }
+  for (Index z = 0; z < zones_.count(); ++z) error += share_[std::size_t(z)] * of_zones.col(z);
   LinearityReport report;
   report.time = world.time();
-  report.error = relative(error);
+  const double lag = largest_ > 0 ? world.lag() / std::sqrt(density_) / largest_ : 0;
+  const double estimate = relative(error) + lag;
+  report.is_expanded = world.is_expanded();
+  report.error = report.is_expanded ? 0 : estimate;
   report.exceeded = report.error > options_.tolerance;
-  Index worst = 0;
-  error.reshaped(3, zones_.count()).colwise().norm().maxCoeff(&worst);
-  report.worst = error.segment<3>(3 * worst).norm();
-  const Index middle = zones_.tets[std::size_t(worst)][zones_.tets[std::size_t(worst)].size() / 2];
-  report.place = world.elements().corner_points(middle).rowwise().mean();
+  place_worst(world.elements(), error, report);
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.exceeded && options_.on_exceeded) options_.on_exceeded(report);
-  const auto directly = [&](const std::vector<Index>& tets, RegionModel model) {
-    return world.set_region(tets, model);
-  };
-  if (options_.correct) correct(world, set_region ? set_region : directly, contributions, error, report);
+  if (expandable)
+    steer(world, steering, estimate, is_startled, report);
+  else if (options_.correct)
+    correct(world, steering, of_zones, error, report);
   last_ = report;
   return report;
 }
 
+// A precomputed region is linearised anew while its error is small, and expanded where it is not, or where a cut or a
+// change of who holds the body, in the last frame or the next, starts a motion that no estimate foresees. It is condensed
+// again once it would have been welcome for some looks; until then it is linearised anew wherever the body has gone.
+template <class Real>
+void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steering, double estimate,
+                                 bool is_startled, LinearityReport& report) {
+  const double delay = delay_per_tet * world.elements().topology.alive_count();
+  const bool is_welcome = estimate < condense_below * options_.tolerance;
+  if (world.is_expanded()) {
+    welcome_ = is_welcome && !is_startled && world.can_condense() ? welcome_ + 1 : 0;
+    if (welcome_ >= patience_to_condense) steering.condense();
+  } else if (estimate > leave_above * options_.tolerance || is_startled) {
+    steering.expand();
+    welcome_ = 0;
+  }
+  const bool is_far = estimate > renew_above * options_.tolerance || !world.can_condense();
+  if (is_far && !is_startled && !world.is_renewing()) steering.renew(delay);
+  report.is_expanded = world.is_expanded();
+}
+
 // Zones leave that lower the error most; where it is small, those join that have long been welcome.
 template <class Real>
-void LinearityWatch<Real>::correct(const World<Real>& world, const SetRegion& set_region,
+void LinearityWatch<Real>::correct(const World<Real>& world, const Steering& steering,
                                    const Columns& contributions, Eigen::VectorXd error,
                                    LinearityReport& report) {
   const auto tets = [&](Index z) { return static_cast<Index>(zones_.tets[std::size_t(z)].size()); };
@@ -170,7 +254,7 @@ void LinearityWatch<Real>::correct(const World<Real>& world, const SetRegion& se
     leaves = best >= 0;
     if (!leaves) break;
     error -= share_[std::size_t(best)] * contributions.col(best);
-    move(world, set_region, best, RegionModel::nonlinear, report);
+    move(world, steering, best, RegionModel::nonlinear, report);
   }
   Index next = -1;
   double smallest = join_below * options_.tolerance;
@@ -186,16 +270,16 @@ void LinearityWatch<Real>::correct(const World<Real>& world, const SetRegion& se
     smallest = with;
     next = z;
   }
-  if (next >= 0 && report.to_nonlinear == 0) move(world, set_region, next, options_.linear, report);
+  if (next >= 0 && report.to_nonlinear == 0) move(world, steering, next, options_.linear, report);
 }
 
 template <class Real>
-void LinearityWatch<Real>::move(const World<Real>& world, const SetRegion& set_region, Index zone,
+void LinearityWatch<Real>::move(const World<Real>& world, const Steering& steering, Index zone,
                                 RegionModel model, LinearityReport& report) {
   std::vector<Index> tets;
   for (Index t : zones_.tets[std::size_t(zone)])
     if (world.elements().topology.alive(t) && world.elements().region_of[t] != model) tets.push_back(t);
-  report.energy_change += set_region(tets, model);
+  report.energy_change += steering.set_region(tets, model);
   (model == RegionModel::nonlinear ? report.to_nonlinear : report.to_linear) +=
       static_cast<Index>(tets.size());
   find_shares(world.elements());

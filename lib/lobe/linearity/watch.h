@@ -1,5 +1,6 @@
-// Watches what linear regions get wrong while a world runs, and moves zones to the non-linear model and back, if asked
-// (theory, section 15).
+// Watches what linear regions get wrong while a world runs, and corrects it, if asked (theory, section 15): zones of
+// tensor-mass regions move to the non-linear model and back; precomputed regions are linearised anew about the present state,
+// and are expanded where not even that holds.
 //
 //   LinearityWatch<float> watch(world, grasps, {.tolerance = 0.02, .correct = true});
 //   world.advance(1.0 / 30);
@@ -24,6 +25,21 @@ struct LinearityReport {
   bool exceeded = false;                  // the tolerance
   Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
   double energy_change = 0;               // by that [J]
+  bool is_expanded = false;               // the precomputed region
+};
+
+// What a watch may do to a world: by the world's own functions, or those of who keeps a record of the calls.
+struct Steering {
+  template <class Driver>
+  explicit Steering(Driver& driver)
+      : set_region([&](const auto& tets, RegionModel model) { return driver.set_region(tets, model); }),
+        expand([&] { driver.expand(); }),
+        condense([&] { driver.condense(); }),
+        renew([&](double delay) { driver.renew(delay); }) {}
+
+  std::function<double(const std::vector<Index>& tets, RegionModel model)> set_region;
+  std::function<void()> expand, condense;
+  std::function<void(double delay)> renew;
 };
 
 struct LinearityOptions {
@@ -45,12 +61,11 @@ class LinearityWatch {
   LinearityWatch(const LinearityWatch&) = delete;
   LinearityWatch& operator=(const LinearityWatch&) = delete;
 
-  // After a frame. Costs one small dense product, beside a precomputed region also the recovery of its interior, so that
+  // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the recovery of its interior, so that
   // the last report stands in for most looks there.
   // What cuts do to the influence of zones is found by a background thread and used from a fixed number of looks on.
-  // `set_region` moves tetrahedra in place of World::set_region(), if it is given.
-  using SetRegion = std::function<double(const std::vector<Index>& tets, RegionModel model)>;
-  LinearityReport look(World<Real>& world, const SetRegion& set_region = {});
+  LinearityReport look(World<Real>& world) { return look(world, Steering(world)); }
+  LinearityReport look(World<Real>& world, const Steering& steering);
 
   double looking_seconds() const { return looking_seconds_; }  // in all, corrections left out
 
@@ -58,14 +73,20 @@ class LinearityWatch {
   using Columns = Eigen::MatrixXd;
 
   HeldVertices boundary_of(const World<Real>& world) const;
-  void follow_edits(const World<Real>& world);
+  bool follow_edits(const World<Real>& world);
   void find_shares(const Elements& elements);
   bool any_precomputed(const Elements& elements) const;
-  void hold(const HeldVertices& held);
+  bool hold(const HeldVertices& held);
+  bool may_skip(const World<Real>& world, bool is_startled);
+  bool may_expand(const World<Real>& world) const;
+  Columns contributions(const World<Real>& world, const Mat3X<double>& u, bool all) const;
+  void place_worst(const Elements& elements, const Eigen::VectorXd& error, LinearityReport& report) const;
+  void steer(const World<Real>& world, const Steering& steering, double estimate, bool is_startled,
+             LinearityReport& report);
   double relative(const Eigen::VectorXd& error) const;
-  void correct(const World<Real>& world, const SetRegion& set_region, const Columns& contributions,
+  void correct(const World<Real>& world, const Steering& steering, const Columns& contributions,
                Eigen::VectorXd error, LinearityReport& report);
-  void move(const World<Real>& world, const SetRegion& set_region, Index zone, RegionModel model,
+  void move(const World<Real>& world, const Steering& steering, Index zone, RegionModel model,
             LinearityReport& report);
 
   LinearityOptions options_;
@@ -75,10 +96,15 @@ class LinearityWatch {
   std::unique_ptr<Influence> influence_;
   std::future<std::unique_ptr<Influence>> next_influence_;
   int looks_to_wait_ = 0;
+  bool means_are_stale_ = false;     // of zones, after a cut
   bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
   std::vector<double> share_;        // of each zone that is linear, by volume
   std::vector<int> calm_;            // looks since each zone could have been linear
   std::vector<double> volume_;       // per vertex [m³]
+  double density_ = 1;               // mean [kg/m³]
+  std::vector<Index> holding_;       // grasps that hold
+  double time_ = 0;                  // of the last look [s]
+  int welcome_ = 0;                  // looks for which the region could have been condensed
   std::size_t edits_ = 0;            // of the world's, that are known
   double largest_ = 0;               // norm so far [m^2.5]
   double looking_seconds_ = 0;

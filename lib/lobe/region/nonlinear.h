@@ -14,9 +14,10 @@ class NonlinearRegion {
                            InstructionSet set = chosen_instruction_set())
       : evaluator_(evaluator), elements_(set), terms_(set) {}
 
-  void follow(const Elements& elements, const RegionEdit& edit) {
-    elements_.follow(elements, edit.left, edit.entered);
-    if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.left, edit.entered);
+  // Takes the tetrahedra of this model.
+  void follow(const Elements& elements, const RegionEdit& edit, RegionModel model = RegionModel::nonlinear) {
+    elements_.follow(elements, edit.left, edit.entered, model);
+    if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.left, edit.entered, model);
   }
 
   Index tet_count() const { return elements_.tet_count(); }

@@ -214,10 +214,11 @@ void PatchLayout<n>::put(Index p, const Item& item) {
   ++item_count_;
 }
 
-std::vector<PatchLayout<4>::Item> nonlinear_items(const Elements& elements, const std::vector<Index>& tets) {
+std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements,
+                                           const std::vector<Index>& tets) {
   std::vector<PatchLayout<4>::Item> items;
   for (Index t : tets) {
-    if (elements.region_of[t] != RegionModel::nonlinear) continue;
+    if (elements.region_of[t] != model) continue;
     const Eigen::Vector4i v = elements.topology.corners(t);
     items.push_back({t, {v[0], v[1], v[2], v[3]}, elements.material_of[t]});
   }

@@ -89,7 +89,8 @@ class PatchLayout {
 };
 
 // Those of the tetrahedra that are non-linear, by material.
-std::vector<PatchLayout<4>::Item> nonlinear_items(const Elements& elements, const std::vector<Index>& tets);
+std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements,
+                                           const std::vector<Index>& tets);
 
 extern template class PatchLayout<2>;
 extern template class PatchLayout<4>;

@@ -15,7 +15,8 @@ class Patches {
  public:
   explicit Patches(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
 
-  void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
+  void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
+              RegionModel model = RegionModel::nonlinear);
 
   Index tet_count() const { return layout_.item_count(); }
 

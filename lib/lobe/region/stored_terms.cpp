@@ -56,7 +56,7 @@ class TermSums {
 
 template <class Real>
 void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
-                               const std::vector<Index>& enter) {
+                               const std::vector<Index>& enter, RegionModel model) {
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   std::vector<Index> changed;
   for (Index t : leave) {
@@ -65,7 +65,7 @@ void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index
     changed.push_back(slot / Layout::capacity);
     corners_[slot] = corners_[layout_.leave(t, corners_[slot])];
   }
-  const std::vector<Layout::Item> own = nonlinear_items(elements, enter);
+  const std::vector<Layout::Item> own = items_of(model, elements, enter);
   layout_.enter(own, elements.points.padded());
   corners_.resize(std::size_t(layout_.patch_count()) * Layout::capacity);
   for (const Layout::Item& item : own) {

@@ -10,7 +10,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 1, "recording of a world"};
+constexpr io::Format format{"loberec ", 2, "recording of a world"};
 
 }  // namespace
 
@@ -60,6 +60,24 @@ double Recorded<Real>::set_region(const std::vector<Index>& tets, RegionModel mo
 }
 
 template <class Real>
+void Recorded<Real>::expand() {
+  world_.expand();
+  add(RecordedCall::Kind::expand);
+}
+
+template <class Real>
+void Recorded<Real>::condense() {
+  world_.condense();
+  add(RecordedCall::Kind::condense);
+}
+
+template <class Real>
+void Recorded<Real>::renew(double delay) {
+  world_.renew(delay);
+  add(RecordedCall::Kind::renew).duration = delay;
+}
+
+template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world) {
   if (recording.setup != world.save().setup)
     throw InputError("recording", "is of another scene, mesh or version of them");
@@ -70,6 +88,9 @@ Replayed replay(const Recording& recording, World<Real>& world) {
     if (call.kind == RecordedCall::Kind::advance) world.advance(call.duration);
     if (call.kind == RecordedCall::Kind::remove_tets) world.remove_tets(call.tets);
     if (call.kind == RecordedCall::Kind::set_region) world.set_region(call.tets, call.model);
+    if (call.kind == RecordedCall::Kind::expand) world.expand();
+    if (call.kind == RecordedCall::Kind::condense) world.condense();
+    if (call.kind == RecordedCall::Kind::renew) world.renew(call.duration);
     replayed.same = digest(world) == call.digest;
     if (!replayed.same) break;
     ++replayed.calls;
@@ -100,7 +121,7 @@ Recording parse_recording(const std::string& name, std::string_view bytes) {
   recording.in_double = in.get_choice(2) == 1;
   for (std::size_t left = in.get_count(1); left > 0; --left) {
     RecordedCall& call = recording.calls.emplace_back();
-    call.kind = RecordedCall::Kind(in.get_choice(3));
+    call.kind = RecordedCall::Kind(in.get_choice(6));
     call.duration = in.get<double>();
     call.model = RegionModel(in.get_choice(3));
     call.tets = in.get_all<Index>();

@@ -12,11 +12,11 @@
 namespace lobe {
 
 struct RecordedCall {
-  enum class Kind : std::uint8_t { advance, remove_tets, set_region };
+  enum class Kind : std::uint8_t { advance, remove_tets, set_region, expand, condense, renew };
   Kind kind = Kind::advance;
-  double duration = 0;  // of advance() [s]
+  double duration = 0;  // of advance(), or the delay of renew() [s]
   RegionModel model = RegionModel::nonlinear;
-  std::vector<Index> tets;   // of the others
+  std::vector<Index> tets;   // of remove_tets() and set_region()
   std::uint64_t digest = 0;  // of displacements, velocities and time after it
 };
 
@@ -38,6 +38,9 @@ class Recorded {
   Report advance(double duration);
   Index remove_tets(const std::vector<Index>& tets);
   double set_region(const std::vector<Index>& tets, RegionModel model);
+  void expand();
+  void condense();
+  void renew(double delay);
   const Recording& recording() const { return recording_; }
 
  private:

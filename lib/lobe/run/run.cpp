@@ -204,12 +204,8 @@ class Watched {
 
   void look(World<Real>& world, Recorded<Real>* recorded) {
     if (!watch_) return;
-    typename LinearityWatch<Real>::SetRegion set_region;
-    if (recorded)
-      set_region = [recorded](const std::vector<Index>& tets, RegionModel model) {
-        return recorded->set_region(tets, model);
-      };
-    const LinearityReport seen = watch_->look(world, set_region);
+    const LinearityReport seen = recorded ? watch_->look(world, Steering(*recorded)) : watch_->look(world);
+    expanded_ += seen.is_expanded;
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
     to_nonlinear_ += seen.to_nonlinear;
@@ -230,6 +226,7 @@ class Watched {
             {"worst_time", worst_.time},
             {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
             {"frames_exceeded", exceeded_},
+            {"frames_expanded", expanded_},
             {"tetrahedra_to_nonlinear", to_nonlinear_},
             {"tetrahedra_to_linear", to_linear_},
             {"looking_s", watch_->looking_seconds()},
@@ -240,7 +237,7 @@ class Watched {
   std::optional<LinearityWatch<Real>> watch_;
   double tolerance_ = 0;
   LinearityReport worst_;
-  int exceeded_ = 0;
+  int exceeded_ = 0, expanded_ = 0;
   Index to_nonlinear_ = 0, to_linear_ = 0;
   Json series_ = Json::array();
 };
@@ -260,6 +257,7 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Rec
   std::optional<Recorded<Real>> recorded;
   if (!options.record.empty()) recorded.emplace(world);
   bool ok = true;
+  watched.look(world, recorded ? &*recorded : nullptr);
   for (long i = 0; i < frames && ok; ++i) {
     const Clock::time_point start = Clock::now();
     const double time = world.time();

@@ -67,8 +67,15 @@ void propose(const Scene& scene, Resolved& resolved, const SparseFactorMaker& fa
   options.in_double = scene.in_double();
   options.factor = factor;
   options.progress = progress;
-  resolved.proposal = propose_regions(resolved.setup, resolved.gestures, options);
-  resolved.setup.region_of = resolved.proposal->region_of;
+  std::vector<RegionModel>& region_of = resolved.setup.region_of;
+  if (scene.auto_regions->correct) {
+    resolved.proposal = propose_regions_to_correct(resolved.setup, resolved.gestures, options);
+    region_of = resolved.proposal->region_of;
+    resolved.setup.expandable = std::count(region_of.begin(), region_of.end(), RegionModel::precomputed) > 0;
+  } else {
+    resolved.proposal = propose_regions(resolved.setup, resolved.gestures, options);
+    region_of = resolved.proposal->region_of;
+  }
   for (const std::string& note : resolved.proposal->notes)
     resolved.warnings.push_back("/regions/auto: " + note);
 }

@@ -68,6 +68,11 @@ void Checker::check_materials() {
   expect(setup_.integrator == Integrator::central_difference ||
              !std::count(setup_.region_of.begin(), setup_.region_of.end(), RegionModel::precomputed),
          "the implicit integrator has no precomputed regions; use tensor-mass");
+  expect(!setup_.expandable || setup_.precomputed_frame == RegionFrame::fixed,
+         "an expandable precomputed region has no frame of its own");
+  expect(!setup_.expandable || std::none_of(setup_.materials.begin(), setup_.materials.end(),
+                                            [](const Elastic& e) { return e.nodal_pressure > 0; }),
+         "an expandable precomputed region has no nodal_pressure");
   const auto not_negative = [](double x) { return std::isfinite(x) && x >= 0; };
   expect(not_negative(setup_.volume_penalty), "volume_penalty must be finite and not negative");
   expect(setup_.guard_below >= 0 && setup_.guard_below < 1, "guard_below must be in [0, 1)");

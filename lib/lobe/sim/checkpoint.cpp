@@ -85,6 +85,7 @@ std::uint64_t fingerprint(const Setup& setup) {
   print.add(setup.evaluator);
   print.add(setup.loose_pieces);
   print.add(setup.integrator);
+  print.add(setup.expandable);
   for (double value : {setup.damping, setup.safety, setup.mass_scaling, setup.implicit_step,
                        setup.spectral_radius, setup.ramp, setup.load_ramp, setup.sleep})
     print.add(value);
@@ -153,10 +154,13 @@ void World<Real>::repeat(const Edit& edit) {
   if (edit.kind == Edit::Kind::region) change_region(edit.tets, edit.model);
   if (edit.kind == Edit::Kind::held) refresh_held(std::exchange(held_, edit.held));
   const bool begins = edit.kind == Edit::Kind::begin_refresh, ends = edit.kind == Edit::Kind::end_refresh;
-  if ((begins || ends) && (ends != precomputed_.is_refreshing() || precomputed_.tet_count() == 0))
+  const bool fits = edit.about.empty() || edit.about.size() == std::size_t(3 * state_.u.count());
+  if ((begins || ends) && (ends != precomputed_.is_refreshing() || precomputed_.tet_count() == 0 || !fits))
     throw InputError("checkpoint", "does not fit the scene that it says it is of");
-  if (begins) begin_refresh(edit.due);
+  if (begins) begin_refresh(edit.due, edit.about);
   if (ends) end_refresh();
+  if (edit.kind == Edit::Kind::expand) expand();
+  if (edit.kind == Edit::Kind::condense) condense();
 }
 
 template <class Real>

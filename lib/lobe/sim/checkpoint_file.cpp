@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -9,7 +10,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 5,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 6,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -70,16 +71,19 @@ void put(io::ByteWriter& out, const Edit& edit) {
   out.put_all(std::span(edit.tets));
   put(out, edit.held);
   out.put(edit.due);
+  out.put_all(std::span(edit.about));
 }
 
 Edit get_edit(io::ByteReader& in, Eigen::Index vertices) {
   Edit edit;
-  edit.kind = Edit::Kind(in.get_choice(5));
+  edit.kind = Edit::Kind(in.get_choice(7));
   edit.model = RegionModel(in.get_choice(3));
   edit.tets = in.get_all<Index>();
   edit.held = get_held_vertices(in, vertices);
   edit.due = in.get<double>();
-  in.expect(std::isfinite(edit.due));
+  edit.about = in.get_all<double>();
+  in.expect(std::isfinite(edit.due) &&
+            std::all_of(edit.about.begin(), edit.about.end(), [](double x) { return std::isfinite(x); }));
   return edit;
 }
 

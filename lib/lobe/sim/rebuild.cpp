@@ -27,6 +27,21 @@ std::vector<std::array<Index, 3>> boundary(const Topology& topology, const std::
   return faces;
 }
 
+// Linearised about what the other world's region is, and expanded if that is.
+template <class Real>
+void follow_mode(World<Real>& fresh, const World<Real>& world, const CompactMesh& c) {
+  if (const Mat3X<double>& about = world.linearised_about(); about.size() > 0) {
+    fresh.expand();
+    State<Real> state = fresh.state();
+    state.u = about(Eigen::all, c.vertex_source).template cast<Real>();
+    fresh.set_state(state);
+    constexpr double moment = 1e-9;  // [s]
+    fresh.renew(moment);
+    while (fresh.is_renewing()) fresh.advance(moment);
+  }
+  world.is_expanded() ? fresh.expand() : fresh.condense();
+}
+
 }  // namespace
 
 double RebuildDifference::largest() const {
@@ -45,6 +60,7 @@ RebuildDifference compare_with_rebuilt(World<Real>& world) {
   CompactMesh c;
   const Setup setup = world.current_setup(c);
   World<Real> fresh(setup);
+  follow_mode(fresh, world, c);
   State<Real> state;
   state.u = world.state().u(Eigen::all, c.vertex_source);
   state.v = world.state().v(Eigen::all, c.vertex_source);

@@ -75,6 +75,7 @@ struct Setup : Body {
   double ramp = 0.1;             // prescribed displacements are reached over this time [s]
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
+  bool expandable = false;  // precomputed regions may be non-linear for a while (World::expand())
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
   std::filesystem::path

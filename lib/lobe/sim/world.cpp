@@ -65,6 +65,7 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
       elements_(setup),
       precomputed_(CondensedCache(setup.condensed_cache, condensing), make_supernodal),
       nonlinear_(setup.evaluator),
+      expanded_(setup.evaluator),
       loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),
       parallel_(threads) {
@@ -85,6 +86,11 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
   find_bodies();
   if (setup.integrator == Integrator::generalised_alpha)
     implicit_ = std::make_unique<ImplicitStep>(setup.spectral_radius, make_ldlt);
+  if (setup.expandable && precomputed_.tet_count() > 0) {
+    set_expanded(true);
+    measure_frequency_ratio();
+    set_expanded(false);
+  }
   measure_frequency_ratio();
   if (setup.mass_scaling > 0) scale_masses();
 }
@@ -112,7 +118,7 @@ void World<Real>::integrate(double dt) {
                                                    state_.u.padded(), state_.v.padded(), parallel_);
   fastest_ = std::sqrt(double(fastest.all));
   turned_ = std::sqrt(double(fastest.turned));
-  interior_is_stale_ = true;
+  interior_ = Interior::stale;
   state_.time += dt;
   move_held(dt);
   if (!moving_.empty() || fastest_held_ > 0) known_ = Known::stale;
@@ -144,7 +150,8 @@ double World<Real>::missing_loads(double time) const {
 template <class Real>
 Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
   put_loads();
-  precomputed_.add_forces(state_.u.padded(), Real(missing_loads(state_.time)), forces_.padded(), parallel_);
+  if (!is_expanded_)
+    precomputed_.add_forces(state_.u.padded(), Real(missing_loads(state_.time)), forces_.padded(), parallel_);
   add_internal_forces(state_.u.padded(), forces_.padded());
   return std::as_const(forces_).view();
 }
@@ -153,6 +160,7 @@ template <class Real>
 void World<Real>::add_internal_forces(const Mat3X<Real>& u, Mat3X<Real>& f) {
   tensor_mass_.add_forces(u, f, parallel_);
   nonlinear_.add_forces(u, f, parallel_);
+  if (is_expanded_) expanded_.add_forces(u, f, parallel_);
 }
 
 template <class Real>
@@ -230,7 +238,8 @@ void World<Real>::set_state(const State<Real>& state) {
   state_.u.view() = state.u;
   state_.v.view() = state.v;
   state_.time = state.time;
-  implicit_is_stale_ = interior_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
+  implicit_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
+  interior_ = Interior::stale;
   sleep_.wake_all(state.time);
   known_ = Known::stale;
   groups_.forget();
@@ -240,19 +249,33 @@ void World<Real>::set_state(const State<Real>& state) {
 
 template <class Real>
 StateView<Real> World<Real>::state() const {
-  if (interior_is_stale_)
-    precomputed_.recover(elements_, Real(missing_loads(state_.time)), state_.u.padded(), state_.v.padded());
-  interior_is_stale_ = false;
+  if (interior_ != Interior::all && !is_expanded_)
+    precomputed_.recover(elements_, Real(missing_loads(state_.time)), state_.u.padded(), &state_.v.padded());
+  interior_ = Interior::all;
   const Moving& moving = state_;
   return {moving.u.view(), moving.v.view(), moving.time};
+}
+
+template <class Real>
+Eigen::Map<const Mat3X<Real>> World<Real>::displacements() const {
+  if (interior_ == Interior::stale && !is_expanded_) {
+    precomputed_.recover(elements_, Real(missing_loads(state_.time)), state_.u.padded(), nullptr);
+    interior_ = Interior::displacements;
+  }
+  return std::as_const(state_).u.view();
 }
 
 template <class Real>
 void World<Real>::find_frequencies() {
   frequencies_.find(inverse_mass_, [&](DiagonalStiffness& K) {
     tensor_mass_.add_diagonal_stiffness(K);
-    precomputed_.add_diagonal_stiffness(state_.u.padded(), K);
-    const auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), K, parallel_);
+    auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), K, parallel_);
+    if (is_expanded_) {
+      const auto others = expanded_.add_diagonal_stiffness(state_.u.padded(), K, parallel_);
+      if (others.smallest_volume_ratio < found.smallest_volume_ratio) found = others;
+    } else {
+      precomputed_.add_diagonal_stiffness(state_.u.padded(), K);
+    }
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
   });
@@ -275,10 +298,10 @@ void World<Real>::measure_frequency_ratio() {
       inverse_mass_, [&](Index v) { return frequencies_.bounded_square(v); }, small,
       [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
         add_internal_forces(u, f);
-        precomputed_.add_stiffness_forces(u, f, parallel_);
+        if (!is_expanded_) precomputed_.add_stiffness_forces(u, f, parallel_);
       });
-  frequency_ratio_ = std::max(1.0, frequency_search_.omega / vertex);
-  rest_frequency_ = frequency_ratio_ * vertex;
+  frequency_ratio_[is_expanded_] = std::max(1.0, frequency_search_.omega / vertex);
+  rest_frequency_[is_expanded_] = frequency_ratio_[is_expanded_] * vertex;
 }
 
 template <class Real>
@@ -303,7 +326,8 @@ double World<Real>::time_step_limit() {
   if (known_ == Known::stale) find_frequencies();
   const VertexFrequency highest = frequencies_.highest(inverse_mass_);
   limiting_vertex_ = highest.vertex;
-  const double omega = std::max(frequency_ratio_ * highest.omega, rest_frequency_ / 4);
+  const double omega =
+      std::max(frequency_ratio_[is_expanded_] * highest.omega, rest_frequency_[is_expanded_] / 4);
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 
@@ -314,7 +338,8 @@ Vec3d World<Real>::reaction(int holder) {
   Vec3d sum = Vec3d::Zero();
   for (const HeldVertices::Held& item : held_.all()) {
     if (item.holder != holder) continue;
-    const Vec3d inside = precomputed_.force_on_fixed(elements_, state_.u.padded(), item.vertex);
+    const Vec3d inside =
+        is_expanded_ ? Vec3d::Zero() : precomputed_.force_on_fixed(elements_, state_.u.padded(), item.vertex);
     for (int i = 0; i < 3; ++i)
       if (item.axes[i]) sum[i] -= double(forces_(i, item.vertex)) + inside[i];
   }
@@ -329,10 +354,15 @@ Energies World<Real>::energies() {
     e.kinetic += 0.5 * mass_[v] * state_.v.col(v).template cast<double>().squaredNorm();
     e.loads -= external_.col(v).template cast<double>().dot(state_.u.col(v).template cast<double>());
   }
-  const auto precomputed = precomputed_.energy(elements_, state_.u.padded());
-  e.loads += precomputed.loads;
-  e.elastic_linear = tensor_mass_.energy(state_.u.padded()) + precomputed.elastic;
+  e.elastic_linear = tensor_mass_.energy(state_.u.padded());
   e.elastic_nonlinear = nonlinear_.energy(state_.u.padded());
+  if (is_expanded_) {
+    e.elastic_nonlinear += expanded_.energy(state_.u.padded());
+  } else {
+    const auto precomputed = precomputed_.energy(elements_, state_.u.padded());
+    e.loads += precomputed.loads;
+    e.elastic_linear += precomputed.elastic;
+  }
   return e;
 }
 

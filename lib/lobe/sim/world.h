@@ -6,6 +6,7 @@
 //   while (world.time() < 2) world.advance(1.0 / 30);
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "lobe/condense/precomputed.h"
@@ -39,15 +40,16 @@ struct StateView {
 };
 
 // One edit of a world: tetrahedra that were removed, or that were given another model; what is held from then on, where
-// a precomputed region depends on it; that this is condensed afresh beside the simulation, and that it goes on with the
-// result.
+// a precomputed region depends on it; that this is condensed afresh, perhaps about another state, beside the simulation,
+// that it goes on with the result, or that it is expanded or condensed.
 struct Edit {
-  enum class Kind : std::uint8_t { removal, region, held, begin_refresh, end_refresh };
+  enum class Kind : std::uint8_t { removal, region, held, begin_refresh, end_refresh, expand, condense };
   Kind kind = Kind::removal;
   RegionModel model = RegionModel::nonlinear;
   std::vector<Index> tets;
   HeldVertices held = {};
-  double due = 0;  // of begin_refresh: when the other follows [s]
+  double due = 0;                  // of begin_refresh: when the other follows [s]
+  std::vector<double> about = {};  // of begin_refresh: it is linearised anew about these, 3 × #vertices [m]
   bool operator==(const Edit&) const = default;
 };
 
@@ -73,6 +75,7 @@ class World {
   // The interior of a precomputed region is in equilibrium with its interface; it is found here, where somebody looks,
   // and not by every step. What set_state() says of it is ignored. Not from two threads at once.
   StateView<Real> state() const;
+  Eigen::Map<const Mat3X<Real>> displacements() const;  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);
   const Elements& elements() const { return elements_; }
   const HeldVertices& held() const { return held_; }
@@ -102,6 +105,26 @@ class World {
   // the energy has changed [J].
   double set_region(const std::vector<Index>& tets, RegionModel model);
 
+  // Precomputed regions as non-linear ones, interior and all, until they are condensed again; displacements and velocities
+  // stay, but for those of the interior when it is condensed. Only if the setup is expandable, and condensed only if no
+  // edit has concerned the region since it was renewed, else InputError.
+  void expand();
+  void condense();
+  bool is_expanded() const { return is_expanded_; }
+  bool can_condense() const {
+    return !precomputed_.is_outdated();
+  }  // no edit concerned it since it was renewed
+  bool is_expandable() const { return setup_.expandable && precomputed_.tet_count() > 0; }
+  // Linearises precomputed regions anew about the present state, by another thread; goes on with the result at the first
+  // frame that starts `delay` later [s], by waiting for it if need be. Until then is_renewing().
+  void renew(double delay);
+  bool is_renewing() const { return precomputed_.is_refreshing(); }
+  const Mat3X<double>& linearised_about() const {
+    return precomputed_.about();
+  }  // 3 × #vertices [m]; none: rest
+  double next_grasp_change() const { return tools_.next_grasp_change(state_.time); }  // [s]; infinite: none
+  double lag() const;  // of a condensed interior behind its inertia, at the last forces: √Σ m |u|² [√kg m]
+
   // All that this world has become (checkpoint.h). restore() throws InputError for a checkpoint of another setup, and
   // leaves the world as it was; it costs a copy where nothing was edited since, else the building of a world.
   Checkpoint<Real> save() const;
@@ -124,7 +147,8 @@ class World {
   void add_unanchored(RegionEdit& edit);
   void refresh_held(const HeldVertices& before);
   void refresh_condensed();
-  void begin_refresh(double due);
+  void set_expanded(bool is_expanded);
+  void begin_refresh(double due, const std::vector<double>& about);
   void end_refresh();
   void refuse_precomputed(const std::vector<Index>& tets);
   RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);
@@ -181,6 +205,8 @@ class World {
   PrecomputedRegion<Real> precomputed_;
   double refresh_due_ = 0;  // while it is condensed afresh [s]
   NonlinearRegion<Real> nonlinear_;
+  NonlinearRegion<Real> expanded_;  // the precomputed tetrahedra, if the setup is expandable
+  bool is_expanded_ = false;
   DeadLoads loads_;
   Tools tools_;
   HeldVertices held_;
@@ -193,12 +219,13 @@ class World {
   bool moving_is_stale_ = true;
 
   MassScaling mass_scaling_;
-  Columns dead_loads_;          // at full size [N]
-  Columns external_;            // gravity and dead loads at full size [N]
-  double frequency_ratio_ = 1;  // ω_max / vertex estimate, measured at rest
-  double longest_move_ = 0;     // a step that moves a vertex further is trouble [m]
+  Columns dead_loads_;  // at full size [N]
+  Columns external_;    // gravity and dead loads at full size [N]
+  std::array<double, 2> frequency_ratio_{
+      1, 1};                 // ω_max / vertex estimate, measured at rest: condensed, expanded
+  double longest_move_ = 0;  // a step that moves a vertex further is trouble [m]
   HighestFrequency frequency_search_;
-  double rest_frequency_ = 0;  // ω_max at the start [rad/s]
+  std::array<double, 2> rest_frequency_{0, 0};  // ω_max at the start [rad/s]
   std::vector<Index>
       body_of_;  // per tetrahedron: the piece it belonged to at the start, or since; none: all to 0
   std::vector<bool> body_was_held_;
@@ -212,10 +239,11 @@ class World {
     double time = 0;
   };
   mutable Moving state_;
-  mutable bool interior_is_stale_ = false;  // of the precomputed region
-  Columns forces_;                          // scratch
-  double fastest_ = 0, turned_ = 0;         // highest speeds of the last step (integrator.h) [m/s]
-  double fastest_held_ = 0;                 // of held vertices [m/s]
+  enum class Interior { stale, displacements, all };  // of a condensed region: what of it has been recovered
+  mutable Interior interior_ = Interior::all;
+  Columns forces_;                   // scratch
+  double fastest_ = 0, turned_ = 0;  // highest speeds of the last step (integrator.h) [m/s]
+  double fastest_held_ = 0;          // of held vertices [m/s]
   VertexFrequencies<Real> frequencies_;
   enum class Known {  // of the frequencies
     stale,            // of another state

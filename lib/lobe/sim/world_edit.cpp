@@ -104,16 +104,20 @@ void World<Real>::follow(RegionEdit edit) {
   add_unanchored(edit);
   tensor_mass_.follow(elements_, edit);
   nonlinear_.follow(elements_, edit);
+  if (setup_.expandable) expanded_.follow(elements_, edit, RegionModel::precomputed);
   refresh_vertices(edit.vertices);
   const std::vector<Index> mechanism =
-      precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded());
+      precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded(), is_expanded_);
   if (const std::string notice = precomputed_.take_notice(); !notice.empty())
     pending_.push_back({Condition::Kind::cache, notice, state_.time});
-  if (precomputed_.tet_count() > 0) {
+  if (is_expanded_) {
+    refresh_vertices(edit.vertices);
+  } else if (precomputed_.has_changed()) {
     for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
     for (Index v : edit.vertices) refresh_inverse_mass(v);
   }
-  implicit_is_stale_ = interior_is_stale_ = true;
+  implicit_is_stale_ = true;
+  interior_ = Interior::stale;
   if (precomputed_.tet_count() > 0) known_ = Known::stale;
   kept_is_stale_ = true;
   wake(edit.vertices);
@@ -128,20 +132,25 @@ void World<Real>::refresh_condensed() {
   if (precomputed_.is_refreshing() && state_.time >= refresh_due_)
     end_refresh();
   else if (precomputed_.wants_refresh())
-    begin_refresh(state_.time + delay);
+    begin_refresh(state_.time + delay, {});
 }
 
 template <class Real>
-void World<Real>::begin_refresh(double due) {
-  precomputed_.begin_refresh(elements_);
+void World<Real>::begin_refresh(double due, const std::vector<double>& about) {
+  if (about.empty())
+    precomputed_.begin_refresh(elements_);
+  else
+    precomputed_.begin_renewal(elements_, Eigen::Map<const Mat3X<double>>(about.data(), 3, state_.u.count()));
   refresh_due_ = due;
-  history_.push_back({Edit::Kind::begin_refresh, {}, {}, {}, due});
+  history_.push_back({Edit::Kind::begin_refresh, {}, {}, {}, due, about});
 }
 
 template <class Real>
 void World<Real>::end_refresh() {
   precomputed_.end_refresh(elements_);
-  interior_is_stale_ = true;
+  if (!is_expanded_)
+    for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
+  interior_ = Interior::stale;
   known_ = Known::stale;
   history_.push_back({Edit::Kind::end_refresh, {}, {}});
 }

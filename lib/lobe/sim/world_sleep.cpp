@@ -11,6 +11,7 @@ template <class Visit>
 void World<Real>::for_patches(Visit&& visit) {
   tensor_mass_.visit_patches(visit);
   nonlinear_.visit_patches(visit);
+  if (is_expanded_) expanded_.visit_patches(visit);
 }
 
 // Between the forces of a step and its motion: what is kept belongs to the displacements that there are now.

@@ -41,21 +41,17 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
   const std::vector<double> pressures = tet_pressures(elements, nodes, u);
   for_alive(elements, [&](Index t) {
     const Shape s = elements.shape_of(t);
-    const Elastic& e = elements.elastic_of(t);
     const Mat3<double> alpha = s.gradients.rightCols<3>();
     const Mat3<double> H = displacement_gradient(corners_of(elements, t, u), alpha);
-    Mat3<double> P;
+    Mat3<double> P = stress(elements, t, H, elements.region_of[t]);
     if (elements.region_of[t] == RegionModel::nonlinear) {
-      const double ratio = 1 + volume_change(H), lambda = e.element_lambda(), kappa = elements.volume_penalty;
+      const double ratio = 1 + volume_change(H);
       if (ratio < result.smallest_volume_ratio) {
         result.smallest_volume_ratio = ratio;
         result.smallest_tet = t;
       }
       result.energy += s.volume * pressure_energy_density(H, pressures[t]);
-      P = svk_stress(H, lambda, e.mu) + volume_stress(H, kappa) + pressure_stress(H, pressures[t]);
-      if (ratio < elements.guard_below) P += guard_stress(H, e.guard_modulus(), elements.guard_below);
-    } else {
-      P = hooke_stress(H, e.lambda, e.mu);
+      P += pressure_stress(H, pressures[t]);
     }
     result.energy += s.volume * energy_density(elements, t, H);
     const Mat34<double> f = corner_forces<double>(s.volume * P, alpha);
@@ -64,11 +60,12 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
   return result;
 }
 
-TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, double pressure) {
+TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
+                           double pressure) {
   const Shape shape = elements.shape_of(tet);
   const Mat34<double>& alpha = shape.gradients;
   const Elastic& e = elements.elastic_of(tet);
-  const bool nonlinear = elements.region_of[tet] == RegionModel::nonlinear;
+  const bool nonlinear = model == RegionModel::nonlinear;
   const double lambda = nonlinear ? e.element_lambda() : e.lambda;
   const Mat3<double> H = displacement_gradient<double>(u, alpha.rightCols<3>());
   const Mat3<double> F = Mat3<double>::Identity() + H;
@@ -139,7 +136,7 @@ void Tangent::for_places(Index tet, Visit&& visit) const {
 
 Tangent::TetEntries Tangent::entries_of(Index tet, const Mat34<double>& u, double pressure) const {
   TetEntries entries{};
-  const TetStiffness K = tet_stiffness(elements_, tet, u, pressure);
+  const TetStiffness K = tet_stiffness(elements_, tet, u, elements_.region_of[tet], pressure);
   auto entry = entries.begin();
   for (int j = 0; j < 12; ++j)
     for (int i = j; i < 12; ++i) *entry++ = K(i, j);

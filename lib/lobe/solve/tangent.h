@@ -28,8 +28,11 @@ inline EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<d
 //   volume term and guard, functions ψ of J = det F
 //               V (ψ″ g_j⊗g_k + ψ′ ∂g_j/∂x_k),  g_j = cof(F) α_j,  ∂g_j/∂x_k w = w × F(α_j × α_k)
 using TetStiffness = Eigen::Matrix<double, 12, 12>;
-TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u,
+TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
                            double pressure = 0);  // mean of its nodes' [Pa]
+inline TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u) {
+  return tet_stiffness(elements, tet, u, elements.region_of[tet]);
+}
 
 // The tangent assembled on the unknowns: the pattern once, its values at every state. Nodal pressures (PressureNodes)
 // couple all tetrahedra around a vertex; they stay unknowns of their own, so that the matrix stays sparse,

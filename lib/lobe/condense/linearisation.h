@@ -1,0 +1,25 @@
+// What the tetrahedra of a pre-computed region are linearised about: rest, where they follow Hooke's law, or a state of the
+// body, where forces are those of the non-linear model and stiffness is its tangent (theory, section 14).
+#pragma once
+
+#include "lobe/solve/tangent.h"
+
+namespace lobe {
+
+struct Linearisation {
+  Mat3X<double> about = {};  // u₀, 3 × #vertices [m]; none: rest
+
+  bool is_at_rest() const { return about.size() == 0; }
+  RegionModel model() const { return is_at_rest() ? RegionModel::precomputed : RegionModel::nonlinear; }
+
+  // Of a tetrahedron between these vertices. At displacements u of them [m] forces −∂W/∂u are constant − K u [N].
+  struct Forces {
+    TetStiffness K;                         // [N/m]
+    Eigen::Matrix<double, 12, 1> constant;  // f(u₀) + K u₀ [N]
+  };
+  Forces forces(const Elements& elements, Index tet, const Eigen::Vector4i& corners) const;
+  // W(u₀) − f(u₀)·(u − u₀) + (u − u₀)·K (u − u₀)/2 [J]
+  double energy(const Elements& elements, Index tet, const Mat34<double>& u) const;
+};
+
+}  // namespace lobe

@@ -37,8 +37,8 @@ struct Body {
   std::vector<std::uint16_t> material_of;  // per tetrahedron: which of the materials
   std::vector<RegionModel> region_of;      // per tetrahedron
   RegionFrame precomputed_frame = RegionFrame::fixed;
-  double volume_penalty = 0;               // κ [Pa], of the non-linear region
-  double guard_below = 0;  // J₀ of fem/guard.h, of the non-linear region, 0…1; 0: no guard
+  double volume_penalty = 0;  // κ [Pa], of the non-linear region
+  double guard_below = 0;     // J₀ of fem/guard.h, of the non-linear region, 0…1; 0: no guard
 };
 
 }  // namespace lobe

@@ -119,9 +119,8 @@ class World {
   // frame that starts `delay` later [s], by waiting for it if need be. Until then is_renewing().
   void renew(double delay);
   bool is_renewing() const { return precomputed_.is_refreshing(); }
-  const Mat3X<double>& linearised_about() const {
-    return precomputed_.about();
-  }  // 3 × #vertices [m]; none: rest
+  // 3 × #vertices [m]; none: rest
+  const Mat3X<double>& linearised_about() const { return precomputed_.about(); }
   double next_grasp_change() const { return tools_.next_grasp_change(state_.time); }  // [s]; infinite: none
   double lag() const;  // of a condensed interior behind its inertia, at the last forces: √Σ m |u|² [√kg m]
 
@@ -148,6 +147,7 @@ class World {
   void refresh_held(const HeldVertices& before);
   void refresh_condensed();
   void set_expanded(bool is_expanded);
+  void move_mass(const std::vector<Index>& vertices);
   void begin_refresh(double due, const std::vector<double>& about);
   void end_refresh();
   void refuse_precomputed(const std::vector<Index>& tets);
@@ -221,13 +221,12 @@ class World {
   MassScaling mass_scaling_;
   Columns dead_loads_;  // at full size [N]
   Columns external_;    // gravity and dead loads at full size [N]
-  std::array<double, 2> frequency_ratio_{
-      1, 1};                 // ω_max / vertex estimate, measured at rest: condensed, expanded
+  // Measured at rest, at the start, condensed and expanded: ω_max / vertex estimate, ω_max [rad/s].
+  std::array<double, 2> frequency_ratio_{1, 1}, rest_frequency_{0, 0};
   double longest_move_ = 0;  // a step that moves a vertex further is trouble [m]
   HighestFrequency frequency_search_;
-  std::array<double, 2> rest_frequency_{0, 0};  // ω_max at the start [rad/s]
-  std::vector<Index>
-      body_of_;  // per tetrahedron: the piece it belonged to at the start, or since; none: all to 0
+  // Per tetrahedron: the piece it belonged to at the start, or since; none: all to 0.
+  std::vector<Index> body_of_;
   std::vector<bool> body_was_held_;
 
   std::unique_ptr<ImplicitStep> implicit_;  // none: central differences

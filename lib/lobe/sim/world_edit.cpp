@@ -1,6 +1,5 @@
 // Edits of a World: everything follows a cut or a change of regions around what changed.
 #include <algorithm>
-#include <map>
 
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
@@ -110,49 +109,16 @@ void World<Real>::follow(RegionEdit edit) {
       precomputed_.follow(elements_, held_, edit, external_.padded(), dead_loads_.padded(), is_expanded_);
   if (const std::string notice = precomputed_.take_notice(); !notice.empty())
     pending_.push_back({Condition::Kind::cache, notice, state_.time});
-  if (is_expanded_) {
+  if (is_expanded_)
     refresh_vertices(edit.vertices);
-  } else if (precomputed_.has_changed()) {
-    for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
-    for (Index v : edit.vertices) refresh_inverse_mass(v);
-  }
+  else if (precomputed_.has_changed())
+    move_mass(edit.vertices);
   implicit_is_stale_ = true;
   interior_ = Interior::stale;
   if (precomputed_.tet_count() > 0) known_ = Known::stale;
   kept_is_stale_ = true;
   wake(edit.vertices);
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
-}
-
-// At a frame's start. The result is taken when it is due, on a slow machine by waiting for it, so that a run is the same
-// to the bit on every one.
-template <class Real>
-void World<Real>::refresh_condensed() {
-  constexpr double delay = 1;  // [s]
-  if (precomputed_.is_refreshing() && state_.time >= refresh_due_)
-    end_refresh();
-  else if (precomputed_.wants_refresh())
-    begin_refresh(state_.time + delay, {});
-}
-
-template <class Real>
-void World<Real>::begin_refresh(double due, const std::vector<double>& about) {
-  if (about.empty())
-    precomputed_.begin_refresh(elements_);
-  else
-    precomputed_.begin_renewal(elements_, Eigen::Map<const Mat3X<double>>(about.data(), 3, state_.u.count()));
-  refresh_due_ = due;
-  history_.push_back({Edit::Kind::begin_refresh, {}, {}, {}, due, about});
-}
-
-template <class Real>
-void World<Real>::end_refresh() {
-  precomputed_.end_refresh(elements_);
-  if (!is_expanded_)
-    for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
-  interior_ = Interior::stale;
-  known_ = Known::stale;
-  history_.push_back({Edit::Kind::end_refresh, {}, {}});
 }
 
 // Vertices that somebody has taken hold of or let go.
@@ -270,104 +236,6 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
   make_unique(edit.vertices);
   if (known_ != Known::stale && !edit.left.empty()) known_ = Known::followed;
   return edit;
-}
-
-template <class Real>
-bool World<Real>::is_held(Index tet) const {
-  const Eigen::Vector4i v = elements_.topology.corners(tet);
-  return held_.holds(v[0]) || held_.holds(v[1]) || held_.holds(v[2]) || held_.holds(v[3]);
-}
-
-template <class Real>
-bool World<Real>::is_held(const std::vector<Index>& piece) const {
-  return std::any_of(piece.begin(), piece.end(), [&](Index t) { return is_held(t); });
-}
-
-template <class Real>
-void World<Real>::find_bodies() {
-  for (const std::vector<Index>& piece : elements_.topology.pieces()) add_body(piece, is_held(piece));
-}
-
-template <class Real>
-void World<Real>::add_body(const std::vector<Index>& piece, bool was_held) {
-  if (!body_was_held_.empty()) body_of_.resize(std::size_t(elements_.topology.tet_count()), 0);
-  if (!body_of_.empty())
-    for (Index t : piece) body_of_[t] = static_cast<Index>(body_was_held_.size());
-  body_was_held_.push_back(was_held);
-}
-
-// Whether an edit may have set more loose than the body that it is known to have cut: what is left of it is held as
-// before, unless its pieces took a vertex that holds it, or the tetrahedra around the last such vertex are gone. Held
-// tetrahedra are near then, if there are any left: the search for one is short.
-template <class Real>
-bool World<Real>::needs_all_pieces(const MeshEdit& edit) {
-  const auto gone = [&](Index v) { return held_.holds(v) && elements_.topology.around(v).empty(); };
-  const bool lost_a_holder =
-      std::any_of(edit.cut_off.begin(), edit.cut_off.end(), [&](const auto& p) { return is_held(p); }) ||
-      std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {
-        const Eigen::Vector4i corners = elements_.topology.corners(t);
-        return std::any_of(corners.begin(), corners.end(), gone);
-      });
-  return lost_a_holder && std::any_of(edit.beside.begin(), edit.beside.end(), [&](Index tet) {
-           return body_was_held_[body_of(tet)] &&
-                  !elements_.topology.visit_piece(tet, [&](Index t) { return is_held(t); });
-         });
-}
-
-// What was cut off; of a body that nothing held from the start all there is, since the largest piece stays the body.
-template <class Real>
-std::vector<std::vector<Index>> World<Real>::pieces_to_judge(const MeshEdit& edit) {
-  std::vector<std::vector<Index>> pieces = edit.cut_off;
-  const Index beside = edit.beside.front();
-  if (body_was_held_[body_of(beside)]) return pieces;
-  std::vector<Index>& other = pieces.emplace_back();
-  elements_.topology.visit_piece(beside, [&](Index t) {
-    other.push_back(t);
-    return false;
-  });
-  return pieces;
-}
-
-// A piece that nothing holds is loose if its body was held, or if a larger one is left of its body. Every piece is a
-// body of its own from then on, so that a later cut has to judge no others than those that it cuts.
-template <class Real>
-Index World<Real>::treat_loose_pieces(const std::vector<std::vector<Index>>& pieces) {
-  std::map<Index, std::size_t> largest_of;
-  for (const std::vector<Index>& piece : pieces) {
-    std::size_t& largest = largest_of[body_of(piece[0])];
-    largest = std::max(largest, piece.size());
-  }
-  Index vanished = 0;
-  for (const std::vector<Index>& piece : pieces) {
-    const Index body = body_of(piece[0]);
-    const bool was_held = body_was_held_[body];
-    const bool stays = is_held(piece) || (!was_held && piece.size() == largest_of[body]);
-    add_body(piece, stays && was_held);
-    if (!stays) vanished += treat_loose_piece(piece);
-  }
-  return vanished;
-}
-
-template <class Real>
-Index World<Real>::treat_loose_piece(const std::vector<Index>& piece) {
-  const std::string text = std::to_string(piece.size()) + " tetrahedra came loose";
-  pending_.push_back({Condition::Kind::pieces, text, state_.time});
-  if (setup_.loose_pieces == LoosePieces::vanish) {
-    cut(piece);
-    return static_cast<Index>(piece.size());
-  }
-  if (setup_.loose_pieces == LoosePieces::fall) {
-    change_region(piece, RegionModel::nonlinear);  // it will turn: a linear piece would grow
-    return 0;
-  }
-  for (Index t : piece)
-    for (int c = 0; c < 4; ++c) {
-      const Index v = elements_.topology.tets()(c, t);
-      const Vec3d u = state_.u.col(v).template cast<double>();
-      held_.hold({v, HeldVertices::boundary, u, u});
-      refresh_inverse_mass(v);
-    }
-  return 0;
 }
 
 template <class Real>

@@ -1,10 +1,39 @@
-// Precomputed regions that are non-linear for a while, and linearised anew about where the body then is (theory, section 15).
-#include <algorithm>
-
+// Precomputed regions that are condensed afresh while a World runs, linearised anew about where the body then is, and
+// non-linear for a while (theory, section 14).
 #include "lobe/error.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
+
+// At a frame's start. The result is taken when it is due, on a slow machine by waiting for it, so that a run is the same
+// to the bit on every one.
+template <class Real>
+void World<Real>::refresh_condensed() {
+  constexpr double delay = 1;  // [s]
+  if (precomputed_.is_refreshing() && state_.time >= refresh_due_)
+    end_refresh();
+  else if (precomputed_.wants_refresh())
+    begin_refresh(state_.time + delay, {});
+}
+
+template <class Real>
+void World<Real>::begin_refresh(double due, const std::vector<double>& about) {
+  if (about.empty())
+    precomputed_.begin_refresh(elements_);
+  else
+    precomputed_.begin_renewal(elements_, Eigen::Map<const Mat3X<double>>(about.data(), 3, state_.u.count()));
+  refresh_due_ = due;
+  history_.push_back({Edit::Kind::begin_refresh, {}, {}, {}, due, about});
+}
+
+template <class Real>
+void World<Real>::end_refresh() {
+  precomputed_.end_refresh(elements_);
+  if (!is_expanded_) move_mass({});
+  interior_ = Interior::stale;
+  known_ = Known::stale;
+  history_.push_back({Edit::Kind::end_refresh, {}, {}});
+}
 
 template <class Real>
 void World<Real>::expand() {
@@ -36,8 +65,7 @@ void World<Real>::set_expanded(bool is_expanded) {
   refresh_vertices(vertices);
   if (!is_expanded_) {
     precomputed_.take_over_loads(external_.padded(), dead_loads_.padded());
-    precomputed_.move_mass(elements_, mass_);
-    for (Index v : vertices) refresh_inverse_mass(v);
+    move_mass(vertices);
   }
   sleep_.wake_all(state_.time);
   kept_is_stale_ = true;
@@ -65,15 +93,14 @@ double World<Real>::lag() const {
   return count > 0 ? precomputed_.lag(sum / count) : 0;
 }
 
-template void World<float>::expand();
-template void World<double>::expand();
-template void World<float>::condense();
-template void World<double>::condense();
-template void World<float>::renew(double);
-template void World<double>::renew(double);
-template double World<float>::lag() const;
-template double World<double>::lag() const;
-template void World<float>::set_expanded(bool);
-template void World<double>::set_expanded(bool);
+// The mass of the region's interior goes to its shared vertices; `vertices`: others whose masses are new.
+template <class Real>
+void World<Real>::move_mass(const std::vector<Index>& vertices) {
+  for (Index v : precomputed_.move_mass(elements_, mass_)) refresh_inverse_mass(v);
+  for (Index v : vertices) refresh_inverse_mass(v);
+}
+
+template class World<float>;
+template class World<double>;
 
 }  // namespace lobe

@@ -88,6 +88,26 @@ void hand_on(int signal) {
   if (contained_child > 0) kill(contained_child, signal);
 }
 
+// While it lives, what would end this process ends the contained one; what is ignored, as under nohup, stays so.
+class HandOn {
+ public:
+  HandOn() {
+    for (std::size_t i = 0; i < std::size(signals); ++i) {
+      struct sigaction action = {};
+      action.sa_handler = hand_on;
+      sigaction(signals[i], nullptr, &old_[i]);
+      if (old_[i].sa_handler != SIG_IGN) sigaction(signals[i], &action, nullptr);
+    }
+  }
+  ~HandOn() {
+    for (std::size_t i = 0; i < std::size(signals); ++i) sigaction(signals[i], &old_[i], nullptr);
+  }
+
+ private:
+  static constexpr int signals[] = {SIGINT, SIGTERM, SIGHUP};
+  struct sigaction old_[std::size(signals)] = {};
+};
+
 }  // namespace
 
 std::string ChildResult::in_words() const {
@@ -124,15 +144,10 @@ ChildResult run_contained(const std::function<int()>& work, double memory_bytes,
   }
   setpgid(child, child);  // both do, so that it is done whoever comes first
   contained_child = child;
-  struct sigaction action = {}, old[2];
-  action.sa_handler = hand_on;
-  sigaction(SIGINT, &action, &old[0]);
-  sigaction(SIGTERM, &action, &old[1]);
+  const HandOn signals;
   const ChildResult result = wait_for(child, 1e9, meanwhile);  // it limits its time itself
   contained_child = 0;
   if (result.end == ChildResult::End::killed) kill(-child, SIGKILL);
-  sigaction(SIGINT, &old[0], nullptr);
-  sigaction(SIGTERM, &old[1], nullptr);
   return result;
 }
 

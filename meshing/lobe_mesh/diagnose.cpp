@@ -58,10 +58,9 @@ Edges collect_edges(const Surface& surface) {
   return edges;
 }
 
-void check_points(const Surface& surface, Diagnosis& d) {
+void check_points(const Surface& surface, const std::vector<Index>& first, Diagnosis& d) {
   std::vector<bool> used(surface.point_count(), false);
   for (const Index v : surface.triangles.reshaped()) used[v] = true;
-  const std::vector<Index> first = first_of_equal_points(surface.points);
   for (Index i = 0; i < surface.point_count(); ++i) {
     const std::string name = "vertex " + std::to_string(i);
     if (!usable(surface.points.col(i)))
@@ -73,7 +72,7 @@ void check_points(const Surface& surface, Diagnosis& d) {
   }
 }
 
-void check_triangles(const Surface& surface, Diagnosis& d) {
+void check_triangles(const Surface& surface, const std::vector<Index>& first, Diagnosis& d) {
   std::set<std::array<Index, 3>> seen;
   for (Index t = 0; t < surface.triangle_count(); ++t) {
     const auto corner = [&](int k) -> Vec3d { return surface.points.col(surface.triangles(k, t)); };
@@ -83,7 +82,8 @@ void check_triangles(const Surface& surface, Diagnosis& d) {
                   (corner(0) - corner(2)).squaredNorm()});
     const std::string name = "triangle " + std::to_string(t) + " near " + position(corner(0));
     if (!(twice_area > 1e-14 * longest)) add(d.degenerate, name, {t});
-    std::array<Index, 3> key{surface.triangles(0, t), surface.triangles(1, t), surface.triangles(2, t)};
+    std::array<Index, 3> key;
+    for (int k = 0; k < 3; ++k) key[k] = first[surface.triangles(k, t)];
     std::sort(key.begin(), key.end());
     if (!seen.insert(key).second) add(d.duplicate_triangles, name, {t});
   }
@@ -178,6 +178,8 @@ void check_sides(const Surface& surface, const Edges& edges, Diagnosis& d) {
 
 }  // namespace
 
+std::string Finding::counted() const { return std::to_string(count) + " " + (count == 1 ? single : name); }
+
 std::vector<const Finding*> Diagnosis::findings() const {
   return {&not_finite,         &duplicate_points,    &degenerate,         &duplicate_triangles, &open_edges,
           &non_manifold_edges, &non_manifold_points, &inconsistent_edges, &self_intersections,  &wrong_sides};
@@ -198,8 +200,9 @@ Diagnosis diagnose(const Surface& surface) {
   Diagnosis d;
   d.points = surface.point_count();
   d.triangles = surface.triangle_count();
-  check_points(surface, d);
-  check_triangles(surface, d);
+  const std::vector<Index> first = first_of_equal_points(surface.points);
+  check_points(surface, first, d);
+  check_triangles(surface, first, d);
   const Edges edges = collect_edges(surface);
   check_edges(surface, edges, d);
   check_fans(surface, edges, d);
@@ -233,13 +236,13 @@ std::string in_words(const Diagnosis& d) {
   std::ostringstream text;
   text << d.points << " vertices (" << d.unused_points << " unused), " << d.triangles << " triangles in "
        << d.components << (d.components == 1 ? " component\n" : " components\n");
-  text << "box " << position(d.box_min) << " to " << position(d.box_max) << ", enclosed volume " << d.volume
-       << "\n";
+  text << "box " << position(d.box_min) << " to " << position(d.box_max) << " m, enclosed volume " << d.volume
+       << " m³\n";
   text << "size " << d.diagonal << " m" << (d.scale_hint.empty() ? "" : ", " + d.scale_hint) << "\n";
   if (d.cavities > 0) text << d.cavities << (d.cavities == 1 ? " cavity\n" : " cavities\n");
   for (const Finding* finding : d.findings()) {
     if (finding->count == 0) continue;
-    text << finding->count << " " << finding->name << ": ";
+    text << finding->counted() << ": ";
     for (std::size_t i = 0; i < finding->places.size(); ++i) text << (i ? "; " : "") << finding->places[i];
     text << (finding->count > static_cast<Index>(finding->places.size()) ? "; …\n" : "\n");
   }

@@ -13,11 +13,13 @@ namespace lobe::meshing {
 
 // One kind of fault.
 struct Finding {
-  std::string name;  // "open edges"
+  std::string name, single;  // "open edges", "open edge"
   Index count = 0;
-  std::vector<std::string> places;  // the first few: "edge 3-17 near (0.1, 0, 0.02)"
-  std::vector<Index> triangles;     // concerned, all of them; one may occur several times
-  std::vector<Index> points;        // the same for faults of vertices
+  std::vector<std::string> places = {};  // the first few: "edge 3-17 near (0.1, 0, 0.02)"
+  std::vector<Index> triangles = {};     // concerned, all of them; one may occur several times
+  std::vector<Index> points = {};        // the same for faults of vertices
+
+  std::string counted() const;  // "3 open edges"
 };
 
 struct Diagnosis {
@@ -28,18 +30,20 @@ struct Diagnosis {
   Index components = 0;                                    // connected by edges
   Vec3d box_min = Vec3d::Zero(), box_max = Vec3d::Zero();  // [m]
   double volume = 0;  // [m³] enclosed; negative if the triangles face inwards; NaN if a coordinate is
-  Finding not_finite{"coordinates that are not finite", 0, {}, {}, {}};
-  Finding duplicate_points{"duplicate vertices", 0, {}, {}, {}};
-  Finding degenerate{"degenerate triangles", 0, {}, {}, {}};  // without area, or with a vertex twice
-  Finding duplicate_triangles{"duplicate triangles", 0, {}, {}, {}};
-  Finding open_edges{"open edges", 0, {}, {}, {}};
-  Finding non_manifold_edges{"non-manifold edges", 0, {}, {}, {}};      // of three or more triangles
-  Finding non_manifold_points{"non-manifold vertices", 0, {}, {}, {}};  // whose triangles form several fans
-  Finding inconsistent_edges{"inconsistently oriented edges", 0, {}, {}, {}};
-  Finding self_intersections{
-      "self-intersections", 0, {}, {}, {}};  // pairs of triangles; not if coordinates are NaN
+  Finding not_finite{"coordinates that are not finite", "coordinate that is not finite"};
+  Finding duplicate_points{"duplicate vertices", "duplicate vertex"};
+  Finding degenerate{"degenerate triangles", "degenerate triangle"};  // without area, or with a vertex twice
+  Finding duplicate_triangles{"duplicate triangles",
+                              "duplicate triangle"};  // with corners in the same places
+  Finding open_edges{"open edges", "open edge"};
+  Finding non_manifold_edges{"non-manifold edges", "non-manifold edge"};  // of three or more triangles
+  // Whose triangles form several fans.
+  Finding non_manifold_points{"non-manifold vertices", "non-manifold vertex"};
+  Finding inconsistent_edges{"inconsistently oriented edges", "inconsistently oriented edge"};
+  // Pairs of triangles; not if coordinates are NaN.
+  Finding self_intersections{"self-intersections", "self-intersection"};
   // Closed pieces that face inwards, and pieces inside another one that face outwards.
-  Finding wrong_sides{"pieces facing the wrong way", 0, {}, {}, {}};
+  Finding wrong_sides{"pieces facing the wrong way", "piece facing the wrong way"};
   Index cavities = 0;      // closed pieces inside another one that face inwards, as they must
   std::string scale_hint;  // "" or a doubt about the unit
   bool inverted = false;   // closed, but facing inwards

@@ -12,6 +12,12 @@
 namespace lobe::meshing {
 namespace {
 
+void warn_of_volume(const std::string& whose, double error, const std::string& remedy, MeshReport& report) {
+  if (std::abs(error) <= 5) return;
+  report.warnings.push_back(whose + " differs from the input's by " + rounded(std::round(10 * error) / 10) +
+                            " %: " + remedy);
+}
+
 void measure_parts(const TetMesh& mesh, const Model& model, MeshReport& report) {
   report.parts.assign(model.labels.size(), {});
   for (Index t = 0; t < mesh.tet_count(); ++t) {
@@ -20,11 +26,15 @@ void measure_parts(const TetMesh& mesh, const Model& model, MeshReport& report) 
     part.volume += signed_volume(tet_points(mesh, t));
   }
   for (std::size_t k = 0; k < report.parts.size(); ++k) {
-    report.parts[k].label = model.labels[k];
-    report.parts[k].surface_volume = model.volumes[k];
-    if (report.parts[k].tets == 0)
-      report.warnings.push_back("no tetrahedra in label " + std::to_string(model.labels[k]) +
-                                ": choose a shorter edge for it");
+    MeshReport::Part& part = report.parts[k];
+    part.label = model.labels[k];
+    part.surface_volume = model.volumes[k];
+    const std::string label = std::to_string(part.label);
+    const std::string remedy = "choose a shorter edge for it (--label-edge " + label + "=EDGE)";
+    if (part.tets == 0)
+      report.warnings.push_back("no tetrahedra in label " + label + ": " + remedy);
+    else if (report.parts.size() > 1)
+      warn_of_volume("the volume of label " + label, part.volume_error(), remedy, report);
   }
 }
 
@@ -67,11 +77,7 @@ void measure(const TetMesh& mesh, const Model& model, const MeshOptions& options
   report.bottleneck = slowest_vertex(mesh, {.edge = edge, .poisson_ratio = poisson_ratio});
   measure_faces(mesh, report);
   measure_parts(mesh, model, report);
-  if (std::abs(report.volume_error) > 5) {
-    report.warnings.push_back("the mesh's volume differs from the surface's by " +
-                              rounded(std::round(10 * report.volume_error) / 10) +
-                              " %: choose a shorter --edge");
-  }
+  warn_of_volume("the mesh's volume", report.volume_error, "choose a shorter --edge", report);
 }
 
 }  // namespace lobe::meshing

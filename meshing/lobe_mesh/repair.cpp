@@ -2,6 +2,7 @@
 #include "lobe_mesh/repair.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -46,8 +47,7 @@ void refuse_unless_meshable(const Diagnosis& d, const std::string& remedy) {
   for (const Finding* finding : d.findings()) {
     if (finding->count == 0 || finding == &d.duplicate_points || (d.inverted && finding == &d.wrong_sides))
       continue;
-    faults.push_back({"surface", std::to_string(finding->count) + " " + finding->name +
-                                     ", first: " + finding->places.front() + "; " + remedy});
+    faults.push_back({"surface", finding->counted() + ", first: " + finding->places.front() + "; " + remedy});
   }
   if (faults.empty()) {
     const std::string what = d.inverted ? "inverted: its triangles face inwards" : "encloses no volume";
@@ -110,7 +110,11 @@ void compare(const Surface& input, const Surface& result, const Diagnosis& after
   if (report.pieces > 1) {
     report.warnings.push_back(std::to_string(report.pieces) + " separate pieces: each of them is meshed");
   }
-  const double change = 100 * (report.volume_after / std::abs(report.volume_before) - 1);
+  // While triangles disagree about the outside, what they enclose means nothing.
+  const auto turned = std::find_if(report.steps.begin(), report.steps.end(),
+                                   [](const RepairStep& step) { return step.name == "orient"; });
+  const double before = turned == report.steps.end() ? report.volume_before : turned->volume_after;
+  const double change = 100 * (report.volume_after / std::abs(before) - 1);
   if (std::abs(change) > 1) {
     std::ostringstream text;
     text << "the repair changed the enclosed volume by " << std::round(10 * change) / 10 << " %";

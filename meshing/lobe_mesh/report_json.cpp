@@ -62,6 +62,12 @@ std::string position(const Vec3d& p) {
 
 }  // namespace
 
+std::string in_json(const InputFile& input) {
+  const Json json = {
+      {"surface", input.file}, {"repair", as_json(*input.repair)}, {"warnings", input.repair->warnings}};
+  return json.dump(2);
+}
+
 std::string in_json(const std::vector<InputFile>& inputs, const std::string& mesh_file,
                     const MeshOptions& options, const MeshReport& report) {
   Json json;
@@ -124,7 +130,8 @@ std::string in_words(const MeshReport& report) {
        << " m (asked: " << report.edge << ")\n";
   if (report.parts.size() > 1) {
     for (const MeshReport::Part& part : report.parts)
-      text << "label " << part.label << ": " << part.tets << " tetrahedra, " << part.volume << " m³\n";
+      text << "label " << part.label << ": " << part.tets << " tetrahedra, " << part.volume << " m³, "
+           << rounded(part.volume_error()) << " % from the input's\n";
   }
   text << "dihedral angles " << q.min_dihedral << " … " << q.max_dihedral << "°, median of the smallest "
        << q.median_min_dihedral << "°; smallest altitude " << q.smallest_altitude << " m\n";

@@ -21,4 +21,7 @@ std::string in_json(const std::vector<InputFile>& inputs, const std::string& mes
                     const MeshOptions& options, const MeshReport& report);
 std::string in_words(const MeshReport& report);
 
+// Of a surface that was repaired and not meshed.
+std::string in_json(const InputFile& input);
+
 }  // namespace lobe::meshing

@@ -11,12 +11,12 @@ namespace lobe::meshing {
 Sizing::Sizing(const Model& model, const MeshOptions& options)
     : model_(model),
       edges_(model.labels.size(), options.edge),
-      balls_(options.balls),
+      balls_(options.balls, options.growth),
       growth_(options.growth) {
   for (const auto& [label, edge] : options.label_edges) edges_[model.region_of(label)] = edge;
   shortest_ = *std::min_element(edges_.begin(), edges_.end());
   const double longest = *std::max_element(edges_.begin(), edges_.end());
-  for (const SizeBall& ball : balls_) shortest_ = std::min(shortest_, ball.edge);
+  for (const SizeBall& ball : options.balls) shortest_ = std::min(shortest_, ball.edge);
   uniform_ = shortest_ == longest;
   if (uniform_) return;
   for (const Surface& surface : model.surfaces) surfaces_.emplace_back(surface);
@@ -39,9 +39,7 @@ double Sizing::operator()(const Vec3d& point, int region) const {
     if (edges_[k] < edge)
       edge = std::min(edge, edges_[k] + (k == region ? 0 : growth_ * distance_to_region(point, k)));
   }
-  for (const SizeBall& ball : balls_)
-    edge = std::min(edge, ball.edge + growth_ * std::max(0.0, (point - ball.centre).norm() - ball.radius));
-  return edge;
+  return balls_.at(point, edge);
 }
 
 }  // namespace lobe::meshing

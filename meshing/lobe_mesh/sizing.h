@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lobe_mesh/nearest.h"
+#include "lobe_mesh/size_balls.h"
 #include "lobe_mesh/tetrahedralise.h"
 
 namespace lobe::meshing {
@@ -29,7 +30,7 @@ class Sizing {
 
   const Model& model_;
   std::vector<double> edges_;  // of each region
-  std::vector<SizeBall> balls_;
+  SizeBalls balls_;
   std::vector<NearestPoint> surfaces_;
   double growth_ = 0, shortest_ = 0;
   bool uniform_ = true;

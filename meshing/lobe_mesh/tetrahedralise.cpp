@@ -227,8 +227,8 @@ void warn_of_pinches(const TetMesh& mesh, MeshReport& report) {
   const Diagnosis boundary = diagnose(boundary_surface(mesh));
   for (const Finding* finding : {&boundary.non_manifold_edges, &boundary.non_manifold_points}) {
     if (finding->count == 0) continue;
-    report.warnings.push_back("the boundary of the mesh touches itself: " + std::to_string(finding->count) +
-                              " " + finding->name + ", first " + finding->places.front() +
+    report.warnings.push_back("the boundary of the mesh touches itself: " + finding->counted() + ", first " +
+                              finding->places.front() +
                               "; choose a shorter --edge, or separate the parts there");
   }
 }

@@ -98,6 +98,7 @@ struct MeshReport {
     int label = 0;
     Index tets = 0;
     double volume = 0, surface_volume = 0;  // [m³] of the mesh; of the surfaces or voxels
+    double volume_error() const { return 100 * (volume / surface_volume - 1); }  // [%]
   };
   std::vector<Part> parts;  // of each label
   std::vector<Attempt> attempts;

@@ -1,7 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// What lobe-mesh-bench runs: each calls lobe-mesh as a user would, prints a table and writes DIR/NAME.csv,
-// quality also DIR/quality.md.
+// What lobe-mesh-bench runs: each calls lobe-mesh as a user would, prints a table and writes DIR/NAME.csv
+// and DIR/NAME.md.
 #pragma once
 
 #include <filesystem>
@@ -14,10 +14,11 @@ struct BenchOptions {
   std::vector<std::string> surfaces;
   std::filesystem::path output;
   std::vector<int> tets = {2000, 20000, 200000};
-  std::vector<int> first_tets;  // of the first surface, beside those
-  int first = 0;                // number of the first fuzzed surface
-  int count = 1000;             // of fuzzed surfaces
-  double time_limit = 60;       // [s] of each of those
+  std::vector<int> first_tets;   // of the first surface, beside those
+  int first = 0;                 // number of the first fuzzed surface
+  int count = 1000;              // of fuzzed surfaces
+  double time_limit = 60;        // [s] of each of those
+  std::string repair = "basic";  // of those, as for lobe-mesh
 };
 
 // Every surface with both meshers at every size: time step, angles, volume, processor time, memory. Returns

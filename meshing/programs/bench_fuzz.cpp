@@ -10,7 +10,6 @@
 
 #include "bench.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/text.h"
@@ -18,6 +17,7 @@
 #include "lobe_mesh/interfaces.h"
 #include "lobe_mesh/repair.h"
 #include "lobe_mesh/steps.h"
+#include "write_text.h"
 
 namespace lobe::meshing {
 namespace {
@@ -109,14 +109,15 @@ constexpr Kind kinds[] = {{"triangles deleted", delete_triangles},
                           {"second copy", add_copy}};
 constexpr int kind_count = static_cast<int>(std::size(kinds));
 
-// The last kind of column: several damages at once.
+constexpr const char* several = "three of these";
+
 std::string damage(Surface& surface, int number, Random& random) {
   if (number % (kind_count + 1) < kind_count) {
     kinds[number % (kind_count + 1)].damage(surface, random);
     return kinds[number % (kind_count + 1)].name;
   }
   for (int i = 0; i < 3; ++i) kinds[below(random, kind_count)].damage(surface, random);
-  return "three of these";
+  return several;
 }
 
 std::string text_of(const std::filesystem::path& file) {
@@ -135,13 +136,53 @@ std::string fault_of(const std::filesystem::path& mesh) {
 }
 
 struct Counts {
-  int meshed = 0, refused = 0, gave_up = 0, wrong = 0;
+  int surfaces = 0, meshed = 0, refused = 0, gave_up = 0, wrong = 0;
+
+  void add(const Counts& c) {
+    surfaces += c.surfaces;
+    meshed += c.meshed;
+    refused += c.refused;
+    gave_up += c.gave_up;
+    wrong += c.wrong;
+  }
 };
+
+// A line per kind of damage, and one of all together: for people, and as CSV.
+void write_tables(const std::map<std::string, Counts>& counts, const std::filesystem::path& folder) {
+  std::string table =
+                  "| damage | surfaces | meshed | refused by name | gave up by name | wrong "
+                  "|\n|---|---|---|---|---|---|\n",
+              csv = "damage,surfaces,meshed,refused,gave_up,wrong\n";
+  const auto add = [&](const std::string& kind, const Counts& c) {
+    std::string line = "| " + kind, row = '"' + kind + '"';
+    for (const int count : {c.surfaces, c.meshed, c.refused, c.gave_up, c.wrong}) {
+      line += " | " + std::to_string(count);
+      row += ',' + std::to_string(count);
+    }
+    table += line + " |\n";
+    csv += row + '\n';
+  };
+  Counts all;
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds) names.push_back(kind.name);
+  names.push_back(several);
+  for (const std::string& name : names) {
+    const auto found = counts.find(name);
+    if (found == counts.end()) continue;
+    add(name, found->second);
+    all.add(found->second);
+  }
+  add("together", all);
+  std::fputs(table.c_str(), stdout);
+  write_text(folder / "fuzz.md", table);
+  write_text(folder / "fuzz.csv", csv);
+}
 
 // Coarse, so that a thousand surfaces take minutes; where the size makes no sense, lobe-mesh's own choice.
 std::vector<std::string> arguments(const std::string& file, const std::string& mesh, const Surface& surface,
                                    const BenchOptions& options) {
-  std::vector<std::string> words{file, "-o", mesh, "--quiet", "--time-limit", exact(options.time_limit)};
+  std::vector<std::string> words{
+      file, "-o", mesh, "--quiet", "--time-limit", exact(options.time_limit), "--repair", options.repair};
   const double edge = box_diagonal(surface) / 12;
   if (std::isfinite(edge) && edge > 0) words.insert(words.end(), {"--edge", exact(edge)});
   return words;
@@ -150,6 +191,7 @@ std::vector<std::string> arguments(const std::string& file, const std::string& m
 // "" or what is wrong.
 std::string run_one(const std::filesystem::path& file, const Surface& surface, const BenchOptions& options,
                     Counts& counts) {
+  ++counts.surfaces;
   const TemporaryFolder folder;
   const std::filesystem::path mesh = folder.path() / "mesh.vtu", errors = folder.path() / "errors";
   const ChildResult result = run_child(find_program("lobe-mesh"), arguments(file, mesh, surface, options),
@@ -200,16 +242,7 @@ int bench_fuzz(const BenchOptions& options) {
     write_surface(options.output / ("fuzzed_" + std::to_string(number) + ".vtp"), surface.points,
                   surface.triangles);
   }
-  std::string csv = "damage,meshed,refused,gave_up,wrong\n";
-  std::puts("| damage | meshed | refused by name | gave up by name | wrong |\n|---|---|---|---|---|");
-  for (const auto& [kind, c] : table) {
-    std::printf("| %s | %d | %d | %d | %d |\n", kind.c_str(), c.meshed, c.refused, c.gave_up, c.wrong);
-    csv += '"' + kind + "\"," + std::to_string(c.meshed) + ',' + std::to_string(c.refused) + ',' +
-           std::to_string(c.gave_up) + ',' + std::to_string(c.wrong) + '\n';
-  }
-  io::AtomicFile out(options.output / "fuzz.csv");
-  out.stream() << csv;
-  out.commit();
+  write_tables(table, options.output);
   return wrong;
 }
 

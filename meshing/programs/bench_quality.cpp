@@ -6,12 +6,12 @@
 
 #include "bench.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/model.h"
 #include "lobe_mesh/repair.h"
+#include "write_text.h"
 
 namespace lobe::meshing {
 namespace {
@@ -95,12 +95,6 @@ std::string csv_line(const Row& row) {
          exact(row.child.peak_bytes) + '\n';
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
-  io::AtomicFile out(file);
-  out.stream() << text;
-  out.commit();
-}
-
 }  // namespace
 
 int bench_quality(const BenchOptions& options) {
@@ -128,8 +122,8 @@ int bench_quality(const BenchOptions& options) {
       }
     }
   }
-  write(options.output / "quality.md", table);
-  write(options.output / "quality.csv", csv);
+  write_text(options.output / "quality.md", table);
+  write_text(options.output / "quality.csv", csv);
   return bad;
 }
 

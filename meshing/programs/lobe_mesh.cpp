@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/io/surface_io.h"
 #include "lobe/text.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
@@ -20,6 +20,7 @@
 #include "lobe_mesh/report_json.h"
 #include "mesh_options.h"
 #include "progress_line.h"
+#include "write_text.h"
 
 namespace {
 
@@ -32,12 +33,6 @@ void warn(const std::string& message) {
 
 void say(const Options& o, const std::string& text) {
   if (!o.quiet) std::cerr << line_eraser() << text;
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  io::AtomicFile out(file);
-  out.stream() << text << "\n";
-  out.commit();
 }
 
 void warn_of_size(double diagonal) {
@@ -73,7 +68,7 @@ int print_diagnosis(const Options& o, const Surface& surface) {
   return 0;
 }
 
-TetMesh mesh_surfaces(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {
+std::vector<Surface> repaired_surfaces(const Options& o, std::vector<InputFile>& inputs) {
   std::vector<Surface> surfaces;
   for (const std::string& file : o.surfaces) {
     Surface surface = scaled_surface(file, o);
@@ -82,7 +77,22 @@ TetMesh mesh_surfaces(const Options& o, std::vector<InputFile>& inputs, MeshRepo
     inputs.push_back({file, repair(file, o, surface)});
     surfaces.push_back(std::move(surface));
   }
-  return tetrahedralise(surfaces, o.mesh, report);
+  if (!o.repaired.empty()) write_surface(o.repaired, surfaces[0].points, surfaces[0].triangles);
+  return surfaces;
+}
+
+void write_report(const Options& o, const std::string& json) {
+  if (!o.report.empty()) write_text(o.report, json + "\n");
+  if (o.json) std::cout << json << "\n";
+}
+
+int repair_only(const Options& o) {
+  std::vector<InputFile> inputs;
+  const Surface surface = repaired_surfaces(o, inputs).front();
+  write_report(o, in_json(inputs.front()));
+  say(o, "repaired: " + std::to_string(surface.triangle_count()) + " triangles around " +
+             rounded(enclosed_volume(surface)) + " m³\n");
+  return 0;
 }
 
 TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {
@@ -110,14 +120,14 @@ int draw(const Options& o, const TetMesh& mesh, const MeshReport& report) {
 
 int run(const Options& o) {
   if (o.diagnose) return print_diagnosis(o, scaled_surface(o.surfaces.front(), o));
+  if (o.output.empty()) return repair_only(o);
   std::vector<InputFile> inputs;
   MeshReport report;
-  const TetMesh mesh = o.is_image() ? mesh_image(o, inputs, report) : mesh_surfaces(o, inputs, report);
+  const TetMesh mesh = o.is_image() ? mesh_image(o, inputs, report)
+                                    : tetrahedralise(repaired_surfaces(o, inputs), o.mesh, report);
   for (const std::string& warning : report.warnings) warn(warning);
   write_mesh(o.output, mesh);
-  const std::string json = in_json(inputs, o.output, o.mesh, report);
-  if (!o.report.empty()) write_text(o.report, json);
-  if (o.json) std::cout << json << "\n";
+  write_report(o, in_json(inputs, o.output, o.mesh, report));
   say(o, in_words(report));
   return o.picture.empty() ? 0 : draw(o, mesh, report);
 }
@@ -191,7 +201,7 @@ int run_safely(const Options& options) {
   const ChildResult result = run_watched(options);
   if (result.end == ChildResult::End::normal) return result.status;
   remove_parts(options, result.process);
-  const bool cancelled = result.status == SIGINT || result.status == SIGTERM;
+  const bool cancelled = result.status == SIGINT || result.status == SIGTERM || result.status == SIGHUP;
   print_errors(cancelled ? "cancelled"
                          : "the run " + result.in_words() + ": try the other --mesher, or --repair wrap");
   return cancelled ? 128 + result.status : 1;

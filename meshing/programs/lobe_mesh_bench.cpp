@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   fuzz.add_option("--first", options.first, "number of the first damaged surface")->capture_default_str();
   fuzz.add_option("--count", options.count, "of damaged surfaces")->capture_default_str();
   fuzz.add_option("--time-limit", options.time_limit, "of each [s]")->capture_default_str();
+  fuzz.add_option("--repair", options.repair, "of each: basic or wrap")->capture_default_str();
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);

@@ -9,6 +9,7 @@
 
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe_mesh/size_balls.h"
 
 namespace lobe::meshing {
 namespace {
@@ -29,8 +30,8 @@ void check_image(const CLI::App& app, const Options& o, std::vector<Fault>& faul
     if (wrong && app.count(option) > 0) faults.push_back({option, "belongs to " + input});
   };
   only_for(!o.is_image(), "--smoothing", "a label image");
-  for (const char* option :
-       {"--diagnose", "--repair", "--largest-hole", "--wrap-alpha", "--wrap-offset", "--feature-angle"})
+  for (const char* option : {"--diagnose", "--repair", "--repaired", "--largest-hole", "--wrap-alpha",
+                             "--wrap-offset", "--feature-angle"})
     only_for(o.is_image(), option, "surfaces, not to a label image");
   const auto images = std::count_if(o.surfaces.begin(), o.surfaces.end(), is_label_image);
   if (images > 0 && o.surfaces.size() > 1)
@@ -56,15 +57,21 @@ void check_outputs(const Options& o, std::vector<Fault>& faults) {
 void check(const CLI::App& app, const Options& o) {
   std::vector<Fault> faults;
   check_image(app, o, faults);
-  if (o.surfaces.size() > 1 && o.diagnose) faults.push_back({"--diagnose", "looks at one surface at a time"});
-  if (!o.diagnose && o.output.empty())
-    faults.push_back({"--output", "missing: give -o MESH.vtu (or --diagnose)"});
+  for (const char* option : {"--diagnose", "--repaired"}) {
+    if (o.surfaces.size() > 1 && app.count(option) > 0)
+      faults.push_back({option, "looks at one surface at a time"});
+  }
+  if (!o.diagnose && o.output.empty() && o.repaired.empty())
+    faults.push_back({"--output", "missing: give -o MESH.vtu (or --diagnose, or --repaired SURFACE.ply)"});
   if (!o.output.empty() && !can_write_mesh(o.output)) {
     faults.push_back(
         {"--output", o.output + ": expected a name that ends in .vtu, .vtk, .msh, .msh2, .mesh or .node"});
   }
   if (!o.marked.empty() && !o.diagnose) faults.push_back({"--marked", "belongs to --diagnose"});
-  if (!o.picture.empty() && o.diagnose) faults.push_back({"--picture", "shows a mesh: not with --diagnose"});
+  if (!o.picture.empty() && (o.diagnose || o.output.empty()))
+    faults.push_back({"--picture", "shows a mesh: give -o MESH.vtu, and not --diagnose"});
+  if (!o.repaired.empty() && o.diagnose) faults.push_back({"--repaired", "not with --diagnose"});
+  expect_ending("--repaired", o.repaired, {".obj", ".off", ".ply", ".stl", ".vtp"}, faults);
   expect_ending("--marked", o.marked, {".vtp", ".vtu", ".ply"}, faults);
   expect_ending("--picture", o.picture, {".png"}, faults);
   check_outputs(o, faults);
@@ -110,6 +117,10 @@ void read_sizing(Options& o) {
     const std::vector<double> n = numbers_of("--ball", text, "X,Y,Z,RADIUS,EDGE");
     o.mesh.balls.push_back({{n[0], n[1], n[2]}, n[3], n[4]});
   }
+  for (const std::string& file : o.sizes) {
+    const std::vector<SizeBall> balls = read_size_balls(file);
+    o.mesh.balls.insert(o.mesh.balls.end(), balls.begin(), balls.end());
+  }
 }
 
 // An option whose value is one of a few words.
@@ -143,12 +154,17 @@ void declare_options(CLI::App& app, Options& o) {
       ->required();
   app.add_option("-o,--output", o.output,
                  "mesh to write: .vtu, .vtk, .msh (4.1), .msh2 (2.2), .mesh or .node");
+  app.add_option("--repaired", o.repaired,
+                 "file for the surface after its repair: .obj, .off, .ply, .stl or .vtp; without -o no mesh "
+                 "is made");
   app.add_flag("--diagnose", o.diagnose, "only say what is wrong with the surface");
   app.add_option("--marked", o.marked,
                  "file for the surface with its faults as data of the triangles: .vtp, .vtu or .ply");
   app.add_option("--edge", o.mesh.edge, "edge of the tetrahedra [m]; default: diagonal / 25");
   app.add_option("--label-edge", o.label_edges, "LABEL=EDGE: another edge in one label [m]; can be repeated");
   app.add_option("--ball", o.balls, "X,Y,Z,RADIUS,EDGE: shorter edges in a ball [m]; can be repeated");
+  app.add_option("--sizes", o.sizes,
+                 "mesh (.vtu) whose point array `edge` asks for shorter edges [m]; can be repeated");
   app.add_option("--growth", o.mesh.growth, "of the edge per distance, where it changes")
       ->capture_default_str();
   app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")

@@ -14,15 +14,15 @@ namespace lobe::meshing {
 
 struct Options {
   std::vector<std::string> surfaces;
-  std::string output, report, marked, picture;
-  std::vector<std::string> label_edges, balls;
+  std::string output, repaired, report, marked, picture;
+  std::vector<std::string> label_edges, balls, sizes;
   double scale = 1;
   bool diagnose = false, json = false, quiet = false;
   RepairOptions repair;
   MeshOptions mesh;
 
   bool is_image() const { return is_label_image(surfaces.front()); }
-  std::vector<std::string> outputs() const { return {output, report, marked, picture}; }
+  std::vector<std::string> outputs() const { return {output, repaired, report, marked, picture}; }
 };
 
 void declare_options(CLI::App& app, Options& options);

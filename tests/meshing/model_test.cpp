@@ -97,6 +97,18 @@ TEST_CASE("nested surfaces become labels whose interfaces conform") {
   }
 }
 
+TEST_CASE("a label that is too small for the edge is a warning with the option that helps") {
+  MeshReport report;
+  tetrahedralise({organ, vessel}, {.edge = 0.008, .mesher = Mesher::tetgen}, report);
+  REQUIRE(report.warnings.size() == 1);
+  CHECK(contains(report.warnings[0], "the volume of label 1 differs"));
+  CHECK(contains(report.warnings[0], "--label-edge 1="));
+  CHECK(report.parts[1].volume_error() < -5);
+  tetrahedralise({organ, vessel}, {.edge = 0.008, .label_edges = {{1, 0.003}}}, report);
+  CHECK(report.warnings.empty());
+  CHECK(std::abs(report.parts[1].volume_error()) < 3);
+}
+
 TEST_CASE("edges follow the sizes of labels and balls, and grow gradually") {
   MeshReport report;
   const TetMesh mesh = tetrahedralise(

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lobe/io/mesh_io.h"
+#include "lobe_mesh/diagnose.h"
 #include "meshing/shapes.h"
 
 using namespace lobe;
@@ -155,6 +156,55 @@ TEST_CASE("each rung of the repair is reported with its volumes and its distance
   CHECK(steps.back()["volume_after"].get<double>() == doctest::Approx(enclosed_volume(sphere)));
 }
 
+TEST_CASE("--repaired writes the surface that is meshed, and makes no mesh unless one is asked for") {
+  const SurfaceFolder folder;
+  const Surface sphere = make_sphere(0.05, 3);
+  const std::string surface = folder.write("s.off", without_triangle(joined(sphere, sphere), 7)).string();
+  for (const std::string extension : {".obj", ".off", ".ply", ".stl", ".vtp"}) {
+    CAPTURE(extension);
+    const std::filesystem::path repaired = folder.path / ("r" + extension);
+    const Run run = lobe_mesh(surface + " --json --repaired " + repaired.string());
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    CHECK(nlohmann::json::parse(run.out)["repair"]["steps"].size() >= 2);
+    const Surface read = read_surface(repaired);
+    CHECK(read.point_count() == sphere.point_count());
+    CHECK(enclosed_volume(read) == doctest::Approx(enclosed_volume(sphere)).epsilon(1e-6));
+    CHECK(diagnose(read).meshable());
+  }
+  const std::string mesh = (folder.path / "m.vtu").string(), both = (folder.path / "both.ply").string();
+  CHECK(lobe_mesh(surface + " --edge 0.02 -o " + mesh + " --repaired " + both).status == 0);
+  CHECK(std::filesystem::exists(mesh));
+  CHECK(text_of(both) == text_of(folder.path / "r.ply"));
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    const Run bad = lobe_mesh(arguments);
+    CHECK(bad.status == 2);
+    CHECK_MESSAGE(contains(bad.err, message), bad.err);
+  };
+  refused(surface + " --repaired r.vtk", ".stl or .vtp");
+  refused(surface + " " + surface + " --repaired " + both, "one surface at a time");
+  refused(surface + " --diagnose --repaired " + both, "not with --diagnose");
+  refused(surface + " --picture p.png --repaired " + both, "shows a mesh");
+}
+
+TEST_CASE("two runs write the same bytes") {
+  const SurfaceFolder folder;
+  const std::string organ = folder.write("organ.off", make_sphere(0.05, 3)).string(),
+                    tumour = folder.write("tumour.off", make_sphere(0.02, 2)).string();
+  for (const std::string options : {" --label-edge 1=0.006", " --mesher tetgen"}) {
+    CAPTURE(options);
+    std::string first;
+    for (const std::string name : {"a.vtu", "b.vtu"}) {
+      const std::string mesh = (folder.path / name).string();
+      REQUIRE(lobe_mesh(organ + " " + tumour + " --edge 0.012 -o " + mesh + options).status == 0);
+      if (first.empty())
+        first = text_of(mesh);
+      else
+        CHECK(text_of(mesh) == first);
+    }
+    CHECK(first.size() > 10000);
+  }
+}
+
 TEST_CASE("a label image becomes a mesh with its labels") {
   const SurfaceFolder folder;
   std::string image =
@@ -243,6 +293,7 @@ TEST_CASE("several surfaces become labels in any format, sizes are read from the
   refused("--label-edge one=0.1", "LABEL,EDGE");
   refused("--label-edge 0.5=0.1", "whole label");
   refused("--ball 0,0,0", "X,Y,Z,RADIUS,EDGE");
+  refused("--sizes " + organ, "unknown extension");
   refused(organ, "touch or intersect");
 }
 
@@ -250,9 +301,9 @@ TEST_CASE("a run that is cancelled leaves nothing behind") {
   const SurfaceFolder folder, temporary;
   const std::string surface = folder.write("s.off", make_sphere(0.05, 4)).string();
   const std::size_t files = folder.file_count();
-  for (const std::string mesher : {"cgal", "tetgen"}) {
-    CAPTURE(mesher);
-    const std::string signal = mesher == "cgal" ? "INT" : "TERM";
+  const std::pair<std::string, std::string> runs[] = {{"cgal", "INT"}, {"tetgen", "TERM"}, {"cgal", "HUP"}};
+  for (const auto& [mesher, signal] : runs) {
+    CAPTURE(signal);
     const std::string command = "TMPDIR=" + temporary.path.string() + " timeout -s " + signal +
                                 " 1 " LOBE_BIN_DIR "/lobe-mesh " + surface +
                                 " --edge 0.0008 --quiet --mesher " + mesher + " -o " +
@@ -266,11 +317,19 @@ TEST_CASE("a run that is cancelled leaves nothing behind") {
 
 TEST_CASE("damaged surfaces end in a mesh or a named error") {
   const SurfaceFolder folder;
-  const std::string command = LOBE_BIN_DIR "/lobe-mesh-bench fuzz --count 22 " +
-                              folder.write("s.off", make_sphere(0.05, 3)).string() + " -o " +
-                              (folder.path / "fuzz").string() + " >/dev/null";
-  CHECK(std::system(command.c_str()) == 0);
-  CHECK(contains(text_of(folder.path / "fuzz" / "fuzz.csv"), "noise"));
+  const std::string surface = folder.write("s.off", make_sphere(0.05, 3)).string();
+  const std::pair<std::string, int> levels[] = {{"basic", 2}, {"wrap", 1}};
+  for (const auto& [repair, each] : levels) {
+    const std::filesystem::path out = folder.path / repair;
+    const std::string count = std::to_string(11 * each);
+    const std::string command = LOBE_BIN_DIR "/lobe-mesh-bench fuzz " + surface + " --count " + count +
+                                " --repair " + repair + " -o " + out.string() + " >/dev/null";
+    CHECK(std::system(command.c_str()) == 0);
+    CHECK(contains(text_of(out / "fuzz.csv"), "\"noise\"," + std::to_string(each) + ","));
+    const std::string table = text_of(out / "fuzz.md");
+    CHECK(std::count(table.begin(), table.end(), '\n') == 2 + 11 + 1);
+    CHECK(contains(table, "| together | " + count + " |"));
+  }
 }
 
 TEST_CASE("the table of quality has a line for every mesher, size and body") {

@@ -99,6 +99,32 @@ TEST_CASE("the diagnosis counts each kind of fault and says where it is") {
   fin.triangles.conservativeResize(3, 13);
   fin.triangles.col(12) << 0, 1, 7;
   CHECK(diagnose(fin).non_manifold_edges.count == 2);
+  Surface again = cube;
+  again.triangles.conservativeResize(3, 13);
+  again.triangles.col(12) = cube.triangles.col(4);
+  CHECK(diagnose(again).duplicate_triangles.count == 1);
+  CHECK(diagnose(joined(cube, cube)).duplicate_triangles.count ==
+        12);  // vertices of their own in the same places
+  again.triangles.col(12) << 2, 2, 5;
+  CHECK(diagnose(again).degenerate.count == 1);
+  Surface needle = cube;
+  needle.points.conservativeResize(3, 9);
+  needle.points.col(8) = (cube.points.col(cube.triangles(0, 0)) + cube.points.col(cube.triangles(1, 0))) / 2;
+  needle.triangles.conservativeResize(3, 13);
+  needle.triangles.col(12) << cube.triangles(0, 0), cube.triangles(1, 0), 8;
+  CHECK(diagnose(needle).degenerate.count == 1);
+  Surface touching = joined(cube, moved(cube, {1, 1, 1}));
+  const auto corner_at = [&](Index from) {
+    for (Index v = from; v < touching.point_count(); ++v)
+      if (touching.points.col(v) == Vec3d(1, 1, 1)) return v;
+    return Index{-1};
+  };
+  const Index corner = corner_at(0), other = corner_at(8);
+  for (Index& v : touching.triangles.reshaped())
+    if (v == other) v = corner;
+  CHECK(diagnose(touching).non_manifold_points.count == 1);
+  CHECK(diagnose(touching).closed());
+  CHECK_FALSE(diagnose(touching).meshable());
   const Surface small = moved(scaled(cube, 0.5), {0.25, 0.25, 0.25});
   CHECK(diagnose(joined(cube, inverted(small))).cavities == 1);
   CHECK(diagnose(joined(cube, inverted(small))).meshable());
@@ -111,7 +137,7 @@ TEST_CASE("the diagnosis counts each kind of fault and says where it is") {
   Surface nan = cube;
   nan.points(1, 5) = std::numeric_limits<double>::quiet_NaN();
   CHECK(diagnose(nan).not_finite.count == 1);
-  CHECK(contains(in_words(diagnose(nan)), "vertex 5"));
+  CHECK(contains(in_words(diagnose(nan)), "1 coordinate that is not finite: vertex 5"));
   CHECK(contains(in_json(diagnose(nan)), "\"meshable\": false"));
 }
 

@@ -264,8 +264,12 @@ std::string in_json(const Diagnosis& d) {
   json["volume"] = d.volume;
   json["cavities"] = d.cavities;
   for (const Finding* finding : d.findings()) {
-    json["findings"].push_back(
-        {{"name", finding->name}, {"count", finding->count}, {"places", finding->places}});
+    const std::set<Index> triangles(finding->triangles.begin(), finding->triangles.end());
+    json["findings"].push_back({{"name", finding->name},
+                                {"count", finding->count},
+                                {"places", finding->places},
+                                {"triangles", triangles},
+                                {"vertices", finding->points}});
   }
   json["inverted"] = d.inverted;
   json["closed"] = d.closed();

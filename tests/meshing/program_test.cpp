@@ -64,7 +64,13 @@ TEST_CASE("lobe-mesh --diagnose describes a bad surface and ends well") {
   CHECK(words.status == 0);
   CHECK(contains(words.out, "3 open edges"));
   const Run json = lobe_mesh(surface + " --diagnose --json");
-  CHECK(nlohmann::json::parse(json.out)["meshable"] == false);
+  const auto diagnosis = nlohmann::json::parse(json.out);
+  CHECK(diagnosis["meshable"] == false);
+  for (const auto& finding : diagnosis["findings"]) {
+    const bool open = finding["name"] == "open edges";
+    CHECK(finding["count"] == (open ? 3 : 0));
+    CHECK(finding["triangles"].size() == (open ? 3 : 0));  // the neighbours of the missing one
+  }
 }
 
 TEST_CASE("bad input ends with one line per fault, status 2 and nothing written") {
@@ -318,18 +324,17 @@ TEST_CASE("a run that is cancelled leaves nothing behind") {
 TEST_CASE("damaged surfaces end in a mesh or a named error") {
   const SurfaceFolder folder;
   const std::string surface = folder.write("s.off", make_sphere(0.05, 3)).string();
-  const std::pair<std::string, int> levels[] = {{"basic", 2}, {"wrap", 1}};
-  for (const auto& [repair, each] : levels) {
-    const std::filesystem::path out = folder.path / repair;
-    const std::string count = std::to_string(11 * each);
-    const std::string command = LOBE_BIN_DIR "/lobe-mesh-bench fuzz " + surface + " --count " + count +
-                                " --repair " + repair + " -o " + out.string() + " >/dev/null";
+  const auto table_of = [&](const std::string& options) {
+    const std::string command = LOBE_BIN_DIR "/lobe-mesh-bench fuzz " + surface + options + " -o " +
+                                (folder.path / "fuzz").string() + " >/dev/null";
     CHECK(std::system(command.c_str()) == 0);
-    CHECK(contains(text_of(out / "fuzz.csv"), "\"noise\"," + std::to_string(each) + ","));
-    const std::string table = text_of(out / "fuzz.md");
-    CHECK(std::count(table.begin(), table.end(), '\n') == 2 + 11 + 1);
-    CHECK(contains(table, "| together | " + count + " |"));
-  }
+    return text_of(folder.path / "fuzz" / "fuzz.md");
+  };
+  const std::string table = table_of(" --count 22");
+  CHECK(contains(text_of(folder.path / "fuzz" / "fuzz.csv"), "\"noise\",2,"));
+  CHECK(std::count(table.begin(), table.end(), '\n') == 2 + 11 + 1);
+  CHECK(contains(table, "| together | 22 |"));
+  CHECK(contains(table_of(" --count 3 --repair wrap"), "| together | 3 | 3 | 0 | 0 | 0 |"));
 }
 
 TEST_CASE("the table of quality has a line for every mesher, size and body") {

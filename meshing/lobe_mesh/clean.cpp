@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/clean.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,6 +40,11 @@ Surface renumbered(const Surface& surface, const std::vector<Index>& target, con
 }  // namespace
 
 bool usable(const Vec3d& point) { return point.allFinite() && point.cwiseAbs().maxCoeff() < 1e50; }
+
+bool degenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return !((b - a).cross(c - a).norm() > 1e-14 * longest);
+}
 
 std::vector<Index> first_of_equal_points(const Mat3X<double>& points) {
   const auto coordinates = [&](Index i) { return std::array{points(0, i), points(1, i), points(2, i)}; };

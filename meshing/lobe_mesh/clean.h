@@ -12,6 +12,9 @@ namespace lobe::meshing {
 // Finite, and not so large (1e50) that its cube overflows.
 bool usable(const Vec3d& point);
 
+// Whether a triangle has no area, but for rounding: then it has no normal, either.
+bool degenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
 // For every point the first one with the same coordinates (itself, if there is none).
 std::vector<Index> first_of_equal_points(const Mat3X<double>& points);
 

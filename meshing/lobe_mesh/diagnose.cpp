@@ -76,12 +76,8 @@ void check_triangles(const Surface& surface, const std::vector<Index>& first, Di
   std::set<std::array<Index, 3>> seen;
   for (Index t = 0; t < surface.triangle_count(); ++t) {
     const auto corner = [&](int k) -> Vec3d { return surface.points.col(surface.triangles(k, t)); };
-    const double twice_area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
-    const double longest =
-        std::max({(corner(1) - corner(0)).squaredNorm(), (corner(2) - corner(1)).squaredNorm(),
-                  (corner(0) - corner(2)).squaredNorm()});
     const std::string name = "triangle " + std::to_string(t) + " near " + position(corner(0));
-    if (!(twice_area > 1e-14 * longest)) add(d.degenerate, name, {t});
+    if (degenerate(corner(0), corner(1), corner(2))) add(d.degenerate, name, {t});
     std::array<Index, 3> key;
     for (int k = 0; k < 3; ++k) key[k] = first[surface.triangles(k, t)];
     std::sort(key.begin(), key.end());

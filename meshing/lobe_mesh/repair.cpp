@@ -176,9 +176,9 @@ Surface repair_surface(const Surface& surface, const RepairOptions& options, Rep
   Surface result = wraps ? wrap(cleaned, unit, options, report)
                          : repair_by_rungs(cleaned, options.largest_hole, report, measure);
   measure(result);
+  result.points = unit.from_unit(result.points);
   const Diagnosis after = diagnose(result);
   refuse_unless_meshable(after, "this is left after the repair: use --repair wrap");
-  result.points = unit.from_unit(result.points);
   compare(surface, result, after, report);
   return result;
 }

@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "lobe_mesh/cgal_common.h"
+#include "lobe_mesh/clean.h"
 #include "lobe_mesh/repair.h"
 #include "lobe_mesh/steps.h"
 
@@ -133,14 +134,31 @@ void fill_holes(CgalMesh& mesh, double largest_hole, RepairReport& report) {
        "filled " + plural(holes.size(), "hole") + " with " + plural(filled, "triangle"));
 }
 
+std::vector<Face> nearly_degenerate_faces(const CgalMesh& mesh) {
+  std::vector<Face> faces;
+  for (const Face face : mesh.faces()) {
+    Vec3d corner[3];
+    int k = 0;
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(face)))
+      corner[k++] = {mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z()};
+    if (degenerate(corner[0], corner[1], corner[2])) faces.push_back(face);
+  }
+  return faces;
+}
+
+// Exactly flat ones first; then those with an area that is but rounding, of which caps are flipped, needles collapsed.
 void remove_degenerate(CgalMesh& mesh, RepairReport& report) {
+  constexpr double cap = -1 + 1e-12, needle = 1e6,
+                   longest_collapse = 1e-6;  // cosine, ratio of edges, of the size
   std::vector<Face> flat;
   pmp::degenerate_faces(mesh, std::back_inserter(flat));
-  if (flat.empty()) return;
-  if (!pmp::remove_degenerate_faces(mesh)) {
+  if (!flat.empty() && !pmp::remove_degenerate_faces(mesh))
     throw InputError("degenerate triangles", "could not be removed: use --repair wrap");
-  }
-  note(report, "degenerate", flat.size(), "removed " + plural(flat.size(), "triangle") + " without area");
+  const std::vector<Face> nearly = nearly_degenerate_faces(mesh);
+  if (!nearly.empty())
+    pmp::experimental::remove_almost_degenerate_faces(nearly, mesh, cap, needle, longest_collapse);
+  const std::size_t count = flat.size() + nearly.size();
+  note(report, "degenerate", count, "removed " + plural(count, "triangle") + " without area");
 }
 
 void remove_intersections(CgalMesh& mesh, RepairReport& report) {

@@ -165,6 +165,27 @@ TEST_CASE("surfaces that no repair can help are refused with the reason") {
   CHECK(contains(refusal(without_triangle(sphere, 0), Repair::none), "3 open edges"));
 }
 
+TEST_CASE("triangles without area are removed, whether that is exact or up to rounding") {
+  const Surface sphere = make_sphere(0.05, 3);
+  for (const Index t : {10, 300, 777}) {
+    for (const double ratio : {0.5, 0.3}) {
+      CAPTURE(t);
+      CAPTURE(ratio);
+      Surface bad = sphere;  // one corner on the opposite edge
+      bad.points.col(bad.triangles(2, t)) =
+          (1 - ratio) * bad.points.col(bad.triangles(0, t)) + ratio * bad.points.col(bad.triangles(1, t));
+      REQUIRE(diagnose(bad).degenerate.count == 1);
+      RepairReport report;
+      const Surface result = repair_surface(bad, {}, report);
+      CHECK(diagnose(result).meshable());
+      REQUIRE(step(report, "degenerate"));
+      CHECK(step(report, "degenerate")->count == 1);
+      CHECK(report.max_distance < 1e-3);
+      CHECK(enclosed_volume(result) == doctest::Approx(enclosed_volume(bad)).epsilon(1e-6));
+    }
+  }
+}
+
 TEST_CASE("an edge shared by four triangles is taken apart") {
   // Two cubes that touch along one edge: CGAL would say that they intersect.
   const Surface two = joined(make_cube(1), moved(make_cube(1), {1, 1, 0}));

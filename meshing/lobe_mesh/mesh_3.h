@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <string>
 #include <unordered_map>
 
 #include "lobe/mesh/tet_mesh.h"
@@ -17,6 +18,14 @@
 #include "lobe_mesh/cgal_common.h"
 #include "lobe_mesh/sizing.h"
 #include "lobe_mesh/steps.h"
+
+namespace CGAL {
+
+// Preferred to CGAL's own, which leaves files in the working folder before it reports an internal error.
+template <class Triangulation, class Corner, class Curve>
+void dump_c3t3(const Mesh_complex_3_in_triangulation_3<Triangulation, Corner, Curve>&, std::string) {}
+
+}  // namespace CGAL
 
 namespace lobe::meshing {
 

@@ -337,6 +337,16 @@ TEST_CASE("damaged surfaces end in a mesh or a named error") {
   CHECK(contains(table_of(" --count 3 --repair wrap"), "| together | 3 | 3 | 0 | 0 | 0 |"));
 }
 
+TEST_CASE("an internal error of a geometry library leaves no file in the working folder") {
+  const SurfaceFolder folder;
+  // CGAL meets one of its own in the refinement of this surface.
+  const std::string command = "cd " + folder.path.string() +
+                              " && " LOBE_BIN_DIR "/lobe-mesh-bench fuzz " LOBE_DATA_DIR
+                              "/cylinder.obj --first 652 --count 1 -o fuzz >/dev/null 2>&1";
+  CHECK(std::system(command.c_str()) == 0);
+  CHECK(folder.file_count() == 1);  // the folder of the tables
+}
+
 TEST_CASE("the table of quality has a line for every mesher, size and body") {
   const SurfaceFolder folder;
   const std::filesystem::path out = folder.path / "quality";

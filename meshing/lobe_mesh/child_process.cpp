@@ -29,7 +29,7 @@ void limit(Resource resource, double value) {
 }
 
 // After fork(): only calls that are safe there.
-void restrict_child(double memory_bytes) {
+void restrict_child([[maybe_unused]] double memory_bytes) {
 #ifndef __SANITIZE_ADDRESS__  // reserves terabytes of addresses
   limit(RLIMIT_AS, memory_bytes);
 #endif

@@ -1,25 +1,16 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/check_options.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "lobe/error.h"
 #include "lobe/text.h"
+#include "lobe_mesh/area.h"
 
 namespace lobe::meshing {
 namespace {
 
 constexpr double most_tets = 20e6;
-
-double area(const Surface& surface) {
-  double sum = 0;
-  for (const auto& t : surface.triangles.colwise()) {
-    const Vec3d a = surface.points.col(t[1]) - surface.points.col(t[0]);
-    sum += a.cross(Vec3d(surface.points.col(t[2]) - surface.points.col(t[0]))).norm() / 2;
-  }
-  return sum;
-}
 
 void check_numbers(const MeshOptions& options, std::vector<Fault>& faults) {
   const auto positive = [&](const std::string& name, double value, bool zero_too = false) {

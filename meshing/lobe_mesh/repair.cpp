@@ -8,6 +8,7 @@
 
 #include "lobe/error.h"
 #include "lobe/text.h"
+#include "lobe_mesh/area.h"
 #include "lobe_mesh/clean.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/nearest.h"
@@ -122,17 +123,17 @@ void compare(const Surface& input, const Surface& result, const Diagnosis& after
   }
 }
 
-// Through a gap wider than alpha the wrapping falls into the body and leaves a hollow shell: then a larger
-// alpha is taken, unless the user chose it.
+// Through a gap wider than alpha the wrapping falls into the body and leaves a hollow shell, which has two sides where
+// the surface has one: then a larger alpha is taken, unless the user chose it.
 Surface wrap(const Surface& surface, const UnitBox& unit, const RepairOptions& options,
              RepairReport& report) {
   const double diagonal = box_diagonal(surface);
   double alpha = options.wrap_alpha > 0 ? options.wrap_alpha / unit.size : diagonal / 60;
-  const double enough = 0.5 * std::abs(enclosed_volume(surface));
+  const double least_volume = 0.5 * std::abs(enclosed_volume(surface)), most_area = 1.75 * area(surface);
   for (;; alpha *= 2) {
     const double offset = options.wrap_offset > 0 ? options.wrap_offset / unit.size : alpha / 30;
     const Surface result = alpha_wrap(surface, alpha, offset);
-    if (enclosed_volume(result) >= enough) {
+    if (enclosed_volume(result) >= least_volume && area(result) <= most_area) {
       std::ostringstream text;
       text << "wrapped: a new surface of " << result.triangle_count() << " triangles, " << offset * unit.size
            << " outside the old one, bridging gaps below " << alpha * unit.size;

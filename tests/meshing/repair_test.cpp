@@ -118,6 +118,23 @@ TEST_CASE("wrapping closes what repair refuses, and says what it cost") {
                "hollow"));
 }
 
+TEST_CASE("a wrapping that is a shell around an open surface is no body, however thick") {
+  Surface half = make_sphere(1, 3);
+  std::vector<Index> upper;
+  for (Index t = 0; t < half.triangle_count(); ++t)
+    if (half.points(Eigen::all, half.triangles.col(t)).row(2).mean() > 0) upper.push_back(t);
+  half.triangles = half.triangles(Eigen::all, upper).eval();
+  RepairReport report;  // the shell has a volume of 0.33 π, the half ball of 0.67 π
+  CHECK(contains(input_error([&] {
+                   repair_surface(half, {.level = Repair::wrap, .wrap_alpha = 0.4, .wrap_offset = 0.08},
+                                  report);
+                 }),
+                 "hollow"));
+  const Surface body =
+      repair_surface(half, {.level = Repair::wrap, .wrap_alpha = 2, .wrap_offset = 0.08}, report);
+  CHECK(enclosed_volume(body) > 0.95 * 2 * std::numbers::pi / 3);
+}
+
 TEST_CASE("a dent that pierces the other side is undone") {
   Surface sphere = make_sphere(1, 3);
   sphere.points.col(0) *= -1.02;  // one vertex drawn through the opposite side

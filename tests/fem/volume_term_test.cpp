@@ -22,6 +22,7 @@ TEST_CASE("the change of volume is det F − 1, exact for tiny gradients") {
   const Mat3<double> H = some_gradient();
   CHECK(volume_change(H) == doctest::Approx((Mat3<double>::Identity() + H).determinant() - 1).epsilon(1e-14));
   CHECK(volume_change<double>(1e-12 * Mat3<double>::Identity()) == doctest::Approx(3e-12).epsilon(1e-11));
+  CHECK(volume_ratio(H) == doctest::Approx(1 + volume_change(H)).epsilon(1e-14));
 }
 
 TEST_CASE("the volume stress is the derivative of κ|v|³/3, stretched and inverted") {

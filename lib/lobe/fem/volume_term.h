@@ -31,6 +31,14 @@ T volume_change(const Mat3<T>& H) {
   return H(0, 0) + H(1, 1) + H(2, 2) + minors + det;
 }
 
+// det(I + H) by half the work, with rounding errors of the size of its terms: to tell what is near collapse.
+template <class T>
+T volume_ratio(const Mat3<T>& H) {
+  const T a = T(1) + H(0, 0), b = T(1) + H(1, 1), c = T(1) + H(2, 2);
+  return a * (b * c - H(1, 2) * H(2, 1)) - H(0, 1) * (H(1, 0) * c - H(1, 2) * H(2, 0)) +
+         H(0, 2) * (H(1, 0) * H(2, 1) - b * H(2, 0));
+}
+
 template <class T>
 Mat3<T> deformation_cofactor(const Mat3<T>& H)  // cof F = ∂ det F/∂F
 {

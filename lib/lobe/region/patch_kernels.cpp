@@ -43,9 +43,16 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart
   if (kappa_ == 0 && guard_below_ == 0 && part == ElementPart::volume_term) return;
   if (kappa_ == 0 && part == ElementPart::both) part = ElementPart::svk;
   if (nodal_pressure_) find_pressures(u, parallel);
+  // Collapse is rare: asking is all that it costs the others, and a patch that has an element below the threshold, with
+  // some room for the rounding of the question, is evaluated again.
+  const Guarding guarding = guard_below_ > 0 ? Guarding::asked : Guarding::off;
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
-                     kernels_.add_forces(arrays(p, local), part, sums);
+                     const PatchArrays<Real> patch = arrays(p, local);
+                     if (kernels_.add_forces(patch, part, guarding, sums) >= Real(1.01f) * patch.guard_below)
+                       return;
+                     std::fill_n(sums, layout_.patch(p).vertices, PaddedVector<Real>{});
+                     kernels_.add_forces(patch, part, Guarding::acting, sums);
                    });
 }
 

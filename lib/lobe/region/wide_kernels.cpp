@@ -34,10 +34,11 @@ void prefetch(const Block* block) {
 }
 
 // The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
-template <class Real, ElementPart part, bool nodal_pressure>
-LOBE_FLATTEN void add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
+template <class Real, ElementPart part, bool nodal_pressure, Guarding guarding>
+LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = ElementLanes<T>;
+  T smallest = 1;
   for (Index b = 0; b < patch.block_count; ++b) {
     prefetch(patch.blocks + b);
     for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
@@ -50,27 +51,35 @@ LOBE_FLATTEN void add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
       if constexpr (part == ElementPart::both) VP += volume_stress<T>(e.H, e.V * patch.kappa);
       if constexpr (nodal_pressure)
         VP += pressure_stress<T>(e.H, e.V * Lanes::pressure(patch.pressure_blocks[b], first, patch.pressure));
-      if (patch.guard_below > 0 && e.any_below(patch.guard_below)) [[unlikely]]
-        VP += guard_stress<T>(e.H, e.V * patch.guard_modulus, patch.guard_below);
+      if constexpr (guarding == Guarding::asked) smallest = min(smallest, volume_ratio(e.H));
+      if constexpr (guarding == Guarding::acting)
+        if (e.any_below(patch.guard_below))
+          VP += guard_stress<T>(e.H, e.V * patch.guard_modulus, patch.guard_below);
       add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b].corners, first, sums);
     }
   }
+  return hmin(smallest);
+}
+
+template <class Real, ElementPart part, bool nodal_pressure>
+Real add_forces_of(const PatchArrays<Real>& patch, Guarding guarding, Real* sums) {
+  if (guarding == Guarding::off) return add_forces_of<Real, part, nodal_pressure, Guarding::off>(patch, sums);
+  if (guarding == Guarding::asked)
+    return add_forces_of<Real, part, nodal_pressure, Guarding::asked>(patch, sums);
+  return add_forces_of<Real, part, nodal_pressure, Guarding::acting>(patch, sums);
 }
 
 template <class Real>
-void add_forces(const PatchArrays<Real>& patch, ElementPart part, PaddedVector<Real>* f) {
+Real add_forces(const PatchArrays<Real>& patch, ElementPart part, Guarding guarding, PaddedVector<Real>* f) {
   const bool nodal_pressure = patch.pressure_blocks;
   Real* sums = &f->xyz0[0];
   if (part == ElementPart::volume_term)
-    add_forces_of<Real, ElementPart::volume_term, false>(patch, sums);
-  else if (part == ElementPart::svk && nodal_pressure)
-    add_forces_of<Real, ElementPart::svk, true>(patch, sums);
-  else if (part == ElementPart::svk)
-    add_forces_of<Real, ElementPart::svk, false>(patch, sums);
-  else if (nodal_pressure)
-    add_forces_of<Real, ElementPart::both, true>(patch, sums);
-  else
-    add_forces_of<Real, ElementPart::both, false>(patch, sums);
+    return add_forces_of<Real, ElementPart::volume_term, false>(patch, guarding, sums);
+  if (part == ElementPart::svk)
+    return nodal_pressure ? add_forces_of<Real, ElementPart::svk, true>(patch, guarding, sums)
+                          : add_forces_of<Real, ElementPart::svk, false>(patch, guarding, sums);
+  return nodal_pressure ? add_forces_of<Real, ElementPart::both, true>(patch, guarding, sums)
+                        : add_forces_of<Real, ElementPart::both, false>(patch, guarding, sums);
 }
 
 template <class Real>

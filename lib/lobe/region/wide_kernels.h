@@ -9,7 +9,9 @@
 
 namespace lobe {
 
-enum class ElementPart { svk, volume_term, both };  // each with the guard, where there is one
+enum class ElementPart { svk, volume_term, both };
+// By fem/guard.h; asked: not, but the smallest det F is looked for.
+enum class Guarding { off, asked, acting };
 
 enum class StiffnessPart { diagonal, beside };  // xx, yy, zz; xy, xz, yz
 
@@ -63,8 +65,10 @@ inline std::size_t product_scratch(Index columns) {
 
 template <class Real>
 struct WideKernels {
-  // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
-  void (*add_forces)(const PatchArrays<Real>& patch, ElementPart part, PaddedVector<Real>* f);
+  // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron. Returns the
+  // smallest det F if asked, to rounding, else 1.
+  Real (*add_forces)(const PatchArrays<Real>& patch, ElementPart part, Guarding guarding,
+                     PaddedVector<Real>* f);
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
   // Adds three of the six entries of what each vertex feels when it moves alone [N/m]; returns the smallest det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);

@@ -117,6 +117,12 @@ TEST_CASE("an implicit world follows grasps, rollers and cuts") {
   CHECK((u - rest.u).norm() < 1e-6 * rest.u.norm());
 }
 
+TEST_CASE("an implicit world that is held everywhere stays") {
+  Setup setup = implicit(beam(RegionModel::nonlinear), 0.8);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, Vec3d::Zero()});
+  CHECK(after(setup, 0.1, 3).isZero(0));
+}
+
 TEST_CASE("a world that is moved goes on as if it had stayed") {
   const Setup setup = implicit(beam(RegionModel::nonlinear), 0.8);
   World<double> stays(setup);

@@ -55,6 +55,24 @@ TEST_CASE("a body that can move freely is refused, and so is one held along a li
   CHECK_THROWS_WITH_AS(solve_static(setup), doctest::Contains("do not lie on a line"), InputError);
 }
 
+TEST_CASE("a body of which everything is given has its equilibrium at once") {
+  Setup setup = setup_of(irregular_box(2));
+  const Vec3d moved(0.01, -0.02, 0.03);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, moved});
+  const StaticResult result = solve_static(setup);
+  CHECK(result.converged);
+  CHECK(result.unknowns == 0);
+  CHECK(result.u == moved.replicate(1, setup.mesh.vertex_count()));
+}
+
+TEST_CASE("a load beyond double precision has no equilibrium") {
+  Setup setup = beam(RegionModel::nonlinear);
+  setup.gravity = {0, 0, 1e308};
+  const StaticResult result = solve_static(setup);
+  CHECK_FALSE(result.converged);
+  CHECK(result.reason.find("too large for double precision") != std::string::npos);
+}
+
 TEST_CASE("an edge that two bodies share is a hinge, a face is not") {
   // Two tetrahedra on either side of an edge of four that they do not share a face with.
   TetMesh mesh;

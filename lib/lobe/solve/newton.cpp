@@ -1,6 +1,7 @@
 #include "lobe/solve/newton.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lobe {
 namespace {
@@ -29,6 +30,10 @@ NewtonResult minimise(NewtonProblem& problem, NewtonPoint& point, double toleran
   NewtonResult result;
   Mat3X<double> direction;
   for (; result.iterations < most_iterations; ++result.iterations) {
+    if (!std::isfinite(point.scale)) {
+      result.trouble = "its forces are too large for double precision";
+      return result;
+    }
     result.converged = point.residual.norm() <= tolerance * point.scale;
     if (result.converged) return result;
     if (!problem.direction(point, direction)) {

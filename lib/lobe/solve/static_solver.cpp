@@ -8,6 +8,7 @@
 #include "lobe/solve/floating.h"
 #include "lobe/solve/newton.h"
 #include "lobe/solve/tangent.h"
+#include "lobe/text.h"
 
 namespace lobe {
 namespace {
@@ -23,6 +24,10 @@ Mat3X<double> prescribed_displacements(const HeldVertices& held, Index vertices)
 bool has_turning_region(const Elements& elements) {
   return elements.precomputed_frame == RegionFrame::corotated &&
          std::count(elements.region_of.begin(), elements.region_of.end(), RegionModel::precomputed) > 0;
+}
+
+std::string most_compressed(Index tet) {  // for messages; −1: none is known
+  return tet < 0 ? "" : "tetrahedron " + std::to_string(tet) + " is the most compressed, and ";
 }
 
 // The equations of one setup: which displacements are unknown, what loads them.
@@ -167,9 +172,8 @@ StaticResult solve_static(const Setup& setup, const StaticOptions& options) {
     }
     step = std::min(step, 1 - result.load_fraction) / 2;
     if (step >= options.smallest_load_step) continue;
-    result.reason = "no equilibrium beyond " + std::to_string(100 * result.load_fraction) +
-                    " % of the load; tetrahedron " + std::to_string(result.worst_tet) +
-                    " is the most compressed, and " + equilibrium.trouble() +
+    result.reason = "no equilibrium beyond " + rounded(100 * result.load_fraction) + " % of the load; " +
+                    most_compressed(result.worst_tet) + equilibrium.trouble() +
                     ": a volume_penalty, smaller loads or a finer mesh there may help";
     return result;
   }

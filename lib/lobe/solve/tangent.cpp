@@ -170,7 +170,24 @@ void Tangent::scale_and_add_mass(double scale, double weight, const std::vector<
       matrix_.valuePtr()[matrix_.outerIndexPtr()[row]] += weight * mass[std::size_t(i / 3)];
 }
 
+namespace {
+
+// Where everything is given: orderings do not take a graph without vertices.
+class NothingUnknown : public SparseFactor {
+ public:
+  const char* name() const override { return "none"; }
+  bool takes_indefinite() const override { return true; }
+  void analyse(const Matrix&) override {}
+  bool factorise(const Matrix&, Eigen::Index) override { return true; }
+  Eigen::Index size() const override { return 0; }
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return b; }
+  long long nonzeros() const override { return 0; }
+};
+
+}  // namespace
+
 std::unique_ptr<SparseFactor> Tangent::make_factor(const SparseFactorMaker& wanted) const {
+  if (matrix_.rows() == 0) return std::make_unique<NothingUnknown>();
   std::unique_ptr<SparseFactor> factor = wanted();
   if (pressures_ > 0 && !factor->takes_indefinite()) factor = make_ldlt();
   factor->analyse(matrix_);

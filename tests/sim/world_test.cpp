@@ -374,6 +374,18 @@ TEST_CASE("when what holds the body is burnt away, it falls and no longer counts
   CHECK(world.state().u(2, setup.mesh.vertex_count() - 1) < -0.1);
 }
 
+TEST_CASE("what is led beyond the numbers ends the frame, also where nothing else moves") {
+  Setup setup = setup_of(box_mesh({0.02, 0.02, 0.02}, 2, 2, 2));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, {1e308, 0, 0}});
+  World<float> world(setup);
+  const Report report = world.advance(0.01);
+  CHECK_FALSE(report.ok);
+  REQUIRE(report.conditions.size() == 1);
+  CHECK(report.conditions[0].kind == Condition::Kind::diverged);
+  CHECK(world.state().u.isZero(0));
+  CHECK(world.state().v.isZero(0));
+}
+
 TEST_CASE("a bar sinks to where an independent finite-element solution has it") {
   // FEniCSx on the same 240 tetrahedra, static SVK under a body force of 3000 N/m³; corners of the far end.
   Setup setup = beam();

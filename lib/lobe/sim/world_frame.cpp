@@ -6,6 +6,7 @@
 
 #include "lobe/error.h"
 #include "lobe/sim/world.h"
+#include "lobe/text.h"
 
 namespace lobe {
 namespace {
@@ -27,7 +28,7 @@ class Timed {
 
 Condition near_inversion(double volume_ratio, Index tet, double time) {
   return {Condition::Kind::near_inversion,
-          "tetrahedron " + std::to_string(tet) + " is at " + std::to_string(volume_ratio) + " of its volume" +
+          "tetrahedron " + std::to_string(tet) + " is at " + rounded(volume_ratio) + " of its volume" +
               (volume_ratio < 0 ? ", inverted" : "") +
               ": guard_below, a larger volume_penalty, a smaller load or a slower tool may help",
           time};
@@ -35,20 +36,27 @@ Condition near_inversion(double volume_ratio, Index tet, double time) {
 
 Condition too_stiff(double limit, double time) {
   return {Condition::Kind::too_stiff,
-          "steps of " + std::to_string(1e9 * limit) +
-              " ns are all that is stable, more than a million per frame: use softer materials, a coarser "
-              "mesh or "
-              "a shorter frame",
+          "steps of " + rounded(limit) +
+              " s are all that is stable, more than a million per frame: use softer materials, a coarser "
+              "mesh or a shorter frame",
           time};
 }
 
 Condition diverged(double step, const std::string& fastest, double time) {
   return {
       Condition::Kind::diverged,
-      "no step down to " + std::to_string(step) + " s was stable; " + fastest +
+      "no step down to " + rounded(step) + " s was stable; " + fastest +
           "displacements and velocities before it are kept. Use a smaller load or tool speed, more damping, "
           "guard_below or a volume_penalty",
       time};
+}
+
+// What is led may be led beyond the numbers, which no force notices where nothing that moves by itself is near.
+template <class State>
+bool led_are_finite(const HeldVertices& held, const State& state) {
+  return std::all_of(held.all().begin(), held.all().end(), [&](const HeldVertices::Held& item) {
+    return state.u.col(item.vertex).allFinite() && state.v.col(item.vertex).allFinite();
+  });
 }
 
 }  // namespace
@@ -76,7 +84,7 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
     if (!(fastest_ * dt < longest_move_)) return false;
     if (first_try && turned_ * dt > 0.02 * longest_move_) return false;
   }
-  return true;
+  return led_are_finite(held_, state_);
 }
 
 // The vertex that is fastest or not a number, for messages.

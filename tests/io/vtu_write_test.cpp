@@ -1,4 +1,5 @@
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <limits>
@@ -77,6 +78,17 @@ TEST_CASE("VTU: a full disk is a fault, and what was there before stays whole") 
   CHECK_CONTAINS(text, "a.vtu: cannot be written");
   CHECK(folder.file_count() == 1);
   CHECK(read_mesh(folder.path / "a.vtu").mesh.tet_count() == 6);
+}
+
+TEST_CASE("VTU: a pipe or a device is no place for a file, and stays") {
+  const fixture::Folder folder;
+  const std::filesystem::path pipe = folder.path / "a.vtu";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK_CONTAINS(fixture::fault_of([&] {
+                   write_vtu(pipe, box_mesh({1, 1, 1}, 1, 1, 1));
+                 }),
+                 "a.vtu: is a device or a pipe");
+  CHECK(std::filesystem::is_fifo(pipe));
 }
 
 TEST_CASE("VTU: a folder that is not there is a fault") {

@@ -32,6 +32,12 @@ std::filesystem::path temporary_name(std::filesystem::path file) {
 
 AtomicFile::AtomicFile(std::filesystem::path file)
     : file_(std::move(file)), temporary_(temporary_name(file_)) {
+  std::error_code none;  // what is not there yet, or cannot be asked for
+  const auto kind = std::filesystem::status(file_, none).type();
+  using Kind = std::filesystem::file_type;
+  if (kind == Kind::block || kind == Kind::character || kind == Kind::fifo || kind == Kind::socket)
+    throw InputError(file_.string(),
+                     "is a device or a pipe, which a file would take the place of; name a file");
   errno = 0;
   stream_.open(temporary_, std::ios::binary | std::ios::trunc);
   if (!stream_) fail(file_, errno);

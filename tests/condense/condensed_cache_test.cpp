@@ -89,6 +89,21 @@ TEST_CASE("whatever changes a condensed region finds none on disk") {
   }
 }
 
+TEST_CASE("a file under the name of another one is replaced with a notice") {
+  const Folder folder;
+  Setup light = half_linear(RegionModel::precomputed, 3), heavy = light;
+  light.condensed_cache = heavy.condensed_cache = folder.path;
+  heavy.gravity = {0, 0, -9.81};
+  const World<double> first(light);
+  const fs::path own = files(folder.path)[0];
+  World<double> expected(heavy);
+  for (const fs::path& file : files(folder.path))
+    if (file != own) fs::copy_file(own, file, fs::copy_options::overwrite_existing);
+  World<double> afresh(heavy);
+  CHECK(notices(afresh) == 1);
+  CHECK(displaced_forces(afresh) == displaced_forces(expected));
+}
+
 TEST_CASE("a damaged file is replaced with a notice, and a folder that cannot be written to is left alone") {
   const Folder folder;
   Setup setup = half_linear(RegionModel::precomputed, 3);

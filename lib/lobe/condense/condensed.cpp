@@ -46,11 +46,13 @@ void put(io::ByteWriter& out, const Matrix& M) {
   out.put_all(std::span(M.data(), std::size_t(M.size())));
 }
 
-Matrix get(io::ByteReader& in, Eigen::Index columns) {
-  const auto rows = in.get<std::int64_t>();
+Matrix get(io::ByteReader& in, Eigen::Index rows, Eigen::Index columns) {
+  in.expect(in.get<std::int64_t>() == rows);
   const std::vector<double> values = in.get_all<double>();
-  in.expect(rows >= 0 && std::size_t(rows) * std::size_t(columns) == values.size());
-  return Eigen::Map<const Matrix>(values.data(), rows, columns);
+  in.expect(values.size() == std::size_t(rows) * std::size_t(columns));
+  const Eigen::Map<const Matrix> M(values.data(), rows, columns);
+  in.expect(M.allFinite());
+  return M;
 }
 
 }  // namespace
@@ -74,20 +76,19 @@ std::unique_ptr<Condensed> Condensed::load(io::ByteReader& in, std::unique_ptr<S
   c->column_ = c->slot_;
   const auto number = [&](const Dofs& dofs, std::vector<Index>& numbers) {
     for (std::size_t i = 0; i < dofs.size(); ++i) {
-      in.expect(dofs[i] >= 0 && dofs[i] < loads.rows());
+      in.expect(dofs[i] >= 0 && dofs[i] < loads.rows() && numbers[std::size_t(dofs[i])] < 0);
       numbers[std::size_t(dofs[i])] = static_cast<Index>(i);
     }
   };
   number(c->touched_ = in.get_all<Index>(), c->slot_);
   number(c->interface_ = in.get_all<Index>(), c->column_);
   const auto T = Eigen::Index(c->touched_.size()), B = Eigen::Index(c->interface_.size());
-  c->response_ = get(in, loads.cols());
-  c->A_ = get(in, T);
-  c->N_ = get(in, T);
-  c->Phi_ = get(in, loads.cols() + B);
-  c->S_ = get(in, loads.cols() + B);
-  in.expect(c->response_.rows() == loads.rows() && c->A_.rows() == T && c->N_.rows() == T &&
-            c->Phi_.rows() == T && c->S_.rows() == loads.cols() + B);
+  const Eigen::Index driven = loads.cols() + B;
+  c->response_ = get(in, loads.rows(), loads.cols());
+  c->A_ = get(in, T, T);
+  c->N_ = get(in, T, T);
+  c->Phi_ = get(in, T, driven);
+  c->S_ = get(in, driven, driven);
   in.expect_end();
   return c;
 }

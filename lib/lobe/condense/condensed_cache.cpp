@@ -9,7 +9,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"lobecond", 2, "condensed region"};
+constexpr io::Format format{"lobecond", 3, "condensed region"};
 
 std::uint64_t key_of(const RegionFactor& region, const Eigen::MatrixXd& loads,
                      const Condensed::Dofs& interface, const char* method) {
@@ -48,31 +48,35 @@ std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, 
   if (folder_.empty()) return condense_afresh(region, loads, interface, make_factor, log_);
   std::unique_ptr<SparseFactor> factor = make_factor();
   char name[32];
-  std::snprintf(name, sizeof name, "%016llx.condensed",
-                static_cast<unsigned long long>(key_of(region, loads, interface, factor->name())));
+  const std::uint64_t key = key_of(region, loads, interface, factor->name());
+  std::snprintf(name, sizeof name, "%016llx.condensed", static_cast<unsigned long long>(key));
   const std::filesystem::path file = folder_ / name;
   if (std::filesystem::exists(file))
-    if (auto kept = load(file, std::move(factor), loads)) return kept;
+    if (auto kept = load(file, key, std::move(factor), loads, interface)) return kept;
   auto condensed = condense_afresh(region, loads, interface, make_factor, log_);
-  save(file, *condensed);
+  save(file, key, *condensed);
   return condensed;
 }
 
-std::unique_ptr<Condensed> CondensedCache::load(const std::filesystem::path& file,
+std::unique_ptr<Condensed> CondensedCache::load(const std::filesystem::path& file, std::uint64_t key,
                                                 std::unique_ptr<SparseFactor> factor,
-                                                const Eigen::MatrixXd& loads) {
+                                                const Eigen::MatrixXd& loads, const Dofs& interface) {
   try {
     const std::string contents = io::read_sealed(file, format);
     io::ByteReader in(file.string(), contents);
-    return Condensed::load(in, std::move(factor), loads);
+    in.expect(in.get<std::uint64_t>() == key);
+    auto condensed = Condensed::load(in, std::move(factor), loads);
+    in.expect(!condensed || condensed->interface() == interface);
+    return condensed;
   } catch (const InputError& error) {
     notice_ = std::string(error.what()) + "; the region was condensed afresh, and the file replaced";
     return nullptr;
   }
 }
 
-void CondensedCache::save(const std::filesystem::path& file, const Condensed& condensed) {
+void CondensedCache::save(const std::filesystem::path& file, std::uint64_t key, const Condensed& condensed) {
   io::ByteWriter out;
+  out.put(key);
   if (!condensed.save(out)) return;
   try {
     std::error_code ignored;  // what cannot be written to says so

@@ -2,6 +2,7 @@
 // mesh, materials and boundary in it; loads; interface), so that a changed input finds nothing.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -27,9 +28,10 @@ class CondensedCache {
   std::string take_notice() { return std::exchange(notice_, {}); }
 
  private:
-  std::unique_ptr<Condensed> load(const std::filesystem::path& file, std::unique_ptr<SparseFactor> factor,
-                                  const Eigen::MatrixXd& loads);
-  void save(const std::filesystem::path& file, const Condensed& condensed);
+  std::unique_ptr<Condensed> load(const std::filesystem::path& file, std::uint64_t key,
+                                  std::unique_ptr<SparseFactor> factor, const Eigen::MatrixXd& loads,
+                                  const Dofs& interface);
+  void save(const std::filesystem::path& file, std::uint64_t key, const Condensed& condensed);
 
   std::filesystem::path folder_;
   CondensingLog log_;

@@ -1,6 +1,7 @@
 #include "lobe/condense/supernodal_factor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <span>
 
@@ -204,7 +205,11 @@ bool Supernodal::load(io::ByteReader& in) {
   in.expect(!nodes_.first.empty() && nodes_.first.front() == 0 && nodes_.first.back() == size &&
             std::is_sorted(nodes_.first.begin(), nodes_.first.end()));
   const auto is_place = [&](int i) { return i >= 0 && i < size; };
-  in.expect(std::all_of(nodes_.place.begin(), nodes_.place.end(), is_place));
+  std::vector<char> taken(nodes_.place.size());
+  for (int i : nodes_.place) {
+    in.expect(is_place(i) && !taken[std::size_t(i)]);
+    taken[std::size_t(i)] = 1;
+  }
   for (std::size_t s = 0; s + 1 < nodes_.first.size(); ++s) {
     const std::vector<int>& rows = nodes_.below.emplace_back(in.get_all<int>());
     in.expect(std::is_sorted(rows.begin(), rows.end()) && std::all_of(rows.begin(), rows.end(), is_place) &&
@@ -213,7 +218,8 @@ bool Supernodal::load(io::ByteReader& in) {
   nodes_.number();
   find_places();
   values_ = in.get_all<double>();
-  in.expect(values_.size() == begin_.back());
+  in.expect(values_.size() == begin_.back() &&
+            std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); }));
   return true;
 }
 

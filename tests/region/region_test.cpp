@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <numeric>
 
 #include "lobe/fem/svk.h"
@@ -60,6 +61,19 @@ TEST_CASE("a rigid motion gives no SVK force by either evaluator; a translation 
   u = Vec3d(0.25, -0.5, 0.125).replicate(1, mesh.vertex_count());
   CHECK(forces<double>(setup_of(mesh), u).norm() == 0);
   CHECK(forces<double>(setup_of(mesh, RegionModel::tensor_mass), u).norm() == 0);
+}
+
+TEST_CASE_TEMPLATE("the forces of either evaluator add up to nothing, also of a body that has turned far",
+                   Real, float, double) {
+  const TetMesh mesh = irregular_box();
+  const Mat3<double> R = Eigen::AngleAxisd(2.0, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Mat3X<Real> u =
+      (affine_displacement(mesh.points, R) + random_displacement<double>(mesh.vertex_count(), 1e-5))
+          .template cast<Real>();
+  for (const Setup& setup : {setup_of(mesh), stored(setup_of(mesh))}) {
+    const Mat3X<double> f = forces<Real>(setup, u).template cast<double>();
+    CHECK(f.rowwise().sum().norm() < std::numeric_limits<Real>::epsilon() * f.colwise().norm().sum());
+  }
 }
 
 TEST_CASE("stored and direct evaluators agree, alone, in a hybrid and with the volume term") {

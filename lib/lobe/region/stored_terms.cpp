@@ -1,6 +1,7 @@
 #include "lobe/region/stored_terms.h"
 
 #include <algorithm>
+#include <span>
 
 namespace lobe {
 namespace {
@@ -107,6 +108,17 @@ void StoredTerms<Real>::gather(const Elements& elements, Index p) {
                  triangles.template blocks<Real>(), tets.template blocks<Real>()};
 }
 
+// A translation changes no energy, so that a patch's forces add up to nothing: what rounding leaves of the sum is taken off.
+template <class Real>
+void balance(std::span<PaddedVector<Real>> forces) {
+  for (int d = 0; d < 3; ++d) {
+    double sum = 0;
+    for (const PaddedVector<Real>& f : forces) sum += double(f.xyz0[d]);
+    const auto share = static_cast<Real>(sum / double(forces.size()));
+    for (PaddedVector<Real>& f : forces) f.xyz0[d] -= share;
+  }
+}
+
 template <class Real>
 void StoredTerms<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
   sums_.add_forces(layout_, u, f, parallel, [&](Index p, auto& local, PaddedVector<Real>* sums) {
@@ -120,6 +132,7 @@ void StoredTerms<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Paralle
                               {patch.tets.data(), Index(patch.tets.size())},
                               local.data()},
                              sums);
+    balance(std::span(sums, std::size_t(layout_.patch(p).vertices)));
   });
 }
 

@@ -38,7 +38,7 @@ ReducedRegion::Matrix ReducedRegion::field(const Matrix& driven) const {
 
 const ReducedRegion::Inertia& ReducedRegion::inertia(const Eigen::VectorXd& mass, const Components& moving) {
   if (inertia_) return *inertia_;
-  inertia_.emplace();
+  inertia_ = Inertia{};
   const Components own = interface();
   const auto n = Eigen::Index(own.size()), amplitudes = Eigen::Index(stiffness().cols()) - n;
   Matrix unit = Matrix::Zero(amplitudes + n, 3);

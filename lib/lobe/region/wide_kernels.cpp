@@ -178,20 +178,21 @@ void add_term_forces(const TermArrays<Real>& patch, PaddedVector<Real>* f) {
 template <class Real>
 void add_column_sums(const Real* lanes, Real* sums) {
   using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-  using Places [[gnu::vector_size(4 * sizeof(Real))]] = std::conditional_t<sizeof(Real) == 4, int, long>;
   Four f[4];
   unrolled<4>([&](int c) {
     Four quarter[4];
     std::memcpy(quarter, lanes + 16 * c, sizeof quarter);
     f[c] = (quarter[0] + quarter[1]) + (quarter[2] + quarter[3]);
   });
-  const Places low{0, 4, 1, 5}, high{2, 6, 3, 7}, left{0, 1, 4, 5}, right{2, 3, 6, 7};
-  const Four xy = __builtin_shuffle(f[0], f[1], low), zw = __builtin_shuffle(f[0], f[1], high),
-             next_xy = __builtin_shuffle(f[2], f[3], low), next_zw = __builtin_shuffle(f[2], f[3], high);
+  const Four xy = __builtin_shufflevector(f[0], f[1], 0, 4, 1, 5),
+             zw = __builtin_shufflevector(f[0], f[1], 2, 6, 3, 7),
+             next_xy = __builtin_shufflevector(f[2], f[3], 0, 4, 1, 5),
+             next_zw = __builtin_shufflevector(f[2], f[3], 2, 6, 3, 7);
   Four sum;
   std::memcpy(&sum, sums, sizeof sum);
-  sum += (__builtin_shuffle(xy, next_xy, left) + __builtin_shuffle(xy, next_xy, right)) +
-         (__builtin_shuffle(zw, next_zw, left) + __builtin_shuffle(zw, next_zw, right));
+  sum +=
+      (__builtin_shufflevector(xy, next_xy, 0, 1, 4, 5) + __builtin_shufflevector(xy, next_xy, 2, 3, 6, 7)) +
+      (__builtin_shufflevector(zw, next_zw, 0, 1, 4, 5) + __builtin_shufflevector(zw, next_zw, 2, 3, 6, 7));
   std::memcpy(sums, &sum, sizeof sum);
 }
 

@@ -126,3 +126,13 @@ TEST_CASE("a tolerance outside of 0 to 1 is refused") {
   CHECK_THROWS_WITH(propose_regions(held_liver(), {}, options),
                     doctest::Contains("must be above 0 and below 1"));
 }
+
+TEST_CASE("regions to correct may be asked for with any tolerance below 1") {
+  Setup bar = setup_of(box_mesh({0.06, 0.02, 0.02}, 6, 2, 2));
+  for (Index v = 0; v < bar.mesh.vertex_count(); ++v)
+    if (bar.mesh.points(0, v) == 0) bar.prescribed.push_back({v, Vec3d::Zero()});
+  ProposalOptions options;
+  options.tolerance = 0.5;
+  CHECK_NOTHROW(
+      propose_regions_to_correct(bar, {{"push", {bar.mesh.vertex_count() - 1}, {}, {0, 0, 0.01}}}, options));
+}

@@ -259,14 +259,15 @@ Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, cons
 
 Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
                                     ProposalOptions options) {
-  constexpr double correctable = 3;  // times the tolerance
+  constexpr double correctable = 3, most = 0.99;  // times the tolerance; of the displacement
+  const double asked = options.tolerance;
   if (options.condense && setup.precomputed_frame == RegionFrame::fixed &&
       !any_nodal_pressure(setup.materials)) {
-    options.tolerance *= correctable;
+    options.tolerance = std::max(asked, std::min(correctable * asked, most));
     const Proposal proposal = propose_regions(setup, gestures, options);
     if (std::count(proposal.region_of.begin(), proposal.region_of.end(), RegionModel::precomputed) > 0)
       return proposal;
-    options.tolerance /= correctable;
+    options.tolerance = asked;
   }
   options.condense = false;
   return propose_regions(setup, gestures, options);

@@ -308,7 +308,8 @@ TEST_CASE("a run that is cancelled leaves nothing behind") {
   const std::string surface = folder.write("s.off", make_sphere(0.05, 4)).string();
   const std::size_t files = folder.file_count();
   const std::pair<std::string, std::string> runs[] = {{"cgal", "INT"}, {"tetgen", "TERM"}, {"cgal", "HUP"}};
-  for (const auto& [mesher, signal] : runs) {
+  for (const auto& run : runs) {
+    const std::string mesher = run.first, signal = run.second;
     CAPTURE(signal);
     const std::string command = "TMPDIR=" + temporary.path.string() + " timeout -s " + signal +
                                 " 1 " LOBE_BIN_DIR "/lobe-mesh " + surface +

@@ -15,16 +15,17 @@ Matrix oriented(const Matrix& M, bool transposed) { return transposed ? Matrix(M
 }  // namespace
 
 TEST_CASE("dense products are Eigen's, and the same to the bit on all processors") {
-  for (const auto& [rows, depth, columns] : {std::array{1, 1, 1},
-                                             {3, 5, 2},
-                                             {16, 192, 8},
-                                             {17, 193, 9},
-                                             {300, 40, 21},
-                                             {61, 500, 130},
-                                             {0, 4, 4},
-                                             {4, 0, 4}})
+  for (const auto& size : {std::array{1, 1, 1},
+                           {3, 5, 2},
+                           {16, 192, 8},
+                           {17, 193, 9},
+                           {300, 40, 21},
+                           {61, 500, 130},
+                           {0, 4, 4},
+                           {4, 0, 4}})
     for (bool left : {false, true})
       for (bool right : {false, true}) {
+        const int rows = size[0], depth = size[1], columns = size[2];
         CAPTURE(rows);
         CAPTURE(depth);
         CAPTURE(columns);

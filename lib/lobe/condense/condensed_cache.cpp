@@ -40,6 +40,20 @@ std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eig
   });
 }
 
+// Whether a field of it, with everything driven at once, has no force inside and that of S on the interface: its numbers
+// are those of the region.
+bool is_in_equilibrium(const Condensed& condensed, const RegionFactor& region, const Eigen::MatrixXd& loads) {
+  const Condensed::Dofs& interface = condensed.interface();
+  const Eigen::VectorXd driven = Eigen::VectorXd::LinSpaced(condensed.stiffness().cols(), 1, 2);
+  const Eigen::VectorXd u = condensed.field(driven), on_interface = condensed.stiffness() * driven;
+  const Eigen::Map<const Eigen::VectorXd> springs(region.springs.data(), Eigen::Index(region.springs.size()));
+  Eigen::VectorXd force = region.K.selfadjointView<Eigen::Lower>() * u - springs.cwiseProduct(u) -
+                          loads * driven.head(loads.cols());
+  const double scale = force.norm();
+  force(interface) -= on_interface.tail(Eigen::Index(interface.size()));
+  return force.norm() <= 1e-6 * scale;
+}
+
 }  // namespace
 
 std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
@@ -52,7 +66,11 @@ std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, 
   std::snprintf(name, sizeof name, "%016llx.condensed", static_cast<unsigned long long>(key));
   const std::filesystem::path file = folder_ / name;
   if (std::filesystem::exists(file))
-    if (auto kept = load(file, key, std::move(factor), loads, interface)) return kept;
+    if (auto kept = load(file, key, std::move(factor), loads, interface)) {
+      if (is_in_equilibrium(*kept, region, loads)) return kept;
+      notice_ = file.string() +
+                ": holds another region's numbers; the region was condensed afresh, and the file replaced";
+    }
   auto condensed = condense_afresh(region, loads, interface, make_factor, log_);
   save(file, key, *condensed);
   return condensed;

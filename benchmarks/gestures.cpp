@@ -11,6 +11,7 @@
 #include "benchmarks/timing.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/mesh/refine.h"
 #include "lobe/scene/read_scene.h"
@@ -22,12 +23,14 @@ namespace {
 struct Row {
   std::string scene, regions;
   Index tets = 0;
+  double tolerance = 0;
   double linear_share = 0;  // of the tetrahedra, at the start
+  double static_error = 0;  // of these regions, in the worst declared gesture
   double speedup = 1;       // of all frames, against all non-linear
   double worst_frame = 1;   // of a frame's time, against the slowest of all non-linear
   double mean_error = 0, largest_error = 0,
          estimated = 0;  // L2, of the largest displacement so far; the last the largest
-  double watching = 0;   // share of the time
+  double watching = 0;   // share of the time, corrections included
   Index moved = 0;       // tetrahedra that changed their model
   double expanded = 0;   // share of the frames after which the precomputed region was
 };
@@ -39,40 +42,60 @@ struct Making {
   bool watch = false, correct = false;
 };
 
+Setup all_nonlinear(Setup setup) {
+  std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
+  return setup;
+}
+
 Setup with_regions(Setup setup, const std::vector<RegionModel>& region_of) {
   setup.region_of = region_of;
   return setup;
 }
 
-// The simple recipe: as many tetrahedra as the proposal makes linear, those with the least strain in one linear solution of
-// the first declared gesture.
-std::vector<RegionModel> by_strain(const Setup& setup, const std::vector<Gesture>& gestures, double share) {
-  Setup trial = setup;
-  trial.region_of.assign(trial.region_of.size(), RegionModel::nonlinear);
-  const Mat3X<double> u = linear_trial(at_the_end_of(gestures.front(), trial));
-  make_linear(trial, smoothed_norm(trial.mesh, u, Measure::strain), share);
-  return trial.region_of;
+double worst_error(const std::vector<RegionModel>& region_of, const std::vector<Trial>& trials) {
+  double worst = 0;
+  for (const Trial& trial : trials) worst = std::max(worst, static_error(region_of, trial));
+  return worst;
+}
+
+// The simple recipe: the tetrahedra with the least strain in one linear solution of the first declared gesture, as many as
+// the tolerance allows.
+std::vector<RegionModel> by_strain(const Setup& setup, const std::vector<Gesture>& gestures,
+                                   const std::vector<Trial>& trials, double tolerance) {
+  constexpr int halvings = 8;
+  Setup trial = all_nonlinear(setup);
+  const std::vector<double> score =
+      smoothed_norm(trial.mesh, linear_trial(at_the_end_of(gestures.front(), trial)), Measure::strain);
+  std::vector<RegionModel> best = trial.region_of;
+  double least = 0, most = 1;
+  for (int i = 0; i < halvings; ++i) {
+    const double share = (least + most) / 2;
+    make_linear(trial, score, share);
+    const bool fits = worst_error(trial.region_of, trials) <= tolerance;
+    (fits ? least : most) = share;
+    if (fits) best = trial.region_of;
+  }
+  return best;
 }
 
 bool any_precomputed(const std::vector<RegionModel>& region_of) {
   return std::count(region_of.begin(), region_of.end(), RegionModel::precomputed) > 0;
 }
 
-std::vector<Making> makings(const Scene& scene, const Resolved& resolved) {
+std::vector<Making> makings(const Resolved& resolved, const std::vector<Trial>& trials, double tolerance) {
   const Setup& setup = resolved.setup;
   std::vector<Making> list;
   const auto add = [&](const std::string& name, const std::vector<RegionModel>& region_of, bool watch,
                        bool correct) {
     list.push_back({name, with_regions(setup, region_of), watch, correct});
   };
-  add("nonlinear", std::vector<RegionModel>(setup.region_of.size(), RegionModel::nonlinear), false, false);
+  add("nonlinear", all_nonlinear(setup).region_of, false, false);
   ProposalOptions options;
-  options.tolerance = scene.auto_regions->tolerance;
+  options.tolerance = tolerance;
   const Proposal condensed = propose_regions(setup, resolved.gestures, options);
   options.condense = false;
   const Proposal tensor_mass = propose_regions(setup, resolved.gestures, options);
-  if (!resolved.gestures.empty())
-    add("strain-recipe", by_strain(setup, resolved.gestures, tensor_mass.linear_share), false, false);
+  add("strain-recipe", by_strain(setup, resolved.gestures, trials, tolerance), false, false);
   add("proposed", tensor_mass.region_of, true, false);
   if (condensed.region_of != tensor_mass.region_of)
     add("proposed-precomputed", condensed.region_of, true, false);
@@ -107,10 +130,12 @@ class Player {
     const Report report = world_.advance(frame);
     if (!report.ok) throw WrongResult("a gesture did not run to its end: " + report.conditions.back().text);
     if (watch_) {
+      const double before = watch.seconds();
       const LinearityReport seen = watch_->look(world_);
       estimated_ = std::max(estimated_, seen.error);
       moved_ += seen.to_nonlinear + seen.to_linear;
       expanded_ += seen.is_expanded;
+      watching_ += watch.seconds() - before;
     }
     seconds_.push_back(watch.seconds());
   }
@@ -123,7 +148,7 @@ class Player {
   }
   double slowest() const { return *std::max_element(seconds_.begin(), seconds_.end()); }
   double estimated() const { return estimated_; }
-  double watching() const { return watch_ ? watch_->looking_seconds() / seconds() : 0; }
+  double watching() const { return watching_ / seconds(); }
   Index moved() const { return moved_; }
   double expanded() const { return expanded_ / double(seconds_.size()); }
 
@@ -131,7 +156,7 @@ class Player {
   World<float> world_;
   std::optional<LinearityWatch<float>> watch_;
   std::vector<double> seconds_;  // per frame
-  double estimated_ = 0;
+  double estimated_ = 0, watching_ = 0;
   Index moved_ = 0;
   int expanded_ = 0;  // frames
 };
@@ -150,9 +175,9 @@ double norm(const World<float>& exact, const World<float>& other, const std::vec
   return std::sqrt(sum);
 }
 
-std::vector<Row> play(const std::string& name, const Scene& scene, const Resolved& resolved) {
-  const double tolerance = scene.auto_regions->tolerance;
-  const std::vector<Making> list = makings(scene, resolved);
+std::vector<Row> play(const Scene& scene, const Resolved& resolved, double tolerance) {
+  const std::vector<Trial> trials = solve_trials(resolved.setup, resolved.gestures);
+  const std::vector<Making> list = makings(resolved, trials, tolerance);
   std::vector<std::unique_ptr<Player>> players;
   for (const Making& making : list) players.push_back(std::make_unique<Player>(making, tolerance));
   const std::vector<double> mass = players[0]->world().mass();
@@ -170,8 +195,9 @@ std::vector<Row> play(const std::string& name, const Scene& scene, const Resolve
   }
   for (std::size_t p = 0; p < players.size(); ++p) {
     const std::vector<RegionModel>& region_of = list[p].setup.region_of;
-    rows[p].scene = name;
     rows[p].regions = list[p].name;
+    rows[p].tolerance = tolerance;
+    rows[p].static_error = worst_error(region_of, trials);
     rows[p].tets = static_cast<Index>(region_of.size());
     rows[p].linear_share =
         1 - double(std::count(region_of.begin(), region_of.end(), RegionModel::nonlinear)) /
@@ -187,21 +213,23 @@ std::vector<Row> play(const std::string& name, const Scene& scene, const Resolve
 }
 
 void print(const Row& r) {
-  std::printf("%-22s %7d %-24s %7.2f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d %8.2f\n", r.scene.c_str(),
-              r.tets, r.regions.c_str(), r.linear_share, r.speedup, r.worst_frame, r.mean_error,
-              r.largest_error, r.estimated, r.watching, r.moved, r.expanded);
+  std::printf("%-16s %7d %6.3f %-22s %7.2f %9.4f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d %8.2f\n",
+              r.scene.c_str(), r.tets, r.tolerance, r.regions.c_str(), r.linear_share, r.static_error,
+              r.speedup, r.worst_frame, r.mean_error, r.largest_error, r.estimated, r.watching, r.moved,
+              r.expanded);
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "scene,tets,regions,linear_share,speedup,worst_frame,mean_error,largest_error,estimated_error,"
-         "watching,moved,expanded\n"
+         "watching,moved,expanded,tolerance,static_error\n"
       << std::setprecision(4);
   for (const Row& r : rows)
     out << r.scene << ',' << r.tets << ',' << r.regions << ',' << r.linear_share << ',' << r.speedup << ','
         << r.worst_frame << ',' << r.mean_error << ',' << r.largest_error << ',' << r.estimated << ','
-        << r.watching << ',' << r.moved << ',' << r.expanded << '\n';
+        << r.watching << ',' << r.moved << ',' << r.expanded << ',' << r.tolerance << ',' << r.static_error
+        << '\n';
   return out.str();
 }
 
@@ -214,31 +242,48 @@ set grid
 set key outside right
 set xlabel 'speed-up of all frames over all non-linear'
 set ylabel 'largest error of any frame, relative L2'
+regions = "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected precomputed-alone \
+precomputed-in-frame precomputed-corrected"
 series(s, r) = strcol(1) eq s && strcol(3) eq r ? column(5) : NaN
-plot for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected precomputed-alone precomputed-in-frame precomputed-corrected"] \
-       'gestures.csv' using (series('liver_declared', r)):8 with points pt 7 ps 1.5 title r.', declared', \
-     for [r in "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected precomputed-alone precomputed-in-frame precomputed-corrected"] \
-       'gestures.csv' using (series('liver_undeclared', r)):8 with points pt 6 ps 1.5 title r.', undeclared'
+plot for [i=1:words(scenes)] for [j=1:words(regions)] \
+  'gestures.csv' using (series(word(scenes, i), word(regions, j))):8 with linespoints lc j pt (i == 1 ? 7 : 6) \
+  dt i ps 1.2 title word(regions, j).', '.word(scenes, i)
 )";
 
 }  // namespace
 
 std::string bench_gestures(const Options& options) {
-  std::printf("\n%-22s %7s %-24s %7s %8s %8s %9s %9s %9s %8s %7s %8s\n", "scene", "tets", "regions", "linear",
-              "speed-up", "slowest", "mean err", "largest", "estimate", "watching", "moved", "expanded");
+  std::printf("\n%-16s %7s %6s %-22s %7s %9s %8s %8s %9s %9s %9s %8s %7s %8s\n", "scene", "tets", "tol",
+              "regions", "linear", "static", "speed-up", "slowest", "mean err", "largest", "estimate",
+              "watching", "moved", "expanded");
+  const std::vector<double> tolerances =
+      options.quick ? std::vector<double>{0.02} : std::vector<double>{0.01, 0.02, 0.05};
+  std::vector<std::filesystem::path> scenes = options.scenes;
+  if (scenes.empty())
+    for (const char* name : {"liver_declared.json", "liver_undeclared.json"})
+      scenes.push_back(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / name);
+  if (options.quick) scenes.resize(1);
   std::vector<Row> all;
-  for (const char* name : {"liver_declared", "liver_undeclared"}) {
-    const Scene scene =
-        read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (std::string(name) + ".json"));
-    const Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh);
-    for (const Row& row : play(name, scene, resolved)) {
-      print(row);
-      all.push_back(row);
+  std::string names;
+  for (const std::filesystem::path& path : scenes) {
+    const Scene scene = read_scene(path);
+    if (!scene.auto_regions) continue;
+    names += path.stem().string() + " ";
+    std::vector<std::filesystem::path> meshes = options.meshes;
+    meshes.insert(meshes.begin(), mesh_path(scene));
+    for (const std::filesystem::path& mesh : meshes) {
+      const Resolved resolved = resolve(scene, read_mesh(mesh).mesh);
+      for (double tolerance : tolerances)
+        for (Row row : play(scene, resolved, tolerance)) {
+          row.scene = path.stem().string();
+          print(row);
+          all.push_back(row);
+        }
     }
-    if (options.quick) break;
   }
+  if (all.empty()) return "";
   write_file(options.output / "gestures.csv", csv(all));
-  return plot_script;
+  return "scenes = \"" + names + "\"\n" + plot_script;
 }
 
 }  // namespace lobe::bench

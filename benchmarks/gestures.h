@@ -6,7 +6,8 @@
 
 namespace lobe::bench {
 
-// Prints, and writes DIR/gestures.csv. Returns what gnuplot is to do with it.
+// Of those scenes that have automatic regions. Prints, and writes DIR/gestures.csv, if there are any. Returns what gnuplot is
+// to do with it.
 std::string bench_gestures(const Options& options);
 
 }  // namespace lobe::bench

@@ -236,8 +236,7 @@ void bench_hybrid(const Options& options) {
       }
     }
   write_file(options.output / "hybrid.csv", csv(all));
-  const std::string of_gestures = options.scenes.empty() ? bench_gestures(options) : "";
-  write_file(options.output / "hybrid.gp", plot_script + of_gestures);
+  write_file(options.output / "hybrid.gp", plot_script + bench_gestures(options));
 }
 
 }  // namespace lobe::bench

@@ -29,6 +29,7 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/linearity/proposal.h"
+#include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"

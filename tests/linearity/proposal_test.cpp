@@ -67,6 +67,22 @@ TEST_CASE("precomputed regions are anchored, and as exact as they were proposed"
   CHECK_NOTHROW(World<float>{hybrid});
 }
 
+TEST_CASE(
+    "beside what is precomputed all is non-linear, so that nothing keeps an error once it is expanded") {
+  const Setup setup = held_liver();
+  const Gesture gesture = lift(setup, {0.004, -0.004, 0.03});
+  int precomputed = 0;
+  for (const double tolerance : {0.005, 0.01, 0.02}) {
+    ProposalOptions options;
+    options.tolerance = tolerance;
+    const std::vector<RegionModel> regions = propose_regions_to_correct(setup, {gesture}, options).region_of;
+    if (std::count(regions.begin(), regions.end(), RegionModel::precomputed) == 0) continue;
+    ++precomputed;
+    CHECK(std::count(regions.begin(), regions.end(), RegionModel::tensor_mass) == 0);
+  }
+  CHECK(precomputed > 0);
+}
+
 TEST_CASE("a tolerance that nothing linear meets leaves all non-linear, and says so") {
   Setup bar = setup_of(box_mesh({0.12, 0.03, 0.03}, 12, 3, 3));
   Gesture bend{"bend", {}, {}, {0, 0, 0.02}};

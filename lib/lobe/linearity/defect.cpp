@@ -50,28 +50,34 @@ Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<
   return defects;
 }
 
-MeanDefects::MeanDefects(const Elements& elements, const Zones& zones) : kappa_(elements.volume_penalty) {
-  for (const std::vector<Index>& zone : zones.tets) {
-    std::map<Index, Vec3d> weights;
-    Mean mean;
-    for (Index t : zone) {
-      if (!elements.topology.alive(t)) continue;
-      const Shape s = elements.shape_of(t);
-      const Elastic& e = elements.elastic_of(t);
-      mean.volume += s.volume;
-      mean.lambda += s.volume * e.lambda;
-      mean.mu += s.volume * e.mu;
-      for (int c = 0; c < 4; ++c) {
-        const auto [at, is_new] = weights.try_emplace(elements.topology.tets()(c, t), Vec3d::Zero());
-        at->second += s.volume * s.gradients.col(c);
-      }
+MeanDefects::MeanDefects(const Elements& elements, const Zones& zones)
+    : weights_(std::size_t(zones.count())),
+      mean_(std::size_t(zones.count())),
+      kappa_(elements.volume_penalty) {
+  for (Index z = 0; z < zones.count(); ++z) find(elements, zones, z);
+}
+
+void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone) {
+  std::map<Index, Vec3d> weights;
+  Mean mean;
+  for (Index t : zones.tets[std::size_t(zone)]) {
+    if (!elements.topology.alive(t)) continue;
+    const Shape s = elements.shape_of(t);
+    const Elastic& e = elements.elastic_of(t);
+    mean.volume += s.volume;
+    mean.lambda += s.volume * e.lambda;
+    mean.mu += s.volume * e.mu;
+    for (int c = 0; c < 4; ++c) {
+      const auto [at, is_new] = weights.try_emplace(elements.topology.tets()(c, t), Vec3d::Zero());
+      at->second += s.volume * s.gradients.col(c);
     }
-    std::vector<Weight>& list = weights_.emplace_back();
-    const double size = std::cbrt(mean.volume);
-    for (const auto& [vertex, gradient] : weights)  // those of vertices within the zone vanish
-      if (gradient.norm() > 1e-9 * size * size) list.push_back({vertex, gradient / mean.volume});
-    mean_.push_back({mean.volume, mean.lambda / mean.volume, mean.mu / mean.volume});
   }
+  std::vector<Weight>& list = weights_[std::size_t(zone)];
+  list.clear();
+  const double size = std::cbrt(mean.volume);
+  for (const auto& [vertex, gradient] : weights)  // those of vertices within the zone vanish
+    if (gradient.norm() > 1e-9 * size * size) list.push_back({vertex, gradient / mean.volume});
+  mean_[std::size_t(zone)] = {mean.volume, mean.lambda / mean.volume, mean.mu / mean.volume};
 }
 
 Eigen::Matrix<double, 9, Eigen::Dynamic> MeanDefects::gradients(const Mat3X<double>& u) const {

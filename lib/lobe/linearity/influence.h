@@ -23,6 +23,10 @@ class Influence {
   Eigen::VectorXd displacement(Index zone, const Eigen::Matrix<double, 9, 1>& defect) const {
     return (M_.middleCols<9>(9 * zone) * defect.cast<float>()).cast<double>();
   }
+  // From those of all zones.
+  Eigen::VectorXd displacement(const Eigen::Matrix<double, 9, Eigen::Dynamic>& defects) const {
+    return (M_ * defects.reshaped().cast<float>()).cast<double>();
+  }
 
  private:
   // Unit forces along the six rigid motions of a grasp, and what they do.

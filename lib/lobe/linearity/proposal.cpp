@@ -10,34 +10,11 @@
 #include "lobe/linearity/defect.h"
 #include "lobe/linearity/influence.h"
 #include "lobe/linearity/select_zones.h"
-#include "lobe/solve/static_solver.h"
+#include "lobe/linearity/trials.h"
 #include "lobe/text.h"
 
 namespace lobe {
 namespace {
-
-constexpr double least_reached = 0.05;  // share of a gesture that is still of use
-
-double norm(const Elements& elements, const Mat3X<double>& u) {  // √∫|u|², vertex by vertex
-  double sum = 0;
-  for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    sum += signed_volume(elements.corner_points(t)) / 4 *
-           u(Eigen::all, elements.topology.corners(t)).colwise().squaredNorm().sum();
-  return std::sqrt(sum);
-}
-
-void scale(Setup& setup, double fraction) {
-  for (PrescribedVertex& p : setup.prescribed) p.displacement *= fraction;
-  for (FaceLoad& load : setup.face_loads) load.traction *= fraction;
-  for (VertexLoad& load : setup.vertex_loads) load.force *= fraction;
-  setup.gravity *= fraction;
-}
-
-struct Trial {
-  Setup setup;      // at the gesture's end
-  Mat3X<double> u;  // in equilibrium, all non-linear
-  std::size_t gesture = 0;
-};
 
 class Proposer {
  public:
@@ -52,7 +29,7 @@ class Proposer {
     proposal_.region_of = setup_.region_of;
     if (gestures_.empty()) gestures_ = usual_gestures(setup_);
     try {
-      solve_trials();
+      solve();
       if (trials_.empty()) throw InputError("gestures", "none has an equilibrium");
       predict();
       cost_ = measure_step_cost(setup_, zones_, options_.in_double);
@@ -79,17 +56,8 @@ class Proposer {
     if (options_.progress) options_.progress(fraction);
   }
   void nothing_linear(const std::string& why) { proposal_.notes.push_back("nothing is linear: " + why); }
-  StaticOptions static_options() const {
-    StaticOptions options;
-    options.factor = options_.factor;
-    options.tolerance = 1e-8;
-    return options;
-  }
-
-  void solve_trials() {
-    for (std::size_t g = 0; g < gestures_.size(); ++g) {
-      Trial trial{at_the_end_of(gestures_[g], setup_), {}, g};
-      StaticResult found = solve_static(trial.setup, static_options());
+  void solve() {
+    trials_ = solve_trials(setup_, gestures_, options_.factor, [&](std::size_t g, const StaticResult& found) {
       GestureOutcome& outcome = proposal_.gestures.emplace_back();
       outcome.name = gestures_[g].name;
       outcome.reached = found.load_fraction;
@@ -97,11 +65,7 @@ class Proposer {
         proposal_.notes.push_back("gesture \"" + outcome.name + "\" was followed to " +
                                   rounded(100 * found.load_fraction) + " %: " + found.reason);
       progress(0.4 * double(g + 1) / double(gestures_.size()));
-      if (found.load_fraction < least_reached || found.u.isZero(0)) continue;
-      scale(trial.setup, found.load_fraction);
-      trial.u = std::move(found.u);
-      trials_.push_back(std::move(trial));
-    }
+    });
   }
 
   // To first order, from the exact solutions.
@@ -114,7 +78,7 @@ class Proposer {
       influence.hold(holds ? std::vector<Index>{static_cast<Index>(trial.gesture)} : std::vector<Index>{});
       const Defects defects = exact_defects(elements_, zones_, trial.u);
       TrialError& error = errors_.emplace_back();
-      error.norm = norm(elements_, trial.u);
+      error.norm = trial.norm;
       error.contributions.resize(3 * zones_.count(), zones_.count());
       for (Index z = 0; z < zones_.count(); ++z)
         error.contributions.col(z) = influence.displacement(z, defects.col(z));
@@ -132,7 +96,7 @@ class Proposer {
         tagged.region_of[t] = condensed ? RegionModel::precomputed : RegionModel::tensor_mass;
     if (condensed)
       for (Index t : unanchored_tets(tagged, held_by(setup_.prescribed)))
-        tagged.region_of[t] = RegionModel::tensor_mass;
+        tagged.region_of[t] = RegionModel::nonlinear;
     return tagged.region_of;
   }
 
@@ -166,7 +130,7 @@ class Proposer {
       double worst = 0;
       for (std::size_t i_trial = 0; i_trial < trials_.size(); ++i_trial) {
         const double predicted = errors_[i_trial].of(zones_, linear),
-                     measured = error_of(variant, trials_[i_trial]);
+                     measured = static_error(variant.region_of, trials_[i_trial], options_.factor);
         variant.predicted.push_back(predicted);
         variant.measured.push_back(measured);
         worst = std::max(worst, measured);
@@ -188,17 +152,6 @@ class Proposer {
     } catch (const InputError&) {  // it cannot be condensed
       return std::numeric_limits<double>::max();
     }
-  }
-
-  double error_of(const Variant& variant, const Trial& trial) const {
-    Setup setup = trial.setup;
-    for (std::size_t t = 0; t < variant.region_of.size(); ++t)
-      if (variant.region_of[t] != RegionModel::nonlinear) setup.region_of[t] = RegionModel::tensor_mass;
-    StaticOptions options = static_options();
-    options.start = &trial.u;
-    const StaticResult found = solve_static(setup, options);
-    if (!found.converged) return 1;
-    return norm(elements_, found.u - trial.u) / norm(elements_, trial.u);
   }
 
   void try_variants() {

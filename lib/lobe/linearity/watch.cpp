@@ -86,16 +86,8 @@ HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
 template <class Real>
 bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   if (next_influence_.valid() && --looks_to_wait_ <= 0) influence_ = next_influence_.get();
-  const std::vector<Edit>& history = world.history();
-  bool was_cut = false;
-  if (history.size() != edits_) {
-    const auto is_cut = [](const Edit& edit) { return edit.kind == Edit::Kind::removal; };
-    const bool restored = history.size() < edits_;
-    was_cut = restored || std::any_of(history.begin() + std::ptrdiff_t(edits_), history.end(), is_cut);
-    if (was_cut) means_are_stale_ = influence_is_stale_ = true;
-    edits_ = history.size();
-    find_shares(world.elements());
-  }
+  const bool was_cut = follow_cuts(world.elements(), world.history());
+  influence_is_stale_ = influence_is_stale_ || was_cut;
   if (!influence_is_stale_ || next_influence_.valid()) return was_cut;
   influence_is_stale_ = false;
   looks_to_wait_ = looks_for_influence;
@@ -104,6 +96,24 @@ bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
         return std::make_unique<Influence>(elements, zones_, boundary, grasps_);
       });
   return was_cut;
+}
+
+// Since the last look: the means of zones that lost tetrahedra, of all where the world was restored.
+template <class Real>
+bool LinearityWatch<Real>::follow_cuts(const Elements& elements, const std::vector<Edit>& history) {
+  if (history.size() == edits_) return false;
+  const bool restored = history.size() < edits_;
+  std::vector<char> was_cut(std::size_t(zones_.count()), restored);
+  for (std::size_t i = std::exchange(edits_, history.size()); i < history.size(); ++i) {
+    if (history[i].kind != Edit::Kind::removal) continue;
+    for (Index t : history[i].tets) was_cut[std::size_t(zones_.of[std::size_t(t)])] = 1;
+  }
+  find_shares(elements);
+  if (std::count(was_cut.begin(), was_cut.end(), 1) == 0) return false;
+  for (Index z = 0; z < zones_.count(); ++z)
+    if (was_cut[std::size_t(z)]) defects_.find(elements, zones_, z);
+  volume_ = vertex_volumes(elements);
+  return true;
 }
 
 // Whether others hold than before.
@@ -139,25 +149,22 @@ bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) 
   return any_precomputed(world.elements());
 }
 
-// Mean displacements of zones that come of the linear law in each zone that is linear, in `all` of those that are not as well.
+// Of each zone that is linear, in `all` of those that are not as well.
 template <class Real>
-typename LinearityWatch<Real>::Columns LinearityWatch<Real>::contributions(const World<Real>& world,
-                                                                           const Mat3X<double>& u,
-                                                                           bool all) const {
-  Columns contributions = Columns::Zero(3 * zones_.count(), zones_.count());
+Defects LinearityWatch<Real>::defects(const World<Real>& world, const Mat3X<double>& u, bool all) const {
+  Defects defects = Defects::Zero(9, zones_.count());
   const auto gradients = defects_.gradients(u);
   const Mat3X<double>& about = world.linearised_about();
-  const auto tangents = defects_.gradients(about.size() > 0 ? about : Mat3X<double>::Zero(3, u.cols()));
+  const bool is_renewed = about.size() > 0;
+  const Defects tangents = is_renewed ? defects_.gradients(about) : Defects();
   for (Index z = 0; z < zones_.count(); ++z) {
     const double share = share_[std::size_t(z)];
     if (share == 0 && !all) continue;
     const bool is_linear = share > 0.5 && !world.is_expanded();
-    const auto defect = about.size() > 0
-                            ? defects_.beyond_tangent(z, gradients.col(z), tangents.col(z), is_linear)
-                            : defects_.at(z, gradients.col(z), is_linear);
-    contributions.col(z) = influence_->displacement(z, defect);
+    defects.col(z) = is_renewed ? defects_.beyond_tangent(z, gradients.col(z), tangents.col(z), is_linear)
+                                : defects_.at(z, gradients.col(z), is_linear);
   }
-  return contributions;
+  return defects;
 }
 
 template <class Real>
@@ -184,18 +191,15 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
     last_.energy_change = 0;
     return last_;
   }
-  if (std::exchange(means_are_stale_, false)) {
-    defects_ = MeanDefects(world.elements(), zones_);
-    volume_ = vertex_volumes(world.elements());
-  }
   const Mat3X<double> u = world.displacements().template cast<double>();
   double sum = 0;
   for (std::size_t v = 0; v < volume_.size(); ++v) sum += volume_[v] * u.col(Eigen::Index(v)).squaredNorm();
   largest_ = std::max(largest_, std::sqrt(sum));
   const bool expandable = may_expand(world);
-  const Columns of_zones = contributions(world, u, options_.correct && !expandable);
-  Eigen::VectorXd error = Eigen::VectorXd::Zero(3 * zones_.count());
-  for (Index z = 0; z < zones_.count(); ++z) error += share_[std::size_t(z)] * of_zones.col(z);
+  const Defects of_zones = defects(world, u, options_.correct && !expandable);
+  const Eigen::Map<const Eigen::RowVectorXd> shares(share_.data(), zones_.count());
+  const Eigen::VectorXd error =
+      influence_->displacement((of_zones.array().rowwise() * shares.array()).matrix());
   LinearityReport report;
   report.time = world.time();
   const double lag = largest_ > 0 ? world.lag() / std::sqrt(density_) / largest_ : 0;
@@ -236,9 +240,11 @@ void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steer
 
 // Zones leave that lower the error most; where it is small, those join that have long been welcome.
 template <class Real>
-void LinearityWatch<Real>::correct(const World<Real>& world, const Steering& steering,
-                                   const Columns& contributions, Eigen::VectorXd error,
-                                   LinearityReport& report) {
+void LinearityWatch<Real>::correct(const World<Real>& world, const Steering& steering, const Defects& defects,
+                                   Eigen::VectorXd error, LinearityReport& report) {
+  Eigen::MatrixXd contributions(error.size(), zones_.count());
+  for (Index z = 0; z < zones_.count(); ++z)
+    contributions.col(z) = influence_->displacement(z, defects.col(z));
   const auto tets = [&](Index z) { return static_cast<Index>(zones_.tets[std::size_t(z)].size()); };
   bool leaves = report.exceeded;
   while (leaves && relative(error) > leave_down_to * options_.tolerance) {

@@ -70,21 +70,20 @@ class LinearityWatch {
   double looking_seconds() const { return looking_seconds_; }  // in all, corrections left out
 
  private:
-  using Columns = Eigen::MatrixXd;
-
   HeldVertices boundary_of(const World<Real>& world) const;
   bool follow_edits(const World<Real>& world);
+  bool follow_cuts(const Elements& elements, const std::vector<Edit>& history);
   void find_shares(const Elements& elements);
   bool any_precomputed(const Elements& elements) const;
   bool hold(const HeldVertices& held);
   bool may_skip(const World<Real>& world, bool is_startled);
   bool may_expand(const World<Real>& world) const;
-  Columns contributions(const World<Real>& world, const Mat3X<double>& u, bool all) const;
+  Defects defects(const World<Real>& world, const Mat3X<double>& u, bool all) const;
   void place_worst(const Elements& elements, const Eigen::VectorXd& error, LinearityReport& report) const;
   void steer(const World<Real>& world, const Steering& steering, double estimate, bool is_startled,
              LinearityReport& report);
   double relative(const Eigen::VectorXd& error) const;
-  void correct(const World<Real>& world, const Steering& steering, const Columns& contributions,
+  void correct(const World<Real>& world, const Steering& steering, const Defects& defects,
                Eigen::VectorXd error, LinearityReport& report);
   void move(const World<Real>& world, const Steering& steering, Index zone, RegionModel model,
             LinearityReport& report);
@@ -96,7 +95,6 @@ class LinearityWatch {
   std::unique_ptr<Influence> influence_;
   std::future<std::unique_ptr<Influence>> next_influence_;
   int looks_to_wait_ = 0;
-  bool means_are_stale_ = false;     // of zones, after a cut
   bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
   std::vector<double> share_;        // of each zone that is linear, by volume
   std::vector<int> calm_;            // looks since each zone could have been linear

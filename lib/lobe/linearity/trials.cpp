@@ -1,0 +1,63 @@
+#include "lobe/linearity/trials.h"
+
+#include <algorithm>
+
+namespace lobe {
+namespace {
+
+constexpr double least_reached = 0.05;  // share of a gesture that is still of use
+
+double norm(const TetMesh& mesh, const Mat3X<double>& u) {  // √∫|u|², vertex by vertex
+  double sum = 0;
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    sum += signed_volume(tet_points(mesh, t)) / 4 *
+           u(Eigen::all, mesh.tets.col(t)).colwise().squaredNorm().sum();
+  return std::sqrt(sum);
+}
+
+void scale(Setup& setup, double fraction) {
+  for (PrescribedVertex& p : setup.prescribed) p.displacement *= fraction;
+  for (FaceLoad& load : setup.face_loads) load.traction *= fraction;
+  for (VertexLoad& load : setup.vertex_loads) load.force *= fraction;
+  setup.gravity *= fraction;
+}
+
+StaticOptions options_with(const SparseFactorMaker& factor) {
+  StaticOptions options;
+  options.factor = factor;
+  options.tolerance = 1e-8;
+  return options;
+}
+
+}  // namespace
+
+std::vector<Trial> solve_trials(
+    const Setup& setup, const std::vector<Gesture>& gestures, const SparseFactorMaker& factor,
+    const std::function<void(std::size_t gesture, const StaticResult& found)>& followed) {
+  std::vector<Trial> trials;
+  for (std::size_t g = 0; g < gestures.size(); ++g) {
+    Trial trial{at_the_end_of(gestures[g], setup), {}, g};
+    std::fill(trial.setup.region_of.begin(), trial.setup.region_of.end(), RegionModel::nonlinear);
+    StaticResult found = solve_static(trial.setup, options_with(factor));
+    if (followed) followed(g, found);
+    if (found.load_fraction < least_reached || found.u.isZero(0)) continue;
+    scale(trial.setup, found.load_fraction);
+    trial.u = std::move(found.u);
+    trial.norm = norm(setup.mesh, trial.u);
+    trials.push_back(std::move(trial));
+  }
+  return trials;
+}
+
+double static_error(const std::vector<RegionModel>& region_of, const Trial& trial,
+                    const SparseFactorMaker& factor) {
+  Setup setup = trial.setup;
+  for (std::size_t t = 0; t < region_of.size(); ++t)  // condensed it would be the same equilibrium
+    if (region_of[t] != RegionModel::nonlinear) setup.region_of[t] = RegionModel::tensor_mass;
+  StaticOptions options = options_with(factor);
+  options.start = &trial.u;
+  const StaticResult found = solve_static(setup, options);
+  return found.converged ? norm(setup.mesh, found.u - trial.u) / trial.norm : 1;
+}
+
+}  // namespace lobe

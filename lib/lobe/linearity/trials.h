@@ -1,0 +1,28 @@
+// What regions are judged by: the equilibria of gestures, all non-linear.
+#pragma once
+
+#include <functional>
+
+#include "lobe/linearity/gestures.h"
+#include "lobe/solve/sparse_factor.h"
+#include "lobe/solve/static_solver.h"
+
+namespace lobe {
+
+struct Trial {
+  Setup setup;      // at the gesture's end, or as far as there is an equilibrium
+  Mat3X<double> u;  // in equilibrium, all non-linear: 3 × #vertices [m]
+  std::size_t gesture = 0;
+  double norm = 0;  // √∫|u|² [m^2.5]
+};
+
+// Those of gestures that can be followed far enough to be of use. `followed` hears of all.
+std::vector<Trial> solve_trials(
+    const Setup& setup, const std::vector<Gesture>& gestures, const SparseFactorMaker& factor = make_ldlt,
+    const std::function<void(std::size_t gesture, const StaticResult& found)>& followed = {});
+
+// Of the equilibrium with these regions: the relative L2 norm of its difference; 1 if none is found.
+double static_error(const std::vector<RegionModel>& region_of, const Trial& trial,
+                    const SparseFactorMaker& factor = make_ldlt);
+
+}  // namespace lobe

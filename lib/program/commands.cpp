@@ -45,7 +45,7 @@ Loaded load(const SceneOptions& options) {
 // Static solutions of the gestures that the regions are chosen for.
 void choose_regions(Loaded& loaded) {
   ProgressBar bar("choosing regions");
-  propose(loaded.scene, loaded.resolved, linked_solver.make, [&](double fraction) { bar.show(fraction); });
+  propose(loaded.scene, loaded.resolved, [&](double fraction) { bar.show(fraction); });
 }
 
 void print_proposal(const Proposal& proposal) {

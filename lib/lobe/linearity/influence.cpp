@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <numeric>
 
+#include "lobe/condense/supernodal_factor.h"
 #include "lobe/error.h"
 #include "lobe/solve/floating.h"
 #include "lobe/solve/tangent.h"
@@ -90,7 +91,7 @@ Columns rigid_forces(const Elements& elements, const Unknowns& unknowns, const s
 }  // namespace
 
 Influence::Influence(const Elements& elements, const Zones& zones, const HeldVertices& held,
-                     const std::vector<std::vector<Index>>& grasps, const SparseFactorMaker& make_factor) {
+                     const std::vector<std::vector<Index>>& grasps) {
   const Unknowns unknowns = free_components(elements, held);
   Tangent K(elements, unknowns);
   const Index vertices = elements.topology.vertex_count();
@@ -99,7 +100,7 @@ Influence::Influence(const Elements& elements, const Zones& zones, const HeldVer
   for (Index v = 0; v < vertices; ++v) mass.push_back(lumped_mass(elements, v));
   const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
   K.scale_and_add_mass(1, weak_spring * K.matrix().diagonal().head(unknowns.count).sum() / (3 * total), mass);
-  const std::unique_ptr<SparseFactor> factor = K.make_factor(make_factor);
+  const std::unique_ptr<SparseFactor> factor = K.make_factor(make_supernodal);
   bool damped = false;
   if (!K.factorise(*factor, damped))
     throw InputError("linear regions", "the stiffness of the body at rest is singular");

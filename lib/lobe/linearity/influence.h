@@ -14,7 +14,7 @@ class Influence {
   // One sparse factor and three solves per zone. `grasps` are sets of vertices that may be held later, as rigid bodies.
   // Nothing is said of pieces that float without a grasp.
   Influence(const Elements& elements, const Zones& zones, const HeldVertices& held,
-            const std::vector<std::vector<Index>>& grasps, const SparseFactorMaker& make_factor = make_ldlt);
+            const std::vector<std::vector<Index>>& grasps);
 
   // Who holds from now on: numbers of grasps, sorted. None at first.
   void hold(const std::vector<Index>& grasps);

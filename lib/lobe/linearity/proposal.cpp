@@ -57,7 +57,7 @@ class Proposer {
   }
   void nothing_linear(const std::string& why) { proposal_.notes.push_back("nothing is linear: " + why); }
   void solve() {
-    trials_ = solve_trials(setup_, gestures_, options_.factor, [&](std::size_t g, const StaticResult& found) {
+    trials_ = solve_trials(setup_, gestures_, [&](std::size_t g, const StaticResult& found) {
       GestureOutcome& outcome = proposal_.gestures.emplace_back();
       outcome.name = gestures_[g].name;
       outcome.reached = found.load_fraction;
@@ -72,7 +72,7 @@ class Proposer {
   void predict() {
     std::vector<std::vector<Index>> grasps;
     for (const Gesture& gesture : gestures_) grasps.push_back(gesture.vertices);
-    Influence influence(elements_, zones_, held_by(setup_.prescribed), grasps, options_.factor);
+    Influence influence(elements_, zones_, held_by(setup_.prescribed), grasps);
     for (const Trial& trial : trials_) {
       const bool holds = !gestures_[trial.gesture].displacements.empty();
       influence.hold(holds ? std::vector<Index>{static_cast<Index>(trial.gesture)} : std::vector<Index>{});
@@ -130,7 +130,7 @@ class Proposer {
       double worst = 0;
       for (std::size_t i_trial = 0; i_trial < trials_.size(); ++i_trial) {
         const double predicted = errors_[i_trial].of(zones_, linear),
-                     measured = static_error(variant.region_of, trials_[i_trial], options_.factor);
+                     measured = static_error(variant.region_of, trials_[i_trial]);
         variant.predicted.push_back(predicted);
         variant.measured.push_back(measured);
         worst = std::max(worst, measured);

@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "lobe/linearity/gestures.h"
-#include "lobe/solve/sparse_factor.h"
 
 namespace lobe {
 
@@ -14,7 +13,6 @@ struct ProposalOptions {
   bool condense = true;     // linear regions may be precomputed
   Index zones = 0;          // 0: usual_zone_count()
   bool in_double = false;   // precision of the run, in which its step is timed
-  SparseFactorMaker factor = make_ldlt;
   std::function<void(double fraction)> progress;
 };
 

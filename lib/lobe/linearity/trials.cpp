@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lobe/condense/supernodal_factor.h"
+
 namespace lobe {
 namespace {
 
@@ -22,9 +24,9 @@ void scale(Setup& setup, double fraction) {
   setup.gravity *= fraction;
 }
 
-StaticOptions options_with(const SparseFactorMaker& factor) {
+StaticOptions static_options() {
   StaticOptions options;
-  options.factor = factor;
+  options.factor = make_supernodal;
   options.tolerance = 1e-8;
   return options;
 }
@@ -32,13 +34,13 @@ StaticOptions options_with(const SparseFactorMaker& factor) {
 }  // namespace
 
 std::vector<Trial> solve_trials(
-    const Setup& setup, const std::vector<Gesture>& gestures, const SparseFactorMaker& factor,
+    const Setup& setup, const std::vector<Gesture>& gestures,
     const std::function<void(std::size_t gesture, const StaticResult& found)>& followed) {
   std::vector<Trial> trials;
   for (std::size_t g = 0; g < gestures.size(); ++g) {
     Trial trial{at_the_end_of(gestures[g], setup), {}, g};
     std::fill(trial.setup.region_of.begin(), trial.setup.region_of.end(), RegionModel::nonlinear);
-    StaticResult found = solve_static(trial.setup, options_with(factor));
+    StaticResult found = solve_static(trial.setup, static_options());
     if (followed) followed(g, found);
     if (found.load_fraction < least_reached || found.u.isZero(0)) continue;
     scale(trial.setup, found.load_fraction);
@@ -49,12 +51,11 @@ std::vector<Trial> solve_trials(
   return trials;
 }
 
-double static_error(const std::vector<RegionModel>& region_of, const Trial& trial,
-                    const SparseFactorMaker& factor) {
+double static_error(const std::vector<RegionModel>& region_of, const Trial& trial) {
   Setup setup = trial.setup;
   for (std::size_t t = 0; t < region_of.size(); ++t)  // condensed it would be the same equilibrium
     if (region_of[t] != RegionModel::nonlinear) setup.region_of[t] = RegionModel::tensor_mass;
-  StaticOptions options = options_with(factor);
+  StaticOptions options = static_options();
   options.start = &trial.u;
   const StaticResult found = solve_static(setup, options);
   return found.converged ? norm(setup.mesh, found.u - trial.u) / trial.norm : 1;

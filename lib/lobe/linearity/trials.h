@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "lobe/linearity/gestures.h"
-#include "lobe/solve/sparse_factor.h"
 #include "lobe/solve/static_solver.h"
 
 namespace lobe {
@@ -18,11 +17,10 @@ struct Trial {
 
 // Those of gestures that can be followed far enough to be of use. `followed` hears of all.
 std::vector<Trial> solve_trials(
-    const Setup& setup, const std::vector<Gesture>& gestures, const SparseFactorMaker& factor = make_ldlt,
+    const Setup& setup, const std::vector<Gesture>& gestures,
     const std::function<void(std::size_t gesture, const StaticResult& found)>& followed = {});
 
 // Of the equilibrium with these regions: the relative L2 norm of its difference; 1 if none is found.
-double static_error(const std::vector<RegionModel>& region_of, const Trial& trial,
-                    const SparseFactorMaker& factor = make_ldlt);
+double static_error(const std::vector<RegionModel>& region_of, const Trial& trial);
 
 }  // namespace lobe

@@ -15,8 +15,8 @@ constexpr double leave_above = 0.8;     // of the tolerance: where a precomputed
 constexpr double renew_above = 0.25;    // where it is linearised anew
 constexpr double condense_below = 0.5;  // where it is condensed again
 constexpr int patience_to_condense = 2;
-constexpr double delay_per_tet = 8e-6;  // of its renewal [s]: what condensing takes on a slow machine
-constexpr int looks_for_influence = 30;
+constexpr double delay_per_tet = 8e-6;      // of its renewal [s]: what condensing takes on a slow machine
+constexpr double influence_per_tet = 1e-4;  // until it is used [s]: what finding it takes on a slow machine
 
 bool is_linear(const Elements& elements, Index tet) {
   return elements.region_of[tet] != RegionModel::nonlinear;
@@ -85,12 +85,12 @@ HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
 // frames.
 template <class Real>
 bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
-  if (next_influence_.valid() && --looks_to_wait_ <= 0) influence_ = next_influence_.get();
+  if (next_influence_.valid() && world.time() >= influence_due_) influence_ = next_influence_.get();
   const bool was_cut = follow_cuts(world.elements(), world.history());
   influence_is_stale_ = influence_is_stale_ || was_cut;
   if (!influence_is_stale_ || next_influence_.valid()) return was_cut;
   influence_is_stale_ = false;
-  looks_to_wait_ = looks_for_influence;
+  influence_due_ = world.time() + influence_per_tet * world.elements().topology.alive_count();
   next_influence_ =
       std::async(std::launch::async, [elements = world.elements(), boundary = boundary_of(world), this] {
         return std::make_unique<Influence>(elements, zones_, boundary, grasps_);

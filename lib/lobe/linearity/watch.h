@@ -63,7 +63,7 @@ class LinearityWatch {
 
   // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the recovery of its interior, so that
   // the last report stands in for most looks there.
-  // What cuts do to the influence of zones is found by a background thread and used from a fixed number of looks on.
+  // What cuts do to the influence of zones is found by a background thread and used from a fixed simulated time on.
   LinearityReport look(World<Real>& world) { return look(world, Steering(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);
 
@@ -94,7 +94,7 @@ class LinearityWatch {
   MeanDefects defects_;
   std::unique_ptr<Influence> influence_;
   std::future<std::unique_ptr<Influence>> next_influence_;
-  int looks_to_wait_ = 0;
+  double influence_due_ = 0;         // [s]
   bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
   std::vector<double> share_;        // of each zone that is linear, by volume
   std::vector<int> calm_;            // looks since each zone could have been linear

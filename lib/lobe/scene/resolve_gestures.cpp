@@ -58,14 +58,12 @@ void choose_representation(const Scene& scene, Resolved& resolved) {
 
 }  // namespace
 
-void propose(const Scene& scene, Resolved& resolved, const SparseFactorMaker& factor,
-             const std::function<void(double fraction)>& progress) {
+void propose(const Scene& scene, Resolved& resolved, const std::function<void(double fraction)>& progress) {
   if (!scene.auto_regions) return choose_representation(scene, resolved);
   ProposalOptions options;
   options.tolerance = scene.auto_regions->tolerance;
   options.condense = scene.auto_regions->precomputed;
   options.in_double = scene.in_double();
-  options.factor = factor;
   options.progress = progress;
   std::vector<RegionModel>& region_of = resolved.setup.region_of;
   if (scene.auto_regions->correct) {

@@ -53,6 +53,8 @@ TEST_CASE("the supernodal factor solves as the simplicial one, and gives the sam
     }
     const Eigen::VectorXd b = Eigen::VectorXd::Random(K.cols()), x = supernodal->solve(b);
     CHECK((x - simplicial->solve(b)).norm() < 1e-11 * x.norm());
+    const Eigen::MatrixXd B = Eigen::MatrixXd::Random(K.cols(), 131), X = supernodal->solve_all(B);
+    CHECK((X - simplicial->solve_all(B)).norm() < 1e-11 * X.norm());
     std::vector<int> rows, columns;
     for (int i = 0; i < K.cols(); i += 3) rows.push_back(i);
     for (int i = static_cast<int>(K.cols()) - 1; i >= 0; i -= 5) columns.push_back(i);

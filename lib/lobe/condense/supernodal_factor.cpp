@@ -21,6 +21,7 @@ class Supernodal : public SparseFactor {
   bool factorise(const Matrix& A, Eigen::Index negative) override;
   Eigen::Index size() const override { return Eigen::Index(nodes_.place.size()); }
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const override;
+  Dense solve_all(const Dense& B) const override;
   Dense inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const override;
   long long nonzeros() const override { return static_cast<long long>(values_.size()); }
   bool save(io::ByteWriter& out) const override;
@@ -28,7 +29,8 @@ class Supernodal : public SparseFactor {
 
  private:
   using Block = Eigen::Map<const Dense>;
-  using Marks = std::vector<char>;  // per supernode
+  using Marks = std::vector<char>;           // per supernode
+  static constexpr std::size_t batch = 128;  // right-hand sides that are solved for at once
 
   struct Entry {  // of A, in the order: in a column of a supernode
     int row, column;
@@ -162,10 +164,26 @@ Eigen::VectorXd Supernodal::solve(const Eigen::VectorXd& b) const {
   return x(nodes_.place);
 }
 
+Supernodal::Dense Supernodal::solve_all(const Dense& B) const {
+  Dense X(B.rows(), B.cols());
+  for (Eigen::Index begin = 0; begin < B.cols(); begin += batch) {
+    const auto b = B.middleCols(begin, std::min(Eigen::Index(batch), B.cols() - begin));
+    Dense x(b.cols(), size());
+    std::vector<int> given;
+    for (Eigen::Index i = 0; i < size(); ++i) {
+      const int place = nodes_.place[std::size_t(i)];
+      x.col(place) = b.row(i).transpose();
+      if (!b.row(i).isZero(0)) given.push_back(place);
+    }
+    solve(x, with_ancestors(given), Marks(std::size_t(nodes_.count()), 1));
+    X.middleCols(begin, b.cols()) = x(Eigen::all, nodes_.place).transpose();
+  }
+  return X;
+}
+
 // Columns in the order of the factor, so that those that are solved for at once depend on much the same.
 Supernodal::Dense Supernodal::inverse_block(const std::vector<int>& rows,
                                             const std::vector<int>& columns) const {
-  constexpr std::size_t batch = 128;
   const auto place = [&](int i) { return nodes_.place[std::size_t(i)]; };
   std::vector<int> order(columns.size()), places;
   std::iota(order.begin(), order.end(), 0);

@@ -1,6 +1,7 @@
 #include "lobe/linearity/influence.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <numeric>
 
 #include "lobe/condense/supernodal_factor.h"
@@ -109,9 +110,18 @@ Influence::Influence(const Elements& elements, const Zones& zones, const HeldVer
   };
   const Means means(elements, zones, unknowns);
   free_.resize(3 * zones.count(), 9 * zones.count());
-  for (Index z = 0; z < zones.count(); ++z)
-    for (int axis = 0; axis < 3; ++axis)
-      free_.row(3 * z + axis) = means.gradients(solve(means.mean(z, axis))).cast<float>();
+  constexpr Index at_once = 96;  // columns
+  for (Index begin = 0; begin < 3 * zones.count(); begin += at_once) {
+    const Index end = std::min(3 * zones.count(), begin + at_once);
+    Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(K.matrix().rows(), end - begin);
+    for (Index row = begin; row < end; ++row)
+      forces.col(row - begin).head(unknowns.count) = unknowns.gather(means.mean(row / 3, row % 3));
+    const Eigen::MatrixXd fields = factor->solve_all(forces);
+    for (Index row = begin; row < end; ++row) {
+      const Eigen::VectorXd field = fields.col(row - begin).head(unknowns.count);
+      free_.row(row) = means.gradients(unknowns.scatter(field)).cast<float>();
+    }
+  }
   for (const std::vector<Index>& vertices_held : grasps) {
     Grasp& grasp = grasps_.emplace_back();
     grasp.forces = rigid_forces(elements, unknowns, vertices_held);

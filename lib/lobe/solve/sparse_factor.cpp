@@ -168,6 +168,12 @@ bool Ldlt::load(io::ByteReader& in) {
 
 }  // namespace
 
+Eigen::MatrixXd SparseFactor::solve_all(const Eigen::MatrixXd& B) const {
+  Eigen::MatrixXd X(B.rows(), B.cols());
+  for (Eigen::Index c = 0; c < B.cols(); ++c) X.col(c) = solve(B.col(c));
+  return X;
+}
+
 Eigen::MatrixXd SparseFactor::inverse_block(const std::vector<int>& rows,
                                             const std::vector<int>& columns) const {
   Eigen::MatrixXd block(Eigen::Index(rows.size()), Eigen::Index(columns.size()));

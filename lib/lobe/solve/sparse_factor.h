@@ -25,6 +25,7 @@ class SparseFactor {
   virtual bool factorise(const Matrix& A, Eigen::Index negative = 0) = 0;
   virtual Eigen::Index size() const = 0;  // of A
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
+  virtual Eigen::MatrixXd solve_all(const Eigen::MatrixXd& B) const;  // column by column
   // Rows × columns of A⁻¹, both by their numbers in A.
   virtual Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const;
   virtual long long nonzeros() const = 0;  // of the factor

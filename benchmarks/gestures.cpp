@@ -233,7 +233,7 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
-constexpr const char* plot_script = R"(set terminal pngcairo size 900,560 font 'sans,11'
+constexpr const char* plot_script = R"(set terminal pngcairo noenhanced size 900,560 font 'sans,11'
 set output 'gestures.png'
 set datafile separator ','
 set datafile missing NaN

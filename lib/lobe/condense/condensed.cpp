@@ -279,7 +279,11 @@ Condensed::Matrix Condensed::solve(const Matrix& forces, const Matrix& phi) cons
     else
       u.row(d) = phi.row(s) / added_[std::size_t(d - loads_.rows())];
   }
-  u.topRows(loads_.rows()) = factor_->solve_all(sum);
+  for (Eigen::Index c = 0; c < phi.cols(); ++c)
+    if (!sum.col(c).isZero(0))
+      u.col(c).head(loads_.rows()) = factor_->solve(sum.col(c));
+    else
+      u.col(c).head(loads_.rows()).setZero();
   return u;
 }
 

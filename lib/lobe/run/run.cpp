@@ -197,9 +197,10 @@ class Watched {
   Watched(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
     if (!scene.auto_regions) return;
     tolerance_ = scene.auto_regions->tolerance;
+    corrects_ = scene.auto_regions->correct;
     std::vector<std::vector<Index>> grasps;
     for (const GraspSetup& grasp : resolved.setup.grasps) grasps.push_back(grasp.vertices);
-    watch_.emplace(world, grasps, LinearityOptions{tolerance_, scene.auto_regions->correct});
+    watch_.emplace(world, grasps, LinearityOptions{tolerance_, corrects_});
   }
 
   void look(World<Real>& world, Recorded<Real>* recorded) {
@@ -219,7 +220,7 @@ class Watched {
     return "linear regions were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
            rounded(worst_.time) + " s, most at [" + rounded(worst_.place[0]) + ", " +
            rounded(worst_.place[1]) + ", " + rounded(worst_.place[2]) +
-           "] m; declare that gesture, or set \"correct\"";
+           "] m; declare that gesture" + (corrects_ ? "" : ", or set \"correct\"");
   }
   Json json() const {
     return {{"worst_error", worst_.error},
@@ -236,6 +237,7 @@ class Watched {
  private:
   std::optional<LinearityWatch<Real>> watch_;
   double tolerance_ = 0;
+  bool corrects_ = false;
   LinearityReport worst_;
   int exceeded_ = 0, expanded_ = 0;
   Index to_nonlinear_ = 0, to_linear_ = 0;

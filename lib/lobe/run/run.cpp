@@ -219,8 +219,8 @@ class Watched {
     if (worst_.error <= tolerance_) return "";
     return "linear regions were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
            rounded(worst_.time) + " s, most at [" + rounded(worst_.place[0]) + ", " +
-           rounded(worst_.place[1]) + ", " + rounded(worst_.place[2]) +
-           "] m; declare that gesture" + (corrects_ ? "" : ", or set \"correct\"");
+           rounded(worst_.place[1]) + ", " + rounded(worst_.place[2]) + "] m; declare that gesture" +
+           (corrects_ ? "" : ", or set \"correct\"");
   }
   Json json() const {
     return {{"worst_error", worst_.error},

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "benchmarks/files.h"
 #include "benchmarks/machine.h"
+#include "lobe/io/atomic_file.h"
 
 namespace lobe::bench {
 namespace {
@@ -60,8 +60,8 @@ void bench_accuracy(const Options& options) {
     print_pareto(accuracy.rows);
     print_references(accuracy.rows);
     all.insert(all.end(), accuracy.rows.begin(), accuracy.rows.end());
-    write_file(options.output / "accuracy.csv", accuracy_csv(all));
-    write_file(options.output / "accuracy.gp", accuracy_plot(all));
+    io::write_file(options.output / "accuracy.csv", accuracy_csv(all));
+    io::write_file(options.output / "accuracy.gp", accuracy_plot(all));
   }
 }
 

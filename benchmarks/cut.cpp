@@ -8,10 +8,10 @@
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
-#include "benchmarks/files.h"
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/sim/rebuild.h"
 
 namespace lobe::bench {
@@ -165,8 +165,8 @@ void bench_cut(const Options& options) {
   }
   Setup liver = liver_setup();
   cut("precomputed liver", liver, RegionModel::precomputed, {10, 100});
-  write_file(options.output / "cut.csv", csv(rows));
-  write_file(options.output / "cut.gp", plot_script);
+  io::write_file(options.output / "cut.csv", csv(rows));
+  io::write_file(options.output / "cut.gp", plot_script);
 }
 
 }  // namespace lobe::bench

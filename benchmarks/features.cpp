@@ -7,10 +7,10 @@
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
-#include "benchmarks/files.h"
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/world.h"
@@ -150,8 +150,8 @@ void bench_features(const Options& options) {
     std::printf("%-20s %10.2f %10.2f %8.3f %8.3f\n", feature.name, r.off, r.on, r.on / r.off, r.spread);
     std::fflush(stdout);
   }
-  write_file(options.output / "features.csv", csv(rows));
-  write_file(options.output / "features.md", markdown(rows, machine));
+  io::write_file(options.output / "features.csv", csv(rows));
+  io::write_file(options.output / "features.md", markdown(rows, machine));
 }
 
 }  // namespace lobe::bench

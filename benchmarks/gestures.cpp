@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "benchmarks/accuracy_models.h"
-#include "benchmarks/files.h"
 #include "benchmarks/timing.h"
 #include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
@@ -82,8 +82,8 @@ bool any_precomputed(const std::vector<RegionModel>& region_of) {
   return std::count(region_of.begin(), region_of.end(), RegionModel::precomputed) > 0;
 }
 
-std::vector<Making> makings(const Resolved& resolved, const std::vector<Trial>& trials, double tolerance) {
-  const Setup& setup = resolved.setup;
+std::vector<Making> makings(const Setup& setup, const std::vector<Gesture>& gestures,
+                            const std::vector<Trial>& trials, double tolerance) {
   std::vector<Making> list;
   const auto add = [&](const std::string& name, const std::vector<RegionModel>& region_of, bool watch,
                        bool correct) {
@@ -92,16 +92,16 @@ std::vector<Making> makings(const Resolved& resolved, const std::vector<Trial>& 
   add("nonlinear", all_nonlinear(setup).region_of, false, false);
   ProposalOptions options;
   options.tolerance = tolerance;
-  const Proposal condensed = propose_regions(setup, resolved.gestures, options);
+  const Proposal condensed = propose_regions(setup, gestures, options);
   options.condense = false;
-  const Proposal tensor_mass = propose_regions(setup, resolved.gestures, options);
-  add("strain-recipe", by_strain(setup, resolved.gestures, trials, tolerance), false, false);
+  const Proposal tensor_mass = propose_regions(setup, gestures, options);
+  add("strain-recipe", by_strain(setup, gestures, trials, tolerance), false, false);
   add("proposed", tensor_mass.region_of, true, false);
   if (condensed.region_of != tensor_mass.region_of)
     add("proposed-precomputed", condensed.region_of, true, false);
   add("proposed-corrected", tensor_mass.region_of, true, true);
   options.condense = true;
-  const Proposal corrected = propose_regions_to_correct(setup, resolved.gestures, options);
+  const Proposal corrected = propose_regions_to_correct(setup, gestures, options);
   if (any_precomputed(corrected.region_of)) {
     add("precomputed-alone", corrected.region_of, true, false);
     add("precomputed-in-frame", corrected.region_of, false, false);
@@ -176,8 +176,10 @@ double norm(const World<float>& exact, const World<float>& other, const std::vec
 }
 
 std::vector<Row> play(const Scene& scene, const Resolved& resolved, double tolerance) {
-  const std::vector<Trial> trials = solve_trials(resolved.setup, resolved.gestures);
-  const std::vector<Making> list = makings(resolved, trials, tolerance);
+  const std::vector<Gesture> gestures =
+      resolved.gestures.empty() ? usual_gestures(resolved.setup) : resolved.gestures;
+  const std::vector<Trial> trials = solve_trials(resolved.setup, gestures);
+  const std::vector<Making> list = makings(resolved.setup, gestures, trials, tolerance);
   std::vector<std::unique_ptr<Player>> players;
   for (const Making& making : list) players.push_back(std::make_unique<Player>(making, tolerance));
   const std::vector<double> mass = players[0]->world().mass();
@@ -282,7 +284,7 @@ std::string bench_gestures(const Options& options) {
     }
   }
   if (all.empty()) return "";
-  write_file(options.output / "gestures.csv", csv(all));
+  io::write_file(options.output / "gestures.csv", csv(all));
   return "scenes = \"" + names + "\"\n" + plot_script;
 }
 

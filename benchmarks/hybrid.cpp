@@ -8,13 +8,13 @@
 
 #include "benchmarks/accuracy_cases.h"
 #include "benchmarks/accuracy_models.h"
-#include "benchmarks/files.h"
 #include "benchmarks/gestures.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
 #include "lobe/condense/interface_size.h"
 #include "lobe/condense/narrow_interface.h"
 #include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"
@@ -238,8 +238,8 @@ void bench_hybrid(const Options& options) {
         all.insert(all.end(), rows.begin(), rows.end());
       }
     }
-  write_file(options.output / "hybrid.csv", csv(all));
-  write_file(options.output / "hybrid.gp", plot_script + bench_gestures(options));
+  io::write_file(options.output / "hybrid.csv", csv(all));
+  io::write_file(options.output / "hybrid.gp", plot_script + bench_gestures(options));
 }
 
 }  // namespace lobe::bench

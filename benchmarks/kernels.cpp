@@ -6,11 +6,11 @@
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
-#include "benchmarks/files.h"
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/roofline.h"
 #include "benchmarks/timing.h"
+#include "lobe/io/atomic_file.h"
 
 namespace lobe::bench {
 namespace {
@@ -189,9 +189,9 @@ void bench_kernels(const Options& options) {
       all.push_back(std::move(row));
     }
   }
-  write_file(options.output / "kernels.csv", csv(all));
-  write_file(options.output / "kernels.md", markdown(all, machine));
-  write_file(options.output / "kernels.gp", plot_script);
+  io::write_file(options.output / "kernels.csv", csv(all));
+  io::write_file(options.output / "kernels.md", markdown(all, machine));
+  io::write_file(options.output / "kernels.gp", plot_script);
 }
 
 }  // namespace lobe::bench

@@ -1,4 +1,5 @@
 #include "benchmarks/machine.h"
+#include "lobe/io/atomic_file.h"
 
 #include <unistd.h>
 
@@ -11,7 +12,6 @@
 #include <malloc.h>
 #endif
 
-#include "benchmarks/files.h"
 #include "lobe/instruction_set.h"
 
 namespace lobe::bench {
@@ -61,7 +61,7 @@ std::string begin_results(const std::filesystem::path& directory, const std::str
   for (std::string line; std::getline(before, line);)
     if (line.find(": ") != line.npos && !line.starts_with(own)) text += line + '\n';
   before.close();
-  write_file(directory / "machine.txt", text + own + machine + '\n');
+  io::write_file(directory / "machine.txt", text + own + machine + '\n');
   std::printf("%s\n", machine.c_str());
   return machine;
 }

@@ -10,9 +10,9 @@
 #include "benchmarks/accuracy_cases.h"
 #include "benchmarks/accuracy_models.h"
 #include "benchmarks/accuracy_play.h"
-#include "benchmarks/files.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/resting.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/resolve.h"
@@ -165,8 +165,8 @@ void bench_realtime(const Options& options) {
   std::printf("\n%-16s %8s %-8s %10s %10s %8s %8s %10s\n", "organ", "tets", "tool", "awake s/s", "asleep s/s",
               "gain", "asleep", "error");
   for (const auto& [row, result] : resting) print_resting(row, result);
-  write_file(options.output / "resting.csv", resting_csv(resting));
-  write_file(options.output / "realtime.csv", csv(rows));
+  io::write_file(options.output / "resting.csv", resting_csv(resting));
+  io::write_file(options.output / "realtime.csv", csv(rows));
 }
 
 }  // namespace lobe::bench

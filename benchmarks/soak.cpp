@@ -6,9 +6,9 @@
 #include <random>
 
 #include "benchmarks/benchmarks.h"
-#include "benchmarks/files.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/stress/plan.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
@@ -114,7 +114,7 @@ void bench_soak(const Options& options) {
       seconds_since(start) / 60, tally.gestures, tally.frames, tally.steps, tally.removed, tally.reruns,
       tally.stopped, tally.checks, tally.largest_difference, tally.smallest_ratio);
   std::printf("%s\n", line);
-  write_file(options.output / "soak.txt", std::string(line) + "\n");
+  io::write_file(options.output / "soak.txt", std::string(line) + "\n");
 }
 
 }  // namespace lobe::bench

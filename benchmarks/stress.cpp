@@ -4,9 +4,9 @@
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
-#include "benchmarks/files.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/stress/play.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/text.h"
 
 namespace lobe::bench {
@@ -110,8 +110,8 @@ void bench_stress(const Options& options) {
       print(rows.back());
       failed += !rows.back().verdict.passed;
     }
-  write_file(options.output / "stress.csv", csv(rows));
-  write_file(options.output / "stress.md", machine + "\n" + markdown(rows));
+  io::write_file(options.output / "stress.csv", csv(rows));
+  io::write_file(options.output / "stress.md", machine + "\n" + markdown(rows));
   const std::string count = std::to_string(failed) + " of " + std::to_string(rows.size()) + " runs failed";
   std::printf("\n%s\n", count.c_str());
   if (failed > 0) throw WrongResult(count + "; see stress.csv");

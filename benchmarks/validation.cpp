@@ -2,11 +2,11 @@
 #include <cstdio>
 
 #include "benchmarks/benchmarks.h"
-#include "benchmarks/files.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
 #include "benchmarks/validation/cases.h"
 #include "benchmarks/validation/table.h"
+#include "lobe/io/atomic_file.h"
 
 namespace lobe::bench {
 
@@ -27,9 +27,9 @@ void bench_validation(const Options& options) {
     rows.insert(rows.end(), findings.rows().begin(), findings.rows().end());
     points.insert(points.end(), findings.points().begin(), findings.points().end());
   }
-  write_file(options.output / "validation.csv", csv(rows));
-  write_file(options.output / "validation.md", machine + "\n" + markdown(rows));
-  write_file(options.output / "validation.gp", study_script(points));
+  io::write_file(options.output / "validation.csv", csv(rows));
+  io::write_file(options.output / "validation.md", machine + "\n" + markdown(rows));
+  io::write_file(options.output / "validation.gp", study_script(points));
   const std::string count = std::to_string(failed) + " of " + std::to_string(rows.size()) + " rows failed";
   std::printf("\n%s\n", count.c_str());
   if (failed > 0) throw WrongResult(count + "; see validation.csv");

@@ -24,10 +24,8 @@ std::string draw_regions(const std::filesystem::path& mesh, const std::filesyste
                              {"title", mesh.stem().string()},
                              {"color", "region"},
                              {"edges", true}};
-  io::AtomicFile request(file);
-  request.stream() << nlohmann::json{
-      {"pictures", {{{"out", picture.filename().string()}, {"panels", {panel}}}}}};
-  request.commit();
+  const nlohmann::json request{{"pictures", {{{"out", picture.filename().string()}, {"panels", {panel}}}}}};
+  io::write_file(file, request.dump());
   const std::string trouble = render_pictures(file);
   if (trouble.empty()) std::filesystem::remove(file);
   return trouble;

@@ -10,6 +10,7 @@
 
 #include "bench.h"
 #include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/text.h"
@@ -17,7 +18,6 @@
 #include "lobe_mesh/interfaces.h"
 #include "lobe_mesh/repair.h"
 #include "lobe_mesh/steps.h"
-#include "write_text.h"
 
 namespace lobe::meshing {
 namespace {
@@ -174,8 +174,8 @@ void write_tables(const std::map<std::string, Counts>& counts, const std::filesy
   }
   add("together", all);
   std::fputs(table.c_str(), stdout);
-  write_text(folder / "fuzz.md", table);
-  write_text(folder / "fuzz.csv", csv);
+  io::write_file(folder / "fuzz.md", table);
+  io::write_file(folder / "fuzz.csv", csv);
 }
 
 // Coarse, so that a thousand surfaces take minutes; where the size makes no sense, lobe-mesh's own choice.

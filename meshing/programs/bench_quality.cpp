@@ -6,12 +6,12 @@
 
 #include "bench.h"
 #include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/model.h"
 #include "lobe_mesh/repair.h"
-#include "write_text.h"
 
 namespace lobe::meshing {
 namespace {
@@ -122,8 +122,8 @@ int bench_quality(const BenchOptions& options) {
       }
     }
   }
-  write_text(options.output / "quality.md", table);
-  write_text(options.output / "quality.csv", csv);
+  io::write_file(options.output / "quality.md", table);
+  io::write_file(options.output / "quality.csv", csv);
   return bad;
 }
 

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/text.h"
@@ -20,7 +21,6 @@
 #include "lobe_mesh/report_json.h"
 #include "mesh_options.h"
 #include "progress_line.h"
-#include "write_text.h"
 
 namespace {
 
@@ -82,7 +82,7 @@ std::vector<Surface> repaired_surfaces(const Options& o, std::vector<InputFile>&
 }
 
 void write_report(const Options& o, const std::string& json) {
-  if (!o.report.empty()) write_text(o.report, json + "\n");
+  if (!o.report.empty()) io::write_file(o.report, json + "\n");
   if (o.json) std::cout << json << "\n";
 }
 

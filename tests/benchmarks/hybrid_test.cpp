@@ -23,13 +23,19 @@ TEST_CASE("lobe bench hybrid writes both representations of each linear part, wi
   const std::vector<Record> gestures = results.rows("gestures");
   REQUIRE(gestures.size() >= 5);
   CHECK(gestures[0].at("regions") == "nonlinear");
+  double recipe = 1, proposed = 0;  // share of the tetrahedra, for the same error in equilibrium
   for (const Record& row : gestures) {
     CAPTURE(row.at("regions"));
     CHECK(number(row, "speedup") > 0);
     CHECK(number(row, "mean_error") <= number(row, "largest_error"));
+    if (row.at("regions") == "strain-recipe") recipe = number(row, "linear_share");
+    if (row.at("regions") == "proposed") proposed = number(row, "linear_share");
+    if (row.at("regions") == "strain-recipe" || row.at("regions") == "proposed")
+      CHECK(number(row, "static_error") <= number(row, "tolerance"));
     if (row.at("regions").ends_with("corrected")) {
       CHECK(number(row, "moved") + number(row, "expanded") > 0);
       CHECK(number(row, "mean_error") < 0.02);  // the scene's tolerance
     }
   }
+  CHECK(proposed > 1.5 * recipe);
 }

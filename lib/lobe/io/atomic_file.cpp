@@ -61,6 +61,12 @@ void AtomicFile::commit() {
   committed_ = true;
 }
 
+void write_file(const std::filesystem::path& file, const std::string& contents) {
+  AtomicFile out(file);
+  out.write(contents.data(), contents.size());
+  out.commit();
+}
+
 std::string xml_escaped(const std::string& text) {
   std::string escaped;
   for (const char c : text) switch (c) {

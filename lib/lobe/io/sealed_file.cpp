@@ -39,10 +39,7 @@ std::string_view unseal(const std::string& file, std::string_view bytes, const F
 }
 
 void write_sealed(const std::filesystem::path& file, const Format& format, const std::string& contents) {
-  const std::string bytes = seal(format, contents);
-  AtomicFile out(file);
-  out.write(bytes.data(), bytes.size());
-  out.commit();
+  write_file(file, seal(format, contents));
 }
 
 std::string read_sealed(const std::filesystem::path& file, const Format& format) {

@@ -325,9 +325,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
                               {"limit_before_s", scaling.limit_before},
                               {"limit_after_s", scaling.limit_after}};
   result.report = options.directory / "report.json";
-  io::AtomicFile file(result.report);
-  file.stream() << report.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
-  file.commit();
+  io::write_file(result.report, report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   result.summary = summary_of(report);
   return result;
 }

@@ -51,9 +51,7 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
                     {"wall_s", seconds},
                     {"warnings", result.warnings}};
   result.report = options.directory / "report.json";
-  io::AtomicFile file(result.report);
-  file.stream() << report.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
-  file.commit();
+  io::write_file(result.report, report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   char text[256];
   std::snprintf(text, sizeof text,
                 "%s at %.4g %% of the load: residual %.2g after %d Newton iterations in %.2f s\n"

@@ -279,11 +279,12 @@ Condensed::Matrix Condensed::solve(const Matrix& forces, const Matrix& phi) cons
     else
       u.row(d) = phi.row(s) / added_[std::size_t(d - loads_.rows())];
   }
+  u.topRows(loads_.rows()).setZero();
+  std::vector<Eigen::Index> loaded;
   for (Eigen::Index c = 0; c < phi.cols(); ++c)
-    if (!sum.col(c).isZero(0))
-      u.col(c).head(loads_.rows()) = factor_->solve(sum.col(c));
-    else
-      u.col(c).head(loads_.rows()).setZero();
+    if (!sum.col(c).isZero(0)) loaded.push_back(c);
+  if (!loaded.empty())
+    u.topRows(loads_.rows())(Eigen::all, loaded) = factor_->solve_all(sum(Eigen::all, loaded));
   return u;
 }
 
@@ -291,19 +292,22 @@ Condensed::Matrix Condensed::field(const Matrix& driven) const {
   return solve(loads_ * driven.topRows(loads_.cols()), Phi_ * driven);
 }
 
-Condensed::Answer Condensed::held(const Matrix& forces) const {
-  Matrix phi(touched(), forces.cols());  // of what was added
-  for (Index s = 0; s < touched(); ++s) {
-    const Index d = touched_[std::size_t(s)];
-    if (known(d))
-      phi.row(s).setZero();
-    else
-      phi.row(s) = forces.row(d);
-  }
-  const Matrix known_forces = forces.topRows(loads_.rows());
-  const Matrix free = solve(known_forces, phi)(touched_, Eigen::all);
-  phi -= N_ * free;
-  return {Phi_.rightCols(Eigen::Index(interface_.size())).transpose() * free, solve(known_forces, phi)};
+// The forces on dofs that K̂ does not know, T × #columns.
+Condensed::Matrix Condensed::of_added(const Matrix& forces) const {
+  Matrix phi = Matrix::Zero(touched(), forces.cols());
+  for (Index s = 0; s < touched(); ++s)
+    if (const Index d = touched_[std::size_t(s)]; !known(d)) phi.row(s) = forces.row(d);
+  return phi;
+}
+
+Condensed::Matrix Condensed::borne(const Matrix& forces) const {
+  const Matrix free = solve(forces.topRows(loads_.rows()), of_added(forces))(touched_, Eigen::all);
+  return Phi_.rightCols(Eigen::Index(interface_.size())).transpose() * free;
+}
+
+Condensed::Matrix Condensed::held(const Matrix& forces) const {
+  const Matrix own = forces.topRows(loads_.rows()), added = of_added(forces);
+  return solve(own, added - N_ * solve(own, added)(touched_, Eigen::all));
 }
 
 }  // namespace lobe

@@ -64,16 +64,15 @@ class Condensed {
 
   // The whole field in equilibrium: all dofs × #columns, from [a; u_B] in each column.
   Matrix field(const Matrix& driven) const;
-  // What forces on the interior do while the interface is held, from all dofs × #columns [N].
-  struct Answer {
-    Matrix on_interface;  // what the interface bears, interface × #columns [N]: field() transposed
-    Matrix displacement;  // all dofs × #columns [m]
-  };
-  Answer held(const Matrix& forces) const;
+  // Forces on the interior while the interface is held, all dofs × #columns [N]: what the interface bears, interface ×
+  // #columns [N] (field() transposed), and displacements, all dofs × #columns [m].
+  Matrix borne(const Matrix& forces) const;
+  Matrix held(const Matrix& forces) const;
 
  private:
   Condensed() = default;
   Matrix solve(const Matrix& forces, const Matrix& phi) const;
+  Matrix of_added(const Matrix& forces) const;
   void touch(const Dofs& dofs);
   std::vector<Index> slots(const Dofs& dofs) const;
   std::vector<Index> interior_rows(const Dofs& dofs) const;    // of a matrix with one per dof

@@ -57,7 +57,7 @@ template <class Real>
 const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& elements,
                                                              std::vector<double>& mass) {
   if (tet_count_ == 0) return shared_;
-  const ReducedRegion::Inertia& follows =
+  const Eigen::VectorXd& follows =
       reduced_->inertia(interior_masses(elements, roles_), shared_components(elements, roles_));
   for (Index v = 0; v < static_cast<Index>(roles_.cols()); ++v)
     if (is_interior(v)) mass[v] = 0;
@@ -65,7 +65,7 @@ const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& ele
   for (Index v : shared_) {
     double own = 0;
     for (int axis = 0; axis < 3; ++axis)
-      if (const Index at = reduced_->column(3 * v + axis); at >= 0) own += follows.mass[at] / 3;
+      if (const Index at = reduced_->column(3 * v + axis); at >= 0) own += follows[at] / 3;
     mass[v] = std::max(0.0, own);
     all += own;
     positive += mass[v];

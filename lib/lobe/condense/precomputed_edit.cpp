@@ -307,6 +307,7 @@ void PrecomputedRegion<Real>::begin_refresh(const Elements& elements, Linearisat
           reduced = std::make_unique<ReducedRegion>(RegionFactor(elements, roles, linearisation), components,
                                                     loads, none, make_factor);
           reduced->inertia(interior_masses(elements, roles), shared_components(elements, roles));
+          reduced->sway();
         } catch (const InputError&) {
         }
         return reduced;

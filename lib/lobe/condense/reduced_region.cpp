@@ -36,22 +36,31 @@ ReducedRegion::Matrix ReducedRegion::field(const Matrix& driven) const {
   return field;
 }
 
-const ReducedRegion::Inertia& ReducedRegion::inertia(const Eigen::VectorXd& mass, const Components& moving) {
-  if (inertia_) return *inertia_;
+const Eigen::VectorXd& ReducedRegion::inertia(const Eigen::VectorXd& mass, const Components& moving) {
+  if (inertia_) return inertia_->of_interface;
   inertia_ = Inertia{};
   const Components own = interface();
   const auto n = Eigen::Index(own.size()), amplitudes = Eigen::Index(stiffness().cols()) - n;
   Matrix unit = Matrix::Zero(amplitudes + n, 3);
   for (Index component : moving) unit(amplitudes + column(component), component % 3) = 1;
-  const Matrix follows = condensed_->field(unit);
-  Eigen::VectorXd own_mass = Eigen::VectorXd::Zero(follows.rows());
+  inertia_->follows = condensed_->field(unit);
+  inertia_->of_interior = Eigen::VectorXd::Zero(inertia_->follows.rows());
   for (std::size_t i = 0; i < number_.size(); ++i)
-    if (number_[i] >= 0) own_mass[number_[i]] = mass[Eigen::Index(i)];
-  const Condensed::Answer answer = condensed_->held(own_mass.asDiagonal() * follows);
-  inertia_->mass.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) inertia_->mass[i] = answer.on_interface(i, own[std::size_t(i)] % 3);
-  inertia_->sway = (own_mass.asDiagonal() * answer.displacement.cwiseAbs2()).colwise().sum().cwiseSqrt();
-  return *inertia_;
+    if (number_[i] >= 0) inertia_->of_interior[number_[i]] = mass[Eigen::Index(i)];
+  const Matrix borne = condensed_->borne(inertia_->of_interior.asDiagonal() * inertia_->follows);
+  inertia_->of_interface.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) inertia_->of_interface[i] = borne(i, own[std::size_t(i)] % 3);
+  return inertia_->of_interface;
+}
+
+Vec3d ReducedRegion::sway() {
+  if (!inertia_) return Vec3d::Zero();
+  const auto masses = inertia_->of_interior.asDiagonal();
+  if (!inertia_->sway) {
+    const Matrix behind = condensed_->held(masses * inertia_->follows);
+    inertia_->sway = (masses * behind.cwiseAbs2()).colwise().sum().cwiseSqrt();
+  }
+  return *inertia_->sway;
 }
 
 void ReducedRegion::promote(const Components& components) { take({Kind::promote, components}); }

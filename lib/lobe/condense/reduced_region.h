@@ -28,16 +28,14 @@ class ReducedRegion {
   Components interface() const;  // in the order of the columns
   const Matrix& stiffness() const { return condensed_->stiffness(); }
   Matrix field(const Matrix& driven) const;  // per component, 0 where there is none
-  // What masses of the interior do that follows its interface: per component, 0 outside of the interior [kg].
-  struct Inertia {
-    Eigen::VectorXd mass;  // per component of the interface, for it to move as a whole along its axis [kg]
-    Vec3d sway =
-        Vec3d::Zero();  // how far the interior then lags behind, per axis: √Σ m |u|² for 1 m/s² [√kg s²]
-  };
-  // Found once, and again after an operation.
-  const Inertia& inertia(const Eigen::VectorXd& mass,
-                         const Components& moving);  // those of the interface that move
-  Vec3d sway() const { return inertia_ ? inertia_->sway : Vec3d::Zero(); }  // as far as it has been found
+  // What masses of the interior do that follows its interface, where components of that move as a whole along their
+  // axes. Both are found once, and again after an operation.
+  const Eigen::VectorXd& inertia(
+      const Eigen::VectorXd& mass,  // per component, 0 outside of the interior [kg]
+      const Components& moving);    // per component of the interface [kg]
+  // How far the interior then lags behind, per axis: √Σ m |u|² for 1 m/s² [√kg s²]. Of what inertia() was asked for last;
+  // 0 where it was not, since the last operation.
+  Vec3d sway();
 
   void promote(const Components& components);
   void add(const Components& components);
@@ -76,6 +74,11 @@ class ReducedRegion {
   std::vector<Index> number_;  // per component, in condensed_
   double spring_ = 1;
   std::unique_ptr<Condensed> condensed_;
+  struct Inertia {
+    Eigen::VectorXd of_interface, of_interior;  // per component and dof [kg]
+    Matrix follows;                             // how the interior moves, dofs × axes
+    std::optional<Vec3d> sway;
+  };
   std::optional<Inertia> inertia_;
   bool is_recorded_ = false;
   std::vector<Step> steps_;

@@ -20,7 +20,7 @@ class Supernodal : public SparseFactor {
   void analyse(const Matrix& A) override;
   bool factorise(const Matrix& A, Eigen::Index negative) override;
   Eigen::Index size() const override { return Eigen::Index(nodes_.place.size()); }
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override;
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return solve_few(b); }
   Dense solve_all(const Dense& B) const override;
   Dense inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const override;
   long long nonzeros() const override { return static_cast<long long>(values_.size()); }
@@ -31,6 +31,7 @@ class Supernodal : public SparseFactor {
   using Block = Eigen::Map<const Dense>;
   using Marks = std::vector<char>;           // per supernode
   static constexpr std::size_t batch = 128;  // right-hand sides that are solved for at once
+  static constexpr Eigen::Index few = 4;     // vectors, rather than a matrix
 
   struct Entry {  // of A, in the order: in a column of a supernode
     int row, column;
@@ -51,6 +52,7 @@ class Supernodal : public SparseFactor {
                 Dense& front) const;
   Marks with_ancestors(const std::vector<int>& components) const;
   void solve(Dense& x, const Marks& given, const Marks& wanted) const;
+  Dense solve_few(const Dense& B) const;
 
   Supernodes nodes_;
   std::vector<std::size_t> begin_;           // of each supernode's values, and the end
@@ -150,21 +152,25 @@ void Supernodal::solve(Dense& x, const Marks& given, const Marks& wanted) const 
     }
 }
 
-Eigen::VectorXd Supernodal::solve(const Eigen::VectorXd& b) const {
-  Eigen::VectorXd x(b.size());
-  for (Eigen::Index i = 0; i < b.size(); ++i) x[nodes_.place[std::size_t(i)]] = b[i];
-  for (int s = 0; s < nodes_.count(); ++s) {
-    auto own = x.segment(nodes_.first[std::size_t(s)], nodes_.width(s));
-    const Eigen::VectorXd others = L(s) * own;
-    for (std::size_t i = 0; i < below(s).size(); ++i) x[below(s)[i]] -= others[Eigen::Index(i)];
-    own = inverse_pivot(s) * Eigen::VectorXd(own);
-  }
+// A node of the factor is read once for all columns.
+Supernodal::Dense Supernodal::solve_few(const Dense& B) const {
+  Dense X(B.rows(), B.cols());
+  X(nodes_.place, Eigen::all) = B;
+  for (int s = 0; s < nodes_.count(); ++s)
+    for (auto x : X.colwise()) {
+      auto own = x.segment(nodes_.first[std::size_t(s)], nodes_.width(s));
+      const Eigen::VectorXd others = L(s) * own;
+      for (std::size_t i = 0; i < below(s).size(); ++i) x[below(s)[i]] -= others[Eigen::Index(i)];
+      own = inverse_pivot(s) * Eigen::VectorXd(own);
+    }
   for (int s = nodes_.count(); s-- > 0;)
-    x.segment(nodes_.first[std::size_t(s)], nodes_.width(s)) -= L(s).transpose() * x(below(s));
-  return x(nodes_.place);
+    for (auto x : X.colwise())
+      x.segment(nodes_.first[std::size_t(s)], nodes_.width(s)) -= L(s).transpose() * x(below(s));
+  return X(nodes_.place, Eigen::all);
 }
 
 Supernodal::Dense Supernodal::solve_all(const Dense& B) const {
+  if (B.cols() <= few) return solve_few(B);
   Dense X(B.rows(), B.cols());
   for (Eigen::Index begin = 0; begin < B.cols(); begin += batch) {
     const auto b = B.middleCols(begin, std::min(Eigen::Index(batch), B.cols() - begin));

@@ -43,13 +43,9 @@ Case liver(bool quick) {
   return made;
 }
 
-void refuse_meshes(const Options& options) {
+std::vector<Case> shipped_cases(const Options& options) {
   if (!options.meshes.empty())
     throw InputError("--mesh", "is a further mesh of a scene; name that by --scene");
-}
-
-std::vector<Case> shipped_cases(const Options& options) {
-  refuse_meshes(options);
   const auto sizes = [&](const std::vector<int>& all, const std::vector<int>& quick) {
     if (!options.tets.empty()) return options.tets;
     return options.quick ? quick : all;
@@ -160,13 +156,9 @@ std::vector<Case> make_cases(const Options& options) {
 
 std::vector<Case> make_organs(const Options& options) {
   if (!options.scenes.empty()) return users_cases(options);
-  refuse_meshes(options);
   if (!options.tets.empty()) throw InputError("bench hybrid", "has the sizes of its meshes, not --tets");
   Case organ = liver(options.quick);
-  if (!options.quick) {
-    organ.meshes.push_back(refine(organ.meshes[0]).mesh);
-    organ.meshes.push_back(refine(organ.meshes[1]).mesh);
-  }
+  for (const fs::path& mesh : options.meshes) organ.meshes.push_back(read_mesh(mesh).mesh);
   return {organ};
 }
 

@@ -19,7 +19,7 @@ struct Case {
 // The shipped scenes, or those of the options on their own meshes. Throws InputError.
 std::vector<Case> make_cases(const Options& options);
 
-// The shipped liver alone, also refined, or the user's scenes.
+// The shipped liver alone, or the user's scenes; also on the meshes of the options.
 std::vector<Case> make_organs(const Options& options);
 
 // Whether a selector of the scene names vertices or tetrahedra by number, or counts them: it means nothing, or

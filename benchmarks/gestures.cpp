@@ -175,13 +175,28 @@ double norm(const World<float>& exact, const World<float>& other, const std::vec
   return std::sqrt(sum);
 }
 
+// Of those that can be: what is held belongs to the interface of a frame, and may be too much.
+std::vector<std::unique_ptr<Player>> players_of(std::vector<Making>& list, double tolerance) {
+  std::vector<std::unique_ptr<Player>> players;
+  std::vector<Making> played;
+  for (Making& making : list) {
+    try {
+      players.push_back(std::make_unique<Player>(making, tolerance));
+      played.push_back(std::move(making));
+    } catch (const InputError&) {
+      if (making.setup.precomputed_frame != RegionFrame::corotated) throw;
+    }
+  }
+  list = std::move(played);
+  return players;
+}
+
 std::vector<Row> play(const Scene& scene, const Resolved& resolved, double tolerance) {
   const std::vector<Gesture> gestures =
       resolved.gestures.empty() ? usual_gestures(resolved.setup) : resolved.gestures;
   const std::vector<Trial> trials = solve_trials(resolved.setup, gestures);
-  const std::vector<Making> list = makings(resolved.setup, gestures, trials, tolerance);
-  std::vector<std::unique_ptr<Player>> players;
-  for (const Making& making : list) players.push_back(std::make_unique<Player>(making, tolerance));
+  std::vector<Making> list = makings(resolved.setup, gestures, trials, tolerance);
+  const std::vector<std::unique_ptr<Player>> players = players_of(list, tolerance);
   const std::vector<double> mass = players[0]->world().mass();
   const int frames = static_cast<int>(std::lround(scene.time.duration / scene.time.frame));
   std::vector<Row> rows(list.size());

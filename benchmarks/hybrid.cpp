@@ -240,8 +240,8 @@ void bench_hybrid(const Options& options) {
       }
     }
   }
-  io::write_file(options.output / "hybrid.csv", csv(all));
-  io::write_file(options.output / "hybrid.gp", plot_script + bench_gestures(options));
+  if (!all.empty()) io::write_file(options.output / "hybrid.csv", csv(all));
+  io::write_file(options.output / "hybrid.gp", (all.empty() ? "" : plot_script) + bench_gestures(options));
 }
 
 }  // namespace lobe::bench

@@ -32,7 +32,7 @@ class Proposer {
       solve();
       if (trials_.empty()) throw InputError("gestures", "none has an equilibrium");
       predict();
-      cost_ = measure_step_cost(setup_, zones_, options_.in_double);
+      cost_ = options_.cost ? *options_.cost : measure_step_cost(setup_, zones_, options_.in_double);
       try_variants();
     } catch (const InputError& error) {
       nothing_linear(error.what());
@@ -137,53 +137,73 @@ class Proposer {
         fits = fits && measured <= options_.tolerance;
         errors_[i_trial].scale *= std::clamp(1.05 * measured / predicted, 0.5, 10.0);
       }
-      Setup setup = setup_;
-      setup.region_of = variant.region_of;
-      if (fits) variant.cost = seconds_of(setup);
+      if (fits) variant.cost = seconds_of(variant.region_of);
       if (variant.cost < best.cost) best = std::move(variant);
       if (fits && (i > 0 || worst > 0.8 * options_.tolerance)) break;
     }
     return best;
   }
 
-  double seconds_of(const Setup& setup) const {
+  Setup with(const std::vector<RegionModel>& region_of) const {
+    Setup setup = setup_;
+    setup.region_of = region_of;
+    return setup;
+  }
+
+  double seconds_of(const std::vector<RegionModel>& region_of) const {
+    if (options_.cost) return predicted_seconds(region_of);
     try {
-      return step_seconds(setup, options_.in_double);
+      return step_seconds(with(region_of), options_.in_double);
     } catch (const InputError&) {  // it cannot be condensed
       return std::numeric_limits<double>::max();
     }
   }
 
+  double predicted_seconds(const std::vector<RegionModel>& region_of) const {
+    const auto count = [&](RegionModel model) {
+      return double(std::count(region_of.begin(), region_of.end(), model));
+    };
+    Elements tagged = elements_;
+    tagged.region_of = region_of;
+    return cost_.of(count(RegionModel::nonlinear), count(RegionModel::tensor_mass),
+                    interface_size(tagged, RegionModel::tensor_mass).vertices,
+                    3.0 * interface_size(tagged, RegionModel::precomputed).vertices);
+  }
+
+  // What was found at different times is measured once more, in turn and beside the body that is all non-linear.
   void try_variants() {
-    const double nonlinear = cost_.nonlinear * double(setup_.mesh.tet_count());
-    Variant best = find(false, 0.45, options_.condense ? 0.7 : 1);
-    if (options_.condense) {
-      Variant condensed = find(true, 0.7, 1);
-      if (condensed.cost < best.cost) best = std::move(condensed);
-    }
+    std::vector<Variant> found;
+    found.push_back(find(false, 0.45, options_.condense ? 0.7 : 1));
+    if (options_.condense) found.push_back(find(true, 0.7, 1));
+    std::erase_if(found, [](const Variant& variant) { return variant.region_of.empty(); });
     const std::string error = "the error below " + rounded(100 * options_.tolerance) + " %";
-    if (best.region_of.empty()) return nothing_linear("no zone keeps " + error);
-    if (best.cost >= nonlinear)
+    if (found.empty()) return nothing_linear("no zone keeps " + error);
+    double nonlinear = cost_.nonlinear * double(setup_.mesh.tet_count());
+    if (!options_.cost) {
+      std::vector<Setup> setups{setup_};
+      for (const Variant& variant : found) setups.push_back(with(variant.region_of));
+      const std::vector<double> seconds = step_seconds(setups, options_.in_double);
+      nonlinear = seconds[0];
+      for (std::size_t i = 0; i < found.size(); ++i) found[i].cost = seconds[i + 1];
+    }
+    const auto best = std::min_element(found.begin(), found.end(),
+                                       [](const Variant& a, const Variant& b) { return a.cost < b.cost; });
+    if (best->cost >= nonlinear)
       return nothing_linear("the regions that keep " + error + " are too small to pay");
-    describe(best, nonlinear);
+    describe(*best, nonlinear);
   }
 
   void describe(const Variant& best, double nonlinear) {
     proposal_.region_of = best.region_of;
     proposal_.measured_speedup = nonlinear / best.cost;
-    double counts[3] = {0, 0, 0}, linear = 0, all = 0;
+    double linear = 0, all = 0;
     for (Index t = 0; t < setup_.mesh.tet_count(); ++t) {
       const double volume = signed_volume(elements_.corner_points(t));
-      ++counts[static_cast<int>(best.region_of[t])];
       all += volume;
       if (best.region_of[t] != RegionModel::nonlinear) linear += volume;
     }
     proposal_.linear_share = linear / all;
-    Elements tagged = elements_;
-    tagged.region_of = best.region_of;
-    proposal_.predicted_speedup =
-        nonlinear / cost_.of(counts[2], counts[0], interface_size(tagged, RegionModel::tensor_mass).vertices,
-                             3.0 * interface_size(tagged, RegionModel::precomputed).vertices);
+    proposal_.predicted_speedup = nonlinear / predicted_seconds(best.region_of);
     for (std::size_t i = 0; i < trials_.size(); ++i) {
       GestureOutcome& outcome = proposal_.gestures[trials_[i].gesture];
       outcome.predicted = best.predicted[i];

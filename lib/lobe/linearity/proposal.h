@@ -3,17 +3,20 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "lobe/linearity/gestures.h"
+#include "lobe/linearity/step_cost.h"
 
 namespace lobe {
 
 struct ProposalOptions {
-  double tolerance = 0.02;  // of the L2 norm of the displacement
-  bool condense = true;     // linear regions may be precomputed
-  Index zones = 0;          // 0: usual_zone_count()
-  bool in_double = false;   // precision of the run, in which its step is timed
-  std::function<void(double fraction)> progress;
+  double tolerance = 0.02;            // of the L2 norm of the displacement
+  bool condense = true;               // linear regions may be precomputed
+  Index zones = 0;                    // 0: usual_zone_count()
+  bool in_double = false;             // precision of the run, in which its step is timed
+  std::optional<StepCost> cost = {};  // in place of measuring: the same regions at any time, on any machine
+  std::function<void(double fraction)> progress = {};
 };
 
 struct GestureOutcome {

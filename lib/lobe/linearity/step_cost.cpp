@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <limits>
+#include <memory>
 
 #include "lobe/condense/interface_size.h"
 #include "lobe/condense/symmetric_product.h"
@@ -11,31 +13,38 @@
 namespace lobe {
 namespace {
 
-// The smallest of repeated measurements, over at least a twentieth of a second.
-template <class Function>
-double smallest_seconds(const Function& function) {
+using Functions = std::vector<std::function<void()>>;
+
+// The smallest of repeated measurements in turn, each over at least a twentieth of a second.
+std::vector<double> smallest_seconds(const Functions& functions) {
   using Clock = std::chrono::steady_clock;
-  double smallest = std::numeric_limits<double>::max(), total = 0;
-  for (int i = 0; i < 20 || total < 0.05; ++i) {
-    const auto start = Clock::now();
-    function();
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    smallest = std::min(smallest, seconds);
-    total += seconds;
-  }
+  std::vector<double> smallest(functions.size(), std::numeric_limits<double>::max());
+  double total = 0;
+  for (int i = 0; i < 20 || total < 0.05 * double(functions.size()); ++i)
+    for (std::size_t f = 0; f < functions.size(); ++f) {
+      const auto start = Clock::now();
+      functions[f]();
+      const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      smallest[f] = std::min(smallest[f], seconds);
+      total += seconds;
+    }
   return smallest;
 }
 
 template <class Real>
-double seconds_of(const Setup& setup) {
-  World<Real> world(setup);
-  State<Real> state = world.state();
-  state.u.setRandom();
-  state.u *= Real(1e-5) * static_cast<Real>(std::cbrt(total_volume(setup.mesh)));
-  for (const HeldVertices::Held& item : world.held().all()) state.u.col(item.vertex).setZero();
-  world.set_state(state);
-  const double dt = 0.5 * world.time_step_limit();
-  return smallest_seconds([&] { world.step(dt); });
+std::vector<double> seconds_of(const std::vector<Setup>& setups) {
+  std::vector<std::unique_ptr<World<Real>>> worlds;
+  Functions steps;
+  for (const Setup& setup : setups) {
+    World<Real>& world = *worlds.emplace_back(std::make_unique<World<Real>>(setup));
+    State<Real> state = world.state();
+    state.u.setRandom();
+    state.u *= Real(1e-5) * static_cast<Real>(std::cbrt(total_volume(setup.mesh)));
+    for (const HeldVertices::Held& item : world.held().all()) state.u.col(item.vertex).setZero();
+    world.set_state(state);
+    steps.push_back([&world, dt = 0.5 * world.time_step_limit()] { world.step(dt); });
+  }
+  return smallest_seconds(steps);
 }
 
 template <class Real>
@@ -43,7 +52,7 @@ double seconds_of_product(Index size) {
   SymmetricProduct<Real> product;
   product.set(Eigen::MatrixXd::Identity(size, size));
   Parallel alone(1);
-  return smallest_seconds([&] { product.multiply(alone); });
+  return smallest_seconds({[&] { product.multiply(alone); }})[0];
 }
 
 double product_seconds(Index size, bool in_double) {
@@ -52,8 +61,12 @@ double product_seconds(Index size, bool in_double) {
 
 }  // namespace
 
+std::vector<double> step_seconds(const std::vector<Setup>& setups, bool in_double) {
+  return in_double ? seconds_of<double>(setups) : seconds_of<float>(setups);
+}
+
 double step_seconds(const Setup& setup, bool in_double) {
-  return in_double ? seconds_of<double>(setup) : seconds_of<float>(setup);
+  return step_seconds(std::vector<Setup>{setup}, in_double)[0];
 }
 
 StepCost measure_step_cost(const Setup& setup, const Zones& zones, bool in_double) {

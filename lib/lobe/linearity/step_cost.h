@@ -24,7 +24,9 @@ struct Representations {
 };
 Representations measure_representations(const Setup& setup, bool in_double);
 
-// The smallest time of one step of a world near rest [s], in the precision of the run.
+// The smallest time of one step of a world near rest [s], in the precision of the run; of several, measured in turn, so that
+// what else the machine does touches all of them.
+std::vector<double> step_seconds(const std::vector<Setup>& setups, bool in_double);
 double step_seconds(const Setup& setup, bool in_double);
 
 // From the steps of the setup with every tetrahedron non-linear, with every one tensor-mass, and with every other zone.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace lobe {
@@ -22,12 +23,19 @@ bool is_linear(const Elements& elements, Index tet) {
   return elements.region_of[tet] != RegionModel::nonlinear;
 }
 
-std::vector<double> vertex_volumes(const Elements& elements) {
-  std::vector<double> volume(std::size_t(elements.topology.vertex_count()), 0);
-  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    if (!elements.topology.alive(t)) continue;
-    const double share = signed_volume(elements.corner_points(t)) / 4;
-    for (Index v : elements.topology.corners(t)) volume[std::size_t(v)] += share;
+std::vector<double> tet_volumes(const Elements& elements) {  // 0 where there is none any more
+  std::vector<double> volume(std::size_t(elements.topology.tet_count()), 0);
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    if (elements.topology.alive(t)) volume[std::size_t(t)] = signed_volume(elements.corner_points(t));
+  return volume;
+}
+
+std::vector<double> vertex_volumes(const Topology& topology, const std::vector<double>& of_tets) {
+  std::vector<double> volume(std::size_t(topology.vertex_count()), 0);
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    if (!topology.alive(t)) continue;
+    const Eigen::Vector4i corners = topology.corners(t);
+    for (int c = 0; c < 4; ++c) volume[std::size_t(corners[c])] += of_tets[std::size_t(t)] / 4;
   }
   return volume;
 }
@@ -43,18 +51,15 @@ LinearityWatch<Real>::LinearityWatch(const World<Real>& world, const std::vector
              options_.zones > 0 ? options_.zones : usual_zone_count(world.elements().topology.tet_count())),
       defects_(world.elements(), zones_),
       calm_(std::size_t(zones_.count()), 0),
-      volume_(vertex_volumes(world.elements())),
+      tet_volume_(tet_volumes(world.elements())),
+      volume_(vertex_volumes(world.elements().topology, tet_volume_)),
       edits_(world.history().size()) {
   influence_ = std::make_unique<Influence>(world.elements(), zones_, boundary_of(world), grasps_);
   find_shares(world.elements());
-  double mass = 0, volume = 0;
-  for (Index t = 0; t < world.elements().topology.tet_count(); ++t) {
-    if (!world.elements().topology.alive(t)) continue;
-    const double own = signed_volume(world.elements().corner_points(t));
-    volume += own;
-    mass += own * world.elements().elastic_of(t).density;
-  }
-  density_ = mass / volume;
+  double mass = 0;
+  for (Index t = 0; t < world.elements().topology.tet_count(); ++t)
+    mass += tet_volume_[std::size_t(t)] * world.elements().elastic_of(t).density;
+  density_ = mass / std::accumulate(tet_volume_.begin(), tet_volume_.end(), 0.0);
 }
 
 template <class Real>
@@ -63,7 +68,7 @@ void LinearityWatch<Real>::find_shares(const Elements& elements) {
   for (Index z = 0; z < zones_.count(); ++z)
     for (Index t : zones_.tets[std::size_t(z)])
       if (elements.topology.alive(t) && is_linear(elements, t))
-        share_[std::size_t(z)] += signed_volume(elements.corner_points(t)) / zones_.volume[std::size_t(z)];
+        share_[std::size_t(z)] += tet_volume_[std::size_t(t)] / zones_.volume[std::size_t(z)];
 }
 
 template <class Real>
@@ -104,6 +109,7 @@ bool LinearityWatch<Real>::follow_cuts(const Elements& elements, const std::vect
   if (history.size() == edits_) return false;
   const bool restored = history.size() < edits_;
   std::vector<char> was_cut(std::size_t(zones_.count()), restored);
+  if (restored) tet_volume_ = tet_volumes(elements);
   for (std::size_t i = std::exchange(edits_, history.size()); i < history.size(); ++i) {
     if (history[i].kind != Edit::Kind::removal) continue;
     for (Index t : history[i].tets) was_cut[std::size_t(zones_.of[std::size_t(t)])] = 1;
@@ -112,7 +118,7 @@ bool LinearityWatch<Real>::follow_cuts(const Elements& elements, const std::vect
   if (std::count(was_cut.begin(), was_cut.end(), 1) == 0) return false;
   for (Index z = 0; z < zones_.count(); ++z)
     if (was_cut[std::size_t(z)]) defects_.find(elements, zones_, z);
-  volume_ = vertex_volumes(elements);
+  volume_ = vertex_volumes(elements.topology, tet_volume_);
   return true;
 }
 

@@ -98,6 +98,7 @@ class LinearityWatch {
   bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
   std::vector<double> share_;        // of each zone that is linear, by volume
   std::vector<int> calm_;            // looks since each zone could have been linear
+  std::vector<double> tet_volume_;   // at rest [m³]
   std::vector<double> volume_;       // per vertex [m³]
   double density_ = 1;               // mean [kg/m³]
   std::vector<Index> holding_;       // grasps that hold

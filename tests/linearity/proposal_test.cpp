@@ -163,6 +163,24 @@ TEST_CASE("a tolerance outside of 0 to 1 is refused") {
                     doctest::Contains("must be above 0 and below 1"));
 }
 
+TEST_CASE("regions to correct are precomputed where that pays, and no larger than an error of 7 % allows") {
+  const Setup setup = held_liver();
+  const Gesture gesture = lift(setup, {0.004, -0.004, 0.03});
+  const auto regions = [&](double tolerance) {
+    ProposalOptions options;
+    options.tolerance = tolerance;
+    options.cost = usual_cost;
+    return propose_regions_to_correct(setup, {gesture}, options).region_of;
+  };
+  const auto count = [](const std::vector<RegionModel>& region_of, RegionModel model) {
+    return std::count(region_of.begin(), region_of.end(), model);
+  };
+  const std::vector<RegionModel> small = regions(0.01), large = regions(0.03);
+  CHECK(count(small, RegionModel::precomputed) > 0);
+  CHECK(count(large, RegionModel::precomputed) > count(small, RegionModel::precomputed));
+  CHECK(regions(0.06) == large);
+}
+
 TEST_CASE("regions to correct may be asked for with any tolerance below 1") {
   Setup bar = setup_of(box_mesh({0.06, 0.02, 0.02}, 6, 2, 2));
   for (Index v = 0; v < bar.mesh.vertex_count(); ++v)

@@ -173,8 +173,9 @@ class Proposer {
   // What was found at different times is measured once more, in turn and beside the body that is all non-linear.
   void try_variants() {
     std::vector<Variant> found;
-    found.push_back(find(false, 0.45, options_.condense ? 0.7 : 1));
-    if (options_.condense) found.push_back(find(true, 0.7, 1));
+    const double middle = options_.tensor_mass ? 0.7 : 0.45;
+    if (options_.tensor_mass) found.push_back(find(false, 0.45, options_.condense ? middle : 1));
+    if (options_.condense) found.push_back(find(true, middle, 1));
     std::erase_if(found, [](const Variant& variant) { return variant.region_of.empty(); });
     const std::string error = "the error below " + rounded(100 * options_.tolerance) + " %";
     if (found.empty()) return nothing_linear("no zone keeps " + error);
@@ -232,15 +233,19 @@ Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, cons
 
 Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
                                     ProposalOptions options) {
-  constexpr double correctable = 3, most = 0.99;  // times the tolerance; of the displacement
+  // Times the tolerance, but no more of the displacement: then so much of the body is condensed that most of what moves is
+  // its interface.
+  constexpr double correctable = 3, most = 0.07;
   const double asked = options.tolerance;
   if (options.condense && setup.precomputed_frame == RegionFrame::fixed &&
       !any_nodal_pressure(setup.materials)) {
     options.tolerance = std::max(asked, std::min(correctable * asked, most));
+    options.tensor_mass = false;
     const Proposal proposal = propose_regions(setup, gestures, options);
     if (std::count(proposal.region_of.begin(), proposal.region_of.end(), RegionModel::precomputed) > 0)
       return proposal;
     options.tolerance = asked;
+    options.tensor_mass = true;
   }
   options.condense = false;
   return propose_regions(setup, gestures, options);

@@ -13,6 +13,7 @@ namespace lobe {
 struct ProposalOptions {
   double tolerance = 0.02;            // of the L2 norm of the displacement
   bool condense = true;               // linear regions may be precomputed
+  bool tensor_mass = true;            // or tensor-mass
   Index zones = 0;                    // 0: usual_zone_count()
   bool in_double = false;             // precision of the run, in which its step is timed
   std::optional<StepCost> cost = {};  // in place of measuring: the same regions at any time, on any machine
@@ -38,8 +39,8 @@ struct Proposal {
 // try; deterministic but for the choice by measured cost.
 Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options);
 
-// For regions that are corrected while they run (watch.h). What is precomputed may be wrong by three times the tolerance, since
-// it will be linearised anew or expanded; where nothing pays to be precomputed, as above without it.
+// For regions that are corrected while they run (watch.h): precomputed, which may be wrong by three times the tolerance (up to
+// 7 %), since they will be linearised anew or expanded; where nothing pays to be precomputed, tensor-mass as above.
 Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
                                     ProposalOptions options);
 

@@ -252,6 +252,7 @@ std::string csv(const std::vector<Row>& rows) {
 
 constexpr const char* plot_script = R"(set terminal pngcairo noenhanced size 900,560 font 'sans,11'
 set output 'gestures.png'
+set yrange [*:*]
 set datafile separator ','
 set datafile missing NaN
 set logscale y

@@ -23,6 +23,8 @@ std::string remark(Condition::Kind kind) {
       return "near inversion";
     case Condition::Kind::pieces:
       return "pieces";
+    case Condition::Kind::unravelling:
+      return "unravelling";
     default:
       return "";
   }

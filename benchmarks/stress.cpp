@@ -45,10 +45,8 @@ std::string quoted(std::string text) {
 std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "case,body,model,precision,must,passed,smallest_det_F,largest_det_F,last_det_F,energy_start_J,"
-         "energy_early_J,"
-         "energy_late_J,momentum_drift,cut_error,farthest,steps,reruns,smallest_step_s,largest_step_s,"
-         "limited_by,"
-         "seconds,why\n";
+         "energy_early_J,energy_late_J,momentum_drift,cut_error,farthest,steps,reruns,unravelling_s,"
+         "smallest_step_s,largest_step_s,limited_by,seconds,why\n";
   for (const Row& r : rows) {
     const Verdict& v = r.verdict;
     out << quoted(r.plan->name) << ',' << r.plan->body << ',' << r.plan->model << ',' << precision(r) << ','
@@ -56,24 +54,25 @@ std::string csv(const std::vector<Row>& rows) {
     for (double x : {v.smallest_ratio, v.largest_ratio, v.last_ratio, v.energy_start, v.energy_early,
                      v.energy_late, v.momentum_drift, v.cut_error, v.farthest})
       out << ',' << rounded(x);
-    out << ',' << v.steps << ',' << v.reruns << ',' << rounded(v.smallest_step) << ','
-        << rounded(v.largest_step) << ',' << v.limited_by << ',' << rounded(v.seconds) << ',' << quoted(v.why)
-        << '\n';
+    out << ',' << v.steps << ',' << v.reruns << ',' << rounded(v.unravelling) << ','
+        << rounded(v.smallest_step) << ',' << rounded(v.largest_step) << ',' << v.limited_by << ','
+        << rounded(v.seconds) << ',' << quoted(v.why) << '\n';
   }
   return out.str();
 }
 
-// One line per case and body: the worst figures of all models and precisions, and how many passed.
+// One line per case and body: the worst figures of all models and precisions, how many passed, and in how many a tangle
+// was unravelled.
 std::string markdown(const std::vector<Row>& rows) {
   std::ostringstream out;
-  out << "\n| case | body | must | passed | smallest det F | largest det F | reruns | shortest step [s] | "
-         "what "
-         "failed |\n|---|---|---|---|---|---|---|---|---|\n";
+  out << "\n| case | body | must | passed | smallest det F | largest det F | reruns | unravelled | shortest "
+         "step [s] | what failed |\n"
+         "|---|---|---|---|---|---|---|---|---|---|\n";
   std::vector<const Row*> left;
   for (const Row& r : rows) left.push_back(&r);
   while (!left.empty()) {
     const Plan& plan = *left.front()->plan;
-    int count = 0, passed = 0, reruns = 0;
+    int count = 0, passed = 0, reruns = 0, unravelled = 0;
     double smallest = INFINITY, largest = 0, step = INFINITY;
     std::string failed;
     std::erase_if(left, [&](const Row* r) {
@@ -82,6 +81,7 @@ std::string markdown(const std::vector<Row>& rows) {
       ++count;
       passed += v.passed;
       reruns += v.reruns;
+      unravelled += v.unravelling > 0;
       smallest = std::min(smallest, v.smallest_ratio);
       largest = std::max(largest, v.largest_ratio);
       step = std::min(step, v.smallest_step);
@@ -91,7 +91,7 @@ std::string markdown(const std::vector<Row>& rows) {
     });
     out << "| " << plan.name << " | " << plan.body << " | " << name(plan.must) << " | " << passed << " of "
         << count << " | " << rounded(smallest) << " | " << rounded(largest) << " | " << reruns << " | "
-        << rounded(step) << " | " << failed << " |\n";
+        << unravelled << " | " << rounded(step) << " | " << failed << " |\n";
   }
   return out.str();
 }

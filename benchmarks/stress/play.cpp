@@ -113,6 +113,7 @@ void Player<Real>::frame() {
   ok_ = report.ok;
   verdict_.steps += report.steps;
   verdict_.reruns += report.reruns;
+  if (world_.is_unravelling()) verdict_.unravelling += frame_;
   verdict_.largest_step = std::max(verdict_.largest_step, report.time_step);
   if (report.time_step > 0 && (verdict_.smallest_step == 0 || report.time_step < verdict_.smallest_step)) {
     verdict_.smallest_step = report.time_step;
@@ -135,7 +136,9 @@ void Player<Real>::measure() {
   verdict_.last_ratio = std::numeric_limits<double>::infinity();
   const Mat3X<double> u = world_.state().u.template cast<double>();
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    if (!elements.topology.alive(t) || elements.region_of[t] != RegionModel::nonlinear) continue;
+    const bool is_nonlinear = elements.region_of[t] == RegionModel::nonlinear ||
+                              plan_.setup.region_of[t] == RegionModel::nonlinear;  // but for a tangle
+    if (!elements.topology.alive(t) || !is_nonlinear) continue;
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
     const double ratio = 1 + volume_change<double>(displacement_gradient<double>(
                                  corners, elements.shape_of(t).gradients.template rightCols<3>()));

@@ -18,6 +18,7 @@ struct Verdict {
   double farthest = 0;   // at the end, displacement relative to the longest side of the box
   long steps = 0;
   int reruns = 0;
+  double unravelling = 0;  // for which tetrahedra were linear on the way out of a tangle [s]
   double smallest_step = 0, largest_step = 0;  // [s]
   std::string limited_by;                      // where the shortest step came from
   double seconds = 0;                          // of processor time

@@ -18,6 +18,7 @@ Setup small_setup() {
   setup.material_of.assign(std::size_t(setup.mesh.tet_count()), 0);
   setup.region_of.assign(std::size_t(setup.mesh.tet_count()), RegionModel::nonlinear);
   setup.prescribed.push_back({0, Vec3d::Zero()});
+  setup.guard_below = 0.2;
   setup.grasps.push_back({"hand", {1}, {{0, Vec3d::Zero()}}, false});
   return setup;
 }

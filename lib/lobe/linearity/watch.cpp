@@ -147,6 +147,7 @@ bool LinearityWatch<Real>::may_expand(const World<Real>& world) const {
 
 template <class Real>
 bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) {
+  if (world.is_unravelling()) return true;  // what is linear then is so on purpose
   const bool expandable = may_expand(world);
   if (expandable && is_startled && world.is_expanded()) return true;  // and stays so
   const bool is_calm = last_.error < join_below * options_.tolerance;

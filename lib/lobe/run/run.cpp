@@ -60,7 +60,8 @@ void Totals::add(const Report& report, double time, double wall) {
     conditions.push_back({{"time", c.time}, {"condition", name(c.kind)}, {"text", c.text}});
     const bool first_inversion = c.kind == Condition::Kind::near_inversion && !warned_of_inversion;
     warned_of_inversion = warned_of_inversion || first_inversion;
-    if (first_inversion || c.kind == Condition::Kind::diverged || c.kind == Condition::Kind::too_stiff)
+    if (first_inversion || c.kind == Condition::Kind::diverged || c.kind == Condition::Kind::too_stiff ||
+        c.kind == Condition::Kind::unravelling)
       warnings.push_back("at " + rounded(c.time) + " s: " + c.text);
   }
 }

@@ -103,6 +103,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.body_of = body_of_;
   c.body_was_held.assign(body_was_held_.begin(), body_was_held_.end());
   c.sleep = sleep_.state();
+  c.unravelling = unravelling_;
   c.implicit_is_stale = implicit_is_stale_;
   c.acceleration = acceleration_;
   c.pending = pending_;
@@ -121,6 +122,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   check_fits(c);
   set_state(c.state);
   sleep_.set_state(c.sleep);
+  unravelling_ = c.unravelling;
   held_ = c.held;
   tools_.set_grasp_states(c.grasps);
   body_of_ = c.body_of;
@@ -175,6 +177,7 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
               (c.acceleration.size() == 0 ? c.implicit_is_stale : c.acceleration.cols() == vertices);
   fits = fits && is_known(0);
   for (Index body : c.body_of) fits = fits && is_known(body);
+  for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
   for (const HeldVertices::Held& item : c.held.all())
     fits = fits && item.vertex >= 0 && item.vertex < vertices && item.holder >= 0 &&
            std::size_t(item.holder) <= setup_.grasps.size();

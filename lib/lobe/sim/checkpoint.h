@@ -21,6 +21,7 @@ struct Checkpoint {
   std::vector<Index> body_of;  // World's: which pieces were known; none: one
   std::vector<std::uint8_t> body_was_held;
   Sleep::State sleep;
+  Unravelling unravelling;
   bool implicit_is_stale = true;
   Mat3X<double> acceleration;  // of implicit dynamics [m/s²], else empty
   std::vector<Condition> pending;

@@ -10,7 +10,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 6,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 7,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -94,6 +94,15 @@ Sleep::State get_sleep(io::ByteReader& in) {
   return sleep;
 }
 
+Unravelling get_unravelling(io::ByteReader& in) {
+  Unravelling unravelling;
+  unravelling.tets = in.get_all<Index>();
+  unravelling.stage = in.get_choice(1 + Unravelling::stages);
+  unravelling.since = in.get<double>();
+  in.expect(std::isfinite(unravelling.since));
+  return unravelling;
+}
+
 void put(io::ByteWriter& out, const Condition& condition) {
   out.put(std::uint8_t(condition.kind));
   out.put(condition.time);
@@ -102,7 +111,7 @@ void put(io::ByteWriter& out, const Condition& condition) {
 
 Condition get_condition(io::ByteReader& in) {
   Condition condition;
-  condition.kind = Condition::Kind(in.get_choice(1 + int(Condition::Kind::cache)));
+  condition.kind = Condition::Kind(in.get_choice(1 + int(Condition::Kind::unravelling)));
   condition.time = in.get<double>();
   const std::vector<char> text = in.get_all<char>();
   condition.text.assign(text.begin(), text.end());
@@ -133,6 +142,9 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   out.put(std::uint8_t(c.implicit_is_stale));
   put_matrix(out, c.acceleration);
   put_each(c.pending);
+  out.put_all(std::span(c.unravelling.tets));
+  out.put(std::uint8_t(c.unravelling.stage));
+  out.put(c.unravelling.since);
   io::write_sealed(file, format<Real>, out.bytes());
 }
 
@@ -157,6 +169,7 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
   c.acceleration = get_matrix<double>(in);
   in.expect(c.acceleration.allFinite());
   for (std::size_t left = in.get_count(1); left > 0; --left) c.pending.push_back(get_condition(in));
+  c.unravelling = get_unravelling(in);
   in.expect_end();
   return c;
 }

@@ -18,7 +18,9 @@ struct Condition {
     near_inversion,  // a tetrahedron is below 5 % of its volume: a volume penalty, or a finer mesh there
     pieces,          // a cut set pieces loose: as the scene's loose_pieces says
     everything_cut,  // no tetrahedron is left
-    cache            // a condensed region could not be read or kept, as the text says: nothing to do
+    cache,           // a condensed region could not be read or kept, as the text says: nothing to do
+    unravelling  // tetrahedra that stay crushed become linear until they are back, or are non-linear again:
+                 // nothing to do, but for what the text says
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy

@@ -25,6 +25,13 @@ double mean_edge(const Elements& elements) {
   return sum / (6.0 * elements.topology.tet_count());
 }
 
+// In which the slowest shear wave crosses the body 16 times [s]: so long a tangle may take to come undone by itself.
+double patience_with(const Elements& elements, double diagonal) {
+  double slowest = std::numeric_limits<double>::infinity();  // [m²/s²]
+  for (const Elastic& e : elements.materials) slowest = std::min(slowest, e.mu / e.density);
+  return 16 * diagonal / std::sqrt(slowest);
+}
+
 double diagonal(const Elements& elements) {  // of the bounding box [m]
   const auto points = elements.points.view();
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
@@ -54,6 +61,8 @@ const char* name(Condition::Kind kind) {
       return "everything_cut";
     case Condition::Kind::cache:
       return "cache";
+    case Condition::Kind::unravelling:
+      return "unravelling";
   }
   return "";
 }
@@ -74,7 +83,9 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
   const Index n = elements_.topology.vertex_count();
   state_.u = state_.v = Columns(n);
   longest_move_ = mean_edge(elements_);
-  sleep_ = Sleep(setup.sleep / 8 * longest_move_ / diagonal(elements_));
+  const double size = diagonal(elements_);
+  sleep_ = Sleep(setup.sleep / 8 * longest_move_ / size);
+  patience_ = patience_with(elements_, size);
   held_ = held_by(setup.prescribed);
   RegionEdit everything;
   everything.entered.resize(std::size_t(elements_.topology.tet_count()));
@@ -241,6 +252,8 @@ void World<Real>::set_state(const State<Real>& state) {
   implicit_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
   interior_ = Interior::stale;
   sleep_.wake_all(state.time);
+  unravelling_.stage = 0;
+  unravelling_.since = state.time;
   known_ = Known::stale;
   groups_.forget();
 }

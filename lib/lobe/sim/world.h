@@ -19,6 +19,7 @@
 #include "lobe/sim/report.h"
 #include "lobe/sim/sleep.h"
 #include "lobe/sim/tools.h"
+#include "lobe/sim/unravelling.h"
 #include "lobe/sim/vertex_frequencies.h"
 #include "lobe/solve/implicit_step.h"
 
@@ -130,6 +131,8 @@ class World {
   void restore(const Checkpoint<Real>& checkpoint);
   const std::vector<Edit>& history() const { return history_; }
   Index asleep() const { return sleep_.count(); }  // vertices
+  // Whether tetrahedra that stayed crushed are linear until they have come back.
+  bool is_unravelling() const { return unravelling_.is_on(); }
 
   // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew), and where
   // its parts come from.
@@ -187,6 +190,12 @@ class World {
   void wake(const std::vector<Index>& vertices);
   void keep_forces();
   PatchCount patch_count();
+  void unravel();
+  bool is_led() const;
+  std::vector<Index> tangled_tets() const;
+  bool has_come_back() const;
+  void make_linear_around(std::vector<Index> tangled);
+  void end_unravelling(const std::string& how);
   double ramp_at(double time) const;  // the share of what is prescribed
   Vec3d held_displacement(const HeldVertices::Held& item, double time, double ramp) const;
   void move_held(double dt);
@@ -250,6 +259,8 @@ class World {
     anew              // of this state: what a restored world would find, to the bit
   } known_ = Known::stale;
   Sleep sleep_;
+  Unravelling unravelling_;
+  double patience_ = 0;        // with a tangle [s]
   bool kept_is_stale_ = true;  // what those who sleep keep
   bool frame_begins_ = false;
   TetGroups groups_;  // for cauteries

@@ -195,6 +195,7 @@ double World<Real>::set_region(const std::vector<Index>& tets, RegionModel model
   const auto energy = [&] {
     return is_local ? energy_of(elements_, own, state_.u.padded()) : energies().total();
   };
+  std::erase_if(unravelling_.tets, [&](Index t) { return std::binary_search(own.begin(), own.end(), t); });
   const double before = energy();
   change_region(tets, model);
   return energy() - before;

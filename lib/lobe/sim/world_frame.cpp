@@ -129,6 +129,7 @@ void World<Real>::prepare_frame(double duration, Report& report) {
     const Timed timed(report, Phase::time_step);
     find_frequencies();
   }
+  unravel();
   play_tools(duration, report);
   {
     const Timed timed(report, Phase::time_step);

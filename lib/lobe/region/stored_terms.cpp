@@ -1,7 +1,6 @@
 #include "lobe/region/stored_terms.h"
 
 #include <algorithm>
-#include <span>
 
 namespace lobe {
 namespace {
@@ -105,34 +104,67 @@ void StoredTerms<Real>::gather(const Elements& elements, Index p) {
     tets.add({v[o[0]], v[o[1]], v[o[2]], v[o[3]]}, tet_terms(s, l, m, o[0], o[1], o[2], o[3]));
   }
   patches_[p] = {vertices.template blocks<Real>(), edges.template blocks<Real>(),
-                 triangles.template blocks<Real>(), tets.template blocks<Real>()};
+                 triangles.template blocks<Real>(), tets.template blocks<Real>(), parts_of(p)};
 }
 
-// A translation changes no energy, so that a patch's forces add up to nothing: what rounding leaves of the sum is taken off.
 template <class Real>
-void balance(std::span<PaddedVector<Real>> forces) {
+std::vector<typename StoredTerms<Real>::Part> StoredTerms<Real>::parts_of(Index p) const {
+  std::array<int, patch_vertices> joined;  // to a vertex of the same part, ahead of it or itself
+  joined.fill(-1);
+  const auto first_of = [&](int v) {
+    while (joined[v] != v) v = joined[v];
+    return v;
+  };
+  for (Index i = 0; i < layout_.patch(p).items; ++i) {
+    const std::array<std::uint8_t, 4>& corners = corners_[p * Layout::capacity + i];
+    for (int v : corners)
+      if (joined[v] < 0) joined[v] = v;
+    for (int v : corners) {
+      const int a = first_of(corners[0]), b = first_of(v);
+      joined[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<Part> parts;
+  std::array<int, patch_vertices> part_at;  // of each first vertex
+  for (int v = 0; v < patch_vertices; ++v) {
+    if (joined[v] < 0) continue;
+    if (joined[v] == v) {
+      part_at[v] = static_cast<int>(parts.size());
+      parts.emplace_back();
+    }
+    parts[part_at[first_of(v)]].push_back(static_cast<std::uint8_t>(v));
+  }
+  return parts;
+}
+
+// A translation changes no energy, so that the forces of a part add up to nothing: what rounding leaves of the sum is
+// taken off.
+template <class Real>
+void balance(const std::vector<std::uint8_t>& part, PaddedVector<Real>* forces) {
   for (int d = 0; d < 3; ++d) {
     double sum = 0;
-    for (const PaddedVector<Real>& f : forces) sum += double(f.xyz0[d]);
-    const auto share = static_cast<Real>(sum / double(forces.size()));
-    for (PaddedVector<Real>& f : forces) f.xyz0[d] -= share;
+    for (int v : part) sum += double(forces[v].xyz0[d]);
+    const auto share = static_cast<Real>(sum / double(part.size()));
+    for (int v : part) forces[v].xyz0[d] -= share;
   }
 }
 
 template <class Real>
 void StoredTerms<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
   sums_.add_forces(layout_, u, f, parallel, [&](Index p, auto& local, PaddedVector<Real>* sums) {
-    const std::array<Real, 4> origin = local[0].xyz0;
-    for (Index n = 0; n < layout_.patch(p).vertices; ++n)
-      for (int d = 0; d < 3; ++d) local[n].xyz0[d] -= origin[d];
     const Patch& patch = patches_[p];
+    for (const Part& part : patch.parts) {
+      const std::array<Real, 4> origin = local[part[0]].xyz0;
+      for (int v : part)
+        for (int d = 0; d < 3; ++d) local[v].xyz0[d] -= origin[d];
+    }
     kernels_.add_term_forces({{patch.vertices.data(), Index(patch.vertices.size())},
                               {patch.edges.data(), Index(patch.edges.size())},
                               {patch.triangles.data(), Index(patch.triangles.size())},
                               {patch.tets.data(), Index(patch.tets.size())},
                               local.data()},
                              sums);
-    balance(std::span(sums, std::size_t(layout_.patch(p).vertices)));
+    for (const Part& part : patch.parts) balance(part, sums);
   });
 }
 

@@ -3,8 +3,8 @@
 //
 // Carriers are those of a patch (patch_layout.h): an edge that several patches share has its terms in each of them, of the
 // tetrahedra there. The polynomial is in the displacements themselves, not in their differences; since a translation
-// changes nothing, each patch takes them relative to its first vertex. A patch that turns far still loses roundings:
-// (|u|/edge)³, |u| its vertices' displacement relative to each other.
+// changes nothing, each patch takes them relative to its first vertex; where cuts have left several parts of it, each of
+// them does. A part that turns far still loses roundings: (|u|/edge)³, |u| its vertices' displacement relative to each other.
 #pragma once
 
 #include "lobe/region/patch_sums.h"
@@ -30,6 +30,8 @@ class StoredTerms {
   std::size_t bytes() const;  // of coefficients and the vertices they belong to
 
  private:
+  // Vertices of a patch, as it numbers them, whose tetrahedra hang together within it. Ascending.
+  using Part = std::vector<std::uint8_t>;
   template <class Terms>
   using Blocks = std::vector<TermBlock<Real, Terms>>;
   struct Patch {
@@ -37,9 +39,11 @@ class StoredTerms {
     Blocks<EdgeTerms> edges;
     Blocks<TriangleTerms> triangles;
     Blocks<TetTerms> tets;
+    std::vector<Part> parts;
   };
   using Layout = PatchLayout<4>;
   void gather(const Elements& elements, Index p);
+  std::vector<Part> parts_of(Index p) const;
 
   WideKernels<Real> kernels_;
   Layout layout_;

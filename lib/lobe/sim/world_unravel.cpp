@@ -76,7 +76,7 @@ void World<Real>::unravel() {
           "do not come back as linear ones either, and are non-linear again: smaller loads may help");
     return;
   }
-  if (volume_ratio_ >= elements_.guard_below / 2)
+  if (volume_ratio_ >= elements_.guard_below / 2)  // as a strong bend may be
     unravelling_.since = state_.time;
   else if (has_waited && unravelling_.stage < Unravelling::stages)
     make_linear_around(tangled_tets());

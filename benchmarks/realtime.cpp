@@ -52,14 +52,14 @@ double local_gain(const World<float>& world) {
   for (Index v = 0; v < vertices; ++v)
     inverse_mass.push_back(world.held().fixes(v) ? 0 : 1 / world.mass()[std::size_t(v)]);
   VertexFrequencies<double> frequencies;
-  frequencies.find(inverse_mass, [&](DiagonalStiffness& K) {
+  const auto weight = [&](Index v) { return inverse_mass[std::size_t(v)]; };
+  frequencies.find(vertices, weight, [&](DiagonalStiffness& K) {
     for (Index t = 0; t < tets; ++t) {
       const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());
       for (int c = 0; c < 4; ++c) K.col(elements.topology.tets()(c, t)) += own.col(c);
     }
   });
-  for (Index v = 0; v < vertices; ++v)
-    squares.push_back(frequencies.exact_square(v, inverse_mass[std::size_t(v)]));
+  for (Index v = 0; v < vertices; ++v) squares.push_back(frequencies.exact_square(v, weight(v)));
   const double highest = *std::max_element(squares.begin(), squares.end());
   constexpr int longest = 6;  // 64 shortest steps
   double evaluations = 0;

@@ -119,6 +119,7 @@ TEST_CASE("a checkpoint whose numbers do not fit its setup is refused") {
   refused([](auto& c) { c.body_of.assign(busy_setup().region_of.size(), 7); });
   refused([](auto& c) { c.grasps.clear(); });
   refused([](auto& c) { c.unravelling.tets = {1 << 30}; });
+  refused([](auto& c) { c.ratios.own.pop_back(); });
   refused([](auto& c) { c.held.hold({40, 9, Vec3d::Zero(), Vec3d::Zero()}); });
 }
 
@@ -150,7 +151,7 @@ TEST_CASE("a checkpoint with a right checksum over wrong contents gives a checkp
   const Folder folder;
   write_checkpoint(folder.path / "state", world.save());
   const std::string whole = io::read_file(folder.path / "state");
-  const io::Format format{"lobestaf", 7, "state of a world in single precision"};
+  const io::Format format{"lobestaf", 8, "state of a world in single precision"};
   const std::string contents(io::unseal("state", whole, format));
   int refused = 0;
   for (std::size_t at = 0; at < contents.size(); ++at)

@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("the time step limit that follows cuts equals the one found a
     State<Real> state = follows.state();
     state.u = random_displacement<Real>(setup.mesh.vertex_count(), 1e-3);
     for (World<Real>* world : {&follows, &anew}) world->set_state(state);
-    follows.highest_vertex();
+    follows.time_step_limit();
     std::vector<Index> order(std::size_t(setup.mesh.tet_count()));
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), std::mt19937(11));

@@ -104,6 +104,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.body_was_held.assign(body_was_held_.begin(), body_was_held_.end());
   c.sleep = sleep_.state();
   c.unravelling = unravelling_;
+  c.ratios = ratios_;
   c.implicit_is_stale = implicit_is_stale_;
   c.acceleration = acceleration_;
   c.pending = pending_;
@@ -129,6 +130,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   body_was_held_.assign(c.body_was_held.begin(), c.body_was_held.end());
   pending_ = c.pending;
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
+  ratios_ = c.ratios;
   acceleration_ = c.acceleration;
   implicit_is_stale_ = c.implicit_is_stale;
 }
@@ -174,6 +176,7 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
               (c.body_of.empty() || c.body_of.size() == tets) && c.grasps.size() == setup_.grasps.size() &&
               c.sleep.asleep.size() == sleep_.state().asleep.size() &&
               c.sleep.restless_till.size() == c.sleep.asleep.size() &&
+              c.ratios.own.size() == std::size_t(vertices) &&
               (c.acceleration.size() == 0 ? c.implicit_is_stale : c.acceleration.cols() == vertices);
   fits = fits && is_known(0);
   for (Index body : c.body_of) fits = fits && is_known(body);

@@ -22,6 +22,7 @@ struct Checkpoint {
   std::vector<std::uint8_t> body_was_held;
   Sleep::State sleep;
   Unravelling unravelling;
+  FrequencyRatios ratios;
   bool implicit_is_stale = true;
   Mat3X<double> acceleration;  // of implicit dynamics [m/s²], else empty
   std::vector<Condition> pending;

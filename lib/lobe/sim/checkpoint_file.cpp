@@ -10,7 +10,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 7,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 8,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -103,6 +103,18 @@ Unravelling get_unravelling(io::ByteReader& in) {
   return unravelling;
 }
 
+FrequencyRatios get_ratios(io::ByteReader& in) {
+  FrequencyRatios ratios;
+  ratios.most = in.get<double>();
+  ratios.own = in.get_all<float>();
+  ratios.limit = in.get<double>();
+  ratios.wait = in.get<int>();
+  in.expect(ratios.most >= 1 && std::isfinite(ratios.most) && ratios.limit >= 0);
+  in.expect(ratios.wait >= 0 && ratios.wait <= FrequencyRatios::apart);
+  for (float own : ratios.own) in.expect(own >= 1 && own <= static_cast<float>(ratios.most));
+  return ratios;
+}
+
 void put(io::ByteWriter& out, const Condition& condition) {
   out.put(std::uint8_t(condition.kind));
   out.put(condition.time);
@@ -145,6 +157,10 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   out.put_all(std::span(c.unravelling.tets));
   out.put(std::uint8_t(c.unravelling.stage));
   out.put(c.unravelling.since);
+  out.put(c.ratios.most);
+  out.put_all(std::span(c.ratios.own));
+  out.put(c.ratios.limit);
+  out.put(c.ratios.wait);
   io::write_sealed(file, format<Real>, out.bytes());
 }
 
@@ -170,6 +186,7 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
   in.expect(c.acceleration.allFinite());
   for (std::size_t left = in.get_count(1); left > 0; --left) c.pending.push_back(get_condition(in));
   c.unravelling = get_unravelling(in);
+  c.ratios = get_ratios(in);
   in.expect_end();
   return c;
 }

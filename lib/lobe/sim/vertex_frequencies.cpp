@@ -30,17 +30,6 @@ CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat3
   return s.volume * K;
 }
 
-template <class Real>
-VertexFrequency VertexFrequencies<Real>::highest(const std::vector<double>& inverse_mass) {
-  while (squares_.largest() > 0) {
-    const Index v = squares_.winner();
-    if (is_exact_[v]) return {std::sqrt(squares_.largest()), v};
-    squares_.set(v, exact_square(v, inverse_mass[v]));
-    is_exact_[v] = 1;
-  }
-  return {};
-}
-
 // With q = tr K/3 and p² = |K − qI|²/6 the eigenvalues of a symmetric 3 × 3 matrix are q + 2p cos φ at three angles.
 template <class Real>
 double VertexFrequencies<Real>::bound(Index v) const {

@@ -3,6 +3,7 @@
 // within 25 % (tests). It is kept up to date through cuts: O(1) per tetrahedron that goes, O(log #vertices) per vertex.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "lobe/region/elements.h"
@@ -24,16 +25,20 @@ CornerStiffness corner_stiffness(const Elements& elements, Index tet,
 template <class Real>
 class VertexFrequencies {
  public:
-  // Anew: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before. O(#vertices).
-  template <class Add>
-  void find(const std::vector<double>& inverse_mass, Add&& add) {  // [1/kg], 0 where held
-    const auto n = static_cast<Index>(inverse_mass.size());
-    DiagonalStiffness K = DiagonalStiffness::Zero(6, n);
+  // Anew: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before. O(#vertices). The weight of
+  // a vertex is its inverse mass [1/kg], 0 where it is held, times whatever factor its ω_v² is to be compared with.
+  template <class Weight, class Add>
+  void find(Index vertices, Weight&& weight, Add&& add) {
+    DiagonalStiffness K = DiagonalStiffness::Zero(6, vertices);
     add(K);
-    K_.extend(n);
+    K_.extend(vertices);
     K_.view() = K.cast<Real>();
-    is_exact_.assign(std::size_t(n), 0);
-    squares_.assign(n, [&](Index v) { return bound(v) * inverse_mass[v]; });
+    weigh(weight);
+  }
+  template <class Weight>
+  void weigh(Weight&& weight) {
+    is_exact_.assign(std::size_t(K_.count()), 0);
+    squares_.assign(K_.count(), [&](Index v) { return bound(v) * weight(v); });
   }
 
   // After these, update() the vertices.
@@ -47,19 +52,26 @@ class VertexFrequencies {
   void subtract(const Eigen::Vector4i& corners, const CornerStiffness& stiffness) {
     for (int c = 0; c < 4; ++c) K_.col(corners[c]) -= stiffness.col(c).template cast<Real>();
   }
-  void update(Index vertex, double inverse_mass) {
+  void update(Index vertex, double weight) {
     is_exact_[vertex] = 0;
-    squares_.set(vertex, bound(vertex) * inverse_mass);
+    squares_.set(vertex, bound(vertex) * weight);
   }
 
   // Eigenvalues are found only where their bound is above the largest.
-  VertexFrequency highest(const std::vector<double>& inverse_mass);
-
-  // ω_v² or a bound of it [1/s²]: at most twice as large.
-  double bounded_square(Index vertex) const { return squares_[vertex]; }
-  double exact_square(Index vertex, double inverse_mass) const {
-    return largest_eigenvalue(vertex) * inverse_mass;
+  template <class Weight>
+  VertexFrequency highest(Weight&& weight) {
+    while (squares_.largest() > 0) {
+      const Index v = squares_.winner();
+      if (is_exact_[v]) return {std::sqrt(squares_.largest()), v};
+      squares_.set(v, exact_square(v, weight(v)));
+      is_exact_[v] = 1;
+    }
+    return {};
   }
+
+  // ω_v² times the factor in the weight, or a bound of it [1/s²]: at most twice as large.
+  double bounded_square(Index vertex) const { return squares_[vertex]; }
+  double exact_square(Index vertex, double weight) const { return largest_eigenvalue(vertex) * weight; }
 
  private:
   double bound(Index vertex) const;  // of the largest eigenvalue of K_vv

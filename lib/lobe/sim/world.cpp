@@ -99,10 +99,10 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
     implicit_ = std::make_unique<ImplicitStep>(setup.spectral_radius, make_ldlt);
   if (setup.expandable && precomputed_.tet_count() > 0) {
     set_expanded(true);
-    measure_frequency_ratio();
+    measure_at_rest();
     set_expanded(false);
   }
-  measure_frequency_ratio();
+  measure_at_rest();
   if (setup.mass_scaling > 0) scale_masses();
 }
 
@@ -131,6 +131,7 @@ void World<Real>::integrate(double dt) {
   turned_ = std::sqrt(double(fastest.turned));
   interior_ = Interior::stale;
   state_.time += dt;
+  ratios_.wait = std::max(0, ratios_.wait - 1);
   move_held(dt);
   if (!moving_.empty() || fastest_held_ > 0) known_ = Known::stale;
   groups_.moved((fastest_ + fastest_held_) * dt, std::numeric_limits<Real>::epsilon());
@@ -252,6 +253,7 @@ void World<Real>::set_state(const State<Real>& state) {
   implicit_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
   interior_ = Interior::stale;
   sleep_.wake_all(state.time);
+  ratios_.forget_all(frequency_ratio_[is_expanded_]);
   unravelling_.stage = 0;
   unravelling_.since = state.time;
   known_ = Known::stale;
@@ -276,72 +278,6 @@ Eigen::Map<const Mat3X<Real>> World<Real>::displacements() const {
     interior_ = Interior::displacements;
   }
   return std::as_const(state_).u.view();
-}
-
-template <class Real>
-void World<Real>::find_frequencies() {
-  frequencies_.find(inverse_mass_, [&](DiagonalStiffness& K) {
-    tensor_mass_.add_diagonal_stiffness(K);
-    auto found = nonlinear_.add_diagonal_stiffness(state_.u.padded(), K, parallel_);
-    if (is_expanded_) {
-      const auto others = expanded_.add_diagonal_stiffness(state_.u.padded(), K, parallel_);
-      if (others.smallest_volume_ratio < found.smallest_volume_ratio) found = others;
-    } else {
-      precomputed_.add_diagonal_stiffness(state_.u.padded(), K);
-    }
-    volume_ratio_ = found.smallest_volume_ratio;
-    volume_ratio_tet_ = found.smallest_tet;
-  });
-  kept_is_stale_ = true;  // stiffness has taken the place of forces
-  known_ = Known::anew;
-}
-
-template <class Real>
-VertexFrequency World<Real>::highest_vertex() {
-  find_frequencies();
-  return frequencies_.highest(inverse_mass_);
-}
-
-template <class Real>
-void World<Real>::measure_frequency_ratio() {
-  const double vertex = highest_vertex().omega;
-  if (!(vertex > 0)) return;
-  const double small = 1e-9 * longest_move_;
-  frequency_search_ = highest_frequency<Real>(
-      inverse_mass_, [&](Index v) { return frequencies_.bounded_square(v); }, small,
-      [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
-        add_internal_forces(u, f);
-        if (!is_expanded_) precomputed_.add_stiffness_forces(u, f, parallel_);
-      });
-  frequency_ratio_[is_expanded_] = std::max(1.0, frequency_search_.omega / vertex);
-  rest_frequency_[is_expanded_] = frequency_ratio_[is_expanded_] * vertex;
-}
-
-template <class Real>
-void World<Real>::scale_masses() {
-  mass_scaling_.limit_before = time_step_limit();
-  std::vector<Index> all(mass_.size());
-  std::iota(all.begin(), all.end(), 0);
-  std::vector<double> squares;
-  for (Index v : all) squares.push_back(frequencies_.exact_square(v, inverse_mass_[v]));
-  const double total = std::accumulate(mass_.begin(), mass_.end(), 0.0);
-  mass_factor_ = mass_factors(mass_, squares, setup_.mass_scaling * total);
-  refresh_vertices(all);
-  mass_scaling_.added = std::accumulate(mass_.begin(), mass_.end(), 0.0) - total;
-  mass_scaling_.share = mass_scaling_.added / total;
-  measure_frequency_ratio();
-  mass_scaling_.limit_after = time_step_limit();
-}
-
-template <class Real>
-double World<Real>::time_step_limit() {
-  // SVK softens when crushed; a step far beyond that of the body at rest would still be rash.
-  if (known_ == Known::stale) find_frequencies();
-  const VertexFrequency highest = frequencies_.highest(inverse_mass_);
-  limiting_vertex_ = highest.vertex;
-  const double omega =
-      std::max(frequency_ratio_[is_expanded_] * highest.omega, rest_frequency_[is_expanded_] / 4);
-  return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 
 template <class Real>

@@ -14,6 +14,7 @@
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
 #include "lobe/sim/frequency.h"
+#include "lobe/sim/frequency_ratios.h"
 #include "lobe/sim/integrator.h"
 #include "lobe/sim/mass_scaling.h"
 #include "lobe/sim/report.h"
@@ -89,8 +90,8 @@ class World {
   // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last asked for,
   // it follows cuts locally, except with nodal pressure.
   double time_step_limit();
-  VertexFrequency highest_vertex();                                               // found anew
-  const MassScaling& mass_scaling() const { return mass_scaling_; }               // what was added
+  VertexFrequency highest_vertex();                                  // of those that move alone, found anew
+  const MassScaling& mass_scaling() const { return mass_scaling_; }  // what was added
   const HighestFrequency& frequency_search() const { return frequency_search_; }  // at the start
   const CondensingLog& condensing() const { return precomputed_.condensing(); }
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
@@ -161,7 +162,15 @@ class World {
   Index body_of(Index tet) const { return body_of_.empty() ? 0 : body_of_[tet]; }
   void add_body(const std::vector<Index>& piece, bool was_held);
   void find_frequencies();
-  void measure_frequency_ratio();
+  template <class Weight>
+  void find_frequencies(Weight&& weight);
+  double weight_of(Index v) const { return inverse_mass_[std::size_t(v)] * ratios_.square(v); }
+  double bounded_square(Index v) const {
+    return frequencies_.bounded_square(v) / ratios_.square(v);
+  }  // ω_v² [1/s²]
+  HighestFrequency search_highest(const LanczosSettings& settings);
+  void measure_at_rest();
+  void measure_again();
   void scale_masses();
   void follow_frequencies(const MeshEdit& edit);
   CornerStiffness stiffness_of(Index tet) const;
@@ -189,6 +198,7 @@ class World {
   void wake_pulled();
   void wake(const std::vector<Index>& vertices);
   void keep_forces();
+  void forget_kept_forces();
   PatchCount patch_count();
   void unravel();
   bool is_led() const;
@@ -249,10 +259,11 @@ class World {
   mutable Moving state_;
   enum class Interior { stale, displacements, all };  // of a condensed region: what of it has been recovered
   mutable Interior interior_ = Interior::all;
-  Columns forces_;                   // scratch
-  double fastest_ = 0, turned_ = 0;  // highest speeds of the last step (integrator.h) [m/s]
-  double fastest_held_ = 0;          // of held vertices [m/s]
-  VertexFrequencies<Real> frequencies_;
+  Columns forces_;                       // scratch
+  double fastest_ = 0, turned_ = 0;      // highest speeds of the last step (integrator.h) [m/s]
+  double fastest_held_ = 0;              // of held vertices [m/s]
+  VertexFrequencies<Real> frequencies_;  // weighed with ratios_
+  FrequencyRatios ratios_;
   enum class Known {  // of the frequencies
     stale,            // of another state
     followed,         // of this state, cuts followed since

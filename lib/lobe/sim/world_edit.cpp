@@ -167,6 +167,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(std::size_t(n), 0);
   for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
   sleep_.extend(n, state_.time);
+  ratios_.extend(n);
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v) * (mass_factor_.empty() ? 1.0 : mass_factor_[v]);
     refresh_inverse_mass(v);
@@ -180,7 +181,8 @@ template <class Real>
 void World<Real>::refresh_inverse_mass(Index v) {
   inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
   implicit_is_stale_ = moving_is_stale_ = true;
-  if (known_ != Known::stale) frequencies_.update(v, inverse_mass_[v]);
+  ratios_.forget(v);
+  if (known_ != Known::stale) frequencies_.update(v, weight_of(v));
 }
 
 template <class Real>

@@ -129,6 +129,10 @@ void World<Real>::prepare_frame(double duration, Report& report) {
     const Timed timed(report, Phase::time_step);
     find_frequencies();
   }
+  {
+    const Timed timed(report, Phase::time_step);
+    measure_again();
+  }
   unravel();
   play_tools(duration, report);
   {

@@ -46,7 +46,7 @@ void World<Real>::fall_asleep() {
 // A vertex that swings alone by δ has speeds up to ω δ and feels up to m ω² δ; slow swings of many show as a drift.
 template <class Real>
 bool World<Real>::is_still(Index vertex) const {
-  const double square = frequencies_.bounded_square(vertex), move = sleep_.move();
+  const double square = bounded_square(vertex), move = sleep_.move();
   const double speed = state_.v.col(vertex).template cast<double>().squaredNorm();
   const double force = forces_.col(vertex).template cast<double>().norm();
   const double drift = setup_.sleep / Sleep::calm_time;
@@ -82,7 +82,7 @@ void World<Real>::keep_forces() {
   sleep_.wanted.clear();
   sleep_.watched.clear();
   find_moving();
-  if (!sleep_.any()) return for_patches([](const auto&, auto& sums) { sums.forget(); });
+  if (!sleep_.any()) return forget_kept_forces();
   const std::vector<std::uint8_t>& asleep = sleep_.state().asleep;
   std::vector<std::uint8_t> wanted(asleep.size());
   std::transform(asleep.begin(), asleep.end(), wanted.begin(), [](auto a) { return std::uint8_t(a == 0); });
@@ -98,14 +98,19 @@ void World<Real>::keep_forces() {
     if (!wanted[v]) continue;
     sleep_.wanted.push_back(v);
     if (asleep[v] && inverse_mass_[v] > 0)
-      sleep_.watched.push_back({v, frequencies_.bounded_square(v) / inverse_mass_[v] * sleep_.move()});
+      sleep_.watched.push_back({v, bounded_square(v) / inverse_mass_[v] * sleep_.move()});
   }
+}
+
+template <class Real>
+void World<Real>::forget_kept_forces() {
+  for_patches([](const auto&, auto& sums) { sums.forget(); });
 }
 
 // The forces from outside, at the vertices whose forces are found.
 template <class Real>
 void World<Real>::put_loads() {
-  if (sleep_.is_on() && kept_is_stale_) for_patches([](const auto&, auto& sums) { sums.forget(); });
+  if (sleep_.is_on() && kept_is_stale_) forget_kept_forces();
   if (sleep_.any() && !kept_is_stale_) {
     for (Index v : sleep_.wanted) forces_.col(v) = external_.col(v);
     return;

@@ -108,9 +108,9 @@ FrequencyRatios get_ratios(io::ByteReader& in) {
   ratios.most = in.get<double>();
   ratios.own = in.get_all<float>();
   ratios.limit = in.get<double>();
-  ratios.wait = in.get<int>();
+  ratios.steps = in.get<int>();
   in.expect(ratios.most >= 1 && std::isfinite(ratios.most) && ratios.limit >= 0);
-  in.expect(ratios.wait >= 0 && ratios.wait <= FrequencyRatios::apart);
+  in.expect(ratios.steps >= 0 && ratios.steps <= FrequencyRatios::most_steps);
   for (float own : ratios.own) in.expect(own >= 1 && own <= static_cast<float>(ratios.most));
   return ratios;
 }
@@ -160,7 +160,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   out.put(c.ratios.most);
   out.put_all(std::span(c.ratios.own));
   out.put(c.ratios.limit);
-  out.put(c.ratios.wait);
+  out.put(c.ratios.steps);
   io::write_sealed(file, format<Real>, out.bytes());
 }
 

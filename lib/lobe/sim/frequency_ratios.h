@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "lobe/types.h"
@@ -11,14 +12,21 @@
 namespace lobe {
 
 struct FrequencyRatios {
-  static constexpr int evaluations = 8;           // of all forces, at most, to measure it once more
-  static constexpr int apart = 40 * evaluations;  // steps between two measurements: 2.5 % of the time
-  static constexpr double worth_measuring = 0.02;  // so much must the limit have changed since
+  static constexpr int evaluations = 8;      // of all forces, at most, to measure it once more
+  static constexpr double slightest = 0.02;  // change of the limit that is worth it
+  static constexpr int most_steps = static_cast<int>(2 * evaluations / slightest);
 
   double most = 1;         // of a vertex of which nothing is known
   std::vector<float> own;  // per vertex, 1 … most
   double limit = 0;        // of the time step, when it was measured [s]
-  int wait = apart;        // steps until it may be measured again
+  int steps = 0;           // since then, up to most_steps
+
+  // Whether what the change may cost or gain in so many steps is twice what it takes to measure.
+  bool is_worth_measuring(double limit_now) const {
+    const double change = std::abs(limit_now / limit - 1);
+    return change > slightest && change * steps >= 2 * evaluations;
+  }
+  void step() { steps = std::min(steps + 1, most_steps); }
 
   double square(Index v) const { return double(own[std::size_t(v)]) * double(own[std::size_t(v)]); }
   void extend(Index vertices) { own.resize(std::size_t(vertices), static_cast<float>(most)); }

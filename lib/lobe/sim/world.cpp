@@ -131,7 +131,7 @@ void World<Real>::integrate(double dt) {
   turned_ = std::sqrt(double(fastest.turned));
   interior_ = Interior::stale;
   state_.time += dt;
-  ratios_.wait = std::max(0, ratios_.wait - 1);
+  ratios_.step();
   move_held(dt);
   if (!moving_.empty() || fastest_held_ > 0) known_ = Known::stale;
   groups_.moved((fastest_ + fastest_held_) * dt, std::numeric_limits<Real>::epsilon());

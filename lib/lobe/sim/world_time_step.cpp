@@ -80,10 +80,8 @@ void World<Real>::measure_at_rest() {
 // At a frame's start, where the limit has changed.
 template <class Real>
 void World<Real>::measure_again() {
-  if (implicit_ || ratios_.wait > 0) return;
-  const double limit = time_step_limit();
-  if (!(std::abs(limit / ratios_.limit - 1) > FrequencyRatios::worth_measuring)) return;
-  ratios_.wait = FrequencyRatios::apart;
+  if (implicit_ || !ratios_.is_worth_measuring(time_step_limit())) return;
+  ratios_.steps = 0;
   const HighestFrequency found = search_highest({.tolerance = 0.02, .most = FrequencyRatios::evaluations});
   if (!(found.omega > 0)) return;
   const auto alone = [&](Index v) {

@@ -159,7 +159,8 @@ void World<Real>::repeat(const Edit& edit) {
   if (edit.kind == Edit::Kind::held) refresh_held(std::exchange(held_, edit.held));
   const bool begins = edit.kind == Edit::Kind::begin_refresh, ends = edit.kind == Edit::Kind::end_refresh;
   const bool fits = edit.about.empty() || edit.about.size() == std::size_t(3 * state_.u.count());
-  if ((begins || ends) && (ends != precomputed_.is_refreshing() || precomputed_.tet_count() == 0 || !fits))
+  const bool has_region = precomputed_.tet_count() > 0 || ends;  // it may be cut away while it is condensed
+  if ((begins || ends) && (ends != precomputed_.is_refreshing() || !has_region || !fits))
     throw InputError("checkpoint", "does not fit the scene that it says it is of");
   if (begins) begin_refresh(edit.due, edit.about);
   if (ends) end_refresh();

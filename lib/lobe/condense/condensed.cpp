@@ -1,5 +1,7 @@
 #include "lobe/condense/condensed.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -36,6 +38,7 @@ Condensed::Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads)
   slot_.assign(std::size_t(loads.rows()), -1);
   column_ = slot_;
   Phi_.resize(0, loads.cols());
+  changed_loads_ = Phi_;
   S_ = -loads.transpose() * response_;
 }
 
@@ -58,7 +61,7 @@ Matrix get(io::ByteReader& in, Eigen::Index rows, Eigen::Index columns) {
 }  // namespace
 
 bool Condensed::save(io::ByteWriter& out) const {
-  if (!added_.empty() || !factor_->save(out)) return false;
+  if (!added_.empty() || !changed_.empty() || !factor_->save(out)) return false;
   out.put_all(std::span(touched_.data(), touched_.size()));
   out.put_all(std::span(interface_.data(), interface_.size()));
   for (const Matrix* M : {&response_, &A_, &N_, &Phi_, &S_}) put(out, *M);
@@ -89,6 +92,7 @@ std::unique_ptr<Condensed> Condensed::load(io::ByteReader& in, std::unique_ptr<S
   c->N_ = get(in, T, T);
   c->Phi_ = get(in, T, driven);
   c->S_ = get(in, driven, driven);
+  c->changed_loads_ = Matrix::Zero(T, loads.cols());
   in.expect_end();
   return c;
 }
@@ -117,8 +121,14 @@ void Condensed::touch(const Dofs& dofs) {
   A_.conservativeResize(now, now);
   A_.rightCols(count) = columns;
   A_.bottomRows(count) = columns.transpose();
-  N_.conservativeResizeLike(Matrix::Zero(now, now));
-  Phi_.conservativeResizeLike(Matrix::Zero(now, Phi_.cols()));
+  grow_to(now);
+}
+
+// All but A, by zeros.
+void Condensed::grow_to(Eigen::Index touched) {
+  N_.conservativeResizeLike(Matrix::Zero(touched, touched));
+  Phi_.conservativeResizeLike(Matrix::Zero(touched, Phi_.cols()));
+  changed_loads_.conservativeResizeLike(Matrix::Zero(touched, loads_.cols()));
 }
 
 // The interface takes these up, with rows and columns of zeros.
@@ -192,11 +202,13 @@ bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& 
       for (std::size_t j = 0; j < dofs.size(); ++j)
         S_(row, amplitudes + column(dofs[j])) += stiffness(Eigen::Index(i), Eigen::Index(j));
     }
+    note(dofs, stiffness, loads);
     return true;
   }
   auto [G, Z, R] = response_at(dofs);
   const auto W = change_between(interior, stiffness, R, products_);
   if (!W) return false;
+  note(dofs, stiffness, loads);
   S_.topRows(amplitudes).noalias() -= loads.transpose() * G;
   G.leftCols(amplitudes).noalias() += R * loads;
   S_.leftCols(amplitudes).noalias() -= G.transpose() * loads;
@@ -206,6 +218,16 @@ bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& 
   products_.add(-1, {Z}, {WG}, Phi_);
   products_.add_symmetric(1, {ZW}, {Z, true}, N_);
   return true;
+}
+
+// Of (6).
+void Condensed::note(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
+  const std::vector<Index> own = slots(dofs);
+  changed_loads_(own, Eigen::all) += loads;
+  for (std::size_t j = 0; j < own.size(); ++j)
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (const double entry = stiffness(Eigen::Index(i), Eigen::Index(j)); entry != 0)
+        changed_.emplace_back(own[i], own[j], entry);
 }
 
 std::vector<Index> Condensed::interior_rows(const Dofs& dofs) const {
@@ -260,9 +282,9 @@ Index Condensed::add(Index count, double scale) {
   column_.resize(slot_.size(), -1);
   const auto now = Eigen::Index(touched_.size());
   A_.conservativeResizeLike(Matrix::Zero(now, now));
-  N_.conservativeResizeLike(Matrix::Zero(now, now));
-  Phi_.conservativeResizeLike(Matrix::Zero(now, Phi_.cols()));
+  grow_to(now);
   join(dofs);
+  for (Index s = place; s < touched(); ++s) changed_.emplace_back(s, s, -scale);
   A_.diagonal().tail(count).setConstant(1 / scale);
   N_.diagonal().tail(count).setConstant(scale);
   Phi_.block(place, Phi_.cols() - count, count, count).diagonal().setConstant(scale);
@@ -286,6 +308,26 @@ Condensed::Matrix Condensed::solve(const Matrix& forces, const Matrix& phi) cons
   if (!loaded.empty())
     u.topRows(loads_.rows())(Eigen::all, loaded) = factor_->solve_all(sum(Eigen::all, loaded));
   return u;
+}
+
+double Condensed::error() const {
+  Eigen::VectorXd by_loads = Eigen::VectorXd::Zero(S_.cols()), by_interface = by_loads;
+  by_loads.head(loads_.cols()).setOnes();
+  by_interface.tail(S_.cols() - loads_.cols()).setLinSpaced(1, 2);
+  return std::max(error_of(by_loads), error_of(by_interface));
+}
+
+double Condensed::error_of(const Eigen::VectorXd& driven) const {
+  const Eigen::VectorXd a = driven.head(loads_.cols()), phi = Phi_ * driven;
+  Eigen::VectorXd u = A_.selfadjointView<Eigen::Lower>() * phi, r = phi - changed_loads_ * a;
+  for (Index s = 0; s < touched(); ++s)
+    if (const Index d = touched_[std::size_t(s)]; known(d)) u[s] += response_.row(d).dot(a);
+  for (const Eigen::Triplet<double>& entry : changed_) r[entry.row()] += entry.value() * u[entry.col()];
+  r(slots(interface_)).setZero();
+  const Eigen::VectorXd Ar = A_.selfadjointView<Eigen::Lower>() * r,
+                        NAr = N_.selfadjointView<Eigen::Lower>() * Ar;
+  const double of_error = std::abs(r.dot(Ar) - Ar.dot(NAr)), of_field = std::abs(driven.dot(S_ * driven));
+  return of_field > 0 ? std::sqrt(of_error / of_field) : 0;
 }
 
 Condensed::Matrix Condensed::field(const Matrix& driven) const {

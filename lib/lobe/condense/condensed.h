@@ -16,11 +16,16 @@
 //            S ← [S + Gᵀ C G, −Gᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ              (4)
 //   demote:  components D of B join the interior.  C = S_DD⁻¹,
 //            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (5)
-// Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each.
+// Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each. It loses as many
+// digits as what is left is softer than what went. With all ΔK and Δf so far, (1) should leave inside B no force
+//   r = φ + ΔK u − Δf a;                                                                            (6)
+// the displacements that answer to r, B held, are its error.
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <memory>
+#include <vector>
 
 #include "lobe/condense/dense_products.h"
 #include "lobe/solve/sparse_factor.h"
@@ -57,7 +62,11 @@ class Condensed {
   // `scale` [N/m] is of the order of K's diagonal.
   Index add(Index count, double scale);
 
-  // Before anything was added; false where the factor cannot be kept. What was saved goes on with the same loads.
+  // In the norm of energy, relative: the larger one of two fields, driven by the loads and by the interface. O(|T|²).
+  double error() const;
+
+  // Before anything was changed or added; false where the factor cannot be kept. What was saved goes on with the same
+  // loads.
   bool save(io::ByteWriter& out) const;
   static std::unique_ptr<Condensed> load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
                                          const Matrix& loads);
@@ -73,7 +82,10 @@ class Condensed {
   Condensed() = default;
   Matrix solve(const Matrix& forces, const Matrix& phi) const;
   Matrix of_added(const Matrix& forces) const;
+  double error_of(const Eigen::VectorXd& driven) const;
   void touch(const Dofs& dofs);
+  void grow_to(Eigen::Index touched);
+  void note(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads);
   std::vector<Index> slots(const Dofs& dofs) const;
   std::vector<Index> interior_rows(const Dofs& dofs) const;    // of a matrix with one per dof
   bool known(Index dof) const { return dof < loads_.rows(); }  // to K̂
@@ -87,15 +99,17 @@ class Condensed {
 
   DenseProducts products_;
   std::unique_ptr<SparseFactor> factor_;
-  Matrix loads_;                      // f
-  Matrix response_;                   // A f
-  Dofs touched_;                      // T
-  Dofs interface_;                    // B
-  std::vector<Index> slot_, column_;  // per dof: in T, in B
-  std::vector<double> added_;         // scale of the dofs that were added
-  Matrix A_, N_;                      // T × T
-  Matrix Phi_;                        // T × [a; B]
-  Matrix S_;                          // [a; B] × [a; B]
+  Matrix loads_;                                 // f
+  Matrix response_;                              // A f
+  Dofs touched_;                                 // T
+  Dofs interface_;                               // B
+  std::vector<Index> slot_, column_;             // per dof: in T, in B
+  std::vector<double> added_;                    // scale of the dofs that were added
+  Matrix A_, N_;                                 // T × T
+  Matrix Phi_;                                   // T × [a; B]
+  Matrix S_;                                     // [a; B] × [a; B]
+  std::vector<Eigen::Triplet<double>> changed_;  // ΔK, T × T: sums of these
+  Matrix changed_loads_;                         // Δf, T × #amplitudes
 };
 
 }  // namespace lobe

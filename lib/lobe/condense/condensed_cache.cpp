@@ -9,7 +9,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"lobecond", 3, "condensed region"};
+constexpr io::Format format{"lobecond", 4, "condensed region"};
 
 std::uint64_t key_of(const RegionFactor& region, const Eigen::MatrixXd& loads,
                      const Condensed::Dofs& interface, const char* method) {
@@ -31,11 +31,6 @@ std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eig
   return log.time(CondensingPhase::interface, [&] {
     auto condensed = std::make_unique<Condensed>(std::move(factor), loads);
     condensed->promote(interface);
-    const auto count = Eigen::Index(interface.size());
-    Eigen::MatrixXd springs = Eigen::MatrixXd::Zero(count, count);
-    for (Eigen::Index i = 0; i < count; ++i)
-      springs(i, i) = -region.springs[std::size_t(interface[std::size_t(i)])];
-    condensed->change(interface, springs, Eigen::MatrixXd::Zero(count, loads.cols()));
     return condensed;
   });
 }
@@ -46,9 +41,7 @@ bool is_in_equilibrium(const Condensed& condensed, const RegionFactor& region, c
   const Condensed::Dofs& interface = condensed.interface();
   const Eigen::VectorXd driven = Eigen::VectorXd::LinSpaced(condensed.stiffness().cols(), 1, 2);
   const Eigen::VectorXd u = condensed.field(driven), on_interface = condensed.stiffness() * driven;
-  const Eigen::Map<const Eigen::VectorXd> springs(region.springs.data(), Eigen::Index(region.springs.size()));
-  Eigen::VectorXd force = region.K.selfadjointView<Eigen::Lower>() * u - springs.cwiseProduct(u) -
-                          loads * driven.head(loads.cols());
+  Eigen::VectorXd force = region.K.selfadjointView<Eigen::Lower>() * u - loads * driven.head(loads.cols());
   const double scale = force.norm();
   force(interface) -= on_interface.tail(Eigen::Index(interface.size()));
   return force.norm() <= 1e-6 * scale;
@@ -59,6 +52,18 @@ bool is_in_equilibrium(const Condensed& condensed, const RegionFactor& region, c
 std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                                     const Dofs& interface,
                                                     const SparseFactorMaker& make_factor) {
+  std::unique_ptr<Condensed> condensed = with_springs(region, loads, interface, make_factor);
+  const auto count = Eigen::Index(interface.size());
+  Eigen::MatrixXd springs = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    springs(i, i) = -region.springs[std::size_t(interface[std::size_t(i)])];
+  condensed->change(interface, springs, Eigen::MatrixXd::Zero(count, loads.cols()));
+  return condensed;
+}
+
+std::unique_ptr<Condensed> CondensedCache::with_springs(const RegionFactor& region,
+                                                        const Eigen::MatrixXd& loads, const Dofs& interface,
+                                                        const SparseFactorMaker& make_factor) {
   if (folder_.empty()) return condense_afresh(region, loads, interface, make_factor, log_);
   std::unique_ptr<SparseFactor> factor = make_factor();
   char name[32];

@@ -28,6 +28,9 @@ class CondensedCache {
   std::string take_notice() { return std::exchange(notice_, {}); }
 
  private:
+  // Where springs of the region's factor still hold the interface: what is kept.
+  std::unique_ptr<Condensed> with_springs(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                          const Dofs& interface, const SparseFactorMaker& make_factor);
   std::unique_ptr<Condensed> load(const std::filesystem::path& file, std::uint64_t key,
                                   std::unique_ptr<SparseFactor> factor, const Eigen::MatrixXd& loads,
                                   const Dofs& interface);

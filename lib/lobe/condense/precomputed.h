@@ -116,6 +116,7 @@ class PrecomputedRegion {
               Mat3X<Real>& external, Mat3X<Real>& dead);
   void take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external, Mat3X<Real>& dead);
   std::vector<Index> close(const Elements& elements, const std::vector<Index>& components);
+  void keep_exact(const Elements& elements, const std::vector<Index>& edited);
   std::vector<Index> interface() const;
   Eigen::MatrixXd loads() const;
   void take(std::unique_ptr<ReducedRegion> reduced);
@@ -135,6 +136,7 @@ class PrecomputedRegion {
   Linearisation linearisation_;
   std::unique_ptr<ReducedRegion> reduced_;
   Index most_touched_ = 0;  // beyond, it had better be condensed afresh
+  Index edited_ = 0;        // components, since its error was last measured
   std::future<std::unique_ptr<ReducedRegion>> refreshed_;
   Linearisation refreshed_linearisation_;
 

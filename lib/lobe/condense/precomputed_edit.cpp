@@ -10,7 +10,8 @@
 namespace lobe {
 namespace {
 
-constexpr double most_bytes = 2e9;  // of what is dense
+constexpr double most_bytes = 2e9;    // of what is dense
+constexpr double most_error = 1e-10;  // relative, that edits may leave
 
 bool is_member(const Elements& elements, Index tet) {
   return elements.topology.alive(tet) && elements.region_of[tet] == RegionModel::precomputed;
@@ -81,6 +82,21 @@ void add_constants(const Linearisation& linearisation, const Elements& elements,
   }
 }
 
+// As it now is; none where that cannot be.
+std::unique_ptr<ReducedRegion> condense_afresh(const Elements& elements, const Roles& roles,
+                                               const Linearisation& linearisation,
+                                               const std::vector<Index>& interface, Eigen::MatrixXd loads,
+                                               const SparseFactorMaker& make_factor) {
+  add_constants(linearisation, elements, loads);
+  CondensedCache none;
+  try {
+    return std::make_unique<ReducedRegion>(RegionFactor(elements, roles, linearisation), interface, loads,
+                                           none, make_factor);
+  } catch (const InputError&) {
+    return nullptr;
+  }
+}
+
 }  // namespace
 
 template <class Real>
@@ -122,6 +138,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
     open(components);
     change(elements, edit, components, external, dead);
     mechanism = close(elements, components);
+    if (mechanism.empty()) keep_exact(elements, components);
   }
   prepare_step(elements);
   return mechanism;
@@ -252,6 +269,20 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
   return mechanism;
 }
 
+// Where edits have left too large an error the region is condensed afresh at once: little of it is left then. That is
+// measured as often as it costs little beside the edits. What another thread is condensing starts again from here.
+template <class Real>
+void PrecomputedRegion<Real>::keep_exact(const Elements& elements, const std::vector<Index>& edited) {
+  edited_ += static_cast<Index>(edited.size());
+  if (4 * edited_ < reduced_->touched()) return;
+  edited_ = 0;
+  if (reduced_->error() <= most_error) return;
+  auto afresh = condense_afresh(elements, roles_, linearisation_, interface(), loads(), make_factor_);
+  if (!afresh) return;
+  take(std::move(afresh));
+  if (is_refreshing()) begin_refresh(elements, std::move(refreshed_linearisation_));
+}
+
 template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::interface() const {
   std::vector<Index> components;
@@ -297,18 +328,13 @@ void PrecomputedRegion<Real>::begin_refresh(const Elements& elements, Linearisat
   reduced_->record();
   refreshed_is_outdated_ = false;
   refreshed_linearisation_ = std::move(linearisation);
-  refreshed_ = std::async(
-      std::launch::async, [elements, roles = roles_, components = interface(), loads = loads(),
-                           make_factor = make_factor_, linearisation = refreshed_linearisation_]() mutable {
-        add_constants(linearisation, elements, loads);
-        CondensedCache none;
-        std::unique_ptr<ReducedRegion> reduced;
-        try {
-          reduced = std::make_unique<ReducedRegion>(RegionFactor(elements, roles, linearisation), components,
-                                                    loads, none, make_factor);
+  refreshed_ =
+      std::async(std::launch::async, [elements, roles = roles_, components = interface(), loads = loads(),
+                                      make_factor = make_factor_, linearisation = refreshed_linearisation_] {
+        auto reduced = condense_afresh(elements, roles, linearisation, components, loads, make_factor);
+        if (reduced) {
           reduced->inertia(interior_masses(elements, roles), shared_components(elements, roles));
           reduced->sway();
-        } catch (const InputError&) {
         }
         return reduced;
       });

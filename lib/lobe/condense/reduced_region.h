@@ -25,7 +25,8 @@ class ReducedRegion {
   }
   bool is_interior(Index component) const { return has(component) && column(component) < 0; }
   Index touched() const { return condensed_->touched(); }
-  Components interface() const;  // in the order of the columns
+  double error() const { return condensed_->error(); }  // relative
+  Components interface() const;                         // in the order of the columns
   const Matrix& stiffness() const { return condensed_->stiffness(); }
   Matrix field(const Matrix& driven) const;  // per component, 0 where there is none
   // What masses of the interior do that follows its interface, where components of that move as a whole along their

@@ -80,14 +80,10 @@ void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone)
   mean_[std::size_t(zone)] = {mean.volume, mean.lambda / mean.volume, mean.mu / mean.volume};
 }
 
-Eigen::Matrix<double, 9, Eigen::Dynamic> MeanDefects::gradients(const Mat3X<double>& u) const {
-  Eigen::Matrix<double, 9, Eigen::Dynamic> gradients(9, Eigen::Index(weights_.size()));
-  for (std::size_t z = 0; z < weights_.size(); ++z) {
-    Mat3<double> H = Mat3<double>::Zero();
-    for (const Weight& w : weights_[z]) H += u.col(w.vertex) * w.gradient.transpose();
-    gradients.col(Eigen::Index(z)) = column(H);
-  }
-  return gradients;
+Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
+  Mat3<double> H = Mat3<double>::Zero();
+  for (const Weight& w : weights_[std::size_t(zone)]) H += u.col(w.vertex) * w.gradient.transpose();
+  return column(H);
 }
 
 Column MeanDefects::at(Index zone, const Column& gradient, bool is_linear) const {

@@ -28,7 +28,7 @@ class MeanDefects {
   MeanDefects(const Elements& elements, const Zones& zones);
   void find(const Elements& elements, const Zones& zones, Index zone);  // anew, after a cut
 
-  Eigen::Matrix<double, 9, Eigen::Dynamic> gradients(const Mat3X<double>& u) const;
+  Eigen::Matrix<double, 9, 1> gradient(Index zone, const Mat3X<double>& u) const;
   // Of a zone with this mean gradient; in a linear zone that of its twin counts.
   Eigen::Matrix<double, 9, 1> at(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                  bool is_linear) const;

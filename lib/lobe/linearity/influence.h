@@ -23,9 +23,12 @@ class Influence {
   Eigen::VectorXd displacement(Index zone, const Eigen::Matrix<double, 9, 1>& defect) const {
     return (M_.middleCols<9>(9 * zone) * defect.cast<float>()).cast<double>();
   }
-  // From those of all zones.
+  // From those of all zones; what has none costs nothing.
   Eigen::VectorXd displacement(const Eigen::Matrix<double, 9, Eigen::Dynamic>& defects) const {
-    return (M_ * defects.reshaped().cast<float>()).cast<double>();
+    Eigen::VectorXf sum = Eigen::VectorXf::Zero(M_.rows());
+    for (Eigen::Index z = 0; z < defects.cols(); ++z)
+      if (!defects.col(z).isZero(0)) sum += M_.middleCols<9>(9 * z) * defects.col(z).cast<float>();
+    return sum.cast<double>();
   }
 
  private:

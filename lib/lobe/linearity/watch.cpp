@@ -65,17 +65,13 @@ LinearityWatch<Real>::LinearityWatch(const World<Real>& world, const std::vector
 template <class Real>
 void LinearityWatch<Real>::find_shares(const Elements& elements) {
   share_.assign(std::size_t(zones_.count()), 0);
+  any_precomputed_ = false;
   for (Index z = 0; z < zones_.count(); ++z)
     for (Index t : zones_.tets[std::size_t(z)])
-      if (elements.topology.alive(t) && is_linear(elements, t))
+      if (elements.topology.alive(t) && is_linear(elements, t)) {
         share_[std::size_t(z)] += tet_volume_[std::size_t(t)] / zones_.volume[std::size_t(z)];
-}
-
-template <class Real>
-bool LinearityWatch<Real>::any_precomputed(const Elements& elements) const {
-  for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    if (elements.region_of[t] == RegionModel::precomputed && elements.topology.alive(t)) return true;
-  return false;
+        any_precomputed_ = any_precomputed_ || elements.region_of[t] == RegionModel::precomputed;
+      }
 }
 
 // What is held without any grasp.
@@ -151,25 +147,27 @@ bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) 
   const bool expandable = may_expand(world);
   if (expandable && is_startled && world.is_expanded()) return true;  // and stays so
   const bool is_calm = last_.error < join_below * options_.tolerance;
-  const int every = !expandable ? options_.recover_every : is_calm ? 6 : 3;
-  if (looks_++ % every == 0 || (expandable && (is_startled || world.is_expanded()))) return false;
-  return any_precomputed(world.elements());
+  const bool is_due = expandable ? is_startled || world.is_expanded() : is_startled && !any_precomputed_;
+  const int every = !any_precomputed_ ? (is_calm ? 2 : 1)
+                    : !expandable     ? options_.recover_every
+                    : is_calm         ? 6
+                                      : 3;
+  return looks_++ % every > 0 && !is_due;
 }
 
 // Of each zone that is linear, in `all` of those that are not as well.
 template <class Real>
 Defects LinearityWatch<Real>::defects(const World<Real>& world, const Mat3X<double>& u, bool all) const {
   Defects defects = Defects::Zero(9, zones_.count());
-  const auto gradients = defects_.gradients(u);
   const Mat3X<double>& about = world.linearised_about();
-  const bool is_renewed = about.size() > 0;
-  const Defects tangents = is_renewed ? defects_.gradients(about) : Defects();
   for (Index z = 0; z < zones_.count(); ++z) {
     const double share = share_[std::size_t(z)];
     if (share == 0 && !all) continue;
     const bool is_linear = share > 0.5 && !world.is_expanded();
-    defects.col(z) = is_renewed ? defects_.beyond_tangent(z, gradients.col(z), tangents.col(z), is_linear)
-                                : defects_.at(z, gradients.col(z), is_linear);
+    const auto gradient = defects_.gradient(z, u);
+    defects.col(z) = about.size() > 0
+                         ? defects_.beyond_tangent(z, gradient, defects_.gradient(z, about), is_linear)
+                         : defects_.at(z, gradient, is_linear);
   }
   return defects;
 }

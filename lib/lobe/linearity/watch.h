@@ -61,8 +61,9 @@ class LinearityWatch {
   LinearityWatch(const LinearityWatch&) = delete;
   LinearityWatch& operator=(const LinearityWatch&) = delete;
 
-  // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the recovery of its interior, so that
-  // the last report stands in for most looks there.
+  // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the recovery of its
+  // interior, so that the last report stands in for most looks there; otherwise for every other one while the error is
+  // small.
   // What cuts do to the influence of zones is found by a background thread and used from a fixed simulated time on.
   LinearityReport look(World<Real>& world) { return look(world, Steering(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);
@@ -74,7 +75,6 @@ class LinearityWatch {
   bool follow_edits(const World<Real>& world);
   bool follow_cuts(const Elements& elements, const std::vector<Edit>& history);
   void find_shares(const Elements& elements);
-  bool any_precomputed(const Elements& elements) const;
   bool hold(const HeldVertices& held);
   bool may_skip(const World<Real>& world, bool is_startled);
   bool may_expand(const World<Real>& world) const;
@@ -97,6 +97,7 @@ class LinearityWatch {
   double influence_due_ = 0;         // [s]
   bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
   std::vector<double> share_;        // of each zone that is linear, by volume
+  bool any_precomputed_ = false;     // tetrahedra
   std::vector<int> calm_;            // looks since each zone could have been linear
   std::vector<double> tet_volume_;   // at rest [m³]
   std::vector<double> volume_;       // per vertex [m³]

@@ -42,7 +42,7 @@ Played play_once(const Setup& setup, const Schedule& schedule, const Way& way) {
   for (int frame = 1; frame <= schedule.frames && played.to_the_end; ++frame) {
     const Stopwatch watch(way.threads == 1);
     const Report report = world.advance(schedule.frame);
-    seconds += watch.seconds();
+    seconds += played.frames.emplace_back(watch.seconds());
     steps += report.steps;
     played.to_the_end = report.ok;
     for (const Condition& c : report.conditions)

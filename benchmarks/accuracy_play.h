@@ -28,10 +28,11 @@ using Samples = std::vector<Mat3X<double>>;  // displacements [m], one per sampl
 
 struct Played {
   bool to_the_end = true;
-  std::string status;     // "done", with a remark on trouble; or when and why it ended
-  double dt = 0;          // mean time step [s]
-  double wall_per_s = 0;  // [s] per simulated second, without set-up and sampling
-  Samples samples;        // those before the end
+  std::string status;          // "done", with a remark on trouble; or when and why it ended
+  double dt = 0;               // mean time step [s]
+  double wall_per_s = 0;       // [s] per simulated second, without set-up and sampling
+  std::vector<double> frames;  // [s] of each
+  Samples samples;             // those before the end
 };
 
 // On one thread it is that thread's processor time that is taken. Runs below 0.1 s are played three times, and the

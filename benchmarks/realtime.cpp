@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iomanip>
 #include <limits>
+#include <numeric>
 #include <sstream>
 
 #include "benchmarks/accuracy_cases.h"
@@ -29,7 +30,8 @@ struct Row {
   double limit = 0;        // 2/ω_max at rest [s]
   double scaled_gain = 1;  // of the limit, by 1.5 % more mass
   double local_gain = 1;   // no local time stepping does fewer force evaluations than by this factor
-  Played played = {};
+  Played played = {};      // the run in the middle
+  double undisturbed = 0;  // seconds per simulated second, of the fastest of each frame in all runs
 };
 
 double wave_step(const Setup& setup) {
@@ -84,23 +86,38 @@ Row row_of_mesh(const std::string& organ, const Setup& setup) {
   return row;
 }
 
+// Every run does the same work in each frame, to the bit: the fastest of a frame is what it takes while nobody else asks for
+// the processor.
+void play_some_times(const Setup& setup, const Schedule& schedule, const Way& way, int times, Row& row) {
+  std::vector<Played> runs;
+  for (int i = 0; i < times; ++i) runs.push_back(play(setup, schedule, way));
+  std::vector<double> fastest = runs[0].frames;
+  for (const Played& run : runs)
+    for (std::size_t i = 0; i < fastest.size(); ++i) fastest[i] = std::min(fastest[i], run.frames[i]);
+  row.undisturbed = std::accumulate(fastest.begin(), fastest.end(), 0.0) / schedule.duration();
+  std::sort(runs.begin(), runs.end(),
+            [](const Played& a, const Played& b) { return a.wall_per_s < b.wall_per_s; });
+  row.played = runs[runs.size() / 2];
+}
+
 void print(const Row& r) {
-  std::printf("%-16s %8d %7d %8.0f %8.0f %6.2f %8.2f %8.2f %8.0f %10.2f  %s\n", r.organ.c_str(), r.tets,
-              r.threads, 1e6 * r.wave_step, 1e6 * r.limit, r.limit / r.wave_step, r.scaled_gain, r.local_gain,
-              1e6 * r.played.dt, 1 / r.played.wall_per_s, r.played.status.c_str());
+  std::printf("%-16s %8d %7d %8.0f %8.0f %6.2f %8.2f %8.2f %8.0f %10.2f %11.2f  %s\n", r.organ.c_str(),
+              r.tets, r.threads, 1e6 * r.wave_step, 1e6 * r.limit, r.limit / r.wave_step, r.scaled_gain,
+              r.local_gain, 1e6 * r.played.dt, 1 / r.played.wall_per_s, 1 / r.undisturbed,
+              r.played.status.c_str());
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "organ,tets,threads,wave_step_us,limit_us,limit_gain,mass_scaling_gain,local_step_gain,dt_us,"
-         "wall_s_per_s,real_time_factor,status\n"
+         "wall_s_per_s,real_time_factor,undisturbed_factor,status\n"
       << std::setprecision(4);
   for (const Row& r : rows)
     out << r.organ << ',' << r.tets << ',' << r.threads << ',' << 1e6 * r.wave_step << ',' << 1e6 * r.limit
         << ',' << r.limit / r.wave_step << ',' << r.scaled_gain << ',' << r.local_gain << ','
         << 1e6 * r.played.dt << ',' << r.played.wall_per_s << ',' << 1 / r.played.wall_per_s << ','
-        << r.played.status << '\n';
+        << 1 / r.undisturbed << ',' << r.played.status << '\n';
   return out.str();
 }
 
@@ -143,8 +160,8 @@ void bench_realtime(const Options& options) {
   std::vector<int> threads{1};
   if (options.threads > 1) threads.push_back(options.threads);
   begin_results(options.output, "realtime");
-  std::printf("\n%-16s %8s %7s %8s %8s %6s %8s %8s %8s %10s  %s\n", "organ", "tets", "threads", "h/c us",
-              "limit us", "gain", "+1.5% m", "local", "step us", "real time", "status");
+  std::printf("\n%-16s %8s %7s %8s %8s %6s %8s %8s %8s %10s %11s  %s\n", "organ", "tets", "threads", "h/c us",
+              "limit us", "gain", "+1.5% m", "local", "step us", "real time", "undisturbed", "status");
   std::vector<Row> rows;
   std::vector<std::pair<Row, Resting>> resting;
   for (const Case& organ : organs(options))
@@ -155,8 +172,9 @@ void bench_realtime(const Options& options) {
       Row row = row_of_mesh(organ.name, setup);
       for (int n : threads) {
         row.threads = n;
-        row.played =
-            play(setup, schedule_of(time, 1), {Precision::single_precision, organ.scene.time.safety, n});
+        play_some_times(setup, schedule_of(time, 1),
+                        {Precision::single_precision, organ.scene.time.safety, n}, options.quick ? 1 : 5,
+                        row);
         print(rows.emplace_back(row));
       }
       if (!setup.grasps.empty())

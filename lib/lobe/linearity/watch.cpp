@@ -142,17 +142,27 @@ bool LinearityWatch<Real>::may_expand(const World<Real>& world) const {
 }
 
 template <class Real>
-bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) {
+bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) const {
   if (world.is_unravelling()) return true;  // what is linear then is so on purpose
-  const bool expandable = may_expand(world);
-  if (expandable && is_startled && world.is_expanded()) return true;  // and stays so
+  if (any_precomputed_ ? world.is_expanded() : is_startled) return false;
   const bool is_calm = last_.error < join_below * options_.tolerance;
-  const bool is_due = expandable ? is_startled || world.is_expanded() : is_startled && !any_precomputed_;
-  const int every = !any_precomputed_ ? (is_calm ? 2 : 1)
-                    : !expandable     ? options_.recover_every
-                    : is_calm         ? 6
-                                      : 3;
-  return looks_++ % every > 0 && !is_due;
+  const int every = !any_precomputed_    ? (is_calm ? 2 : 1)
+                    : !may_expand(world) ? options_.recover_every
+                    : is_calm            ? 6
+                                         : 3;
+  return (looks_ - 1) % every > 0;
+}
+
+// The last report where there is no look.
+template <class Real>
+LinearityReport LinearityWatch<Real>::stand_in(const World<Real>& world) {
+  last_.time = world.time();
+  last_.to_nonlinear = last_.to_linear = 0;
+  last_.energy_change = 0;
+  last_.is_expanded = world.is_expanded();
+  if (last_.is_expanded) last_.error = 0;
+  last_.exceeded = last_.error > options_.tolerance;
+  return last_;
 }
 
 // Of each zone that is linear, in `all` of those that are not as well.
@@ -185,22 +195,21 @@ void LinearityWatch<Real>::place_worst(const Elements& elements, const Eigen::Ve
 template <class Real>
 LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& steering) {
   const auto start = std::chrono::steady_clock::now();
-  const bool begins = looks_ == 0, is_cut = follow_edits(world);
+  const bool begins = looks_++ == 0, is_cut = follow_edits(world);
   const double frame = world.time() - std::exchange(time_, world.time());
   const bool holders_changed = hold(world.held()) || world.next_grasp_change() < world.time() + 1.5 * frame;
   const bool is_startled = begins || is_cut || holders_changed;
-  if (may_skip(world, is_startled)) {
-    welcome_ = is_startled ? 0 : welcome_;
-    last_.time = world.time();
-    last_.to_nonlinear = last_.to_linear = 0;
-    last_.energy_change = 0;
-    return last_;
+  const bool expandable = may_expand(world);
+  if (expandable && is_startled && !world.is_unravelling()) {  // whatever the estimate
+    if (!world.is_expanded()) steering.expand();
+    welcome_ = 0;
+    return stand_in(world);
   }
+  if (may_skip(world, is_startled)) return stand_in(world);
   const Mat3X<double> u = world.displacements().template cast<double>();
   double sum = 0;
   for (std::size_t v = 0; v < volume_.size(); ++v) sum += volume_[v] * u.col(Eigen::Index(v)).squaredNorm();
   largest_ = std::max(largest_, std::sqrt(sum));
-  const bool expandable = may_expand(world);
   const Defects of_zones = defects(world, u, options_.correct && !expandable);
   const Eigen::Map<const Eigen::RowVectorXd> shares(share_.data(), zones_.count());
   const Eigen::VectorXd error =
@@ -216,30 +225,31 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.exceeded && options_.on_exceeded) options_.on_exceeded(report);
   if (expandable)
-    steer(world, steering, estimate, is_startled, report);
+    steer(world, steering, estimate, report);
   else if (options_.correct)
     correct(world, steering, of_zones, error, report);
   last_ = report;
   return report;
 }
 
-// A precomputed region is linearised anew while its error is small, and expanded where it is not, or where a cut or a
-// change of who holds the body, in the last frame or the next, starts a motion that no estimate foresees. It is condensed
-// again once it would have been welcome for some looks; until then it is linearised anew wherever the body has gone.
+// A precomputed region is linearised anew while its error is small, and expanded where it is not: also, before any look,
+// where a cut or a change of who holds the body, in the last frame or the next, starts a motion that no estimate foresees.
+// It is condensed again once it would have been welcome for some looks; until then it is linearised anew wherever the body
+// has gone.
 template <class Real>
 void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steering, double estimate,
-                                 bool is_startled, LinearityReport& report) {
+                                 LinearityReport& report) {
   const double delay = delay_per_tet * world.elements().topology.alive_count();
   const bool is_welcome = estimate < condense_below * options_.tolerance;
   if (world.is_expanded()) {
-    welcome_ = is_welcome && !is_startled && world.can_condense() ? welcome_ + 1 : 0;
+    welcome_ = is_welcome && world.can_condense() ? welcome_ + 1 : 0;
     if (welcome_ >= patience_to_condense) steering.condense();
-  } else if (estimate > leave_above * options_.tolerance || is_startled) {
+  } else if (estimate > leave_above * options_.tolerance) {
     steering.expand();
     welcome_ = 0;
   }
   const bool is_far = estimate > renew_above * options_.tolerance || !world.can_condense();
-  if (is_far && !is_startled && !world.is_renewing()) steering.renew(delay);
+  if (is_far && !world.is_renewing()) steering.renew(delay);
   report.is_expanded = world.is_expanded();
 }
 

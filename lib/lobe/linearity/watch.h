@@ -76,12 +76,12 @@ class LinearityWatch {
   bool follow_cuts(const Elements& elements, const std::vector<Edit>& history);
   void find_shares(const Elements& elements);
   bool hold(const HeldVertices& held);
-  bool may_skip(const World<Real>& world, bool is_startled);
+  bool may_skip(const World<Real>& world, bool is_startled) const;
+  LinearityReport stand_in(const World<Real>& world);
   bool may_expand(const World<Real>& world) const;
   Defects defects(const World<Real>& world, const Mat3X<double>& u, bool all) const;
   void place_worst(const Elements& elements, const Eigen::VectorXd& error, LinearityReport& report) const;
-  void steer(const World<Real>& world, const Steering& steering, double estimate, bool is_startled,
-             LinearityReport& report);
+  void steer(const World<Real>& world, const Steering& steering, double estimate, LinearityReport& report);
   double relative(const Eigen::VectorXd& error) const;
   void correct(const World<Real>& world, const Steering& steering, const Defects& defects,
                Eigen::VectorXd error, LinearityReport& report);

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
-#include <array>
+#include <cmath>
 
 using namespace lobe;
 

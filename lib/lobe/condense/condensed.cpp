@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -85,6 +86,7 @@ std::unique_ptr<Condensed> Condensed::load(io::ByteReader& in, std::unique_ptr<S
   };
   number(c->touched_ = in.get_all<Index>(), c->slot_);
   number(c->interface_ = in.get_all<Index>(), c->column_);
+  for (Index d : c->interface_) in.expect(c->slot_[std::size_t(d)] >= 0);
   const auto T = Eigen::Index(c->touched_.size()), B = Eigen::Index(c->interface_.size());
   const Eigen::Index driven = loads.cols() + B;
   c->response_ = get(in, loads.rows(), loads.cols());
@@ -312,7 +314,7 @@ Condensed::Matrix Condensed::solve(const Matrix& forces, const Matrix& phi) cons
 
 double Condensed::error() const {
   Eigen::VectorXd by_loads = Eigen::VectorXd::Zero(S_.cols()), by_interface = by_loads;
-  by_loads.head(loads_.cols()).setOnes();
+  by_loads.head(loads_.cols()).setLinSpaced(1, 2);
   by_interface.tail(S_.cols() - loads_.cols()).setLinSpaced(1, 2);
   return std::max(error_of(by_loads), error_of(by_interface));
 }
@@ -327,7 +329,9 @@ double Condensed::error_of(const Eigen::VectorXd& driven) const {
   const Eigen::VectorXd Ar = A_.selfadjointView<Eigen::Lower>() * r,
                         NAr = N_.selfadjointView<Eigen::Lower>() * Ar;
   const double of_error = std::abs(r.dot(Ar) - Ar.dot(NAr)), of_field = std::abs(driven.dot(S_ * driven));
-  return of_field > 0 ? std::sqrt(of_error / of_field) : 0;
+  if (of_field == 0) return 0;
+  const double error = std::sqrt(of_error / of_field);
+  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
 Condensed::Matrix Condensed::field(const Matrix& driven) const {

@@ -29,7 +29,7 @@ class PrecomputedRegion {
   // interface. Returns tetrahedra that have become a mechanism and must leave the region. Throws InputError if the
   // region cannot be condensed: only where tetrahedra enter it.
   // Where the world does without the region for now, it may be followed lazily: then it is outdated, until it is
-  // renewed.
+  // renewed. Where edits have become inexact the region is condensed at once, which waits for what another thread condenses.
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
                             Mat3X<Real>& external, Mat3X<Real>& dead, bool lazily = false);
   bool is_outdated() const { return is_outdated_; }

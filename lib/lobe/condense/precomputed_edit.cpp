@@ -83,10 +83,10 @@ void add_constants(const Linearisation& linearisation, const Elements& elements,
 }
 
 // As it now is; none where that cannot be.
-std::unique_ptr<ReducedRegion> condense_afresh(const Elements& elements, const Roles& roles,
-                                               const Linearisation& linearisation,
-                                               const std::vector<Index>& interface, Eigen::MatrixXd loads,
-                                               const SparseFactorMaker& make_factor) {
+std::unique_ptr<ReducedRegion> reduced_afresh(const Elements& elements, const Roles& roles,
+                                              const Linearisation& linearisation,
+                                              const std::vector<Index>& interface, Eigen::MatrixXd loads,
+                                              const SparseFactorMaker& make_factor) {
   add_constants(linearisation, elements, loads);
   CondensedCache none;
   try {
@@ -269,18 +269,21 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
   return mechanism;
 }
 
-// Where edits have left too large an error the region is condensed afresh at once: little of it is left then. That is
-// measured as often as it costs little beside the edits. What another thread is condensing starts again from here.
+// Where edits have left too large an error the region is condensed afresh at once, if it can be: little of it is left then.
+// That is measured as often as it costs little beside the edits. What another thread is condensing starts again from here,
+// once that is done.
 template <class Real>
 void PrecomputedRegion<Real>::keep_exact(const Elements& elements, const std::vector<Index>& edited) {
   edited_ += static_cast<Index>(edited.size());
   if (4 * edited_ < reduced_->touched()) return;
   edited_ = 0;
   if (reduced_->error() <= most_error) return;
-  auto afresh = condense_afresh(elements, roles_, linearisation_, interface(), loads(), make_factor_);
+  auto afresh = reduced_afresh(elements, roles_, linearisation_, interface(), loads(), make_factor_);
   if (!afresh) return;
   take(std::move(afresh));
-  if (is_refreshing()) begin_refresh(elements, std::move(refreshed_linearisation_));
+  if (!is_refreshing()) return;
+  refreshed_.wait();
+  begin_refresh(elements, std::move(refreshed_linearisation_));
 }
 
 template <class Real>
@@ -331,7 +334,7 @@ void PrecomputedRegion<Real>::begin_refresh(const Elements& elements, Linearisat
   refreshed_ =
       std::async(std::launch::async, [elements, roles = roles_, components = interface(), loads = loads(),
                                       make_factor = make_factor_, linearisation = refreshed_linearisation_] {
-        auto reduced = condense_afresh(elements, roles, linearisation, components, loads, make_factor);
+        auto reduced = reduced_afresh(elements, roles, linearisation, components, loads, make_factor);
         if (reduced) {
           reduced->inertia(interior_masses(elements, roles), shared_components(elements, roles));
           reduced->sway();

@@ -27,7 +27,7 @@ class Influence {
   Eigen::VectorXd displacement(const Eigen::Matrix<double, 9, Eigen::Dynamic>& defects) const {
     Eigen::VectorXf sum = Eigen::VectorXf::Zero(M_.rows());
     for (Eigen::Index z = 0; z < defects.cols(); ++z)
-      if (!defects.col(z).isZero(0)) sum += M_.middleCols<9>(9 * z) * defects.col(z).cast<float>();
+      if (!defects.col(z).isZero(0)) sum.noalias() += M_.middleCols<9>(9 * z) * defects.col(z).cast<float>();
     return sum.cast<double>();
   }
 

@@ -62,8 +62,8 @@ class LinearityWatch {
   LinearityWatch& operator=(const LinearityWatch&) = delete;
 
   // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the recovery of its
-  // interior, so that the last report stands in for most looks there; otherwise for every other one while the error is
-  // small.
+  // interior, so that the last report stands in for most looks there, otherwise for every other one while the error is
+  // small. Where a cut or a change of who holds startles it, a region that may be expanded is so without a look.
   // What cuts do to the influence of zones is found by a background thread and used from a fixed simulated time on.
   LinearityReport look(World<Real>& world) { return look(world, Steering(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);

@@ -31,17 +31,14 @@ struct FrequencyRatios {
   double square(Index v) const { return double(own[std::size_t(v)]) * double(own[std::size_t(v)]); }
   void extend(Index vertices) { own.resize(std::size_t(vertices), static_cast<float>(most)); }
   void forget(Index v) { own[std::size_t(v)] = static_cast<float>(most); }
-  void forget_all(double ratio) {  // but that of the highest vertex
+  void forget_all(double ratio) {  // of the highest vertex, which all have from now on
     most = ratio;
     std::fill(own.begin(), own.end(), static_cast<float>(ratio));
   }
-  template <class Frequency>  // of a vertex, ω_v [rad/s]
-  void measured(double omega, double highest_vertex, Frequency&& frequency) {
-    most = std::max(most, omega / highest_vertex);
-    for (std::size_t v = 0; v < own.size(); ++v) {
-      const double alone = frequency(static_cast<Index>(v));
-      own[v] = static_cast<float>(alone * most > omega ? std::max(1.0, omega / alone) : most);
-    }
+  void measured(double omega, const std::vector<double>& alone) {  // ω_max, ω_v of each vertex [rad/s]
+    most = std::max(most, omega / *std::max_element(alone.begin(), alone.end()));
+    for (std::size_t v = 0; v < own.size(); ++v)
+      own[v] = static_cast<float>(alone[v] * most > omega ? std::max(1.0, omega / alone[v]) : most);
   }
 };
 

@@ -37,7 +37,7 @@ struct Report {
   int steps = 0;
   double time_step = 0;        // the smallest that was taken [s]
   double time_step_limit = 0;  // 2/ω_max at the start of the frame [s]
-  Index limiting_vertex = -1;  // whose stiffness it follows
+  Index limiting_vertex = -1;  // whose stiffness it follows; one of those where there are several
   int reruns = 0;              // of frames, with smaller steps
   Index tets_removed = 0;
   long long patches_evaluated = 0, patches_skipped = 0;  // in all evaluations; skipped: asleep

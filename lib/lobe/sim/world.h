@@ -90,16 +90,17 @@ class World {
   // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last asked for,
   // it follows cuts locally, except with nodal pressure.
   double time_step_limit();
-  VertexFrequency highest_vertex();                                  // of those that move alone, found anew
-  const MassScaling& mass_scaling() const { return mass_scaling_; }  // what was added
+  VertexFrequency
+  highest_vertex();  // the vertex estimate of ω_max, found anew. O(#tetrahedra), as the next limit
+  const MassScaling& mass_scaling() const { return mass_scaling_; }               // what was added
   const HighestFrequency& frequency_search() const { return frequency_search_; }  // at the start
   const CondensingLog& condensing() const { return precomputed_.condensing(); }
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
   Vec3d reaction(int holder);              // force that who holds these vertices must apply now [N]
   Energies energies();
 
-  // Edits. Stiffness, mass, loads and boundary are updated around what changed only; whether something came
-  // loose is searched from there, and in O(#tets) only where that does not tell. The time step limit is
+  // Edits. Stiffness, mass, loads and boundary are updated around what changed only, but for a precomputed region that must
+  // be condensed afresh (theory, section 14); whether something came loose is searched from there, and in O(#tets) only where that does not tell. The time step limit is
   // always that of the current state.
   Index remove_tets(
       const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
@@ -165,9 +166,8 @@ class World {
   template <class Weight>
   void find_frequencies(Weight&& weight);
   double weight_of(Index v) const { return inverse_mass_[std::size_t(v)] * ratios_.square(v); }
-  double bounded_square(Index v) const {
-    return frequencies_.bounded_square(v) / ratios_.square(v);
-  }  // ω_v² [1/s²]
+  // ω_v² [1/s²].
+  double bounded_square(Index v) const { return frequencies_.bounded_square(v) / ratios_.square(v); }
   HighestFrequency search_highest(const LanczosSettings& settings);
   void measure_at_rest();
   void measure_again();

@@ -125,12 +125,9 @@ Report World<Real>::advance(double duration) {
 template <class Real>
 void World<Real>::prepare_frame(double duration, Report& report) {
   refresh_condensed();
-  if (known_ != Known::anew) {
-    const Timed timed(report, Phase::time_step);
-    find_frequencies();
-  }
   {
     const Timed timed(report, Phase::time_step);
+    if (known_ != Known::anew) find_frequencies();
     measure_again();
   }
   unravel();

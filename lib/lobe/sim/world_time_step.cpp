@@ -40,27 +40,35 @@ VertexFrequency World<Real>::highest_vertex() {
   return frequencies_.highest(alone);
 }
 
-// About the present state, where displacements must be small enough for forces to be linear and large enough for their
-// differences to be known. Nothing is found where a body has gone so far that there are none.
+// About the present state, by displacements that are small enough for forces to be linear, and large enough for their
+// differences to be known. Nothing is found where the body has gone so far that there are none.
 template <class Real>
 HighestFrequency World<Real>::search_highest(const LanczosSettings& settings) {
-  constexpr double rounding = std::numeric_limits<Real>::epsilon();
   const Mat3X<Real> at = state_.u.view();
-  const double farthest = double(at.cwiseAbs().maxCoeff());
-  const double small = farthest > 0
-                           ? std::max(3 * std::sqrt(rounding) * longest_move_, 1e3 * rounding * farthest)
-                           : 1e-9 * longest_move_;
+  double farthest = 0;  // of what moves by itself [m]
+  for (Index v = 0; v < state_.u.count(); ++v)
+    if (inverse_mass_[v] > 0) farthest = std::max(farthest, double(at.col(v).norm()));
+  const bool at_rest = farthest == 0;
+  const double small =
+      at_rest ? 1e-9 * longest_move_ : std::sqrt(double(std::numeric_limits<Real>::epsilon())) / 3 * farthest;
   if (!(small < 0.01 * longest_move_)) return {};
   forget_kept_forces();
   kept_is_stale_ = true;
+  const auto add_forces = [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
+    add_internal_forces(u, f);
+    if (is_expanded_) return;
+    if (at_rest)
+      precomputed_.add_stiffness_forces(u, f, parallel_);
+    else
+      precomputed_.add_forces(u, Real(missing_loads(state_.time)), f, parallel_);
+  };
   Mat3X<Real> there = Mat3X<Real>::Zero(3, at.cols());
-  add_internal_forces(at, there);
+  if (!at_rest) add_forces(at, there);
   return highest_frequency<Real>(
       inverse_mass_, [&](Index v) { return bounded_square(v); }, small,
       [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
         f -= there;
-        add_internal_forces(at + u, f);
-        if (!is_expanded_) precomputed_.add_stiffness_forces(u, f, parallel_);
+        add_forces(at_rest ? u : Mat3X<Real>(at + u), f);
       },
       settings);
 }
@@ -80,16 +88,17 @@ void World<Real>::measure_at_rest() {
 // At a frame's start, where the limit has changed.
 template <class Real>
 void World<Real>::measure_again() {
-  if (implicit_ || !ratios_.is_worth_measuring(time_step_limit())) return;
+  if (implicit_) return;
+  const double limit = time_step_limit();
+  if (!ratios_.is_worth_measuring(limit)) return;
   ratios_.steps = 0;
+  ratios_.limit = limit;
   const HighestFrequency found = search_highest({.tolerance = 0.02, .most = FrequencyRatios::evaluations});
   if (!(found.omega > 0)) return;
-  const auto alone = [&](Index v) {
-    return std::sqrt(frequencies_.exact_square(v, inverse_mass_[std::size_t(v)]));
-  };
-  double highest = 0;
-  for (Index v = 0; v < elements_.topology.vertex_count(); ++v) highest = std::max(highest, alone(v));
-  ratios_.measured(found.omega, highest, alone);
+  std::vector<double> alone;
+  for (Index v = 0; v < elements_.topology.vertex_count(); ++v)
+    alone.push_back(std::sqrt(frequencies_.exact_square(v, inverse_mass_[std::size_t(v)])));
+  ratios_.measured(found.omega, alone);
   frequencies_.weigh([&](Index v) { return weight_of(v); });
   ratios_.limit = time_step_limit();
 }

@@ -43,12 +43,12 @@ std::vector<double> moved(const TetMesh& mesh, const Mat3X<double>& trial) {
   return moved;
 }
 
-// Linear is what moves least, at least this fraction of the volume, and a little more as it takes to end where few vertices
-// are shared. Returns the fraction that was reached.
+// Linear is what moves least, up to about this fraction of the volume: a little less or more, as it takes to end where few
+// vertices are shared. Returns the fraction that was reached.
 double make_linear_to_a_neck(Setup& setup, const std::vector<double>& score, double fraction) {
-  constexpr double more = 0.04;
+  constexpr double less = 0.02, more = 0.04;
   Setup all = setup, least = setup;
-  make_linear(least, score, fraction);
+  make_linear(least, score, fraction - less);
   make_linear(all, score, fraction + more);
   std::vector<Side> sides;
   for (std::size_t t = 0; t < score.size(); ++t)

@@ -10,7 +10,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 8,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 9,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -141,6 +141,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   };
   out.put(c.setup);
   out.put(c.state.time);
+  out.put(c.state.behind);
   put_matrix(out, c.state.u);
   put_matrix(out, c.state.v);
   put_each(c.history);
@@ -170,9 +171,10 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
   Checkpoint<Real> c;
   c.setup = in.get<std::uint64_t>();
   c.state.time = in.get<double>();
+  c.state.behind = in.get<double>();
   c.state.u = get_matrix<Real>(in);
   c.state.v = get_matrix<Real>(in);
-  in.expect(std::isfinite(c.state.time) && c.state.u.allFinite() && c.state.v.allFinite());
+  in.expect(std::isfinite(c.state.time) && c.state.behind >= 0 && std::isfinite(c.state.behind) && c.state.u.allFinite() && c.state.v.allFinite());
   for (std::size_t left = in.get_count(1); left > 0; --left)
     c.history.push_back(get_edit(in, c.state.u.cols()));
   c.held = get_held_vertices(in, c.state.u.cols());

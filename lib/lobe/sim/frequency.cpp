@@ -28,51 +28,68 @@ Ritz largest_ritz(const std::vector<double>& alpha, const std::vector<double>& b
   return {bound, 0};
 }
 
-// x_v = ± (ω_v/ω)⁸, normalised.
+// f_v = ± √m_v (ω_v/ω)⁸.
 template <class Real>
 Mat3X<Real> start_vector(const std::vector<double>& inverse_mass,
-                         const std::function<double(Index)>& square) {
+                         const std::function<double(Index)>& square, double power) {
   const auto n = static_cast<Index>(inverse_mass.size());
   double largest = 0;
   for (Index v = 0; v < n; ++v) largest = std::max(largest, square(v));
   Mat3X<Real> q = Mat3X<Real>::Zero(3, n);
   std::minstd_rand random;
   for (Index v = 0; v < n; ++v) {
-    const double size = inverse_mass[v] > 0 ? std::pow(square(v) / largest, 4) : 0;
+    const double size =
+        inverse_mass[v] > 0 ? std::pow(square(v) / largest, power) / std::sqrt(inverse_mass[v]) : 0;
     for (int d = 0; d < 3; ++d) q(d, v) = Real(random() % 2 == 0 ? size : -size);
   }
-  return q / q.norm();
+  return q;
 }
 
 }  // namespace
 
+// Lanczos iterations of K C in the inner product of C, on forces q; u = C q.
 template <class Real>
 HighestFrequency highest_frequency(const std::vector<double>& inverse_mass,
                                    const std::function<double(Index)>& square, double small,
                                    const std::function<void(const Mat3X<Real>&, Mat3X<Real>&)>& add_forces,
-                                   const LanczosSettings& settings) {
+                                   const LanczosSettings& settings,
+                                   const std::function<void(Mat3X<Real>&)>& scale) {
   const auto n = static_cast<Eigen::Index>(inverse_mass.size());
-  Eigen::Array<Real, 1, Eigen::Dynamic> root(n);
-  for (Eigen::Index v = 0; v < n; ++v) root[v] = static_cast<Real>(std::sqrt(inverse_mass[v]));
-  if (!(root.maxCoeff() > 0)) return {};
-  Mat3X<Real> q = start_vector<Real>(inverse_mass, square), previous = Mat3X<Real>::Zero(3, n), u(3, n),
-              w(3, n);
+  Eigen::Array<Real, 1, Eigen::Dynamic> inverse(n);
+  for (Eigen::Index v = 0; v < n; ++v) inverse[v] = static_cast<Real>(inverse_mass[v]);
+  if (!(inverse.maxCoeff() > 0)) return {};
+  const auto accelerated = [&](const Mat3X<Real>& f) -> Mat3X<Real> {
+    Mat3X<Real> a = f;
+    if (scale) scale(a);
+    a.array().rowwise() *= inverse;
+    return a;
+  };
+  const auto product = [](const Mat3X<Real>& a, const Mat3X<Real>& b) {
+    return a.cwiseProduct(b).template cast<double>().sum();
+  };
+  Mat3X<Real> q = start_vector<Real>(inverse_mass, square, scale ? 0 : 4), previous = Mat3X<Real>::Zero(3, n), w(3, n);
+  Mat3X<Real> u = accelerated(q);
+  {
+    const Real norm = Real(std::sqrt(product(q, u)));
+    q /= norm;
+    u /= norm;
+  }
   std::vector<double> alpha, beta;
   Ritz ritz;
   HighestFrequency found;
   do {
-    u = q.array().rowwise() * root;
-    const Real scale = static_cast<Real>(small) / u.cwiseAbs().maxCoeff();
-    u *= scale;
+    const Real size = static_cast<Real>(small) / u.cwiseAbs().maxCoeff();
     w.setZero();
-    add_forces(u, w);
-    w.array().rowwise() *= root / -scale;
+    add_forces(u * size, w);
+    w /= -size;
     if (!beta.empty()) w -= Real(beta.back()) * previous;
-    alpha.push_back(double(w.cwiseProduct(q).sum()));
+    alpha.push_back(product(w, u));
     w -= Real(alpha.back()) * q;
-    beta.push_back(double(w.norm()));
+    u = accelerated(w);
+    beta.push_back(std::sqrt(std::max(0.0, product(w, u))));
     previous.swap(q);
     q = w / Real(beta.back());
+    u /= Real(beta.back());
     found.evaluations = static_cast<int>(alpha.size());
     const bool is_last = found.evaluations == settings.most || !(beta.back() > 1e-6 * alpha.front());
     if (found.evaluations % 4 > 0 && !is_last) continue;
@@ -96,10 +113,11 @@ double rest_time_step(const TetMesh& mesh, const Elastic& elastic) {
 template HighestFrequency highest_frequency(const std::vector<double>&, const std::function<double(Index)>&,
                                             double,
                                             const std::function<void(const Mat3X<float>&, Mat3X<float>&)>&,
-                                            const LanczosSettings&);
+                                            const LanczosSettings&,
+                                            const std::function<void(Mat3X<float>&)>&);
 template HighestFrequency highest_frequency(const std::vector<double>&, const std::function<double(Index)>&,
                                             double,
                                             const std::function<void(const Mat3X<double>&, Mat3X<double>&)>&,
-                                            const LanczosSettings&);
+                                            const LanczosSettings&, const std::function<void(Mat3X<double>&)>&);
 
 }  // namespace lobe

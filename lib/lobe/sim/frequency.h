@@ -28,7 +28,9 @@ HighestFrequency highest_frequency(
     const std::function<double(Index)>& square,  // of a vertex: ω_v² [1/s²]
     double small,                                // displacements at which forces are linear [m]
     const std::function<void(const Mat3X<Real>&, Mat3X<Real>&)>& add_forces,  // (u, f), both 3 × #vertices
-    const LanczosSettings& settings = {});
+    const LanczosSettings& settings = {},
+    // C of selective mass scaling, in place of the inverse masses: from forces to what accelerates these.
+    const std::function<void(Mat3X<Real>&)>& scale = {});
 
 // 2/ω_max [s] of a free mesh of one material: what `lobe info` and `lobe-mesh` print.
 double rest_time_step(const TetMesh& mesh, const Elastic& elastic);

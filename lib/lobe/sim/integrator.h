@@ -24,9 +24,9 @@ struct Fastest {
 
 template <class Real>
 struct StepFactors {  // v⁺ = keep v⁻ + push f/m, u⁺ = u + dt v⁺
-  StepFactors(Real step, Real damping)
-      : keep((1 - damping * step / 2) / (1 + damping * step / 2)),
-        push(step / (1 + damping * step / 2)),
+  StepFactors(Real kick, Real step, Real damping)
+      : keep((1 - damping * kick / 2) / (1 + damping * kick / 2)),
+        push(kick / (1 + damping * kick / 2)),
         dt(step) {}
   Real keep, push, dt;
 };
@@ -69,11 +69,11 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
   return fastest;
 }
 
-// v lives half a step before u.
+// Forces act for the time `kick` from where v lives before to where it lives afterwards: half a step before the new u.
 template <class Real>
-Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving, Real dt,
-                                 Real damping, Mat3X<Real>& u, Mat3X<Real>& v, Parallel& parallel) {
-  const StepFactors<Real> step(dt, damping);
+Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
+                                 Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v, Parallel& parallel) {
+  const StepFactors<Real> step(kick, dt, damping);
   Fastest<Real> fastest;
   std::mutex mutex;
   parallel.for_ranges(static_cast<Index>(moving.size()), 2048, [&](Index begin, Index end) {

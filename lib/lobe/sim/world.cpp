@@ -103,6 +103,10 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
     set_expanded(false);
   }
   measure_at_rest();
+  rest_of_[{false, 1}] = {frequency_ratio_[0], rest_frequency_[0]};
+  for (int d : {2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16}) if (d <= setup.selective_mass) set_mass_degree(d);
+  at_rest_ratio_ok_ = false;
+  set_mass_degree(1);
   if (setup.mass_scaling > 0) scale_masses();
 }
 
@@ -118,23 +122,94 @@ bool World<Real>::step(double dt) {
 
 template <class Real>
 void World<Real>::integrate(double dt) {
-  if (moving_is_stale_) find_moving();
-  for (const HeldVertices::Held& item : led_) {
-    if (held_.fixes(item.vertex)) continue;  // it is none that moves by itself
-    for (int i = 0; i < 3; ++i)              // stays where it is until move_held()
-      if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
-  }
+  leave_out_held();
   update_sleep();
-  const Fastest<Real> fastest = central_difference(forces_.padded(), moving_, Real(dt), Real(setup_.damping),
-                                                   state_.u.padded(), state_.v.padded(), parallel_);
+  const Fastest<Real> fastest = push(state_.behind + dt / 2, dt);
   fastest_ = std::sqrt(double(fastest.all));
   turned_ = std::sqrt(double(fastest.turned));
   interior_ = Interior::stale;
   state_.time += dt;
+  state_.behind = dt / 2;
   ratios_.step();
   move_held(dt);
   if (!moving_.empty() || fastest_held_ > 0) known_ = Known::stale;
   groups_.moved((fastest_ + fastest_held_) * dt, std::numeric_limits<Real>::epsilon());
+}
+
+// Held components of who moves along the others stay where they are until move_held().
+template <class Real>
+void World<Real>::leave_out_held() {
+  if (moving_is_stale_) find_moving();
+  for (const HeldVertices::Held& item : led_) {
+    if (held_.fixes(item.vertex)) continue;  // it is none that moves by itself
+    for (int i = 0; i < 3; ++i)
+      if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
+  }
+}
+
+// By the forces that were found last, which it leaves changed.
+template <class Real>
+Fastest<Real> World<Real>::push(double kick, double dt) {
+  if (selective_mass_.degree() > 1) {
+    find_inertia();
+    selective_mass_.apply(led_, parallel_, forces_.padded());
+  }
+  return central_difference(forces_.padded(), moving_, Real(kick), Real(dt), Real(setup_.damping),
+                            state_.u.padded(), state_.v.padded(), parallel_);
+}
+
+// Brings velocities up to the time of the displacements, before an edit makes the forces jump: those from before it act
+// until then, those after it from then on.
+template <class Real>
+void World<Real>::catch_up() {
+  if (implicit_ || state_.behind == 0) return;
+  forces();
+  leave_out_held();
+  push(std::exchange(state_.behind, 0), 0);
+}
+
+template <class Real>
+void World<Real>::find_inertia() {
+  if (moving_is_stale_) find_moving();
+  if (selective_is_stale_) selective_mass_.rebuild(elements_, inverse_mass_, [&](Index t) {
+    return is_expanded_ || elements_.region_of[std::size_t(t)] != RegionModel::precomputed;
+  });
+  if (selective_is_stale_ || arrangement_is_stale_) selective_mass_.arrange(moving_);
+  selective_is_stale_ = arrangement_is_stale_ = false;
+}
+
+template <class Real>
+std::array<double, 3> World<Real>::mass_defect(int degree) {
+  forces();
+  leave_out_held();
+  find_inertia();
+  const int old = selective_mass_.degree();
+  selective_mass_.set_degree(degree);
+  selective_mass_.apply(led_, parallel_, forces_.padded());
+  const auto d = selective_mass_.defect();
+  selective_mass_.set_degree(old);
+  return d;
+}
+
+template <class Real>
+void World<Real>::set_mass_degree(int degree) {
+  if (degree == selective_mass_.degree()) return;
+  const bool up = degree > selective_mass_.degree();
+  selective_mass_.set_degree(degree);
+  if (up && state_.time > 0) {
+    find_inertia();
+    Mat3X<Real> f = state_.v.padded();
+    for (Index v = 0; v < state_.u.count(); ++v) f.col(v) *= Real(mass_[v]);
+    selective_mass_.apply(led_, parallel_, f);
+    for (const auto& m : moving_) state_.v.col(m.vertex) = m.inverse_mass * f.col(m.vertex);
+  }
+  auto& rest = rest_of_[{is_expanded_, degree}];
+  if (rest.first == 0) {
+    if (at_rest_ratio_ok_) measure_at_rest();
+  }
+  ratios_.forget_all(frequency_ratio_[is_expanded_] = rest.first);
+  rest_frequency_[is_expanded_] = rest.second;
+  known_ = Known::stale;
 }
 
 // What rests is put in its place here, and needs nothing from a step.
@@ -152,6 +227,7 @@ void World<Real>::find_moving() {
     state_.v.col(item.vertex).setZero();
   }
   moving_is_stale_ = false;
+  arrangement_is_stale_ = true;
 }
 
 template <class Real>
@@ -250,6 +326,7 @@ void World<Real>::set_state(const State<Real>& state) {
   state_.u.view() = state.u;
   state_.v.view() = state.v;
   state_.time = state.time;
+  state_.behind = state.behind;
   implicit_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
   interior_ = Interior::stale;
   sleep_.wake_all(state.time);
@@ -268,7 +345,7 @@ StateView<Real> World<Real>::state() const {
     precomputed_.recover(elements_, Real(missing_loads(state_.time)), state_.u.padded(), &state_.v.padded());
   interior_ = Interior::all;
   const Moving& moving = state_;
-  return {moving.u.view(), moving.v.view(), moving.time};
+  return {moving.u.view(), moving.v.view(), moving.time, moving.behind};
 }
 
 template <class Real>

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <vector>
 
 #include "lobe/condense/precomputed.h"
@@ -18,6 +19,7 @@
 #include "lobe/sim/integrator.h"
 #include "lobe/sim/mass_scaling.h"
 #include "lobe/sim/report.h"
+#include "lobe/sim/selective_mass.h"
 #include "lobe/sim/sleep.h"
 #include "lobe/sim/tools.h"
 #include "lobe/sim/unravelling.h"
@@ -31,14 +33,16 @@ struct State {
   Mat3X<Real> u;    // 3 × #vertices, displacement [m]
   Mat3X<Real> v;    // 3 × #vertices, velocity [m/s]
   double time = 0;  // [s]
+  // By how much v is older than u [s]: half a step after one, 0 where motion starts, or starts anew.
+  double behind = 0;
 };
 
 // The state of a world as it stands; it becomes invalid with the next cut.
 template <class Real>
 struct StateView {
   Eigen::Map<const Mat3X<Real>> u, v;
-  double time = 0;
-  operator State<Real>() const { return {u, v, time}; }
+  double time = 0, behind = 0;
+  operator State<Real>() const { return {u, v, time, behind}; }
 };
 
 // One edit of a world: tetrahedra that were removed, or that were given another model; what is held from then on, where
@@ -111,6 +115,9 @@ class World {
   // Precomputed regions as non-linear ones, interior and all, until they are condensed again; displacements and velocities
   // stay, but for those of the interior when it is condensed. Only if the setup is expandable, and condensed only if no
   // edit has concerned the region since it was renewed, else InputError.
+  void set_mass_degree(int degree);
+  std::array<double, 3> mass_defect(int degree);
+  double mass_lag(int degree) const { return selective_mass_.lag(degree); }
   void expand();
   void condense();
   bool is_expanded() const { return is_expanded_; }
@@ -188,7 +195,11 @@ class World {
   void advance_to(double end, Report& report);
   void play_tools(double duration, Report& report);
   void integrate(double dt);
+  Fastest<Real> push(double kick, double dt);
+  void leave_out_held();
+  void catch_up();
   void find_moving();
+  void find_inertia();
   template <class Visit>
   void for_patches(Visit&& visit);  // visit(layout, sums)
   void put_loads();
@@ -236,6 +247,10 @@ class World {
   std::vector<MovingVertex<Real>> moving_;  // by themselves
   std::vector<HeldVertices::Held> led_;     // held, but not at one place in all components
   bool moving_is_stale_ = true;
+  SelectiveMass<Real> selective_mass_;
+  bool selective_is_stale_ = true, arrangement_is_stale_ = true;
+  std::map<std::pair<bool, int>, std::pair<double, double>> rest_of_;
+  bool at_rest_ratio_ok_ = true;
 
   MassScaling mass_scaling_;
   Columns dead_loads_;  // at full size [N]
@@ -254,7 +269,7 @@ class World {
 
   struct Moving {
     Columns u, v;
-    double time = 0;
+    double time = 0, behind = 0;
   };
   mutable Moving state_;
   enum class Interior { stale, displacements, all };  // of a condensed region: what of it has been recovered

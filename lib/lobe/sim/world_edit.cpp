@@ -32,6 +32,7 @@ double energy_of(const Elements& elements, const std::vector<Index>& tets, const
 template <class Real>
 Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   check_tets(tets);
+  if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return elements_.topology.alive(t); })) return 0;
   const MeshEdit edit = cut(tets);
   if (edit.empty()) return 0;
   Index removed = static_cast<Index>(edit.removed.size());
@@ -47,6 +48,7 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
 template <class Real>
 MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
   state();
+  catch_up();
   MeshEdit edit = elements_.topology.remove(tets);
   if (edit.empty()) return edit;
   follow(edit);
@@ -180,7 +182,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
 template <class Real>
 void World<Real>::refresh_inverse_mass(Index v) {
   inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
-  implicit_is_stale_ = moving_is_stale_ = true;
+  implicit_is_stale_ = moving_is_stale_ = selective_is_stale_ = true;
   ratios_.forget(v);
   if (known_ != Known::stale) frequencies_.update(v, weight_of(v));
 }
@@ -216,6 +218,7 @@ void World<Real>::refuse_precomputed(const std::vector<Index>& tets) {
 
 template <class Real>
 void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
+  catch_up();
   RegionEdit edit = change_of_region(tets, model);
   if (edit.left.empty()) return;
   history_.push_back({Edit::Kind::region, model, edit.left});

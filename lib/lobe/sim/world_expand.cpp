@@ -40,6 +40,7 @@ void World<Real>::expand() {
   if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
   if (is_expanded_ || precomputed_.tet_count() == 0) return;
   state();
+  catch_up();
   set_expanded(true);
   history_.push_back({Edit::Kind::expand, {}, {}});
 }
@@ -50,6 +51,7 @@ void World<Real>::condense() {
   if (!can_condense())
     throw InputError("region",
                      "it was edited while it was expanded, and must be renewed before it is condensed");
+  catch_up();
   interior_ = Interior::stale;
   set_expanded(false);
   history_.push_back({Edit::Kind::condense, {}, {}});

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lobe/error.h"
 #include "lobe/sim/world.h"
@@ -201,9 +202,10 @@ void World<Real>::play_tools(double duration, Report& report) {
   const Timed timed(report, Phase::cutting);
   const auto displacement = [&](Index v) -> Vec3d { return state().u.col(v).template cast<double>(); };
   const auto exists = [&](Index v) { return !elements_.topology.around(v).empty(); };
-  const HeldVertices held_before = held_;
-  if (tools_.update_grasps(state_.time, held_, displacement, exists)) {
-    refresh_held(held_before);
+  HeldVertices held = held_;
+  if (tools_.update_grasps(state_.time, held, displacement, exists)) {
+    catch_up();
+    refresh_held(std::exchange(held_, held));
     report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
   }
   for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))

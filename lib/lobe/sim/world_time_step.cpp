@@ -64,13 +64,17 @@ HighestFrequency World<Real>::search_highest(const LanczosSettings& settings) {
   };
   Mat3X<Real> there = Mat3X<Real>::Zero(3, at.cols());
   if (!at_rest) add_forces(at, there);
+  const std::function<void(Mat3X<Real>&)> nothing, scale = [&](Mat3X<Real>& f) {
+    find_inertia();
+    selective_mass_.apply(led_, parallel_, f);
+  };
   return highest_frequency<Real>(
       inverse_mass_, [&](Index v) { return bounded_square(v); }, small,
       [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
         f -= there;
         add_forces(at_rest ? u : Mat3X<Real>(at + u), f);
       },
-      settings);
+      settings, selective_mass_.degree() > 1 ? scale : nothing);
 }
 
 template <class Real>
@@ -79,9 +83,10 @@ void World<Real>::measure_at_rest() {
   const double vertex = highest_vertex().omega;
   if (!(vertex > 0)) return;
   frequency_search_ = search_highest({});
-  frequency_ratio_[is_expanded_] = std::max(1.0, frequency_search_.omega / vertex);
+  frequency_ratio_[is_expanded_] = std::max(selective_mass_.degree() > 1 ? 0.0 : 1.0, frequency_search_.omega / vertex);
   rest_frequency_[is_expanded_] = frequency_ratio_[is_expanded_] * vertex;
   ratios_.forget_all(frequency_ratio_[is_expanded_]);
+  rest_of_[{is_expanded_, selective_mass_.degree()}] = {frequency_ratio_[is_expanded_], rest_frequency_[is_expanded_]};
   ratios_.limit = time_step_limit();
 }
 
@@ -98,7 +103,7 @@ void World<Real>::measure_again() {
   std::vector<double> alone;
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v)
     alone.push_back(std::sqrt(frequencies_.exact_square(v, inverse_mass_[std::size_t(v)])));
-  ratios_.measured(found.omega, alone);
+  ratios_.measured(found.omega, alone, selective_mass_.degree() > 1 ? 1.0 / selective_mass_.degree() : 1.0);
   frequencies_.weigh([&](Index v) { return weight_of(v); });
   ratios_.limit = time_step_limit();
 }

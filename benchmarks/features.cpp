@@ -78,6 +78,7 @@ const std::vector<Feature>& features() {
          s.load_ramp = later;
        }},
       {"mass scaling", "1.5 %: fewer steps", [](Setup& s) { s.mass_scaling = 0.015; }},
+      {"selective mass", "degree 9: far fewer steps, each dearer", [](Setup& s) { s.selective_mass = 9; }},
       {"sleep", "of a body at rest", [](Setup& s) { s.sleep = 1e-6; }},
       {"grasp", "of one side", [](Setup& s) { add_grasp(s, 0); }},
       {"waiting grasp", "", [](Setup& s) { add_grasp(s, later); }},

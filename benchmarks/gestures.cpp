@@ -11,6 +11,7 @@
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/mesh/refine.h"
@@ -41,6 +42,8 @@ struct Making {
   Setup setup;
   bool watch = false, correct = false;
 };
+
+constexpr int mass_degree = 12;  // of selective masses
 
 Setup all_nonlinear(Setup setup) {
   std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
@@ -109,6 +112,10 @@ std::vector<Making> makings(const Setup& setup, const std::vector<Gesture>& gest
     add("precomputed-corrected", corrected.region_of, true, true);
     list.back().setup.expandable = true;
   }
+  for (bool correct : {false, true}) {
+    add(correct ? "selective-mass-corrected" : "selective-mass-alone", all_nonlinear(setup).region_of, false, correct);
+    list.back().setup.selective_mass = mass_degree;
+  }
   add("all-linear-corrected", std::vector<RegionModel>(setup.region_of.size(), RegionModel::tensor_mass),
       true, true);
   return list;
@@ -118,6 +125,10 @@ std::vector<Making> makings(const Setup& setup, const std::vector<Gesture>& gest
 class Player {
  public:
   Player(const Making& making, double tolerance) : world_(making.setup) {
+    if (making.setup.selective_mass > 1 && making.correct) {
+      mass_watch_.emplace(world_, tolerance);
+      mass_watch_->look(world_);
+    }
     if (!making.watch) return;
     std::vector<std::vector<Index>> grasps;
     for (const GraspSetup& grasp : making.setup.grasps) grasps.push_back(grasp.vertices);
@@ -135,6 +146,13 @@ class Player {
       estimated_ = std::max(estimated_, seen.error);
       moved_ += seen.to_nonlinear + seen.to_linear;
       expanded_ += seen.is_expanded;
+      watching_ += watch.seconds() - before;
+    }
+    if (mass_watch_) {
+      const double before = watch.seconds();
+      const MassReport seen = mass_watch_->look(world_);
+      estimated_ = std::max(estimated_, seen.error);
+      expanded_ += seen.degree == 1;
       watching_ += watch.seconds() - before;
     }
     seconds_.push_back(watch.seconds());
@@ -155,10 +173,11 @@ class Player {
  private:
   World<float> world_;
   std::optional<LinearityWatch<float>> watch_;
+  std::optional<MassWatch<float>> mass_watch_;
   std::vector<double> seconds_;  // per frame
   double estimated_ = 0, watching_ = 0;
   Index moved_ = 0;
-  int expanded_ = 0;  // frames
+  int expanded_ = 0;  // frames, or of lumped masses
 };
 
 // √Σ m |u|² over the vertices that both still have.
@@ -230,7 +249,7 @@ std::vector<Row> play(const Scene& scene, const Resolved& resolved, double toler
 }
 
 void print(const Row& r) {
-  std::printf("%-16s %7d %6.3f %-22s %7.2f %9.4f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d %8.2f\n",
+  std::printf("%-16s %7d %6.3f %-24s %7.2f %9.4f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d %8.2f\n",
               r.scene.c_str(), r.tets, r.tolerance, r.regions.c_str(), r.linear_share, r.static_error,
               r.speedup, r.worst_frame, r.mean_error, r.largest_error, r.estimated, r.watching, r.moved,
               r.expanded);
@@ -261,7 +280,7 @@ set key outside right
 set xlabel 'speed-up of all frames over all non-linear'
 set ylabel 'largest error of any frame, relative L2'
 regions = "strain-recipe proposed proposed-precomputed proposed-corrected all-linear-corrected precomputed-alone \
-precomputed-in-frame precomputed-corrected"
+precomputed-in-frame precomputed-corrected selective-mass-alone selective-mass-corrected"
 series(i, r) = strcol(1) eq word(scenes, i) && strcol(2) eq word(own, i) && strcol(3) eq r ? column(5) : NaN
 plot for [i=1:words(scenes)] for [j=1:words(regions)] \
   'gestures.csv' using (series(i, word(regions, j))):8 with linespoints lc j pt (i == 1 ? 7 : 6) \

@@ -137,7 +137,6 @@ double run_frequency(const Setup& setup, const Mode& mode, double dt) {
   World<double> world(setup);
   State<double> state = world.state();
   state.u = 1e-3 * mode.shape;
-  state.v = mode.omega * std::sin(mode.omega * dt / 2) * state.u;  // at −Δt/2
   world.set_state(state);
   const auto share = [&] { return state.u.cwiseProduct(world.state().u).sum(); };
   double before = share(), first = -1;

@@ -95,7 +95,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "\"regions\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"damping\", \"duration\", \"frame\", \"integrator\", "
-       "\"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"sleep\", "
+       "\"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"selective_mass\", \"sleep\", "
        "\"spectral_radius\", \"step\""},
   });
 }

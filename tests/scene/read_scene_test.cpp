@@ -105,6 +105,7 @@ TEST_CASE("tools, time and output are read") {
   CHECK(scene.time.damping == 20);
   CHECK(scene.time.safety == 0.8);
   CHECK(scene.time.mass_scaling == 0.015);
+  CHECK(scene.time.selective_mass == 9);
   CHECK(scene.time.ramp == 0.25);
   CHECK(scene.time.precision == Precision::double_precision);
   CHECK(scene.time.integrator == Integrator::generalised_alpha);

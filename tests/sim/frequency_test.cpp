@@ -91,8 +91,8 @@ double exact_frequency(World<double>& world) {
   };
   const Mat3X<double> there = forces(now.state.u);
   const HighestFrequency found = highest_frequency<double>(
-      inverse_mass, [](Index) { return 1.0; }, 1e-9,
-      [&](const Mat3X<double>& u, Mat3X<double>& f) { f += forces(now.state.u + u) - there; }, {1e-5, 1000});
+      inverse_mass, [](Index) { return 1.0; }, 1e-8,
+      [&](const Mat3X<double>& u, Mat3X<double>& f) { f += forces(now.state.u + u) - there; }, {1e-7, 1000});
   world.restore(now);
   REQUIRE(found.converged);
   return found.omega;

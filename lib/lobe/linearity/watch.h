@@ -13,7 +13,7 @@
 
 #include "lobe/linearity/defect.h"
 #include "lobe/linearity/influence.h"
-#include "lobe/sim/world.h"
+#include "lobe/linearity/steering.h"
 
 namespace lobe {
 
@@ -26,20 +26,6 @@ struct LinearityReport {
   Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
   double energy_change = 0;               // by that [J]
   bool is_expanded = false;               // the precomputed region
-};
-
-// What a watch may do to a world: by the world's own functions, or those of who keeps a record of the calls.
-struct Steering {
-  template <class Driver>
-  explicit Steering(Driver& driver)
-      : set_region([&](const auto& tets, RegionModel model) { return driver.set_region(tets, model); }),
-        expand([&] { driver.expand(); }),
-        condense([&] { driver.condense(); }),
-        renew([&](double delay) { driver.renew(delay); }) {}
-
-  std::function<double(const std::vector<Index>& tets, RegionModel model)> set_region;
-  std::function<void()> expand, condense;
-  std::function<void(double delay)> renew;
 };
 
 struct LinearityOptions {

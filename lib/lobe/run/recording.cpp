@@ -10,7 +10,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 2, "recording of a world"};
+constexpr io::Format format{"loberec ", 3, "recording of a world"};
 
 }  // namespace
 
@@ -78,6 +78,12 @@ void Recorded<Real>::renew(double delay) {
 }
 
 template <class Real>
+void Recorded<Real>::set_mass_degree(int degree) {
+  world_.set_mass_degree(degree);
+  add(RecordedCall::Kind::mass_degree).degree = degree;
+}
+
+template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world) {
   if (recording.setup != world.save().setup)
     throw InputError("recording", "is of another scene, mesh or version of them");
@@ -91,6 +97,7 @@ Replayed replay(const Recording& recording, World<Real>& world) {
     if (call.kind == RecordedCall::Kind::expand) world.expand();
     if (call.kind == RecordedCall::Kind::condense) world.condense();
     if (call.kind == RecordedCall::Kind::renew) world.renew(call.duration);
+    if (call.kind == RecordedCall::Kind::mass_degree) world.set_mass_degree(call.degree);
     replayed.same = digest(world) == call.digest;
     if (!replayed.same) break;
     ++replayed.calls;
@@ -108,6 +115,7 @@ void write_recording(const std::filesystem::path& file, const Recording& recordi
     out.put(call.kind);
     out.put(call.duration);
     out.put(call.model);
+    out.put(call.degree);
     out.put_all(std::span(call.tets));
     out.put(call.digest);
   }
@@ -121,9 +129,10 @@ Recording parse_recording(const std::string& name, std::string_view bytes) {
   recording.in_double = in.get_choice(2) == 1;
   for (std::size_t left = in.get_count(1); left > 0; --left) {
     RecordedCall& call = recording.calls.emplace_back();
-    call.kind = RecordedCall::Kind(in.get_choice(6));
+    call.kind = RecordedCall::Kind(in.get_choice(7));
     call.duration = in.get<double>();
     call.model = RegionModel(in.get_choice(3));
+    call.degree = in.get<int>();
     call.tets = in.get_all<Index>();
     call.digest = in.get<std::uint64_t>();
   }

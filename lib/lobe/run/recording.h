@@ -12,10 +12,11 @@
 namespace lobe {
 
 struct RecordedCall {
-  enum class Kind : std::uint8_t { advance, remove_tets, set_region, expand, condense, renew };
+  enum class Kind : std::uint8_t { advance, remove_tets, set_region, expand, condense, renew, mass_degree };
   Kind kind = Kind::advance;
   double duration = 0;  // of advance(), or the delay of renew() [s]
   RegionModel model = RegionModel::nonlinear;
+  int degree = 1;            // of set_mass_degree()
   std::vector<Index> tets;   // of remove_tets() and set_region()
   std::uint64_t digest = 0;  // of displacements, velocities and time after it
 };
@@ -41,6 +42,7 @@ class Recorded {
   void expand();
   void condense();
   void renew(double delay);
+  void set_mass_degree(int degree);
   const Recording& recording() const { return recording_; }
 
  private:

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
+#include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/run/recorder.h"
 #include "lobe/run/recording.h"
@@ -196,7 +198,7 @@ template <class Real>
 class Watched {
  public:
   Watched(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
-    if (!scene.auto_regions) return;
+    if (!scene.auto_regions || (scene.auto_regions->correct && scene.time.selective_mass > 1)) return;
     tolerance_ = scene.auto_regions->tolerance;
     corrects_ = scene.auto_regions->correct;
     std::vector<std::vector<Index>> grasps;
@@ -245,9 +247,52 @@ class Watched {
   Json series_ = Json::array();
 };
 
+// What is seen of selective masses whose degree lobe chooses.
+template <class Real>
+class WatchedMasses {
+ public:
+  WatchedMasses(World<Real>& world, const Scene& scene) {
+    if (scene.time.selective_mass == 1 || !scene.auto_regions || !scene.auto_regions->correct) return;
+    tolerance_ = scene.auto_regions->tolerance;
+    watch_.emplace(world, tolerance_);
+  }
+
+  void look(World<Real>& world, Recorded<Real>* recorded) {
+    if (!watch_) return;
+    const MassReport seen = recorded ? watch_->look(world, Steering(*recorded)) : watch_->look(world);
+    if (seen.error > worst_.error) worst_ = seen;
+    exceeded_ += seen.exceeded;
+    ++frames_[std::to_string(seen.degree)];
+    series_.push_back({{"time", seen.time}, {"error", seen.error}, {"degree", seen.degree}});
+  }
+
+  std::string warning() const {
+    if (worst_.error <= tolerance_) return "";
+    return "selective masses were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
+           rounded(worst_.time) + " s; a lower selective_mass or tolerance may help";
+  }
+  std::optional<Json> json() const {
+    if (!watch_) return {};
+    return Json{{"worst_error", worst_.error},
+                {"worst_time", worst_.time},
+                {"frames_exceeded", exceeded_},
+                {"frames_by_degree", frames_},
+                {"looking_s", watch_->looking_seconds()},
+                {"series", series_}};
+  }
+
+ private:
+  std::optional<MassWatch<Real>> watch_;
+  double tolerance_ = 0;
+  MassReport worst_;
+  int exceeded_ = 0;
+  std::map<std::string, int> frames_;
+  Json series_ = Json::array();
+};
+
 template <class Real>
 bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder,
-          Totals& totals, Watched<Real>& watched) {
+          Totals& totals, Watched<Real>& watched, WatchedMasses<Real>& masses) {
   const long frames = std::max(1L, std::lround(scene.time.duration / scene.time.frame));
   const double frame = scene.time.duration / double(frames);
   const auto record = [&](bool last) {
@@ -260,12 +305,16 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Rec
   std::optional<Recorded<Real>> recorded;
   if (!options.record.empty()) recorded.emplace(world);
   bool ok = true;
-  watched.look(world, recorded ? &*recorded : nullptr);
+  const auto look = [&] {
+    watched.look(world, recorded ? &*recorded : nullptr);
+    masses.look(world, recorded ? &*recorded : nullptr);
+  };
+  look();
   for (long i = 0; i < frames && ok; ++i) {
     const Clock::time_point start = Clock::now();
     const double time = world.time();
     const Report report = recorded ? recorded->advance(frame) : world.advance(frame);
-    watched.look(world, recorded ? &*recorded : nullptr);
+    look();
     totals.add(report, time, seconds_since(start));
     record(!report.ok || i + 1 == frames);
     if (options.progress) options.progress(double(i + 1) / double(frames));
@@ -288,9 +337,11 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   const Json regions = region_counts(world.elements());
   const double limit = world.time_step_limit();
   Watched<Real> watched(world, scene, resolved);
-  result.ok = play(world, scene, options, recorder, totals, watched);
+  WatchedMasses<Real> masses(world, scene);
+  result.ok = play(world, scene, options, recorder, totals, watched, masses);
   result.picture_request = recorder.finish();
-  if (const std::string warning = watched.warning(); !warning.empty()) result.warnings.push_back(warning);
+  for (const std::string& warning : {watched.warning(), masses.warning()})
+    if (!warning.empty()) result.warnings.push_back(warning);
   result.warnings.insert(result.warnings.end(), totals.warnings.begin(), totals.warnings.end());
   Json report{
       {"ok", result.ok},
@@ -320,6 +371,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"series", totals.series}};
   if (resolved.proposal) report["auto_regions"] = proposal_json(*resolved.proposal);
   if (watched.any()) report["linearity"] = watched.json();
+  if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
   if (const MassScaling& scaling = world.mass_scaling(); scaling.added > 0)
     report["mass_scaling"] = {{"added_kg", scaling.added},
                               {"share", scaling.share},

@@ -106,6 +106,7 @@ void read_time(const json& object, Time& time) {
   read(object, "damping", time.damping);
   read(object, "safety", time.safety);
   read(object, "mass_scaling", time.mass_scaling);
+  read(object, "selective_mass", time.selective_mass);
   read(object, "ramp", time.ramp);
   read(object, "load_ramp", time.load_ramp);
   read(object, "sleep", time.sleep);

@@ -193,6 +193,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.damping = scene.time.damping;
   setup.safety = scene.time.safety;
   setup.mass_scaling = scene.time.mass_scaling;
+  setup.selective_mass = scene.time.selective_mass;
   setup.integrator = scene.time.integrator;
   setup.implicit_step = scene.time.step;
   setup.spectral_radius = scene.time.spectral_radius;

@@ -126,6 +126,7 @@ ordered_json write(const Time& time) {
           {"damping", time.damping},
           {"safety", time.safety},
           {"mass_scaling", time.mass_scaling},
+          {"selective_mass", time.selective_mass},
           {"ramp", time.ramp},
           {"load_ramp", time.load_ramp},
           {"sleep", time.sleep},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lobe/error.h"
+#include "lobe/sim/selective_mass.h"
 
 namespace lobe {
 namespace {
@@ -82,6 +83,10 @@ void Checker::check_materials() {
   expect(not_negative(setup_.implicit_step), "implicit_step must be finite and not negative");
   expect(setup_.spectral_radius >= 0 && setup_.spectral_radius <= 1, "spectral_radius must be in [0, 1]");
   expect(setup_.safety > 0 && setup_.safety <= 2, "safety must be in (0, 2]");
+  expect(setup_.selective_mass >= 1 && setup_.selective_mass <= SelectiveMass<double>::most,
+         "selective_mass must be in [1, 16]");
+  expect(setup_.selective_mass == 1 || setup_.integrator == Integrator::central_difference,
+         "selective_mass lengthens explicit steps; the implicit integrator has no use for it");
   expect(setup_.mass_scaling >= 0 && setup_.mass_scaling <= 0.2, "mass_scaling must be in [0, 0.2]");
   expect(setup_.mass_scaling == 0 || std::find(setup_.region_of.begin(), setup_.region_of.end(),
                                                RegionModel::precomputed) == setup_.region_of.end(),

@@ -1,5 +1,6 @@
 #include "lobe/sim/checkpoint.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "lobe/error.h"
@@ -86,6 +87,7 @@ std::uint64_t fingerprint(const Setup& setup) {
   print.add(setup.loose_pieces);
   print.add(setup.integrator);
   print.add(setup.expandable);
+  print.add(setup.selective_mass);
   for (double value : {setup.damping, setup.safety, setup.mass_scaling, setup.implicit_step,
                        setup.spectral_radius, setup.ramp, setup.load_ramp, setup.sleep})
     print.add(value);
@@ -105,6 +107,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.sleep = sleep_.state();
   c.unravelling = unravelling_;
   c.ratios = ratios_;
+  c.mass_degree = selective_mass_.degree();
   c.implicit_is_stale = implicit_is_stale_;
   c.acceleration = acceleration_;
   c.pending = pending_;
@@ -121,6 +124,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     *this = std::move(fresh);
   }
   check_fits(c);
+  selective_mass_.set_degree(c.mass_degree);
   set_state(c.state);
   sleep_.set_state(c.sleep);
   unravelling_ = c.unravelling;
@@ -173,7 +177,8 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
   const Index vertices = elements_.topology.vertex_count();
   const auto tets = std::size_t(elements_.topology.tet_count());
   const auto is_known = [&](Index body) { return body >= 0 && std::size_t(body) < c.body_was_held.size(); };
-  bool fits = c.state.u.cols() == vertices && c.state.v.cols() == vertices &&
+  const std::vector<int> degrees = mass_degrees();
+  bool fits = std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices && c.state.v.cols() == vertices &&
               (c.body_of.empty() || c.body_of.size() == tets) && c.grasps.size() == setup_.grasps.size() &&
               c.sleep.asleep.size() == sleep_.state().asleep.size() &&
               c.sleep.restless_till.size() == c.sleep.asleep.size() &&

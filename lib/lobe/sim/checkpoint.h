@@ -23,6 +23,7 @@ struct Checkpoint {
   Sleep::State sleep;
   Unravelling unravelling;
   FrequencyRatios ratios;
+  int mass_degree = 1;
   bool implicit_is_stale = true;
   Mat3X<double> acceleration;  // of implicit dynamics [m/s²], else empty
   std::vector<Condition> pending;

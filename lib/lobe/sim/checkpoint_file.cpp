@@ -109,9 +109,9 @@ FrequencyRatios get_ratios(io::ByteReader& in) {
   ratios.own = in.get_all<float>();
   ratios.limit = in.get<double>();
   ratios.steps = in.get<int>();
-  in.expect(ratios.most >= 1 && std::isfinite(ratios.most) && ratios.limit >= 0);
+  in.expect(ratios.most > 0 && std::isfinite(ratios.most) && ratios.limit >= 0);
   in.expect(ratios.steps >= 0 && ratios.steps <= FrequencyRatios::most_steps);
-  for (float own : ratios.own) in.expect(own >= 1 && own <= static_cast<float>(ratios.most));
+  for (float own : ratios.own) in.expect(own > 0 && own <= static_cast<float>(ratios.most));
   return ratios;
 }
 
@@ -162,6 +162,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   out.put_all(std::span(c.ratios.own));
   out.put(c.ratios.limit);
   out.put(c.ratios.steps);
+  out.put(c.mass_degree);
   io::write_sealed(file, format<Real>, out.bytes());
 }
 
@@ -189,6 +190,7 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
   for (std::size_t left = in.get_count(1); left > 0; --left) c.pending.push_back(get_condition(in));
   c.unravelling = get_unravelling(in);
   c.ratios = get_ratios(in);
+  c.mass_degree = in.get<int>();
   in.expect_end();
   return c;
 }

@@ -11,6 +11,37 @@
 namespace lobe {
 namespace {
 
+constexpr double slightest = 0.07;   // coupling of two vertices that counts, of what they feel alone
+constexpr std::size_t window = 128;  // vertices among which those with as many neighbours are put side by side
+
+// Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν) of what belongs to the eigenvalue a of A,
+// 0 … α (ν + 1) = 1, so that z = P(a) x but for a factor. T is of the degree; with T(ν) above 1 no P(a) is zero.
+class Chebyshev {
+ public:
+  explicit Chebyshev(int degree) : degree_(degree), t_(std::acosh(rise) / degree), nu_(std::cosh(t_)) {}
+
+  double first() const { return 1 / (alpha() * nu_); }  // z of the first step is that times x
+  double scale() const {                                // of x, for P(0) = 1
+    return alpha() * rise * std::sinh(t_) / (degree_ * std::sinh(degree_ * t_));
+  }
+  // step(back, push): z ← z + back (z − that before) + push (x − A z).
+  template <class Step>
+  void iterate(Step&& step) const {
+    double rho = 1 / nu_;
+    for (int k = 1; k < degree_; ++k) {
+      const double next = 1 / (2 * nu_ - rho);
+      step(next * rho, 2 * next / alpha());
+      rho = next;
+    }
+  }
+
+ private:
+  static constexpr double rise = 1.2;  // T(ν)
+  double alpha() const { return 1 / (nu_ + 1); }
+  int degree_;
+  double t_, nu_;
+};
+
 double largest_eigenvalue(const Mat3<double>& K) {
   Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
   solver.computeDirect(K, Eigen::EigenvaluesOnly);
@@ -20,232 +51,185 @@ double largest_eigenvalue(const Mat3<double>& K) {
 }  // namespace
 
 template <class Real>
-void SelectiveMass<Real>::rebuild(const Elements& elements, const std::vector<double>& inverse_mass,
-                                  const std::function<bool(Index)>& takes_part) {
-  find_weights(elements, inverse_mass, takes_part);
-  normalise(inverse_mass);
+void SelectiveMass<Real>::follow(const Elements& elements, const std::vector<Index>& vertices,
+                                 const std::function<bool(Index)>& takes_part) {
+  rows_.resize(std::size_t(elements.topology.vertex_count()));
+  for (Index v : vertices) rows_[std::size_t(v)] = find_row(elements, v, takes_part);
 }
 
+// Of the stiffness (λ + 2μ) ∫∇·∇, made as large as what a vertex feels when it moves alone.
 template <class Real>
-void SelectiveMass<Real>::find_weights(const Elements& elements, const std::vector<double>& inverse_mass,
-                                       const std::function<bool(Index)>& takes_part) {
-  constexpr double slightest = 0.05;
-  const Index n = elements.topology.vertex_count();
-  std::vector<Mat3<double>> K(std::size_t(n), Mat3<double>::Zero());
-  std::vector<double> own(std::size_t(n), 0), ratio(std::size_t(n), 0);
-  struct Six { double w[4][4]; };
-  std::vector<Six> edges(std::size_t(elements.topology.tet_count()));
-  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    if (!elements.topology.alive(t)) continue;
+auto SelectiveMass<Real>::find_row(const Elements& elements, Index vertex,
+                                   const std::function<bool(Index)>& takes_part) const -> Row {
+  Row row;
+  Mat3<double> K = Mat3<double>::Zero();
+  for (Index t : elements.topology.around(vertex)) {
+    const Eigen::Vector4i corners = elements.topology.corners(t);
     const Shape s = elements.shape_of(t);
     const Elastic& e = elements.elastic_of(t);
-    const bool m = takes_part(t);
+    const bool counts = takes_part(t);
+    int own = 0;
+    while (corners[own] != vertex) ++own;
+    const Vec3d alpha = s.gradients.col(own);
+    K += s.volume * hooke_block<double>(alpha, alpha, e.lambda, e.mu);
     for (int c = 0; c < 4; ++c) {
-      const Index v = elements.topology.tets()(c, t);
-      const Vec3d a = s.gradients.col(c);
-      K[v] += s.volume * hooke_block<double>(a, a, e.lambda, e.mu);
-      for (int d = 0; d < 4; ++d)
-        edges[t].w[c][d] = m ? s.volume * (e.lambda + 2 * e.mu) * a.dot(s.gradients.col(d)) : 0;
-      own[v] += edges[t].w[c][c];
+      if (c == own || !counts) continue;
+      const double between = -s.volume * (e.lambda + 2 * e.mu) * alpha.dot(s.gradients.col(c));
+      const auto is_it = [&](const Neighbour& n) { return n.vertex == corners[c]; };
+      auto at = std::find_if(row.neighbours.begin(), row.neighbours.end(), is_it);
+      if (at == row.neighbours.end()) at = row.neighbours.insert(at, {corners[c], 0});
+      at->weight += between;
     }
   }
-  starts_.assign(1, 0);
-  neighbours_.clear();
-  std::vector<Index> place(std::size_t(n), -1);
-  std::vector<std::pair<Index, double>> found;
-  std::vector<double> weights;
-  for (Index v = 0; v < n; ++v) {
-    found.clear();
-    for (Index t : elements.topology.around(v)) {
-      const Eigen::Vector4i corners = elements.topology.corners(t);
-      const int c = corners[0] == v ? 0 : corners[1] == v ? 1 : corners[2] == v ? 2 : 3;
-      for (int d = 0; d < 4; ++d) {
-        if (d == c) continue;
-        Index& at = place[corners[d]];
-        if (at < 0) {
-          at = static_cast<Index>(found.size());
-          found.push_back({corners[d], 0});
-        }
-        found[at].second -= edges[t].w[c][d];
-      }
-    }
-    double sum = 0;
-    for (const auto& [other, weight] : found) {
-      place[other] = -1;
-      if (weight <= slightest * std::sqrt(own[v] * own[other])) continue;
-      neighbours_.push_back({other, 0});
-      weights.push_back(weight);
-      sum += weight;
-    }
-    ratio[v] = sum > 0 ? largest_eigenvalue(K[v]) / sum : 0;
-    starts_.push_back(static_cast<Index>(neighbours_.size()));
-  }
-  diagonal_.assign(std::size_t(n), 0);
-  for (Index v = 0; v < n; ++v) {
-    double sum = 0;
-    for (Index at = starts_[v]; at < starts_[v + 1]; ++at) {
-      const double w = weights[at] * (ratio[v] + ratio[neighbours_[at].vertex]) / 2 * inverse_mass[v];
-      neighbours_[at].weight = Real(w);
-      sum += w;
-    }
-    diagonal_[v] = Real(sum);
-  }
+  std::erase_if(row.neighbours, [](const Neighbour& n) { return !(n.weight > 0); });
+  for (const Neighbour& n : row.neighbours) row.stiffness += n.weight;
+  row.ratio = row.stiffness > 0 ? largest_eigenvalue(K) / row.stiffness : 0;
+  return row;
 }
 
 template <class Real>
-void SelectiveMass<Real>::normalise(const std::vector<double>& inverse_mass) {
-  const auto n = static_cast<Index>(inverse_mass.size());
-  const HighestFrequency highest = highest_frequency<Real>(
-      inverse_mass, [&](Index v) { return double(diagonal_[v]); }, 1,
-      [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
-        for (Index v = 0; v < n; ++v) {
-          if (inverse_mass[v] == 0) continue;
-          Vec3<Real> sum = -diagonal_[v] * u.col(v);
-          for (Index at = starts_[v]; at < starts_[v + 1]; ++at)
-            sum += neighbours_[at].weight * u.col(neighbours_[at].vertex);
-          f.col(v) += sum / Real(inverse_mass[v]);
-        }
-      });
-  highest_ = 1.02 * highest.omega * highest.omega;
-  const double scale = 1 / highest_;
-  if (!(highest.omega > 0)) return;
-  for (Neighbour& own : neighbours_) own.weight *= Real(scale);
-  for (Real& own : diagonal_) own *= Real(scale);
+double SelectiveMass<Real>::weight(Index vertex, const Neighbour& neighbour) const {
+  const Row &a = rows_[std::size_t(vertex)], &b = rows_[std::size_t(neighbour.vertex)];
+  return neighbour.weight > slightest * std::sqrt(a.stiffness * b.stiffness)
+             ? neighbour.weight * (a.ratio + b.ratio) / 2
+             : 0;
 }
 
 template <class Real>
 void SelectiveMass<Real>::arrange(const std::vector<MovingVertex<Real>>& moving) {
   order_ = moving;
-  const auto count = [&](const MovingVertex<Real>& own) { return starts_[own.vertex + 1] - starts_[own.vertex]; };
-  constexpr std::size_t window = 128;
+  const auto count = [&](const MovingVertex<Real>& own) {
+    return rows_[std::size_t(own.vertex)].neighbours.size();
+  };
   for (std::size_t at = 0; at < order_.size(); at += window) {
     const auto begin = order_.begin() + std::ptrdiff_t(at);
     const auto end = order_.begin() + std::ptrdiff_t(std::min(at + window, order_.size()));
     std::stable_sort(begin, end, [&](const auto& a, const auto& b) { return count(a) > count(b); });
   }
-  const std::size_t fours = (order_.size() + 3) / 4;
-  place_of_.assign(diagonal_.size(), -1);
-  for (std::size_t at = 0; at < order_.size(); ++at) place_of_[order_[at].vertex] = static_cast<Index>(at);
-  four_starts_.assign(1, 0);
+  place_of_.assign(rows_.size(), -1);
+  for (std::size_t at = 0; at < order_.size(); ++at)
+    place_of_[std::size_t(order_[at].vertex)] = static_cast<Index>(at);
+  const std::size_t places = (order_.size() + 3) / 4 * 4;
+  starts_.assign(1, 0);
   fours_.clear();
-  own_.assign(4 * fours, 0);
-  for (std::size_t at = 0; at < 4 * fours; at += 4) {
-    const std::size_t begin = fours_.size();
-    for (std::size_t r = 0; r < 4 && at + r < order_.size(); ++r) {
-      const Index v = order_[at + r].vertex;
-      own_[at + r] = diagonal_[v];
-      std::size_t slot = begin;
-      for (Index e = starts_[v]; e < starts_[v + 1]; ++e) {
-        const Index place = place_of_[neighbours_[e].vertex];
-        if (place < 0) continue;
-        if (slot == fours_.size()) fours_.push_back({{Index(at), Index(at), Index(at), Index(at)}, {0, 0, 0, 0}});
-        fours_[slot].places[r] = place;
-        fours_[slot].weights[r] = neighbours_[e].weight;
-        ++slot;
-      }
+  diagonal_.assign(places, 0);
+  for (std::size_t at = 0; at < places; ++at) {
+    const auto first = static_cast<std::size_t>(starts_.back());
+    const auto row = static_cast<Index>(at - at % 4);
+    std::size_t slot = first;
+    for (std::size_t i = 0; at < order_.size() && i < count(order_[at]); ++i) {
+      const Index v = order_[at].vertex;
+      const Neighbour& neighbour = rows_[std::size_t(v)].neighbours[i];
+      const Real own = Real(weight(v, neighbour) * double(order_[at].inverse_mass) / highest_);
+      diagonal_[at] += own;
+      const Index place = place_of_[std::size_t(neighbour.vertex)];
+      if (place < 0 || own == 0) continue;
+      if (slot == fours_.size()) fours_.push_back({{row, row, row, row}, {0, 0, 0, 0}});
+      fours_[slot].places[at % 4] = place;
+      fours_[slot++].weights[at % 4] = own;
     }
-    four_starts_.push_back(static_cast<Index>(fours_.size()));
+    if (at % 4 == 3) starts_.push_back(static_cast<Index>(fours_.size()));
   }
-  for (Vectors* each : {&right_, &now_, &next_}) *each = Vectors::Zero(4, Eigen::Index(4 * fours));
+  for (Vectors* each : {&right_, &now_, &next_}) *each = Vectors::Zero(4, Eigen::Index(places));
 }
 
-namespace {
+// use(place, own, (A x)_own) for the fours [begin, end).
+template <class Real>
+template <class Use>
+void SelectiveMass<Real>::multiply(const Vectors& x, Index begin, Index end, Use&& use) const {
+  using Vector = Eigen::Matrix<Real, 4, 1>;
+  for (Index g = begin; g < end; ++g) {
+    Vector own[4], product[4];
+    for (int r = 0; r < 4; ++r) {
+      own[r] = x.col(4 * g + r);
+      product[r] = diagonal_[std::size_t(4 * g + r)] * own[r];
+    }
+    for (Index e = starts_[std::size_t(g)]; e < starts_[std::size_t(g) + 1]; ++e) {
+      const Four& four = fours_[std::size_t(e)];
+      for (int r = 0; r < 4; ++r)
+        product[r] -= four.weights[std::size_t(r)] * x.col(four.places[std::size_t(r)]);
+    }
+    for (int r = 0; r < 4; ++r) use(4 * g + r, own[r], product[r]);
+  }
+}
 
-// Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν), so that z = P(a) x up to a factor; the
-// eigenvalues a of A lie in 0 … α (ν + 1) = 1. With T(ν) above 1 no P(a) is zero.
-struct Chebyshev {
-  static constexpr double rise = 1.2;  // T(ν)
-  explicit Chebyshev(int degree)
-      : t(std::acosh(rise) / degree), nu(std::cosh(t)), alpha(1 / (nu + 1)),
-        sum(degree * std::sinh(degree * t) / std::sinh(t) / (alpha * rise)) {}
-  double t, nu, alpha;
-  double sum;  // of z where a = 0
-};
-
-}  // namespace
+template <class Real>
+void SelectiveMass<Real>::measure(const std::vector<MovingVertex<Real>>& free) {
+  constexpr double margin = 1.02;
+  highest_ = 1;
+  arrange(free);
+  std::vector<double> inverse_mass;  // by places
+  for (const MovingVertex<Real>& own : order_) inverse_mass.push_back(double(own.inverse_mass));
+  const HighestFrequency found = highest_frequency<Real>(
+      inverse_mass, [&](Index at) { return double(diagonal_[std::size_t(at)]); }, 1,
+      [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
+        now_.topLeftCorner(3, u.cols()) = u;
+        multiply(now_, 0, static_cast<Index>(starts_.size()) - 1,
+                 [&](Index at, const auto&, const auto& product) {
+                   if (at < u.cols())
+                     f.col(at) -= product.template head<3>() / order_[std::size_t(at)].inverse_mass;
+                 });
+      });
+  if (found.omega > 0) highest_ = margin * found.omega * found.omega;
+}
 
 template <class Real>
 double SelectiveMass<Real>::lag(int degree) const {
-  if (degree == 1) return 0;
-  const Chebyshev c(degree);
-  const auto P = [&](double a) {
-    double rho = 1 / c.nu, now = 1 / (c.alpha * c.nu), before = 0;
-    for (int k = 1; k < degree; ++k) {
-      const double next = 1 / (2 * c.nu - rho);
-      const double z = now + next * rho * (now - before) + 2 * next / c.alpha * (1 - a * now);
-      before = std::exchange(now, z);
-      rho = next;
-    }
-    return now / c.sum;
-  };
   constexpr double small = 1e-5;
-  return (1 - P(small)) / small / highest_;
-}
-
-template <class Real>
-std::array<double, 3> SelectiveMass<Real>::defect() const {
-  const Chebyshev c(degree_);
-  double square = 0, stiff = 0, all = 0;
-  const Vectors d = now_ - right_ * Real(c.sum);
-  for (std::size_t at = 0; at < order_.size(); ++at) {
-    const double m = 1 / double(order_[at].inverse_mass);
-    Eigen::Matrix<Real, 4, 1> own = own_[at] * d.col(at);
-    const std::size_t g = at / 4, r = at % 4;
-    for (Index e = four_starts_[g]; e < four_starts_[g + 1]; ++e) own -= fours_[e].weights[r] * d.col(fours_[e].places[r]);
-    square += m * d.col(at).squaredNorm();
-    stiff += m * d.col(at).dot(own);
-    all += m * now_.col(at).squaredNorm();
-  }
-  return {std::sqrt(square), square > 0 ? stiff / square * highest_ : 1, std::sqrt(all)};
+  const Chebyshev chebyshev(degree);
+  double now = chebyshev.first(), before = 0;
+  chebyshev.iterate([&](double back, double push) {
+    const double next = now + back * (now - before) + push * (1 - small * now);
+    before = std::exchange(now, next);
+  });
+  return (1 - chebyshev.scale() * now) / (small * highest_);
 }
 
 template <class Real>
 void SelectiveMass<Real>::apply(const std::vector<HeldVertices::Held>& sliding, Parallel& parallel,
                                 Mat3X<Real>& f) {
-  using Vector = Eigen::Matrix<Real, 4, 1>;
-  const Chebyshev c(degree_);
-  const auto count = static_cast<Index>(order_.size()), fours = static_cast<Index>(four_starts_.size()) - 1;
-  const Real scale = Real(1 / c.sum), first = Real(1 / (c.alpha * c.nu));
+  const Chebyshev chebyshev(degree_);
+  const Real scale = Real(chebyshev.scale()), first = Real(chebyshev.first());
+  const auto count = static_cast<Index>(order_.size()), fours = static_cast<Index>(starts_.size()) - 1;
   const auto leave_out = [&](Vectors& z) {
     for (const HeldVertices::Held& item : sliding)
-      if (const Index place = place_of_[item.vertex]; place >= 0)
-        for (int d = 0; d < 3; ++d)
-          if (item.axes[d]) z(d, place) = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        if (const Index place = place_of_[std::size_t(item.vertex)]; place >= 0 && item.axes[axis])
+          z(axis, place) = 0;
   };
   parallel.for_ranges(count, 4096, [&](Index begin, Index end) {
     for (Index at = begin; at < end; ++at) {
-      const auto [v, inverse_mass] = order_[at];
+      const auto [v, inverse_mass] = order_[std::size_t(at)];
       right_.col(at).template head<3>() = (scale * inverse_mass) * f.col(v);
       now_.col(at) = first * right_.col(at);
       next_.col(at).setZero();
     }
   });
   leave_out(now_);
-  double rho = 1 / c.nu;
-  for (int k = 1; k < degree_; ++k) {
-    const double rho_next = 1 / (2 * c.nu - rho);
-    const Real back = Real(rho_next * rho), push = Real(2 * rho_next / c.alpha);
-    rho = rho_next;
+  chebyshev.iterate([&](double back, double push) {
+    const Real b = Real(back), p = Real(push);
     parallel.for_ranges(fours, 512, [&](Index begin, Index end) {
-      for (Index g = begin; g < end; ++g) {
-        const Index at = 4 * g;
-        Vector rest[4];
-        for (int r = 0; r < 4; ++r) rest[r] = right_.col(at + r) - own_[at + r] * now_.col(at + r);
-        for (Index e = four_starts_[g]; e < four_starts_[g + 1]; ++e)
-          for (int r = 0; r < 4; ++r) rest[r] += fours_[e].weights[r] * now_.col(fours_[e].places[r]);
-        for (int r = 0; r < 4; ++r) {
-          const Vector own = now_.col(at + r), before = next_.col(at + r);
-          next_.col(at + r) = own + back * (own - before) + push * rest[r];
-        }
-      }
+      multiply(now_, begin, end, [&](Index at, const auto& own, const auto& product) {
+        next_.col(at) = own + b * (own - next_.col(at)) + p * (right_.col(at) - product);
+      });
     });
     leave_out(next_);
     now_.swap(next_);
-  }
-  parallel.for_ranges(count, 4096, [&](Index begin, Index end) {
-    for (Index at = begin; at < end; ++at)
-      f.col(order_[at].vertex) = now_.col(at).template head<3>() / order_[at].inverse_mass;
   });
+  parallel.for_ranges(count, 4096, [&](Index begin, Index end) {
+    for (Index at = begin; at < end; ++at) {
+      const auto [v, inverse_mass] = order_[std::size_t(at)];
+      f.col(v) = now_.col(at).template head<3>() / inverse_mass;
+    }
+  });
+}
+
+template <class Real>
+double SelectiveMass<Real>::acceleration() const {
+  double sum = 0;
+  for (std::size_t at = 0; at < order_.size(); ++at)
+    sum += double(now_.col(Eigen::Index(at)).squaredNorm()) / double(order_[at].inverse_mass);
+  return std::sqrt(sum);
 }
 
 template class SelectiveMass<float>;

@@ -1,8 +1,8 @@
-// Selective mass scaling: inertia that is larger for short waves only, so that the stable time step is longer (theory,
-// section 7). The inverse mass matrix is a polynomial of a scalar stiffness Laplacian L,
+// Selective mass scaling: inertia that grows with the wave number, so that the stable time step is longer (theory, section
+// 7). The inverse mass matrix is a polynomial of a Laplacian L,
 //   C = P(M⁻¹L) M⁻¹,  P(0) = 1,  0 < P ≤ 1,
-// M lumped: what moves as a whole, and every equilibrium, is as before. Cf. Olovsson, Simonsson, Unosson, Int. J. Numer.
-// Meth. Engng 63 (2005), and Tkachuk, Bischoff, ibid. 2015, who construct sparse inverse masses.
+// M lumped: what moves as a whole, and every equilibrium, is as before. After Olovsson, Simonsson, Unosson (Int. J. Numer.
+// Meth. Engng 63, 2005), who add to the mass matrix, and Tkachuk, Bischoff (ibid. 101, 2015), who construct its inverse.
 #pragma once
 
 #include <array>
@@ -19,54 +19,61 @@ namespace lobe {
 template <class Real>
 class SelectiveMass {
  public:
-  static constexpr int most = 16;
+  static constexpr int most = 16;  // degree
 
-  // The degree of a P(a), up to `most`; 1: masses are lumped.
+  // The degree of a P(a), 1 … `most`; 1: masses are lumped.
   int degree() const { return degree_; }
   void set_degree(int degree) { degree_ = degree; }
 
-  // L of the tetrahedra that `take part`, on vertices whose inverse mass [1/kg] is above 0. O(#tetrahedra).
-  void rebuild(const Elements& elements, const std::vector<double>& inverse_mass,
-               const std::function<bool(Index tet)>& takes_part);
-  // These are the ones that move, until the next call; all others stand still.
+  // L is changed around these vertices: that of all alive tetrahedra that take part, by the stiffness of their material at
+  // rest. O(#tetrahedra around them).
+  void follow(const Elements& elements, const std::vector<Index>& vertices,
+              const std::function<bool(Index tet)>& takes_part);
+  // After that, or where masses have changed: all that may move. Some twenty products with L.
+  void measure(const std::vector<MovingVertex<Real>>& free);
+  // Those of them that do, until the next call.
   void arrange(const std::vector<MovingVertex<Real>>& moving);
 
-  // From forces [N] those that would accelerate lumped masses by C f. What `sliding` holds of those that move is left out.
+  // From forces [N] those that give lumped masses the accelerations C f. What is held of those that move is left out.
   void apply(const std::vector<HeldVertices::Held>& sliding, Parallel& parallel, Mat3X<Real>& f);
+  double acceleration() const;  // of the last call: √Σ m |C f|² [√kg m/s²]
 
-  // -P'(0) over the largest eigenvalue of M⁻¹L [s²]: C f is M⁻¹(f - lag L M⁻¹f) for long waves.
+  // -P'(0) over the highest eigenvalue of M⁻¹L [s²]: for long waves C f is M⁻¹(f - lag L M⁻¹f).
   double lag(int degree) const;
-  std::array<double, 3> defect() const;
 
  private:
-  void find_weights(const Elements& elements, const std::vector<double>& inverse_mass,
-                    const std::function<bool(Index)>& takes_part);
-  void normalise(const std::vector<double>& inverse_mass);
-
   struct Neighbour {
     Index vertex;
-    Real weight;
+    double weight;  // [N/m]
+  };
+  struct Row {
+    std::vector<Neighbour> neighbours;
+    double stiffness = 0;  // of L where only this vertex moves, before `ratio` [N/m]
+    double ratio = 0;      // by which what it feels of the body is more
   };
   // One neighbour each of four vertices that lie side by side.
   struct Four {
     std::array<Index, 4> places;
     std::array<Real, 4> weights;
   };
-  using Vectors = Eigen::Matrix<Real, 4, Eigen::Dynamic>;
+  using Vectors = Eigen::Matrix<Real, 4, Eigen::Dynamic>;  // the last component is a pad
+
+  Row find_row(const Elements& elements, Index vertex, const std::function<bool(Index)>& takes_part) const;
+  double weight(Index vertex, const Neighbour& neighbour) const;
+  template <class Use>
+  void multiply(const Vectors& x, Index begin, Index end, Use&& use) const;
 
   int degree_ = 1;
-  double highest_ = 0;  // eigenvalue of M⁻¹L [1/s²]
-  // M⁻¹L over a bound of its eigenvalues, per vertex.
-  std::vector<Index> starts_;
-  std::vector<Neighbour> neighbours_;
-  std::vector<Real> diagonal_;
+  std::vector<Row> rows_;  // per vertex
+  double highest_ = 1;     // a bound of the eigenvalues of M⁻¹L [1/s²]
 
-  // The same of those that move, in places by the number of their neighbours.
+  // M⁻¹L over its bound, of those that move, four and four.
   std::vector<MovingVertex<Real>> order_;
-  std::vector<Index> four_starts_, place_of_;
+  std::vector<Index> place_of_;  // per vertex, −1 if it does not move
+  std::vector<Index> starts_;    // of each four
   std::vector<Four> fours_;
-  std::vector<Real> own_;
-  Vectors right_, now_, next_;
+  std::vector<Real> diagonal_;
+  Vectors right_, now_, next_;  // scratch
 };
 
 extern template class SelectiveMass<float>;

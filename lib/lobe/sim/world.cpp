@@ -99,14 +99,10 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
     implicit_ = std::make_unique<ImplicitStep>(setup.spectral_radius, make_ldlt);
   if (setup.expandable && precomputed_.tet_count() > 0) {
     set_expanded(true);
-    measure_at_rest();
+    measure_degrees_at_rest();
     set_expanded(false);
   }
-  measure_at_rest();
-  rest_of_[{false, 1}] = {frequency_ratio_[0], rest_frequency_[0]};
-  for (int d : {2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16}) if (d <= setup.selective_mass) set_mass_degree(d);
-  at_rest_ratio_ok_ = false;
-  set_mass_degree(1);
+  measure_degrees_at_rest();
   if (setup.mass_scaling > 0) scale_masses();
 }
 
@@ -166,50 +162,6 @@ void World<Real>::catch_up() {
   forces();
   leave_out_held();
   push(std::exchange(state_.behind, 0), 0);
-}
-
-template <class Real>
-void World<Real>::find_inertia() {
-  if (moving_is_stale_) find_moving();
-  if (selective_is_stale_) selective_mass_.rebuild(elements_, inverse_mass_, [&](Index t) {
-    return is_expanded_ || elements_.region_of[std::size_t(t)] != RegionModel::precomputed;
-  });
-  if (selective_is_stale_ || arrangement_is_stale_) selective_mass_.arrange(moving_);
-  selective_is_stale_ = arrangement_is_stale_ = false;
-}
-
-template <class Real>
-std::array<double, 3> World<Real>::mass_defect(int degree) {
-  forces();
-  leave_out_held();
-  find_inertia();
-  const int old = selective_mass_.degree();
-  selective_mass_.set_degree(degree);
-  selective_mass_.apply(led_, parallel_, forces_.padded());
-  const auto d = selective_mass_.defect();
-  selective_mass_.set_degree(old);
-  return d;
-}
-
-template <class Real>
-void World<Real>::set_mass_degree(int degree) {
-  if (degree == selective_mass_.degree()) return;
-  const bool up = degree > selective_mass_.degree();
-  selective_mass_.set_degree(degree);
-  if (up && state_.time > 0) {
-    find_inertia();
-    Mat3X<Real> f = state_.v.padded();
-    for (Index v = 0; v < state_.u.count(); ++v) f.col(v) *= Real(mass_[v]);
-    selective_mass_.apply(led_, parallel_, f);
-    for (const auto& m : moving_) state_.v.col(m.vertex) = m.inverse_mass * f.col(m.vertex);
-  }
-  auto& rest = rest_of_[{is_expanded_, degree}];
-  if (rest.first == 0) {
-    if (at_rest_ratio_ok_) measure_at_rest();
-  }
-  ratios_.forget_all(frequency_ratio_[is_expanded_] = rest.first);
-  rest_frequency_[is_expanded_] = rest.second;
-  known_ = Known::stale;
 }
 
 // What rests is put in its place here, and needs nothing from a step.
@@ -330,7 +282,7 @@ void World<Real>::set_state(const State<Real>& state) {
   implicit_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
   interior_ = Interior::stale;
   sleep_.wake_all(state.time);
-  ratios_.forget_all(frequency_ratio_[is_expanded_]);
+  ratios_.forget_all(at_rest().ratio);
   unravelling_.stage = 0;
   unravelling_.since = state.time;
   known_ = Known::stale;

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <vector>
 
 #include "lobe/condense/precomputed.h"
@@ -89,13 +88,14 @@ class World {
     return mass_;
   }  // per vertex [kg], 0 for orphans and in precomputed regions
   double time() const { return state_.time; }
+  double damping() const { return setup_.damping; }  // [1/s]
   std::vector<Tools::Pose> tool_poses() const;
 
   // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last asked for,
   // it follows cuts locally, except with nodal pressure.
   double time_step_limit();
-  VertexFrequency
-  highest_vertex();  // the vertex estimate of ω_max, found anew. O(#tetrahedra), as the next limit
+  // The vertex estimate of ω_max, found anew. O(#tetrahedra), as is the next limit.
+  VertexFrequency highest_vertex();
   const MassScaling& mass_scaling() const { return mass_scaling_; }               // what was added
   const HighestFrequency& frequency_search() const { return frequency_search_; }  // at the start
   const CondensingLog& condensing() const { return precomputed_.condensing(); }
@@ -103,11 +103,11 @@ class World {
   Vec3d reaction(int holder);              // force that who holds these vertices must apply now [N]
   Energies energies();
 
-  // Edits. Stiffness, mass, loads and boundary are updated around what changed only, but for a precomputed region that must
-  // be condensed afresh (theory, section 14); whether something came loose is searched from there, and in O(#tets) only where that does not tell. The time step limit is
-  // always that of the current state.
-  Index remove_tets(
-      const std::vector<Index>& tets);  // alive ones; returns how many went. Loose pieces: as set up
+  // Edits. Stiffness, mass, loads and boundary are updated around what changed only, but for a precomputed region that
+  // must be condensed afresh (theory, section 14); whether something came loose is searched from there, and in O(#tets)
+  // only where that does not tell. The time step limit is always that of the current state.
+  // Alive ones; returns how many went. Loose pieces: as set up.
+  Index remove_tets(const std::vector<Index>& tets);
   // Displacements and velocities stay, but for what becomes the interior of a precomputed region. Returns by how much
   // the energy has changed [J].
   double set_region(const std::vector<Index>& tets, RegionModel model);
@@ -115,9 +115,6 @@ class World {
   // Precomputed regions as non-linear ones, interior and all, until they are condensed again; displacements and velocities
   // stay, but for those of the interior when it is condensed. Only if the setup is expandable, and condensed only if no
   // edit has concerned the region since it was renewed, else InputError.
-  void set_mass_degree(int degree);
-  std::array<double, 3> mass_defect(int degree);
-  double mass_lag(int degree) const { return selective_mass_.lag(degree); }
   void expand();
   void condense();
   bool is_expanded() const { return is_expanded_; }
@@ -133,6 +130,17 @@ class World {
   const Mat3X<double>& linearised_about() const { return precomputed_.about(); }
   double next_grasp_change() const { return tools_.next_grasp_change(state_.time); }  // [s]; infinite: none
   double lag() const;  // of a condensed interior behind its inertia, at the last forces: √Σ m |u|² [√kg m]
+
+  // Selective mass scaling: the degree of the inverse mass (selective_mass.h), one of mass_degrees(), at the start that of
+  // the setup. Between two frames; displacements stay, and of velocities all but their short waves, where the degree grows.
+  int mass_degree() const { return selective_mass_.degree(); }
+  std::vector<int> mass_degrees() const;  // those that there are, the last that of the setup
+  void set_mass_degree(int degree);       // throws InputError for another
+  // √Σ m |a|² of the last step; where masses were lumped, of what this degree would leave of its accelerations [√kg m/s²].
+  double smooth_acceleration(int degree);
+  // By how much C lets these forces [N] accelerate less than M⁻¹ does, as a share of the power f·M⁻¹f, at the highest degree.
+  double missing_mobility(const Mat3X<Real>& f);
+  double mass_lag(int degree) const { return selective_mass_.lag(degree); }  // [s²]
 
   // All that this world has become (checkpoint.h). restore() throws InputError for a checkpoint of another setup, and
   // leaves the world as it was; it costs a copy where nothing was edited since, else the building of a world.
@@ -176,7 +184,14 @@ class World {
   // ω_v² [1/s²].
   double bounded_square(Index v) const { return frequencies_.bounded_square(v) / ratios_.square(v); }
   HighestFrequency search_highest(const LanczosSettings& settings);
+  struct RestFrequency {
+    double ratio = 1;  // ω_max / vertex estimate
+    double omega = 0;  // ω_max [rad/s]
+  };
+  double least_ratio() const { return 1.0 / selective_mass_.degree(); }
+  RestFrequency& at_rest() { return at_rest_[is_expanded_][std::size_t(selective_mass_.degree())]; }
   void measure_at_rest();
+  void measure_degrees_at_rest();
   void measure_again();
   void scale_masses();
   void follow_frequencies(const MeshEdit& edit);
@@ -200,6 +215,7 @@ class World {
   void catch_up();
   void find_moving();
   void find_inertia();
+  void make_smooth(int degree, Mat3X<Real>& f);
   template <class Visit>
   void for_patches(Visit&& visit);  // visit(layout, sums)
   void put_loads();
@@ -247,16 +263,15 @@ class World {
   std::vector<MovingVertex<Real>> moving_;  // by themselves
   std::vector<HeldVertices::Held> led_;     // held, but not at one place in all components
   bool moving_is_stale_ = true;
+
   SelectiveMass<Real> selective_mass_;
-  bool selective_is_stale_ = true, arrangement_is_stale_ = true;
-  std::map<std::pair<bool, int>, std::pair<double, double>> rest_of_;
-  bool at_rest_ratio_ok_ = true;
+  std::vector<Index> inertia_edits_;                             // vertices around which it must follow
+  bool inertia_is_stale_ = true, arrangement_is_stale_ = true;  // of masses; of who moves
 
   MassScaling mass_scaling_;
   Columns dead_loads_;  // at full size [N]
   Columns external_;    // gravity and dead loads at full size [N]
-  // Measured at rest, at the start, condensed and expanded: ω_max / vertex estimate, ω_max [rad/s].
-  std::array<double, 2> frequency_ratio_{1, 1}, rest_frequency_{0, 0};
+  std::array<std::array<RestFrequency, SelectiveMass<Real>::most + 1>, 2> at_rest_;  // measured at the start, condensed and expanded, with each degree
   double longest_move_ = 0;  // a step that moves a vertex further is trouble [m]
   HighestFrequency frequency_search_;
   // Per tetrahedron: the piece it belonged to at the start, or since; none: all to 0.

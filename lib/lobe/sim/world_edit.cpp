@@ -170,6 +170,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
   sleep_.extend(n, state_.time);
   ratios_.extend(n);
+  if (setup_.selective_mass > 1) inertia_edits_.insert(inertia_edits_.end(), vertices.begin(), vertices.end());
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v) * (mass_factor_.empty() ? 1.0 : mass_factor_[v]);
     refresh_inverse_mass(v);
@@ -182,7 +183,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
 template <class Real>
 void World<Real>::refresh_inverse_mass(Index v) {
   inverse_mass_[v] = mass_[v] > 0 && !held_.fixes(v) ? 1 / mass_[v] : 0;
-  implicit_is_stale_ = moving_is_stale_ = selective_is_stale_ = true;
+  implicit_is_stale_ = moving_is_stale_ = inertia_is_stale_ = true;
   ratios_.forget(v);
   if (known_ != Known::stale) frequencies_.update(v, weight_of(v));
 }

@@ -70,7 +70,7 @@ void World<Real>::set_expanded(bool is_expanded) {
     move_mass(vertices);
   }
   sleep_.wake_all(state_.time);
-  ratios_.forget_all(frequency_ratio_[is_expanded_]);
+  ratios_.forget_all(at_rest().ratio);
   kept_is_stale_ = true;
   known_ = Known::stale;
 }

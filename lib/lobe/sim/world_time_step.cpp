@@ -67,6 +67,8 @@ HighestFrequency World<Real>::search_highest(const LanczosSettings& settings) {
   const std::function<void(Mat3X<Real>&)> nothing, scale = [&](Mat3X<Real>& f) {
     find_inertia();
     selective_mass_.apply(led_, parallel_, f);
+    for (Index v = 0; v < state_.u.count(); ++v)
+      if (sleep_.is_asleep(v)) f.col(v).setZero();
   };
   return highest_frequency<Real>(
       inverse_mass_, [&](Index v) { return bounded_square(v); }, small,
@@ -83,11 +85,18 @@ void World<Real>::measure_at_rest() {
   const double vertex = highest_vertex().omega;
   if (!(vertex > 0)) return;
   frequency_search_ = search_highest({});
-  frequency_ratio_[is_expanded_] = std::max(selective_mass_.degree() > 1 ? 0.0 : 1.0, frequency_search_.omega / vertex);
-  rest_frequency_[is_expanded_] = frequency_ratio_[is_expanded_] * vertex;
-  ratios_.forget_all(frequency_ratio_[is_expanded_]);
-  rest_of_[{is_expanded_, selective_mass_.degree()}] = {frequency_ratio_[is_expanded_], rest_frequency_[is_expanded_]};
+  at_rest().ratio = std::max(least_ratio(), frequency_search_.omega / vertex);
+  at_rest().omega = at_rest().ratio * vertex;
+  ratios_.forget_all(at_rest().ratio);
   ratios_.limit = time_step_limit();
+}
+
+template <class Real>
+void World<Real>::measure_degrees_at_rest() {
+  for (int degree : mass_degrees()) {
+    selective_mass_.set_degree(degree);
+    measure_at_rest();
+  }
 }
 
 // At a frame's start, where the limit has changed.
@@ -103,7 +112,7 @@ void World<Real>::measure_again() {
   std::vector<double> alone;
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v)
     alone.push_back(std::sqrt(frequencies_.exact_square(v, inverse_mass_[std::size_t(v)])));
-  ratios_.measured(found.omega, alone, selective_mass_.degree() > 1 ? 1.0 / selective_mass_.degree() : 1.0);
+  ratios_.measured(found.omega, alone, least_ratio());
   frequencies_.weigh([&](Index v) { return weight_of(v); });
   ratios_.limit = time_step_limit();
 }
@@ -120,7 +129,7 @@ void World<Real>::scale_masses() {
   refresh_vertices(all);
   mass_scaling_.added = std::accumulate(mass_.begin(), mass_.end(), 0.0) - total;
   mass_scaling_.share = mass_scaling_.added / total;
-  measure_at_rest();
+  measure_degrees_at_rest();
   mass_scaling_.limit_after = time_step_limit();
 }
 
@@ -130,7 +139,7 @@ double World<Real>::time_step_limit() {
   if (known_ == Known::stale) find_frequencies();
   const VertexFrequency highest = frequencies_.highest([&](Index v) { return weight_of(v); });
   limiting_vertex_ = highest.vertex;
-  const double omega = std::max(highest.omega, rest_frequency_[is_expanded_] / 4);
+  const double omega = std::max(highest.omega, at_rest().omega / 4);
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 

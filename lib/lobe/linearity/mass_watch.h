@@ -1,0 +1,48 @@
+// Watches what selective masses get wrong while a world runs, and chooses their degree: high while the body moves slowly or
+// swings gently, lumped masses where a motion begins (theory, section 15).
+//
+//   setup.selective_mass = 12;
+//   MassWatch<float> watch(world, 0.02);
+//   world.advance(1.0 / 30);
+//   const MassReport report = watch.look(world);
+#pragma once
+
+#include "lobe/linearity/steering.h"
+
+namespace lobe {
+
+struct MassReport {
+  double time = 0;        // [s]
+  double error = 0;       // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
+  bool exceeded = false;  // the tolerance
+  int degree = 1;         // from now on
+};
+
+template <class Real>
+class MassWatch {
+ public:
+  // The lowest mode of the body at rest, by one sparse factor; of one that nothing holds masses stay lumped.
+  MassWatch(World<Real>& world, double tolerance);
+
+  // At the start, and after a frame. Costs two norms over all vertices, after a frame with lumped masses an apply() beside.
+  MassReport look(World<Real>& world) { return look(world, Steering(world)); }
+  MassReport look(World<Real>& world, const Steering& steering);
+
+  double looking_seconds() const { return looking_seconds_; }  // in all
+
+ private:
+  double slowness(const World<Real>& world, int degree) const;
+
+  double tolerance_;
+  double slowness_ = 0;  // error over acceleration, at the highest degree [s²]; infinite: never
+  double calming_ = 0;   // rate at which errors die away [1/s]
+  double time_ = 0;      // of the last look [s]
+  double error_ = 0;     // that may be left [√kg m]
+  double largest_ = 0;   // norm of the displacement so far [√kg m]
+  double looking_seconds_ = 0;
+};
+
+extern template class MassWatch<float>;
+extern template class MassWatch<double>;
+
+}  // namespace lobe

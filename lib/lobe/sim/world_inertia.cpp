@@ -1,0 +1,98 @@
+// Selective mass scaling of a World (theory, section 7).
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "lobe/error.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+template <class Real>
+void World<Real>::find_inertia() {
+  if (moving_is_stale_) find_moving();
+  if (inertia_is_stale_) {
+    std::sort(inertia_edits_.begin(), inertia_edits_.end());
+    inertia_edits_.erase(std::unique(inertia_edits_.begin(), inertia_edits_.end()), inertia_edits_.end());
+    selective_mass_.follow(elements_, inertia_edits_, [&](Index t) {
+      return is_expanded_ || elements_.region_of[std::size_t(t)] != RegionModel::precomputed;
+    });
+    inertia_edits_.clear();
+    selective_mass_.measure(moving_vertices<Real>(inverse_mass_));
+  }
+  if (inertia_is_stale_ || arrangement_is_stale_) selective_mass_.arrange(moving_);
+  inertia_is_stale_ = arrangement_is_stale_ = false;
+}
+
+template <class Real>
+std::vector<int> World<Real>::mass_degrees() const {
+  std::vector<int> degrees;
+  for (int degree : {1, 3, 5, 9, 12})
+    if (degree < setup_.selective_mass) degrees.push_back(degree);
+  degrees.push_back(setup_.selective_mass);
+  return degrees;
+}
+
+// Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further than before; long
+// ones keep their speed: v → v − (1 − P)² v.
+template <class Real>
+void World<Real>::set_mass_degree(int degree) {
+  const std::vector<int> degrees = mass_degrees();
+  if (std::find(degrees.begin(), degrees.end(), degree) == degrees.end())
+    throw InputError("selective_mass", "has no degree " + std::to_string(degree) + ", only 1, 3, 5, 9, 12 up to that of the setup, " +
+                                           std::to_string(setup_.selective_mass));
+  const int before = selective_mass_.degree();
+  if (degree == before) return;
+  catch_up();
+  selective_mass_.set_degree(degree);
+  if (degree > before) {
+    find_inertia();
+    Mat3X<Real> once = Mat3X<Real>::Zero(3, state_.v.count());
+    for (const MovingVertex<Real>& own : moving_)
+      once.col(own.vertex) = state_.v.col(own.vertex) / own.inverse_mass;
+    selective_mass_.apply(led_, parallel_, once);
+    Mat3X<Real> twice = once;
+    selective_mass_.apply(led_, parallel_, twice);
+    for (const MovingVertex<Real>& own : moving_)
+      state_.v.col(own.vertex) =
+          own.inverse_mass * (Real(2) * once.col(own.vertex) - twice.col(own.vertex));
+  }
+  ratios_.forget_all(at_rest().ratio);
+  ratios_.steps = 0;
+  find_frequencies();
+  ratios_.limit = time_step_limit();
+}
+
+template <class Real>
+double World<Real>::smooth_acceleration(int degree) {
+  if (selective_mass_.degree() > 1) return selective_mass_.acceleration();
+  Mat3X<Real> smooth = forces_.view();
+  make_smooth(degree, smooth);
+  return selective_mass_.acceleration();
+}
+
+template <class Real>
+void World<Real>::make_smooth(int degree, Mat3X<Real>& f) {
+  find_inertia();
+  const int own = selective_mass_.degree();
+  selective_mass_.set_degree(degree);
+  selective_mass_.apply(led_, parallel_, f);
+  selective_mass_.set_degree(own);
+}
+
+template <class Real>
+double World<Real>::missing_mobility(const Mat3X<Real>& f) {
+  Mat3X<Real> smooth = f;
+  make_smooth(setup_.selective_mass, smooth);
+  double all = 0, left = 0;
+  for (const MovingVertex<Real>& own : moving_) {
+    all += double(own.inverse_mass) * double(f.col(own.vertex).squaredNorm());
+    left += double(own.inverse_mass) * double(f.col(own.vertex).dot(smooth.col(own.vertex)));
+  }
+  return all > 0 ? 1 - left / all : 0;
+}
+
+template class World<float>;
+template class World<double>;
+
+}  // namespace lobe

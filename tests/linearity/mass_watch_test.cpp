@@ -1,0 +1,83 @@
+#include "lobe/linearity/mass_watch.h"
+
+#include <doctest/doctest.h>
+
+#include "liver.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// Its left lobe is lifted in 0.3 s, held, let go after 0.5 s.
+Setup lifted_liver(int degree) {
+  Setup setup = held_liver();
+  setup.damping = 20;
+  setup.selective_mass = degree;
+  setup.grasps = {{"grasper",
+                   left_lobe(setup),
+                   {{0, Vec3d::Zero()}, {0.3, Vec3d(0.004, -0.004, 0.03)}, {0.5, Vec3d(0.004, -0.004, 0.03)}},
+                   true}};
+  return setup;
+}
+
+double norm(const World<double>& world, const Mat3X<double>& u) {
+  double sum = 0;
+  for (Index v = 0; v < u.cols(); ++v) sum += world.mass()[std::size_t(v)] * u.col(v).squaredNorm();
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+TEST_CASE("in every frame of a pull and a release the error is below the tolerance, and steps are saved") {
+  constexpr double tolerance = 0.02;
+  World<double> exact(lifted_liver(1)), world(lifted_liver(12));
+  MassWatch<double> watch(world, tolerance);
+  CHECK(watch.look(world).degree == 1);  // a motion begins
+  double largest = 0, least_ratio = 10, most_ratio = 0;
+  int steps = 0, exact_steps = 0, lumped = 0, highest = 0;
+  while (world.time() < 1.2) {
+    exact_steps += exact.advance(1.0 / 30).steps;
+    steps += world.advance(1.0 / 30).steps;
+    const MassReport seen = watch.look(world);
+    largest = std::max(largest, norm(exact, exact.state().u));
+    const double error = norm(exact, world.state().u - exact.state().u) / largest;
+    CAPTURE(world.time());
+    CHECK(error < tolerance);
+    if (error > tolerance / 4) {
+      least_ratio = std::min(least_ratio, seen.error / error);
+      most_ratio = std::max(most_ratio, seen.error / error);
+    }
+    lumped += seen.degree == 1;
+    highest += seen.degree == 12;
+  }
+  CHECK(least_ratio > 0.2);
+  CHECK(most_ratio < 5);
+  CHECK(steps < 0.6 * exact_steps);
+  CHECK(lumped > 2);
+  CHECK(highest > 5);
+}
+
+TEST_CASE("without a watch the release is wrong by more, which the estimate says") {
+  World<double> exact(lifted_liver(1)), world(lifted_liver(12));
+  double largest = 0, worst = 0;
+  while (world.time() < 0.8) {
+    exact.advance(1.0 / 30);
+    world.advance(1.0 / 30);
+    largest = std::max(largest, norm(exact, exact.state().u));
+    if (world.time() > 0.5) worst = std::max(worst, norm(exact, world.state().u - exact.state().u) / largest);
+  }
+  CHECK(worst > 0.05);
+}
+
+TEST_CASE("masses of a body that nothing holds stay lumped") {
+  Setup setup = held_liver();
+  setup.prescribed.clear();
+  setup.selective_mass = 9;
+  World<double> world(setup);
+  MassWatch<double> watch(world, 0.02);
+  for (int i = 0; i < 5; ++i) {
+    CHECK(watch.look(world).degree == 1);
+    REQUIRE(world.advance(0.01).ok);
+  }
+}

@@ -113,7 +113,8 @@ std::vector<Making> makings(const Setup& setup, const std::vector<Gesture>& gest
     list.back().setup.expandable = true;
   }
   for (bool correct : {false, true}) {
-    add(correct ? "selective-mass-corrected" : "selective-mass-alone", all_nonlinear(setup).region_of, false, correct);
+    add(correct ? "selective-mass-corrected" : "selective-mass-alone", all_nonlinear(setup).region_of, false,
+        correct);
     list.back().setup.selective_mass = mass_degree;
   }
   add("all-linear-corrected", std::vector<RegionModel>(setup.region_of.size(), RegionModel::tensor_mass),

@@ -64,7 +64,8 @@ TEST_CASE("a vertex without inverse mass stays where it is, and what is not a nu
         doctest::Approx(0.03));
   CHECK(u.col(0).norm() == 0);
   f(0, 1) = std::nan("");
-  CHECK(std::isinf(central_difference(f, moving_vertices<double>({0, 1}), 0.1, 0.1, 0.0, u, v, one_thread).all));
+  CHECK(std::isinf(
+      central_difference(f, moving_vertices<double>({0, 1}), 0.1, 0.1, 0.0, u, v, one_thread).all));
 }
 
 TEST_CASE("two threads move vertices and find the fastest to the bit as one does") {

@@ -154,7 +154,8 @@ TEST_CASE("nothing changes where the body comes to rest") {
   for (int degree : {5, 12}) CHECK((rest(degree) - lumped).norm() < 1e-6 * lumped.norm());
 }
 
-TEST_CASE("an undamped body keeps its momentum, and its energy stays what it was, at 0.9 of the longer step") {
+TEST_CASE(
+    "an undamped body keeps its momentum, and its energy stays what it was, at 0.9 of the longer step") {
   for (int degree : {3, 9, 16}) {
     CAPTURE(degree);
     const Setup setup = box(false, degree, 4);
@@ -208,7 +209,8 @@ TEST_CASE_TEMPLATE("the degree may change between frames; a restored world goes 
   setup.gravity = {0, 0, -30};
   setup.damping = 5;
   setup.sleep = 1e-6;
-  setup.cauteries.push_back({"cautery", 0.006, {{0.1, Vec3d(-0.01, 0.02, 0.02)}, {0.3, Vec3d(0.05, 0.02, 0.03)}}});
+  setup.cauteries.push_back(
+      {"cautery", 0.006, {{0.1, Vec3d(-0.01, 0.02, 0.02)}, {0.3, Vec3d(0.05, 0.02, 0.03)}}});
   const auto play = [](World<Real>& world, int from, int to) {
     for (int i = from; i < to; ++i) {
       world.set_mass_degree(i % 4 == 0 ? 1 : i % 4 == 1 ? 3 : 9);

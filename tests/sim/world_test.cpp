@@ -173,7 +173,8 @@ TEST_CASE("steps are of second order from the start, and across a release and a 
   setup.gravity = {0, 2, -9.81};
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
-  setup.grasps = {{"grasp", {setup.mesh.vertex_count() - 1}, {{0, Vec3d::Zero()}, {0.02, Vec3d(0.003, 0, 0.001)}}, true}};
+  setup.grasps = {
+      {"grasp", {setup.mesh.vertex_count() - 1}, {{0, Vec3d::Zero()}, {0.02, Vec3d(0.003, 0, 0.001)}}, true}};
   const auto play = [&](double safety) {
     setup.safety = safety;
     World<double> world(setup);

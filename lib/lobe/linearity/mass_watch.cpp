@@ -20,7 +20,7 @@ constexpr double longest = 1;   // for which errors grow where nothing damps the
 constexpr int iterations = 12;
 
 struct Mode {
-  double omega = 0;  // [rad/s]
+  double omega = 0;      // [rad/s]
   Mat3X<double> forces;  // of that shape, 3 × #vertices [N]
 };
 

@@ -12,8 +12,8 @@
 namespace lobe {
 
 struct MassReport {
-  double time = 0;        // [s]
-  double error = 0;       // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
+  double time = 0;   // [s]
+  double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
   bool exceeded = false;  // the tolerance
   int degree = 1;         // from now on
 };

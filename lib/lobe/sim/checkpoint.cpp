@@ -178,12 +178,12 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
   const auto tets = std::size_t(elements_.topology.tet_count());
   const auto is_known = [&](Index body) { return body >= 0 && std::size_t(body) < c.body_was_held.size(); };
   const std::vector<int> degrees = mass_degrees();
-  bool fits = std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices && c.state.v.cols() == vertices &&
-              (c.body_of.empty() || c.body_of.size() == tets) && c.grasps.size() == setup_.grasps.size() &&
-              c.sleep.asleep.size() == sleep_.state().asleep.size() &&
-              c.sleep.restless_till.size() == c.sleep.asleep.size() &&
-              c.ratios.own.size() == std::size_t(vertices) &&
-              (c.acceleration.size() == 0 ? c.implicit_is_stale : c.acceleration.cols() == vertices);
+  bool fits =
+      std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices &&
+      c.state.v.cols() == vertices && (c.body_of.empty() || c.body_of.size() == tets) &&
+      c.grasps.size() == setup_.grasps.size() && c.sleep.asleep.size() == sleep_.state().asleep.size() &&
+      c.sleep.restless_till.size() == c.sleep.asleep.size() && c.ratios.own.size() == std::size_t(vertices) &&
+      (c.acceleration.size() == 0 ? c.implicit_is_stale : c.acceleration.cols() == vertices);
   fits = fits && is_known(0);
   for (Index body : c.body_of) fits = fits && is_known(body);
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;

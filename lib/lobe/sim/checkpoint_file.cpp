@@ -175,7 +175,8 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
   c.state.behind = in.get<double>();
   c.state.u = get_matrix<Real>(in);
   c.state.v = get_matrix<Real>(in);
-  in.expect(std::isfinite(c.state.time) && c.state.behind >= 0 && std::isfinite(c.state.behind) && c.state.u.allFinite() && c.state.v.allFinite());
+  in.expect(std::isfinite(c.state.time) && c.state.behind >= 0 && std::isfinite(c.state.behind) &&
+            c.state.u.allFinite() && c.state.v.allFinite());
   for (std::size_t left = in.get_count(1); left > 0; --left)
     c.history.push_back(get_edit(in, c.state.u.cols()));
   c.held = get_held_vertices(in, c.state.u.cols());

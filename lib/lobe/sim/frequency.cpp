@@ -30,8 +30,8 @@ Ritz largest_ritz(const std::vector<double>& alpha, const std::vector<double>& b
 
 // f_v = ± √m_v (ω_v/ω)⁸.
 template <class Real>
-Mat3X<Real> start_vector(const std::vector<double>& inverse_mass,
-                         const std::function<double(Index)>& square, double power) {
+Mat3X<Real> start_vector(const std::vector<double>& inverse_mass, const std::function<double(Index)>& square,
+                         double power) {
   const auto n = static_cast<Index>(inverse_mass.size());
   double largest = 0;
   for (Index v = 0; v < n; ++v) largest = std::max(largest, square(v));
@@ -67,7 +67,8 @@ HighestFrequency highest_frequency(const std::vector<double>& inverse_mass,
   const auto product = [](const Mat3X<Real>& a, const Mat3X<Real>& b) {
     return a.cwiseProduct(b).template cast<double>().sum();
   };
-  Mat3X<Real> q = start_vector<Real>(inverse_mass, square, scale ? 0 : 4), previous = Mat3X<Real>::Zero(3, n), w(3, n);
+  Mat3X<Real> q = start_vector<Real>(inverse_mass, square, scale ? 0 : 4), previous = Mat3X<Real>::Zero(3, n),
+              w(3, n);
   Mat3X<Real> u = accelerated(q);
   {
     const Real norm = Real(std::sqrt(product(q, u)));
@@ -118,6 +119,7 @@ template HighestFrequency highest_frequency(const std::vector<double>&, const st
 template HighestFrequency highest_frequency(const std::vector<double>&, const std::function<double(Index)>&,
                                             double,
                                             const std::function<void(const Mat3X<double>&, Mat3X<double>&)>&,
-                                            const LanczosSettings&, const std::function<void(Mat3X<double>&)>&);
+                                            const LanczosSettings&,
+                                            const std::function<void(Mat3X<double>&)>&);
 
 }  // namespace lobe

@@ -35,7 +35,8 @@ struct FrequencyRatios {
     most = ratio;
     std::fill(own.begin(), own.end(), static_cast<float>(ratio));
   }
-  void measured(double omega, const std::vector<double>& alone, double least) {  // ω_max, ω_v of each vertex [rad/s]
+  void measured(double omega, const std::vector<double>& alone,
+                double least) {  // ω_max, ω_v of each vertex [rad/s]
     most = std::max(most, omega / *std::max_element(alone.begin(), alone.end()));
     for (std::size_t v = 0; v < own.size(); ++v)
       own[v] = static_cast<float>(alone[v] * most > omega ? std::max(least, omega / alone[v]) : most);

@@ -72,7 +72,8 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
 // Forces act for the time `kick` from where v lives before to where it lives afterwards: half a step before the new u.
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
-                                 Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v, Parallel& parallel) {
+                                 Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v,
+                                 Parallel& parallel) {
   const StepFactors<Real> step(kick, dt, damping);
   Fastest<Real> fastest;
   std::mutex mutex;

@@ -265,13 +265,14 @@ class World {
   bool moving_is_stale_ = true;
 
   SelectiveMass<Real> selective_mass_;
-  std::vector<Index> inertia_edits_;                             // vertices around which it must follow
+  std::vector<Index> inertia_edits_;                            // vertices around which it must follow
   bool inertia_is_stale_ = true, arrangement_is_stale_ = true;  // of masses; of who moves
 
   MassScaling mass_scaling_;
   Columns dead_loads_;  // at full size [N]
   Columns external_;    // gravity and dead loads at full size [N]
-  std::array<std::array<RestFrequency, SelectiveMass<Real>::most + 1>, 2> at_rest_;  // measured at the start, condensed and expanded, with each degree
+  std::array<std::array<RestFrequency, SelectiveMass<Real>::most + 1>, 2>
+      at_rest_;              // measured at the start, condensed and expanded, with each degree
   double longest_move_ = 0;  // a step that moves a vertex further is trouble [m]
   HighestFrequency frequency_search_;
   // Per tetrahedron: the piece it belonged to at the start, or since; none: all to 0.

@@ -170,7 +170,8 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
   sleep_.extend(n, state_.time);
   ratios_.extend(n);
-  if (setup_.selective_mass > 1) inertia_edits_.insert(inertia_edits_.end(), vertices.begin(), vertices.end());
+  if (setup_.selective_mass > 1)
+    inertia_edits_.insert(inertia_edits_.end(), vertices.begin(), vertices.end());
   for (Index v : vertices) {
     mass_[v] = lumped_mass(elements_, v) * (mass_factor_.empty() ? 1.0 : mass_factor_[v]);
     refresh_inverse_mass(v);

@@ -39,7 +39,8 @@ template <class Real>
 void World<Real>::set_mass_degree(int degree) {
   const std::vector<int> degrees = mass_degrees();
   if (std::find(degrees.begin(), degrees.end(), degree) == degrees.end())
-    throw InputError("selective_mass", "has no degree " + std::to_string(degree) + ", only 1, 3, 5, 9, 12 up to that of the setup, " +
+    throw InputError("selective_mass", "has no degree " + std::to_string(degree) +
+                                           ", only 1, 3, 5, 9, 12 up to that of the setup, " +
                                            std::to_string(setup_.selective_mass));
   const int before = selective_mass_.degree();
   if (degree == before) return;
@@ -54,8 +55,7 @@ void World<Real>::set_mass_degree(int degree) {
     Mat3X<Real> twice = once;
     selective_mass_.apply(led_, parallel_, twice);
     for (const MovingVertex<Real>& own : moving_)
-      state_.v.col(own.vertex) =
-          own.inverse_mass * (Real(2) * once.col(own.vertex) - twice.col(own.vertex));
+      state_.v.col(own.vertex) = own.inverse_mass * (Real(2) * once.col(own.vertex) - twice.col(own.vertex));
   }
   ratios_.forget_all(at_rest().ratio);
   ratios_.steps = 0;

@@ -64,7 +64,7 @@ HighestFrequency World<Real>::search_highest(const LanczosSettings& settings) {
   };
   Mat3X<Real> there = Mat3X<Real>::Zero(3, at.cols());
   if (!at_rest) add_forces(at, there);
-  const std::function<void(Mat3X<Real>&)> nothing, scale = [&](Mat3X<Real>& f) {
+  const std::function<void(Mat3X<Real>&)> nothing, scale = [&](Mat3X<Real>&f) {
     find_inertia();
     selective_mass_.apply(led_, parallel_, f);
     for (Index v = 0; v < state_.u.count(); ++v)

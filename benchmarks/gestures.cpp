@@ -151,9 +151,8 @@ class Player {
     }
     if (mass_watch_) {
       const double before = watch.seconds();
-      const MassReport seen = mass_watch_->look(world_);
-      estimated_ = std::max(estimated_, seen.error);
-      expanded_ += seen.degree == 1;
+      expanded_ += world_.mass_degree() == 1;
+      estimated_ = std::max(estimated_, mass_watch_->look(world_).error);
       watching_ += watch.seconds() - before;
     }
     seconds_.push_back(watch.seconds());

@@ -58,7 +58,7 @@ TEST_CASE("in every frame of a pull and a release the error is below the toleran
   CHECK(highest > 5);
 }
 
-TEST_CASE("without a watch the release is wrong by more, which the estimate says") {
+TEST_CASE("without a watch the same masses are wrong by more than 5 % after the release") {
   World<double> exact(lifted_liver(1)), world(lifted_liver(12));
   double largest = 0, worst = 0;
   while (world.time() < 0.8) {

@@ -206,11 +206,11 @@ TEST_CASE("what is cut goes on as if it had been built so") {
 TEST_CASE_TEMPLATE("the degree may change between frames; a restored world goes on with the same bits", Real,
                    float, double) {
   Setup setup = box(true, 9, 4);
-  setup.gravity = {0, 0, -30};
-  setup.damping = 5;
-  setup.sleep = 1e-6;
+  setup.gravity = {0, 0, -3};
+  setup.damping = 20;
+  setup.sleep = 2e-3;
   setup.cauteries.push_back(
-      {"cautery", 0.006, {{0.1, Vec3d(-0.01, 0.02, 0.02)}, {0.3, Vec3d(0.05, 0.02, 0.03)}}});
+      {"cautery", 0.006, {{0.25, Vec3d(-0.01, 0.02, 0.02)}, {0.4, Vec3d(0.05, 0.02, 0.03)}}});
   const auto play = [](World<Real>& world, int from, int to) {
     for (int i = from; i < to; ++i) {
       world.set_mass_degree(i % 4 == 0 ? 1 : i % 4 == 1 ? 3 : 9);
@@ -221,6 +221,7 @@ TEST_CASE_TEMPLATE("the degree may change between frames; a restored world goes 
   play(world, 0, 11);
   const Checkpoint<Real> kept = world.save();
   CHECK(kept.mass_degree == 9);
+  CHECK(world.asleep() > 0);
   play(world, 11, 20);
   other.restore(kept);
   CHECK(other.mass_degree() == 9);
@@ -228,6 +229,51 @@ TEST_CASE_TEMPLATE("the degree may change between frames; a restored world goes 
   CHECK(world.state().u == other.state().u);
   CHECK(world.state().v == other.state().v);
   CHECK(world.elements().topology.alive_count() < setup.mesh.tet_count());
+}
+
+TEST_CASE("where nothing is left, or all is held, nothing moves") {
+  World<double> cut(box(true, 9));
+  REQUIRE(cut.advance(0.01).ok);
+  std::vector<Index> all(std::size_t(cut.elements().topology.tet_count()));
+  std::iota(all.begin(), all.end(), 0);
+  cut.remove_tets(all);
+  CHECK(cut.advance(0.01).ok);
+  Setup setup = box(false, 9);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, Vec3d::Zero()});
+  World<double> held(setup);
+  CHECK(held.advance(0.01).ok);
+  held.set_mass_degree(1);
+  held.set_mass_degree(5);
+  CHECK(held.advance(0.01).ok);
+  CHECK(held.state().u.isZero(0));
+}
+
+TEST_CASE_TEMPLATE(
+    "beside a region that is expanded and condensed a restored world goes on with the same bits", Real, float,
+    double) {
+  Setup setup = box(true, 9, 4);
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    if (barycentre(setup.mesh, t).z() < 0.02) setup.region_of[std::size_t(t)] = RegionModel::precomputed;
+  setup.expandable = true;
+  setup.gravity = {3, 0, -20};
+  setup.damping = 20;
+  World<Real> world(setup);
+  REQUIRE(world.advance(0.02).ok);
+  world.remove_tets({0, 40});
+  REQUIRE(world.advance(0.02).ok);
+  world.set_mass_degree(3);
+  world.expand();
+  REQUIRE(world.advance(0.02).ok);
+  const Checkpoint<Real> kept = world.save();
+  World<Real> other(setup);
+  other.restore(kept);
+  for (World<Real>* each : {&world, &other}) {
+    each->set_mass_degree(9);
+    each->remove_tets({100});  // right after it was saved
+    REQUIRE(each->advance(0.02).ok);
+  }
+  CHECK(world.state().u == other.state().u);
+  CHECK(world.state().v == other.state().v);
 }
 
 TEST_CASE("what slides keeps to its plane") {

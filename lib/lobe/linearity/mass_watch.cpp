@@ -13,10 +13,11 @@
 namespace lobe {
 namespace {
 
-constexpr double share = 0.75;  // of the tolerance, that may be added
-constexpr double alarm = 1.2;   // above which the degree does not grow
-constexpr double caution = 3;   // higher modes are off by more than the lowest
-constexpr double longest = 1;   // for which errors grow where nothing damps them [s]
+constexpr double share = 0.75;     // of the tolerance, that may be added
+constexpr double alarm = 1.2;      // above which the degree does not grow
+constexpr double caution = 3;      // higher modes are off by more than the lowest
+constexpr double longest = 1;      // for which errors grow where nothing damps them [s]
+constexpr int most_where_cut = 5;  // degree: what is under tension may come loose in any frame
 constexpr int iterations = 12;
 
 struct Mode {
@@ -64,7 +65,7 @@ double norm(const World<Real>& world) {  // √Σ m |u|²
 
 template <class Real>
 MassWatch<Real>::MassWatch(World<Real>& world, double tolerance)
-    : tolerance_(tolerance), calming_(0.3 * world.damping()) {
+    : tolerance_(tolerance), calming_(0.3 * world.damping()), edits_(world.history().size()) {
   const Mode mode = lowest_mode(world.elements(), world.held(), world.mass());
   if (mode.forces.size() == 0) {
     slowness_ = std::numeric_limits<double>::infinity();
@@ -85,8 +86,9 @@ double MassWatch<Real>::slowness(const World<Real>& world, int degree) const {
 template <class Real>
 MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   const auto start = std::chrono::steady_clock::now();
-  const bool begins = time_ == 0 && world.time() == 0;
   const double frame = world.time() - std::exchange(time_, world.time());
+  const bool begins = !(frame > 0);  // or goes back to what it was
+  if (begins) error_ = 0;
   largest_ = std::max(largest_, norm(world));
   const auto costs = [&](int degree) {
     return degree > 1 && !begins ? slowness(world, degree) * world.smooth_acceleration(degree) : 0;
@@ -97,9 +99,11 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   report.error = largest_ > 0 ? error_ / largest_ : 0;
   report.exceeded = report.error > tolerance_;
   const bool is_startled = begins || world.next_grasp_change() < world.time() + 1.5 * frame;
+  const bool is_cut = std::exchange(edits_, world.history().size()) != world.history().size();
   if (!is_startled)
     for (int degree : world.mass_degrees())
-      if (costs(degree) < share * tolerance_ * largest_) report.degree = degree;
+      if ((!is_cut || degree <= most_where_cut) && costs(degree) < share * tolerance_ * largest_)
+        report.degree = degree;
   if (report.error > alarm * tolerance_) report.degree = std::min(report.degree, world.mass_degree());
   if (report.degree != world.mass_degree()) steering.set_mass_degree(report.degree);
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,11 +1,13 @@
 // Watches what selective masses get wrong while a world runs, and chooses their degree: high while the body moves slowly or
-// swings gently, lumped masses where a motion begins (theory, section 15).
+// swings gently, low while it is cut, lumped masses where somebody takes hold or lets go (theory, section 15).
 //
 //   setup.selective_mass = 12;
 //   MassWatch<float> watch(world, 0.02);
 //   world.advance(1.0 / 30);
 //   const MassReport report = watch.look(world);
 #pragma once
+
+#include <limits>
 
 #include "lobe/linearity/steering.h"
 
@@ -36,9 +38,10 @@ class MassWatch {
   double tolerance_;
   double slowness_ = 0;  // error over acceleration, at the highest degree [s²]; infinite: never
   double calming_ = 0;   // rate at which errors die away [1/s]
-  double time_ = 0;      // of the last look [s]
-  double error_ = 0;     // that may be left [√kg m]
-  double largest_ = 0;   // norm of the displacement so far [√kg m]
+  double time_ = std::numeric_limits<double>::infinity();  // of the last look [s]
+  double error_ = 0;                                       // that may be left [√kg m]
+  double largest_ = 0;                                     // norm of the displacement so far [√kg m]
+  std::size_t edits_ = 0;                                  // of the world's, that are known
   double looking_seconds_ = 0;
 };
 

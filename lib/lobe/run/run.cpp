@@ -259,10 +259,10 @@ class WatchedMasses {
 
   void look(World<Real>& world, Recorded<Real>* recorded) {
     if (!watch_) return;
+    if (!series_.empty()) ++frames_[std::to_string(world.mass_degree())];  // of the frame before
     const MassReport seen = recorded ? watch_->look(world, Steering(*recorded)) : watch_->look(world);
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
-    ++frames_[std::to_string(seen.degree)];
     series_.push_back({{"time", seen.time}, {"error", seen.error}, {"degree", seen.degree}});
   }
 

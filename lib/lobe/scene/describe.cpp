@@ -139,6 +139,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["frame_s"] = scene.time.frame;
   summary["precision"] = scene.in_double() ? "double" : "single";
   summary["integrator"] = name(scene.time.integrator);
+  if (scene.time.selective_mass > 1) summary["selective_mass"] = scene.time.selective_mass;
   summary["vtu_frames"] =
       1 + std::floor(scene.time.duration / std::max(scene.output.every, scene.time.frame) + 1e-9);
   summary["pictures"] = scene.output.pictures.size();
@@ -229,7 +230,9 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   print_tools(out, summary["tools"]);
   out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)
       << " s, " << summary["integrator"].get<std::string>() << ", " << summary["precision"].get<std::string>()
-      << " precision\n";
+      << " precision";
+  if (scene.time.selective_mass > 1) out << ", selective masses of degree " << scene.time.selective_mass;
+  out << "\n";
   out << "output     " << rounded(summary["vtu_frames"]) << " VTU frames, " << summary["pictures"]
       << " pictures\n";
   for (const std::string& warning : resolved.warnings) out << "warning    " << warning << "\n";

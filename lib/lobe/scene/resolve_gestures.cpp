@@ -67,11 +67,12 @@ void propose(const Scene& scene, Resolved& resolved, const std::function<void(do
   options.progress = progress;
   std::vector<RegionModel>& region_of = resolved.setup.region_of;
   if (scene.auto_regions->correct && scene.time.selective_mass > 1) {
-    resolved.proposal.emplace();
     std::fill(region_of.begin(), region_of.end(), RegionModel::nonlinear);
-    resolved.proposal->region_of = region_of;
-    resolved.proposal->notes = {"nothing is linear: selective_mass takes its place, and is corrected"};
-  } else if (scene.auto_regions->correct) {
+    resolved.warnings.push_back(
+        "/regions/auto: nothing is linear: time/selective_mass takes its place, and is corrected");
+    return;
+  }
+  if (scene.auto_regions->correct) {
     resolved.proposal = propose_regions_to_correct(resolved.setup, resolved.gestures, options);
     region_of = resolved.proposal->region_of;
     resolved.setup.expandable = std::count(region_of.begin(), region_of.end(), RegionModel::precomputed) > 0;

@@ -28,7 +28,7 @@ Ritz largest_ritz(const std::vector<double>& alpha, const std::vector<double>& b
   return {bound, 0};
 }
 
-// f_v = ± √m_v (ω_v/ω)⁸.
+// f_v = ± √m_v (ω_v²/ω²)^power.
 template <class Real>
 Mat3X<Real> start_vector(const std::vector<double>& inverse_mass, const std::function<double(Index)>& square,
                          double power) {
@@ -57,7 +57,7 @@ HighestFrequency highest_frequency(const std::vector<double>& inverse_mass,
   const auto n = static_cast<Eigen::Index>(inverse_mass.size());
   Eigen::Array<Real, 1, Eigen::Dynamic> inverse(n);
   for (Eigen::Index v = 0; v < n; ++v) inverse[v] = static_cast<Real>(inverse_mass[v]);
-  if (!(inverse.maxCoeff() > 0)) return {};
+  if (n == 0 || !(inverse.maxCoeff() > 0)) return {};
   const auto accelerated = [&](const Mat3X<Real>& f) -> Mat3X<Real> {
     Mat3X<Real> a = f;
     if (scale) scale(a);

@@ -17,7 +17,7 @@ struct FrequencyRatios {
   static constexpr int most_steps = static_cast<int>(2 * evaluations / slightest);
 
   double most = 1;         // of a vertex of which nothing is known
-  std::vector<float> own;  // per vertex, 1 … most
+  std::vector<float> own;  // per vertex, up to most
   double limit = 0;        // of the time step, when it was measured [s]
   int steps = 0;           // since then, up to most_steps
 

@@ -159,6 +159,7 @@ void SelectiveMass<Real>::measure(const std::vector<MovingVertex<Real>>& free) {
   constexpr double margin = 1.02;
   highest_ = 1;
   arrange(free);
+  if (order_.empty()) return;
   std::vector<double> inverse_mass;  // by places
   for (const MovingVertex<Real>& own : order_) inverse_mass.push_back(double(own.inverse_mass));
   const HighestFrequency found = highest_frequency<Real>(

@@ -162,6 +162,7 @@ void World<Real>::catch_up() {
   forces();
   leave_out_held();
   push(std::exchange(state_.behind, 0), 0);
+  interior_ = Interior::stale;
 }
 
 // What rests is put in its place here, and needs nothing from a step.
@@ -275,6 +276,8 @@ void World<Real>::set_state(const State<Real>& state) {
                      "it must have one column per vertex of the world, " + std::to_string(state_.u.count()));
   if (!state.u.allFinite() || !state.v.allFinite())
     throw InputError("state", "it holds values that are not finite");
+  if (!(state.behind >= 0) || !std::isfinite(state.behind))
+    throw InputError("state", "its velocities must be behind by 0 s or more");
   state_.u.view() = state.u;
   state_.v.view() = state.v;
   state_.time = state.time;

@@ -128,7 +128,8 @@ class World {
   bool is_renewing() const { return precomputed_.is_refreshing(); }
   // 3 × #vertices [m]; none: rest
   const Mat3X<double>& linearised_about() const { return precomputed_.about(); }
-  double next_grasp_change() const { return tools_.next_grasp_change(state_.time); }  // [s]; infinite: none
+  // When the next grasp takes hold or lets go, now or later [s]; infinite: none.
+  double next_grasp_change() const { return tools_.next_grasp_change(state_.time - 2e-9); }
   double lag() const;  // of a condensed interior behind its inertia, at the last forces: √Σ m |u|² [√kg m]
 
   // Selective mass scaling: the degree of the inverse mass (selective_mass.h), one of mass_degrees(), at the start that of

@@ -47,8 +47,8 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
 
 template <class Real>
 MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
-  state();
   catch_up();
+  state();
   MeshEdit edit = elements_.topology.remove(tets);
   if (edit.empty()) return edit;
   follow(edit);
@@ -198,6 +198,8 @@ double World<Real>::set_region(const std::vector<Index>& tets, RegionModel model
   std::vector<Index> own = tets;
   make_unique(own);
   std::erase_if(own, [&](Index t) { return !elements_.topology.alive(t); });
+  if (std::all_of(own.begin(), own.end(), [&](Index t) { return elements_.region_of[t] == model; })) return 0;
+  catch_up();
   const auto energy = [&] {
     return is_local ? energy_of(elements_, own, state_.u.padded()) : energies().total();
   };
@@ -221,6 +223,7 @@ void World<Real>::refuse_precomputed(const std::vector<Index>& tets) {
 template <class Real>
 void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
   catch_up();
+  state();
   RegionEdit edit = change_of_region(tets, model);
   if (edit.left.empty()) return;
   history_.push_back({Edit::Kind::region, model, edit.left});

@@ -28,6 +28,7 @@ void World<Real>::begin_refresh(double due, const std::vector<double>& about) {
 
 template <class Real>
 void World<Real>::end_refresh() {
+  catch_up();
   precomputed_.end_refresh(elements_);
   if (!is_expanded_) move_mass({});
   interior_ = Interior::stale;
@@ -39,8 +40,8 @@ template <class Real>
 void World<Real>::expand() {
   if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
   if (is_expanded_ || precomputed_.tet_count() == 0) return;
-  state();
   catch_up();
+  state();
   set_expanded(true);
   history_.push_back({Edit::Kind::expand, {}, {}});
 }
@@ -64,6 +65,10 @@ void World<Real>::set_expanded(bool is_expanded) {
   std::vector<Index> vertices = precomputed_.shared();
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v)
     if (precomputed_.is_interior(v)) vertices.push_back(v);
+  if (setup_.selective_mass > 1)  // those that are held as well
+    for (Index t = 0; t < elements_.topology.tet_count(); ++t)
+      if (precomputed_.has(t))
+        for (Index v : elements_.topology.corners(t)) inertia_edits_.push_back(v);
   refresh_vertices(vertices);
   if (!is_expanded_) {
     precomputed_.take_over_loads(external_.padded(), dead_loads_.padded());

@@ -184,7 +184,7 @@ void World<Real>::advance_to(double end, Report& report) {
     fastest = culprit();
     state_ = start;
     sleep_.set_state(sleep_at_start);
-    implicit_is_stale_ = kept_is_stale_ = true;
+    implicit_is_stale_ = kept_is_stale_ = moving_is_stale_ = true;
     interior_ = Interior::stale;
     known_ = Known::stale;
     groups_.forget();

@@ -59,8 +59,9 @@ void World<Real>::set_mass_degree(int degree) {
   }
   ratios_.forget_all(at_rest().ratio);
   ratios_.steps = 0;
-  find_frequencies();
-  ratios_.limit = time_step_limit();
+  if (at_rest().omega > 0) ratios_.limit = 2 / at_rest().omega;  // a deformed body is measured again soon
+  interior_ = Interior::stale;
+  known_ = Known::stale;
 }
 
 template <class Real>

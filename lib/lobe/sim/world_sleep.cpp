@@ -66,7 +66,7 @@ void World<Real>::wake_pulled() {
 template <class Real>
 void World<Real>::wake(const std::vector<Index>& vertices) {
   if (!sleep_.any()) return;
-  kept_is_stale_ = true;
+  kept_is_stale_ = moving_is_stale_ = true;
   for_patches([&](const auto& layout, const auto&) {
     for (Index v : vertices) {
       if (v >= layout.places().vertex_count()) continue;

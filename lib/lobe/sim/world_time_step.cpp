@@ -67,8 +67,6 @@ HighestFrequency World<Real>::search_highest(const LanczosSettings& settings) {
   const std::function<void(Mat3X<Real>&)> nothing, scale = [&](Mat3X<Real>&f) {
     find_inertia();
     selective_mass_.apply(led_, parallel_, f);
-    for (Index v = 0; v < state_.u.count(); ++v)
-      if (sleep_.is_asleep(v)) f.col(v).setZero();
   };
   return highest_frequency<Real>(
       inverse_mass_, [&](Index v) { return bounded_square(v); }, small,
@@ -103,6 +101,7 @@ void World<Real>::measure_degrees_at_rest() {
 template <class Real>
 void World<Real>::measure_again() {
   if (implicit_) return;
+  if (selective_mass_.degree() > 1 && sleep_.any()) return;  // C knows of those who move only
   const double limit = time_step_limit();
   if (!ratios_.is_worth_measuring(limit)) return;
   ratios_.steps = 0;

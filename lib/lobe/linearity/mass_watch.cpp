@@ -88,12 +88,14 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   const auto start = std::chrono::steady_clock::now();
   const double frame = world.time() - std::exchange(time_, world.time());
   const bool begins = !(frame > 0);  // or goes back to what it was
-  if (begins) error_ = 0;
   largest_ = std::max(largest_, norm(world));
+  const int now = world.mass_degree();
+  const double moving = now > 1 && !begins ? world.smooth_acceleration(now) : 0;
   const auto costs = [&](int degree) {
-    return degree > 1 && !begins ? slowness(world, degree) * world.smooth_acceleration(degree) : 0;
+    if (degree == 1 || begins) return 0.0;
+    return slowness(world, degree) * (now > 1 ? moving : world.smooth_acceleration(degree));
   };
-  error_ = std::max(error_ * std::exp(-calming_ * frame), costs(world.mass_degree()));
+  error_ = begins ? 0 : std::max(error_ * std::exp(-calming_ * frame), costs(now));
   MassReport report;
   report.time = world.time();
   report.error = largest_ > 0 ? error_ / largest_ : 0;

@@ -72,6 +72,27 @@ TEST_CASE("a recording keeps what was done to an expandable region") {
   CHECK(again.linearised_about().size() > 0);
 }
 
+TEST_CASE("a recording keeps the degrees of selective masses, also in its file") {
+  Setup setup = gesture();
+  setup.selective_mass = 9;
+  World<float> world(setup);
+  Recorded<float> recorded(world);
+  for (int degree : {1, 3, 9, 1}) {
+    recorded.set_mass_degree(degree);
+    recorded.advance(0.01);
+  }
+  const Folder folder;
+  write_recording(folder.path / "calls", recorded.recording());
+  World<float> again(setup, 2);
+  const Replayed replayed = replay(read_recording(folder.path / "calls"), again);
+  CHECK(replayed.same);
+  CHECK(replayed.calls == 8);
+  Recording wrong = recorded.recording();
+  wrong.calls[0].degree = 4;
+  World<float> third(setup);
+  CHECK_THROWS_WITH_AS(replay(wrong, third), doctest::Contains("no degree 4"), InputError);
+}
+
 TEST_CASE("a replay stops where the bits begin to differ") {
   Recording recording = played<float>();
   recording.calls[2].tets = {50};

@@ -114,6 +114,28 @@ TEST_CASE("the report tells added mass and the longer step, where mass was asked
   CHECK(number(scaled, "/time_step_s/limit_at_rest") > number(plain, "/time_step_s/limit_at_rest"));
 }
 
+TEST_CASE("selective masses take the place of corrected regions, and the report tells their degrees") {
+  const Folder folder;
+  Json json = small_scene();
+  json["time"]["selective_mass"] = 5;
+  json["regions"] = {{"auto", {{"tolerance", 0.05}, {"correct", true}}}};
+  const Scene scene = read_scene(write_scene_files(folder, json));
+  Resolved resolved = resolve(scene, beam_mesh());
+  propose(scene, resolved);
+  REQUIRE(resolved.warnings.size() == 1);
+  CHECK(resolved.warnings[0] ==
+        "/regions/auto: nothing is linear: time/selective_mass takes its place, and is corrected");
+  CHECK(run_scene(scene, resolved, {folder.path / "out", 1, {}, make_ldlt, {}}).ok);
+  const Json report = report_in(folder.path / "out");
+  CHECK(report["regions"]["nonlinear"] == beam_mesh().tet_count());
+  int frames = 0;
+  for (const Json& count : report["selective_mass"]["frames_by_degree"]) frames += count.get<int>();
+  CHECK(frames == 15);
+  CHECK(report["selective_mass"]["frames_by_degree"]["1"].get<int>() > 0);
+  CHECK(report["selective_mass"]["series"].size() == 16);
+  CHECK_FALSE(report.contains("linearity"));
+}
+
 TEST_CASE("the report tells what was skipped") {
   const Folder folder;
   Json scene = small_scene();

@@ -198,7 +198,7 @@ template <class Real>
 class Watched {
  public:
   Watched(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
-    if (!scene.auto_regions || (scene.auto_regions->correct && scene.time.selective_mass > 1)) return;
+    if (!scene.auto_regions || scene.corrects_masses()) return;
     tolerance_ = scene.auto_regions->tolerance;
     corrects_ = scene.auto_regions->correct;
     std::vector<std::vector<Index>> grasps;
@@ -252,7 +252,7 @@ template <class Real>
 class WatchedMasses {
  public:
   WatchedMasses(World<Real>& world, const Scene& scene) {
-    if (scene.time.selective_mass == 1 || !scene.auto_regions || !scene.auto_regions->correct) return;
+    if (!scene.corrects_masses()) return;
     tolerance_ = scene.auto_regions->tolerance;
     watch_.emplace(world, tolerance_);
   }
@@ -369,7 +369,8 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"conditions", totals.conditions},
       {"cuts", totals.cuts},
       {"series", totals.series}};
-  if (resolved.proposal) report["auto_regions"] = proposal_json(*resolved.proposal);
+  if (resolved.proposal && !scene.corrects_masses())
+    report["auto_regions"] = proposal_json(*resolved.proposal);
   if (watched.any()) report["linearity"] = watched.json();
   if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
   if (const MassScaling& scaling = world.mass_scaling(); scaling.added > 0)

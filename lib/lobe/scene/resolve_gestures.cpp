@@ -66,10 +66,11 @@ void propose(const Scene& scene, Resolved& resolved, const std::function<void(do
   options.in_double = scene.in_double();
   options.progress = progress;
   std::vector<RegionModel>& region_of = resolved.setup.region_of;
-  if (scene.auto_regions->correct && scene.time.selective_mass > 1) {
+  if (scene.corrects_masses()) {
     std::fill(region_of.begin(), region_of.end(), RegionModel::nonlinear);
     resolved.warnings.push_back(
         "/regions/auto: nothing is linear: time/selective_mass takes its place, and is corrected");
+    resolved.proposal.emplace().region_of = region_of;
     return;
   }
   if (scene.auto_regions->correct) {

@@ -141,6 +141,8 @@ struct Scene {
   bool in_double() const {
     return time.precision == Precision::double_precision || time.integrator == Integrator::generalised_alpha;
   }
+  // Whether the degree of selective masses is corrected, in place of linear regions.
+  bool corrects_masses() const { return auto_regions && auto_regions->correct && time.selective_mass > 1; }
 
   std::string name;            // what reports call it
   std::filesystem::path file;  // where it was read from

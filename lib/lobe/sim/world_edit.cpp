@@ -198,12 +198,12 @@ double World<Real>::set_region(const std::vector<Index>& tets, RegionModel model
   std::vector<Index> own = tets;
   make_unique(own);
   std::erase_if(own, [&](Index t) { return !elements_.topology.alive(t); });
+  std::erase_if(unravelling_.tets, [&](Index t) { return std::binary_search(own.begin(), own.end(), t); });
   if (std::all_of(own.begin(), own.end(), [&](Index t) { return elements_.region_of[t] == model; })) return 0;
   catch_up();
   const auto energy = [&] {
     return is_local ? energy_of(elements_, own, state_.u.padded()) : energies().total();
   };
-  std::erase_if(unravelling_.tets, [&](Index t) { return std::binary_search(own.begin(), own.end(), t); });
   const double before = energy();
   change_region(tets, model);
   return energy() - before;

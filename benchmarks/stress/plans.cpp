@@ -167,7 +167,7 @@ void add_material_plans(std::vector<Plan>& plans) {
     plan.seconds = 0.3;
   };
   for (const std::string model :
-       {"nonlinear", "nodal pressure", "tensor-mass", "mixed", "precomputed", "corotated", "selective"}) {
+       {"nonlinear", "nodal pressure", "tensor-mass", "mixed", "precomputed", "corotated"}) {
     const double share = model == "nodal pressure";
     for (const double nu : {0.3, 0.45, 0.49, 0.499}) {
       const Elastic e{2e4 * nu / (1 - 2 * nu), 1e4, 1000, share};

@@ -66,7 +66,9 @@ TEST_CASE("a step allocates nothing, whatever the regions, on one thread and on 
   held.prescribed = {{0, Vec3d(1e-4, 0, 0)}, {1, Vec3d::Zero(), {true, false, false}}};
   held.load_ramp = 1;
   held.gravity = Vec3d(0, 0, -9.81);
-  for (const Setup& setup : {hybrid_setup(mesh), averaged(hybrid_setup(mesh)), stored, held})
+  Setup selective = held;
+  selective.selective_mass = 9;
+  for (const Setup& setup : {hybrid_setup(mesh), averaged(hybrid_setup(mesh)), stored, held, selective})
     for (int threads : {1, 2}) {
       CAPTURE(threads);
       CHECK(allocations_of_steps<float>(setup, threads) == 0);

@@ -1,19 +1,19 @@
 #include "lobe/sim/selective_mass.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lobe/fem/hooke.h"
 #include "lobe/sim/frequency.h"
+#include "lobe/sim/vertex_frequencies.h"
 
 namespace lobe {
 namespace {
 
 constexpr double slightest = 0.07;  // coupling of two vertices that counts, of what they feel alone
-constexpr std::size_t window =
-    128;  // vertices among which those with as many neighbours are put side by side
+// Vertices among which those with as many neighbours are put side by side.
+constexpr std::size_t window = 128;
 
 // Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν) of what belongs to the eigenvalue a of A,
 // 0 … α (ν + 1) = 1, so that z = P(a) x but for a factor. T is of the degree; with T(ν) above 1 no P(a) is zero.
@@ -42,12 +42,6 @@ class Chebyshev {
   int degree_;
   double t_, nu_;
 };
-
-double largest_eigenvalue(const Mat3<double>& K) {
-  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
-  solver.computeDirect(K, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[2];
-}
 
 }  // namespace
 

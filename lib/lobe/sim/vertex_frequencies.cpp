@@ -30,6 +30,12 @@ CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat3
   return s.volume * K;
 }
 
+double largest_eigenvalue(const Mat3<double>& symmetric) {
+  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
+  solver.computeDirect(symmetric, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[2];
+}
+
 // With q = tr K/3 and p² = |K − qI|²/6 the eigenvalues of a symmetric 3 × 3 matrix are q + 2p cos φ at three angles.
 template <class Real>
 double VertexFrequencies<Real>::bound(Index v) const {
@@ -41,13 +47,11 @@ double VertexFrequencies<Real>::bound(Index v) const {
 }
 
 template <class Real>
-double VertexFrequencies<Real>::largest_eigenvalue(Index v) const {
+double VertexFrequencies<Real>::exact_square(Index v, double weight) const {
   const auto K = stiffness(v);
   Mat3<double> block;
   block << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
-  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
-  solver.computeDirect(block, Eigen::EigenvaluesOnly);
-  return std::max(0.0, solver.eigenvalues()[2]);
+  return std::max(0.0, largest_eigenvalue(block)) * weight;
 }
 
 template class VertexFrequencies<float>;

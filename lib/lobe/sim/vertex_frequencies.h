@@ -22,6 +22,8 @@ using CornerStiffness = Eigen::Matrix<double, 6, 4>;
 CornerStiffness corner_stiffness(const Elements& elements, Index tet,
                                  const Mat34<double>& u);  // of its corners [m]
 
+double largest_eigenvalue(const Mat3<double>& symmetric);
+
 template <class Real>
 class VertexFrequencies {
  public:
@@ -71,11 +73,10 @@ class VertexFrequencies {
 
   // ω_v² times the factor in the weight, or a bound of it [1/s²]: at most twice as large.
   double bounded_square(Index vertex) const { return squares_[vertex]; }
-  double exact_square(Index vertex, double weight) const { return largest_eigenvalue(vertex) * weight; }
+  double exact_square(Index vertex, double weight) const;
 
  private:
   double bound(Index vertex) const;  // of the largest eigenvalue of K_vv
-  double largest_eigenvalue(Index vertex) const;
 
   Eigen::Matrix<double, 6, 1> stiffness(Index v) const { return K_.col(v).template cast<double>(); }
 

@@ -272,8 +272,8 @@ class World {
   MassScaling mass_scaling_;
   Columns dead_loads_;  // at full size [N]
   Columns external_;    // gravity and dead loads at full size [N]
-  std::array<std::array<RestFrequency, SelectiveMass<Real>::most + 1>, 2>
-      at_rest_;              // measured at the start, condensed and expanded, with each degree
+  // Measured at the start, condensed and expanded, with each degree.
+  std::array<std::array<RestFrequency, SelectiveMass<Real>::most + 1>, 2> at_rest_;
   double longest_move_ = 0;  // a step that moves a vertex further is trouble [m]
   HighestFrequency frequency_search_;
   // Per tetrahedron: the piece it belonged to at the start, or since; none: all to 0.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <mutex>
 #include <vector>
@@ -15,12 +16,15 @@
 
 namespace lobe {
 
-// The highest speeds squared [m²/s²]; of all vertices (infinite if one is not a number), and of those that turned back
-// in this step and were faster than before it: what grows in a step beyond the stable one.
+// The highest speeds squared [m²/s²]; of all vertices (infinite if one is not a number), and of those that in each of the
+// last three steps turned back and were faster than before: what grows in a step beyond the stable one. A wave that passes
+// turns a vertex once or twice.
 template <class Real>
 struct Fastest {
   Real all = 0, turned = 0;
 };
+using Turns = std::vector<std::uint8_t>;  // per vertex: in how many steps, up to now, it did so
+constexpr std::uint8_t many_turns = 3;
 
 template <class Real>
 struct StepFactors {  // v⁺ = keep v⁻ + push f/m, u⁺ = u + dt v⁺
@@ -50,7 +54,7 @@ std::vector<MovingVertex<Real>> moving_vertices(const std::vector<double>& inver
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  const StepFactors<Real>& step, Index begin, Index end, Mat3X<Real>& u,
-                                 Mat3X<Real>& v) {
+                                 Mat3X<Real>& v, Turns& turns) {
   Fastest<Real> fastest;
   bool finite = true;
   for (Index at = begin; at < end; ++at) {
@@ -62,8 +66,10 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
     const Real speed = after.squaredNorm();
     finite = finite && speed < std::numeric_limits<Real>::max();
     fastest.all = std::max(fastest.all, speed);
-    if (before.dot(after) < 0 && speed > before.squaredNorm())
-      fastest.turned = std::max(fastest.turned, speed);
+    const bool turned = before.dot(after) < 0 && speed > before.squaredNorm();
+    std::uint8_t& count = turns[std::size_t(i)];
+    count = turned ? std::min<std::uint8_t>(count + 1, many_turns) : 0;
+    if (count == many_turns) fastest.turned = std::max(fastest.turned, speed);
   }
   if (!finite) fastest.all = std::numeric_limits<Real>::infinity();
   return fastest;
@@ -73,12 +79,12 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v,
-                                 Parallel& parallel) {
+                                 Turns& turns, Parallel& parallel) {
   const StepFactors<Real> step(kick, dt, damping);
   Fastest<Real> fastest;
   std::mutex mutex;
   parallel.for_ranges(static_cast<Index>(moving.size()), 2048, [&](Index begin, Index end) {
-    const Fastest<Real> own = central_difference(f, moving, step, begin, end, u, v);
+    const Fastest<Real> own = central_difference(f, moving, step, begin, end, u, v, turns);
     const std::lock_guard lock(mutex);
     fastest.all = std::max(fastest.all, own.all);
     fastest.turned = std::max(fastest.turned, own.turned);

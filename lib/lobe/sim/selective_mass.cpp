@@ -92,40 +92,57 @@ double SelectiveMass<Real>::weight(Index vertex, const Neighbour& neighbour) con
 
 template <class Real>
 void SelectiveMass<Real>::arrange(const std::vector<MovingVertex<Real>>& moving) {
-  order_ = moving;
-  const auto count = [&](const MovingVertex<Real>& own) {
-    return rows_[std::size_t(own.vertex)].neighbours.size();
+  struct Own {
+    MovingVertex<Real> it;
+    std::size_t first, end;  // of its couplings
   };
-  for (std::size_t at = 0; at < order_.size(); at += window) {
-    const auto begin = order_.begin() + std::ptrdiff_t(at);
-    const auto end = order_.begin() + std::ptrdiff_t(std::min(at + window, order_.size()));
-    std::stable_sort(begin, end, [&](const auto& a, const auto& b) { return count(a) > count(b); });
+  std::vector<Own> own;
+  std::vector<Neighbour> couplings;
+  for (const MovingVertex<Real>& it : moving) {
+    const std::size_t first = couplings.size();
+    for (const Neighbour& neighbour : rows_[std::size_t(it.vertex)].neighbours)
+      if (const double w = weight(it.vertex, neighbour); w > 0) couplings.push_back({neighbour.vertex, w});
+    own.push_back({it, first, couplings.size()});
   }
+  for (std::size_t at = 0; at < own.size(); at += window) {
+    const auto begin = own.begin() + std::ptrdiff_t(at);
+    const auto end = own.begin() + std::ptrdiff_t(std::min(at + window, own.size()));
+    std::stable_sort(begin, end,
+                     [&](const Own& a, const Own& b) { return a.end - a.first > b.end - b.first; });
+  }
+  order_.clear();
   place_of_.assign(rows_.size(), -1);
-  for (std::size_t at = 0; at < order_.size(); ++at)
-    place_of_[std::size_t(order_[at].vertex)] = static_cast<Index>(at);
-  const std::size_t places = (order_.size() + 3) / 4 * 4;
+  for (std::size_t at = 0; at < own.size(); ++at) {
+    order_.push_back(own[at].it);
+    place_of_[std::size_t(own[at].it.vertex)] = static_cast<Index>(at);
+  }
+  const std::size_t places = (own.size() + 3) / 4 * 4;
   starts_.assign(1, 0);
   fours_.clear();
   diagonal_.assign(places, 0);
   for (std::size_t at = 0; at < places; ++at) {
-    const auto first = static_cast<std::size_t>(starts_.back());
     const auto row = static_cast<Index>(at - at % 4);
-    std::size_t slot = first;
-    for (std::size_t i = 0; at < order_.size() && i < count(order_[at]); ++i) {
-      const Index v = order_[at].vertex;
-      const Neighbour& neighbour = rows_[std::size_t(v)].neighbours[i];
-      const Real own = Real(weight(v, neighbour) * double(order_[at].inverse_mass) / highest_);
-      diagonal_[at] += own;
-      const Index place = place_of_[std::size_t(neighbour.vertex)];
-      if (place < 0 || own == 0) continue;
+    auto slot = static_cast<std::size_t>(starts_.back());
+    for (std::size_t i = at < own.size() ? own[at].first : 0; at < own.size() && i < own[at].end; ++i) {
+      const Real coupling = Real(couplings[i].weight * double(own[at].it.inverse_mass));
+      diagonal_[at] += coupling;
+      const Index place = place_of_[std::size_t(couplings[i].vertex)];
+      if (place < 0) continue;
       if (slot == fours_.size()) fours_.push_back({{row, row, row, row}, {0, 0, 0, 0}});
       fours_[slot].places[at % 4] = place;
-      fours_[slot++].weights[at % 4] = own;
+      fours_[slot++].weights[at % 4] = coupling;
     }
     if (at % 4 == 3) starts_.push_back(static_cast<Index>(fours_.size()));
   }
   for (Vectors* each : {&right_, &now_, &next_}) *each = Vectors::Zero(4, Eigen::Index(places));
+  divide(Real(highest_));
+}
+
+template <class Real>
+void SelectiveMass<Real>::divide(Real by) {
+  for (Real& diagonal : diagonal_) diagonal /= by;
+  for (Four& four : fours_)
+    for (Real& weight : four.weights) weight /= by;
 }
 
 // use(place, own, (A x)_own) for the fours [begin, end).
@@ -166,7 +183,9 @@ void SelectiveMass<Real>::measure(const std::vector<MovingVertex<Real>>& free) {
                      f.col(at) -= product.template head<3>() / order_[std::size_t(at)].inverse_mass;
                  });
       });
-  if (found.omega > 0) highest_ = margin * found.omega * found.omega;
+  if (!(found.omega > 0)) return;
+  highest_ = margin * found.omega * found.omega;
+  divide(Real(highest_));
 }
 
 template <class Real>

@@ -29,9 +29,9 @@ class SelectiveMass {
   // rest. O(#tetrahedra around them).
   void follow(const Elements& elements, const std::vector<Index>& vertices,
               const std::function<bool(Index tet)>& takes_part);
-  // After that, or where masses have changed: all that may move. Some twenty products with L.
+  // After that, or where masses have changed: all that may move, and does until the next call. Some twenty products with L.
   void measure(const std::vector<MovingVertex<Real>>& free);
-  // Those of them that do, until the next call.
+  // Those of them that do, where others rest.
   void arrange(const std::vector<MovingVertex<Real>>& moving);
 
   // From forces [N] those that give lumped masses the accelerations C f. What is held of those that move is left out.
@@ -60,6 +60,7 @@ class SelectiveMass {
 
   Row find_row(const Elements& elements, Index vertex, const std::function<bool(Index)>& takes_part) const;
   double weight(Index vertex, const Neighbour& neighbour) const;
+  void divide(Real by);  // what has been arranged
   template <class Use>
   void multiply(const Vectors& x, Index begin, Index end, Use&& use) const;
 

@@ -151,7 +151,7 @@ Fastest<Real> World<Real>::push(double kick, double dt) {
     selective_mass_.apply(led_, parallel_, forces_.padded());
   }
   return central_difference(forces_.padded(), moving_, Real(kick), Real(dt), Real(setup_.damping),
-                            state_.u.padded(), state_.v.padded(), parallel_);
+                            state_.u.padded(), state_.v.padded(), turns_, parallel_);
 }
 
 // Brings velocities up to the time of the displacements, before an edit makes the forces jump: those from before it act

@@ -293,6 +293,7 @@ class World {
   mutable Interior interior_ = Interior::all;
   Columns forces_;                       // scratch
   double fastest_ = 0, turned_ = 0;      // highest speeds of the last step (integrator.h) [m/s]
+  Turns turns_;                          // since the frame began
   double fastest_held_ = 0;              // of held vertices [m/s]
   VertexFrequencies<Real> frequencies_;  // weighed with ratios_
   FrequencyRatios ratios_;

@@ -168,6 +168,7 @@ void World<Real>::refresh_vertices(const std::vector<Index>& vertices) {
   const Index n = elements_.topology.vertex_count();
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(std::size_t(n), 0);
   for (Columns* columns : {&external_, &dead_loads_, &forces_}) columns->extend(n);
+  turns_.resize(std::size_t(n));
   sleep_.extend(n, state_.time);
   ratios_.extend(n);
   if (setup_.selective_mass > 1)

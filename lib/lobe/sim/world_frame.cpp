@@ -68,6 +68,7 @@ bool led_are_finite(const HeldVertices& held, const State& state) {
 template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
   frame_begins_ = true;
+  std::fill(turns_.begin(), turns_.end(), 0);
   for (int i = 0; i < steps; ++i) {
     if (implicit_) {
       const Timed timed(report, Phase::integration);

@@ -19,9 +19,10 @@ void World<Real>::find_inertia() {
     });
     inertia_edits_.clear();
     selective_mass_.measure(moving_vertices<Real>(inverse_mass_));
+    arrangement_is_stale_ = sleep_.any();
+    inertia_is_stale_ = false;
   }
-  if (inertia_is_stale_ || arrangement_is_stale_) selective_mass_.arrange(moving_);
-  inertia_is_stale_ = arrangement_is_stale_ = false;
+  if (std::exchange(arrangement_is_stale_, false)) selective_mass_.arrange(moving_);
 }
 
 template <class Real>

@@ -216,6 +216,7 @@ class World {
   void catch_up();
   void find_moving();
   void find_inertia();
+  double kinetic_energy();
   void make_smooth(int degree, Mat3X<Real>& f);
   template <class Visit>
   void for_patches(Visit&& visit);  // visit(layout, sums)

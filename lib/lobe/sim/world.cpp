@@ -77,6 +77,7 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
       expanded_(setup.evaluator),
       loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),
+      mass_degree_(setup.selective_mass),
       parallel_(threads) {
   setup_.mesh = {};
   setup_.material_of = {};

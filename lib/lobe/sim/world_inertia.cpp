@@ -73,8 +73,6 @@ double World<Real>::kinetic_energy() {
   return twice / 2;
 }
 
-// Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further than before; long
-// ones keep their speed: v → v − (1 − P)² v.
 template <class Real>
 void World<Real>::set_mass_degree(int degree) {
   const std::vector<int> degrees = mass_degrees();
@@ -82,6 +80,14 @@ void World<Real>::set_mass_degree(int degree) {
     throw InputError("selective_mass", "has no degree " + std::to_string(degree) +
                                            ", only 1, 3, 5, 9, 12 up to that of the setup, " +
                                            std::to_string(setup_.selective_mass));
+  mass_degree_ = degree;
+  if (!unravelling_.is_lumped) use_mass_degree(degree);
+}
+
+// Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further than before; long
+// ones keep their speed: v → v − (1 − P)² v.
+template <class Real>
+void World<Real>::use_mass_degree(int degree) {
   const int before = selective_mass_.degree();
   if (degree == before) return;
   catch_up();

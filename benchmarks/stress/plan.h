@@ -44,7 +44,7 @@ Subject box();                            // 162 irregular tetrahedra, 3 cm long
 std::vector<Subject> organs(bool quick);  // the shipped meshes
 
 // Every model and mixture of models: "mixed", "precomputed" and "corotated" (precomputed, in a frame that turns with it)
-// are linear in their low half and non-linear in the other.
+// are linear in their low half and non-linear in the other; "selective" has selective masses beside the volume term.
 const std::vector<std::string>& models();
 // A guarded body of soft tissue, held at its low end if asked, damped.
 Setup tissue(const TetMesh& mesh, const std::string& model);

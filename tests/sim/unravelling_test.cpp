@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "folder.h"
 #include "lobe/fem/volume_term.h"
@@ -76,6 +77,30 @@ Setup beam(double let_go) {
       {"grasper", {setup.prescribed.back().vertex}, {{0, Vec3d::Zero()}, {let_go, Vec3d::Zero()}}, true}};
   setup.prescribed.pop_back();
   return setup;
+}
+
+// A cube that is held at one end, all else of it in a point but for a millimetre.
+template <class Real>
+World<Real> collapsed_cube(int degree, unsigned seed) {
+  Setup setup = setup_of(irregular_box(3));
+  setup.guard_below = 0.2;
+  setup.volume_penalty = 1e5;
+  setup.damping = 30;
+  setup.selective_mass = degree;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  World<Real> world(setup);
+  State<Real> state = world.state();
+  const Vec3d middle = setup.mesh.points.rowwise().mean();
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1e-3, 1e-3);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (!world.held().holds(v)) {
+      const Vec3d off(uniform(random), uniform(random), uniform(random));
+      state.u.col(v) = (middle + off - setup.mesh.points.col(v)).template cast<Real>();
+    }
+  world.set_state(state);
+  return world;
 }
 
 // At 20 m/s against its end.
@@ -190,4 +215,68 @@ TEST_CASE("what somebody else makes linear meanwhile stays so") {
   world.set_region({world.save().unravelling.tets.front()}, RegionModel::tensor_mass);  // it is so already
   for (int i = 0; i < 120 && world.is_unravelling(); ++i) world.advance(frame);
   CHECK(linear_count(world) == 1);
+}
+
+TEST_CASE_TEMPLATE("selective masses wait while a collapsed body comes back", Real, float, double) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    CAPTURE(seed);
+    World<Real> world = collapsed_cube<Real>(16, seed);
+    CHECK_FALSE(world.save().unravelling.is_lumped);
+    REQUIRE(world.advance(frame).ok);
+    CHECK(world.save().unravelling.is_lumped);
+    CHECK(world.mass_degree() == 16);
+    const double limit = world.time_step_limit();
+    REQUIRE(said(world, 119).empty());
+    CHECK_FALSE(world.save().unravelling.is_lumped);
+    CHECK(world.time_step_limit() > 4 * limit);
+    CHECK(world.advance(frame).smallest_volume_ratio > 0.99);
+  }
+}
+
+TEST_CASE_TEMPLATE("while selective masses wait a world is saved, restored and replayed with the same bits",
+                   Real, float, double) {
+  World<Real> world = collapsed_cube<Real>(9, 1);
+  const Checkpoint<Real> start = world.save();
+  Recorded<Real> recorded(world);
+  recorded.advance(frame);
+  const Folder folder;
+  write_checkpoint(folder.path / "state", world.save());
+  World<Real> restored = collapsed_cube<Real>(9, 2), replayed = collapsed_cube<Real>(9, 2);
+  restored.restore(read_checkpoint<Real>(folder.path / "state"));
+  CHECK(restored.time_step_limit() == world.time_step_limit());
+  for (int i = 0; i < 60; ++i) {
+    if (i == 1) {
+      CHECK(world.save().unravelling.is_lumped);
+      recorded.set_mass_degree(5);
+      restored.set_mass_degree(5);
+    }
+    recorded.advance(frame);
+    restored.advance(frame);
+    CHECK(same_bits(world, restored));
+  }
+  CHECK(world.mass_degree() == 5);
+  CHECK_FALSE(world.save().unravelling.is_lumped);
+  replayed.restore(start);
+  CHECK(replay(recorded.recording(), replayed).same);
+}
+
+TEST_CASE("selective masses do not wait where a tool crushes a body, nor without the guard") {
+  Setup setup = squeezed_bar();
+  setup.selective_mass = 9;
+  Setup led = setup, unguarded = setup;
+  led.prescribed.front().displacement = {0, 1e-6, 0};
+  unguarded.guard_below = 0;
+  const auto waits = [](const Setup& s) {
+    World<double> world(s);
+    bool lumped = false;
+    for (int i = 0; i < 20; ++i) {
+      REQUIRE(world.advance(frame).ok);
+      lumped = lumped || world.save().unravelling.is_lumped;
+    }
+    CHECK(world.advance(frame).smallest_volume_ratio < 0.1);
+    return lumped;
+  };
+  CHECK(waits(setup));
+  CHECK_FALSE(waits(led));
+  CHECK_FALSE(waits(unguarded));
 }

@@ -107,7 +107,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.sleep = sleep_.state();
   c.unravelling = unravelling_;
   c.ratios = ratios_;
-  c.mass_degree = selective_mass_.degree();
+  c.mass_degree = mass_degree_;
   c.implicit_is_stale = implicit_is_stale_;
   c.acceleration = acceleration_;
   c.pending = pending_;
@@ -124,7 +124,8 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     *this = std::move(fresh);
   }
   check_fits(c);
-  selective_mass_.set_degree(c.mass_degree);
+  mass_degree_ = c.mass_degree;
+  selective_mass_.set_degree(c.unravelling.is_lumped ? 1 : c.mass_degree);
   set_state(c.state);
   sleep_.set_state(c.sleep);
   unravelling_ = c.unravelling;

@@ -10,7 +10,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 9,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 10,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -100,6 +100,7 @@ Unravelling get_unravelling(io::ByteReader& in) {
   unravelling.stage = in.get_choice(1 + Unravelling::stages);
   unravelling.since = in.get<double>();
   in.expect(std::isfinite(unravelling.since));
+  unravelling.is_lumped = in.get_choice(2) == 1;
   return unravelling;
 }
 
@@ -158,6 +159,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>&
   out.put_all(std::span(c.unravelling.tets));
   out.put(std::uint8_t(c.unravelling.stage));
   out.put(c.unravelling.since);
+  out.put(std::uint8_t(c.unravelling.is_lumped));
   out.put(c.ratios.most);
   out.put_all(std::span(c.ratios.own));
   out.put(c.ratios.limit);

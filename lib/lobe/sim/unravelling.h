@@ -18,6 +18,7 @@ struct Unravelling {
   std::vector<Index> tets;  // tensor-mass for now, sorted; none: nothing is being unravelled
   int stage = 0;     // stages that were tried since the body was last held or set by somebody, up to `stages`
   double since = 0;  // when the present stage, or the tangle, began [s]
+  bool is_lumped = false;  // selective masses wait until nothing is crushed
 
   bool is_on() const { return !tets.empty(); }
 };

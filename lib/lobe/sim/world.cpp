@@ -77,6 +77,7 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
       expanded_(setup.evaluator),
       loads_(elements_, setup.face_loads, setup.vertex_loads),
       tools_(setup),
+      mass_degree_(setup.selective_mass),
       parallel_(threads) {
   setup_.mesh = {};
   setup_.material_of = {};
@@ -331,10 +332,9 @@ template <class Real>
 Energies World<Real>::energies() {
   state();
   Energies e;
-  for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
-    e.kinetic += 0.5 * mass_[v] * state_.v.col(v).template cast<double>().squaredNorm();
+  e.kinetic = kinetic_energy();
+  for (Index v = 0; v < elements_.topology.vertex_count(); ++v)
     e.loads -= external_.col(v).template cast<double>().dot(state_.u.col(v).template cast<double>());
-  }
   e.elastic_linear = tensor_mass_.energy(state_.u.padded());
   e.elastic_nonlinear = nonlinear_.energy(state_.u.padded());
   if (is_expanded_) {

@@ -134,7 +134,8 @@ class World {
 
   // Selective mass scaling: the degree of the inverse mass (selective_mass.h), one of mass_degrees(), at the start that of
   // the setup. Between two frames; displacements stay, and of velocities all but their short waves, where the degree grows.
-  int mass_degree() const { return selective_mass_.degree(); }
+  // While tetrahedra are crushed, and nobody leads the body, masses are lumped whatever the degree (theory, section 8).
+  int mass_degree() const { return mass_degree_; }
   std::vector<int> mass_degrees() const;  // those that there are, the last that of the setup
   void set_mass_degree(int degree);       // throws InputError for another
   // √Σ m |a|² of the last step; where masses were lumped, of what this degree would leave of its accelerations [√kg m/s²].
@@ -216,6 +217,8 @@ class World {
   void catch_up();
   void find_moving();
   void find_inertia();
+  void use_mass_degree(int degree);
+  double kinetic_energy();
   void make_smooth(int degree, Mat3X<Real>& f);
   template <class Visit>
   void for_patches(Visit&& visit);  // visit(layout, sums)
@@ -229,6 +232,7 @@ class World {
   void forget_kept_forces();
   PatchCount patch_count();
   void unravel();
+  void lump_masses();
   bool is_led() const;
   std::vector<Index> tangled_tets() const;
   bool has_come_back() const;
@@ -266,6 +270,7 @@ class World {
   bool moving_is_stale_ = true;
 
   SelectiveMass<Real> selective_mass_;
+  int mass_degree_;                                             // used unless unravelling_.is_lumped
   std::vector<Index> inertia_edits_;                            // vertices around which it must follow
   bool inertia_is_stale_ = true, arrangement_is_stale_ = true;  // of masses; of who moves
 

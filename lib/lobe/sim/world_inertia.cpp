@@ -1,5 +1,6 @@
 // Selective mass scaling of a World (theory, section 7).
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -34,8 +35,45 @@ std::vector<int> World<Real>::mass_degrees() const {
   return degrees;
 }
 
-// Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further than before; long
-// ones keep their speed: v → v − (1 − P)² v.
+// ½ v·C⁻¹v by conjugate gradients: M C p = M v in the inner product of M⁻¹, in which M C is symmetric. What each adds to
+// v·p is known without p. Components that are led have lumped masses.
+template <class Real>
+double World<Real>::kinetic_energy() {
+  double twice = 0;
+  for (Index v = 0; v < state_.v.count(); ++v)
+    twice += mass_[v] * state_.v.col(v).template cast<double>().squaredNorm();
+  if (selective_mass_.degree() == 1) return twice / 2;
+  find_inertia();
+  SelectiveMass<Real> inertia = selective_mass_;  // which keeps the accelerations of the last step
+  const auto inner = [&](const Mat3X<Real>& a, const Mat3X<Real>& b) {
+    double sum = 0;
+    for (const MovingVertex<Real>& own : moving_)
+      sum += double(own.inverse_mass) * double(a.col(own.vertex).dot(b.col(own.vertex)));
+    return sum;
+  };
+  Mat3X<Real> left = Mat3X<Real>::Zero(3, state_.v.count());
+  for (const MovingVertex<Real>& own : moving_)
+    left.col(own.vertex) = state_.v.col(own.vertex) / own.inverse_mass;
+  for (const HeldVertices::Held& item : led_)
+    for (int axis = 0; axis < 3; ++axis)
+      if (item.axes[axis]) left(axis, item.vertex) = 0;
+  Mat3X<Real> along = left, image;
+  double square = inner(left, left);
+  const double small = double(std::numeric_limits<Real>::epsilon()) * square;
+  twice -= square;
+  constexpr int most = 1000;
+  for (int i = 0; i < most && square > small; ++i) {
+    image = along;
+    inertia.apply(led_, parallel_, image);
+    const double step = square / inner(along, image);
+    twice += step * square;
+    left -= Real(step) * image;
+    along = left + Real(inner(left, left) / square) * along;
+    square = inner(left, left);
+  }
+  return twice / 2;
+}
+
 template <class Real>
 void World<Real>::set_mass_degree(int degree) {
   const std::vector<int> degrees = mass_degrees();
@@ -43,6 +81,14 @@ void World<Real>::set_mass_degree(int degree) {
     throw InputError("selective_mass", "has no degree " + std::to_string(degree) +
                                            ", only 1, 3, 5, 9, 12 up to that of the setup, " +
                                            std::to_string(setup_.selective_mass));
+  mass_degree_ = degree;
+  if (!unravelling_.is_lumped) use_mass_degree(degree);
+}
+
+// Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further than before; long
+// ones keep their speed: v → v − (1 − P)² v.
+template <class Real>
+void World<Real>::use_mass_degree(int degree) {
   const int before = selective_mass_.degree();
   if (degree == before) return;
   catch_up();

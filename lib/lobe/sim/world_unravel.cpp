@@ -56,10 +56,19 @@ std::vector<Index> World<Real>::tangled_tets() const {
   return tangled;
 }
 
+// The way out of a tangle is by short waves, which selective masses hold back: long ones fold the body meanwhile.
+template <class Real>
+void World<Real>::lump_masses() {
+  const double least = unravelling_.is_lumped ? elements_.guard_below : elements_.guard_below / 2;
+  unravelling_.is_lumped = setup_.selective_mass > 1 && volume_ratio_ < least && !is_led();
+  use_mass_degree(unravelling_.is_lumped ? 1 : mass_degree_);
+}
+
 // At a frame's start, of which the smallest volume ratio is known.
 template <class Real>
 void World<Real>::unravel() {
   if (implicit_ || elements_.guard_below == 0) return;
+  lump_masses();
   if (is_led()) {
     unravelling_.stage = 0;
     unravelling_.since = state_.time;

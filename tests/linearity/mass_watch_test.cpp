@@ -73,6 +73,25 @@ TEST_CASE("without a watch the same masses are wrong by more than 5 % after the 
   CHECK(worst > 0.05);
 }
 
+TEST_CASE("who sets a degree that exceeds the tolerance is told, with the place") {
+  World<double> world(lifted_liver(12));
+  std::vector<MassReport> told;
+  MassWatch<double> watch(world, 0.02, [&](const MassReport& report) { told.push_back(report); });
+  watch.look(world);
+  while (world.time() < 0.49) {
+    REQUIRE(world.advance(1.0 / 30).ok);
+    watch.look(world);
+  }
+  CHECK(told.empty());
+  world.set_mass_degree(12);  // where it is let go
+  REQUIRE(world.advance(1.0 / 30).ok);
+  CHECK(watch.look(world).exceeded);
+  REQUIRE(told.size() == 1);
+  CHECK(told[0].error > 0.02);
+  CHECK(told[0].time == world.time());
+  CHECK(told[0].place.x() > 0);  // in the half that was held; the clamp ends at -0.02
+}
+
 TEST_CASE("masses of a body that nothing holds stay lumped") {
   Setup setup = held_liver();
   setup.prescribed.clear();

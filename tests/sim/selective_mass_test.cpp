@@ -256,7 +256,7 @@ TEST_CASE("to ask for the energy changes nothing") {
     REQUIRE(each->advance(0.01).ok);
   }
   asked.energies();
-  CHECK(asked.smooth_acceleration(9) == other.smooth_acceleration(9));
+  CHECK(asked.smooth_acceleration(9).norm == other.smooth_acceleration(9).norm);
   REQUIRE(asked.advance(0.01).ok);
   REQUIRE(other.advance(0.01).ok);
   CHECK(asked.state().v == other.state().v);

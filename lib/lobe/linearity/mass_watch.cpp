@@ -64,8 +64,11 @@ double norm(const World<Real>& world) {  // √Σ m |u|²
 }  // namespace
 
 template <class Real>
-MassWatch<Real>::MassWatch(World<Real>& world, double tolerance)
-    : tolerance_(tolerance), calming_(0.3 * world.damping()), edits_(world.history().size()) {
+MassWatch<Real>::MassWatch(World<Real>& world, double tolerance, OnExceeded on_exceeded)
+    : tolerance_(tolerance),
+      on_exceeded_(std::move(on_exceeded)),
+      calming_(0.3 * world.damping()),
+      edits_(world.history().size()) {
   const Mode mode = lowest_mode(world.elements(), world.held(), world.mass());
   if (mode.forces.size() == 0) {
     slowness_ = std::numeric_limits<double>::infinity();
@@ -90,25 +93,32 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   const bool begins = !(frame > 0);  // or goes back to what it was
   largest_ = std::max(largest_, norm(world));
   const int now = world.mass_degree();
-  const double moving = now > 1 && !begins ? world.smooth_acceleration(now) : 0;
+  typename SelectiveMass<Real>::Acceleration moving;
+  if (now > 1 && !begins) moving = world.smooth_acceleration(now);
   const auto costs = [&](int degree) {
     if (degree == 1 || begins) return 0.0;
-    return slowness(world, degree) * (now > 1 ? moving : world.smooth_acceleration(degree));
+    return slowness(world, degree) * (now > 1 ? moving : world.smooth_acceleration(degree)).norm;
   };
-  error_ = begins ? 0 : std::max(error_ * std::exp(-calming_ * frame), costs(now));
+  const double made = costs(now), left = begins ? 0 : error_ * std::exp(-calming_ * frame);
+  error_ = std::max(left, made);
+  if (made > left && moving.vertex >= 0) place_ = world.elements().points.col(moving.vertex);
   MassReport report;
   report.time = world.time();
   report.error = largest_ > 0 ? error_ / largest_ : 0;
+  report.place = place_;
   report.exceeded = report.error > tolerance_;
   const bool is_startled = begins || world.next_grasp_change() < world.time() + 1.5 * frame;
   const bool is_cut = std::exchange(edits_, world.history().size()) != world.history().size();
   if (!is_startled)
-    for (int degree : world.mass_degrees())
-      if ((!is_cut || degree <= most_where_cut) && costs(degree) < share * tolerance_ * largest_)
-        report.degree = degree;
+    for (int degree : world.mass_degrees()) {
+      if (is_cut && degree > most_where_cut) break;
+      if (!(costs(degree) < share * tolerance_ * largest_)) break;
+      report.degree = degree;
+    }
   if (report.error > alarm * tolerance_) report.degree = std::min(report.degree, world.mass_degree());
   if (report.degree != world.mass_degree()) steering.set_mass_degree(report.degree);
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (report.exceeded && on_exceeded_) on_exceeded_(report);
   return report;
 }
 

@@ -7,6 +7,7 @@
 //   const MassReport report = watch.look(world);
 #pragma once
 
+#include <functional>
 #include <limits>
 
 #include "lobe/linearity/steering.h"
@@ -16,15 +17,18 @@ namespace lobe {
 struct MassReport {
   double time = 0;   // [s]
   double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
-  bool exceeded = false;  // the tolerance
-  int degree = 1;         // from now on
+  Vec3d place = Vec3d::Zero();  // at rest, of the vertex that accelerated most when it was made [m]
+  bool exceeded = false;        // the tolerance
+  int degree = 1;               // from now on
 };
 
 template <class Real>
 class MassWatch {
  public:
+  using OnExceeded = std::function<void(const MassReport&)>;
+
   // The lowest mode of the body at rest, by one sparse factor; of one that nothing holds masses stay lumped.
-  MassWatch(World<Real>& world, double tolerance);
+  MassWatch(World<Real>& world, double tolerance, OnExceeded on_exceeded = {});
 
   // At the start, and after a frame. Costs two norms over all vertices, after a frame with lumped masses an apply() beside.
   MassReport look(World<Real>& world) { return look(world, Steering(world)); }
@@ -36,10 +40,12 @@ class MassWatch {
   double slowness(const World<Real>& world, int degree) const;
 
   double tolerance_;
+  OnExceeded on_exceeded_;
   double slowness_ = 0;  // error over acceleration, at the highest degree [s²]; infinite: never
   double calming_ = 0;   // rate at which errors die away [1/s]
   double time_ = std::numeric_limits<double>::infinity();  // of the last look [s]
   double error_ = 0;                                       // that may be left [√kg m]
+  Vec3d place_ = Vec3d::Zero();                            // of it
   double largest_ = 0;                                     // norm of the displacement so far [√kg m]
   std::size_t edits_ = 0;                                  // of the world's, that are known
   double looking_seconds_ = 0;

@@ -193,6 +193,10 @@ void clear_earlier_run(const std::filesystem::path& directory,
   for (const std::filesystem::path& file : earlier) std::filesystem::remove(file, error);
 }
 
+std::string at(const Vec3d& place) {
+  return "at [" + rounded(place[0]) + ", " + rounded(place[1]) + ", " + rounded(place[2]) + "] m";
+}
+
 // What is seen of linear regions that lobe has chosen.
 template <class Real>
 class Watched {
@@ -221,8 +225,7 @@ class Watched {
   std::string warning() const {
     if (worst_.error <= tolerance_) return "";
     return "linear regions were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
-           rounded(worst_.time) + " s, most at [" + rounded(worst_.place[0]) + ", " +
-           rounded(worst_.place[1]) + ", " + rounded(worst_.place[2]) + "] m; declare that gesture" +
+           rounded(worst_.time) + " s, most " + at(worst_.place) + "; declare that gesture" +
            (corrects_ ? "" : ", or set \"correct\"");
   }
   Json json() const {
@@ -269,12 +272,14 @@ class WatchedMasses {
   std::string warning() const {
     if (worst_.error <= tolerance_) return "";
     return "selective masses were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
-           rounded(worst_.time) + " s; a lower selective_mass or tolerance may help";
+           rounded(worst_.time) + " s, most " + at(worst_.place) +
+           "; a lower selective_mass or tolerance may help";
   }
   std::optional<Json> json() const {
     if (!watch_) return {};
     return Json{{"worst_error", worst_.error},
                 {"worst_time", worst_.time},
+                {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
                 {"frames_exceeded", exceeded_},
                 {"frames_by_degree", frames_},
                 {"looking_s", watch_->looking_seconds()},

@@ -17,14 +17,14 @@
 namespace lobe {
 
 // The highest speeds squared [m²/s²]; of all vertices (infinite if one is not a number), and of those that in each of the
-// last three steps turned back and were faster than before: what grows in a step beyond the stable one. A wave that passes
-// turns a vertex once or twice.
+// last two steps turned back and were faster than before: what grows in a step beyond the stable one. A wave that passes
+// turns a vertex once, and no swing whose ωΔt is below √3, for the 2 of the limit, does so twice in a row.
 template <class Real>
 struct Fastest {
   Real all = 0, turned = 0;
 };
 using Turns = std::vector<std::uint8_t>;  // per vertex: in how many steps, up to now, it did so
-constexpr std::uint8_t many_turns = 3;
+constexpr std::uint8_t many_turns = 2;
 
 template <class Real>
 struct StepFactors {  // v⁺ = keep v⁻ + push f/m, u⁺ = u + dt v⁺

@@ -240,11 +240,17 @@ void SelectiveMass<Real>::apply(const std::vector<HeldVertices::Held>& sliding, 
 }
 
 template <class Real>
-double SelectiveMass<Real>::acceleration() const {
-  double sum = 0;
-  for (std::size_t at = 0; at < order_.size(); ++at)
-    sum += double(now_.col(Eigen::Index(at)).squaredNorm()) / double(order_[at].inverse_mass);
-  return std::sqrt(sum);
+auto SelectiveMass<Real>::acceleration() const -> Acceleration {
+  double sum = 0, most_of_it = 0;
+  Index vertex = -1;
+  for (std::size_t at = 0; at < order_.size(); ++at) {
+    const double own = double(now_.col(Eigen::Index(at)).squaredNorm()) / double(order_[at].inverse_mass);
+    sum += own;
+    if (own <= most_of_it) continue;
+    most_of_it = own;
+    vertex = order_[at].vertex;
+  }
+  return {std::sqrt(sum), vertex};
 }
 
 template class SelectiveMass<float>;

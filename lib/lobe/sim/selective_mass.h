@@ -36,7 +36,11 @@ class SelectiveMass {
 
   // From forces [N] those that give lumped masses the accelerations C f. What is held of those that move is left out.
   void apply(const std::vector<HeldVertices::Held>& sliding, Parallel& parallel, Mat3X<Real>& f);
-  double acceleration() const;  // of the last call: √Σ m |C f|² [√kg m/s²]
+  struct Acceleration {
+    double norm = 0;    // √Σ m |C f|² [√kg m/s²]
+    Index vertex = -1;  // that has the most of it
+  };
+  Acceleration acceleration() const;  // of the last call
 
   // -P'(0) over the highest eigenvalue of M⁻¹L [s²]: for long waves C f is M⁻¹(f - lag L M⁻¹f).
   double lag(int degree) const;

@@ -138,8 +138,8 @@ class World {
   int mass_degree() const { return mass_degree_; }
   std::vector<int> mass_degrees() const;  // those that there are, the last that of the setup
   void set_mass_degree(int degree);       // throws InputError for another
-  // √Σ m |a|² of the last step; where masses were lumped, of what this degree would leave of its accelerations [√kg m/s²].
-  double smooth_acceleration(int degree);
+  // Of the last step; where masses were lumped, what this degree would leave of its accelerations.
+  typename SelectiveMass<Real>::Acceleration smooth_acceleration(int degree);
   // By how much C lets these forces [N] accelerate less than M⁻¹ does, as a share of the power f·M⁻¹f, at the highest degree.
   double missing_mobility(const Mat3X<Real>& f);
   double mass_lag(int degree) const { return selective_mass_.lag(degree); }  // [s²]

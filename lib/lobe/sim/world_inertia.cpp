@@ -112,7 +112,7 @@ void World<Real>::use_mass_degree(int degree) {
 }
 
 template <class Real>
-double World<Real>::smooth_acceleration(int degree) {
+auto World<Real>::smooth_acceleration(int degree) -> typename SelectiveMass<Real>::Acceleration {
   if (selective_mass_.degree() > 1) return selective_mass_.acceleration();
   Mat3X<Real> smooth = forces_.view();
   make_smooth(degree, smooth);

@@ -283,7 +283,7 @@ regions = "strain-recipe proposed proposed-precomputed proposed-corrected all-li
 precomputed-in-frame precomputed-corrected selective-mass-alone selective-mass-corrected"
 series(i, r) = strcol(1) eq word(scenes, i) && strcol(2) eq word(own, i) && strcol(3) eq r ? column(5) : NaN
 plot for [i=1:words(scenes)] for [j=1:words(regions)] \
-  'gestures.csv' using (series(i, word(regions, j))):8 with linespoints lc j pt (i == 1 ? 7 : 6) \
+  'gestures.csv' using (series(i, word(regions, j))):8 with linespoints lc j pt (j > 8 ? 6 : 8) - i \
   dt i ps 1.2 title word(regions, j).', '.word(scenes, i)
 )";
 

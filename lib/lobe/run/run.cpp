@@ -5,17 +5,15 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
-#include "lobe/linearity/mass_watch.h"
-#include "lobe/linearity/watch.h"
 #include "lobe/run/recorder.h"
 #include "lobe/run/recording.h"
+#include "lobe/run/watched.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/text.h"
 
@@ -192,108 +190,6 @@ void clear_earlier_run(const std::filesystem::path& directory,
         throw InputError(input.string(), "would be overwritten by the results; choose another directory");
   for (const std::filesystem::path& file : earlier) std::filesystem::remove(file, error);
 }
-
-std::string at(const Vec3d& place) {
-  return "at [" + rounded(place[0]) + ", " + rounded(place[1]) + ", " + rounded(place[2]) + "] m";
-}
-
-// What is seen of linear regions that lobe has chosen.
-template <class Real>
-class Watched {
- public:
-  Watched(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
-    if (!scene.auto_regions || scene.corrects_masses()) return;
-    tolerance_ = scene.auto_regions->tolerance;
-    corrects_ = scene.auto_regions->correct;
-    std::vector<std::vector<Index>> grasps;
-    for (const GraspSetup& grasp : resolved.setup.grasps) grasps.push_back(grasp.vertices);
-    watch_.emplace(world, grasps, LinearityOptions{tolerance_, corrects_});
-  }
-
-  void look(World<Real>& world, Recorded<Real>* recorded) {
-    if (!watch_) return;
-    const LinearityReport seen = recorded ? watch_->look(world, Steering(*recorded)) : watch_->look(world);
-    expanded_ += seen.is_expanded;
-    if (seen.error > worst_.error) worst_ = seen;
-    exceeded_ += seen.exceeded;
-    to_nonlinear_ += seen.to_nonlinear;
-    to_linear_ += seen.to_linear;
-    series_.push_back({{"time", seen.time}, {"error", seen.error}});
-  }
-
-  bool any() const { return watch_.has_value(); }
-  std::string warning() const {
-    if (worst_.error <= tolerance_) return "";
-    return "linear regions were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
-           rounded(worst_.time) + " s, most " + at(worst_.place) + "; declare that gesture" +
-           (corrects_ ? "" : ", or set \"correct\"");
-  }
-  Json json() const {
-    return {{"worst_error", worst_.error},
-            {"worst_time", worst_.time},
-            {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
-            {"frames_exceeded", exceeded_},
-            {"frames_expanded", expanded_},
-            {"tetrahedra_to_nonlinear", to_nonlinear_},
-            {"tetrahedra_to_linear", to_linear_},
-            {"looking_s", watch_->looking_seconds()},
-            {"series", series_}};
-  }
-
- private:
-  std::optional<LinearityWatch<Real>> watch_;
-  double tolerance_ = 0;
-  bool corrects_ = false;
-  LinearityReport worst_;
-  int exceeded_ = 0, expanded_ = 0;
-  Index to_nonlinear_ = 0, to_linear_ = 0;
-  Json series_ = Json::array();
-};
-
-// What is seen of selective masses whose degree lobe chooses.
-template <class Real>
-class WatchedMasses {
- public:
-  WatchedMasses(World<Real>& world, const Scene& scene) {
-    if (!scene.corrects_masses()) return;
-    tolerance_ = scene.auto_regions->tolerance;
-    watch_.emplace(world, tolerance_);
-  }
-
-  void look(World<Real>& world, Recorded<Real>* recorded) {
-    if (!watch_) return;
-    if (!series_.empty()) ++frames_[std::to_string(world.mass_degree())];  // of the frame before
-    const MassReport seen = recorded ? watch_->look(world, Steering(*recorded)) : watch_->look(world);
-    if (seen.error > worst_.error) worst_ = seen;
-    exceeded_ += seen.exceeded;
-    series_.push_back({{"time", seen.time}, {"error", seen.error}, {"degree", seen.degree}});
-  }
-
-  std::string warning() const {
-    if (worst_.error <= tolerance_) return "";
-    return "selective masses were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
-           rounded(worst_.time) + " s, most " + at(worst_.place) +
-           "; a lower selective_mass or tolerance may help";
-  }
-  std::optional<Json> json() const {
-    if (!watch_) return {};
-    return Json{{"worst_error", worst_.error},
-                {"worst_time", worst_.time},
-                {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
-                {"frames_exceeded", exceeded_},
-                {"frames_by_degree", frames_},
-                {"looking_s", watch_->looking_seconds()},
-                {"series", series_}};
-  }
-
- private:
-  std::optional<MassWatch<Real>> watch_;
-  double tolerance_ = 0;
-  MassReport worst_;
-  int exceeded_ = 0;
-  std::map<std::string, int> frames_;
-  Json series_ = Json::array();
-};
 
 template <class Real>
 bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder,

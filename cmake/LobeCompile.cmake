@@ -37,7 +37,7 @@ if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # The same bug as above: a precompiled header of the system counts as one of ours, whose warnings are shown.
-  target_compile_options(lobe_compile INTERFACE -Wno-stringop-overflow -Wno-array-bounds)
+  target_compile_options(lobe_compile INTERFACE -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 function(lobe_precompile target)  # further headers…
   target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <future>

@@ -9,6 +9,7 @@
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/solve/static_solver.h"
+#include "near.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -75,7 +76,7 @@ TEST_CASE("an expanded body is the one that is all non-linear, through motion an
     CHECK((world.state().u - nonlinear.state().u).norm() < 1e-9 * nonlinear.state().u.norm());
   }
   CHECK(world.mass() == nonlinear.mass());
-  CHECK(world.energies().total() == doctest::Approx(nonlinear.energies().total()).epsilon(1e-9));
+  CHECK(world.energies().total() == near(nonlinear.energies().total(), 1e-9));
   CHECK((world.reaction(HeldVertices::boundary) - nonlinear.reaction(HeldVertices::boundary)).norm() <
         1e-6 * nonlinear.reaction(HeldVertices::boundary).norm());
   CHECK(compare_with_rebuilt(world).largest() < 1e-9);
@@ -91,7 +92,7 @@ TEST_CASE("condensed again, it is what it was") {
   CHECK(world.mass() == other.mass());
   CHECK(world.forces() == other.forces());
   CHECK((world.state().u - other.state().u).norm() < 1e-9 * other.state().u.norm());
-  CHECK(world.time_step_limit() == doctest::Approx(other.time_step_limit()).epsilon(1e-12));
+  CHECK(world.time_step_limit() == near(other.time_step_limit(), 1e-12));
 }
 
 TEST_CASE("linearised about a non-linear equilibrium, the region is in equilibrium there") {
@@ -110,7 +111,7 @@ TEST_CASE("linearised about a non-linear equilibrium, the region is in equilibri
   CHECK(largest_force(world) < 1e-8 * at_rest);
   CHECK((world.state().u - pulled.exact.u).norm() < 1e-8 * pulled.exact.u.norm());
   CHECK(world.energies().elastic_linear + world.energies().elastic_nonlinear ==
-        doctest::Approx(pulled.exact.energy).epsilon(1e-8));
+        near(pulled.exact.energy, 1e-8));
 }
 
 TEST_CASE("its error grows with the square of the distance from there") {

@@ -5,6 +5,7 @@
 #include "liver.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"
+#include "near.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -53,8 +54,7 @@ TEST_CASE(
     REQUIRE(proposal.gestures.size() == 1);
     const GestureOutcome& outcome = proposal.gestures[0];
     CHECK(outcome.measured <= tolerance);
-    CHECK(measured_error(setup, gesture, proposal.region_of) ==
-          doctest::Approx(outcome.measured).epsilon(1e-4));
+    CHECK(measured_error(setup, gesture, proposal.region_of) == near(outcome.measured, 1e-4));
     CHECK(proposal.linear_share > share);
     share = proposal.linear_share;
   }

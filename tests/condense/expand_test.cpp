@@ -163,7 +163,7 @@ TEST_CASE(
   CHECK(world.linearised_about().size() > 0);
 }
 
-TEST_CASE("the same bits on two threads, and from a checkpoint file in between") {
+TEST_CASE("the same bits on two and seven threads, and from a checkpoint file in between") {
   const auto play = [](World<float>& world, int from, int to) {
     for (int i = from; i < to; ++i) {
       if (i == 1) world.expand();
@@ -180,7 +180,7 @@ TEST_CASE("the same bits on two threads, and from a checkpoint file in between")
   for (int at : {3, 5, 8}) {
     CAPTURE(at);
     const Folder folder;
-    World<float> saved(expandable()), third(expandable());
+    World<float> saved(expandable()), third(expandable(), 7);
     play(saved, 0, at);
     write_checkpoint(folder.path / "state", saved.save());
     third.restore(read_checkpoint<float>(folder.path / "state"));

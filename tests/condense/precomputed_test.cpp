@@ -266,19 +266,21 @@ TEST_CASE(
   CHECK(compare_with_rebuilt(world).largest() < 1e-9);
 }
 
-TEST_CASE("a cautery through both regions cuts the same on one and on two threads, and leaves no trace") {
+TEST_CASE("a cautery through both regions cuts the same on one, two and seven threads, and leaves no trace") {
   Setup setup = half_linear(RegionModel::precomputed, 8);
   load(setup);
   setup.damping = 20;
   setup.cauteries.push_back({"bipolar", 0.009, {{0, {0.02, -0.02, 0.08}}, {0.2, {0.065, 0.1, 0.03}}}});
-  World<float> first(setup, 1), second(setup, 2);
+  World<float> first(setup, 1), second(setup, 2), seventh(setup, 7);
   Index removed = 0;
   for (int i = 0; i < 8; ++i) {
     const Report report = first.advance(0.03);
     REQUIRE(report.ok);
     removed += report.tets_removed;
     second.advance(0.03);
+    seventh.advance(0.03);
     REQUIRE(first.state().u == second.state().u);
+    REQUIRE(first.state().u == seventh.state().u);
   }
   CHECK(removed > 100);
   World<double> exact(setup);

@@ -89,9 +89,9 @@ TEST_CASE(
   CHECK(ended >= 1);
 }
 
-TEST_CASE("it is taken in the same frame on one and on two threads, and from a checkpoint in between") {
+TEST_CASE("it is taken in the same frame on one, two and seven threads, and from a checkpoint in between") {
   const Setup setup = cut_body();
-  World<float> first(setup, 1), second(setup, 2), third(setup, 1);
+  World<float> first(setup, 1), second(setup, 2), third(setup, 7);
   int saved_at = 0;
   const Folder folder;
   for (int i = 0; i < 18; ++i) {
@@ -126,7 +126,7 @@ TEST_CASE("a region that is cut to rags stays what would be condensed from the c
   }
 }
 
-TEST_CASE("rags move the same on one and on two threads, and from a checkpoint at any time") {
+TEST_CASE("rags move the same on one, two and seven threads, and from a checkpoint at any time") {
   const Setup setup = bar();
   const auto cuts = cuts_to_rags(setup);
   const auto play_on = [&](World<float>& world, std::size_t from, std::size_t to) {
@@ -155,7 +155,7 @@ TEST_CASE("rags move the same on one and on two threads, and from a checkpoint a
   CHECK(first.state().u == second.state().u);
   for (const auto& [at, checkpoint] : saved) {
     CAPTURE(at);
-    World<float> restored(setup, 1);
+    World<float> restored(setup, 7);
     restored.restore(checkpoint);
     play_on(restored, at, all);
     finish(restored);

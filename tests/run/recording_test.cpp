@@ -41,9 +41,9 @@ Replayed replayed_on(int threads, const Recording& recording) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("a recording replays bit for bit on one and on two threads", Real, float, double) {
+TEST_CASE_TEMPLATE("a recording replays bit for bit on one, two and seven threads", Real, float, double) {
   const Recording recording = played<Real>();
-  for (int threads : {1, 2}) {
+  for (int threads : {1, 2, 7}) {
     const Replayed replayed = replayed_on<Real>(threads, recording);
     CHECK(replayed.same);
     CHECK(replayed.calls == 7);

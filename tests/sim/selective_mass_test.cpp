@@ -297,7 +297,7 @@ TEST_CASE_TEMPLATE("the degree may change between frames; a restored world goes 
       REQUIRE(world.advance(0.02).ok);
     }
   };
-  World<Real> world(setup), other(setup, 2);
+  World<Real> world(setup), other(setup, 7);
   play(world, 0, 11);
   const Checkpoint<Real> kept = world.save();
   CHECK(kept.mass_degree == 9);

@@ -38,6 +38,7 @@
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
+#include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/select.h"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <sstream>
 #include <tuple>
@@ -16,6 +17,7 @@
 #include "lobe_mesh/relax.h"
 #include "lobe_mesh/sizing.h"
 #include "lobe_mesh/steps.h"
+#include "lobe_mesh/volumes.h"
 
 namespace lobe::meshing {
 namespace {
@@ -119,6 +121,7 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
   }
   for (std::size_t k = 0; k < surfaces_.size(); ++k)
     interfaces_[std::minmax(model.sides[k].outside, model.sides[k].inside)] = &surfaces_[k];
+  for (double& volume : scaled_.volumes) volume /= std::pow(unit_.size, 3);
   for (Mat3X<double>& line : scaled_.junctions) line = unit_.to_unit(line);
   if (model.is_image()) {
     scaled_.image_region = [&](const Vec3d& point) { return model.image_region(unit_.from_unit(point)); };
@@ -168,8 +171,10 @@ void Tries::improve(TetMesh& mesh) {
   const double edge = shortest < scaled_options_.edge ? shortest : mean_edge;
   const Freedom freedom = find_freedom(mesh, interfaces_, features_, on_line * edge);
   restore_volume(mesh, interfaces_, freedom);
+  match_volumes(mesh, interfaces_, freedom, scaled_.volumes);
   relax(mesh, freedom,
         {.edge = edge, .poisson_ratio = options_.lambda / (2 * (options_.lambda + options_.mu))});
+  match_volumes(mesh, interfaces_, freedom, scaled_.volumes);
   stopwatch_.phase("relax");
 }
 

@@ -132,6 +132,22 @@ TEST_CASE("repairs and doubts are reported on standard error") {
   CHECK(contains(pieces.err, "2 separate pieces"));
 }
 
+TEST_CASE("--repair auto meshes what the default refuses, and warns that it was wrapped") {
+  const SurfaceFolder folder;
+  const Surface sphere = make_sphere(0.05, 2);
+  const std::string surface = folder.write("s.off", joined(sphere, moved(sphere, {0.03, 0, 0}))).string(),
+                    mesh = (folder.path / "m.vtu").string();
+  const Run refused = lobe_mesh(surface + " --edge 0.015 -o " + mesh);
+  CHECK(refused.status == 2);
+  CHECK(!std::filesystem::exists(mesh));
+  const Run run = lobe_mesh(surface + " --edge 0.015 --json --repair auto -o " + mesh);
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  CHECK(contains(run.err, "warning: wrapped, because"));
+  const auto json = nlohmann::json::parse(run.out);
+  CHECK(json["repair"]["steps"].back()["name"] == "wrap");
+  CHECK(contains(json["warnings"][0], "wrapped, because"));
+}
+
 TEST_CASE("--diagnose marks the faults in a file") {
   const SurfaceFolder folder;
   const std::string surface = folder.write("s.off", without_triangle(make_cube(1), 0)).string(),

@@ -26,6 +26,28 @@ std::string refusal(const Surface& surface, Repair level = Repair::basic) {
   return input_error([&] { repair_surface(surface, {.level = level}, report); });
 }
 
+// A ball of 1,280 triangles whose vertices were drawn through each other, some onto the opposite edge of a triangle,
+// with 38 triangles twice.
+Surface wreck(unsigned random) {
+  Surface bad = make_sphere(1, 3);
+  const auto next = [&] { return (random = random * 1664525u + 1013904223u) / 4294967296.0; };
+  const auto number = [&](Index count) { return static_cast<Index>(next() * count); };
+  for (int i = 0; i < 60; ++i) {
+    auto p = bad.points.col(number(bad.point_count()));
+    for (double& x : p) x += 0.6 * (next() - 0.5);
+  }
+  for (int i = 0; i < 8; ++i) {
+    const auto t = bad.triangles.col(number(bad.triangle_count()));
+    const double s = next();
+    bad.points.col(t[2]) = (1 - s) * bad.points.col(t[0]) + s * bad.points.col(t[1]);
+  }
+  const Index triangles = bad.triangle_count();
+  bad.triangles.conservativeResize(3, triangles + 38);
+  for (Index t = triangles; t < bad.triangle_count(); ++t)
+    bad.triangles.col(t) = bad.triangles.col(number(triangles));
+  return bad;
+}
+
 }  // namespace
 
 TEST_CASE("a good surface comes back unchanged, bit for bit") {
@@ -203,6 +225,54 @@ TEST_CASE("triangles without area are removed, whether that is exact or up to ro
       CHECK(enclosed_volume(result) == near(enclosed_volume(bad), 1e-6));
     }
   }
+}
+
+TEST_CASE("what the removal of intersections leaves without area is removed, too") {
+  for (const unsigned seed : {3u, 5u, 9u}) {  // once through the rungs left one triangle of the first
+    CAPTURE(seed);
+    const Surface bad = wreck(seed);
+    const Diagnosis before = diagnose(bad);
+    REQUIRE(before.degenerate.count >= 8);
+    REQUIRE(before.duplicate_triangles.count == 38);
+    REQUIRE(before.self_intersections.count > 80);
+    RepairReport report;
+    const Surface result = repair_surface(bad, {}, report);
+    CHECK(diagnose(result).meshable());
+    CHECK(step(report, "duplicates")->count == 38);
+    CHECK(step(report, "degenerate"));
+    CHECK(step(report, "self-intersections"));
+    CHECK(!step(report, "wrap"));
+    CHECK(enclosed_volume(result) == near(4.1, 0.15));
+    for (std::size_t i = 1; i < report.steps.size(); ++i)
+      CHECK(report.steps[i].volume_before == report.steps[i - 1].volume_after);
+  }
+}
+
+TEST_CASE("repair climbs to wrapping when asked to, says why, and only where it must") {
+  const RepairOptions options{.level = Repair::wrap_if_needed};
+  const Surface sphere = make_sphere(1, 3), overlapping = joined(sphere, moved(sphere, {0.5, 0.3, 0.1}));
+  REQUIRE(contains(refusal(overlapping), "could not be separated"));
+  RepairReport report;
+  const Surface body = repair_surface(overlapping, options, report);
+  CHECK(diagnose(body).meshable());
+  CHECK(step(report, "wrap"));
+  REQUIRE(!report.warnings.empty());
+  CHECK(contains(report.warnings[0], "wrapped, because the repair did not succeed (self-intersections: "));
+  CHECK(!contains(report.warnings[0], "use --repair wrap"));
+  // Two balls of the radius 1 at the distance d: 8π/3 − π (4 + d) (2 − d)² / 12. The wrapping is larger.
+  const double pi = std::numbers::pi, d = std::sqrt(0.35),
+               both = 8 * pi / 3 - pi * (4 + d) * std::pow(2 - d, 2) / 12;
+  CHECK(enclosed_volume(body) == near(1.01 * both, 0.02));
+  // The rungs of the failed repair are not in the report.
+  CHECK(report.steps.back().name == "wrap");
+  CHECK(!step(report, "self-intersections"));
+  CHECK(report.steps.back().volume_before == near(enclosed_volume(overlapping), 1e-9));
+
+  repair_surface(wreck(5), options, report);
+  CHECK(!step(report, "wrap"));
+  const Surface same = repair_surface(sphere, options, report);
+  CHECK(same.points == sphere.points);
+  CHECK(report.steps.empty());
 }
 
 TEST_CASE("an edge shared by four triangles is taken apart") {

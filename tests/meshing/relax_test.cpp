@@ -42,7 +42,8 @@ TEST_CASE(
   const NearestPoint surface(cube);
   const Interfaces interfaces{{{-1, 0}, &surface}};
   std::vector<Mat3X<double>> lines;
-  for (const Polyline& line : feature_lines(cube, 60, 0)) lines.push_back(cube.points(Eigen::all, line));
+  for (const Polyline& line : feature_lines(cube, 60, 0, 0).lines)
+    lines.push_back(cube.points(Eigen::all, line));
   const Freedom freedom = find_freedom(mesh, interfaces, lines, 1e-6);
   relax(mesh, freedom, {.edge = edge});
   CHECK(step_star(mesh) > 1.2 * step_star(before));

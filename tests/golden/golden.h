@@ -1,0 +1,49 @@
+// Runs whose bits are kept: the digests of displacements, velocities and time at ten times of each (digests.txt).
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lobe/run/recording.h"
+#include "lobe/sim/world.h"
+
+namespace lobe::test {
+
+constexpr int golden_times = 10;
+using Digests = std::vector<std::uint64_t>;
+
+struct GoldenRun {
+  std::string name;
+  std::function<Digests(int threads)> play;
+};
+
+std::vector<GoldenRun> shipped_scenes();  // those of data/scenes
+std::vector<GoldenRun> option_scenes();   // small bodies, one for each option and what goes with it
+
+// Plays so many frames. `begin(world)` is called once; what it returns is called with the number of each frame before that.
+template <class Real, class Begin>
+Digests play_golden(const Setup& setup, int threads, int frames, double frame, Begin&& begin) {
+  World<Real> world(setup, threads);
+  Digests digests;
+  auto before_frame = begin(world);
+  for (int i = 0; i < frames; ++i) {
+    before_frame(i);
+    world.advance(frame);
+    if ((i + 1) * golden_times / frames > i * golden_times / frames) digests.push_back(digest(world));
+  }
+  return digests;
+}
+
+// Both precisions of a run.
+template <class Begin>
+void add_golden(std::vector<GoldenRun>& runs, const std::string& name, const Setup& setup, int frames,
+                double frame, Begin begin) {
+  runs.push_back({name + ", single",
+                  [=](int threads) { return play_golden<float>(setup, threads, frames, frame, begin); }});
+  runs.push_back({name + ", double",
+                  [=](int threads) { return play_golden<double>(setup, threads, frames, frame, begin); }});
+}
+
+}  // namespace lobe::test

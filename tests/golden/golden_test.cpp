@@ -1,0 +1,67 @@
+// Every run gives the bits that are kept in digests.txt, on 1, 2 and 7 threads. They hold on x86-64, whatever instructions
+// the wide kernels use. LOBE_WRITE_GOLDEN=FILE writes the digests of one thread to a file instead.
+#include "golden/golden.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iomanip>
+#include <map>
+#include <sstream>
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// A line for each run: its name, a colon, its digests.
+std::map<std::string, Digests> kept_digests() {
+  std::ifstream file(std::string(LOBE_GOLDEN_DIR) + "/digests.txt");
+  std::map<std::string, Digests> kept;
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(':');
+    if (line.starts_with("#") || colon == std::string::npos) continue;
+    std::istringstream values(line.substr(colon + 1));
+    Digests& digests = kept[line.substr(0, colon)];
+    for (std::uint64_t digest; values >> std::hex >> digest;) digests.push_back(digest);
+  }
+  return kept;
+}
+
+void write_digests(const std::string& path, const std::vector<GoldenRun>& runs) {
+  std::ofstream file(path, std::ios::app);
+  for (const GoldenRun& run : runs) {
+    file << run.name << ':';
+    for (std::uint64_t digest : run.play(1))
+      file << ' ' << std::hex << std::setw(16) << std::setfill('0') << digest;
+    file << '\n';
+  }
+  REQUIRE(file.good());
+}
+
+void check(const std::vector<GoldenRun>& runs) {
+  if (const char* path = std::getenv("LOBE_WRITE_GOLDEN")) return write_digests(path, runs);
+#ifdef __x86_64__
+  const std::map<std::string, Digests> kept = kept_digests();
+  for (const GoldenRun& run : runs)
+    for (int threads : {1, 2, 7}) {
+      CAPTURE(run.name);
+      CAPTURE(threads);
+      REQUIRE(kept.contains(run.name));
+      const Digests found = run.play(threads);
+      REQUIRE(found.size() == golden_times);
+      std::size_t same = 0;  // times
+      while (same < golden_times && found[same] == kept.at(run.name)[same]) ++same;
+      CHECK(same == golden_times);
+    }
+#endif
+}
+
+}  // namespace
+
+TEST_CASE("the shipped scenes give the bits that are kept, on any number of threads") {
+  check(shipped_scenes());
+}
+
+TEST_CASE("every option gives the bits that are kept, on any number of threads") { check(option_scenes()); }

@@ -1,0 +1,169 @@
+#include "condense/half_linear.h"
+#include "golden/golden.h"
+#include "linearity/liver.h"
+#include "lobe/linearity/mass_watch.h"
+#include "lobe/linearity/watch.h"
+#include "squeezed_bar.h"
+
+namespace lobe::test {
+namespace {
+
+constexpr int frames = 20;
+constexpr double frame = 0.02;  // [s]
+
+const auto nothing = [](auto&) { return [](int) {}; };
+
+// A box of 5 × 5 × 5 cells of 0.01 m, of which the half with the smaller x follows another model.
+Setup box_of(RegionModel model) {
+  Setup setup = half_linear(model);
+  load(setup);
+  setup.damping = 10;
+  return setup;
+}
+
+// Takes hold of the upper end, moves it sideways and lets go at half of the time.
+void add_grasp(Setup& setup) {
+  GraspSetup grasp{"grasp", {}, {{0.04, Vec3d::Zero()}, {0.2, {0.006, 0.004, 0.002}}}, true};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) > 0.045) grasp.vertices.push_back(v);
+  setup.grasps.push_back(grasp);
+}
+
+// Through the non-linear half and into the other one.
+void add_cautery(Setup& setup) {
+  setup.cauteries.push_back({"cautery", 0.006, {{0.1, {0.06, 0.025, 0.05}}, {0.3, {0.005, 0.025, 0.05}}}});
+}
+
+Setup box_with_tools(RegionModel model) {
+  Setup setup = box_of(model);
+  add_grasp(setup);
+  add_cautery(setup);
+  return setup;
+}
+
+std::vector<Index> tets_around(const Setup& setup, const Vec3d& centre, double radius) {
+  std::vector<Index> tets;
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    if ((barycentre(setup.mesh, t) - centre).norm() < radius) tets.push_back(t);
+  return tets;
+}
+
+// What a setup may ask for, each with tools and a cut through both halves.
+void add_options(std::vector<GoldenRun>& runs) {
+  Setup setup = box_with_tools(RegionModel::tensor_mass);
+  add_golden(runs, "tensor-mass half", setup, frames, frame, nothing);
+  setup.evaluator = Evaluator::stored;
+  setup.loose_pieces = LoosePieces::vanish;
+  add_golden(runs, "stored evaluator, loose pieces vanish", setup, frames, frame, nothing);
+
+  setup = box_with_tools(RegionModel::precomputed);
+  add_golden(runs, "precomputed half", setup, frames, frame, nothing);
+  setup.load_ramp = 0.2;
+  setup.loose_pieces = LoosePieces::stay;
+  add_golden(runs, "precomputed half, loads that grow, loose pieces stay", setup, frames, frame, nothing);
+  setup.precomputed_frame = RegionFrame::corotated;
+  add_golden(runs, "corotated half", setup, frames, frame, nothing);
+
+  add_golden(runs, "nodal pressure", averaged(box_with_tools(RegionModel::nonlinear)), frames, frame,
+             nothing);
+  setup = box_with_tools(RegionModel::tensor_mass);
+  setup.mass_scaling = 0.05;
+  add_golden(runs, "scaled masses", setup, frames, frame, nothing);
+  setup = squeezed_bar();
+  add_golden(runs, "guard and a tangle that is unravelled", setup, frames, 0.2, nothing);
+  setup.selective_mass = 5;
+  add_golden(runs, "selective masses of a tangle", setup, frames, 0.2, nothing);
+}
+
+void add_sleep(std::vector<GoldenRun>& runs) {
+  Setup setup = held_liver();
+  setup.damping = 20;
+  setup.sleep = 1e-4;
+  setup.grasps.push_back({"grasp", left_lobe(setup), {{0.8, Vec3d::Zero()}, {0.9, {0, 0, 0.01}}}, true});
+  setup.cauteries.push_back({"cautery", 0.008, {{1.1, {0.03, -0.06, 0.03}}, {1.2, {0.03, 0.0, 0.03}}}});
+  const std::vector<Index> tets = tets_around(setup, {-0.03, 0, 0}, 0.02);
+  add_golden(runs, "sleep", setup, 40, 0.04, [=](auto& world) {
+    return [&world, tets](int i) {
+      if (i == 35) world.set_region(tets, RegionModel::tensor_mass);
+    };
+  });
+}
+
+void add_inertia(std::vector<GoldenRun>& runs) {
+  Setup setup = box_with_tools(RegionModel::tensor_mass);
+  setup.selective_mass = 9;
+  add_golden(runs, "selective masses whose degree changes", setup, frames, frame, [](auto& world) {
+    return [&world](int i) {
+      if (i % 4 == 1) world.set_mass_degree(i % 8 == 1 ? 3 : 9);
+    };
+  });
+  setup = held_liver();
+  setup.damping = 20;
+  setup.selective_mass = 12;
+  setup.grasps.push_back({"grasp", left_lobe(setup), {{0, Vec3d::Zero()}, {0.3, {0, 0, 0.03}}}, true});
+  setup.cauteries.push_back({"cautery", 0.006, {{0.5, {0.03, -0.06, 0.03}}, {0.6, {0.03, 0.0, 0.03}}}});
+  add_golden(runs, "selective masses that are watched", setup, 2 * frames, frame,
+             []<class Real>(World<Real>& world) {
+               return [watch = std::make_shared<MassWatch<Real>>(world, 0.02), &world](int) {
+                 watch->look(world);
+               };
+             });
+}
+
+// Edits by hand of each region, and a precomputed one that is expanded, cut, linearised anew and condensed again.
+void add_edits(std::vector<GoldenRun>& runs) {
+  Setup setup = box_of(RegionModel::precomputed);
+  setup.expandable = true;
+  const std::vector<Index> some = tets_around(setup, {0.02, 0.03, 0.02}, 0.012),
+                           others = tets_around(setup, {0.04, 0.01, 0.02}, 0.012);
+  const auto edit = [=](auto& world) {
+    return [&world, some, others](int i) {
+      if (i == 2) world.expand();
+      if (i == 4) world.condense();
+      if (i == 5) world.remove_tets({some.begin(), some.begin() + 3});
+      if (i == 7) world.expand();
+      if (i == 8) world.remove_tets({some.begin() + 3, some.begin() + 5});
+      if (i == 9) world.renew(0.03);
+      if (i == 13 && world.can_condense()) world.condense();
+      if (i == 15) world.set_region(others, RegionModel::tensor_mass);
+      if (i == 17) world.set_region(others, RegionModel::nonlinear);
+      if (i == 18) world.remove_tets(others);
+    };
+  };
+  add_golden(runs, "edits", setup, frames, frame, edit);
+  setup.selective_mass = 5;
+  add_golden(runs, "edits with selective masses", setup, frames, frame, edit);
+
+  setup = held_liver(RegionModel::tensor_mass);
+  setup.damping = 20;
+  setup.grasps.push_back({"grasp", left_lobe(setup), {{0, Vec3d::Zero()}, {0.4, {0, 0, 0.05}}}, true});
+  add_golden(
+      runs, "tensor-mass zones that are corrected", setup, 2 * frames, frame,
+      [grasps = std::vector<std::vector<Index>>{setup.grasps[0].vertices}]<class Real>(World<Real>& world) {
+        return [watch = std::make_shared<LinearityWatch<Real>>(world, grasps, LinearityOptions{0.02, true}),
+                &world](int) { watch->look(world); };
+      });
+}
+
+void add_implicit(std::vector<GoldenRun>& runs) {
+  Setup setup = box_with_tools(RegionModel::tensor_mass);
+  setup.integrator = Integrator::generalised_alpha;
+  setup.implicit_step = 0.01;
+  runs.push_back({"implicit, double", [setup](int threads) {
+                    return play_golden<double>(setup, threads, frames, frame, nothing);
+                  }});
+}
+
+}  // namespace
+
+std::vector<GoldenRun> option_scenes() {
+  std::vector<GoldenRun> runs;
+  add_options(runs);
+  add_sleep(runs);
+  add_inertia(runs);
+  add_edits(runs);
+  add_implicit(runs);
+  return runs;
+}
+
+}  // namespace lobe::test

@@ -4,7 +4,7 @@
 
 #include "lobe/diagnostics/compare.h"
 #include "lobe/error.h"
-#include "lobe/region/elements.h"
+#include "lobe/fem/elements.h"
 
 namespace lobe::bench {
 namespace {

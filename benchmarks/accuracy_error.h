@@ -3,7 +3,7 @@
 
 #include "benchmarks/accuracy_play.h"
 #include "lobe/diagnostics/overlap.h"
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe::bench {
 

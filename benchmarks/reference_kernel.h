@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe::bench {
 

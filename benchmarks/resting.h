@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe::bench {
 

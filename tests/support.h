@@ -5,7 +5,7 @@
 #include <random>
 
 #include "lobe/mesh/generators.h"
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe::test {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe::validation {
 

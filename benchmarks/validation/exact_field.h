@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "lobe/region/body.h"
+#include "lobe/fem/body.h"
 
 namespace lobe::validation {
 

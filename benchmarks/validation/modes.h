@@ -1,7 +1,7 @@
 // Natural modes of a body at rest: K φ = ω² M φ with lobe's tangent at u = 0 and its lumped masses.
 #pragma once
 
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe::validation {
 

@@ -1,7 +1,7 @@
 // An optional back end of the static and implicit solvers, faster on large meshes. GPL-2+: see LICENSE here.
 #pragma once
 
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/numerics/sparse_factor.h"
 
 namespace lobe {
 

@@ -1,10 +1,13 @@
 // All of lobe in one header. Folders are the chapters of the theory (docs/theory.md):
 //   mesh/         tetrahedra, topology that follows cuts, quality
-//   fem/          the mathematics of one element
+//   numerics/     sparse factors, dense products, highest eigenvalues
+//   fem/          the mathematics of one element, and the elements of a body
+//   setup/        what a scene comes to: a body, its loads, what is held
 //   region/       tensor-mass and non-linear regions that share vertices
 //   condense/     pre-computed linear regions, reduced to what they share with others
 //   cut/          instruments against tetrahedra
-//   sim/          state, time step, tools, World
+//   time/         the explicit scheme: inertia, stable step, sleep
+//   sim/          World: a body in motion, with tools and cuts
 //   solve/        static equilibrium
 //   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup
@@ -42,7 +45,7 @@
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/select.h"
 #include "lobe/sim/checkpoint.h"
-#include "lobe/sim/frequency.h"
 #include "lobe/sim/rebuild.h"
+#include "lobe/sim/rest_time_step.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"

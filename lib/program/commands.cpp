@@ -18,7 +18,7 @@
 #include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
-#include "lobe/sim/frequency.h"
+#include "lobe/sim/rest_time_step.h"
 #include "lobe/text.h"
 #include "pictures.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/numerics/sparse_factor.h"
 
 namespace lobe::program {
 

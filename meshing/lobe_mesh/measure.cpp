@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lobe/sim/frequency.h"
+#include "lobe/sim/rest_time_step.h"
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/relax.h"

@@ -1,8 +1,8 @@
-#include "lobe/condense/dense_products.h"
+#include "lobe/numerics/dense_products.h"
 
 #include <doctest/doctest.h>
 
-#include "lobe/condense/symmetric_sweep.h"
+#include "lobe/numerics/symmetric_sweep.h"
 
 using namespace lobe;
 

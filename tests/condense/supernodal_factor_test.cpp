@@ -1,4 +1,4 @@
-#include "lobe/condense/supernodal_factor.h"
+#include "lobe/numerics/supernodal_factor.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "lobe/condense/region_factor.h"
-#include "lobe/condense/supernodes.h"
+#include "lobe/numerics/supernodes.h"
 #include "support.h"
 
 using namespace lobe;

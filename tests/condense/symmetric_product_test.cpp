@@ -1,4 +1,4 @@
-#include "lobe/condense/symmetric_product.h"
+#include "lobe/numerics/symmetric_product.h"
 
 #include <doctest/doctest.h>
 

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "lobe/fem/shape.h"
-#include "lobe/fem/simd.h"
+#include "lobe/numerics/simd.h"
 
 using namespace lobe;
 

@@ -4,7 +4,7 @@
 
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
-#include "lobe/sim/frequency.h"
+#include "lobe/sim/rest_time_step.h"
 #include "meshing/shapes.h"
 
 using namespace lobe;

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "lobe/region/elements.h"
+#include "lobe/fem/elements.h"
 #include "support.h"
 
 using namespace lobe;

@@ -1,4 +1,4 @@
-#include "lobe/sim/frequency.h"
+#include "lobe/numerics/lanczos.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "lobe/sim/integrator.h"
+#include "lobe/time/integrator.h"
 
 #include <doctest/doctest.h>
 

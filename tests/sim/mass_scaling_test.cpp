@@ -1,4 +1,4 @@
-#include "lobe/sim/mass_scaling.h"
+#include "lobe/time/mass_scaling.h"
 
 #include <doctest/doctest.h>
 

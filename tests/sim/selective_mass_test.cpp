@@ -1,4 +1,4 @@
-#include "lobe/sim/selective_mass.h"
+#include "lobe/time/selective_mass.h"
 
 #include <doctest/doctest.h>
 

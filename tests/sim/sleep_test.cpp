@@ -1,5 +1,5 @@
 // Parts at rest sleep: what that costs in accuracy, what it saves, and what wakes them.
-#include "lobe/sim/sleep.h"
+#include "lobe/time/sleep.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Tangles become linear until they come undone; nothing else does.
-#include "lobe/sim/unravelling.h"
+#include "lobe/time/unravelling.h"
 
 #include <doctest/doctest.h>
 

@@ -2,8 +2,8 @@
 // must be held by boundary conditions of its own, or be the one part that has a frame that turns with it.
 #pragma once
 
-#include "lobe/region/elements.h"
-#include "lobe/sim/boundary_conditions.h"
+#include "lobe/fem/elements.h"
+#include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
 

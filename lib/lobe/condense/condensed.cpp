@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "lobe/condense/symmetric_sweep.h"
+#include "lobe/numerics/symmetric_sweep.h"
 
 namespace lobe {
 namespace {

@@ -27,8 +27,8 @@
 #include <memory>
 #include <vector>
 
-#include "lobe/condense/dense_products.h"
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/numerics/dense_products.h"
+#include "lobe/numerics/sparse_factor.h"
 #include "lobe/types.h"
 
 namespace lobe {

@@ -1,7 +1,7 @@
 // What decides whether it pays to condense a region: the interface costs a dense product, its tetrahedra a sparse one.
 #pragma once
 
-#include "lobe/region/elements.h"
+#include "lobe/fem/elements.h"
 
 namespace lobe {
 

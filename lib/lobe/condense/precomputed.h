@@ -11,8 +11,8 @@
 
 #include "lobe/condense/reduced_region.h"
 #include "lobe/condense/rigid_frame.h"
-#include "lobe/condense/symmetric_product.h"
-#include "lobe/sim/boundary_conditions.h"
+#include "lobe/numerics/symmetric_product.h"
+#include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
 

@@ -3,8 +3,8 @@
 
 #include "lobe/condense/condensing_log.h"
 #include "lobe/condense/linearisation.h"
-#include "lobe/region/elements.h"
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/fem/elements.h"
+#include "lobe/numerics/sparse_factor.h"
 
 namespace lobe {
 

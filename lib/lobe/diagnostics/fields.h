@@ -1,8 +1,8 @@
 // Fields of a deformed body, per tetrahedron, for recordings and pictures.
 #pragma once
 
+#include "lobe/fem/elements.h"
 #include "lobe/io/mesh_io.h"
-#include "lobe/region/elements.h"
 
 namespace lobe {
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "lobe/mesh/outer_faces.h"
-#include "lobe/sim/boundary_conditions.h"
+#include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "lobe/condense/supernodal_factor.h"
 #include "lobe/error.h"
+#include "lobe/numerics/supernodal_factor.h"
 #include "lobe/solve/floating.h"
 #include "lobe/solve/tangent.h"
 

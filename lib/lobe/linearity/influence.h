@@ -4,8 +4,8 @@
 #pragma once
 
 #include "lobe/linearity/zones.h"
-#include "lobe/sim/boundary_conditions.h"
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/numerics/sparse_factor.h"
+#include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "lobe/condense/supernodal_factor.h"
+#include "lobe/numerics/supernodal_factor.h"
 #include "lobe/solve/floating.h"
 #include "lobe/solve/tangent.h"
 

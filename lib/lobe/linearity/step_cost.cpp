@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "lobe/condense/interface_size.h"
-#include "lobe/condense/symmetric_product.h"
+#include "lobe/numerics/symmetric_product.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {

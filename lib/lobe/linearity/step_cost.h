@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lobe/linearity/zones.h"
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe {
 

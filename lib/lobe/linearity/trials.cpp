@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lobe/condense/supernodal_factor.h"
+#include "lobe/numerics/supernodal_factor.h"
 
 namespace lobe {
 namespace {

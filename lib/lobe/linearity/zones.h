@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lobe/region/elements.h"
+#include "lobe/fem/elements.h"
 
 namespace lobe {
 

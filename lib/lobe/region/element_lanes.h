@@ -4,9 +4,9 @@
 #include "lobe/fem/guard.h"
 #include "lobe/fem/pressure_term.h"
 #include "lobe/fem/shape.h"
-#include "lobe/fem/simd.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
+#include "lobe/numerics/simd.h"
 #include "lobe/region/element_block.h"
 
 namespace lobe {

@@ -1,11 +1,11 @@
 // Energy and stress of one tetrahedron by the model of its region, or by another: what all evaluators of regions sum up.
 #pragma once
 
+#include "lobe/fem/elements.h"
 #include "lobe/fem/guard.h"
 #include "lobe/fem/hooke.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
-#include "lobe/region/elements.h"
 
 namespace lobe {
 

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
+#include "lobe/fem/elements.h"
 #include "lobe/mesh/vertex_lists.h"
 #include "lobe/parallel.h"
-#include "lobe/region/elements.h"
 
 namespace lobe {
 

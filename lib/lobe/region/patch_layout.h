@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "lobe/fem/elements.h"
 #include "lobe/mesh/vertex_lists.h"
-#include "lobe/region/elements.h"
 
 namespace lobe {
 

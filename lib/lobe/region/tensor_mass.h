@@ -5,7 +5,7 @@
 // ends, K_ji = K_ijᵀ. Edges are kept in patches (patch_layout.h, patch_sums.h).
 #pragma once
 
-#include "lobe/region/elements.h"
+#include "lobe/fem/elements.h"
 #include "lobe/region/patch_sums.h"
 #include "lobe/region/wide_kernels.h"
 

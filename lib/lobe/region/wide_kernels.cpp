@@ -2,7 +2,6 @@
 #include "lobe/region/wide_kernels.h"
 
 #include "lobe/region/element_lanes.h"
-#include "lobe/region/matrix_product.h"
 
 namespace lobe::LOBE_KERNELS {
 namespace {
@@ -174,66 +173,6 @@ void add_term_forces(const TermArrays<Real>& patch, PaddedVector<Real>* f) {
   add_forces_of_terms(patch.tets, u, sums);
 }
 
-// The sums over the sixteen lanes of each of four columns, always in the same order.
-template <class Real>
-void add_column_sums(const Real* lanes, Real* sums) {
-  using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-  Four f[4];
-  unrolled<4>([&](int c) {
-    Four quarter[4];
-    std::memcpy(quarter, lanes + 16 * c, sizeof quarter);
-    f[c] = (quarter[0] + quarter[1]) + (quarter[2] + quarter[3]);
-  });
-  const Four xy = __builtin_shufflevector(f[0], f[1], 0, 4, 1, 5),
-             zw = __builtin_shufflevector(f[0], f[1], 2, 6, 3, 7),
-             next_xy = __builtin_shufflevector(f[2], f[3], 0, 4, 1, 5),
-             next_zw = __builtin_shufflevector(f[2], f[3], 2, 6, 3, 7);
-  Four sum;
-  std::memcpy(&sum, sums, sizeof sum);
-  sum +=
-      (__builtin_shufflevector(xy, next_xy, 0, 1, 4, 5) + __builtin_shufflevector(xy, next_xy, 2, 3, 6, 7)) +
-      (__builtin_shufflevector(zw, next_zw, 0, 1, 4, 5) + __builtin_shufflevector(zw, next_zw, 2, 3, 6, 7));
-  std::memcpy(sums, &sum, sizeof sum);
-}
-
-// Each entry is read once and used twice, as S_ij and as S_ji; the sums of a panel's columns stay in registers.
-template <class Real>
-LOBE_FLATTEN void symmetric_product(const Real* tiles, SymmetricHalf shape, const Real* x, Index begin,
-                                    Index end, Real* y) {
-  using T = Pack<Real>;
-  constexpr int columns = SymmetricHalf::panel_columns, rows = SymmetricHalf::tile_rows;
-  constexpr auto aligned = std::experimental::element_aligned;
-  const Index tile_count = shape.tiles();
-  for (Index p = begin; p < end; ++p) {
-    const Index first = p * columns / rows;
-    const Real* panel = tiles + std::size_t(shape.tiles_before(p)) * SymmetricHalf::tile_size;
-    alignas(64) Real lanes[columns * rows];
-    for (int k = 0; k < rows; k += static_cast<int>(T::size())) {
-      T sums[columns], x_of[columns];
-      unrolled<columns>([&](int c) {
-        sums[c] = 0;
-        x_of[c] = x[p * columns + c];
-      });
-      const Real* tile = panel + k;
-      for (Index t = first; t < tile_count; ++t, tile += SymmetricHalf::tile_size) {
-        const T own(x + t * rows + k, aligned);
-        T even = 0, odd = 0;
-        unrolled<columns>([&](int c) {
-          const T S(tile + c * rows, aligned);
-          (c % 2 == 0 ? even : odd) += S * x_of[c];
-          sums[c] += S * own;
-        });
-        T sum(y + t * rows + k, aligned);
-        sum += even + odd;
-        sum.copy_to(y + t * rows + k, aligned);
-      }
-      unrolled<columns>([&](int c) { sums[c].copy_to(lanes + c * rows + k, aligned); });
-    }
-    add_column_sums(lanes, y + p * columns);
-    add_column_sums(lanes + columns * rows / 2, y + p * columns + 4);
-  }
-}
-
 // f_i = −K_ij d, f_j = K_ijᵀ d with d = u_j − u_i.
 template <class Real>
 LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
@@ -258,11 +197,10 @@ LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, co
 
 }  // namespace
 
-extern const WideKernels<float> single_kernels{
-    add_forces<float>,        volume_strains<float>, add_stiffness<float>,  add_term_forces<float>,
-    symmetric_product<float>, add_product<float>,    add_edge_forces<float>};
-extern const WideKernels<double> double_kernels{
-    add_forces<double>,        volume_strains<double>, add_stiffness<double>,  add_term_forces<double>,
-    symmetric_product<double>, add_product<double>,    add_edge_forces<double>};
+extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>, add_stiffness<float>,
+                                               add_term_forces<float>, add_edge_forces<float>};
+extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>,
+                                                add_stiffness<double>, add_term_forces<double>,
+                                                add_edge_forces<double>};
 
 }  // namespace lobe::LOBE_KERNELS

@@ -26,43 +26,6 @@ struct PatchArrays {  // one patch: all its tetrahedra are of one material
   Real guard_modulus, guard_below;             // M [Pa] and J₀ of fem/guard.h, 0 without a guard
 };
 
-// A symmetric matrix without its diagonal, by the half below: panels of eight columns, each of tiles of sixteen rows from
-// the tile on in which the panel begins, and a tile column by column. What lies on the diagonal, above it or beyond the
-// matrix is zero.
-struct SymmetricHalf {
-  static constexpr Index panel_columns = 8, tile_rows = 16, tile_size = panel_columns * tile_rows;
-  Index size = 0;  // rows
-
-  Index tiles() const { return (size + tile_rows - 1) / tile_rows; }
-  Index panels() const { return (size + panel_columns - 1) / panel_columns; }
-  Index padded() const { return tiles() * tile_rows; }
-  // Tiles before a panel's first.
-  Index tiles_before(Index panel) const {
-    const Index m = panel / 2;
-    return m * (2 * tiles() - m + 1) + panel % 2 * (tiles() - m);
-  }
-};
-
-// C += sign A B, with A of rows × depth, B of depth × columns; entry (i, j) of a factor is at i × row + j × column.
-template <class Real>
-struct MatrixFactor {
-  const Real* entries;
-  std::size_t row, column;
-};
-template <class Real>
-struct MatrixProduct {
-  Real sign;
-  MatrixFactor<Real> A, B;
-  Index rows, depth, columns;
-  bool lower;  // of C, nothing is wanted above the diagonal
-  Real* C;     // column by column
-  std::size_t stride;
-};
-inline constexpr Index product_depth = 192, product_height = 256;  // of the blocks in which it is done
-inline std::size_t product_scratch(Index columns) {
-  return std::size_t(product_depth) * std::size_t(product_height + columns + 8);
-}
-
 template <class Real>
 struct WideKernels {
   // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron. Returns the
@@ -74,10 +37,6 @@ struct WideKernels {
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
   // The same of the terms of the stored evaluator, carrier by carrier.
   void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);
-  // Adds to y what the panels [begin, end) of a symmetric matrix make of x, both filled up to whole tiles.
-  void (*symmetric_product)(const Real* tiles, SymmetricHalf shape, const Real* x, Index begin, Index end,
-                            Real* y);
-  void (*add_product)(const MatrixProduct<Real>& product, Real* scratch);  // of product_scratch()
   // The same as add_forces of the edges of a linear patch, of `count` blocks.
   void (*add_edge_forces)(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
                           PaddedVector<Real>* f);

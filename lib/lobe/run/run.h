@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "lobe/numerics/sparse_factor.h"
 #include "lobe/scene/resolve.h"
-#include "lobe/solve/sparse_factor.h"
 
 namespace lobe {
 

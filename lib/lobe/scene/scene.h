@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 #include "lobe/types.h"
 
 namespace lobe {
@@ -121,7 +121,7 @@ struct Time {
   double damping = 0;       // γ [1/s], mass-proportional
   double safety = 0.9;      // time step = safety × 2/ω_max
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's
-  int selective_mass = 1;   // degree of the inverse mass (sim/selective_mass.h); 1: masses are lumped
+  int selective_mass = 1;   // degree of the inverse mass (time/selective_mass.h); 1: masses are lumped
   double ramp = 0.1;        // [s] over which prescribed displacements are reached
   double load_ramp = 0;     // [s] over which tractions and forces grow to their full size
   double sleep = 0;         // [m] by which displacements may differ where parts at rest sleep; 0: none does

@@ -1,7 +1,7 @@
 // Estimates by which a mistake in units shows.
 #pragma once
 
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lobe/cut/cautery.h"
-#include "lobe/sim/boundary_conditions.h"
+#include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
 

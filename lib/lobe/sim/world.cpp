@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "lobe/condense/anchors.h"
-#include "lobe/condense/supernodal_factor.h"
 #include "lobe/error.h"
-#include "lobe/sim/check_setup.h"
+#include "lobe/numerics/supernodal_factor.h"
+#include "lobe/setup/check_setup.h"
 #include "lobe/sim/checkpoint.h"
 
 namespace lobe {

@@ -11,19 +11,19 @@
 
 #include "lobe/condense/precomputed.h"
 #include "lobe/cut/tet_groups.h"
+#include "lobe/numerics/lanczos.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
-#include "lobe/sim/frequency.h"
-#include "lobe/sim/frequency_ratios.h"
-#include "lobe/sim/integrator.h"
-#include "lobe/sim/mass_scaling.h"
 #include "lobe/sim/report.h"
-#include "lobe/sim/selective_mass.h"
-#include "lobe/sim/sleep.h"
 #include "lobe/sim/tools.h"
-#include "lobe/sim/unravelling.h"
-#include "lobe/sim/vertex_frequencies.h"
 #include "lobe/solve/implicit_step.h"
+#include "lobe/time/frequency_ratios.h"
+#include "lobe/time/integrator.h"
+#include "lobe/time/mass_scaling.h"
+#include "lobe/time/selective_mass.h"
+#include "lobe/time/sleep.h"
+#include "lobe/time/unravelling.h"
+#include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
 

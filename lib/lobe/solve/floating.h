@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "lobe/region/elements.h"
+#include "lobe/fem/elements.h"
 #include "lobe/solve/unknowns.h"
 
 namespace lobe {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <optional>
 
-#include "lobe/sim/boundary_conditions.h"
+#include "lobe/setup/boundary_conditions.h"
 #include "lobe/solve/tangent.h"
 
 namespace lobe {

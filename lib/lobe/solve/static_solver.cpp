@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "lobe/error.h"
-#include "lobe/sim/boundary_conditions.h"
-#include "lobe/sim/check_setup.h"
+#include "lobe/setup/boundary_conditions.h"
+#include "lobe/setup/check_setup.h"
 #include "lobe/solve/floating.h"
 #include "lobe/solve/newton.h"
 #include "lobe/solve/tangent.h"

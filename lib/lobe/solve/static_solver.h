@@ -6,9 +6,9 @@
 #include <functional>
 #include <string>
 
-#include "lobe/region/elements.h"
-#include "lobe/sim/setup.h"
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/fem/elements.h"
+#include "lobe/numerics/sparse_factor.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe {
 

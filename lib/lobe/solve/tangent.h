@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "lobe/numerics/sparse_factor.h"
 #include "lobe/region/nodal_pressure.h"
-#include "lobe/solve/sparse_factor.h"
 #include "lobe/solve/unknowns.h"
 
 namespace lobe {

@@ -3,8 +3,8 @@
 
 #include <Eigen/SparseCore>
 
-#include "lobe/region/elements.h"
-#include "lobe/sim/boundary_conditions.h"
+#include "lobe/fem/elements.h"
+#include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
 

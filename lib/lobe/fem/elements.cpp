@@ -1,4 +1,4 @@
-#include "lobe/region/elements.h"
+#include "lobe/fem/elements.h"
 
 #include <algorithm>
 

@@ -1,10 +1,9 @@
-#include "lobe/sim/check_setup.h"
+#include "lobe/setup/check_setup.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "lobe/error.h"
-#include "lobe/sim/selective_mass.h"
 
 namespace lobe {
 namespace {
@@ -83,7 +82,7 @@ void Checker::check_materials() {
   expect(not_negative(setup_.implicit_step), "implicit_step must be finite and not negative");
   expect(setup_.spectral_radius >= 0 && setup_.spectral_radius <= 1, "spectral_radius must be in [0, 1]");
   expect(setup_.safety > 0 && setup_.safety <= 2, "safety must be in (0, 2]");
-  expect(setup_.selective_mass >= 1 && setup_.selective_mass <= SelectiveMass<double>::most,
+  expect(setup_.selective_mass >= 1 && setup_.selective_mass <= highest_mass_degree,
          "selective_mass must be in [1, 16]");
   expect(setup_.selective_mass == 1 || setup_.integrator == Integrator::central_difference,
          "selective_mass lengthens explicit steps; the implicit integrator has no use for it");

@@ -1,4 +1,4 @@
-#include "lobe/condense/dense_products.h"
+#include "lobe/numerics/dense_products.h"
 
 namespace lobe {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "lobe/fem/body.h"
 #include "lobe/fem/shape.h"
 #include "lobe/mesh/topology.h"
 #include "lobe/mesh/vertex_columns.h"
-#include "lobe/region/body.h"
 
 namespace lobe {
 

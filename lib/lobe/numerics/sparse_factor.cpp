@@ -1,4 +1,4 @@
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/numerics/sparse_factor.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>

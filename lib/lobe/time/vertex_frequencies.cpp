@@ -1,4 +1,4 @@
-#include "lobe/sim/vertex_frequencies.h"
+#include "lobe/time/vertex_frequencies.h"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

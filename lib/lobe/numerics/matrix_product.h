@@ -1,14 +1,14 @@
-// Products of large dense matrices for the wide kernels. An entry of the result is the sum over blocks of k of sums in the
+// Products of large dense matrices for the dense kernels. An entry of the result is the sum over blocks of k of sums in the
 // order of k, so that its bits depend neither on the width of a register nor on the size of a cache.
 #pragma once
 
 #include <algorithm>
 
-#include "lobe/fem/simd.h"
-#include "lobe/region/wide_kernels.h"
+#include "lobe/numerics/dense_kernels.h"
+#include "lobe/numerics/simd.h"
 
 namespace lobe::LOBE_KERNELS {
-namespace {  // one for each set: included by wide_kernels.cpp alone
+namespace {  // one for each set: included by dense_kernels.cpp alone
 
 // Both factors are copied to panels that the innermost loop reads one number after the other: of A sixteen rows, of B eight
 // columns, filled up with zeros.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lobe/region/body.h"
+#include "lobe/fem/body.h"
 
 namespace lobe {
 
@@ -50,6 +50,8 @@ struct CauterySetup {
   std::vector<PathPoint> path;  // positions of the tip
 };
 
+inline constexpr int highest_mass_degree = 16;  // of selective mass scaling
+
 enum class LoosePieces : std::uint8_t { fall, vanish, stay };  // what becomes of pieces that nothing holds
 
 enum class Integrator : std::uint8_t {
@@ -69,7 +71,7 @@ struct Setup : Body {
   double safety =
       0.9;  // of the time step, as a share of the limit; above 1 the step control must save the run
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's (mass_scaling.h)
-  int selective_mass = 1;   // degree of the inverse mass (selective_mass.h), up to 16; 1: masses are lumped
+  int selective_mass = 1;   // degree of the inverse mass (selective_mass.h); 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
   double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping

@@ -1,4 +1,4 @@
-#include "lobe/sim/boundary_conditions.h"
+#include "lobe/setup/boundary_conditions.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -9,17 +9,17 @@
 #include <functional>
 #include <vector>
 
+#include "lobe/fem/elements.h"
 #include "lobe/parallel.h"
-#include "lobe/region/elements.h"
-#include "lobe/sim/boundary_conditions.h"
-#include "lobe/sim/integrator.h"
+#include "lobe/setup/boundary_conditions.h"
+#include "lobe/time/integrator.h"
 
 namespace lobe {
 
 template <class Real>
 class SelectiveMass {
  public:
-  static constexpr int most = 16;  // degree
+  static constexpr int most = highest_mass_degree;
 
   // The degree of a P(a), 1 … `most`; 1: masses are lumped.
   int degree() const { return degree_; }

@@ -1,7 +1,7 @@
 // Elimination in dense symmetric matrices that are positive definite, all of it products (dense_products.h).
 #pragma once
 
-#include "lobe/condense/dense_products.h"
+#include "lobe/numerics/dense_products.h"
 
 namespace lobe {
 

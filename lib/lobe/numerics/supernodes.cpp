@@ -1,4 +1,4 @@
-#include "lobe/condense/supernodes.h"
+#include "lobe/numerics/supernodes.h"
 
 #include <algorithm>
 #include <iostream>  // Eigen's MetisSupport needs it

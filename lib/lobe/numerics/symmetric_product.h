@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "lobe/numerics/dense_kernels.h"
 #include "lobe/parallel.h"
-#include "lobe/region/wide_kernels.h"
 
 namespace lobe {
 
@@ -15,7 +15,7 @@ template <class Real>
 class SymmetricProduct {
  public:
   explicit SymmetricProduct(InstructionSet set = chosen_instruction_set())
-      : kernels_(wide_kernels<Real>(set)) {}
+      : kernels_(dense_kernels<Real>(set)) {}
 
   void set(const Eigen::Ref<const Eigen::MatrixXd>& S);  // of which the lower triangle is read
 
@@ -28,7 +28,7 @@ class SymmetricProduct {
  private:
   void divide();
 
-  WideKernels<Real> kernels_;
+  DenseKernels<Real> kernels_;
   SymmetricHalf shape_;
   std::vector<Real> tiles_, diagonal_;
   std::vector<Index> parts_ = {0};  // of the panels: where each begins, and the end

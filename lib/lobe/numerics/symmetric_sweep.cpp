@@ -1,4 +1,4 @@
-#include "lobe/condense/symmetric_sweep.h"
+#include "lobe/numerics/symmetric_sweep.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

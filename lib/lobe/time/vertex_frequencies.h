@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "lobe/region/elements.h"
-#include "lobe/sim/tournament.h"
+#include "lobe/fem/elements.h"
+#include "lobe/numerics/tournament.h"
 
 namespace lobe {
 

@@ -1,11 +1,9 @@
-#include "lobe/sim/frequency.h"
+#include "lobe/numerics/lanczos.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <random>
-
-#include "lobe/sim/world.h"
 
 namespace lobe {
 namespace {
@@ -100,15 +98,6 @@ HighestFrequency highest_frequency(const std::vector<double>& inverse_mass,
   } while (found.evaluations % 4 > 0 || !found.converged);
   found.omega = std::sqrt(ritz.value + ritz.residual);
   return found;
-}
-
-double rest_time_step(const TetMesh& mesh, const Elastic& elastic) {
-  Setup setup;
-  setup.mesh = mesh;
-  setup.materials = {elastic};
-  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
-  return World<double>(setup).time_step_limit();
 }
 
 template HighestFrequency highest_frequency(const std::vector<double>&, const std::function<double(Index)>&,

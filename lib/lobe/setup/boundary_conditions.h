@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "lobe/region/elements.h"
-#include "lobe/sim/setup.h"
+#include "lobe/fem/elements.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe {
 

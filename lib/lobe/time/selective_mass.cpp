@@ -1,12 +1,12 @@
-#include "lobe/sim/selective_mass.h"
+#include "lobe/time/selective_mass.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lobe/fem/hooke.h"
-#include "lobe/sim/frequency.h"
-#include "lobe/sim/vertex_frequencies.h"
+#include "lobe/numerics/lanczos.h"
+#include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
 namespace {

@@ -1,7 +1,7 @@
 // A factor of a large sparse stiffness whose work is products of dense blocks: that of a condensed region.
 #pragma once
 
-#include "lobe/solve/sparse_factor.h"
+#include "lobe/numerics/sparse_factor.h"
 
 namespace lobe {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "lobe/region/body.h"
+#include "lobe/types.h"
 
 namespace lobe {
 
@@ -31,8 +31,5 @@ HighestFrequency highest_frequency(
     const LanczosSettings& settings = {},
     // C of selective mass scaling, in place of the inverse masses: from forces to what accelerates these.
     const std::function<void(Mat3X<Real>&)>& scale = {});
-
-// 2/ω_max [s] of a free mesh of one material: what `lobe info` and `lobe-mesh` print.
-double rest_time_step(const TetMesh& mesh, const Elastic& elastic);
 
 }  // namespace lobe

@@ -1,7 +1,7 @@
 // What a World asks of a setup.
 #pragma once
 
-#include "lobe/sim/setup.h"
+#include "lobe/setup/setup.h"
 
 namespace lobe {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "lobe/region/wide_kernels.h"
+#include "lobe/numerics/dense_kernels.h"
 
 namespace lobe {
 
@@ -17,7 +17,7 @@ class DenseProducts {
   };
 
   explicit DenseProducts(InstructionSet set = chosen_instruction_set())
-      : kernels_(wide_kernels<double>(set)) {}
+      : kernels_(dense_kernels<double>(set)) {}
 
   void add(double sign, const Factor& A, const Factor& B, Eigen::Ref<Matrix> C);  // C += sign A B
   // The same of a product, and a C, that are symmetric; half of it is found and copied to the other.
@@ -27,7 +27,7 @@ class DenseProducts {
  private:
   void add(double sign, const Factor& A, const Factor& B, bool lower, Eigen::Ref<Matrix> C);
 
-  WideKernels<double> kernels_;
+  DenseKernels<double> kernels_;
   std::vector<double> scratch_;
 };
 

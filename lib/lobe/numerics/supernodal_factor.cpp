@@ -1,12 +1,12 @@
-#include "lobe/condense/supernodal_factor.h"
+#include "lobe/numerics/supernodal_factor.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <span>
 
-#include "lobe/condense/supernodes.h"
-#include "lobe/condense/symmetric_sweep.h"
+#include "lobe/numerics/supernodes.h"
+#include "lobe/numerics/symmetric_sweep.h"
 
 namespace lobe {
 namespace {

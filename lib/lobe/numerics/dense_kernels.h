@@ -1,0 +1,61 @@
+// The dense products that every instruction set has a copy of its own of: dense_kernels.cpp is compiled once per set. They
+// take plain arrays and share no inline function with the rest of the library, of which the linker might else keep the
+// copy that an older processor cannot run.
+#pragma once
+
+#include <cstddef>
+
+#include "lobe/instruction_set.h"
+#include "lobe/types.h"
+
+namespace lobe {
+
+// A symmetric matrix without its diagonal, by the half below: panels of eight columns, each of tiles of sixteen rows from
+// the tile on in which the panel begins, and a tile column by column. What lies on the diagonal, above it or beyond the
+// matrix is zero.
+struct SymmetricHalf {
+  static constexpr Index panel_columns = 8, tile_rows = 16, tile_size = panel_columns * tile_rows;
+  Index size = 0;  // rows
+
+  Index tiles() const { return (size + tile_rows - 1) / tile_rows; }
+  Index panels() const { return (size + panel_columns - 1) / panel_columns; }
+  Index padded() const { return tiles() * tile_rows; }
+  // Tiles before a panel's first.
+  Index tiles_before(Index panel) const {
+    const Index m = panel / 2;
+    return m * (2 * tiles() - m + 1) + panel % 2 * (tiles() - m);
+  }
+};
+
+// C += sign A B, with A of rows × depth, B of depth × columns; entry (i, j) of a factor is at i × row + j × column.
+template <class Real>
+struct MatrixFactor {
+  const Real* entries;
+  std::size_t row, column;
+};
+template <class Real>
+struct MatrixProduct {
+  Real sign;
+  MatrixFactor<Real> A, B;
+  Index rows, depth, columns;
+  bool lower;  // of C, nothing is wanted above the diagonal
+  Real* C;     // column by column
+  std::size_t stride;
+};
+inline constexpr Index product_depth = 192, product_height = 256;  // of the blocks in which it is done
+inline std::size_t product_scratch(Index columns) {
+  return std::size_t(product_depth) * std::size_t(product_height + columns + 8);
+}
+
+template <class Real>
+struct DenseKernels {
+  // Adds to y what the panels [begin, end) of a symmetric matrix make of x, both filled up to whole tiles.
+  void (*symmetric_product)(const Real* tiles, SymmetricHalf shape, const Real* x, Index begin, Index end,
+                            Real* y);
+  void (*add_product)(const MatrixProduct<Real>& product, Real* scratch);  // of product_scratch()
+};
+
+template <class Real>
+DenseKernels<Real> dense_kernels(InstructionSet set);  // of an available set
+
+}  // namespace lobe

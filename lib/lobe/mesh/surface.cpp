@@ -25,9 +25,9 @@ std::vector<FaceKey> faces_of_removed(const Topology& topology) {
   return faces;
 }
 
-void sort_downwards(std::vector<Index>& slots) {
-  std::sort(slots.begin(), slots.end(), std::greater<>());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+void sort_each_once(std::vector<Index>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
 Index taken_from(std::vector<Index>& slots) {
@@ -62,22 +62,22 @@ void Surface::follow(const Topology& topology, const MeshEdit& edit, std::span<c
   begin_revision();
   triangle_of_.resize(4 * std::size_t(topology.tet_count()), -1);
   vertex_of_.resize(std::size_t(topology.vertex_count()), {-1, -1});
-  near_.clear();
   faces_.clear();
+  corners_.clear();
   for (Index t : edit.removed) {
     for (std::uint32_t f = 0; f < 4; ++f) drop({t, f});
-    for (Index v : topology.corners(t))
-      near_.insert(near_.end(), topology.around(v).begin(), topology.around(v).end());
+    for (Index v : topology.corners(t)) corners_.push_back(v);
   }
-  for (const VertexSplit& split : edit.splits)
-    near_.insert(near_.end(), split.tets.begin(), split.tets.end());
-  std::sort(near_.begin(), near_.end());
-  near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+  for (const VertexSplit& split : edit.splits) corners_.push_back(split.copy);
+  sort_each_once(corners_);
+  near_.clear();
+  for (Index v : corners_) near_.insert(near_.end(), topology.around(v).begin(), topology.around(v).end());
+  sort_each_once(near_);
   for (Index t : near_) find_changed(topology, t);
 
   keep_vertices();
   forget_unused();
-  sort_downwards(free_triangles_);
+  std::sort(free_triangles_.begin(), free_triangles_.end(), std::greater<>());
   for (Face& face : faces_) place(face, region_of[face.owner.tet]);
   close_gaps(topology);
 }
@@ -153,7 +153,7 @@ void Surface::keep_vertices() {
 
 void Surface::forget_unused() {
   std::erase_if(unused_, [&](Index vertex) { return uses_[vertex] > 0; });
-  sort_downwards(unused_);
+  std::sort(unused_.begin(), unused_.end(), std::greater<>());
   for (Index vertex : unused_) vertex_of_[mesh_.mesh_vertex[vertex]][mesh_.vertex_cut[vertex]] = -1;
 }
 

@@ -104,7 +104,8 @@ class Surface {
 
   // Scratch of an edit.
   std::vector<Face> faces_;
-  std::vector<Index> near_, free_triangles_, unused_;  // the free ones in descending order
+  std::vector<Index> corners_, near_;
+  std::vector<Index> free_triangles_, unused_;  // in descending order
 };
 
 // Positions x = X + u of the surface's vertices. O(#vertices).

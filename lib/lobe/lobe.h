@@ -1,5 +1,6 @@
 // All of lobe in one header. Folders are the chapters of the theory (docs/theory.md):
-//   mesh/         tetrahedra, topology that follows cuts, quality
+//   mesh/         tetrahedra, topology and surface that follow cuts, quality
+//   snapshot/     pictures of a running simulation, for other threads
 //   numerics/     sparse factors, dense products, highest eigenvalues
 //   fem/          the mathematics of one element, and the elements of a body
 //   setup/        what a scene comes to: a body, its loads, what is held
@@ -37,6 +38,7 @@
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/mesh/refine.h"
+#include "lobe/mesh/surface.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
@@ -48,4 +50,6 @@
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/rest_time_step.h"
 #include "lobe/sim/world.h"
+#include "lobe/snapshot/snapshot.h"
+#include "lobe/snapshot/triple_buffer.h"
 #include "lobe/solve/static_solver.h"

@@ -1,0 +1,42 @@
+// Which tetrahedra a fine surface lies on.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "lobe/mesh/topology.h"
+
+namespace lobe {
+
+// Lists of numbers, one after the other.
+struct NumberLists {
+  std::vector<Index> begin{0}, items;
+
+  Index count() const { return static_cast<Index>(begin.size()) - 1; }
+  std::span<const Index> operator[](Index list) const {
+    return {items.data() + begin[list], std::size_t(begin[list + 1] - begin[list])};
+  }
+  void append(std::span<const Index> list) {
+    items.insert(items.end(), list.begin(), list.end());
+    begin.push_back(static_cast<Index>(items.size()));
+  }
+};
+
+// For each number below `count`: the lists that have it.
+NumberLists inverse(const NumberLists& lists, Index count);
+
+// Under each triangle: the tetrahedra that are nearest to ten points spread over it. They lie a little inside of it, so
+// that what merely touches its rim is not among them. O(log #tets) per triangle.
+NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
+                       const Triangles& triangles, const TetMesh& mesh);
+
+// Of some tetrahedra the one nearest to p, the first where there are several; −1 if there are none.
+Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& p);
+
+enum class Touch { apart, never, together };
+// How two alive tetrahedra stand to each other: what corners they shared at the start they share still (together), do not
+// share any more (apart), or they never shared one.
+Touch touch(const Topology& topology, Index tet, Index other);
+
+}  // namespace lobe

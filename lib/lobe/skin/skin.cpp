@@ -1,0 +1,305 @@
+#include "lobe/skin/skin.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "lobe/cut/distance.h"
+#include "lobe/diagnostics/locate.h"
+#include "lobe/error.h"
+
+namespace lobe {
+namespace {
+
+void sort_each_once(std::vector<Index>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+void append(std::vector<Index>& to, std::span<const Index> items) {
+  to.insert(to.end(), items.begin(), items.end());
+}
+
+void check_corners(const Triangles& corners, const Triangles& triangles, Index least, Eigen::Index count,
+                   const std::string& what) {
+  if (corners.cols() != triangles.cols())
+    throw InputError("skin", "the " + what + "s of its corners are for " + std::to_string(corners.cols()) +
+                                 " triangles, expected " + std::to_string(triangles.cols()));
+  for (Eigen::Index t = 0; t < corners.cols(); ++t)
+    if (corners.col(t).minCoeff() < least || corners.col(t).maxCoeff() >= count)
+      throw InputError("skin: triangle " + std::to_string(t), "a corner's " + what + " is not within " +
+                                                                  std::to_string(least) + " … " +
+                                                                  std::to_string(count - 1));
+}
+
+template <class Vector>
+auto inverse_length(const Vector& v) {
+  const auto square = v.squaredNorm();
+  return square > 0 ? 1 / std::sqrt(square) : square;
+}
+
+}  // namespace
+
+Skin::Skin(const TexturedSurface& surface, const TetMesh& mesh) : start_(mesh) {
+  check_corners(surface.triangles, surface.triangles, 0, surface.points.cols(), "point");
+  check_corners(surface.texture_of, surface.triangles, -1, surface.texture.cols(), "texture coordinate");
+  check_corners(surface.normal_of, surface.triangles, -1, surface.normals.cols(), "normal");
+  if (surface.triangles.cols() == 0) throw InputError("skin", "has no triangle");
+  if (mesh.tet_count() == 0) throw InputError("skin", "the body has no tetrahedron that could carry it");
+  add_vertices(surface);
+  add_texture(surface);
+  lies_on_ = tets_under(points_, corners_of_, start_);
+  lying_on_ = inverse(lies_on_, start_.tet_count());
+  NumberLists corners;
+  for (const auto& triangle : corners_of_.colwise()) corners.append({triangle.data(), 3});
+  around_ = inverse(corners, Index(points_.cols()));
+  choose_carriers(Topology(start_));
+  mesh_.revision = 1;
+  mesh_.changed_triangles.restart(1);
+}
+
+// Carried vertices first: one for each normal of a point; behind them what differs in texture alone.
+void Skin::add_vertices(const TexturedSurface& surface) {
+  using Normal = std::array<double, 3>;
+  const auto count = static_cast<Index>(surface.triangles.cols());
+  std::map<std::pair<Index, Normal>, Index> carried;
+  corners_of_.resize(3, count);
+  for (Index i = 0; i < 3 * count; ++i) {
+    const Index point = surface.triangles.data()[i], n = surface.normal_of.data()[i];
+    Normal normal{};
+    if (n >= 0) Eigen::Map<Vec3d>(normal.data()) = surface.normals.col(n);
+    const auto [at, is_new] = carried.emplace(std::pair(point, normal), mesh_.vertex_count());
+    if (is_new) mesh_.file_vertex.push_back(point);
+    corners_of_.data()[i] = at->second;
+  }
+  points_ = surface.points(Eigen::all, mesh_.file_vertex);
+}
+
+void Skin::add_texture(const TexturedSurface& surface) {
+  const auto count = static_cast<Index>(surface.triangles.cols());
+  const Index carried_count = mesh_.vertex_count();
+  using Textured = std::tuple<Index, double, double>;
+  std::vector<Eigen::Vector2d> texture(std::size_t(carried_count), Eigen::Vector2d::Zero());
+  std::vector<std::uint8_t> has_texture(std::size_t(carried_count), 0);
+  std::map<Textured, Index> number_of;
+  for (Index t = 0; t < count; ++t) {
+    Eigen::Vector3i& triangle = mesh_.triangles.emplace_back(corners_of_.col(t));
+    for (int c = 0; c < 3; ++c) {
+      const Index vertex = corners_of_(c, t), coordinate = surface.texture_of(c, t);
+      if (coordinate < 0) continue;
+      const Eigen::Vector2d st = surface.texture.col(coordinate);
+      const Index next = has_texture[vertex] ? Index(texture.size()) : vertex;
+      const auto [at, is_new] = number_of.emplace(Textured{vertex, st[0], st[1]}, next);
+      triangle[c] = at->second;
+      if (!is_new) continue;
+      if (next == vertex) {
+        texture[vertex] = st;
+        has_texture[vertex] = 1;
+      } else {
+        texture.push_back(st);
+        copied_from_.push_back(vertex);
+        mesh_.file_vertex.push_back(Index(mesh_.file_vertex[vertex]));
+      }
+    }
+    mesh_.file_triangle.push_back(t);
+    slot_of_.push_back(t);
+    shown_.push_back(corners_of_.col(t));
+  }
+  mesh_.texture.resize(2, Eigen::Index(texture.size()));
+  for (std::size_t i = 0; i < texture.size(); ++i)
+    mesh_.texture.col(Eigen::Index(i)) = texture[i].cast<float>();
+}
+
+void Skin::choose_carriers(const Topology& topology) {
+  const Eigen::Index count = points_.cols();
+  carrier_.assign(std::size_t(count), -1);
+  weights_.resize(4, count);
+  carrier_corners_.resize(4, count);
+  std::vector<Index> lengths(std::size_t(start_.tet_count()), 0);
+  std::vector<Index> chosen;
+  for (Index vertex = 0; vertex < count; ++vertex) {
+    chosen.push_back(nearest_of(candidates(vertex), start_, points_.col(vertex)));
+    ++lengths[chosen.back()];
+  }
+  carried_by_ = VertexLists<Index>(lengths);
+  for (Index vertex = 0; vertex < count; ++vertex) {
+    carry(vertex, chosen[vertex], topology.corners(chosen[vertex]));
+    farthest_ = std::max(farthest_, distance_to_tet(points_.col(vertex), tet_points(start_, chosen[vertex])));
+  }
+  is_coarse_.assign(slot_of_.size(), 0);
+  for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle)
+    for (int c = 0; c < 3 && !is_coarse_[triangle]; ++c)
+      is_coarse_[triangle] = !is_carried(topology, triangle, corners_of_(c, triangle));
+}
+
+// What the shown triangles around a vertex lie on.
+std::vector<Index> Skin::candidates(Index vertex) const {
+  std::vector<Index> tets;
+  for (Index triangle : around_[vertex])
+    if (slot_of_[triangle] >= 0) append(tets, lies_on_[triangle]);
+  return tets;
+}
+
+void Skin::carry(Index vertex, Index tet, const Eigen::Vector4i& corners) {
+  if (carrier_[vertex] >= 0) carried_by_.erase_value(carrier_[vertex], vertex);
+  carried_by_.append(tet, vertex);
+  carrier_[vertex] = tet;
+  carrier_corners_.col(vertex) = corners;
+  weights_.col(vertex) = barycentric(start_, tet, points_.col(vertex)).cast<float>();
+}
+
+void Skin::follow(const Topology& topology, const MeshEdit& edit) {
+  std::vector<Index> triangles, vertices;
+  const auto touched = [&](Index tet) {
+    append(triangles, lying_on_[tet]);
+    append(vertices, carried_by_[tet]);
+    if (!topology.alive(tet)) return;
+    for (Index vertex : carried_by_[tet]) carrier_corners_.col(vertex) = topology.corners(tet);
+  };
+  for (Index t : edit.removed) touched(t);
+  for (const VertexSplit& split : edit.splits)
+    for (Index t : split.tets) touched(t);
+  check(topology, triangles, vertices);
+}
+
+void Skin::follow_all(const Topology& topology) {
+  std::vector<Index> triangles, vertices;
+  for (Index vertex = 0; vertex < points_.cols(); ++vertex) {
+    vertices.push_back(vertex);
+    if (topology.alive(carrier_[vertex])) carrier_corners_.col(vertex) = topology.corners(carrier_[vertex]);
+  }
+  for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle) triangles.push_back(triangle);
+  check(topology, triangles, vertices);
+}
+
+// First what has lost what it lies on; then new carriers; then what these, or the old ones, do not hold together.
+void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices) {
+  sort_each_once(vertices);
+  std::vector<Index> drops;
+  const auto collect = [&](auto&& stays) {
+    sort_each_once(triangles);
+    for (Index triangle : triangles)
+      if (slot_of_[triangle] >= 0 && !stays(triangle)) drops.push_back(triangle);
+  };
+  collect([&](Index triangle) { return lies_whole(topology, triangle); });
+  drop(drops);
+  for (Index vertex : vertices) {
+    const auto holds = [&](Index triangle) {
+      return slot_of_[triangle] >= 0 && is_carried(topology, triangle, vertex);
+    };
+    const auto triangles_around = around_[vertex];
+    append(triangles, triangles_around);
+    if (std::any_of(triangles_around.begin(), triangles_around.end(), holds)) continue;
+    const Index tet = nearest_of(candidates(vertex), start_, points_.col(vertex));
+    if (tet >= 0) carry(vertex, tet, topology.corners(tet));
+  }
+  collect([&](Index triangle) { return is_held(topology, triangle); });
+  drop(drops);
+}
+
+bool Skin::lies_whole(const Topology& topology, Index triangle) const {
+  const std::span<const Index> tets = lies_on_[triangle];
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    if (!topology.alive(tets[i])) return false;
+    for (std::size_t j = 0; j < i; ++j)
+      if (touch(topology, tets[i], tets[j]) == Touch::apart) return false;
+  }
+  return true;
+}
+
+// Whether what carries one of its corners and what it lies on hang together.
+bool Skin::is_carried(const Topology& topology, Index triangle, Index corner) const {
+  const Index carrier = carrier_[corner];
+  if (!topology.alive(carrier)) return false;
+  bool together = is_coarse_[triangle];
+  for (Index t : lies_on_[triangle]) {
+    const Touch found = touch(topology, carrier, t);
+    if (found == Touch::apart) return false;
+    together = together || found == Touch::together;
+  }
+  return together;
+}
+
+bool Skin::is_held(const Topology& topology, Index triangle) const {
+  for (int c = 0; c < 3; ++c) {
+    const Index corner = corners_of_(c, triangle), next = corners_of_((c + 1) % 3, triangle);
+    if (!is_carried(topology, triangle, corner)) return false;
+    if (touch(topology, carrier_[corner], carrier_[next]) == Touch::apart) return false;
+  }
+  return true;
+}
+
+// The last triangles take the slots of those that go, highest slots first.
+void Skin::drop(std::vector<Index>& triangles) {
+  if (triangles.empty()) return;
+  ++mesh_.revision;
+  mesh_.changed_triangles.next(mesh_.triangles.size());
+  std::sort(triangles.begin(), triangles.end(), [&](Index a, Index b) { return slot_of_[a] > slot_of_[b]; });
+  for (Index triangle : triangles) {
+    const Index slot = std::exchange(slot_of_[triangle], -1), last = mesh_.triangle_count() - 1;
+    if (slot != last) {
+      mesh_.triangles[slot] = mesh_.triangles[last];
+      mesh_.file_triangle[slot] = mesh_.file_triangle[last];
+      shown_[slot] = shown_[last];
+      slot_of_[mesh_.file_triangle[slot]] = slot;
+      mesh_.changed_triangles.record(slot);
+    }
+    mesh_.triangles.pop_back();
+    mesh_.file_triangle.pop_back();
+    shown_.pop_back();
+  }
+  triangles.clear();
+}
+
+void Skin::update(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<float>>& u,
+                  Mat3X<float>& x, Mat3X<float>& normals) {
+  update_from<float>(X, u, x, normals);
+}
+
+void Skin::update(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<double>>& u,
+                  Mat3X<float>& x, Mat3X<float>& normals) {
+  update_from<double>(X, u, x, normals);
+}
+
+template <class Real>
+void Skin::update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
+                       Mat3X<float>& x, Mat3X<float>& normals) {
+  mesh_x_.setZero(4, X.cols());
+  for (Eigen::Index v = 0; v < X.cols(); ++v)
+    mesh_x_.col(v).head<3>() = (X.col(v) + u.col(v).template cast<double>()).template cast<float>();
+  const Eigen::Index carried = points_.cols();
+  x_.resize(4, carried);
+  for (Eigen::Index i = 0; i < carried; ++i) {
+    const auto w = weights_.col(i);
+    const auto c = carrier_corners_.col(i);
+    x_.col(i) = (w[0] * mesh_x_.col(c[0]) + w[1] * mesh_x_.col(c[1])) +
+                (w[2] * mesh_x_.col(c[2]) + w[3] * mesh_x_.col(c[3]));
+  }
+  sum_normals();
+  x.resize(3, mesh_.vertex_count());
+  normals.resize(3, mesh_.vertex_count());
+  for (Eigen::Index i = 0; i < carried; ++i) {
+    x.col(i) = x_.col(i).head<3>();
+    const Eigen::Vector4f sum = normals_.col(i);
+    normals.col(i) = (inverse_length(sum) * sum).head<3>();
+  }
+  for (std::size_t i = 0; i < copied_from_.size(); ++i) {
+    x.col(carried + Eigen::Index(i)) = x.col(copied_from_[i]);
+    normals.col(carried + Eigen::Index(i)) = normals.col(copied_from_[i]);
+  }
+}
+
+void Skin::sum_normals() {
+  normals_.setZero(4, points_.cols());
+  for (const Eigen::Vector3i& t : shown_) {
+    const Eigen::Vector4f a = x_.col(t[0]), b = x_.col(t[1]) - a, c = x_.col(t[2]) - a;
+    const Eigen::Vector4f twice_area = b.cross3(c);
+    for (Index vertex : t) normals_.col(vertex) += twice_area;
+  }
+}
+
+}  // namespace lobe

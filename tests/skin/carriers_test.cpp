@@ -46,19 +46,15 @@ TEST_CASE("lists turned round say who has a number") {
   CHECK((who[0].empty() && who[2].empty() && who[4].empty()));
 }
 
-TEST_CASE("tetrahedra touch where they share a corner, and are apart where a cut has taken it from them") {
+TEST_CASE("tetrahedra hang together by shared corners, and no more where a cut has taken one from them") {
   const TetMesh box = box_mesh({0.03, 0.01, 0.01}, 3, 1, 1);
-  Topology topology(box);
-  for (Index t = 0; t < box.tet_count(); ++t) {
-    CHECK(touch(topology, t, t) == Touch::together);
-    for (Index s = 0; s < t; ++s) {
-      bool share = false;
-      for (Index v : topology.corners(t)) share = share || (topology.corners(s).array() == v).any();
-      CHECK(touch(topology, s, t) == (share ? Touch::together : Touch::never));
-    }
-  }
+  const Topology topology(box);
+  CHECK(bond(topology, std::vector<Index>{0}) == Bond::firm);
+  CHECK(bond(topology, std::vector<Index>{0, 3, 6, 9}) == Bond::firm);
+  CHECK(bond(topology, std::vector<Index>{0, 12}) == Bond::loose);  // of the first and the last cell
+  CHECK(bond(topology, std::vector<Index>{0, 12, 6, 9, 7, 8, 10, 11}) == Bond::firm);
+
   Topology single(irregular_box(3));
-  std::vector<Index> but_two;  // a vertex in the middle keeps two tetrahedra that share it and no face
   const std::vector<Index> star(single.around(21).begin(), single.around(21).end());
   const auto share_face = [&](Index a, Index b) {
     for (int f = 0; f < 4; ++f)
@@ -69,9 +65,12 @@ TEST_CASE("tetrahedra touch where they share a corner, and are apart where a cut
   for (Index t : star)
     if (t != star[0] && !share_face(star[0], t)) other = t;
   REQUIRE(other >= 0);
-  CHECK(touch(single, star[0], other) == Touch::together);
+  const std::vector<Index> two{star[0], other};
+  CHECK(bond(single, two) == Bond::firm);
+  std::vector<Index> others;
   for (Index t = 0; t < single.tet_count(); ++t)
-    if (t != star[0] && t != other) but_two.push_back(t);
-  single.remove(but_two);
-  CHECK(touch(single, star[0], other) == Touch::apart);
+    if (t != star[0] && t != other) others.push_back(t);
+  single.remove(others);
+  CHECK(bond(single, two) == Bond::none);
+  CHECK(bond(single, std::vector<Index>{star[0], others[0]}) == Bond::none);
 }

@@ -26,17 +26,20 @@ struct NumberLists {
 // For each number below `count`: the lists that have it.
 NumberLists inverse(const NumberLists& lists, Index count);
 
-// Under each triangle: the tetrahedra that are nearest to ten points spread over it. They lie a little inside of it, so
-// that what merely touches its rim is not among them. O(log #tets) per triangle.
+// Under each triangle: the tetrahedra that are nearest to ten points spread over it, or to more, until they hang together by
+// shared corners (or 325 points do not help). The points lie a little inside of it, so that what merely touches its rim is not
+// among them. O(log #tets) per triangle.
 NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
                        const Triangles& triangles, const TetMesh& mesh);
 
 // Of some tetrahedra the one nearest to p, the first where there are several; −1 if there are none.
 Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& p);
 
-enum class Touch { apart, never, together };
-// How two alive tetrahedra stand to each other: what corners they shared at the start they share still (together), do not
-// share any more (apart), or they never shared one.
-Touch touch(const Topology& topology, Index tet, Index other);
+enum class Bond {
+  none,   // some are gone, or two do not share all corners any more that they shared at the start
+  loose,  // but they do not all hang together, by corners that they share
+  firm
+};
+Bond bond(const Topology& topology, std::span<const Index> tets);
 
 }  // namespace lobe

@@ -130,10 +130,13 @@ void Skin::choose_carriers(const Topology& topology) {
     carry(vertex, chosen[vertex], topology.corners(chosen[vertex]));
     farthest_ = std::max(farthest_, distance_to_tet(points_.col(vertex), tet_points(start_, chosen[vertex])));
   }
-  is_coarse_.assign(slot_of_.size(), 0);
+  is_loose_.assign(slot_of_.size(), 0);
   for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle)
-    for (int c = 0; c < 3 && !is_coarse_[triangle]; ++c)
-      is_coarse_[triangle] = !is_carried(topology, triangle, corners_of_(c, triangle));
+    is_loose_[triangle] = bond_of(topology, triangle, corners_in(triangle)) != Bond::firm;
+}
+
+Index Skin::loose_count() const {
+  return static_cast<Index>(std::count(is_loose_.begin(), is_loose_.end(), 1));
 }
 
 // What the shown triangles around a vertex lie on.
@@ -185,52 +188,37 @@ void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::v
     for (Index triangle : triangles)
       if (slot_of_[triangle] >= 0 && !stays(triangle)) drops.push_back(triangle);
   };
-  collect([&](Index triangle) { return lies_whole(topology, triangle); });
+  collect([&](Index triangle) { return bond_of(topology, triangle, {}) != Bond::none; });
   drop(drops);
   for (Index vertex : vertices) {
-    const auto holds = [&](Index triangle) {
-      return slot_of_[triangle] >= 0 && is_carried(topology, triangle, vertex);
-    };
-    const auto triangles_around = around_[vertex];
-    append(triangles, triangles_around);
-    if (std::any_of(triangles_around.begin(), triangles_around.end(), holds)) continue;
+    append(triangles, around_[vertex]);
+    if (holds_to_any(topology, vertex)) continue;
     const Index tet = nearest_of(candidates(vertex), start_, points_.col(vertex));
     if (tet >= 0) carry(vertex, tet, topology.corners(tet));
   }
-  collect([&](Index triangle) { return is_held(topology, triangle); });
+  collect([&](Index triangle) { return holds(topology, triangle, corners_in(triangle)); });
   drop(drops);
 }
 
-bool Skin::lies_whole(const Topology& topology, Index triangle) const {
-  const std::span<const Index> tets = lies_on_[triangle];
-  for (std::size_t i = 0; i < tets.size(); ++i) {
-    if (!topology.alive(tets[i])) return false;
-    for (std::size_t j = 0; j < i; ++j)
-      if (touch(topology, tets[i], tets[j]) == Touch::apart) return false;
-  }
-  return true;
+// Of the tetrahedra that a triangle lies on and those that carry some of its corners.
+Bond Skin::bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const {
+  std::vector<Index> tets(lies_on_[triangle].begin(), lies_on_[triangle].end());
+  for (Index vertex : corners)
+    if (std::find(tets.begin(), tets.end(), carrier_[vertex]) == tets.end()) tets.push_back(carrier_[vertex]);
+  return bond(topology, tets);
 }
 
-// Whether what carries one of its corners and what it lies on hang together.
-bool Skin::is_carried(const Topology& topology, Index triangle, Index corner) const {
-  const Index carrier = carrier_[corner];
-  if (!topology.alive(carrier)) return false;
-  bool together = is_coarse_[triangle];
-  for (Index t : lies_on_[triangle]) {
-    const Touch found = touch(topology, carrier, t);
-    if (found == Touch::apart) return false;
-    together = together || found == Touch::together;
-  }
-  return together;
+bool Skin::holds(const Topology& topology, Index triangle, std::span<const Index> corners) const {
+  const Bond found = bond_of(topology, triangle, corners);
+  return found == Bond::firm || (found == Bond::loose && is_loose_[triangle]);
 }
 
-bool Skin::is_held(const Topology& topology, Index triangle) const {
-  for (int c = 0; c < 3; ++c) {
-    const Index corner = corners_of_(c, triangle), next = corners_of_((c + 1) % 3, triangle);
-    if (!is_carried(topology, triangle, corner)) return false;
-    if (touch(topology, carrier_[corner], carrier_[next]) == Touch::apart) return false;
-  }
-  return true;
+// Whether what carries a vertex hangs together with what a shown triangle around it lies on.
+bool Skin::holds_to_any(const Topology& topology, Index vertex) const {
+  const std::span<const Index> around = around_[vertex];
+  return std::any_of(around.begin(), around.end(), [&](Index triangle) {
+    return slot_of_[triangle] >= 0 && holds(topology, triangle, {&vertex, 1});
+  });
 }
 
 // The last triangles take the slots of those that go, highest slots first.

@@ -2,14 +2,12 @@
 // which opens where they are cut.
 //
 // Each vertex is carried by one tetrahedron: it keeps its barycentric coordinates in it, outside of it by linear extension
-// (the tetrahedra's own surface is coarser). A triangle lies on the tetrahedra under ten points of it (tets_under()), and a
-// vertex is carried by one of those of the triangles around it, the nearest. A triangle is shown as long as
-// - all tetrahedra that it lies on are there,
-// - these and those that carry its corners still share all the corners that any two of them shared at the start,
-// - each that carries a corner shares a corner with one that it lies on.
-// The last two keep triangles from bridging a gap; the very last does not count where it was not so at the start, since the skin
-// is coarser than the tetrahedra there. A vertex whose tetrahedron is cut away is carried by another one of those that the
-// shown triangles around it lie on. What is not shown never comes back.
+// (the tetrahedra's own surface is coarser). A triangle lies on the tetrahedra under it (tets_under()), and a vertex is carried
+// by one of those that the triangles around it lie on, the nearest. A triangle is shown as long as all tetrahedra that it lies
+// on and that carry its corners are there, any two of them share all the corners that they shared at the start, and they
+// all hang together by shared corners. The tetrahedra around a corner hang together by faces (mesh/topology.h), so no triangle
+// ever bridges a gap between pieces. A vertex whose tetrahedron is cut away, or holds to none of the shown triangles around it,
+// is carried by another of those that these lie on. What is not shown never comes back.
 #pragma once
 
 #include "lobe/io/surface_io.h"
@@ -47,6 +45,9 @@ class Skin {
 
   const SkinMesh& mesh() const { return mesh_; }
   double farthest() const { return farthest_; }  // that a vertex was from its tetrahedron at the start [m]
+  // Triangles whose tetrahedra did not hang together at the start, because they are far outside of the body or span a hollow of
+  // it. They need not afterwards, and may bridge gaps.
+  Index loose_count() const;
 
   // Positions and unit normals of the vertices: sums of the shown triangles' normals, weighted by area; zero where none is
   // shown. Single precision, for drawing. O(#vertices of skin and mesh), about 10 ns each.
@@ -63,9 +64,10 @@ class Skin {
   void add_texture(const TexturedSurface& surface);
   void choose_carriers(const Topology& topology);
   void carry(Index vertex, Index tet, const Eigen::Vector4i& corners);
-  bool lies_whole(const Topology& topology, Index triangle) const;
-  bool is_carried(const Topology& topology, Index triangle, Index corner) const;
-  bool is_held(const Topology& topology, Index triangle) const;
+  std::span<const Index> corners_in(Index triangle) const { return {corners_of_.col(triangle).data(), 3}; }
+  Bond bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const;
+  bool holds(const Topology& topology, Index triangle, std::span<const Index> corners) const;
+  bool holds_to_any(const Topology& topology, Index vertex) const;
   void drop(std::vector<Index>& triangles);
   void check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices);
   std::vector<Index> candidates(Index vertex) const;
@@ -82,7 +84,7 @@ class Skin {
   Triangles corners_of_;            // 3 × #triangles of the file, carried vertices
   std::vector<Eigen::Vector3i> shown_;       // as mesh_.triangles, of carried vertices
   std::vector<Index> slot_of_;               // per triangle of the file; −1: not shown
-  std::vector<std::uint8_t> is_coarse_;      // per triangle of the file: exempt from the last rule
+  std::vector<std::uint8_t> is_loose_;       // per triangle of the file: see loose_count()
   NumberLists lies_on_, lying_on_, around_;  // tets of triangles, triangles of tets and of carried vertices
   std::vector<Index> carrier_;               // per carried vertex: its tetrahedron
   VertexLists<Index> carried_by_;            // per tetrahedron: vertices

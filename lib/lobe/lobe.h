@@ -1,6 +1,7 @@
 // All of lobe in one header. Folders are the chapters of the theory (docs/theory.md):
 //   mesh/         tetrahedra, topology and surface that follow cuts, quality
 //   snapshot/     pictures of a running simulation, for other threads
+//   skin/         a fine textured surface that the tetrahedra carry
 //   numerics/     sparse factors, dense products, highest eigenvalues
 //   fem/          the mathematics of one element, and the elements of a body
 //   setup/        what a scene comes to: a body, its loads, what is held
@@ -50,6 +51,7 @@
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/rest_time_step.h"
 #include "lobe/sim/world.h"
+#include "lobe/skin/skin.h"
 #include "lobe/snapshot/snapshot.h"
 #include "lobe/snapshot/triple_buffer.h"
 #include "lobe/solve/static_solver.h"

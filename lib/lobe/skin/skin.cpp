@@ -36,10 +36,12 @@ void check_corners(const Triangles& corners, const Triangles& triangles, Index l
                                                                   std::to_string(count - 1));
 }
 
-template <class Vector>
-auto inverse_length(const Vector& v) {
-  const auto square = v.squaredNorm();
-  return square > 0 ? 1 / std::sqrt(square) : square;
+// Writes the first three numbers; the fourth goes where the next vector will stand, or nowhere if this is the last.
+void put(const Eigen::Vector4f& vector, Index i, Index count, Mat3X<float>& to) {
+  if (i + 1 < count)
+    Eigen::Map<Eigen::Vector4f>(to.data() + 3 * std::size_t(i)) = vector;
+  else
+    to.col(i) = vector.head<3>();
 }
 
 }  // namespace
@@ -58,6 +60,7 @@ Skin::Skin(const TexturedSurface& surface, const TetMesh& mesh) : start_(mesh) {
   for (const auto& triangle : corners_of_.colwise()) corners.append({triangle.data(), 3});
   around_ = inverse(corners, Index(points_.cols()));
   choose_carriers(Topology(start_));
+  list_triangles_around();
   mesh_.revision = 1;
   mesh_.changed_triangles.restart(1);
 }
@@ -117,8 +120,8 @@ void Skin::add_texture(const TexturedSurface& surface) {
 void Skin::choose_carriers(const Topology& topology) {
   const Eigen::Index count = points_.cols();
   carrier_.assign(std::size_t(count), -1);
-  weights_.resize(4, count);
-  carrier_corners_.resize(4, count);
+  weights_.resize(std::size_t(count));
+  carrier_corners_.resize(std::size_t(count));
   std::vector<Index> lengths(std::size_t(start_.tet_count()), 0);
   std::vector<Index> chosen;
   for (Index vertex = 0; vertex < count; ++vertex) {
@@ -151,8 +154,8 @@ void Skin::carry(Index vertex, Index tet, const Eigen::Vector4i& corners) {
   if (carrier_[vertex] >= 0) carried_by_.erase_value(carrier_[vertex], vertex);
   carried_by_.append(tet, vertex);
   carrier_[vertex] = tet;
-  carrier_corners_.col(vertex) = corners;
-  weights_.col(vertex) = barycentric(start_, tet, points_.col(vertex)).cast<float>();
+  carrier_corners_[vertex] = corners;
+  weights_[vertex] = barycentric(start_, tet, points_.col(vertex)).cast<float>();
 }
 
 void Skin::follow(const Topology& topology, const MeshEdit& edit) {
@@ -161,7 +164,7 @@ void Skin::follow(const Topology& topology, const MeshEdit& edit) {
     append(triangles, lying_on_[tet]);
     append(vertices, carried_by_[tet]);
     if (!topology.alive(tet)) return;
-    for (Index vertex : carried_by_[tet]) carrier_corners_.col(vertex) = topology.corners(tet);
+    for (Index vertex : carried_by_[tet]) carrier_corners_[vertex] = topology.corners(tet);
   };
   for (Index t : edit.removed) touched(t);
   for (const VertexSplit& split : edit.splits)
@@ -173,7 +176,7 @@ void Skin::follow_all(const Topology& topology) {
   std::vector<Index> triangles, vertices;
   for (Index vertex = 0; vertex < points_.cols(); ++vertex) {
     vertices.push_back(vertex);
-    if (topology.alive(carrier_[vertex])) carrier_corners_.col(vertex) = topology.corners(carrier_[vertex]);
+    if (topology.alive(carrier_[vertex])) carrier_corners_[vertex] = topology.corners(carrier_[vertex]);
   }
   for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle) triangles.push_back(triangle);
   check(topology, triangles, vertices);
@@ -236,6 +239,7 @@ void Skin::drop(std::vector<Index>& triangles) {
       slot_of_[mesh_.file_triangle[slot]] = slot;
       mesh_.changed_triangles.record(slot);
     }
+    twice_area_[triangle].setZero();
     mesh_.triangles.pop_back();
     mesh_.file_triangle.pop_back();
     shown_.pop_back();
@@ -256,37 +260,80 @@ void Skin::update(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<con
 template <class Real>
 void Skin::update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
                        Mat3X<float>& x, Mat3X<float>& normals) {
-  mesh_x_.setZero(4, X.cols());
+  mesh_x_.resize(std::size_t(X.cols()));
   for (Eigen::Index v = 0; v < X.cols(); ++v)
-    mesh_x_.col(v).head<3>() = (X.col(v) + u.col(v).template cast<double>()).template cast<float>();
-  const Eigen::Index carried = points_.cols();
-  x_.resize(4, carried);
-  for (Eigen::Index i = 0; i < carried; ++i) {
-    const auto w = weights_.col(i);
-    const auto c = carrier_corners_.col(i);
-    x_.col(i) = (w[0] * mesh_x_.col(c[0]) + w[1] * mesh_x_.col(c[1])) +
-                (w[2] * mesh_x_.col(c[2]) + w[3] * mesh_x_.col(c[3]));
-  }
-  sum_normals();
+    mesh_x_[v] << (X.col(v) + u.col(v).template cast<double>()).template cast<float>(), 0.0F;
   x.resize(3, mesh_.vertex_count());
   normals.resize(3, mesh_.vertex_count());
-  for (Eigen::Index i = 0; i < carried; ++i) {
-    x.col(i) = x_.col(i).head<3>();
-    const Eigen::Vector4f sum = normals_.col(i);
-    normals.col(i) = (inverse_length(sum) * sum).head<3>();
-  }
-  for (std::size_t i = 0; i < copied_from_.size(); ++i) {
-    x.col(carried + Eigen::Index(i)) = x.col(copied_from_[i]);
-    normals.col(carried + Eigen::Index(i)) = normals.col(copied_from_[i]);
+  find_positions(x);
+  find_normals(normals);
+  const auto carried = static_cast<Index>(points_.cols());
+  for (Index i = carried; i < mesh_.vertex_count(); ++i) {
+    x.col(i) = x.col(copied_from_[i - carried]);
+    normals.col(i) = normals.col(copied_from_[i - carried]);
   }
 }
 
-void Skin::sum_normals() {
-  normals_.setZero(4, points_.cols());
-  for (const Eigen::Vector3i& t : shown_) {
-    const Eigen::Vector4f a = x_.col(t[0]), b = x_.col(t[1]) - a, c = x_.col(t[2]) - a;
-    const Eigen::Vector4f twice_area = b.cross3(c);
-    for (Index vertex : t) normals_.col(vertex) += twice_area;
+void Skin::find_positions(Mat3X<float>& x) {
+  const auto count = static_cast<Index>(points_.cols());
+  x_.resize(std::size_t(count));
+  for (Index i = 0; i < count; ++i) {
+    const Eigen::Vector4f& w = weights_[i];
+    const Eigen::Vector4i& c = carrier_corners_[i];
+    x_[i] = (w[0] * mesh_x_[c[0]] + w[1] * mesh_x_[c[1]]) + (w[2] * mesh_x_[c[2]] + w[3] * mesh_x_[c[3]]);
+    put(x_[i], i, count, x);
+  }
+}
+
+// Six each, so that the loop over them never ends unexpectedly.
+void Skin::list_triangles_around() {
+  const auto of_no_area = static_cast<Index>(slot_of_.size());
+  twice_area_.assign(slot_of_.size() + 1, Eigen::Vector4f::Zero());
+  for (Index vertex = 0; vertex < around_.count(); ++vertex) {
+    auto& six = six_around_.emplace_back();
+    six.fill(of_no_area);
+    const std::span<const Index> around = around_[vertex];
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      if (i < six.size())
+        six[i] = around[i];
+      else
+        others_around_.push_back({vertex, around[i]});
+    }
+  }
+}
+
+void Skin::find_areas() {
+  const Eigen::Vector4f* const x = x_.data();
+  Eigen::Vector4f* const areas = twice_area_.data();
+  for (std::size_t slot = 0; slot < shown_.size(); ++slot) {
+    const Eigen::Vector3i& t = shown_[slot];
+    const Eigen::Vector4f a = x[t[0]], b = x[t[1]] - a, c = x[t[2]] - a;
+    areas[mesh_.file_triangle[slot]] = b.cross3(c);
+  }
+}
+
+// A vertex gathers what is around it: to add each triangle to its corners would wait for what was written just before.
+void Skin::sum_areas() {
+  normals_.resize(six_around_.size());
+  const Eigen::Vector4f* const areas = twice_area_.data();
+  for (std::size_t i = 0; i < six_around_.size(); ++i) {
+    const std::array<Index, 6>& t = six_around_[i];
+    normals_[i] = (areas[t[0]] + areas[t[1]]) + (areas[t[2]] + areas[t[3]]) + (areas[t[4]] + areas[t[5]]);
+  }
+  for (const auto& [vertex, triangle] : others_around_) normals_[vertex] += areas[triangle];
+}
+
+// Four square roots at a time.
+void Skin::find_normals(Mat3X<float>& normals) {
+  find_areas();
+  sum_areas();
+  const auto count = static_cast<Index>(normals_.size());
+  for (Index i = 0; i < count; i += 4) {
+    const Index four = std::min(4, count - i);
+    Eigen::Array4f squares = Eigen::Array4f::Zero();
+    for (Index k = 0; k < four; ++k) squares[k] = normals_[i + k].squaredNorm();
+    const Eigen::Array4f factors = (squares > 0).select(squares.sqrt().inverse(), 0.0F);
+    for (Index k = 0; k < four; ++k) put(factors[k] * normals_[i + k], i + k, count, normals);
   }
 }
 

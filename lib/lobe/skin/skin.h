@@ -58,7 +58,7 @@ class Skin {
               Mat3X<float>& x, Mat3X<float>& normals);
 
  private:
-  using Padded = Eigen::Matrix<float, 4, Eigen::Dynamic>;  // columns that fill a vector register
+  using Padded = std::vector<Eigen::Vector4f>;  // three numbers that fill a vector register
 
   void add_vertices(const TexturedSurface& surface);
   void add_texture(const TexturedSurface& surface);
@@ -74,7 +74,11 @@ class Skin {
   template <class Real>
   void update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
                    Mat3X<float>& x, Mat3X<float>& normals);
-  void sum_normals();
+  void find_positions(Mat3X<float>& x);
+  void find_normals(Mat3X<float>& normals);
+  void find_areas();
+  void sum_areas();
+  void list_triangles_around();
 
   TetMesh start_;
   SkinMesh mesh_;
@@ -88,9 +92,13 @@ class Skin {
   NumberLists lies_on_, lying_on_, around_;  // tets of triangles, triangles of tets and of carried vertices
   std::vector<Index> carrier_;               // per carried vertex: its tetrahedron
   VertexLists<Index> carried_by_;            // per tetrahedron: vertices
-  Padded weights_;                           // per carried vertex
-  Tets carrier_corners_;                     // the same: vertices of the mesh
-  Padded mesh_x_, x_, normals_;              // scratch of update(): of the mesh; of the carried vertices
+  std::vector<Eigen::Vector4f> weights_;     // per carried vertex
+  std::vector<Eigen::Vector4i> carrier_corners_;  // the same: vertices of the mesh
+  // Per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond six, with their vertex.
+  std::vector<std::array<Index, 6>> six_around_;
+  std::vector<std::array<Index, 2>> others_around_;
+  Padded twice_area_;            // per triangle of the file: its normal; 0 where it is not shown
+  Padded mesh_x_, x_, normals_;  // scratch of update(): of the mesh; of the carried vertices
 };
 
 }  // namespace lobe

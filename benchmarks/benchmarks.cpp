@@ -13,6 +13,8 @@ std::span<const Benchmark> all_benchmarks() {
        true},
       {"realtime", "whole gestures, all non-linear, against the clock; what the time step gains",
        bench_realtime, true},
+      {"surface", "what it costs to follow cuts with the surface, and to draw it", bench_surface},
+      {"skin", "a fine textured surface: cost per frame, and at a cut", bench_skin},
       {"features", "what each option costs per step, on and off", bench_features},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"soak", "random gestures for a given time, invariants checked every second", bench_soak},

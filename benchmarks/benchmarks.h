@@ -43,6 +43,8 @@ void bench_features(const Options& options);
 void bench_realtime(const Options& options);
 void bench_hybrid(const Options& options);
 void bench_stress(const Options& options);
+void bench_surface(const Options& options);
+void bench_skin(const Options& options);
 void bench_soak(const Options& options);
 
 }  // namespace lobe::bench

@@ -43,11 +43,11 @@ std::vector<Index> channel(const TetMesh& mesh, Index count) {
   return order;
 }
 
-double seconds_to_rebuild(const World<float>& world) {
+double seconds_to_rebuild(World<float>& world) {
   CompactMesh compacted;
   const Setup setup = world.current_setup(compacted);
   const Stopwatch watch(true);
-  const World<float> fresh(setup);
+  World<float> fresh(setup);
   return watch.seconds();
 }
 

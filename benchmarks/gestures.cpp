@@ -151,7 +151,7 @@ class Player {
     }
     if (mass_watch_) {
       const double before = watch.seconds();
-      expanded_ += world_.mass_degree() == 1;
+      expanded_ += world_.body().inertia.degree() == 1;
       estimated_ = std::max(estimated_, mass_watch_->look(world_).error);
       watching_ += watch.seconds() - before;
     }
@@ -181,8 +181,7 @@ class Player {
 };
 
 // √Σ m |u|² over the vertices that both still have.
-double norm(const World<float>& exact, const World<float>& other, const std::vector<double>& mass,
-            bool difference) {
+double norm(World<float>& exact, World<float>& other, const std::vector<double>& mass, bool difference) {
   const auto u = exact.state().u, w = other.state().u;
   double sum = 0;
   for (std::size_t v = 0; v < mass.size(); ++v) {

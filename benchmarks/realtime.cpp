@@ -47,7 +47,7 @@ double wave_step(const Setup& setup) {
 
 // If each tetrahedron was evaluated as seldom as the stiffest of its own vertices allows at rest, in steps of the
 // shortest one times a power of two. Neighbours of other steps, which cost and need shorter ones, are left out.
-double local_gain(const World<float>& world) {
+double local_gain(World<float>& world) {
   const Elements& elements = world.elements();
   const Index vertices = elements.topology.vertex_count(), tets = elements.topology.tet_count();
   std::vector<double> inverse_mass, squares;

@@ -25,3 +25,26 @@ if(LOBE_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
 endif()
+if(LOBE_THREAD_SANITIZE)
+  add_compile_options(-fsanitize=thread)
+  add_link_options(-fsanitize=thread)
+endif()
+
+# GCC collects its garbage from 128 MB on, which takes a tenth of the time of a unit; it changes nothing in the code.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(lobe_compile INTERFACE "SHELL:--param ggc-min-heapsize=524288")  # [KiB]
+endif()
+
+# Headers that most units of a target include, precompiled: they take a second of each. None of the project's own, so
+# that a change to one of them compiles what includes it and nothing else. ccache cannot look into precompiled headers.
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # The same bug as above: a precompiled header of the system counts as one of ours, whose warnings are shown.
+  target_compile_options(lobe_compile INTERFACE -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
+endif()
+function(lobe_precompile target)  # further headers…
+  target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <future>
+    <limits> <map> <memory> <numeric> <optional> <span> <sstream> <string> <vector> <Eigen/Geometry> <Eigen/LU>
+    <Eigen/SparseCore> ${ARGN})
+endfunction()

@@ -1,7 +1,7 @@
 // A bar held at one end sinks under its own weight, linear near the clamp, St Venant-Kirchhoff beyond.
 //
 //   build/bin/01_first_steps
-//   the tip sinks by 44.3 mm
+//   after 3.00 s the tip has sunk by 44.3 mm
 #include <lobe/lobe.h>
 
 #include <cstdio>
@@ -20,6 +20,7 @@ int main() {
   setup.gravity = {0, 0, -3};
   setup.damping = 20;  // [1/s]
   lobe::World<float> world(setup);
-  while (world.time() < 3) world.advance(1.0 / 30);
-  std::printf("the tip sinks by %.1f mm\n", -1e3 * world.state().u.row(2).minCoeff());
+  for (int frame = 0; frame < 90; ++frame) world.advance(1.0 / 30);  // [s]
+  std::printf("after %.2f s the tip has sunk by %.1f mm\n", world.time(),
+              -1e3 * world.state().u.row(2).minCoeff());
 }

@@ -1,7 +1,7 @@
 // A scene from its JSON file, played from code: the resection of the README.
 //
 //   build/bin/04_scene data/scenes/liver_resection.json
-//   690 tetrahedra burnt, 9609 left
+//   4.40 s: 690 tetrahedra burnt, 9609 left
 #include <lobe/lobe.h>
 
 #include <cstdio>
@@ -11,12 +11,14 @@ int main(int argc, char** argv) try {
   const lobe::Resolved resolved = lobe::resolve(scene, lobe::read_mesh(lobe::mesh_path(scene)).mesh);
   lobe::World<float> world(resolved.setup);
   lobe::Index burnt = 0;
-  while (world.time() < scene.time.duration) {
-    const lobe::Report report = world.advance(scene.time.frame);  // tools, cuts, as many steps as are stable
-    if (!report.ok) return 1;                                     // it says why; no NaN ever gets out
+  const lobe::Frames frames = lobe::frames_of(scene.time);
+  for (int i = 0; i < frames.count; ++i) {
+    const lobe::Report report = world.advance(frames.length);  // tools, cuts, as many steps as are stable
+    if (!report.ok) return 1;                                  // it says why; no NaN ever gets out
     burnt += report.tets_removed;
   }
-  std::printf("%d tetrahedra burnt, %d left\n", burnt, world.elements().topology.alive_count());
+  std::printf("%.2f s: %d tetrahedra burnt, %d left\n", world.time(), burnt,
+              world.elements().topology.alive_count());
 } catch (const lobe::InputError& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 2;

@@ -52,17 +52,17 @@ class Player {
   void frame();
   void cut();
   void measure();
-  std::string judge() const;
+  std::string judge();
 
   double energy() { return world_.energies().total(); }
-  double farthest() const {
+  double farthest() {
     return world_.state().u.size() == 0 ? 0 : double(world_.state().u.colwise().norm().maxCoeff()) / size();
   }
   double size() const {
     const Mat3X<double>& X = plan_.setup.mesh.points;
     return (X.rowwise().maxCoeff() - X.rowwise().minCoeff()).maxCoeff();
   }
-  Vec3d momentum() const {
+  Vec3d momentum() {
     Vec3d sum = Vec3d::Zero();
     for (std::size_t v = 0; v < world_.mass().size(); ++v)
       sum += world_.mass()[v] * world_.state().v.col(Index(v)).template cast<double>();
@@ -158,7 +158,7 @@ void Player<Real>::measure() {
 }
 
 template <class Real>
-std::string Player<Real>::judge() const {
+std::string Player<Real>::judge() {
   if (plan_.must == Must::be_flagged)
     return finite_ && verdict_.energy_late < 1e3 * verdict_.energy_start ? "did not grow" : "";
   if (!finite_) return "not finite";

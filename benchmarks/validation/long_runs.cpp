@@ -38,7 +38,7 @@ Tolerance rounding_after(int steps) {
 
 // Largest component of E over all tetrahedra.
 template <class Real>
-double largest_strain(const World<Real>& world) {
+double largest_strain(World<Real>& world) {
   double largest = 0;
   for (Index t = 0; t < world.elements().topology.tet_count(); ++t) {
     Mat34<double> u;
@@ -56,7 +56,7 @@ struct Momenta {
 };
 
 template <class Real>
-Momenta momenta(const World<Real>& world) {
+Momenta momenta(World<Real>& world) {
   Momenta sum;
   for (Index v = 0; v < world.elements().points.count(); ++v) {
     const Vec3d p = world.mass()[v] * world.state().v.col(v).template cast<double>();

@@ -29,6 +29,13 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+// A bar would begin another cell.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+  return out;
+}
+
 std::string line(const std::string& family, const std::string& name, const std::string& quantity,
                  const std::string& unit, const std::string& reference, const std::string& measured,
                  const std::string& error, const std::string& tolerance, const std::string& result) {
@@ -69,10 +76,10 @@ std::string markdown(std::span<const Row> rows) {
           << "\n\n| case | quantity | unit | reference | from | measured | error | tolerance | because | |\n"
              "|---|---|---|---|---|---|---|---|---|---|\n";
     family = r.family;
-    out << "| " << r.name << " | " << r.quantity << " | " << r.unit << " | "
-        << number(r.reference.value, "%.8g") << " | " << r.reference.source << " | "
+    out << "| " << cell(r.name) << " | " << cell(r.quantity) << " | " << r.unit << " | "
+        << number(r.reference.value, "%.8g") << " | " << cell(r.reference.source) << " | "
         << number(r.measured, "%.8g") << " | " << number(r.error, "%.1e") << " | "
-        << number(r.tolerance.value, "%.1e") << " | " << r.tolerance.basis << " | "
+        << number(r.tolerance.value, "%.1e") << " | " << cell(r.tolerance.basis) << " | "
         << (r.passed ? "passed" : "**failed**") << " |\n";
   }
   return out.str();

@@ -1,18 +1,22 @@
 // All of lobe in one header. Folders are the chapters of the theory (docs/theory.md):
-//   mesh/         tetrahedra, topology that follows cuts, quality
+//   mesh/         tetrahedra, topology and surface that follow cuts, quality
 //   numerics/     sparse factors, dense products, highest eigenvalues
 //   fem/          the mathematics of one element, and the elements of a body
 //   setup/        what a scene comes to: a body, its loads, what is held
 //   region/       tensor-mass and non-linear regions that share vertices
 //   condense/     pre-computed linear regions, reduced to what they share with others
-//   cut/          instruments against tetrahedra
-//   time/         the explicit scheme: inertia, stable step, sleep
-//   sim/          World: a body in motion, with tools and cuts
+//   body/         all regions of a body, its state, its loads, forces from outside
+//   cut/          tetrahedra that an instrument touches
+//   tool/         grasps and cauteries, on paths or led by hand
+//   time/         the explicit scheme: inertia, stable step, sleep, tangles
+//   sim/          World: frames, tools, edits as commands, checkpoints
 //   solve/        static equilibrium
 //   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
 //   diagnostics/  strain, stress, volume, differences between results
+//   snapshot/     pictures of a running simulation, for other threads
+//   skin/         a fine textured surface that the tetrahedra carry
 //   run/          a scene played, recorded and reported
 //
 // Glossary (SI units): X rest position [m], x current position [m], u = x − X displacement [m], v velocity
@@ -28,24 +32,35 @@
 #include "lobe/condense/narrow_interface.h"
 #include "lobe/diagnostics/compare.h"
 #include "lobe/diagnostics/fields.h"
+#include "lobe/diagnostics/locate.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
+#include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/proposal.h"
 #include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/mesh/refine.h"
+#include "lobe/mesh/surface.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
+#include "lobe/scene/check_scene.h"
 #include "lobe/scene/describe.h"
+#include "lobe/scene/frames.h"
+#include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/scene/schema.h"
 #include "lobe/scene/select.h"
+#include "lobe/scene/write_scene.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/rest_time_step.h"
 #include "lobe/sim/world.h"
+#include "lobe/skin/skin.h"
+#include "lobe/snapshot/snapshot.h"
+#include "lobe/snapshot/triple_buffer.h"
 #include "lobe/solve/static_solver.h"

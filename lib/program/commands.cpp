@@ -181,12 +181,12 @@ int replay(const SceneOptions& options) {
                                 ? play(World<double>(loaded.resolved.setup, options.threads))
                                 : play(World<float>(loaded.resolved.setup, options.threads));
   if (!replayed.same) {
-    print_errors(options.record.string() + ": call " + std::to_string(replayed.calls) + " of " +
-                 std::to_string(recording.calls.size()) + ", up to " + rounded(replayed.time) +
+    print_errors(options.record.string() + ": command " + std::to_string(replayed.commands) + " of " +
+                 std::to_string(recording.commands.size()) + ", up to " + rounded(replayed.time) +
                  " s, gives other bits than were recorded");
     return ended_early;
   }
-  std::cout << replayed.calls << " calls up to " << rounded(replayed.time) << " s: the same bits on "
+  std::cout << replayed.commands << " commands up to " << rounded(replayed.time) << " s: the same bits on "
             << options.threads << " thread(s)\n";
   return done;
 }

@@ -48,15 +48,4 @@ struct CompareOptions {
 };
 int compare(const CompareOptions& options);
 
-struct BenchOptions {
-  std::string name;
-  std::filesystem::path output;  // a directory
-  std::vector<int> tets;
-  bool quick = false;
-  int threads = 1;
-  double minutes = 10;
-  std::vector<std::filesystem::path> scenes, meshes;
-};
-int run_benchmark(const BenchOptions& options);
-
 }  // namespace lobe::program

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <exception>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commands.h"
@@ -16,13 +18,23 @@ namespace {
 using namespace lobe::program;
 using Action = std::function<int()>;
 
-// What is under another licence is a program of its own.
-int forward(const std::string& program, char** first, char** last, const char* remedy) {
+// What is under another licence, or not needed to run a scene, is a program of its own.
+int forward(const std::string& program, char** first, char** last, const std::string& option) {
   std::vector<std::string> arguments{sibling(program).string()};
   arguments.insert(arguments.end(), first, last);
   const int status = run_program(arguments);
-  if (status == 127) print_errors(program + " is not installed: build lobe with " + remedy);
+  if (status == 127)
+    print_errors(program + ": not found beside lobe or on the PATH; ./dev build makes it, where CMake has " +
+                 option + "=ON");
   return status == 127 ? static_cast<int>(bad_input) : status;
+}
+
+// A command that another program answers with the arguments after it; nothing for the commands of `lobe` itself.
+std::optional<int> run_other_program(int argc, char** argv) {
+  const std::string_view command = argc > 1 ? argv[1] : "";
+  if (command == "mesh") return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING");
+  if (command == "bench") return forward("lobe-bench", argv + 2, argv + argc, "LOBE_BENCHMARKS");
+  return {};
 }
 
 void add_info(CLI::App& app, InfoOptions& options, Action& action) {
@@ -56,36 +68,6 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
   return command;
 }
 
-void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "bench", "Measure speed, accuracy (docs/benchmarks.md), correctness (docs/validation.md)");
-  command
-      ->add_option(
-          "NAME", options.name,
-          "which benchmark: kernels, cut, realtime, features, hybrid, accuracy, validation, stress or soak")
-      ->required();
-  command->add_option("-o,--output", options.output, "directory for the table and the plot")->required();
-  command->add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
-      ->delimiter(',')
-      ->check(CLI::Range(6, 5000000));
-  command->add_flag("--quick", options.quick, "less precise, or with smaller meshes");
-  command
-      ->add_option("--threads", options.threads,
-                   "kernels, realtime: timed beside one thread; accuracy: of every run")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  command->add_option("--minutes", options.minutes, "soak: how long")
-      ->check(CLI::Range(0.01, 1e5))
-      ->capture_default_str();
-  command
-      ->add_option("--scene", options.scenes,
-                   "accuracy, hybrid, realtime: your own scene, in place of the shipped ones")
-      ->allow_extra_args(false);
-  command->add_option("--mesh", options.meshes, "accuracy, hybrid, realtime: a further mesh of that scene")
-      ->allow_extra_args(false);
-  command->callback([&] { action = [&] { return run_benchmark(options); }; });
-}
-
 // CLI11 would only say that a command is missing, not that it knows none of this name.
 void refuse_unknown_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string> known;
@@ -100,8 +82,7 @@ void refuse_unknown_command(const CLI::App& app, const std::string& word) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "mesh")
-    return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING=ON");
+  if (const std::optional<int> status = run_other_program(argc, argv)) return *status;
   CLI::App app{"Hybrid linear / non-linear organ models in real time"};
   app.require_subcommand(1);
   app.set_version_flag("--version", LOBE_VERSION);
@@ -109,6 +90,7 @@ int main(int argc, char** argv) {
   InfoOptions info_options;
   SceneOptions options;
   app.add_subcommand("mesh", "From a surface to a mesh: runs lobe-mesh");
+  app.add_subcommand("bench", "Measure speed, accuracy and correctness: runs lobe-bench");
   add_info(app, info_options, action);
   CLI::App* check_command =
       add_scene_command(app, "check", "Validate a scene and print what will be run", options, action, check);
@@ -142,14 +124,12 @@ int main(int argc, char** argv) {
       add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
   regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();
   regions_command->add_option("--picture", options.picture, "picture of the regions to draw (.png)");
-  BenchOptions bench_options;
-  add_bench(app, bench_options, action);
 
   try {
     if (argc > 1) refuse_unknown_command(app, argv[1]);
     app.parse(argc, argv);
     if (options.solver == "cholmod" && linked_solver.name != options.solver)
-      return forward("lobe-cholmod", argv + 1, argv + argc, "LOBE_CHOLMOD=ON");
+      return forward("lobe-cholmod", argv + 1, argv + argc, "LOBE_CHOLMOD");
     return action();
   } catch (const CLI::Success& help) {
     return app.exit(help);

@@ -14,11 +14,12 @@ namespace lobe::meshing {
 namespace {
 
 constexpr int most_rounds = 40;
-constexpr double least_gain = 0.01;     // of a round: less ends the relaxation
-constexpr double flattest = 1e-3;       // smallest volume of a tetrahedron, of the regular one
-constexpr double first_step = 0.12;     // of an edge
-constexpr int step_sizes = 4;           // each half as long as the one before
-constexpr double frequency_weight = 4;  // of a vertex against a dihedral angle
+constexpr double least_gain = 0.01;      // of a round: less ends the relaxation
+constexpr std::size_t most_work = 3000;  // elements evaluated per tetrahedron, against hopeless meshes
+constexpr double flattest = 1e-3;        // smallest volume of a tetrahedron, of the regular one
+constexpr double first_step = 0.12;      // of an edge
+constexpr int step_sizes = 4;            // each half as long as the one before
+constexpr double frequency_weight = 4;   // of a vertex against a dihedral angle
 
 double shortfall(double value, double goal) {
   const double ratio = goal / value - 1;
@@ -58,6 +59,7 @@ class Relaxation {
   double mu_ = 0, lambda_ = 0;  // of wave speed 1 and density 1
   double highest_square_ = 0;   // ω² at the goal
   double smallest_volume_ = 0;
+  std::size_t work_ = 0;
   double largest_cosine_ = 0;
   std::vector<std::vector<Index>> tets_at_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> stiffness_;  // of each vertex
@@ -173,6 +175,7 @@ bool Relaxation::try_position(Index v, const Vec3d& x, double& cost) {
   const std::vector<Index>& tets = tets_at_[v];
   mesh_.points.col(v) = x;
   moved_.clear();
+  work_ += tets.size();
   for (const Index t : tets) {
     moved_.push_back(element(t));
     if (moved_.back().valid) continue;
@@ -228,7 +231,8 @@ void Relaxation::improve(Index v) {
 void Relaxation::run() {
   double cost = total_cost();
   for (int round = 0; round < most_rounds && cost > 0; ++round) {
-    for (const Index v : vertices_near_cost()) improve(v);
+    for (const Index v : vertices_near_cost())
+      if (work_ < most_work * static_cast<std::size_t>(mesh_.tet_count())) improve(v);
     const double before = cost;
     cost = total_cost();
     if (cost > (1 - least_gain) * before) break;

@@ -11,6 +11,7 @@
 #include "lobe_mesh/area.h"
 #include "lobe_mesh/clean.h"
 #include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/errors.h"
 #include "lobe_mesh/nearest.h"
 #include "lobe_mesh/steps.h"
 
@@ -80,6 +81,13 @@ class Ladder {
   Ladder(const Surface& input, double size, RepairReport& report)
       : input_(input), size_(size), volume_(enclosed_volume(input)), report_(report) {}
 
+  // Forgets the rungs after the first `steps`, of which `now` is the result.
+  void step_down(std::size_t steps, const Surface& now) {
+    report_.steps.resize(steps);
+    measured_ = steps;
+    volume_ = enclosed_volume(now);
+  }
+
   void measure(const Surface& now) {
     if (measured_ == report_.steps.size()) return;
     const double volume = enclosed_volume(now), distance = sampled_distance(input_, now);
@@ -148,6 +156,78 @@ Surface wrap(const Surface& surface, const UnitBox& unit, const RepairOptions& o
   }
 }
 
+struct Repaired {
+  Surface surface;  // [m]
+  Diagnosis diagnosis;
+};
+
+Surface scaled_back(Surface surface, const UnitBox& unit) {
+  surface.points = unit.from_unit(surface.points);
+  return surface;
+}
+
+// The three ways of a surface that was cleaned, in the box of unit size.
+class Climb {
+ public:
+  Climb(const Surface& cleaned, const UnitBox& unit, const RepairOptions& options, Ladder& ladder,
+        RepairReport& report)
+      : cleaned_(cleaned), unit_(unit), options_(options), ladder_(ladder), report_(report) {}
+
+  // What only just does not intersect may do so for the rounding of another box: then the rungs are climbed again there.
+  Repaired basic() {
+    constexpr int most_climbs = 3;
+    Repaired result = by_rungs(cleaned_, unit_);
+    for (int climb = 1; climb < most_climbs && !result.diagnosis.meshable(); ++climb) {
+      const UnitBox box(result.surface);
+      result = by_rungs({box.to_unit(result.surface.points), result.surface.triangles}, box);
+    }
+    refuse_unless_meshable(result.diagnosis, "this is left after the repair: use --repair wrap");
+    return result;
+  }
+
+  Repaired wrapped() {
+    const Surface wrapping = wrap(cleaned_, unit_, options_, report_);
+    ladder_.measure(wrapping);
+    const Surface result = scaled_back(wrapping, unit_);
+    const Diagnosis diagnosis = diagnose(result);
+    refuse_unless_meshable(diagnosis, "this is left after the wrapping: use another --wrap-alpha");
+    return {result, diagnosis};
+  }
+
+  Repaired basic_or_wrapped() {
+    const std::size_t steps = report_.steps.size();
+    std::string reason;
+    try {
+      return basic();
+    } catch (const InputError& error) {
+      reason = error.faults().front().place + ": " + error.faults().front().message;
+    } catch (const MeshingFailure& failure) {
+      reason = failure.what();
+    }
+    ladder_.step_down(steps, cleaned_);
+    for (const char* remedy : {"; this is left after the repair", ": use --repair wrap"})
+      reason = reason.substr(0, reason.find(remedy));
+    report_.warnings.push_back("wrapped, because the repair did not succeed (" + reason + ")");
+    return wrapped();
+  }
+
+ private:
+  Repaired by_rungs(const Surface& surface, const UnitBox& box) {
+    const auto measure = [&](const Surface& now) {
+      ladder_.measure({unit_.to_unit(box.from_unit(now.points)), now.triangles});
+    };
+    const Surface result =
+        scaled_back(repair_by_rungs(surface, options_.largest_hole, report_, measure), box);
+    return {result, diagnose(result)};
+  }
+
+  const Surface& cleaned_;
+  const UnitBox& unit_;
+  const RepairOptions& options_;
+  Ladder& ladder_;
+  RepairReport& report_;
+};
+
 }  // namespace
 
 std::string RepairStep::in_words() const {
@@ -171,17 +251,14 @@ Surface repair_surface(const Surface& surface, const RepairOptions& options, Rep
   const UnitBox unit(surface);
   const Surface input{unit.to_unit(surface.points), surface.triangles};
   Ladder ladder(input, unit.size, report);
-  const auto measure = [&](const Surface& now) { ladder.measure(now); };
   const Surface cleaned = clean_up(input, report);
-  measure(cleaned);
-  Surface result = wraps ? wrap(cleaned, unit, options, report)
-                         : repair_by_rungs(cleaned, options.largest_hole, report, measure);
-  measure(result);
-  result.points = unit.from_unit(result.points);
-  const Diagnosis after = diagnose(result);
-  refuse_unless_meshable(after, "this is left after the repair: use --repair wrap");
-  compare(surface, result, after, report);
-  return result;
+  ladder.measure(cleaned);
+  Climb climb(cleaned, unit, options, ladder, report);
+  const Repaired result = wraps                                     ? climb.wrapped()
+                          : options.level == Repair::wrap_if_needed ? climb.basic_or_wrapped()
+                                                                    : climb.basic();
+  compare(surface, result.surface, result.diagnosis, report);
+  return result.surface;
 }
 
 }  // namespace lobe::meshing

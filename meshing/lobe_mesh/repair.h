@@ -11,9 +11,10 @@
 namespace lobe::meshing {
 
 enum class Repair {
-  none,   // check only: anything that cannot be meshed is refused
-  basic,  // weld, orient, stitch, drop specks, fill small holes, undo self-intersections
-  wrap,   // a new surface around the old one: always closed, but larger; the last resort
+  none,            // check only: anything that cannot be meshed is refused
+  basic,           // weld, orient, stitch, drop specks, fill small holes, undo self-intersections
+  wrap_if_needed,  // basic, and where that does not succeed wrap
+  wrap,            // a new surface around the old one: always closed, but larger; the last resort
 };
 
 struct RepairOptions {

@@ -26,6 +26,8 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 using Face = CgalMesh::Face_index;
 using Halfedge = CgalMesh::Halfedge_index;
 
+constexpr int most_rounds = 6;  // of the rungs that may undo each other
+
 void note(RepairReport& report, const std::string& name, std::size_t count, const std::string& done) {
   if (count == 0) return;
   report.steps.push_back({name, static_cast<Index>(count), done});
@@ -161,10 +163,10 @@ void remove_degenerate(CgalMesh& mesh, RepairReport& report) {
   note(report, "degenerate", count, "removed " + plural(count, "triangle") + " without area");
 }
 
-void remove_intersections(CgalMesh& mesh, RepairReport& report) {
+Index remove_intersections(CgalMesh& mesh, RepairReport& report) {
   // Not CGAL's test: to that, pieces that were taken apart at a common edge intersect.
   const auto pairs = self_intersections(from_cgal(mesh));
-  if (pairs.empty()) return;
+  if (pairs.empty()) return 0;
   if (!pmp::experimental::remove_self_intersections(mesh, CGAL::parameters::preserve_genus(false))) {
     throw InputError("self-intersections",
                      plural(pairs.size(), "pair") +
@@ -173,6 +175,7 @@ void remove_intersections(CgalMesh& mesh, RepairReport& report) {
   }
   note(report, "self-intersections", pairs.size(),
        "replaced the surroundings of " + plural(pairs.size(), "pair") + " of intersecting triangles");
+  return static_cast<Index>(pairs.size());
 }
 
 void face_outwards(CgalMesh& mesh, RepairReport& report) {
@@ -209,8 +212,12 @@ Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairRepor
   rung("stitch", [&] { stitch(mesh, report); });
   rung("specks", [&] { drop_specks(mesh, report); });
   rung("holes", [&] { fill_holes(mesh, largest_hole, report); });
-  rung("degenerate", [&] { remove_degenerate(mesh, report); });
-  rung("self-intersections", [&] { remove_intersections(mesh, report); });
+  // What replaces triangles that intersect may be degenerate, and what replaces those may intersect.
+  Index changed = 1;
+  for (int round = 0; round < most_rounds && changed > 0; ++round) {
+    rung("degenerate", [&] { remove_degenerate(mesh, report); });
+    rung("self-intersections", [&] { changed = remove_intersections(mesh, report); });
+  }
   rung("orientation", [&] { face_outwards(mesh, report); });
   mesh.collect_garbage();
   return from_cgal(mesh);

@@ -73,6 +73,13 @@ void drop_short_groups(EdgeLengths& edges, double shortest) {
   std::erase_if(edges, [&](const auto& entry) { return total[root(entry.first.first)] < shortest; });
 }
 
+double length_of(const Surface& surface, const Polyline& line) {
+  double length = 0;
+  for (std::size_t i = 1; i < line.size(); ++i)
+    length += (surface.points.col(line[i]) - surface.points.col(line[i - 1])).norm();
+  return length;
+}
+
 }  // namespace
 
 double enclosed_volume(const Surface& surface) {
@@ -140,13 +147,24 @@ std::vector<Polyline> lines_of(const std::vector<std::pair<Index, Index>>& edges
   return lines;
 }
 
-std::vector<Polyline> feature_lines(const Surface& surface, double angle, double shortest) {
+FeatureLines feature_lines(const Surface& surface, double angle, double shortest, double finest) {
   EdgeLengths edges = sharp_edges(surface, angle);
-  drop_creases(surface, edges);
-  drop_short_groups(edges, shortest);
-  std::vector<std::pair<Index, Index>> pairs;
-  for (const auto& [edge, length] : edges) pairs.push_back(edge);
-  return lines_of(pairs);
+  FeatureLines result;
+  for (bool changed = true; changed;) {
+    drop_creases(surface, edges);
+    drop_short_groups(edges, shortest);
+    std::vector<std::pair<Index, Index>> pairs;
+    for (const auto& [edge, length] : edges) pairs.push_back(edge);
+    result.lines = lines_of(pairs);
+    changed = false;
+    for (const Polyline& line : result.lines) {
+      if (length_of(surface, line) >= finest) continue;
+      if (result.fine++ == 0) result.fine_at = surface.points.col(line.front());
+      for (std::size_t i = 1; i < line.size(); ++i) edges.erase(std::minmax(line[i - 1], line[i]));
+      changed = true;
+    }
+  }
+  return result;
 }
 
 }  // namespace lobe::meshing

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <sstream>
 #include <tuple>
 
 #include "lobe/error.h"
+#include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
@@ -16,12 +18,19 @@
 #include "lobe_mesh/relax.h"
 #include "lobe_mesh/sizing.h"
 #include "lobe_mesh/steps.h"
+#include "lobe_mesh/volumes.h"
 
 namespace lobe::meshing {
 namespace {
 
 // Remeshing to this multiple of the edge gives boundary tetrahedra of the volume aimed at.
 constexpr double surface_edge_factor = 1.08;
+
+constexpr double finest_feature = 0.15;  // of the shortest edge asked for
+
+// Far more tetrahedra than a body of that volume and area takes: most of them at features smaller than the edge.
+constexpr double most_tets_of_expected = 20;
+constexpr double most_tets_at_least = 10000;
 
 class Stopwatch {
  public:
@@ -70,6 +79,15 @@ void refuse_touching(const Surface& surface) {
   }
 }
 
+void refuse_excess(const TetMesh& mesh, double expected) {
+  if (mesh.tet_count() <= most_tets_at_least + most_tets_of_expected * expected) return;
+  throw MeshingFailure(
+      "the mesher cgal made " + std::to_string(mesh.tet_count()) + " tetrahedra, about " +
+      rounded(std::round(expected)) +
+      " were expected: the surface has features far smaller than the edge; use a shorter --edge, "
+      "--feature-angle 180, --mesher tetgen or --repair wrap");
+}
+
 // The tries at one model, in a box of unit size.
 class Tries {
  public:
@@ -77,10 +95,12 @@ class Tries {
   TetMesh best();
 
  private:
+  void keep_features(std::size_t k);
   void one(Mesher mesher, double factor);
   TetMesh mesh_with(Mesher mesher, double edge);
   void improve(TetMesh& mesh);
   bool available(Mesher mesher) const;
+  bool failed(Mesher mesher) const;
   bool out_of_time() const { return stopwatch_.elapsed() > options_.time_limit; }
 
   const Model& model_;
@@ -92,6 +112,7 @@ class Tries {
   std::vector<NearestPoint> surfaces_;
   Interfaces interfaces_;
   std::vector<Mat3X<double>> features_;  // points of the feature lines, scaled
+  std::vector<std::string> warnings_;
   std::vector<Phase> phases_;
   Stopwatch stopwatch_{phases_};
   TetMesh best_;
@@ -113,18 +134,43 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
     Surface& surface = scaled_.surfaces[k];
     surface.points = unit_.to_unit(surface.points);
     if (!model.is_image())  // its surfaces are smooth but for the steps between voxels
-      scaled_.features[k] = feature_lines(surface, options.feature_angle, 6 * scaled_options_.edge);
+      keep_features(k);
     for (const Polyline& line : scaled_.features[k]) features_.push_back(surface.points(Eigen::all, line));
     surfaces_.emplace_back(surface);
   }
   for (std::size_t k = 0; k < surfaces_.size(); ++k)
     interfaces_[std::minmax(model.sides[k].outside, model.sides[k].inside)] = &surfaces_[k];
+  for (double& volume : scaled_.volumes) volume /= std::pow(unit_.size, 3);
   for (Mat3X<double>& line : scaled_.junctions) line = unit_.to_unit(line);
   if (model.is_image()) {
     scaled_.image_region = [&](const Vec3d& point) { return model.image_region(unit_.from_unit(point)); };
   }
   report_.shortest_edge = unit_.size * Sizing(scaled_, scaled_options_).shortest();
   stopwatch_.phase("prepare");
+}
+
+// A body with features far smaller than the edge cannot be meshed well with them, and the refinement, the relaxation
+// and all further tries take minutes to find that out.
+void Tries::keep_features(std::size_t k) {
+  const Surface& surface = scaled_.surfaces[k];
+  const double shortest_edge = Sizing(scaled_, scaled_options_).shortest();
+  FeatureLines found = feature_lines(surface, options_.feature_angle, 6 * scaled_options_.edge,
+                                     finest_feature * shortest_edge);
+  scaled_.features[k] = std::move(found.lines);
+  if (found.fine == 0) return;
+  const Vec3d p = unit_.from_unit(found.fine_at);
+  std::ostringstream text;
+  text << (model_.surfaces.size() > 1 ? "surface " + std::to_string(k) + ": " : "") << found.fine
+       << (found.fine == 1 ? " sharp edge is" : " sharp edges are") << " shorter than "
+       << rounded(finest_feature) << " of the mesh's edge, first near (" << rounded(p.x()) << ", "
+       << rounded(p.y()) << ", " << rounded(p.z())
+       << ") m: not kept sharp, with the edges that end there; a shorter --edge (or --ball there) keeps them";
+  warnings_.push_back(text.str());
+}
+
+bool Tries::failed(Mesher mesher) const {
+  return std::any_of(report_.attempts.begin(), report_.attempts.end(),
+                     [&](const Attempt& a) { return a.mesher == mesher && !a.failure.empty(); });
 }
 
 bool Tries::available(Mesher mesher) const {
@@ -148,6 +194,7 @@ TetMesh Tries::mesh_with(Mesher mesher, double factor) {
                          [&](double done) { options.progress("mesh (cgal)", done); }};
     TetMesh mesh = model_.is_image() ? mesh_image_with_cgal(scaled_, run) : mesh_with_cgal(scaled_, run);
     stopwatch_.phase("cgal");
+    refuse_excess(mesh, run.expected_tets);
     return mesh;
   }
   options.progress("remesh", -1);
@@ -168,8 +215,10 @@ void Tries::improve(TetMesh& mesh) {
   const double edge = shortest < scaled_options_.edge ? shortest : mean_edge;
   const Freedom freedom = find_freedom(mesh, interfaces_, features_, on_line * edge);
   restore_volume(mesh, interfaces_, freedom);
+  match_volumes(mesh, interfaces_, freedom, scaled_.volumes);
   relax(mesh, freedom,
         {.edge = edge, .poisson_ratio = options_.lambda / (2 * (options_.lambda + options_.mu))});
+  match_volumes(mesh, interfaces_, freedom, scaled_.volumes);
   stopwatch_.phase("relax");
 }
 
@@ -213,12 +262,16 @@ TetMesh Tries::best() {
   for (int i = 1; i < options_.tries && !out_of_time(); ++i) one(options_.mesher, jitter[i]);
   const Mesher other = options_.mesher == Mesher::cgal ? Mesher::tetgen : Mesher::cgal;
   const bool both = available(other);
-  for (int i = 0; i < second_tries && !best_report_.passes() && !out_of_time(); ++i)
-    one(both && i % 2 == 0 ? other : options_.mesher, jitter[both ? (i + 1) / 2 : i + 1]);
+  // A mesher that failed will do so again at almost the same edge: then it is the other one's turn.
+  for (int i = 0; i < second_tries && !best_report_.passes() && !out_of_time(); ++i) {
+    const Mesher mesher = both && i % 2 == 0 ? other : options_.mesher;
+    if (!both || !failed(mesher)) one(mesher, jitter[both ? (i + 1) / 2 : i + 1]);
+  }
   if (best_.tet_count() == 0) throw MeshingFailure(report_.attempts.front().failure);
   best_report_.attempts = report_.attempts;
   best_report_.phases = phases_;
   report_ = best_report_;
+  report_.warnings.insert(report_.warnings.begin(), warnings_.begin(), warnings_.end());
   return std::move(best_);
 }
 
@@ -246,7 +299,8 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   if (!report.passes()) {
     report.warnings.push_back(
         "the mesh is below the gate (every label, smallest dihedral angle 15°, altitude 0.1 of the edge, "
-        "dt* 0.5): try another --edge, or smooth the surface there");
+        "dt* 0.5): try another --edge, --feature-angle 180 (keeps no edge sharp), or smooth the surface "
+        "there");
   }
   return mesh;
 }

@@ -145,8 +145,10 @@ void add_choice(CLI::App& app, const std::string& name, Value& value,
 
 void declare_options(CLI::App& app, Options& o) {
   static const std::map<std::string, Mesher> meshers{{"cgal", Mesher::cgal}, {"tetgen", Mesher::tetgen}};
-  static const std::map<std::string, Repair> levels{
-      {"none", Repair::none}, {"basic", Repair::basic}, {"wrap", Repair::wrap}};
+  static const std::map<std::string, Repair> levels{{"none", Repair::none},
+                                                    {"basic", Repair::basic},
+                                                    {"auto", Repair::wrap_if_needed},
+                                                    {"wrap", Repair::wrap}};
   app.add_option(
          "SURFACE", o.surfaces,
          "closed surfaces: .stl, .obj, .ply, .off or .vtp; the first is label 0, the next 1 …, one within "
@@ -173,7 +175,8 @@ void declare_options(CLI::App& app, Options& o) {
                  "of the steps between a label image's voxels [voxels], 0: none")
       ->capture_default_str();
   add_choice(app, "--mesher", o.mesh.mesher, meshers, "cgal (default) or tetgen (keeps creases)");
-  add_choice(app, "--repair", o.repair.level, levels, "none, basic (default) or wrap (last resort)");
+  add_choice(app, "--repair", o.repair.level, levels,
+             "none, basic (default), auto (basic, and if that fails wrap) or wrap (last resort)");
   app.add_option("--largest-hole", o.repair.largest_hole,
                  "widest hole that is filled, of the surface's diagonal")
       ->capture_default_str();

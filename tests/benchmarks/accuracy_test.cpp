@@ -20,6 +20,7 @@
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/select.h"
+#include "near.h"
 #include "support.h"
 
 using namespace lobe;
@@ -99,7 +100,7 @@ TEST_CASE("every model of a gesture that turns a body has the error that it must
   CHECK(row_of(accuracy, "svk_volume", "double", 0.9, 18).dt >
         1.9 * row_of(accuracy, "svk_volume", "double", 0.45, 18).dt);
   CHECK(row_of(accuracy, "tensor_mass", "single", 0.9, 144).linear_fraction == 1);
-  CHECK(row_of(accuracy, "hybrid_held_50", "single", 0.9, 144).linear_fraction == doctest::Approx(0.5));
+  CHECK(row_of(accuracy, "hybrid_held_50", "single", 0.9, 144).linear_fraction == near(0.5, 1e-12));
 }
 
 TEST_CASE("a row is on the Pareto front unless another of its scene is as good and in one figure better") {
@@ -170,7 +171,7 @@ TEST_CASE("all runs of a scene are sampled at the same times, the last at the en
   time.frame = 0.02;
   const Schedule schedule = schedule_of(time);
   CHECK(schedule.frames == 40);
-  CHECK(schedule.duration() == doctest::Approx(0.7).epsilon(1e-15));
+  CHECK(schedule.duration() == near(0.7, 1e-15));
   time.frame = 5;
   CHECK(schedule_of(time).frames == 10);
   const Setup setup = turning_setup();
@@ -178,19 +179,19 @@ TEST_CASE("all runs of a scene are sampled at the same times, the last at the en
   REQUIRE(samples.size() == 10);
   const Index grasped = setup.grasps[0].vertices.front();
   for (int i = 0; i < 10; ++i)  // the path goes from 0 to 0.035 m in 0.2 s
-    CHECK(samples[std::size_t(i)](2, grasped) == doctest::Approx(0.0035 * (i + 1)));
+    CHECK(samples[std::size_t(i)](2, grasped) == near(0.0035 * (i + 1), 1e-12));
 }
 
 TEST_CASE("an error is the mass-weighted distance relative to the reference, on its mesh or on another") {
   Setup reference = turning_setup();
   const TetMesh& mesh = reference.mesh;
   const Samples expected{affine(mesh, stretch), 2 * affine(mesh, stretch)};
-  const Samples near{1.1 * expected[0], 1.1 * expected[1]};
+  const Samples close{1.1 * expected[0], 1.1 * expected[1]};
   CHECK(ErrorNorm(reference).relative(expected, expected) == 0);
-  CHECK(ErrorNorm(reference).relative(near, expected) == doctest::Approx(0.1).epsilon(1e-12));
+  CHECK(ErrorNorm(reference).relative(close, expected) == near(0.1, 1e-12));
   const TetMesh other = box_mesh({0.06, 0.02, 0.02}, 4, 3, 1);
   const Samples interpolated{1.1 * affine(other, stretch), 2.2 * affine(other, stretch)};
-  CHECK(ErrorNorm(reference, other).relative(interpolated, expected) == doctest::Approx(0.1).epsilon(1e-12));
+  CHECK(ErrorNorm(reference, other).relative(interpolated, expected) == near(0.1, 1e-12));
   // Double the density of what moves along x: of two equal halves of the mass, only one errs.
   Mat3X<double> one = Mat3X<double>::Ones(3, mesh.vertex_count()), off = one;
   for (Index v = 0; v < mesh.vertex_count(); ++v)
@@ -201,8 +202,7 @@ TEST_CASE("an error is the mass-weighted distance relative to the reference, on 
     reference.material_of[std::size_t(t)] = barycentre(mesh, t).x() < 0.03;
   const double light = ErrorNorm(turning_setup()).relative({off}, {one});
   const double heavy = ErrorNorm(reference).relative({off}, {one});
-  CHECK(light * light ==
-        doctest::Approx(0.5 - 0.5 / 6).epsilon(1e-9));  // half a layer is shared with the other half
+  CHECK(light * light == near(0.5 - 0.5 / 6, 1e-9));  // half a layer is shared with the other half
   CHECK(heavy > light);
   CHECK_THROWS_AS(ErrorNorm(reference).relative({0 * one}, {0 * one}), InputError);
   TetMesh away = other;
@@ -230,19 +230,18 @@ TEST_CASE(
   CHECK((trial - u).norm() < 1e-9 * u.norm());
   const Mat3<double> H = stretch - Mat3<double>::Identity();
   for (double norm : smoothed_norm(setup.mesh, trial, Measure::strain))
-    CHECK(norm == doctest::Approx((H + H.transpose()).norm() / 2).epsilon(1e-8));
-  for (double norm : smoothed_norm(setup.mesh, trial, Measure::gradient))
-    CHECK(norm == doctest::Approx(H.norm()).epsilon(1e-8));
+    CHECK(norm == near((H + H.transpose()).norm() / 2, 1e-8));
+  for (double norm : smoothed_norm(setup.mesh, trial, Measure::gradient)) CHECK(norm == near(H.norm(), 1e-8));
 }
 
 TEST_CASE("the part with the least score becomes linear, up to a fraction of the volume") {
   Setup setup = turning_setup();
   std::vector<double> score;
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) score.push_back(barycentre(setup.mesh, t).x());
-  CHECK(make_linear(setup, score, 0.5) == doctest::Approx(0.5));
+  CHECK(make_linear(setup, score, 0.5) == near(0.5, 1e-12));
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     CHECK((setup.region_of[std::size_t(t)] == RegionModel::tensor_mass) == (score[std::size_t(t)] < 0.03));
-  CHECK(make_linear(setup, score, 1) == doctest::Approx(1));
+  CHECK(make_linear(setup, score, 1) == near(1, 1e-12));
   CHECK(make_linear(setup, score, 0) == 0);
 }
 
@@ -299,7 +298,7 @@ TEST_CASE("the shipped scenes are there, on meshes of the sizes asked for and of
     CHECK(one.meshes[0].tet_count() < one.meshes[1].tet_count());
     CHECK_FALSE(selects_by_number(one.scene));
     for (const TetMesh& mesh : one.meshes) CHECK(resolve(one.scene, mesh).warnings.empty());
-    if (one.name != "liver") CHECK(one.meshes[1].tet_count() == doctest::Approx(1500).epsilon(0.7));
+    if (one.name != "liver") CHECK(one.meshes[1].tet_count() == near(1500, 0.7));
   }
   CHECK(equal(read_mesh(LOBE_DATA_DIR "/meshes/beam_1k.vtu").mesh, cases[0].meshes[1]));
   CHECK(equal(read_mesh(LOBE_DATA_DIR "/meshes/cylinder_1k.vtu").mesh, cases[1].meshes[0]));

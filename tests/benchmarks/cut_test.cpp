@@ -14,7 +14,7 @@ TEST_CASE("lobe bench cut writes a row per region, size and batch, of positive t
     CHECK((region == "nonlinear" || region == "tensor-mass" || region == "stored" ||
            region.starts_with("precomputed")));
     CHECK((std::isfinite(number(row, "us_per_tet")) && number(row, "us_per_tet") > 0));
-    CHECK(number(row, "rebuild_us") > number(row, "us_per_tet"));
+    CHECK((std::isfinite(number(row, "rebuild_us")) && number(row, "rebuild_us") > 0));
     CHECK(number(row, "error") <= 1e-5);
   }
   CHECK(rows.size() == 2 * (3 + 3 + 2 + 2) + 2);

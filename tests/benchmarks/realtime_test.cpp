@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "benchmarks/bench_results.h"
+#include "near.h"
 
 using namespace lobe::test;
 
@@ -15,7 +16,7 @@ TEST_CASE("lobe bench realtime plays the shipped gesture to its end and says wha
     CHECK(std::stod(row.at("wall_s_per_s")) > 0);
     CHECK(std::stod(row.at("limit_gain")) > 2);  // 2/ω_max over the height of the flattest tetrahedron/c
     CHECK(std::stod(row.at("limit_gain")) ==
-          doctest::Approx(std::stod(row.at("limit_us")) / std::stod(row.at("wave_step_us"))).epsilon(1e-2));
+          near(std::stod(row.at("limit_us")) / std::stod(row.at("wave_step_us")), 1e-2));
     CHECK(std::stod(row.at("mass_scaling_gain")) > 1.05);
     CHECK(std::stod(row.at("local_step_gain")) > 1);
     CHECK(std::stod(row.at("dt_us")) < std::stod(row.at("limit_us")));
@@ -25,8 +26,7 @@ TEST_CASE("lobe bench realtime plays the shipped gesture to its end and says wha
   const std::vector<Record> resting = results.rows("resting");
   REQUIRE(resting.size() == 2);
   for (const Record& row : resting) {
-    CHECK(number(row, "gain") ==
-          doctest::Approx(number(row, "awake_s_per_s") / number(row, "asleep_s_per_s")).epsilon(1e-2));
+    CHECK(number(row, "gain") == near(number(row, "awake_s_per_s") / number(row, "asleep_s_per_s"), 1e-2));
     CHECK(number(row, "error") < 1e-3);
   }
 }
@@ -38,7 +38,6 @@ TEST_CASE("lobe bench features times each feature on and off") {
     INFO(row.at("feature"));
     CHECK(std::stod(row.at("off_ns_per_tet")) > 0);
     CHECK(std::stod(row.at("ratio")) ==
-          doctest::Approx(std::stod(row.at("on_ns_per_tet")) / std::stod(row.at("off_ns_per_tet")))
-              .epsilon(1e-2));
+          near(std::stod(row.at("on_ns_per_tet")) / std::stod(row.at("off_ns_per_tet")), 1e-2));
   }
 }

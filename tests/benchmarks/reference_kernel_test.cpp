@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "lobe/sim/world.h"
+#include "near.h"
 #include "support.h"
 
 using namespace lobe;
@@ -60,5 +61,5 @@ TEST_CASE("the reference kernel's masses add up to density times volume") {
   const Setup setup = setup_of(irregular_box());
   double mass = 0;
   for (const ReferenceTet& tet : reference_tets(setup)) mass += 4 * tet.corner_mass;
-  CHECK(mass == doctest::Approx(1000 * total_volume(setup.mesh)).epsilon(1e-13));
+  CHECK(mass == near(1000 * total_volume(setup.mesh), 1e-13));
 }

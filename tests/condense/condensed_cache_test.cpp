@@ -61,12 +61,12 @@ TEST_CASE("condensing tells how far it is and what it took, and from the disk it
   setup.condensed_cache = folder.path;
   std::vector<double> fractions;
   const auto note = [&](double fraction) { fractions.push_back(fraction); };
-  const World<double> first(setup, 1, note);
+  World<double> first(setup, 1, note);
   CHECK(fractions == std::vector<double>{1.0 / 3, 2.0 / 3, 1});
-  for (double seconds : first.condensing().seconds()) CHECK(seconds > 0);
-  const World<double> second(setup, 1, note);
+  for (double seconds : first.body().regions.condensing().seconds()) CHECK(seconds > 0);
+  World<double> second(setup, 1, note);
   CHECK(fractions.size() == 3);
-  for (double seconds : second.condensing().seconds()) CHECK(seconds == 0);
+  for (double seconds : second.body().regions.condensing().seconds()) CHECK(seconds == 0);
 }
 
 TEST_CASE("whatever changes a condensed region finds none on disk") {
@@ -94,7 +94,7 @@ TEST_CASE("a file under the name of another one is replaced with a notice") {
   Setup light = half_linear(RegionModel::precomputed, 3), heavy = light;
   light.condensed_cache = heavy.condensed_cache = folder.path;
   heavy.gravity = {0, 0, -9.81};
-  const World<double> first(light);
+  World<double> first(light);
   const fs::path own = files(folder.path)[0];
   World<double> expected(heavy);
   for (const fs::path& file : files(folder.path))

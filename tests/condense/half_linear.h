@@ -27,7 +27,7 @@ inline void load(Setup& setup) {
 }
 
 template <class Real>
-State<Real> random_state(const World<Real>& world, double size) {
+State<Real> random_state(World<Real>& world, double size) {
   State<Real> state = world.state();
   state.u = random_displacement<Real>(static_cast<Index>(state.u.cols()), size);
   for (const HeldVertices::Held& item : world.held().all())

@@ -56,10 +56,11 @@ std::vector<std::vector<Index>> cuts_to_rags(const Setup& setup) {
   return cuts;
 }
 
-template <class Real>
-Index count(const World<Real>& world, Edit::Kind kind) {
-  return static_cast<Index>(std::count_if(world.history().begin(), world.history().end(),
-                                          [&](const Edit& edit) { return edit.kind == kind; }));
+template <class Kind, class Real>
+Index count(World<Real>& world) {
+  return static_cast<Index>(
+      std::count_if(world.history().begin(), world.history().end(),
+                    [](const Command& command) { return std::holds_alternative<Kind>(command); }));
 }
 
 template <class Real>
@@ -81,23 +82,21 @@ TEST_CASE(
     CAPTURE(i);
     world.remove_tets(cut_of(setup, i));
     REQUIRE(world.advance(frame).ok);
-    if (i % 4 == 0 || count(world, Edit::Kind::end_refresh) > ended)
-      CHECK(compare_with_rebuilt(world).largest() < 1e-9);
-    ended = count(world, Edit::Kind::end_refresh);
+    if (i % 4 == 0 || count<EndRefresh>(world) > ended) CHECK(compare_with_rebuilt(world).largest() < 1e-9);
+    ended = count<EndRefresh>(world);
   }
-  CHECK(count(world, Edit::Kind::begin_refresh) >= 1);
+  CHECK(count<BeginRefresh>(world) >= 1);
   CHECK(ended >= 1);
 }
 
-TEST_CASE("it is taken in the same frame on one and on two threads, and from a checkpoint in between") {
+TEST_CASE("it is taken in the same frame on one, two and seven threads, and from a checkpoint in between") {
   const Setup setup = cut_body();
-  World<float> first(setup, 1), second(setup, 2), third(setup, 1);
+  World<float> first(setup, 1), second(setup, 2), third(setup, 7);
   int saved_at = 0;
   const Folder folder;
   for (int i = 0; i < 18; ++i) {
     play(first, setup, i, i + 1);
-    const bool in_between =
-        count(first, Edit::Kind::begin_refresh) > 0 && count(first, Edit::Kind::end_refresh) == 0;
+    const bool in_between = count<BeginRefresh>(first) > 0 && count<EndRefresh>(first) == 0;
     if (!in_between || saved_at > 0) continue;
     write_checkpoint(folder.path / "state", first.save());
     saved_at = i + 1;
@@ -126,7 +125,7 @@ TEST_CASE("a region that is cut to rags stays what would be condensed from the c
   }
 }
 
-TEST_CASE("rags move the same on one and on two threads, and from a checkpoint at any time") {
+TEST_CASE("rags move the same on one, two and seven threads, and from a checkpoint at any time") {
   const Setup setup = bar();
   const auto cuts = cuts_to_rags(setup);
   const auto play_on = [&](World<float>& world, std::size_t from, std::size_t to) {
@@ -137,14 +136,14 @@ TEST_CASE("rags move the same on one and on two threads, and from a checkpoint a
   };
   const auto finish =
       [&](World<float>& world) {  // until what another thread has condensed meanwhile takes over
-        while (world.is_renewing()) REQUIRE(world.advance(frame).ok);
+        while (world.body().regions.is_refreshing()) REQUIRE(world.advance(frame).ok);
       };
   const std::size_t all = cuts.size();
   World<float> first(setup, 1), second(setup, 2);
   std::vector<std::pair<std::size_t, Checkpoint<float>>> saved;
   for (const std::size_t i : {std::size_t(15), std::size_t(35), all}) {
     play_on(first, saved.empty() ? 0 : saved.back().first, i);
-    CHECK(first.is_renewing());
+    CHECK(first.body().regions.is_refreshing());
     saved.emplace_back(i, first.save());
   }
   finish(first);
@@ -155,7 +154,7 @@ TEST_CASE("rags move the same on one and on two threads, and from a checkpoint a
   CHECK(first.state().u == second.state().u);
   for (const auto& [at, checkpoint] : saved) {
     CAPTURE(at);
-    World<float> restored(setup, 1);
+    World<float> restored(setup, 7);
     restored.restore(checkpoint);
     play_on(restored, at, all);
     finish(restored);

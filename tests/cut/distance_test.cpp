@@ -4,19 +4,22 @@
 
 #include <random>
 
+#include "near.h"
+
 using namespace lobe;
+using namespace lobe::test;
 
 TEST_CASE("the distance to a tetrahedron is 0 inside and exact over faces, edges and vertices") {
   Mat34<double> x;
   x << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
   CHECK(distance_to_tet({0.1, 0.1, 0.1}, x) == 0);
-  CHECK(distance_to_tet({0.2, 0.2, -0.5}, x) == doctest::Approx(0.5));
-  CHECK(distance_to_tet({0.5, -0.3, -0.4}, x) == doctest::Approx(0.5));
-  CHECK(distance_to_tet({-1, -2, -2}, x) == doctest::Approx(3));
-  CHECK(distance_to_tet({1, 1, 1}, x) == doctest::Approx(2 / std::sqrt(3.0)));
+  CHECK(distance_to_tet({0.2, 0.2, -0.5}, x) == near(0.5, 1e-12));
+  CHECK(distance_to_tet({0.5, -0.3, -0.4}, x) == near(0.5, 1e-12));
+  CHECK(distance_to_tet({-1, -2, -2}, x) == near(3, 1e-12));
+  CHECK(distance_to_tet({1, 1, 1}, x) == near(2 / std::sqrt(3.0), 1e-12));
   x.col(0).swap(x.col(1));  // inverted
   CHECK(distance_to_tet({0.1, 0.1, 0.1}, x) == 0);
-  CHECK(distance_to_tet({0.2, 0.2, -0.5}, x) == doctest::Approx(0.5));
+  CHECK(distance_to_tet({0.2, 0.2, -0.5}, x) == near(0.5, 1e-12));
 }
 
 TEST_CASE("the nearest point on a triangle is nearer than any sampled one") {

@@ -11,6 +11,7 @@
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/refine.h"
+#include "near.h"
 #include "support.h"
 
 using namespace lobe;
@@ -63,13 +64,13 @@ TEST_CASE("affine fields of different meshes have their exact norms") {
     const TetMesh box = box_mesh({1, 1, 1}, m, m, m);
     const Difference d = compare_fields(field(uneven_cube(n), a), field(box, b));
     CHECK_FALSE(d.same_mesh);
-    CHECK(d.l2 == doctest::Approx(0.1).epsilon(1e-12));
-    CHECK(d.h1 == doctest::Approx(0.1).epsilon(1e-12));
-    CHECK(d.max == doctest::Approx(0.1).epsilon(1e-12));
-    CHECK(d.relative_max == doctest::Approx(0.1).epsilon(1e-12));
-    CHECK(d.volume_a == doctest::Approx(2.2).epsilon(1e-12));
-    CHECK(d.volume_b == doctest::Approx(2).epsilon(1e-12));
-    CHECK(d.rest_volume_a == doctest::Approx(1).epsilon(1e-12));
+    CHECK(d.l2 == near(0.1, 1e-12));
+    CHECK(d.h1 == near(0.1, 1e-12));
+    CHECK(d.max == near(0.1, 1e-12));
+    CHECK(d.relative_max == near(0.1, 1e-12));
+    CHECK(d.volume_a == near(2.2, 1e-12));
+    CHECK(d.volume_b == near(2, 1e-12));
+    CHECK(d.rest_volume_a == near(1, 1e-12));
     CHECK(d.outside_fraction == 0);
     CHECK(d.largest_gap == 0);
   }
@@ -83,7 +84,7 @@ TEST_CASE("the reference's density weighs the L2 norm, on one mesh and on two") 
   for (const TetMesh& mesh : {b.mesh, uneven_cube(3)}) {
     const Difference d = compare_fields(field(mesh, a), b);
     CHECK(d.by_mass);
-    CHECK(d.l2 == doctest::Approx(std::sqrt(2 * 24.0 / 22)).epsilon(1e-12));
+    CHECK(d.l2 == near(std::sqrt(2 * 24.0 / 22), 1e-12));
     CHECK(d.h1 < 1e-12);
   }
 }
@@ -99,9 +100,9 @@ TEST_CASE("equal meshes are compared exactly; a mesh refined by itself gives the
   const Field fine_a{"a", fine.mesh, fine.prolongate(a.u), {}},
       fine_b{"b", fine.mesh, fine.prolongate(b.u), {}};
   for (const Difference& d : {compare_fields(fine_a, b), compare_fields(a, fine_b)}) {
-    CHECK(d.l2 == doctest::Approx(same.l2).epsilon(1e-10));
-    CHECK(d.h1 == doctest::Approx(same.h1).epsilon(1e-10));
-    CHECK(d.max == doctest::Approx(same.max).epsilon(1e-10));
+    CHECK(d.l2 == near(same.l2, 1e-10));
+    CHECK(d.h1 == near(same.h1, 1e-10));
+    CHECK(d.max == near(same.max, 1e-10));
   }
 }
 
@@ -113,14 +114,14 @@ TEST_CASE("interpolants of a smooth field differ by O(h²) in L2 and O(h) in H1"
     l2[i] = d.l2;
     h1[i] = d.h1;
   }
-  CHECK(l2[0] / l2[1] == doctest::Approx(4).epsilon(0.1));
-  CHECK(h1[0] / h1[1] == doctest::Approx(2).epsilon(0.1));
+  CHECK(l2[0] / l2[1] == near(4, 0.1));
+  CHECK(h1[0] / h1[1] == near(2, 0.1));
   const TetMesh coarse = box_mesh({1, 1, 1}, 4, 4, 4);  // nested: exact integrals, cleaner orders
   const RefinedMesh fine = refine(coarse);
   const Difference once = compare_fields(field(coarse, smooth), field(fine.mesh, smooth));
   const Difference twice = compare_fields(field(fine.mesh, smooth), field(refine(fine.mesh).mesh, smooth));
-  CHECK(once.l2 / twice.l2 == doctest::Approx(4).epsilon(0.05));
-  CHECK(once.h1 / twice.h1 == doctest::Approx(2).epsilon(0.05));
+  CHECK(once.l2 / twice.l2 == near(4, 0.05));
+  CHECK(once.h1 / twice.h1 == near(2, 0.05));
 }
 
 TEST_CASE("a kink inside the reference's tetrahedra costs little accuracy") {
@@ -129,7 +130,7 @@ TEST_CASE("a kink inside the reference's tetrahedra costs little accuracy") {
   const auto straight = [](const Vec3d& X) { return Vec3d(X[0], 0, 0); };
   const Difference d = compare_fields(field(box_mesh({1, 1, 1}, 2, 2, 2), kink),
                                       field(box_mesh({1, 1, 1}, 3, 3, 3), straight));
-  CHECK(d.l2 == doctest::Approx(std::sqrt(0.5)).epsilon(0.002));
+  CHECK(d.l2 == near(std::sqrt(0.5), 0.002));
 }
 
 TEST_CASE("the difference of two fields does not depend much on which is the reference") {
@@ -138,7 +139,7 @@ TEST_CASE("the difference of two fields does not depend much on which is the ref
   const double norm_a = compare_fields(field(a.mesh, nothing), a).l2;
   CHECK(norm_a == 1);
   const double forth = compare_fields(a, b).l2, back = compare_fields(b, a).l2;
-  CHECK(forth == doctest::Approx(back).epsilon(0.06));  // relative to fields that differ by 5 %
+  CHECK(forth == near(back, 0.06));  // relative to fields that differ by 5 %
 }
 
 TEST_CASE("what lies outside a chord of a curved surface is counted, and takes the linear extension") {
@@ -179,7 +180,7 @@ TEST_CASE("two cuts of one mesh are compared on their own sides of a split") {
     CHECK(d.h1 < 1e-12);
     CHECK(d.max < 1e-12);
   }
-  CHECK(compare_fields(b, a).outside_fraction == doctest::Approx(1.0 / (2 * tets)));
+  CHECK(compare_fields(b, a).outside_fraction == near(1.0 / (2 * tets), 1e-12));
 }
 
 TEST_CASE("fields that cannot be compared are refused with the reason, never with a number") {

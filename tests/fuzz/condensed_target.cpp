@@ -33,7 +33,7 @@ Setup small_setup(const fs::path& cache) {
 
 struct Cache {  // a folder with the one file that the setup asks for
   Cache() {
-    const World<double> written(small_setup(folder));
+    World<double> written(small_setup(folder));
     file = fs::directory_iterator(folder)->path();
     key = std::stoull(file.stem().string(), nullptr, 16);
   }

@@ -84,7 +84,7 @@ void add_sleep(std::vector<GoldenRun>& runs) {
   const std::vector<Index> tets = tets_around(setup, {-0.03, 0, 0}, 0.02);
   add_golden(runs, "sleep", setup, 40, 0.04, [=](auto& world) {
     return [&world, tets](int i) {
-      if (i == 35) world.set_region(tets, RegionModel::tensor_mass);
+      if (i == 35) world.apply(SetRegion{tets, RegionModel::tensor_mass});
     };
   });
 }
@@ -94,7 +94,7 @@ void add_inertia(std::vector<GoldenRun>& runs) {
   setup.selective_mass = 9;
   add_golden(runs, "selective masses whose degree changes", setup, frames, frame, [](auto& world) {
     return [&world](int i) {
-      if (i % 4 == 1) world.set_mass_degree(i % 8 == 1 ? 3 : 9);
+      if (i % 4 == 1) world.apply(SetMassDegree{i % 8 == 1 ? 3 : 9});
     };
   });
   setup = held_liver();
@@ -118,15 +118,15 @@ void add_edits(std::vector<GoldenRun>& runs) {
                            others = tets_around(setup, {0.04, 0.01, 0.02}, 0.012);
   const auto edit = [=](auto& world) {
     return [&world, some, others](int i) {
-      if (i == 2) world.expand();
-      if (i == 4) world.condense();
+      if (i == 2) world.apply(Expand{});
+      if (i == 4) world.apply(Condense{});
       if (i == 5) world.remove_tets({some.begin(), some.begin() + 3});
-      if (i == 7) world.expand();
+      if (i == 7) world.apply(Expand{});
       if (i == 8) world.remove_tets({some.begin() + 3, some.begin() + 5});
-      if (i == 9) world.renew(0.03);
-      if (i == 13 && world.can_condense()) world.condense();
-      if (i == 15) world.set_region(others, RegionModel::tensor_mass);
-      if (i == 17) world.set_region(others, RegionModel::nonlinear);
+      if (i == 9) world.apply(Renew{0.03});
+      if (i == 13 && world.body().regions.can_condense()) world.apply(Condense{});
+      if (i == 15) world.apply(SetRegion{others, RegionModel::tensor_mass});
+      if (i == 17) world.apply(SetRegion{others, RegionModel::nonlinear});
       if (i == 18) world.remove_tets(others);
     };
   };

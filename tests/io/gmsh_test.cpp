@@ -1,7 +1,9 @@
 #include "io/fixture.h"
 #include "lobe/io/raw_mesh.h"
+#include "near.h"
 
 using namespace lobe;
+using test::near;
 
 namespace {
 
@@ -13,6 +15,8 @@ std::string fault(const std::string& text) {
 const std::string format22 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
 const std::string nodes22 = "$Nodes\n4\n10 0 0 0\n7 1 0 0\n3000000000 0 1 0\n2 0 0 1\n$EndNodes\n";
 const std::string tet22 = "$Elements\n1\n1 4 2 5 9 10 7 3000000000 2\n$EndElements\n";
+
+const std::string nodes1 = "$NOD\n5\n10 0 0 0\n7 1 0 0\n4 0 1 0\n2 0 0 1\n8 1 1 1.5\n$ENDNOD\n";
 
 const std::string format41 = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
 const std::string entities41 =
@@ -69,11 +73,56 @@ TEST_CASE("Gmsh: binary files of the other byte order are read") {
   CHECK(read(text).mesh.points.col(3) == Vec3d(0, 0, 1));
 }
 
+TEST_CASE("Gmsh 1: node numbers with gaps, regions as labels, elements of other types") {
+  const MeshFile file = read(nodes1 + "$ELM\n4\n1 15 9 1 1 10\n2 2 9 1 3 10 7 4\n3 4 5 1 4 10 7 4 2\n" +
+                             "9 4 6 2 4 7 4 2 8\n$ENDELM\n");
+  CHECK(file.mesh.points.cols() == 5);
+  CHECK(file.mesh.points.col(1) == Vec3d(1, 0, 0));
+  CHECK(file.mesh.points.col(4) == Vec3d(1, 1, 1.5));
+  CHECK(file.mesh.tets.col(0) == Eigen::Vector4i(0, 1, 2, 3));
+  CHECK(file.mesh.tets.col(1) == Eigen::Vector4i(1, 2, 3, 4));
+  CHECK(file.mesh.labels == std::vector<int>{5, 6});
+  CHECK(file.ignored_cells == 2);
+  CHECK(total_volume(file.mesh) == near(1.0 / 6 + 2.5 / 6, 1e-15));
+}
+
+TEST_CASE("Gmsh 1: the sections may be in lines of Windows and end in any case") {
+  std::string text = nodes1 + "$ELM\n1\n1 4 0 0 4 10 7 4 2\n$EndElm\n";
+  for (std::size_t at = 0; (at = text.find('\n', at)) != text.npos; at += 2) text.replace(at, 1, "\r\n");
+  CHECK(read(text).mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
+}
+
+TEST_CASE("Gmsh 1: bad files are refused at their line") {
+  const std::string tet = "$ELM\n1\n3 4 5 1 4 10 7 4 2\n$ENDELM\n";
+  REQUIRE(read(nodes1 + tet).mesh.tet_count() == 1);
+  CHECK_CONTAINS(fault(tet), "element 3 uses node 10, which $NOD does not have");
+  CHECK_CONTAINS(fault(nodes1), "has no tetrahedron");
+  CHECK_CONTAINS(fault("$ELM\n0\n$ENDELM\n"), "has no $NOD section");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 3 10 7 4\n$ENDELM"),
+                 "g.msh:11: element 3 has 3 nodes, expected 4 of type 4");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7 4 11\n$ENDELM"),
+                 "g.msh:11: element 3 uses node 11, which $NOD does not have");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 99 5 1 4 10 7 4 2\n$ENDELM"), "unknown element type 99");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n2\n3 4 5 1 4 10 7 4 2\n$ENDELM"),
+                 "g.msh:12: '$ENDELM', expected an element");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7 4 2\n4 4 5 1 4 10 7 4 2\n$ENDELM"),
+                 "g.msh:12: '4', expected $ENDELM");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n400\n3 4 5 1 4 10 7 4 2\n$ENDELM"),
+                 "g.msh:10: 400 elements are announced");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7"),
+                 "g.msh:11: the file ends where a node of an element is expected");
+  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 9999999999 1 4 10 7 4 2\n$ENDELM"),
+                 "physical group 9999999999");
+  CHECK_CONTAINS(fault("$NOD\n2\n1 0 0 0\n1 1 0 0\n$ENDNOD"), "g.msh:4: node 1 is given twice");
+  CHECK_CONTAINS(fault("$NOD\n1\n1 0 0 zero\n$ENDNOD"), "g.msh:3: 'zero'");
+  CHECK_CONTAINS(fault(nodes1 + format22), "$MeshFormat after a section of Gmsh 1");
+}
+
 TEST_CASE("Gmsh: bad files are refused at their line") {
   CHECK_CONTAINS(fault("solid"), "g.msh:1: expected a section, such as $Nodes");
   CHECK_CONTAINS(fault("$Nodes\n"), "expected $MeshFormat before any other section");
   CHECK_CONTAINS(fault("$MeshFormat\n4.0 0 8\n$EndMeshFormat"),
-                 "Gmsh format 4.0, expected 2.2 or 4.1; convert it");
+                 "Gmsh format 4.0, expected 1, 2.2 or 4.1; convert it");
   CHECK_CONTAINS(fault(format22), "has no $Nodes section");
   CHECK_CONTAINS(fault(format22 + nodes22), "has no tetrahedron");
   CHECK_CONTAINS(fault(format22 + "$Nodes\n3\n1 0 0 0\n1 1 0 0\n2 0 1 0\n"),

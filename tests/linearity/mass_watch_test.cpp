@@ -21,7 +21,7 @@ Setup lifted_liver(int degree) {
   return setup;
 }
 
-double norm(const World<double>& world, const Mat3X<double>& u) {
+double norm(World<double>& world, const Mat3X<double>& u) {
   double sum = 0;
   for (Index v = 0; v < u.cols(); ++v) sum += world.mass()[std::size_t(v)] * u.col(v).squaredNorm();
   return std::sqrt(sum);
@@ -83,7 +83,7 @@ TEST_CASE("who sets a degree that exceeds the tolerance is told, with the place"
     watch.look(world);
   }
   CHECK(told.empty());
-  world.set_mass_degree(12);  // where it is let go
+  world.apply(SetMassDegree{12});  // where it is let go
   REQUIRE(world.advance(1.0 / 30).ok);
   CHECK(watch.look(world).exceeded);
   REQUIRE(told.size() == 1);

@@ -8,14 +8,16 @@
 #include <numbers>
 
 #include "lobe/error.h"
+#include "near.h"
 
 using namespace lobe;
+using namespace lobe::test;
 
 TEST_CASE("a box mesh fills its box with positive tetrahedra") {
   TetMesh mesh = box_mesh({3, 2, 0.5}, 4, 3, 2);
   CHECK(mesh.vertex_count() == 5 * 4 * 3);
   CHECK(mesh.tet_count() == 6 * 4 * 3 * 2);
-  CHECK(total_volume(mesh) == doctest::Approx(3));
+  CHECK(total_volume(mesh) == near(3, 1e-12));
   CHECK(mesh.points.col(1) == Vec3d(0.75, 0, 0));
   CHECK(mesh.points.col(mesh.vertex_count() - 1) == Vec3d(3, 2, 0.5));
   CHECK(mesh.labels == std::vector<int>(144, 0));
@@ -29,12 +31,12 @@ TEST_CASE("a cylinder mesh fills the inscribed prism and tends to the cylinder")
   CHECK(mesh.vertex_count() == (3 * 3 * 4 + 1) * 3);
   CHECK(mesh.tet_count() == 18 * 9 * 2);
   const double eighteen_gon = 9 * 0.01 * std::sin(std::numbers::pi / 9);
-  CHECK(total_volume(mesh) == doctest::Approx(eighteen_gon * 0.5).epsilon(1e-12));
+  CHECK(total_volume(mesh) == near(eighteen_gon * 0.5, 1e-12));
   CHECK(prepare(mesh, "cylinder").reoriented == 0);
   const double exact = std::numbers::pi * 0.01 * 0.5;
   const double coarse = exact - total_volume(cylinder_mesh(0.1, 0.5, 4, 1));
   const double fine = exact - total_volume(cylinder_mesh(0.1, 0.5, 8, 1));
-  CHECK(coarse / fine == doctest::Approx(4).epsilon(0.01));  // second order
+  CHECK(coarse / fine == near(4, 0.01));  // second order
 }
 
 TEST_CASE("generated meshes are conforming: each inner face is shared by two, the surface is closed") {

@@ -6,40 +6,41 @@
 #include <numeric>
 
 #include "lobe/mesh/generators.h"
+#include "near.h"
 
 using namespace lobe;
-using doctest::Approx;
+using namespace lobe::test;
 
 TEST_CASE("a regular tetrahedron has dihedral angles of arccos 1/3 and altitudes of √(2/3) edges") {
   Mat34<double> corners;
   corners << 1, 1, -1, -1, /**/ 1, -1, 1, -1, /**/ 1, -1, -1, 1;  // edge 2√2
-  for (const double angle : dihedral_angles(corners)) CHECK(angle == Approx(70.528779365509308));
+  for (const double angle : dihedral_angles(corners)) CHECK(angle == near(70.528779365509308, 1e-12));
   for (const double altitude : altitudes(corners))
-    CHECK(altitude == Approx(std::sqrt(2.0 / 3) * 2 * std::sqrt(2.0)));
+    CHECK(altitude == near(std::sqrt(2.0 / 3) * 2 * std::sqrt(2.0), 1e-12));
 }
 
 TEST_CASE("dihedral angles come in the order of the edges") {
   Mat34<double> corners;
   corners << 0, 1, 0, 0, /**/ 0, 0, 1, 0, /**/ 0, 0, 0, 1;
   const auto angles = dihedral_angles(corners);
-  for (int e = 0; e < 3; ++e) CHECK(angles[static_cast<std::size_t>(e)] == Approx(90));
+  for (int e = 0; e < 3; ++e) CHECK(angles[static_cast<std::size_t>(e)] == near(90, 1e-12));
   for (int e = 3; e < 6; ++e)
-    CHECK(angles[static_cast<std::size_t>(e)] == Approx(54.735610317245346));  // arctan √2
+    CHECK(angles[static_cast<std::size_t>(e)] == near(54.735610317245346, 1e-12));  // arctan √2
   const auto heights = altitudes(corners);
-  CHECK(heights[0] == Approx(1 / std::sqrt(3.0)));
-  CHECK(heights[1] == Approx(1));
+  CHECK(heights[0] == near(1 / std::sqrt(3.0), 1e-12));
+  CHECK(heights[1] == near(1, 1e-12));
 }
 
 TEST_CASE("quality of a box of Kuhn tetrahedra") {
   const Quality quality = mesh_quality(box_mesh({2, 1, 1}, 2, 1, 1));
-  CHECK(quality.volume == Approx(2));
-  CHECK(quality.smallest_tet_volume == Approx(1.0 / 6));
-  CHECK(quality.min_dihedral == Approx(45));
-  CHECK(quality.median_min_dihedral == Approx(45));
-  CHECK(quality.max_dihedral == Approx(90));
-  CHECK(quality.smallest_altitude == Approx(std::sqrt(0.5)));
-  CHECK(quality.smallest_altitude_ratio == Approx(std::sqrt(0.5 / 3)));
-  CHECK(quality.mean_edge == Approx((3 + 2 * std::sqrt(2.0) + std::sqrt(3.0)) / 6));
+  CHECK(quality.volume == near(2, 1e-12));
+  CHECK(quality.smallest_tet_volume == near(1.0 / 6, 1e-12));
+  CHECK(quality.min_dihedral == near(45, 1e-12));
+  CHECK(quality.median_min_dihedral == near(45, 1e-12));
+  CHECK(quality.max_dihedral == near(90, 1e-12));
+  CHECK(quality.smallest_altitude == near(std::sqrt(0.5), 1e-12));
+  CHECK(quality.smallest_altitude_ratio == near(std::sqrt(0.5 / 3), 1e-12));
+  CHECK(quality.mean_edge == near((3 + 2 * std::sqrt(2.0) + std::sqrt(3.0)) / 6, 1e-12));
   CHECK(quality.box_min == Vec3d(0, 0, 0));
   CHECK(quality.box_max == Vec3d(2, 1, 1));
   const auto& bins = quality.dihedral_histogram;

@@ -14,9 +14,11 @@
 #include "lobe_mesh/label_grid.h"
 #include "lobe_mesh/tetrahedralise.h"
 #include "meshing/shapes.h"
+#include "near.h"
 
 using namespace lobe;
 using namespace lobe::meshing;
+using test::near;
 
 namespace {
 
@@ -194,7 +196,7 @@ TEST_CASE(
   const LabelImage image = make_image({6, 5, 4}, to_world, label);
   const LabelGrid grid = make_label_grid(image, 0);
   CHECK(grid.values == std::vector<int>{2, 4});
-  CHECK(grid.volumes[0] == doctest::Approx(24 * voxels(image, 2)));
+  CHECK(grid.volumes[0] == near(24 * voxels(image, 2), 1e-9));
   const RegionAt region(grid);
   for (Index k = 0; k < 4; ++k)
     for (Index j = 0; j < 5; ++j)
@@ -211,7 +213,7 @@ TEST_CASE("surfaces face outwards, also in a mirrored image") {
     LabelImage image = ball(8e-3);
     image.to_world.row(1) *= side;
     const Surface surface = label_surfaces(make_label_grid(image, 1)).surfaces.front();
-    CHECK(enclosed_volume(surface) == doctest::Approx(1e-9 * voxels(image, 1)).epsilon(0.03));
+    CHECK(enclosed_volume(surface) == near(1e-9 * voxels(image, 1), 0.03));
     MeshReport report;
     CHECK(total_volume(mesh_of(image, {.edge = 4e-3}, report)) > 0);
   }
@@ -227,7 +229,7 @@ TEST_CASE("the smoothing takes the steps from a ball, not its volume") {
     CHECK(sides[0].inside == 0);
     CHECK(sides[0].outside == -1);
     CHECK(diagnose(surfaces[0]).meshable());
-    CHECK(enclosed_volume(surfaces[0]) == doctest::Approx(volume).epsilon(0.012));  // chords of one voxel
+    CHECK(enclosed_volume(surfaces[0]) == near(volume, 0.012));  // chords of one voxel
     const Eigen::RowVectorXd distance = surfaces[0].points.colwise().norm().array() - radius;
     CHECK(std::abs(distance.mean()) < 0.05e-3);
     return std::sqrt(distance.squaredNorm() / static_cast<double>(distance.size()));
@@ -260,9 +262,10 @@ TEST_CASE("a ball of voxels becomes a good mesh of its volume") {
     const TetMesh mesh = mesh_of(image, {.edge = edge}, report);
     check_boundary(mesh);
     CHECK(report.passes());
-    CHECK(report.surface_volume == doctest::Approx(1e-9 * voxels(image, 1)));
-    CHECK(total_volume(mesh) ==
-          doctest::Approx(4.0 / 3 * std::numbers::pi * std::pow(12e-3, 3)).epsilon(0.01));
+    CHECK(report.surface_volume == near(1e-9 * voxels(image, 1), 1e-9));
+    CHECK(total_volume(mesh) == near(report.surface_volume, 0.01));
+    // These voxels are 1.2 % less than the ball through whose centres they were chosen.
+    CHECK(total_volume(mesh) == near(4.0 / 3 * std::numbers::pi * std::pow(12e-3, 3), 0.022));
   }
 }
 
@@ -283,7 +286,7 @@ TEST_CASE("the mesh of a box of flat voxels has its place and, but for its edges
     CHECK((high - Vec3d(0.1275, -0.1835, 0.331)).cwiseAbs().maxCoeff() < 0.5e-3);
     lost[i] = 28 * 14 * 12 * 2e-9 - total_volume(mesh);
   }
-  CHECK(lost[0] < 0.035 * 28 * 14 * 12 * 2e-9);  // edges are rounded
+  CHECK(lost[0] < 0.02 * 28 * 14 * 12 * 2e-9);  // edges are rounded
   CHECK(lost[1] < 0.6 * lost[0]);
   CHECK(lost[1] > 0);
 }
@@ -299,7 +302,7 @@ TEST_CASE("labels meet in lines") {
   CHECK(line.col(0) == line.col(line.cols() - 1));
   CHECK(std::abs(line.row(2).maxCoeff()) < 0.8e-3);
   CHECK((line.topRows<2>().colwise().norm().array() - radius).abs().maxCoeff() < 0.8e-3);
-  CHECK(length(line) == doctest::Approx(2 * std::numbers::pi * radius).epsilon(0.05));
+  CHECK(length(line) == near(2 * std::numbers::pi * radius, 0.05));
 }
 
 TEST_CASE("a tube through a ball meets its surface in two circles, whatever the direction") {
@@ -312,7 +315,7 @@ TEST_CASE("a tube through a ball meets its surface in two circles, whatever the 
     CHECK(junctions.size() == 2);
     for (const Mat3X<double>& line : junctions) {
       CHECK(line.col(0) == line.col(line.cols() - 1));
-      CHECK(length(line) == doctest::Approx(2 * std::numbers::pi * radius).epsilon(0.05));
+      CHECK(length(line) == near(2 * std::numbers::pi * radius, 0.05));
     }
   }
 }
@@ -328,11 +331,11 @@ TEST_CASE("labels that share walls conform, with the volumes of their voxels") {
   const int labels[] = {3, 7, 9};
   for (int k = 0; k < 3; ++k) {
     CHECK(report.parts[k].label == labels[k]);
-    CHECK(report.parts[k].surface_volume == doctest::Approx(1e-9 * voxels(image, labels[k])));
-    CHECK(report.parts[k].volume == doctest::Approx(report.parts[k].surface_volume).epsilon(0.03));
+    CHECK(report.parts[k].surface_volume == near(1e-9 * voxels(image, labels[k]), 1e-9));
+    CHECK(report.parts[k].volume == near(report.parts[k].surface_volume, 0.03));
     CHECK(std::count(mesh.labels.begin(), mesh.labels.end(), labels[k]) == report.parts[k].tets);
   }
-  CHECK(report.quality.volume == doctest::Approx(report.surface_volume).epsilon(0.01));
+  CHECK(report.quality.volume == near(report.surface_volume, 0.01));
   CHECK(report.quality.min_dihedral > 8);
 }
 
@@ -343,7 +346,7 @@ TEST_CASE(
                  [](const Vec3d& x) { return (x.x() < 11.5e-3) == (x.y() < 11.5e-3) ? 1 : 0; });
   MeshReport report;
   const TetMesh mesh = mesh_of(image, {.edge = 3e-3, .smoothing = 0}, report);
-  CHECK(total_volume(mesh) == doctest::Approx(2 * 12e-3 * 12e-3 * 12e-3).epsilon(0.06));
+  CHECK(total_volume(mesh) == near(2 * 12e-3 * 12e-3 * 12e-3, 0.06));
   const Diagnosis boundary = diagnose(boundary_surface(mesh));
   const Index pinches = boundary.non_manifold_edges.count + boundary.non_manifold_points.count;
   const bool warned = std::any_of(report.warnings.begin(), report.warnings.end(),
@@ -359,7 +362,7 @@ TEST_CASE("edges follow the labels of an image, and its unit does not matter") {
   mesh_of(image, {.edge = 4e-3}, coarse);
   const TetMesh mesh = mesh_of(image, {.edge = 4e-3, .label_edges = {{2, 1.5e-3}}}, fine);
   CHECK(fine.parts[1].tets > 5 * coarse.parts[1].tets);
-  CHECK(fine.shortest_edge == doctest::Approx(1.5e-3));
+  CHECK(fine.shortest_edge == near(1.5e-3, 1e-9));
   image.to_world *= 1024;
   const TetMesh large =
       tetrahedralise(image, {.edge = 4e-3 * 1024, .label_edges = {{2, 1.5e-3 * 1024}}}, coarse);

@@ -11,9 +11,11 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe_mesh/diagnose.h"
 #include "meshing/shapes.h"
+#include "near.h"
 
 using namespace lobe;
 using namespace lobe::meshing;
+using test::near;
 
 namespace {
 
@@ -50,8 +52,8 @@ TEST_CASE("lobe-mesh writes a mesh and a report that agree") {
     const MeshFile read = read_mesh(mesh);
     CHECK(json["tets"] == read.mesh.tet_count());
     CHECK(json["vertices"] == read.mesh.vertex_count());
-    CHECK(json["volume"].get<double>() == doctest::Approx(total_volume(read.mesh)));
-    CHECK(json["volume"].get<double>() == doctest::Approx(5.2e-4).epsilon(0.05));
+    CHECK(json["volume"].get<double>() == near(total_volume(read.mesh), 1e-9));
+    CHECK(json["volume"].get<double>() == near(5.2e-4, 0.05));
     CHECK(json["time_step"].get<double>() > 0);
   }
   CHECK(folder.file_count() == 5);
@@ -130,6 +132,22 @@ TEST_CASE("repairs and doubts are reported on standard error") {
   CHECK(contains(pieces.err, "2 separate pieces"));
 }
 
+TEST_CASE("--repair auto meshes what the default refuses, and warns that it was wrapped") {
+  const SurfaceFolder folder;
+  const Surface sphere = make_sphere(0.05, 2);
+  const std::string surface = folder.write("s.off", joined(sphere, moved(sphere, {0.03, 0, 0}))).string(),
+                    mesh = (folder.path / "m.vtu").string();
+  const Run refused = lobe_mesh(surface + " --edge 0.015 -o " + mesh);
+  CHECK(refused.status == 2);
+  CHECK(!std::filesystem::exists(mesh));
+  const Run run = lobe_mesh(surface + " --edge 0.015 --json --repair auto -o " + mesh);
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  CHECK(contains(run.err, "warning: wrapped, because"));
+  const auto json = nlohmann::json::parse(run.out);
+  CHECK(json["repair"]["steps"].back()["name"] == "wrap");
+  CHECK(contains(json["warnings"][0], "wrapped, because"));
+}
+
 TEST_CASE("--diagnose marks the faults in a file") {
   const SurfaceFolder folder;
   const std::string surface = folder.write("s.off", without_triangle(make_cube(1), 0)).string(),
@@ -155,11 +173,10 @@ TEST_CASE("each rung of the repair is reported with its volumes and its distance
   REQUIRE(steps.size() >= 2);
   for (const auto& step : steps) {
     CHECK(contains(run.err, step["message"]));
-    CHECK(step["distance"] ==
-          doctest::Approx(0).epsilon(1e-9));  // the second copy fills the hole of the first
+    CHECK(step["distance"].get<double>() < 1e-10);  // [m]: the second copy fills the hole of the first
   }
   CHECK(steps[0]["volume_before"].get<double>() > 1.9 * enclosed_volume(sphere));
-  CHECK(steps.back()["volume_after"].get<double>() == doctest::Approx(enclosed_volume(sphere)));
+  CHECK(steps.back()["volume_after"].get<double>() == near(enclosed_volume(sphere), 1e-9));
 }
 
 TEST_CASE("--repaired writes the surface that is meshed, and makes no mesh unless one is asked for") {
@@ -174,7 +191,7 @@ TEST_CASE("--repaired writes the surface that is meshed, and makes no mesh unles
     CHECK(nlohmann::json::parse(run.out)["repair"]["steps"].size() >= 2);
     const Surface read = read_surface(repaired);
     CHECK(read.point_count() == sphere.point_count());
-    CHECK(enclosed_volume(read) == doctest::Approx(enclosed_volume(sphere)).epsilon(1e-6));
+    CHECK(enclosed_volume(read) == near(enclosed_volume(sphere), 1e-6));
     CHECK(diagnose(read).meshable());
   }
   const std::string mesh = (folder.path / "m.vtu").string(), both = (folder.path / "both.ply").string();
@@ -224,7 +241,7 @@ TEST_CASE("a label image becomes a mesh with its labels") {
   CHECK(json["image"] == file);
   CHECK(json["parts"][0]["label"] == 2);
   CHECK(json["parts"][1]["label"] == 5);
-  CHECK(json["parts"][1]["surface_volume"].get<double>() == doctest::Approx(8 * 12 * 12 * 1e-9));
+  CHECK(json["parts"][1]["surface_volume"].get<double>() == near(8 * 12 * 12 * 1e-9, 1e-9));
   const std::vector<int> labels = read_mesh(mesh).mesh.labels;
   CHECK(std::count(labels.begin(), labels.end(), 5) == json["parts"][1]["tets"]);
   const auto refused = [&](const std::string& arguments, const std::string& message) {

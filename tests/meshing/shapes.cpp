@@ -8,6 +8,7 @@
 
 #include "lobe/io/surface_io.h"
 #include "lobe_mesh/diagnose.h"
+#include "near.h"
 
 namespace lobe::meshing {
 namespace {
@@ -161,7 +162,7 @@ Surface boundary_of(const TetMesh& mesh) {
 }  // namespace
 
 void check_faces(const TetMesh& mesh) {
-  CHECK(enclosed_volume(boundary_of(mesh)) == doctest::Approx(total_volume(mesh)));
+  CHECK(enclosed_volume(boundary_of(mesh)) == test::near(total_volume(mesh), 1e-9));
 }
 
 void check_boundary(const TetMesh& mesh) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "lobe/mesh/quality.h"
+#include "near.h"
 #include "run/small_scene.h"
 
 using namespace lobe;
@@ -69,7 +70,7 @@ TEST_CASE("lobe replay plays what run --record wrote, on other threads, and find
   REQUIRE(lobe_in(folder, "run scene.json -o out --record gesture").status == 0);
   const Ended same = lobe_in(folder, "replay scene.json gesture --threads 2");
   CHECK_MESSAGE(same.status == 0, same.err);
-  CHECK(same.out == "15 calls up to 0.3 s: the same bits on 2 thread(s)\n");
+  CHECK(same.out == "15 commands up to 0.3 s: the same bits on 2 thread(s)\n");
   Json other = small_scene();
   other["gravity"] = {0, 0, -2};
   folder.write("other.json", other.dump());
@@ -216,18 +217,18 @@ TEST_CASE("lobe info counts and measures a mesh") {
   CHECK(info["vertices"] == 9 * 3 * 3);
   CHECK(info["tetrahedra"] == 192);
   for (const char* label : {"0", "1", "2", "3", "4", "5"}) CHECK(info["labels"][label] == 32);
-  CHECK(info["volume_m3"].get<double>() == doctest::Approx(0.08 * 0.02 * 0.02).epsilon(1e-12));
-  CHECK(info["smallest_tetrahedron_m3"].get<double>() == doctest::Approx(1e-6 / 6).epsilon(1e-9));
+  CHECK(info["volume_m3"].get<double>() == near(0.08 * 0.02 * 0.02, 1e-12));
+  CHECK(info["smallest_tetrahedron_m3"].get<double>() == near(1e-6 / 6, 1e-9));
   CHECK(info["bounding_box_m"] == Json::parse(R"({"min": [0.0, 0.0, 0.0], "max": [0.08, 0.02, 0.02]})"));
-  CHECK(info["dihedral_deg"]["smallest"].get<double>() == doctest::Approx(45));
-  CHECK(info["dihedral_deg"]["largest"].get<double>() == doctest::Approx(90));
+  CHECK(info["dihedral_deg"]["smallest"].get<double>() == near(45, 1e-12));
+  CHECK(info["dihedral_deg"]["largest"].get<double>() == near(90, 1e-12));
   int angles = 0;
   for (const Json& count : info["dihedral_histogram_10_deg"]) angles += count.get<int>();
   CHECK(angles == 6 * 192);
   const double step = info["stable_time_step_s"];
   CHECK(step > 0);
   const Json heavy = Json::parse(lobe_in(folder, "info beam.vtu --json --density 4000").out);
-  CHECK(heavy["stable_time_step_s"].get<double>() == doctest::Approx(2 * step));  // ∝ √ρ
+  CHECK(heavy["stable_time_step_s"].get<double>() == near(2 * step, 1e-12));  // ∝ √ρ
   CHECK(contains(lobe_in(folder, "info beam.vtu").out, "tetrahedra          192\n"));
 }
 
@@ -240,7 +241,7 @@ TEST_CASE("lobe check says what will be run") {
   CHECK(check["mesh"]["tetrahedra"] == 192);
   CHECK(check["regions"] == Json{{"tensor-mass", 72}, {"precomputed", 0}, {"nonlinear", 120}});
   CHECK(check["fixed_vertices"] == 9);
-  CHECK(check["loads"]["mass_kg"].get<double>() == doctest::Approx(0.032));
+  CHECK(check["loads"]["mass_kg"].get<double>() == near(0.032, 1e-12));
   CHECK(check["tools"][0]["vertices"] == 9);
   CHECK(check["tools"][1]["radius_m"] == 0.004);
   CHECK(check["duration_s"] == 0.3);

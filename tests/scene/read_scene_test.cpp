@@ -6,9 +6,11 @@
 #include <fstream>
 
 #include "lobe/error.h"
+#include "near.h"
 #include "scene/scenes.h"
 
 using namespace lobe;
+using namespace lobe::test;
 
 namespace {
 
@@ -29,8 +31,8 @@ TEST_CASE("materials are read in either form") {
   CHECK(scene.materials[0].lame_mu == 1e4);
   CHECK(scene.materials[0].density == 1060);
   // λ = Eν/((1+ν)(1−2ν)) = 2.8e4/0.28, μ = E/(2(1+ν)) = 7e4/2.8
-  CHECK(scene.materials[1].lame_lambda == doctest::Approx(1e5).epsilon(1e-14));
-  CHECK(scene.materials[1].lame_mu == doctest::Approx(2.5e4).epsilon(1e-14));
+  CHECK(scene.materials[1].lame_lambda == near(1e5, 1e-14));
+  CHECK(scene.materials[1].lame_mu == near(2.5e4, 1e-14));
   CHECK(scene.materials[1].density == 1000);
   CHECK(scene.materials[0].nodal_pressure == 0);
   CHECK(scene.materials[1].nodal_pressure == 1);

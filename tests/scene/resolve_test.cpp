@@ -1,5 +1,6 @@
 // On a bar of 0.4 × 0.1 × 0.1 m in 4 × 1 × 1 cells, held at x = 0.
 #include "lobe/scene/resolve.h"
+#include "near.h"
 
 #include <doctest/doctest.h>
 
@@ -11,6 +12,7 @@
 #include "lobe/scene/read_scene.h"
 
 using namespace lobe;
+using namespace lobe::test;
 using nlohmann::json;
 
 namespace {
@@ -239,13 +241,13 @@ TEST_CASE("a force is shared equally, a traction lies on boundary faces") {
   REQUIRE(setup.vertex_loads.size() == 4);
   for (const VertexLoad& load : setup.vertex_loads) {
     CHECK(load.force == Vec3d(0, 0, -0.5));
-    CHECK(setup.mesh.points(0, load.vertex) == doctest::Approx(0.4));
+    CHECK(setup.mesh.points(0, load.vertex) == near(0.4, 1e-12));
   }
   REQUIRE(setup.face_loads.size() == 2);
   for (const FaceLoad& load : setup.face_loads) {
     CHECK(load.traction == Vec3d(0, 7, 0));
     for (const int corner : face_corners[load.face]) {
-      CHECK(setup.mesh.points(0, setup.mesh.tets(corner, load.tet)) == doctest::Approx(0.4));
+      CHECK(setup.mesh.points(0, setup.mesh.tets(corner, load.tet)) == near(0.4, 1e-12));
     }
   }
   CHECK(result.warnings.empty());

@@ -1,10 +1,13 @@
-// A step allocates nothing. Every allocation of this program is counted: the C library's functions are replaced by ones
-// that count and then call it. Other C libraries, and the sanitizers, have no such entry points: the test is then left out.
+// A step allocates nothing, and advance() what its report takes, however many steps it has. Every allocation of this
+// program is counted: the C library's functions are replaced by ones that count and then call it. Other C libraries, and
+// the sanitizers, have no such entry points: the test is then left out.
 #include <doctest/doctest.h>
 
 #include <atomic>
 #include <cstdlib>
+#include <string>
 
+#include "condense/half_linear.h"
 #include "lobe/sim/world.h"
 #include "support.h"
 
@@ -43,6 +46,42 @@ using namespace lobe::test;
 
 namespace {
 
+// One per step of a region in a frame whose interior is loaded: the torque of the loads takes a vector.
+const char* const in_a_frame = "in a frame, with loads";
+long known(const std::string& name) { return name == in_a_frame ? 1 : 0; }
+
+// Every kind of region, of frame and of mass, with a name for messages.
+std::vector<std::pair<std::string, Setup>> all_kinds() {
+  const TetMesh mesh = irregular_box(10);  // large enough for several threads
+  Setup held = hybrid_setup(mesh);
+  held.prescribed = {{0, Vec3d(1e-4, 0, 0)}, {1, Vec3d::Zero(), {true, false, false}}};
+  held.load_ramp = 1;
+  held.gravity = Vec3d(0, 0, -9.81);
+  std::vector<std::pair<std::string, Setup>> kinds{
+      {"hybrid", hybrid_setup(mesh)}, {"nodal pressure", averaged(hybrid_setup(mesh))}, {"held", held}};
+  const auto add = [&](const std::string& name, const Setup& from, auto&& change) {
+    change(kinds.emplace_back(name, from).second);
+  };
+  add("stored", hybrid_setup(mesh), [](Setup& s) { s.evaluator = Evaluator::stored; });
+  add("guarded", held, [](Setup& s) { s.guard_below = 0.2; });
+  add("selective masses", held, [](Setup& s) { s.selective_mass = 9; });
+  add("sleeping", held, [](Setup& s) {
+    s.gravity.setZero();
+    s.prescribed.clear();
+    s.sleep = 1e-4;
+  });
+  Setup precomputed = half_linear(RegionModel::precomputed, 10);
+  precomputed.gravity = Vec3d(0, 0, -9.81);
+  add("precomputed", precomputed, [](Setup&) {});
+  add(in_a_frame, precomputed, [](Setup& s) { s.precomputed_frame = RegionFrame::corotated; });
+  add("in a frame, without loads", precomputed, [](Setup& s) {
+    s.precomputed_frame = RegionFrame::corotated;
+    s.gravity.setZero();
+  });
+  add("expandable", precomputed, [](Setup& s) { s.expandable = true; });
+  return kinds;
+}
+
 template <class Real>
 long allocations_of_steps(const Setup& setup, int threads) {
   World<Real> world(setup, threads);
@@ -53,27 +92,40 @@ long allocations_of_steps(const Setup& setup, int threads) {
   return allocations - before;
 }
 
+template <class Real>
+long allocations_of_a_frame(const Setup& setup, int steps) {
+  World<Real> world(setup);
+  const double frame = (steps - 0.5) * setup.safety * world.time_step_limit();
+  REQUIRE(frame > StepLimit<Real>::interval);  // shorter ones do not look for the limit each
+  REQUIRE(world.advance(frame).steps == steps);
+  const long before = allocations;
+  REQUIRE(world.advance(frame).steps == steps);
+  return allocations - before;
+}
+
 }  // namespace
 
-TEST_CASE("a step allocates nothing, whatever the regions, on one thread and on two") {
+TEST_CASE("a step allocates nothing but one vector for the loads of a frame, on one, two and seven threads") {
   const long before = allocations;
   const std::vector<int> something(100);
-  REQUIRE(allocations > before);           // they are counted
-  const TetMesh mesh = irregular_box(10);  // large enough for both threads
-  Setup stored = hybrid_setup(mesh);
-  stored.evaluator = Evaluator::stored;
-  Setup held = hybrid_setup(mesh);
-  held.prescribed = {{0, Vec3d(1e-4, 0, 0)}, {1, Vec3d::Zero(), {true, false, false}}};
-  held.load_ramp = 1;
-  held.gravity = Vec3d(0, 0, -9.81);
-  Setup selective = held;
-  selective.selective_mass = 9;
-  for (const Setup& setup : {hybrid_setup(mesh), averaged(hybrid_setup(mesh)), stored, held, selective})
-    for (int threads : {1, 2}) {
+  REQUIRE(allocations > before);  // they are counted
+  for (const auto& [name, setup] : all_kinds())
+    for (int threads : {1, 2, 7}) {
+      CAPTURE(name);
       CAPTURE(threads);
-      CHECK(allocations_of_steps<float>(setup, threads) == 0);
-      CHECK(allocations_of_steps<double>(setup, threads) == 0);
+      CHECK(allocations_of_steps<float>(setup, threads) == 20 * known(name));
+      CHECK(allocations_of_steps<double>(setup, threads) == 20 * known(name));
     }
+}
+
+TEST_CASE("what advance() allocates does not grow with its steps, but for that vector") {
+  for (const auto& [name, setup] : all_kinds()) {
+    CAPTURE(name);
+    CHECK(allocations_of_a_frame<float>(setup, 60) ==
+          allocations_of_a_frame<float>(setup, 40) + 20 * known(name));
+    CHECK(allocations_of_a_frame<double>(setup, 60) ==
+          allocations_of_a_frame<double>(setup, 40) + 20 * known(name));
+  }
 }
 
 #endif

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "lobe/sim/world.h"
+#include "near.h"
 #include "support.h"
 
 using namespace lobe;
@@ -78,8 +79,7 @@ TEST_CASE_TEMPLATE("the time step limit that follows cuts equals the one found a
       if (std::isinf(expected))
         CHECK(std::isinf(follows.time_step_limit()));
       else
-        CHECK(follows.time_step_limit() ==
-              doctest::Approx(expected).epsilon(sizeof(Real) == 8 ? 1e-9 : 1e-4));
+        CHECK(follows.time_step_limit() == near(expected, sizeof(Real) == 8 ? 1e-9 : 1e-4));
     }
   }
 }

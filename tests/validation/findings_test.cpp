@@ -7,8 +7,10 @@
 
 #include "benchmarks/validation/cases.h"
 #include "benchmarks/validation/table.h"
+#include "near.h"
 
 using namespace lobe::validation;
+using namespace lobe::test;
 
 TEST_CASE("a row passes within its tolerance, fails beyond it, and fails if it is not a number") {
   Findings findings("f");
@@ -41,16 +43,16 @@ TEST_CASE("what a family throws is a failed row, after those it had found") {
 }
 
 TEST_CASE("orders and limits of known sequences are found") {
-  CHECK(observed_order({0.4, 0.2, 0.1}, {9.0, 0.08, 0.02}) == doctest::Approx(2));
+  CHECK(observed_order({0.4, 0.2, 0.1}, {9.0, 0.08, 0.02}) == near(2, 1e-12));
   const auto f = [](double h) { return 3 + 0.5 * h * h; };
   const Extrapolation three = extrapolate(f(0.4), f(0.2), f(0.1)),
                       two = extrapolate_order(f(0.2), f(0.1), 2.0);
-  CHECK(three.order == doctest::Approx(2));
-  CHECK(three.limit == doctest::Approx(3).epsilon(1e-12));
-  CHECK(two.limit == doctest::Approx(3).epsilon(1e-12));
+  CHECK(three.order == near(2, 1e-12));
+  CHECK(three.limit == near(3, 1e-12));
+  CHECK(two.limit == near(3, 1e-12));
   const auto g = [&](double h) { return f(h) - 7 * h * h * h * h; };
-  CHECK(romberg(g(0.4), g(0.2), g(0.1)) == doctest::Approx(3).epsilon(1e-12));
-  CHECK(two.mesh_error == doctest::Approx(0.005 / 3));
+  CHECK(romberg(g(0.4), g(0.2), g(0.1)) == near(3, 1e-12));
+  CHECK(two.mesh_error == near(0.005 / 3, 1e-12));
 }
 
 TEST_CASE("the plot of the studies holds every point, one curve per study") {

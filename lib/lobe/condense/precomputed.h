@@ -33,6 +33,8 @@ class PrecomputedRegion {
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
                             Mat3X<Real>& external, Mat3X<Real>& dead, bool lazily = false);
   bool is_outdated() const { return is_outdated_; }
+  // Throws InputError if the region of these elements had too large an interface.
+  static void refuse_large(const Elements& elements, const HeldVertices& held);
 
   // What is touched by edits makes the next ones dearer, until the region is condensed afresh. That is done by another
   // thread, from a copy of what there is now; edits go on meanwhile, and are repeated on the result.

@@ -61,7 +61,7 @@ std::vector<Index> picked(const std::vector<Index>& components, Picks&& picks) {
   return found;
 }
 
-void refuse_large(Index interface) {
+void refuse_interface(Index interface) {
   const double bytes = 88.0 * interface * interface;  // while it is condensed; afterwards half of it
   if (bytes <= most_bytes) return;
   throw InputError("precomputed region",
@@ -98,6 +98,15 @@ std::unique_ptr<ReducedRegion> reduced_afresh(const Elements& elements, const Ro
 }
 
 }  // namespace
+
+template <class Real>
+void PrecomputedRegion<Real>::refuse_large(const Elements& elements, const HeldVertices& held) {
+  const Hold hold(elements, held);
+  Index interface = 0;
+  for (Index v = 0; v < elements.topology.vertex_count(); ++v)
+    for (int axis = 0; axis < 3; ++axis) interface += hold.role(v, axis) == Role::interface;
+  refuse_interface(interface);
+}
 
 template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, const HeldVertices& held,
@@ -321,7 +330,7 @@ void PrecomputedRegion<Real>::take(std::unique_ptr<ReducedRegion> reduced) {
 template <class Real>
 void PrecomputedRegion<Real>::build(const Elements& elements) {
   const std::vector<Index> components = interface();
-  refuse_large(static_cast<Index>(components.size()));
+  refuse_interface(static_cast<Index>(components.size()));
   take(std::make_unique<ReducedRegion>(RegionFactor(elements, roles_, linearisation_), components, loads(),
                                        cache_, make_factor_));
 }

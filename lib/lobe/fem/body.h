@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "lobe/mesh/tet_mesh.h"
@@ -24,6 +25,9 @@ struct Elastic {
   double nodal_lambda() const { return nodal_pressure * lambda; }     // wλ [Pa]
   double element_lambda() const { return lambda - nodal_lambda(); }   // (1 − w)λ [Pa]
   double guard_modulus() const { return element_lambda() + 2 * mu; }  // M of fem/guard.h [Pa]
+
+  static constexpr auto fields =
+      std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density, &Elastic::nodal_pressure);
 };
 
 inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {
@@ -39,6 +43,10 @@ struct Body {
   RegionFrame precomputed_frame = RegionFrame::fixed;
   double volume_penalty = 0;  // κ [Pa], of the non-linear region
   double guard_below = 0;     // J₀ of fem/guard.h, of the non-linear region, 0…1; 0: no guard
+
+  static constexpr auto fields =
+      std::tuple(&Body::mesh, &Body::materials, &Body::material_of, &Body::region_of,
+                 &Body::precomputed_frame, &Body::volume_penalty, &Body::guard_below);
 };
 
 }  // namespace lobe

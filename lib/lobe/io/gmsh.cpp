@@ -1,5 +1,5 @@
-// Gmsh .msh 2.2 and 4.1, ascii and binary. The two versions share their sections and differ in their layout;
-// the same code reads text and binary numbers.
+// Gmsh .msh 1 (ascii), 2.2 and 4.1 (ascii and binary). The last two share their sections and differ in their layout;
+// the same code reads text and binary numbers. Version 1 has $NOD and $ELM instead, and no $MeshFormat.
 #include <map>
 #include <unordered_map>
 
@@ -26,23 +26,28 @@ class GmshReader {
       const std::string section(scan_.word("a section"));
       if (section.size() < 2 || section[0] != '$')
         scan_.fail("expected a section, such as $Nodes; is this a Gmsh file?");
+      if (version_ == 0 && (section == "$NOD" || section == "$ELM")) version_ = 1;
       if (section == "$MeshFormat")
         read_format();
       else if (version_ == 0)
-        scan_.fail("expected $MeshFormat before any other section");
+        scan_.fail("expected $MeshFormat before any other section, or $NOD (Gmsh 1)");
       else
         read_section(section);
     }
-    if (raw_.coordinates.empty()) scan_.fail("the file has no $Nodes section; it is truncated");
+    if (raw_.coordinates.empty())
+      scan_.fail("the file has no " + nodes_section() + " section; it is truncated");
     return std::move(raw_);
   }
 
  private:
+  std::string nodes_section() const { return version_ == 1 ? "$NOD" : "$Nodes"; }
+
   void read_format() {
+    if (version_ == 1) scan_.fail("$MeshFormat after a section of Gmsh 1, expected it first or not at all");
     const double version = scan_.real("the version");
     if (version != 4.1 && !(version >= 2 && version < 3))
       scan_.fail("Gmsh format " + std::to_string(version).substr(0, 3) +
-                 ", expected 2.2 or 4.1; convert it: gmsh in.msh -save -format msh41 -o out.msh");
+                 ", expected 1, 2.2 or 4.1; convert it: gmsh in.msh -save -format msh41 -o out.msh");
     version_ = version > 4 ? 4 : 2;
     const bool binary = scan_.integer("the file type", 0, 1) == 1;
     scan_.integer("the size of a number", version_ == 4 && binary ? 8 : 4, 8);
@@ -56,10 +61,12 @@ class GmshReader {
   }
 
   void read_section(const std::string& section) {
-    const std::string end = "$End" + section.substr(1);
+    const std::string end = (version_ == 1 ? "$END" : "$End") + section.substr(1);
     if (section == "$PartitionedEntities")
       scan_.fail("the mesh is partitioned; save it in one piece (Gmsh: Mesh > Unpartition)");
-    const bool known = section == "$Nodes" || section == "$Elements" || (section == "$Entities");
+    const bool known = version_ == 1
+                           ? section == "$NOD" || section == "$ELM"
+                           : section == "$Nodes" || section == "$Elements" || section == "$Entities";
     if (!known) {  // physical names, results, comments
       if (!scan_.skip_past_line(end)) scan_.fail("expected " + end + "; the file is truncated");
       return;
@@ -67,8 +74,10 @@ class GmshReader {
     if (scan_.is_binary()) scan_.line();
     if (section == "$Entities")
       read_entities();
-    else if (section == "$Nodes")
+    else if (section == nodes_section())
       version_ == 4 ? read_nodes_4() : read_nodes_2();
+    else if (version_ == 1)
+      read_elements_1();
     else
       version_ == 4 ? read_elements_4() : read_elements_2();
     scan_.expect(end);
@@ -101,7 +110,7 @@ class GmshReader {
     for (int k = 0; k < 3; ++k) raw_.coordinates.push_back(real("a coordinate"));
   }
 
-  void read_nodes_2() {
+  void read_nodes_2() {  // and 1
     const std::size_t nodes = scan_.count("nodes", scan_.is_binary() ? 28 : 8);
     if (scan_.is_binary()) scan_.line();
     for (std::size_t i = 0; i < nodes; ++i) {
@@ -164,9 +173,24 @@ class GmshReader {
   void add_corner(std::int64_t element, std::int64_t node) {
     const auto found = vertex_of_.find(node);
     if (found == vertex_of_.end())
-      scan_.fail("element " + std::to_string(element) + " uses node " + std::to_string(node) +
-                 ", which $Nodes does not have");
+      scan_.fail("element " + std::to_string(element) + " uses node " + std::to_string(node) + ", which " +
+                 nodes_section() + " does not have");
     raw_.corners.push_back(found->second);
+  }
+
+  // Each: number, type, physical group, entity, number of nodes, nodes.
+  void read_elements_1() {
+    const std::size_t elements = scan_.count("elements", 12);
+    for (std::size_t i = 0; i < elements; ++i) {
+      const std::int64_t element = scan_.integer("an element"), type = scan_.integer("an element type"),
+                         group = scan_.integer("a physical group");
+      scan_.integer("the number of an entity");
+      const auto nodes = static_cast<std::int64_t>(nodes_of(type));
+      if (const std::int64_t given = scan_.integer("the number of nodes"); given != nodes)
+        scan_.fail("element " + std::to_string(element) + " has " + std::to_string(given) +
+                   " nodes, expected " + std::to_string(nodes) + " of type " + std::to_string(type));
+      add_element(element, type, group);
+    }
   }
 
   void read_elements_2() {
@@ -195,6 +219,10 @@ class GmshReader {
       const std::int64_t value = integer("a tag");
       if (k == 0) group = value;
     }
+    add_element(element, type, group);
+  }
+
+  void add_element(std::int64_t element, std::int64_t type, std::int64_t group) {
     const std::size_t nodes = nodes_of(type);
     if (type == tetrahedron) raw_.labels.push_back(label(group));
     for (std::size_t k = 0; k < nodes; ++k) {

@@ -11,7 +11,7 @@
 namespace lobe {
 
 // Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
-// (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 2.2 and 4.1, ascii and binary), .mesh (MEDIT ascii),
+// (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 1, ascii; 2.2 and 4.1, ascii and binary), .mesh (MEDIT ascii),
 // .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of the file. Cells
 // other than 4-node tetrahedra are ignored and counted. Labels are the cell data "label", else
 // "gmsh:physical", "medit:ref" or "CellEntityIds" (VTK), the first physical group (Gmsh), the reference

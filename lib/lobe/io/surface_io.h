@@ -1,4 +1,4 @@
-// Triangle surfaces out, and VTP in. Reading other formats and repairing surfaces is the meshing part's.
+// Triangle surfaces out, VTP in, and OBJ with its texture coordinates. Reading other formats and repairing surfaces is the meshing part's.
 #pragma once
 
 #include <cstdint>
@@ -25,5 +25,18 @@ struct Polygons {
   std::vector<std::vector<std::int64_t>> corners;  // of each polygon
 };
 Polygons read_vtp(const std::filesystem::path& file);  // triangle strips, lines and vertices are left out
+
+// A surface for drawing: each corner of a triangle has a point, and perhaps a texture coordinate and a normal.
+struct TexturedSurface {
+  Mat3X<double> points;                              // 3 × #points [m]
+  Eigen::Matrix<double, 2, Eigen::Dynamic> texture;  // 2 × #texture coordinates
+  Mat3X<double> normals;                             // 3 × #normals
+  // 3 × #triangles: numbers of the above from 0; −1: that corner has none.
+  Triangles triangles, texture_of, normal_of;
+};
+
+// `v`, `vt`, `vn` and `f` of an OBJ file; polygons are cut into fans of triangles; groups, materials, lines and curves are left
+// out. Throws InputError, which names the line: what is no OBJ, numbers that are not finite, indices out of range, no triangle.
+TexturedSurface read_obj(const std::filesystem::path& file);
 
 }  // namespace lobe

@@ -53,12 +53,43 @@ Mode lowest_mode(const Elements& elements, const HeldVertices& held, const std::
 }
 
 template <class Real>
-double norm(const World<Real>& world) {  // √Σ m |u|²
+double norm(World<Real>& world) {  // √Σ m |u|²
   const auto u = world.displacements();
   double sum = 0;
   for (Index v = 0; v < static_cast<Index>(world.mass().size()); ++v)
     sum += world.mass()[std::size_t(v)] * double(u.col(v).squaredNorm());
   return std::sqrt(sum);
+}
+
+template <class Real>
+void make_smooth(Dynamics<Real>& body, int degree, Mat3X<Real>& f) {
+  body.prepare_inertia();
+  body.inertia.apply(degree, body.parallel, f);
+}
+
+}  // namespace
+
+template <class Real>
+typename SelectiveMass<Real>::Acceleration smooth_acceleration(Dynamics<Real>& body, int degree) {
+  if (body.inertia.is_selective()) return body.inertia.acceleration();
+  Mat3X<Real> smooth = body.motion.forces.view();
+  make_smooth(body, degree, smooth);
+  return body.inertia.acceleration();
+}
+
+namespace {
+
+// By how much C lets these forces [N] accelerate less than M⁻¹ does, as a share of the power f·M⁻¹f, at the highest degree.
+template <class Real>
+double missing_mobility(Dynamics<Real>& body, const Mat3X<Real>& f) {
+  Mat3X<Real> smooth = f;
+  make_smooth(body, body.inertia.degrees().back(), smooth);
+  double all = 0, left = 0;
+  for (const MovingVertex<Real>& own : body.inertia.moving()) {
+    all += double(own.inverse_mass) * double(f.col(own.vertex).squaredNorm());
+    left += double(own.inverse_mass) * double(f.col(own.vertex).dot(smooth.col(own.vertex)));
+  }
+  return all > 0 ? 1 - left / all : 0;
 }
 
 }  // namespace
@@ -67,23 +98,25 @@ template <class Real>
 MassWatch<Real>::MassWatch(World<Real>& world, double tolerance, OnExceeded on_exceeded)
     : tolerance_(tolerance),
       on_exceeded_(std::move(on_exceeded)),
-      calming_(0.3 * world.damping()),
-      edits_(world.history().size()) {
+      calming_(0.3 * world.body().damping),
+      edits_(world.history().size()),
+      restored_(world.body().model.revisions.restored) {
   const Mode mode = lowest_mode(world.elements(), world.held(), world.mass());
   if (mode.forces.size() == 0) {
     slowness_ = std::numeric_limits<double>::infinity();
     return;
   }
-  const double missing = world.missing_mobility(mode.forces.template cast<Real>());
+  const double missing = missing_mobility<Real>(world.body(), mode.forces.template cast<Real>());
   const double off = 1 - std::sqrt(std::max(0.0, 1 - missing));  // of the frequency
-  const double time = std::min(longest, 2 / (std::exp(1.0) * world.damping()));
+  const double time = std::min(longest, 2 / (std::exp(1.0) * world.body().damping));
   slowness_ = caution * off * time / mode.omega;
 }
 
 template <class Real>
 double MassWatch<Real>::slowness(const World<Real>& world, int degree) const {
   if (degree == 1) return 0;
-  return slowness_ * world.mass_lag(degree) / world.mass_lag(world.mass_degrees().back());
+  return slowness_ * world.body().inertia.lag(degree) /
+         world.body().inertia.lag(world.body().inertia.degrees().back());
 }
 
 template <class Real>
@@ -92,12 +125,12 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   const double frame = world.time() - std::exchange(time_, world.time());
   const bool begins = !(frame > 0);  // or goes back to what it was
   largest_ = std::max(largest_, norm(world));
-  const int now = world.mass_degree();
+  const int now = world.body().inertia.degree();
   typename SelectiveMass<Real>::Acceleration moving;
-  if (now > 1 && !begins) moving = world.smooth_acceleration(now);
+  if (now > 1 && !begins) moving = smooth_acceleration(world.body(), now);
   const auto costs = [&](int degree) {
     if (degree == 1 || begins) return 0.0;
-    return slowness(world, degree) * (now > 1 ? moving : world.smooth_acceleration(degree)).norm;
+    return slowness(world, degree) * (now > 1 ? moving : smooth_acceleration(world.body(), degree)).norm;
   };
   const double made = costs(now), left = begins ? 0 : error_ * std::exp(-calming_ * frame);
   error_ = std::max(left, made);
@@ -108,20 +141,26 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   report.place = place_;
   report.exceeded = report.error > tolerance_;
   const bool is_startled = begins || world.next_grasp_change() < world.time() + 1.5 * frame;
-  const bool is_cut = std::exchange(edits_, world.history().size()) != world.history().size();
+  const std::size_t edits = world.history().size();
+  const std::uint64_t restored = world.body().model.revisions.restored;
+  const bool is_restored = std::exchange(restored_, restored) != restored;
+  const bool is_cut = std::exchange(edits_, edits) != edits || is_restored;
   if (!is_startled)
-    for (int degree : world.mass_degrees()) {
+    for (int degree : world.body().inertia.degrees()) {
       if (is_cut && degree > most_where_cut) break;
       if (!(costs(degree) < share * tolerance_ * largest_)) break;
       report.degree = degree;
     }
-  if (report.error > alarm * tolerance_) report.degree = std::min(report.degree, world.mass_degree());
-  if (report.degree != world.mass_degree()) steering.set_mass_degree(report.degree);
+  if (report.error > alarm * tolerance_)
+    report.degree = std::min(report.degree, world.body().inertia.degree());
+  if (report.degree != world.body().inertia.degree()) steering(SetMassDegree{report.degree});
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.exceeded && on_exceeded_) on_exceeded_(report);
   return report;
 }
 
+template typename SelectiveMass<float>::Acceleration smooth_acceleration(Dynamics<float>&, int);
+template typename SelectiveMass<double>::Acceleration smooth_acceleration(Dynamics<double>&, int);
 template class MassWatch<float>;
 template class MassWatch<double>;
 

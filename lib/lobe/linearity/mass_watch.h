@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "lobe/linearity/steering.h"
+#include "lobe/sim/world.h"
 
 namespace lobe {
 
@@ -31,7 +32,7 @@ class MassWatch {
   MassWatch(World<Real>& world, double tolerance, OnExceeded on_exceeded = {});
 
   // At the start, and after a frame. Costs two norms over all vertices, after a frame with lumped masses an apply() beside.
-  MassReport look(World<Real>& world) { return look(world, Steering(world)); }
+  MassReport look(World<Real>& world) { return look(world, steering_of(world)); }
   MassReport look(World<Real>& world, const Steering& steering);
 
   double looking_seconds() const { return looking_seconds_; }  // in all
@@ -48,8 +49,13 @@ class MassWatch {
   Vec3d place_ = Vec3d::Zero();                            // of it
   double largest_ = 0;                                     // norm of the displacement so far [√kg m]
   std::size_t edits_ = 0;                                  // of the world's, that are known
+  std::uint64_t restored_ = 0;                             // how often it had been restored then
   double looking_seconds_ = 0;
 };
+
+// Accelerations of the last step; where masses were lumped, what this degree would leave of them.
+template <class Real>
+typename SelectiveMass<Real>::Acceleration smooth_acceleration(Dynamics<Real>& body, int degree);
 
 extern template class MassWatch<float>;
 extern template class MassWatch<double>;

@@ -1,26 +1,18 @@
-// What a watch may do to a world: by the world's own functions, or those of who keeps a record of the calls.
+// What a watch does to a world goes through this: the world's own apply(), or that of who keeps a record of the commands.
 #pragma once
 
 #include <functional>
-#include <vector>
 
-#include "lobe/sim/world.h"
+#include "lobe/sim/command.h"
 
 namespace lobe {
 
-struct Steering {
-  template <class Driver>
-  explicit Steering(Driver& driver)
-      : set_region([&](const auto& tets, RegionModel model) { return driver.set_region(tets, model); }),
-        expand([&] { driver.expand(); }),
-        condense([&] { driver.condense(); }),
-        renew([&](double delay) { driver.renew(delay); }),
-        set_mass_degree([&](int degree) { driver.set_mass_degree(degree); }) {}
+using Steering = std::function<void(const Command&)>;
 
-  std::function<double(const std::vector<Index>& tets, RegionModel model)> set_region;
-  std::function<void()> expand, condense;
-  std::function<void(double delay)> renew;
-  std::function<void(int degree)> set_mass_degree;
-};
+// To the world itself.
+template <class World>
+Steering steering_of(World& world) {
+  return [&world](const Command& command) { world.apply(command); };
+}
 
 }  // namespace lobe

@@ -53,7 +53,8 @@ LinearityWatch<Real>::LinearityWatch(const World<Real>& world, const std::vector
       calm_(std::size_t(zones_.count()), 0),
       tet_volume_(tet_volumes(world.elements())),
       volume_(vertex_volumes(world.elements().topology, tet_volume_)),
-      edits_(world.history().size()) {
+      edits_(world.history().size()),
+      restored_(world.body().model.revisions.restored) {
   influence_ = std::make_unique<Influence>(world.elements(), zones_, boundary_of(world), grasps_);
   find_shares(world.elements());
   double mass = 0;
@@ -87,7 +88,7 @@ HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
 template <class Real>
 bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   if (next_influence_.valid() && world.time() >= influence_due_) influence_ = next_influence_.get();
-  const bool was_cut = follow_cuts(world.elements(), world.history());
+  const bool was_cut = follow_cuts(world);
   influence_is_stale_ = influence_is_stale_ || was_cut;
   if (!influence_is_stale_ || next_influence_.valid()) return was_cut;
   influence_is_stale_ = false;
@@ -101,15 +102,17 @@ bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
 
 // Since the last look: the means of zones that lost tetrahedra, of all where the world was restored.
 template <class Real>
-bool LinearityWatch<Real>::follow_cuts(const Elements& elements, const std::vector<Edit>& history) {
-  if (history.size() == edits_) return false;
-  const bool restored = history.size() < edits_;
+bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
+  const Elements& elements = world.elements();
+  const std::vector<Command>& history = world.history();
+  const std::uint64_t restored_now = world.body().model.revisions.restored;
+  const bool restored = std::exchange(restored_, restored_now) != restored_now;
+  if (!restored && history.size() == edits_) return false;
   std::vector<char> was_cut(std::size_t(zones_.count()), restored);
   if (restored) tet_volume_ = tet_volumes(elements);
-  for (std::size_t i = std::exchange(edits_, history.size()); i < history.size(); ++i) {
-    if (history[i].kind != Edit::Kind::removal) continue;
-    for (Index t : history[i].tets) was_cut[std::size_t(zones_.of[std::size_t(t)])] = 1;
-  }
+  for (std::size_t i = std::exchange(edits_, history.size()); i < history.size(); ++i)
+    if (const auto* removal = std::get_if<RemoveTets>(&history[i]))
+      for (Index t : removal->tets) was_cut[std::size_t(zones_.of[std::size_t(t)])] = 1;
   find_shares(elements);
   if (std::count(was_cut.begin(), was_cut.end(), 1) == 0) return false;
   for (Index z = 0; z < zones_.count(); ++z)
@@ -138,13 +141,13 @@ double LinearityWatch<Real>::relative(const Eigen::VectorXd& error) const {
 
 template <class Real>
 bool LinearityWatch<Real>::may_expand(const World<Real>& world) const {
-  return options_.correct && world.is_expandable();
+  return options_.correct && world.body().regions.can_be_expanded();
 }
 
 template <class Real>
 bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) const {
   if (world.is_unravelling()) return true;  // what is linear then is so on purpose
-  if (any_precomputed_ ? world.is_expanded() : is_startled) return false;
+  if (any_precomputed_ ? world.body().regions.is_expanded() : is_startled) return false;
   const bool is_calm = last_.error < join_below * options_.tolerance;
   const int every = !any_precomputed_    ? (is_calm ? 2 : 1)
                     : !may_expand(world) ? options_.recover_every
@@ -158,8 +161,7 @@ template <class Real>
 LinearityReport LinearityWatch<Real>::stand_in(const World<Real>& world) {
   last_.time = world.time();
   last_.to_nonlinear = last_.to_linear = 0;
-  last_.energy_change = 0;
-  last_.is_expanded = world.is_expanded();
+  last_.is_expanded = world.body().regions.is_expanded();
   if (last_.is_expanded) last_.error = 0;
   last_.exceeded = last_.error > options_.tolerance;
   return last_;
@@ -169,17 +171,31 @@ LinearityReport LinearityWatch<Real>::stand_in(const World<Real>& world) {
 template <class Real>
 Defects LinearityWatch<Real>::defects(const World<Real>& world, const Mat3X<double>& u, bool all) const {
   Defects defects = Defects::Zero(9, zones_.count());
-  const Mat3X<double>& about = world.linearised_about();
+  const Mat3X<double>& about = world.body().regions.linearised_about();
   for (Index z = 0; z < zones_.count(); ++z) {
     const double share = share_[std::size_t(z)];
     if (share == 0 && !all) continue;
-    const bool is_linear = share > 0.5 && !world.is_expanded();
+    const bool is_linear = share > 0.5 && !world.body().regions.is_expanded();
     const auto gradient = defects_.gradient(z, u);
     defects.col(z) = about.size() > 0
                          ? defects_.beyond_tangent(z, gradient, defects_.gradient(z, about), is_linear)
                          : defects_.at(z, gradient, is_linear);
   }
   return defects;
+}
+
+// √Σ m |u|² [√kg m] by which a condensed interior lags behind its inertia, at the last forces.
+template <class Real>
+double LinearityWatch<Real>::lag_of(const World<Real>& world) const {
+  const Dynamics<Real>& body = world.body();
+  Vec3d sum = Vec3d::Zero();
+  int count = 0;
+  for (Index v : body.regions.shared()) {
+    if (body.inertia.inverse_mass(v) == 0) continue;
+    sum += body.inertia.inverse_mass(v) * body.motion.forces.col(v).template cast<double>();
+    ++count;
+  }
+  return count > 0 ? body.regions.lag(sum / count) : 0;
 }
 
 template <class Real>
@@ -201,7 +217,7 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   const bool is_startled = begins || is_cut || holders_changed;
   const bool expandable = may_expand(world);
   if (expandable && is_startled && !world.is_unravelling()) {  // whatever the estimate
-    if (!world.is_expanded()) steering.expand();
+    if (!world.body().regions.is_expanded()) steering(Expand{});
     welcome_ = 0;
     return stand_in(world);
   }
@@ -216,9 +232,9 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
       influence_->displacement((of_zones.array().rowwise() * shares.array()).matrix());
   LinearityReport report;
   report.time = world.time();
-  const double lag = largest_ > 0 ? world.lag() / std::sqrt(density_) / largest_ : 0;
+  const double lag = largest_ > 0 ? lag_of(world) / std::sqrt(density_) / largest_ : 0;
   const double estimate = relative(error) + lag;
-  report.is_expanded = world.is_expanded();
+  report.is_expanded = world.body().regions.is_expanded();
   report.error = report.is_expanded ? 0 : estimate;
   report.exceeded = report.error > options_.tolerance;
   place_worst(world.elements(), error, report);
@@ -241,16 +257,16 @@ void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steer
                                  LinearityReport& report) {
   const double delay = delay_per_tet * world.elements().topology.alive_count();
   const bool is_welcome = estimate < condense_below * options_.tolerance;
-  if (world.is_expanded()) {
-    welcome_ = is_welcome && world.can_condense() ? welcome_ + 1 : 0;
-    if (welcome_ >= patience_to_condense) steering.condense();
+  if (world.body().regions.is_expanded()) {
+    welcome_ = is_welcome && world.body().regions.can_condense() ? welcome_ + 1 : 0;
+    if (welcome_ >= patience_to_condense) steering(Condense{});
   } else if (estimate > leave_above * options_.tolerance) {
-    steering.expand();
+    steering(Expand{});
     welcome_ = 0;
   }
-  const bool is_far = estimate > renew_above * options_.tolerance || !world.can_condense();
-  if (is_far && !world.is_renewing()) steering.renew(delay);
-  report.is_expanded = world.is_expanded();
+  const bool is_far = estimate > renew_above * options_.tolerance || !world.body().regions.can_condense();
+  if (is_far && !world.body().regions.is_refreshing()) steering(Renew{delay});
+  report.is_expanded = world.body().regions.is_expanded();
 }
 
 // Zones leave that lower the error most; where it is small, those join that have long been welcome.
@@ -300,7 +316,7 @@ void LinearityWatch<Real>::move(const World<Real>& world, const Steering& steeri
   std::vector<Index> tets;
   for (Index t : zones_.tets[std::size_t(zone)])
     if (world.elements().topology.alive(t) && world.elements().region_of[t] != model) tets.push_back(t);
-  report.energy_change += steering.set_region(tets, model);
+  steering(SetRegion{tets, model});
   (model == RegionModel::nonlinear ? report.to_nonlinear : report.to_linear) +=
       static_cast<Index>(tets.size());
   find_shares(world.elements());

@@ -14,6 +14,7 @@
 #include "lobe/linearity/defect.h"
 #include "lobe/linearity/influence.h"
 #include "lobe/linearity/steering.h"
+#include "lobe/sim/world.h"
 
 namespace lobe {
 
@@ -24,7 +25,6 @@ struct LinearityReport {
   Vec3d place = Vec3d::Zero();            // centre of that zone at rest [m]
   bool exceeded = false;                  // the tolerance
   Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
-  double energy_change = 0;               // by that [J]
   bool is_expanded = false;               // the precomputed region
 };
 
@@ -51,7 +51,7 @@ class LinearityWatch {
   // interior, so that the last report stands in for most looks there, otherwise for every other one while the error is
   // small. Where a cut or a change of who holds startles it, a region that may be expanded is so without a look.
   // What cuts do to the influence of zones is found by a background thread and used from a fixed simulated time on.
-  LinearityReport look(World<Real>& world) { return look(world, Steering(world)); }
+  LinearityReport look(World<Real>& world) { return look(world, steering_of(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);
 
   double looking_seconds() const { return looking_seconds_; }  // in all, corrections left out
@@ -59,13 +59,14 @@ class LinearityWatch {
  private:
   HeldVertices boundary_of(const World<Real>& world) const;
   bool follow_edits(const World<Real>& world);
-  bool follow_cuts(const Elements& elements, const std::vector<Edit>& history);
+  bool follow_cuts(const World<Real>& world);
   void find_shares(const Elements& elements);
   bool hold(const HeldVertices& held);
   bool may_skip(const World<Real>& world, bool is_startled) const;
   LinearityReport stand_in(const World<Real>& world);
   bool may_expand(const World<Real>& world) const;
   Defects defects(const World<Real>& world, const Mat3X<double>& u, bool all) const;
+  double lag_of(const World<Real>& world) const;
   void place_worst(const Elements& elements, const Eigen::VectorXd& error, LinearityReport& report) const;
   void steer(const World<Real>& world, const Steering& steering, double estimate, LinearityReport& report);
   double relative(const Eigen::VectorXd& error) const;
@@ -92,6 +93,7 @@ class LinearityWatch {
   double time_ = 0;                  // of the last look [s]
   int welcome_ = 0;                  // looks for which the region could have been condensed
   std::size_t edits_ = 0;            // of the world's, that are known
+  std::uint64_t restored_ = 0;       // how often it had been restored then
   double largest_ = 0;               // norm so far [m^2.5]
   double looking_seconds_ = 0;
   int looks_ = 0;

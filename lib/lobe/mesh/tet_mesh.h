@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "lobe/types.h"
@@ -16,6 +17,8 @@ struct TetMesh {
 
   Index vertex_count() const { return static_cast<Index>(points.cols()); }
   Index tet_count() const { return static_cast<Index>(tets.cols()); }
+
+  static constexpr auto fields = std::tuple(&TetMesh::points, &TetMesh::tets);
 };
 
 // Corners of the face opposite to corner k, counter-clockwise seen from outside.

@@ -30,7 +30,7 @@ nlohmann::ordered_json tool_json(const Tools::Pose& pose, const Mat3X<double>& x
 }  // namespace
 
 template <class Real>
-void Recorder::record(const World<Real>& world, bool last) {
+void Recorder::record(World<Real>& world, bool last) {
   const bool frame_due = world.time() >= next_frame_ - just_before;
   const bool picture_due = next_picture_ < output_.pictures.size() &&
                            world.time() >= output_.pictures[next_picture_] - just_before;
@@ -47,7 +47,7 @@ void Recorder::record(const World<Real>& world, bool last) {
 }
 
 template <class Real>
-void Recorder::add_pictures(const World<Real>& world, const std::string& frame) {
+void Recorder::add_pictures(World<Real>& world, const std::string& frame) {
   const Mat3X<double> x = world.elements().points.view() + world.state().u.template cast<double>();
   for (; next_picture_ < output_.pictures.size() &&
          world.time() >= output_.pictures[next_picture_] - just_before;
@@ -77,7 +77,7 @@ std::filesystem::path Recorder::finish() const {
   return file;
 }
 
-template void Recorder::record(const World<float>&, bool);
-template void Recorder::record(const World<double>&, bool);
+template void Recorder::record(World<float>&, bool);
+template void Recorder::record(World<double>&, bool);
 
 }  // namespace lobe

@@ -19,7 +19,7 @@ class Recorder {
 
   // Writes a frame if one is due at the world's time, or a picture is; `last`: in any case.
   template <class Real>
-  void record(const World<Real>& world, bool last);
+  void record(World<Real>& world, bool last);
 
   // DIR/series.pvd and, if pictures were asked for, DIR/pictures.json, whose path is returned (else empty).
   std::filesystem::path finish() const;
@@ -28,7 +28,7 @@ class Recorder {
 
  private:
   template <class Real>
-  void add_pictures(const World<Real>& world, const std::string& frame);
+  void add_pictures(World<Real>& world, const std::string& frame);
 
   Output output_;
   std::filesystem::path directory_;

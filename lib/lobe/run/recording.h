@@ -1,4 +1,4 @@
-// What was done to a world, call by call, with a digest of the state after each: played again on a world of the same
+// What was done to a world, command by command, with a digest of the state after each: played again on a world of the same
 // setup, on any number of threads, it must give the same bits.
 #pragma once
 
@@ -11,55 +11,45 @@
 
 namespace lobe {
 
-struct RecordedCall {
-  enum class Kind : std::uint8_t { advance, remove_tets, set_region, expand, condense, renew, mass_degree };
-  Kind kind = Kind::advance;
-  double duration = 0;  // of advance(), or the delay of renew() [s]
-  RegionModel model = RegionModel::nonlinear;
-  int degree = 1;            // of set_mass_degree()
-  std::vector<Index> tets;   // of remove_tets() and set_region()
+struct RecordedCommand {
+  Command command;
   std::uint64_t digest = 0;  // of displacements, velocities and time after it
+  static constexpr auto fields = std::tuple(&RecordedCommand::command, &RecordedCommand::digest);
 };
 
 struct Recording {
   std::uint64_t setup = 0;  // fingerprint() of the world's
   bool in_double = false;
-  std::vector<RecordedCall> calls;
+  std::vector<RecordedCommand> commands;
+  static constexpr auto fields = std::tuple(&Recording::setup, &Recording::in_double, &Recording::commands);
 };
 
 template <class Real>
-std::uint64_t digest(const World<Real>& world);
+std::uint64_t digest(World<Real>& world);
 
-// A world that is played by these calls keeps their record.
+// A world that is played through this keeps a record.
 template <class Real>
 class Recorded {
  public:
   explicit Recorded(World<Real>& world);
 
+  void apply(const Command& command);
   Report advance(double duration);
-  Index remove_tets(const std::vector<Index>& tets);
-  double set_region(const std::vector<Index>& tets, RegionModel model);
-  void expand();
-  void condense();
-  void renew(double delay);
-  void set_mass_degree(int degree);
   const Recording& recording() const { return recording_; }
 
  private:
-  RecordedCall& add(RecordedCall::Kind kind);
-
   World<Real>& world_;
   Recording recording_;
 };
 
 struct Replayed {
-  std::size_t calls = 0;  // that gave the recorded bits
-  bool same = true;       // false: the next one did not
-  double time = 0;        // of the world, where it ended [s]
+  std::size_t commands = 0;  // that gave the recorded bits
+  bool same = true;          // false: the next one did not
+  double time = 0;           // of the world, where it ended [s]
 };
 
 // Plays a recording on a world as it was when the recording began; throws InputError for one of another setup or
-// precision. Stops at the first call after which the state differs.
+// precision. Stops at the first command after which the state differs.
 template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world);
 

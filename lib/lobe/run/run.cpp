@@ -14,6 +14,7 @@
 #include "lobe/run/recorder.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/watched.h"
+#include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/text.h"
 
@@ -194,8 +195,7 @@ void clear_earlier_run(const std::filesystem::path& directory,
 template <class Real>
 bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder,
           Totals& totals, Watched<Real>& watched, WatchedMasses<Real>& masses) {
-  const long frames = std::max(1L, std::lround(scene.time.duration / scene.time.frame));
-  const double frame = scene.time.duration / double(frames);
+  const Frames frames = frames_of(scene.time);
   const auto record = [&](bool last) {
     const Clock::time_point start = Clock::now();
     recorder.record(world, last);
@@ -211,14 +211,14 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Rec
     masses.look(world, recorded ? &*recorded : nullptr);
   };
   look();
-  for (long i = 0; i < frames && ok; ++i) {
+  for (int i = 0; i < frames.count && ok; ++i) {
     const Clock::time_point start = Clock::now();
     const double time = world.time();
-    const Report report = recorded ? recorded->advance(frame) : world.advance(frame);
+    const Report report = recorded ? recorded->advance(frames.length) : world.advance(frames.length);
     look();
     totals.add(report, time, seconds_since(start));
-    record(!report.ok || i + 1 == frames);
-    if (options.progress) options.progress(double(i + 1) / double(frames));
+    record(!report.ok || i + 1 == frames.count);
+    if (options.progress) options.progress(double(i + 1) / frames.count);
     ok = report.ok;
   }
   if (recorded) write_recording(options.record, recorded->recording());
@@ -263,7 +263,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
         {"largest", totals.largest_step}}},
       {"smallest_volume_ratio", totals.smallest_volume_ratio},
       {"tetrahedra_removed", totals.tets_removed},
-      {"timing", timing_json(totals, world.time(), setup_seconds, world.condensing())},
+      {"timing", timing_json(totals, world.time(), setup_seconds, world.body().regions.condensing())},
       {"skipped", skipped_json(totals, resolved.setup, recorder.frame_count())},
       {"frames", recorder.frame_count()},
       {"warnings", result.warnings},
@@ -274,7 +274,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
     report["auto_regions"] = proposal_json(*resolved.proposal);
   if (watched.any()) report["linearity"] = watched.json();
   if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
-  if (const MassScaling& scaling = world.mass_scaling(); scaling.added > 0)
+  if (const MassScaling& scaling = world.body().inertia.scaling(); scaling.added > 0)
     report["mass_scaling"] = {{"added_kg", scaling.added},
                               {"share", scaling.share},
                               {"limit_before_s", scaling.limit_before},

@@ -34,7 +34,7 @@ class Watched {
 
   void look(World<Real>& world, Recorded<Real>* recorded) {
     if (!watch_) return;
-    const LinearityReport seen = recorded ? watch_->look(world, Steering(*recorded)) : watch_->look(world);
+    const LinearityReport seen = recorded ? watch_->look(world, steering_of(*recorded)) : watch_->look(world);
     expanded_ += seen.is_expanded;
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
@@ -84,8 +84,8 @@ class WatchedMasses {
 
   void look(World<Real>& world, Recorded<Real>* recorded) {
     if (!watch_) return;
-    if (!series_.empty()) ++frames_[std::to_string(world.mass_degree())];  // of the frame before
-    const MassReport seen = recorded ? watch_->look(world, Steering(*recorded)) : watch_->look(world);
+    if (!series_.empty()) ++frames_[std::to_string(world.body().inertia.degree())];  // of the frame before
+    const MassReport seen = recorded ? watch_->look(world, steering_of(*recorded)) : watch_->look(world);
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
     series_.push_back({{"time", seen.time}, {"error", seen.error}, {"degree", seen.degree}});

@@ -71,6 +71,9 @@ class MeaningChecker {
   }
 
   void check_path(const std::vector<PathPoint>& path, const std::string& place) {
+    for (std::size_t i = 0; i < path.size(); ++i)
+      if (const double length = path[i].orientation.norm(); !(std::abs(length - 1) < 1e-6))
+        add(child_pointer(place, i) + "/4", "the quaternion has length " + exact(length) + ", must be 1");
     for (std::size_t i = 1; i < path.size(); ++i) {
       if (path[i].time > path[i - 1].time) continue;
       const bool same = path[i].time == path[i - 1].time;

@@ -93,8 +93,14 @@ Tool read_tool(const json& entry, const std::string& pointer) {
   read(entry, "release", tool.release);
   tool.where = read_where(entry);
   for (const json& row : entry["path"]) {
-    tool.path.push_back(
-        {row[0].get<double>(), Vec3d(row[1].get<double>(), row[2].get<double>(), row[3].get<double>())});
+    if (row.size() != 4 && row.size() != 8)
+      throw InputError(pointer + "/path/" + std::to_string(tool.path.size()),
+                       "a row has 4 numbers, or 8 with a quaternion, not " + std::to_string(row.size()));
+    PathPoint& point = tool.path.emplace_back();
+    point.time = row[0].get<double>();
+    for (int i = 0; i < 3; ++i) point.position[i] = row[std::size_t(1 + i)].get<double>();
+    if (row.size() == 8)
+      for (int i = 0; i < 4; ++i) point.orientation[i] = row[std::size_t(4 + i)].get<double>();
   }
   tool.pointer = pointer;
   return tool;

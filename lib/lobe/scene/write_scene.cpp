@@ -100,7 +100,10 @@ ordered_json write(const Boundary& boundary) {
 
 ordered_json write(const Tool& tool) {
   ordered_json path = ordered_json::array();
-  for (const auto& [time, p] : tool.path) path.push_back({time, p[0], p[1], p[2]});
+  for (const auto& [time, p, q] : tool.path) {
+    path.push_back({time, p[0], p[1], p[2]});
+    if (q != PathPoint().orientation) path.back().insert(path.back().end(), {q[0], q[1], q[2], q[3]});
+  }
   ordered_json entry = {{"name", tool.name}};
   if (tool.type == ToolType::grasp) {
     entry["type"] = "grasp";

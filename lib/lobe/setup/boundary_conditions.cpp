@@ -55,14 +55,34 @@ Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& 
   return at_vertices;
 }
 
+namespace {
+
+struct Between {
+  const PathPoint *from, *to;
+  double share;
+};
+
+Between between(const std::vector<PathPoint>& path, double time) {
+  const auto next = std::upper_bound(path.begin(), path.end(), time,
+                                     [](double t, const PathPoint& point) { return t < point.time; });
+  if (next == path.begin()) return {&path.front(), &path.front(), 0};
+  if (next == path.end()) return {&path.back(), &path.back(), 0};
+  const PathPoint &from = *(next - 1), &to = *next;
+  return {&from, &to, (time - from.time) / (to.time - from.time)};
+}
+
+}  // namespace
+
 Vec3d path_at(const std::vector<PathPoint>& path, double time) {
-  if (time <= path.front().time) return path.front().position;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if (time >= path[i].time) continue;
-    const double s = (time - path[i - 1].time) / (path[i].time - path[i - 1].time);
-    return path[i - 1].position + s * (path[i].position - path[i - 1].position);
-  }
-  return path.back().position;
+  const Between at = between(path, time);
+  return at.from->position + at.share * (at.to->position - at.from->position);
+}
+
+Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time) {
+  const Between at = between(path, time);
+  if (at.from->orientation == at.to->orientation) return at.from->orientation;
+  const Eigen::Quaterniond a(at.from->orientation), b(at.to->orientation);
+  return a.slerp(at.share, b).coeffs();
 }
 
 namespace {

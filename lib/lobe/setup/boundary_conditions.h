@@ -29,6 +29,8 @@ Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& 
 
 // Position on a path at a time, linear between its points, constant before and after. [m]
 Vec3d path_at(const std::vector<PathPoint>& path, double time);
+// Orientation on it, by the shortest turn at a constant rate between its points; a unit quaternion x, y, z, w.
+Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time);
 
 // Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
 // grasp (holder 1 + its number). The first who holds a vertex keeps it; boundary conditions may hold different
@@ -42,6 +44,11 @@ class HeldVertices {
     Vec3d goal = Vec3d::Zero();   // holder 0: displacement after the ramp [m]
     Axes axes = all_axes;         // holder 0: the components that are held
     bool operator==(const Held&) const = default;
+    bool is_valid() const {  // as read back: no memory for vertices that no mesh has
+      return vertex >= 0 && vertex < 100'000'000 && start.allFinite() && goal.allFinite();
+    }
+    static constexpr auto fields =
+        std::tuple(&Held::vertex, &Held::holder, &Held::start, &Held::goal, &Held::axes);
   };
   static constexpr int boundary = 0;
 
@@ -49,7 +56,13 @@ class HeldVertices {
   bool fixes(Index v) const { return axes_of(v) == 7; }  // in all components
   const std::vector<Held>& all() const { return items_; }
 
-  bool operator==(const HeldVertices&) const = default;
+  bool operator==(const HeldVertices& other) const { return items_ == other.items_; }
+  const std::vector<Held>& as_kept() const { return items_; }
+  static HeldVertices from_kept(const std::vector<Held>& items) {
+    HeldVertices held;
+    for (const Held& item : items) held.hold(item);
+    return held;
+  }
 
   void hold(const Held& item);
   void release(int holder);

@@ -123,8 +123,9 @@ void Checker::check_path(const std::string& tool, const std::vector<PathPoint>& 
   bool in_order = true;
   for (std::size_t i = 0; i < path.size(); ++i)
     in_order = in_order && std::isfinite(path[i].time) && path[i].position.allFinite() &&
+               std::abs(path[i].orientation.norm() - 1) < 1e-6 &&
                (i == 0 || path[i].time > path[i - 1].time);
-  expect(in_order, tool + ": the times of its path must increase, and all its values be finite");
+  expect(in_order, tool + ": the times of its path must increase, all its values be finite, quaternions of length 1");
 }
 
 void Checker::check_tools() {

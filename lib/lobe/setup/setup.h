@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "lobe/fem/body.h"
@@ -14,11 +15,14 @@ struct FaceLoad {  // dead load on one boundary face, in rest area
   Index tet = 0;
   int face = 0;                    // opposite to this corner
   Vec3d traction = Vec3d::Zero();  // [Pa]
+  static constexpr auto fields = std::tuple(&FaceLoad::tet, &FaceLoad::face, &FaceLoad::traction);
 };
 
 struct VertexLoad {
   Index vertex = 0;
   Vec3d force = Vec3d::Zero();  // [N]
+  bool operator==(const VertexLoad&) const = default;
+  static constexpr auto fields = std::tuple(&VertexLoad::vertex, &VertexLoad::force);
 };
 
 using Axes = std::array<bool, 3>;  // which of the components x, y, z
@@ -28,11 +32,16 @@ struct PrescribedVertex {
   Index vertex = 0;
   Vec3d displacement = Vec3d::Zero();  // [m], zero where the vertex is fixed
   Axes axes = all_axes;  // the components that are prescribed; the vertex slides along the others
+  static constexpr auto fields =
+      std::tuple(&PrescribedVertex::vertex, &PrescribedVertex::displacement, &PrescribedVertex::axes);
 };
 
 struct PathPoint {
   double time = 0;                 // [s]
   Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
+  // Of a grasp: its turn since it took hold, about its centre there; a unit quaternion x, y, z, w.
+  Eigen::Vector4d orientation{0, 0, 0, 1};
+  static constexpr auto fields = std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation);
 };
 
 enum class ToolType : std::uint8_t { grasp, cautery };
@@ -42,12 +51,14 @@ struct GraspSetup {
   std::vector<Index> vertices;
   std::vector<PathPoint> path;  // offsets
   bool release = false;
+  static constexpr auto fields = std::tuple(&GraspSetup::vertices, &GraspSetup::path, &GraspSetup::release);
 };
 
 struct CauterySetup {
   std::string name;
   double radius = 0;            // [m]
   std::vector<PathPoint> path;  // positions of the tip
+  static constexpr auto fields = std::tuple(&CauterySetup::radius, &CauterySetup::path);
 };
 
 inline constexpr int highest_mass_degree = 16;  // of selective mass scaling
@@ -78,11 +89,20 @@ struct Setup : Body {
   double ramp = 0.1;             // prescribed displacements are reached over this time [s]
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
-  bool expandable = false;  // precomputed regions may be non-linear for a while (World::expand())
+  bool expandable = false;  // precomputed regions may be non-linear for a while (command Expand)
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
   std::filesystem::path
       condensed_cache;  // folder that keeps condensed regions (condensed_cache.h); none: it does not
+
+  // What decides how a world moves, for fingerprint(): no names, nothing of where results are kept.
+  static constexpr auto fields = std::tuple_cat(
+      Body::fields,
+      std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,
+                 &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
+                 &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator, &Setup::implicit_step,
+                 &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp, &Setup::sleep, &Setup::expandable,
+                 &Setup::grasps, &Setup::cauteries));
 };
 
 }  // namespace lobe

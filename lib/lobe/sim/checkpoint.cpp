@@ -4,199 +4,201 @@
 #include <utility>
 
 #include "lobe/error.h"
-#include "lobe/io/sealed_file.h"
+#include "lobe/io/scanner.h"
+#include "lobe/sim/kept.h"
 
 namespace lobe {
 namespace {
 
-class Fingerprint {
- public:
-  template <class Value>
-  void add(const Value& value) {
-    writer_.put(value);
-  }
-  template <class Matrix>
-  void add_matrix(const Matrix& values) {
-    writer_.put_all(std::span(values.data(), std::size_t(values.size())));
-  }
-  template <class Value>
-  void add_enums(const std::vector<Value>& values) {
-    for (Value value : values) add(value);
-  }
-  void add_path(const std::vector<PathPoint>& path) {
-    for (const PathPoint& point : path) {
-      add(point.time);
-      add_matrix(point.position);
-    }
-  }
-  std::uint64_t value() const { return io::digest(writer_.bytes()); }
+template <class Real>
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 11,
+                            std::is_same_v<Real, float> ? "state of a world in single precision"
+                                                        : "state of a world in double precision"};
 
- private:
-  io::ByteWriter writer_;
-};
-
-void add_body(Fingerprint& print, const Body& body) {
-  print.add_matrix(body.mesh.points);
-  print.add_matrix(body.mesh.tets);
-  for (const Elastic& e : body.materials)
-    for (double value : {e.lambda, e.mu, e.density, e.nodal_pressure}) print.add(value);
-  print.add_enums(body.material_of);
-  print.add_enums(body.region_of);
-  print.add(body.precomputed_frame);
-  print.add(body.volume_penalty);
-  print.add(body.guard_below);
-}
-
-void add_boundary(Fingerprint& print, const Setup& setup) {
-  for (const PrescribedVertex& p : setup.prescribed) {
-    print.add(p.vertex);
-    print.add_matrix(p.displacement);
-    for (bool axis : p.axes) print.add(axis);
-  }
-  for (const FaceLoad& load : setup.face_loads) {
-    print.add(4 * load.tet + load.face);
-    print.add_matrix(load.traction);
-  }
-  for (const VertexLoad& load : setup.vertex_loads) {
-    print.add(load.vertex);
-    print.add_matrix(load.force);
-  }
-  print.add_matrix(setup.gravity);
-}
-
-void add_tools(Fingerprint& print, const Setup& setup) {
-  for (const GraspSetup& grasp : setup.grasps) {
-    print.add_enums(grasp.vertices);
-    print.add_path(grasp.path);
-    print.add(grasp.release);
-  }
-  for (const CauterySetup& cautery : setup.cauteries) {
-    print.add(cautery.radius);
-    print.add_path(cautery.path);
-  }
-}
+[[noreturn]] void refuse() { throw InputError("checkpoint", "does not fit the scene that it says it is of"); }
 
 }  // namespace
 
-std::uint64_t fingerprint(const Setup& setup) {
-  Fingerprint print;
-  add_body(print, setup);
-  add_boundary(print, setup);
-  add_tools(print, setup);
-  print.add(setup.evaluator);
-  print.add(setup.loose_pieces);
-  print.add(setup.integrator);
-  print.add(setup.expandable);
-  print.add(setup.selective_mass);
-  for (double value : {setup.damping, setup.safety, setup.mass_scaling, setup.implicit_step,
-                       setup.spectral_radius, setup.ramp, setup.load_ramp, setup.sleep})
-    print.add(value);
-  return print.value();
-}
+std::uint64_t fingerprint(const Setup& setup) { return io::digest_of_fields(setup); }
 
 template <class Real>
 Checkpoint<Real> World<Real>::save() const {
   Checkpoint<Real> c;
   c.setup = fingerprint_;
   c.history = history_;
-  c.state = state();
-  c.held = held_;
-  c.grasps = tools_.grasp_states();
-  c.body_of = body_of_;
-  c.body_was_held.assign(body_was_held_.begin(), body_was_held_.end());
-  c.sleep = sleep_.state();
-  c.unravelling = unravelling_;
-  c.ratios = ratios_;
-  c.mass_degree = mass_degree_;
-  c.implicit_is_stale = implicit_is_stale_;
-  c.acceleration = acceleration_;
+  c.state = {body_.motion.u.view(), body_.motion.v.view(), time(), body_.motion.behind};
+  c.held = held();
+  c.tools = tools_.state();
+  c.pieces = pieces_.state();
+  c.sleep = body_.sleep.state();
+  c.unravelling = unravelling_.state();
+  c.ratios = limit_.ratios();
+  c.limit = limit_.kept();
+  c.mass_degree = body_.inertia.degree();
+  if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
   c.pending = pending_;
+  for (const auto& term : body_.terms) c.terms.push_back({term->name(), term->save()});
   return c;
 }
 
 template <class Real>
 void World<Real>::restore(const Checkpoint<Real>& c) {
   if (c.setup != fingerprint_) throw InputError("checkpoint", "is of another scene, mesh or version of them");
+  check(c.state);
   if (c.history != history_) {  // what was removed does not grow back
-    World fresh(initial_setup(), parallel_.threads());
-    for (const Edit& edit : c.history) fresh.repeat(edit);
+    World fresh(initial_setup(), body_.parallel.threads());
+    for (const Command& command : c.history) {
+      fresh.check_repeats(command);
+      fresh.repeat(command);
+    }
     fresh.check_fits(c);
+    fresh.body_.terms = std::move(body_.terms);
+    fresh.surface_ = std::move(surface_);
+    fresh.cut_observers_ = std::move(cut_observers_);
+    fresh.published_ = std::move(published_);
+    if (fresh.surface_) fresh.surface_->rebuild(fresh.elements().topology, fresh.elements().region_of);
+    fresh.body_.model.revisions = beyond(body_.model.revisions, fresh.body_.model.revisions);
     *this = std::move(fresh);
   }
   check_fits(c);
-  mass_degree_ = c.mass_degree;
-  selective_mass_.set_degree(c.unravelling.is_lumped ? 1 : c.mass_degree);
+  take(c);
+}
+
+// Terms that an application has added are its own, and must be there; what it keeps of one that is not in the checkpoint
+// stays.
+template <class Real>
+void World<Real>::load_terms(const Checkpoint<Real>& c) {
+  const AppliedForces<Real> none;
+  if (!body_.terms.empty()) applied().load(none.save(), 0);
+  for (const auto& kept : c.terms) {
+    if (kept.name == none.name()) applied();
+    const auto own = std::find_if(body_.terms.begin(), body_.terms.end(),
+                                  [&](const auto& term) { return term->name() == kept.name; });
+    if (own != body_.terms.end()) (*own)->load(kept.kept, elements().topology.vertex_count());
+  }
+}
+
+template <class Real>
+void World<Real>::take(const Checkpoint<Real>& c) {
+  body_.inertia.ask_for(c.mass_degree);
+  body_.inertia.use(c.unravelling.is_lumped ? 1 : c.mass_degree);
   set_state(c.state);
-  sleep_.set_state(c.sleep);
-  unravelling_ = c.unravelling;
-  held_ = c.held;
-  tools_.set_grasp_states(c.grasps);
-  body_of_ = c.body_of;
-  body_was_held_.assign(c.body_was_held.begin(), c.body_was_held.end());
+  body_.sleep.set_state(c.sleep);
+  unravelling_.set_state(c.unravelling);
+  body_.model.held = c.held;
+  tools_.set_state(c.tools);
+  pieces_.set_state(c.pieces);
   pending_ = c.pending;
-  for (Index v = 0; v < elements_.topology.vertex_count(); ++v) refresh_inverse_mass(v);
-  ratios_ = c.ratios;
-  acceleration_ = c.acceleration;
-  implicit_is_stale_ = c.implicit_is_stale;
+  load_terms(c);
+  for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.release(body_.model, v);
+  limit_.set_ratios(c.ratios);
+  limit_.set_kept(c.limit, body_);
+  if (implicit_) implicit_->set_acceleration(body_.model, c.acceleration);
 }
 
 // The mesh before all edits: no vertex has moved, and copies are what they were.
 template <class Real>
 Setup World<Real>::initial_setup() const {
-  const Topology& now = elements_.topology;
+  const Topology& now = elements().topology;
   Setup setup = setup_;
-  setup.mesh.points = elements_.points.view().leftCols(now.vertex_count() - now.copy_count());
+  setup.mesh.points = elements().points.view().leftCols(now.vertex_count() - now.copy_count());
   setup.mesh.tets = now.tets().unaryExpr([&](Index v) { return now.origin(v); });
-  setup.mesh.labels = elements_.labels;
+  setup.mesh.labels = elements().labels;
   setup.mesh.labels.resize(std::size_t(now.tet_count()), 0);
-  setup.material_of = elements_.material_of;
+  setup.material_of = elements().material_of;
   return setup;
 }
 
+// Whether a command of a history, which may have been made by nobody, can follow here.
 template <class Real>
-void World<Real>::repeat(const Edit& edit) {
-  check_tets(edit.tets);
-  for (const HeldVertices::Held& item : edit.held.all())
-    if (item.vertex >= elements_.topology.vertex_count())
-      throw InputError("checkpoint", "does not fit the scene that it says it is of");
-  if (edit.kind == Edit::Kind::removal) cut(edit.tets);
-  if (edit.kind == Edit::Kind::region) change_region(edit.tets, edit.model);
-  if (edit.kind == Edit::Kind::held) refresh_held(std::exchange(held_, edit.held));
-  const bool begins = edit.kind == Edit::Kind::begin_refresh, ends = edit.kind == Edit::Kind::end_refresh;
-  const bool fits = edit.about.empty() || edit.about.size() == std::size_t(3 * state_.u.count());
-  const bool has_region = precomputed_.tet_count() > 0 || ends;  // it may be cut away while it is condensed
-  if ((begins || ends) && (ends != precomputed_.is_refreshing() || !has_region || !fits))
-    throw InputError("checkpoint", "does not fit the scene that it says it is of");
-  if (begins) begin_refresh(edit.due, edit.about);
-  if (ends) end_refresh();
-  if (edit.kind == Edit::Kind::expand) expand();
-  if (edit.kind == Edit::Kind::condense) condense();
+void World<Real>::check_repeats(const Command& command) const {
+  const Index vertices = elements().topology.vertex_count();
+  const Regions<Real>& regions = body_.regions;
+  bool fits = !std::holds_alternative<Advance>(command) && !std::holds_alternative<Renew>(command) &&
+              !std::holds_alternative<SetMassDegree>(command);
+  if (const auto* hold = std::get_if<Hold>(&command))
+    for (const HeldVertices::Held& item : hold->held.all()) fits = fits && item.vertex < vertices;
+  if (const auto* begin = std::get_if<BeginRefresh>(&command))
+    fits = fits && !regions.is_refreshing() && regions.any_condensed() &&
+           (!begin->about || begin->about->size() == std::size_t(3 * vertices));
+  if (std::holds_alternative<EndRefresh>(command))  // the region may be cut away while it is condensed
+    fits = fits && regions.is_refreshing();
+  if (!fits) refuse();
+}
+
+// As it was done, without what followed from it: that is in the history, too.
+template <class Real>
+void World<Real>::repeat(const Command& command) {
+  if (const auto* removal = std::get_if<RemoveTets>(&command)) {
+    check_tets(removal->tets);
+    cut(removal->tets);
+  } else if (const auto* change = std::get_if<SetRegion>(&command)) {
+    check_tets(change->tets);
+    change_region(change->tets, change->model);
+  } else {
+    apply(command);
+  }
 }
 
 template <class Real>
 void World<Real>::check_fits(const Checkpoint<Real>& c) const {
-  const Index vertices = elements_.topology.vertex_count();
-  const auto tets = std::size_t(elements_.topology.tet_count());
-  const auto is_known = [&](Index body) { return body >= 0 && std::size_t(body) < c.body_was_held.size(); };
-  const std::vector<int> degrees = mass_degrees();
+  const Index vertices = elements().topology.vertex_count();
+  const auto tets = std::size_t(elements().topology.tet_count());
+  const std::vector<Index>& piece_of = c.pieces.piece_of;
+  const auto is_known = [&](Index piece) {
+    return piece >= 0 && std::size_t(piece) < c.pieces.was_held.size();
+  };
+  const auto is_holder = [&](int holder) {
+    return std::any_of(c.tools.grasps.begin(), c.tools.grasps.end(), [&](const Grasp& grasp) {
+      return grasp.id == holder && grasp.phase == Grasp::Phase::holding;
+    });
+  };
+  const std::vector<int> degrees = body_.inertia.degrees();
   bool fits =
       std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices &&
-      c.state.v.cols() == vertices && (c.body_of.empty() || c.body_of.size() == tets) &&
-      c.grasps.size() == setup_.grasps.size() && c.sleep.asleep.size() == sleep_.state().asleep.size() &&
+      c.state.v.cols() == vertices && (piece_of.empty() || piece_of.size() == tets) &&
+      Tools::fits(c.tools, vertices, setup_) && c.sleep.asleep.size() == body_.sleep.state().asleep.size() &&
       c.sleep.restless_till.size() == c.sleep.asleep.size() && c.ratios.own.size() == std::size_t(vertices) &&
-      (c.acceleration.size() == 0 ? c.implicit_is_stale : c.acceleration.cols() == vertices);
+      (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
   fits = fits && is_known(0);
-  for (Index body : c.body_of) fits = fits && is_known(body);
+  for (Index piece : piece_of) fits = fits && is_known(piece);
+  for (const auto& term : c.terms)
+    if (AppliedForces<Real> trial; term.name == trial.name()) trial.load(term.kept, vertices);
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
   for (const HeldVertices::Held& item : c.held.all())
-    fits = fits && item.vertex >= 0 && item.vertex < vertices && item.holder >= 0 &&
-           std::size_t(item.holder) <= setup_.grasps.size();
-  if (!fits) throw InputError("checkpoint", "does not fit the scene that it says it is of");
+    fits = fits && item.vertex >= 0 && item.vertex < vertices &&
+           (item.holder == HeldVertices::boundary || is_holder(item.holder));
+  if (!fits) refuse();
+}
+
+// ---- Files
+
+template <class Real>
+void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>& checkpoint) {
+  io::ByteWriter out;
+  io::put(out, checkpoint);
+  io::write_sealed(file, format<Real>, out.bytes());
 }
 
 template <class Real>
+Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view bytes) {
+  io::ByteReader in(name, io::unseal(name, bytes, format<Real>));
+  Checkpoint<Real> checkpoint;
+  io::get(in, checkpoint);
+  in.expect_end();
+  return checkpoint;
+}
+
+template <class Real>
+Checkpoint<Real> read_checkpoint(const std::filesystem::path& file) {
+  return parse_checkpoint<Real>(file.string(), io::read_file(file));
+}
+
+// ---- The last few
+
+template <class Real>
 void CheckpointRing<Real>::keep(const World<Real>& world) {
-  if (!kept_.empty() && world.time() < kept_.back().state.time + apart_) return;
+  if (most_ == 0 || (!kept_.empty() && world.time() < kept_.back().state.time + apart_)) return;
   if (kept_.size() == most_) kept_.pop_front();
   kept_.push_back(world.save());
 }
@@ -210,17 +212,21 @@ bool CheckpointRing<Real>::roll_back(World<Real>& world, double seconds) {
   return true;
 }
 
-template Setup World<float>::initial_setup() const;
-template Setup World<double>::initial_setup() const;
-template Checkpoint<float> World<float>::save() const;
-template Checkpoint<double> World<double>::save() const;
-template void World<float>::restore(const Checkpoint<float>&);
-template void World<double>::restore(const Checkpoint<double>&);
-template void World<float>::repeat(const Edit&);
-template void World<double>::repeat(const Edit&);
-template void World<float>::check_fits(const Checkpoint<float>&) const;
-template void World<double>::check_fits(const Checkpoint<double>&) const;
-template class CheckpointRing<float>;
-template class CheckpointRing<double>;
+#define LOBE_INSTANTIATE(Real)                                                           \
+  template Checkpoint<Real> World<Real>::save() const;                                   \
+  template void World<Real>::restore(const Checkpoint<Real>&);                           \
+  template Setup World<Real>::initial_setup() const;                                     \
+  template void World<Real>::check_fits(const Checkpoint<Real>&) const;                  \
+  template void World<Real>::check_repeats(const Command&) const;                        \
+  template void World<Real>::repeat(const Command&);                                     \
+  template void World<Real>::take(const Checkpoint<Real>&);                              \
+  template void World<Real>::load_terms(const Checkpoint<Real>&);                        \
+  template void write_checkpoint(const std::filesystem::path&, const Checkpoint<Real>&); \
+  template Checkpoint<Real> parse_checkpoint(const std::string&, std::string_view);      \
+  template Checkpoint<Real> read_checkpoint(const std::filesystem::path&);               \
+  template class CheckpointRing<Real>;
+LOBE_INSTANTIATE(float)
+LOBE_INSTANTIATE(double)
+#undef LOBE_INSTANTIATE
 
 }  // namespace lobe

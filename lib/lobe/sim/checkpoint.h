@@ -14,19 +14,29 @@ namespace lobe {
 template <class Real>
 struct Checkpoint {
   std::uint64_t setup = 0;  // fingerprint() of what the world was built from
-  std::vector<Edit> history;
   State<Real> state;
+  std::vector<Command> history;
   HeldVertices held;
-  std::vector<Tools::GraspState> grasps;
-  std::vector<Index> body_of;  // World's: which pieces were known; none: one
-  std::vector<std::uint8_t> body_was_held;
+  Tools::State tools;
+  Pieces::State pieces;
   Sleep::State sleep;
-  Unravelling unravelling;
+  Unravelling::State unravelling;
   FrequencyRatios ratios;
+  typename StepLimit<Real>::Kept limit;
   int mass_degree = 1;
-  bool implicit_is_stale = true;
-  Mat3X<double> acceleration;  // of implicit dynamics [m/s²], else empty
+  Mat3X<double> acceleration;  // of implicit dynamics [m/s²]; empty: to be taken from the forces
   std::vector<Condition> pending;
+  struct Term {
+    std::string name, kept;
+    static constexpr auto fields = std::tuple(&Term::name, &Term::kept);
+  };
+  std::vector<Term> terms;  // of forces, by their names
+
+  bool is_valid() const { return acceleration.allFinite(); }
+  static constexpr auto fields = std::tuple(
+      &Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held, &Checkpoint::tools,
+      &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit,
+      &Checkpoint::mass_degree, &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms);
 };
 
 // Of what decides how a world moves: mesh, materials, regions, loads, tools …

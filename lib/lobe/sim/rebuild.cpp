@@ -30,16 +30,16 @@ std::vector<std::array<Index, 3>> boundary(const Topology& topology, const std::
 // Linearised about what the other world's region is, and expanded if that is.
 template <class Real>
 void follow_mode(World<Real>& fresh, const World<Real>& world, const CompactMesh& c) {
-  if (const Mat3X<double>& about = world.linearised_about(); about.size() > 0) {
-    fresh.expand();
+  if (const Mat3X<double>& about = world.body().regions.linearised_about(); about.size() > 0) {
+    fresh.apply(Expand{});
     State<Real> state = fresh.state();
     state.u = about(Eigen::all, c.vertex_source).template cast<Real>();
     fresh.set_state(state);
     constexpr double moment = 1e-9;  // [s]
-    fresh.renew(moment);
-    while (fresh.is_renewing()) fresh.advance(moment);
+    fresh.apply(Renew{moment});
+    while (fresh.body().regions.is_refreshing()) fresh.advance(moment);
   }
-  world.is_expanded() ? fresh.expand() : fresh.condense();
+  world.body().regions.is_expanded() ? fresh.apply(Expand{}) : fresh.apply(Condense{});
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "lobe/types.h"
@@ -10,7 +12,7 @@
 namespace lobe {
 
 struct Condition {
-  enum class Kind {
+  enum class Kind : std::uint8_t {
     diverged,   // the state was restored and the world stands still: smaller load, more damping, a volume
                 // penalty
     too_stiff,  // a frame needs more steps than are taken: softer material, coarser mesh, or a static solution
@@ -19,12 +21,16 @@ struct Condition {
     pieces,          // a cut set pieces loose: as the scene's loose_pieces says
     everything_cut,  // no tetrahedron is left
     cache,           // a condensed region could not be read or kept, as the text says: nothing to do
-    unravelling  // tetrahedra that stay crushed become linear until they are back, or are non-linear again:
-                 // nothing to do, but for what the text says
+    unravelling,  // tetrahedra that stay crushed become linear until they are back, or are non-linear again:
+                  // nothing to do, but for what the text says
+    lumped,  // selective masses wait, or act again: while tetrahedra are crushed masses are lumped, and steps
+             // shorter; nothing to do
+    lost_force  // a force term acts on the interior of a precomputed region: as the text says
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy
   double time = 0;   // [s]
+  static constexpr auto fields = std::tuple(&Condition::kind, &Condition::time, &Condition::text);
 };
 const char* name(Condition::Kind kind);
 
@@ -45,11 +51,4 @@ struct Report {
   std::array<double, phase_count> seconds{};  // of wall time per phase
   std::vector<Condition> conditions;
 };
-
-struct Energies {  // [J]
-  double kinetic = 0, elastic_linear = 0, elastic_nonlinear = 0;
-  double loads = 0;  // −(gravity and dead loads) · u
-  double total() const { return kinetic + elastic_linear + elastic_nonlinear + loads; }
-};
-
 }  // namespace lobe

@@ -5,11 +5,9 @@
 #include <limits>
 #include <numeric>
 #include <type_traits>
-#include <utility>
 
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
-#include "lobe/numerics/supernodal_factor.h"
 #include "lobe/setup/check_setup.h"
 #include "lobe/sim/checkpoint.h"
 
@@ -25,333 +23,250 @@ double mean_edge(const Elements& elements) {
   return sum / (6.0 * elements.topology.tet_count());
 }
 
-// In which the slowest shear wave crosses the body 16 times [s]: so long a tangle may take to come undone by itself.
-double patience_with(const Elements& elements, double diagonal) {
-  double slowest = std::numeric_limits<double>::infinity();  // [m²/s²]
-  for (const Elastic& e : elements.materials) slowest = std::min(slowest, e.mu / e.density);
-  return 16 * diagonal / std::sqrt(slowest);
-}
-
 double diagonal(const Elements& elements) {  // of the bounding box [m]
   const auto points = elements.points.view();
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
+RegionEdit everything(const Topology& topology) {
+  RegionEdit edit;
+  edit.entered.resize(std::size_t(topology.tet_count()));
+  std::iota(edit.entered.begin(), edit.entered.end(), 0);
+  edit.vertices.resize(std::size_t(topology.vertex_count()));
+  std::iota(edit.vertices.begin(), edit.vertices.end(), 0);
+  return edit;
+}
+
 template <class Real>
-void check_precision(const Setup& setup) {
+const Setup& checked(const Setup& setup) {
+  check_setup(setup);
   if (setup.integrator == Integrator::generalised_alpha && !std::is_same_v<Real, double>)
     throw InputError("setup", "the implicit integrator needs double precision");
+  return setup;
 }
 
 }  // namespace
 
-const char* name(Condition::Kind kind) {
-  switch (kind) {
-    case Condition::Kind::diverged:
-      return "diverged";
-    case Condition::Kind::too_stiff:
-      return "too_stiff";
-    case Condition::Kind::sub_stepped:
-      return "sub_stepped";
-    case Condition::Kind::near_inversion:
-      return "near_inversion";
-    case Condition::Kind::pieces:
-      return "pieces";
-    case Condition::Kind::everything_cut:
-      return "everything_cut";
-    case Condition::Kind::cache:
-      return "cache";
-    case Condition::Kind::unravelling:
-      return "unravelling";
+template <class Real>
+World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
+    : setup_(checked<Real>(setup)),
+      fingerprint_(lobe::fingerprint(setup)),
+      body_(setup, threads, condensing),
+      limit_(mean_edge(elements())),
+      unravelling_(elements(), diagonal(elements())),
+      tools_(setup),
+      longest_move_(mean_edge(elements())) {
+  setup_.mesh = {};
+  setup_.material_of = {};
+  body_.sleep = Sleep(setup.sleep, setup.sleep / 8 * longest_move_ / diagonal(elements()));
+  refuse_unanchored(elements(), held());
+  follow(everything(elements().topology));
+  pieces_ = Pieces(body_.model);
+  if (setup.integrator == Integrator::generalised_alpha)
+    implicit_ = std::make_unique<ImplicitDynamics>(setup.spectral_radius);
+  if (body_.regions.can_be_expanded()) {
+    set_expanded(true);
+    limit_.measure_at_rest(body_);
+    set_expanded(false);
   }
-  return "";
+  limit_.measure_at_rest(body_);
+  if (setup.mass_scaling > 0) scale_masses(setup.mass_scaling);
 }
 
 template <class Real>
-World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
-    : setup_((check_setup(setup), check_precision<Real>(setup), setup)),
-      fingerprint_(fingerprint(setup)),
-      elements_(setup),
-      precomputed_(CondensedCache(setup.condensed_cache, condensing), make_supernodal),
-      nonlinear_(setup.evaluator),
-      expanded_(setup.evaluator),
-      loads_(elements_, setup.face_loads, setup.vertex_loads),
-      tools_(setup),
-      mass_degree_(setup.selective_mass),
-      parallel_(threads) {
-  setup_.mesh = {};
-  setup_.material_of = {};
-  const Index n = elements_.topology.vertex_count();
-  state_.u = state_.v = Columns(n);
-  longest_move_ = mean_edge(elements_);
-  const double size = diagonal(elements_);
-  sleep_ = Sleep(setup.sleep / 8 * longest_move_ / size);
-  patience_ = patience_with(elements_, size);
-  held_ = held_by(setup.prescribed);
-  RegionEdit everything;
-  everything.entered.resize(std::size_t(elements_.topology.tet_count()));
-  std::iota(everything.entered.begin(), everything.entered.end(), 0);
-  everything.vertices.resize(std::size_t(n));
-  std::iota(everything.vertices.begin(), everything.vertices.end(), 0);
-  refuse_unanchored(elements_, held_);
-  follow(everything);
-  find_bodies();
-  if (setup.integrator == Integrator::generalised_alpha)
-    implicit_ = std::make_unique<ImplicitStep>(setup.spectral_radius, make_ldlt);
-  if (setup.expandable && precomputed_.tet_count() > 0) {
-    set_expanded(true);
-    measure_degrees_at_rest();
-    set_expanded(false);
-  }
-  measure_degrees_at_rest();
-  if (setup.mass_scaling > 0) scale_masses();
+void World<Real>::scale_masses(double share) {
+  MassScaling& scaling = body_.inertia.scaling();
+  scaling.limit_before = time_step_limit();
+  std::vector<Index> all(mass().size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<double> squares;
+  for (Index v : all) squares.push_back(limit_.exact_square(body_, v));
+  const double total = std::accumulate(mass().begin(), mass().end(), 0.0);
+  body_.inertia.scale(squares, share);
+  refresh(all);
+  scaling.added = std::accumulate(mass().begin(), mass().end(), 0.0) - total;
+  scaling.share = scaling.added / total;
+  limit_.measure_at_rest(body_);
+  scaling.limit_after = time_step_limit();
 }
 
 // ---- Stepping
 
 template <class Real>
 bool World<Real>::step(double dt) {
+  tools_.begin_frame(time(), dt);
+  for (const auto& term : body_.terms) term->begin_frame(time(), dt);
   if (implicit_) return implicit_step(dt);
-  forces();
-  integrate(dt);
+  body_.find_forces();
+  move(dt);
   return true;
 }
 
+// By the forces that were found.
 template <class Real>
-void World<Real>::integrate(double dt) {
-  leave_out_held();
-  update_sleep();
-  const Fastest<Real> fastest = push(state_.behind + dt / 2, dt);
-  fastest_ = std::sqrt(double(fastest.all));
-  turned_ = std::sqrt(double(fastest.turned));
-  interior_ = Interior::stale;
-  state_.time += dt;
-  state_.behind = dt / 2;
-  ratios_.step();
-  move_held(dt);
-  if (!moving_.empty() || fastest_held_ > 0) known_ = Known::stale;
-  groups_.moved((fastest_ + fastest_held_) * dt, std::numeric_limits<Real>::epsilon());
+void World<Real>::move(double dt) {
+  Motion<Real>& motion = body_.motion;
+  feel(dt);
+  body_.leave_out_held();
+  body_.sleep.update(body_, [&](Index v) { return limit_.bounded_square(v); });
+  body_.push(motion.behind + dt / 2, dt);
+  motion.time += dt;
+  motion.behind = dt / 2;
+  limit_.count_step();
+  lead(dt);
+  if (!body_.inertia.moving().empty() || motion.speeds.led > 0) ++body_.model.revisions.displacements;
+  tools_.moved((motion.speeds.fastest + motion.speeds.led) * dt, std::numeric_limits<Real>::epsilon());
 }
 
-// Held components of who moves along the others stay where they are until move_held().
+// What grasps do to the vertices that they hold: whoever holds one bears the force on it.
 template <class Real>
-void World<Real>::leave_out_held() {
-  if (moving_is_stale_) find_moving();
-  for (const HeldVertices::Held& item : led_) {
-    if (held_.fixes(item.vertex)) continue;  // it is none that moves by itself
-    for (int i = 0; i < 3; ++i)
-      if (item.axes[i]) forces_(i, item.vertex) = state_.v(i, item.vertex) = 0;
+void World<Real>::feel(double dt) {
+  const Motion<Real>& motion = body_.motion;
+  for (const HeldVertices::Held& item : held().all()) {
+    if (item.holder == HeldVertices::boundary) continue;
+    const Vec3d x = elements().points.col(item.vertex) + motion.u.col(item.vertex).template cast<double>();
+    tools_.add_force(item.holder, -motion.forces.col(item.vertex).template cast<double>(), x, dt);
   }
 }
 
-// By the forces that were found last, which it leaves changed.
+// What is held moves as whoever holds it says.
 template <class Real>
-Fastest<Real> World<Real>::push(double kick, double dt) {
-  if (selective_mass_.degree() > 1) {
-    find_inertia();
-    selective_mass_.apply(led_, parallel_, forces_.padded());
-  }
-  return central_difference(forces_.padded(), moving_, Real(kick), Real(dt), Real(setup_.damping),
-                            state_.u.padded(), state_.v.padded(), turns_, parallel_);
-}
-
-// Brings velocities up to the time of the displacements, before an edit makes the forces jump: those from before it act
-// until then, those after it from then on.
-template <class Real>
-void World<Real>::catch_up() {
-  if (implicit_ || state_.behind == 0) return;
-  forces();
-  leave_out_held();
-  push(std::exchange(state_.behind, 0), 0);
-  interior_ = Interior::stale;
-}
-
-// What rests is put in its place here, and needs nothing from a step.
-template <class Real>
-void World<Real>::find_moving() {
-  moving_ = moving_vertices<Real>(inverse_mass_);
-  std::erase_if(moving_, [&](const MovingVertex<Real>& own) { return sleep_.is_asleep(own.vertex); });
-  led_.clear();
-  for (const HeldVertices::Held& item : held_.all()) {
-    if (item.holder != HeldVertices::boundary || item.start != item.goal || item.axes != all_axes) {
-      led_.push_back(item);
-      continue;
+void World<Real>::lead(double dt) {
+  Motion<Real>& motion = body_.motion;
+  double fastest = 0;
+  std::vector<Index> woken;
+  tools_.place(motion.time);
+  for (const HeldVertices::Held& item : body_.inertia.led()) {
+    const Vec3<Real> u = led_displacement(item, motion.time).template cast<Real>();
+    for (int i = 0; i < 3; ++i) {
+      if (!item.axes[i]) continue;
+      motion.v(i, item.vertex) = (u[i] - motion.u(i, item.vertex)) / Real(dt);
+      motion.u(i, item.vertex) = u[i];
     }
-    state_.u.col(item.vertex) = item.goal.template cast<Real>();
-    state_.v.col(item.vertex).setZero();
+    const double speed = double(motion.v.col(item.vertex).squaredNorm());
+    fastest = std::max(fastest, speed);
+    if (speed > 0 && body_.sleep.is_asleep(item.vertex)) woken.push_back(item.vertex);
   }
-  moving_is_stale_ = false;
-  arrangement_is_stale_ = true;
+  if (!woken.empty()) body_.sleep.wake(woken, body_);
+  motion.speeds.led = std::sqrt(fastest);
 }
 
 template <class Real>
-double World<Real>::missing_loads(double time) const {
-  return setup_.load_ramp > 0 ? std::max(0.0, 1 - time / setup_.load_ramp) : 0;
-}
-
-template <class Real>
-Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
-  put_loads();
-  if (!is_expanded_)
-    precomputed_.add_forces(state_.u.padded(), Real(missing_loads(state_.time)), forces_.padded(), parallel_);
-  add_internal_forces(state_.u.padded(), forces_.padded());
-  return std::as_const(forces_).view();
-}
-
-template <class Real>
-void World<Real>::add_internal_forces(const Mat3X<Real>& u, Mat3X<Real>& f) {
-  tensor_mass_.add_forces(u, f, parallel_);
-  nonlinear_.add_forces(u, f, parallel_);
-  if (is_expanded_) expanded_.add_forces(u, f, parallel_);
-}
-
-template <class Real>
-double World<Real>::ramp_at(double time) const {
-  return setup_.ramp > 0 ? std::clamp(time / setup_.ramp, 0.0, 1.0) : 1.0;
-}
-
-template <class Real>
-Vec3d World<Real>::held_displacement(const HeldVertices::Held& item, double time, double ramp) const {
-  if (item.holder != HeldVertices::boundary) return tools_.grasped(item, time);
+Vec3d World<Real>::led_displacement(const HeldVertices::Held& item, double time) const {
+  if (item.holder != HeldVertices::boundary)
+    return tools_.displacement(item, elements().points.col(item.vertex));
+  const double ramp = setup_.ramp > 0 ? std::clamp(time / setup_.ramp, 0.0, 1.0) : 1.0;
   return item.start + ramp * (item.goal - item.start);
 }
 
 template <class Real>
-void World<Real>::move_held(double dt) {
-  fastest_held_ = 0;
-  std::vector<Index> moved;
-  const double ramp = ramp_at(state_.time);
-  for (const HeldVertices::Held& item : led_) {
-    const Vec3<Real> u = held_displacement(item, state_.time, ramp).template cast<Real>();
-    for (int i = 0; i < 3; ++i) {
-      if (!item.axes[i]) continue;
-      state_.v(i, item.vertex) = (u[i] - state_.u(i, item.vertex)) / Real(dt);
-      state_.u(i, item.vertex) = u[i];
-    }
-    const double speed = double(state_.v.col(item.vertex).squaredNorm());
-    fastest_held_ = std::max(fastest_held_, speed);
-    if (speed > 0 && sleep_.is_asleep(item.vertex)) moved.push_back(item.vertex);
-  }
-  if (!moved.empty()) wake(moved);
-  fastest_held_ = std::sqrt(fastest_held_);
-}
-
-// The accelerations of generalised-α are taken from the forces after every edit.
-template <class Real>
 bool World<Real>::implicit_step(double dt) {
   if constexpr (std::is_same_v<Real, double>) {
-    if (implicit_is_stale_ || !implicit_->is_built_on(elements_)) implicit_->rebuild(elements_, held_);
-    if (implicit_is_stale_) {
-      acceleration_ = -setup_.damping * state_.v.view();
-      forces();
-      for (Index v = 0; v < forces_.count(); ++v) acceleration_.col(v) += inverse_mass_[v] * forces_.col(v);
-      implicit_is_stale_ = false;
-    }
-    const double load_time = state_.time + implicit_->load_time() * dt;
-    StepLoads loads{mass_, external_.view() - missing_loads(load_time) * dead_loads_.view(), state_.u.view(),
-                    setup_.damping};
-    const double ramp = ramp_at(state_.time + dt);
-    for (const HeldVertices::Held& item : held_.all()) {
-      const Vec3d u = held_displacement(item, state_.time + dt, ramp);
-      for (int i = 0; i < 3; ++i)
-        if (item.axes[i]) loads.given(i, item.vertex) = u[i];
-    }
-    Motion motion{state_.u.view(), state_.v.view(), acceleration_};
-    if (!implicit_->step(loads, dt, motion)) return false;
-    known_ = Known::stale;
-    groups_.moved((motion.u - state_.u.view()).colwise().norm().maxCoeff(),
-                  std::numeric_limits<double>::epsilon());
-    state_.u.view() = motion.u;
-    state_.v.view() = motion.v;
-    acceleration_ = motion.a;
-    state_.time += dt;
+    tools_.place(time() + dt);
+    const auto given = [&](const HeldVertices::Held& item, double time) {
+      return led_displacement(item, time);
+    };
+    if (!implicit_->step(body_, dt, given)) return false;
+    tools_.moved(body_.motion.speeds.fastest * dt, std::numeric_limits<double>::epsilon());
     return true;
   }
   return false;
 }
 
 template <class Real>
-void World<Real>::set_state(const State<Real>& state) {
-  if (state.u.cols() != state_.u.count() || state.v.cols() != state_.v.count())
-    throw InputError("state",
-                     "it must have one column per vertex of the world, " + std::to_string(state_.u.count()));
-  if (!state.u.allFinite() || !state.v.allFinite())
+void World<Real>::catch_up() {
+  if (!implicit_) body_.catch_up();
+}
+
+// ---- State
+
+template <class Real>
+StateView<Real> World<Real>::state() {
+  body_.recover(Regions<Real>::Interior::all);
+  const Motion<Real>& motion = body_.motion;
+  return {motion.u.view(), motion.v.view(), motion.time, motion.behind};
+}
+
+template <class Real>
+Eigen::Map<const Mat3X<Real>> World<Real>::displacements() {
+  body_.recover(Regions<Real>::Interior::displacements);
+  return std::as_const(body_.motion.u).view();
+}
+
+template <class Real>
+Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
+  body_.find_forces();
+  return std::as_const(body_.motion.forces).view();
+}
+
+template <class Real>
+void World<Real>::check(const State<Real>& state) {
+  if (!state.u.allFinite() || !state.v.allFinite() || !std::isfinite(state.time))
     throw InputError("state", "it holds values that are not finite");
   if (!(state.behind >= 0) || !std::isfinite(state.behind))
     throw InputError("state", "its velocities must be behind by 0 s or more");
-  state_.u.view() = state.u;
-  state_.v.view() = state.v;
-  state_.time = state.time;
-  state_.behind = state.behind;
-  implicit_is_stale_ = moving_is_stale_ = kept_is_stale_ = true;
-  interior_ = Interior::stale;
-  sleep_.wake_all(state.time);
-  ratios_.forget_all(at_rest().ratio);
-  unravelling_.stage = 0;
-  unravelling_.since = state.time;
-  known_ = Known::stale;
-  groups_.forget();
-}
-
-// ---- What can be asked
-
-template <class Real>
-StateView<Real> World<Real>::state() const {
-  if (interior_ != Interior::all && !is_expanded_)
-    precomputed_.recover(elements_, Real(missing_loads(state_.time)), state_.u.padded(), &state_.v.padded());
-  interior_ = Interior::all;
-  const Moving& moving = state_;
-  return {moving.u.view(), moving.v.view(), moving.time, moving.behind};
 }
 
 template <class Real>
-Eigen::Map<const Mat3X<Real>> World<Real>::displacements() const {
-  if (interior_ == Interior::stale && !is_expanded_) {
-    precomputed_.recover(elements_, Real(missing_loads(state_.time)), state_.u.padded(), nullptr);
-    interior_ = Interior::displacements;
-  }
-  return std::as_const(state_).u.view();
+void World<Real>::set_state(const State<Real>& state) {
+  check(state);
+  if (state.u.cols() != body_.motion.u.count() || state.v.cols() != body_.motion.v.count())
+    throw InputError("state", "it must have one column per vertex of the world, " +
+                                  std::to_string(body_.motion.u.count()));
+  Motion<Real>& motion = body_.motion;
+  motion.u.view() = state.u;
+  motion.v.view() = state.v;
+  motion.time = state.time;
+  motion.behind = implicit_ ? 0 : state.behind;
+  body_.state_was_given();
+  body_.sleep.wake_all(state.time);
+  limit_.restart(body_);
+  unravelling_.restart(state.time);
+  tools_.state_was_given();
 }
 
 template <class Real>
-Vec3d World<Real>::reaction(int holder) {
-  forces();
-  state();
-  Vec3d sum = Vec3d::Zero();
-  for (const HeldVertices::Held& item : held_.all()) {
-    if (item.holder != holder) continue;
-    const Vec3d inside =
-        is_expanded_ ? Vec3d::Zero() : precomputed_.force_on_fixed(elements_, state_.u.padded(), item.vertex);
-    for (int i = 0; i < 3; ++i)
-      if (item.axes[i]) sum[i] -= double(forces_(i, item.vertex)) + inside[i];
-  }
-  return sum;
-}
-
-template <class Real>
-Energies World<Real>::energies() {
-  state();
-  Energies e;
-  e.kinetic = kinetic_energy();
-  for (Index v = 0; v < elements_.topology.vertex_count(); ++v)
-    e.loads -= external_.col(v).template cast<double>().dot(state_.u.col(v).template cast<double>());
-  e.elastic_linear = tensor_mass_.energy(state_.u.padded());
-  e.elastic_nonlinear = nonlinear_.energy(state_.u.padded());
-  if (is_expanded_) {
-    e.elastic_nonlinear += expanded_.energy(state_.u.padded());
-  } else {
-    const auto precomputed = precomputed_.energy(elements_, state_.u.padded());
-    e.loads += precomputed.loads;
-    e.elastic_linear += precomputed.elastic;
-  }
-  return e;
-}
-
-template <class Real>
-std::vector<Tools::Pose> World<Real>::tool_poses() const {
-  return tools_.poses(state_.time, held_, [&](Index v) -> Vec3d {
-    return elements_.points.col(v) + state().u.col(v).template cast<double>();
+std::vector<Tools::Pose> World<Real>::tool_poses() {
+  const auto u = displacements();
+  return tools_.poses(time(), held(), [&](Index v) -> Vec3d {
+    return elements().points.col(v) + u.col(v).template cast<double>();
   });
+}
+
+// ---- For others to look at
+
+template <class Real>
+const Surface& World<Real>::surface() {
+  if (!surface_) surface_ = std::make_unique<Surface>(elements().topology, elements().region_of);
+  return *surface_;
+}
+
+template <class Real>
+void World<Real>::publish(const Report& report) {
+  surface();
+  const StateView<Real> now = state();
+  ++published_->frames;
+  Snapshot<Real>* snapshot = published_->buffer.writable();
+  if (!snapshot) return;
+  snapshot->time = now.time;
+  snapshot->frame = published_->frames;
+  snapshot->u = now.u;
+  snapshot->v = now.v;
+  published_->surfaces.copy(*surface_, elements().points.view(), now.u, snapshot->surface);
+  snapshot->tools.clear();
+  for (const Tools::Pose& pose : tool_poses())
+    snapshot->tools.push_back({pose.name, pose.type == ToolType::grasp ? "grasp" : "cautery", pose.position,
+                               Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque});
+  snapshot->figures = {report.ok,
+                       report.steps,
+                       report.reruns,
+                       report.time_step,
+                       std::accumulate(report.seconds.begin(), report.seconds.end(), 0.0),
+                       elements().topology.alive_count(),
+                       report.tets_removed,
+                       {}};
+  for (const Condition& condition : report.conditions) snapshot->figures.conditions.push_back(condition.text);
+  published_->buffer.publish();
 }
 
 template class World<float>;

@@ -43,6 +43,11 @@ Condition too_stiff(double limit, double time) {
           time};
 }
 
+Condition sub_stepped(int tries, int steps, double time) {
+  return {Condition::Kind::sub_stepped,
+          "it took " + std::to_string(tries) + " tries and " + std::to_string(steps) + " steps", time};
+}
+
 Condition diverged(double step, const std::string& fastest, double time) {
   return {
       Condition::Kind::diverged,
@@ -53,8 +58,8 @@ Condition diverged(double step, const std::string& fastest, double time) {
 }
 
 // What is led may be led beyond the numbers, which no force notices where nothing that moves by itself is near.
-template <class State>
-bool led_are_finite(const HeldVertices& held, const State& state) {
+template <class Real>
+bool led_are_finite(const HeldVertices& held, const StateColumns<Real>& state) {
   return std::all_of(held.all().begin(), held.all().end(), [&](const HeldVertices::Held& item) {
     return state.u.col(item.vertex).allFinite() && state.v.col(item.vertex).allFinite();
   });
@@ -62,13 +67,12 @@ bool led_are_finite(const HeldVertices& held, const State& state) {
 
 }  // namespace
 
-// False as soon as a vertex is not a number or moves further than an edge in one step; in a first try already where one
-// swings to and fro, ever faster, by more than a fiftieth of that: a state of high frequency in its own right looks the
-// same, and is left alone in the second try.
+// False as soon as a step is in trouble.
 template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
-  frame_begins_ = true;
-  std::fill(turns_.begin(), turns_.end(), 0);
+  body_.sleep.begin_frame();
+  tools_.begin_forces();
+  std::fill(body_.motion.turns.begin(), body_.motion.turns.end(), 0);
   for (int i = 0; i < steps; ++i) {
     if (implicit_) {
       const Timed timed(report, Phase::integration);
@@ -78,15 +82,25 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
     }
     {
       const Timed timed(report, Phase::forces);
-      forces();
+      body_.find_forces();
     }
     const Timed timed(report, Phase::integration);
-    integrate(dt);
+    move(dt);
     ++report.steps;
-    if (!(fastest_ * dt < longest_move_)) return false;
-    if (first_try && turned_ * dt > 0.02 * longest_move_) return false;
+    if (is_in_trouble(dt, first_try)) return false;
   }
-  return led_are_finite(held_, state_);
+  tools_.end_forces(steps * dt);
+  return led_are_finite(held(), body_.motion);
+}
+
+// A vertex is not a number or moved further than an edge in one step; in a first try also where one swings to and fro, ever
+// faster, by more than a fiftieth of that: a state of high frequency in its own right looks the same, and is left alone in
+// the second try.
+template <class Real>
+bool World<Real>::is_in_trouble(double dt, bool first_try) const {
+  const Speeds& speeds = body_.motion.speeds;
+  if (!(speeds.fastest * dt < longest_move_)) return true;
+  return first_try && speeds.turned * dt > 0.02 * longest_move_;
 }
 
 // The vertex that is fastest or not a number, for messages.
@@ -94,9 +108,10 @@ template <class Real>
 std::string World<Real>::culprit() const {
   Index worst = -1;
   double fastest = -1;
-  for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
-    if (elements_.topology.around(v).empty()) continue;
-    const double speed = double(state_.v.col(v).norm());
+  const Topology& topology = elements().topology;
+  for (Index v = 0; v < topology.vertex_count(); ++v) {
+    if (topology.around(v).empty()) continue;
+    const double speed = double(body_.motion.v.col(v).norm());
     if (speed <= fastest) continue;
     worst = v;
     fastest = speed;
@@ -104,7 +119,7 @@ std::string World<Real>::culprit() const {
   }
   if (worst < 0) return "";
   return "vertex " + std::to_string(worst) + " of tetrahedron " +
-         std::to_string(elements_.topology.around(worst).front()) + " was the fastest; ";
+         std::to_string(topology.around(worst).front()) + " was the fastest; ";
 }
 
 template <class Real>
@@ -112,41 +127,45 @@ Report World<Real>::advance(double duration) {
   if (!(duration > 0) || !std::isfinite(duration))
     throw InputError("advance", "the duration must be above 0 s and finite, not " + std::to_string(duration));
   Report report;
-  const PatchCount before = patch_count();
-  const double end = state_.time + duration, shortest = 1e-9 * duration;
-  while (report.ok && state_.time < end - shortest) {
-    const double next = tools_.next_grasp_change(state_.time + shortest);
+  const PatchCount before = body_.regions.patch_count();
+  const double end = time() + duration, shortest = 1e-9 * duration;
+  tools_.begin_frame(time(), duration);
+  for (const auto& term : body_.terms) term->begin_frame(time(), duration);
+  while (report.ok && time() < end - shortest) {
+    const double next = tools_.next_grasp_change(time() + shortest);
     advance_to(next < end - shortest ? next : end, report);
   }
-  report.patches_evaluated = patch_count().evaluated - before.evaluated;
-  report.patches_skipped = patch_count().skipped - before.skipped;
+  const PatchCount after = body_.regions.patch_count();
+  report.patches_evaluated = after.evaluated - before.evaluated;
+  report.patches_skipped = after.skipped - before.skipped;
   return report;
 }
 
-// Tools, cuts, and the time step limit that follows from them.
+// Edits, tools and cuts, and the time step limit that follows from them.
 template <class Real>
 void World<Real>::prepare_frame(double duration, Report& report) {
   refresh_condensed();
-  {
+  if (!implicit_ && limit_.is_due(body_)) {
     const Timed timed(report, Phase::time_step);
-    if (known_ != Known::anew) find_frequencies();
-    measure_again();
+    limit_.find_anew(body_);
+    limit_.measure_again(body_);
+    limit_.keep(body_);
+    unravel();
   }
-  unravel();
   play_tools(duration, report);
   {
     const Timed timed(report, Phase::time_step);
-    report.time_step_limit = time_step_limit();
-    report.limiting_vertex = limiting_vertex_;
+    report.time_step_limit = limit_.for_frame(body_);
+    report.limiting_vertex = limit_.limiting_vertex();
   }
-  report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, volume_ratio_);
-  if (volume_ratio_ < 0.05)
-    report.conditions.push_back(near_inversion(volume_ratio_, volume_ratio_tet_, state_.time));
+  const double ratio = limit_.volume_ratio();
+  report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, ratio);
+  if (ratio < 0.05) report.conditions.push_back(near_inversion(ratio, limit_.volume_ratio_tet(), time()));
 }
 
 template <class Real>
 void World<Real>::advance_to(double end, Report& report) {
-  const double duration = end - state_.time;
+  const double duration = end - time();
   prepare_frame(duration, report);
   constexpr int most_steps = 1 << 20, most_tries = 9;
   const double longest = !implicit_                 ? setup_.safety * report.time_step_limit
@@ -155,12 +174,12 @@ void World<Real>::advance_to(double end, Report& report) {
   const double wanted = std::ceil(duration / longest * (1 - 1e-12));
   if (!(wanted <= most_steps)) {
     report.ok = false;
-    report.conditions.push_back(too_stiff(report.time_step_limit, state_.time));
+    report.conditions.push_back(too_stiff(report.time_step_limit, time()));
     return;
   }
   int steps = std::max(1, static_cast<int>(wanted));
-  const auto start = state_;
-  const Sleep::State sleep_at_start = sleep_.state();
+  const StateColumns<Real> start = body_.motion;
+  const Sleep::State sleep_at_start = body_.sleep.state();
   double step = 0;
   std::string fastest;
   for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt) {
@@ -169,47 +188,76 @@ void World<Real>::advance_to(double end, Report& report) {
     double limit_after = std::numeric_limits<double>::infinity();
     if (done && !implicit_) {
       const Timed timed(report, Phase::time_step);
-      limit_after = time_step_limit();
+      limit_after = limit_.at_end(body_);
     }
     // What has stiffened beyond the step that was taken may have begun to swing.
     if (done && (step <= limit_after || attempt == most_tries - 1)) {
-      state_.time = end;
+      body_.motion.time = end;
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
-      if (attempt > 0)
-        report.conditions.push_back(
-            {Condition::Kind::sub_stepped,
-             "it took " + std::to_string(attempt + 1) + " tries and " + std::to_string(steps) + " steps",
-             start.time});
+      if (attempt > 0) report.conditions.push_back(sub_stepped(attempt + 1, steps, start.time));
       return;
     }
     fastest = culprit();
-    state_ = start;
-    sleep_.set_state(sleep_at_start);
-    implicit_is_stale_ = kept_is_stale_ = moving_is_stale_ = true;
-    interior_ = Interior::stale;
-    known_ = Known::stale;
-    groups_.forget();
+    go_back(start, sleep_at_start);
     ++report.reruns;
     const double wanted_now = duration / (setup_.safety * limit_after);
     steps = std::max(2 * steps, static_cast<int>(std::min<double>(wanted_now, most_steps)));
   }
   report.ok = false;
   report.time_step = step;
-  report.conditions.push_back(diverged(step, fastest, state_.time));
+  report.conditions.push_back(diverged(step, fastest, time()));
+}
+
+template <class Real>
+void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& sleep) {
+  static_cast<StateColumns<Real>&>(body_.motion) = state;
+  body_.sleep.set_state(sleep);
+  body_.state_was_given();
+  tools_.state_was_given();
+}
+
+// The result of a refresh is taken when it is due, on a slow machine by waiting for it, so that a run is the same to the bit
+// on every one.
+template <class Real>
+void World<Real>::refresh_condensed() {
+  constexpr double delay = 1;  // [s]
+  if (body_.regions.is_refreshing() && time() >= body_.regions.refresh_due())
+    perform(EndRefresh{});
+  else if (body_.regions.wants_refresh())
+    perform(BeginRefresh{time() + delay});
+}
+
+// Tetrahedra that stay crushed, as the limit has found them.
+template <class Real>
+void World<Real>::unravel() {
+  if (elements().guard_below == 0) return;
+  const bool was_lumped = unravelling_.is_lumped();
+  unravelling_.lump(body_, limit_.volume_ratio());
+  if (unravelling_.is_lumped() != was_lumped)
+    notice(Condition::Kind::lumped, was_lumped
+                                        ? "nothing is crushed any more: masses are selective again"
+                                        : "tetrahedra are crushed: masses are lumped until they are not");
+  use_mass_degree(unravelling_.is_lumped() ? 1 : body_.inertia.degree());
+  const auto was_held = [&](Index tet) { return pieces_.was_held(tet); };
+  const auto remedy = unravelling_.look(body_, limit_.volume_ratio(), was_held);
+  if (!remedy) return;
+  notice(Condition::Kind::unravelling, remedy->why);
+  change_region(remedy->tets, remedy->model);
 }
 
 template <class Real>
 void World<Real>::play_tools(double duration, Report& report) {
   const Timed timed(report, Phase::cutting);
   const auto displacement = [&](Index v) -> Vec3d { return state().u.col(v).template cast<double>(); };
-  const auto exists = [&](Index v) { return !elements_.topology.around(v).empty(); };
-  HeldVertices held = held_;
-  if (tools_.update_grasps(state_.time, held, displacement, exists)) {
+  const auto position = [&](Index v) -> Vec3d { return elements().points.col(v) + displacement(v); };
+  const auto exists = [&](Index v) { return !elements().topology.around(v).empty(); };
+  HeldVertices now = held();
+  if (tools_.update_grasps(time(), now, displacement, position, exists)) {
     catch_up();
-    refresh_held(std::exchange(held_, held));
-    report.tets_removed += treat_loose_pieces(elements_.topology.pieces());
+    perform(Hold{now});
+    report.tets_removed += treat_loose(pieces_.loosened(body_.model));
   }
-  for (const Sweep& sweep : tools_.sweeps(state_.time, state_.time + duration))
+  for (const Sweep& sweep : tools_.sweeps(time(), time() + duration))
     report.tets_removed += remove_tets(touched(sweep));
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
@@ -217,11 +265,11 @@ void World<Real>::play_tools(double duration, Report& report) {
 
 template <class Real>
 std::vector<Index> World<Real>::touched(const Sweep& sweep) {
-  if (precomputed_.tet_count() > 0) {  // its interior moves as it likes
-    groups_.forget();
+  if (body_.regions.any_condensed()) {  // its interior moves as it likes
+    tools_.state_was_given();
     state();
   }
-  return groups_.touched(elements_.topology, elements_.points.padded(), state_.u.padded(), sweep);
+  return tools_.touched(elements().topology, elements().points.padded(), body_.motion.u.padded(), sweep);
 }
 
 template class World<float>;

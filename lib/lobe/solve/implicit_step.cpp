@@ -9,35 +9,35 @@ namespace lobe {
 // One step as a minimum over u⁺: inertia is affine in u⁺, and f(u_α) is minus the gradient of W(u_α)/(1 − α_f).
 class ImplicitStep::Problem : public NewtonProblem {
  public:
-  Problem(ImplicitStep& owner, const StepLoads& loads, double dt, const Motion& from)
+  Problem(ImplicitStep& owner, const StepLoads& loads, double dt, const DynamicState& from)
       : o_(owner), loads_(loads), dt_(dt), from_(from), inertia_at_start_(inertia(end(from.u))) {}
 
-  Motion end(const Mat3X<double>& u) const;
+  DynamicState end(const Mat3X<double>& u) const;
   NewtonPoint at(const Mat3X<double>& u) const override;
   bool direction(const NewtonPoint& at, Mat3X<double>& direction) override;
   NewtonPoint start() const;
 
  private:
   Mat3X<double> alpha(const Mat3X<double>& u) const { return (1 - o_.alpha_f_) * u + o_.alpha_f_ * from_.u; }
-  Mat3X<double> inertia(const Motion& end) const;
+  Mat3X<double> inertia(const DynamicState& end) const;
 
   ImplicitStep& o_;
   const StepLoads& loads_;
   double dt_;
-  const Motion& from_;
+  const DynamicState& from_;
   Mat3X<double> inertia_at_start_;  // for u⁺ = u
 };
 
-Motion ImplicitStep::Problem::end(const Mat3X<double>& u) const {
+DynamicState ImplicitStep::Problem::end(const Mat3X<double>& u) const {
   const double beta = o_.beta(), gamma = o_.gamma();
-  Motion end;
+  DynamicState end;
   end.u = u;
   end.a = ((u - from_.u) / dt_ - from_.v) / (beta * dt_) - (0.5 / beta - 1) * from_.a;
   end.v = from_.v + dt_ * ((1 - gamma) * from_.a + gamma * end.a);
   return end;
 }
 
-Mat3X<double> ImplicitStep::Problem::inertia(const Motion& end) const {
+Mat3X<double> ImplicitStep::Problem::inertia(const DynamicState& end) const {
   Mat3X<double> f = (1 - o_.alpha_m_) * end.a + o_.alpha_m_ * from_.a;
   f += loads_.damping * ((1 - o_.alpha_f_) * end.v + o_.alpha_f_ * from_.v);
   for (Eigen::Index v = 0; v < f.cols(); ++v) f.col(v) *= loads_.mass[std::size_t(v)];
@@ -92,13 +92,13 @@ void ImplicitStep::rebuild(const Elements& elements, const HeldVertices& held) {
   factor_ = tangent_->make_factor(make_factor_);
 }
 
-bool ImplicitStep::step(const StepLoads& loads, double dt, Motion& motion) {
+bool ImplicitStep::step(const StepLoads& loads, double dt, DynamicState& motion) {
   constexpr double tolerance = 1e-10;
   constexpr int most_iterations = 30;
   Problem problem(*this, loads, dt, motion);
   NewtonPoint point = problem.start();
   if (!minimise(problem, point, tolerance, most_iterations).converged) return false;
-  Motion end = problem.end(point.u);
+  DynamicState end = problem.end(point.u);
   for (Eigen::Index i = 0; i < end.u.size(); ++i) {
     if (unknowns_->number.data()[i] >= 0) continue;
     end.v.data()[i] = (end.u.data()[i] - motion.u.data()[i]) / dt;

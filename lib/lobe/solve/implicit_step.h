@@ -15,7 +15,7 @@
 
 namespace lobe {
 
-struct Motion {
+struct DynamicState {
   Mat3X<double> u, v, a;  // 3 × #vertices [m], [m/s], [m/s²]
 };
 
@@ -42,7 +42,7 @@ class ImplicitStep {
   double load_time() const { return 1 - alpha_f_; }  // t_α = t + load_time() Δt
 
   // False if Newton's method did not converge: the motion is then unchanged, and a smaller step may do.
-  bool step(const StepLoads& loads, double dt, Motion& motion);
+  bool step(const StepLoads& loads, double dt, DynamicState& motion);
 
  private:
   class Problem;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include "lobe/types.h"
@@ -20,6 +21,14 @@ struct FrequencyRatios {
   std::vector<float> own;  // per vertex, up to most
   double limit = 0;        // of the time step, when it was measured [s]
   int steps = 0;           // since then, up to most_steps
+
+  bool is_valid() const {
+    return most > 0 && std::isfinite(most) && limit >= 0 && steps >= 0 && steps <= most_steps &&
+           std::all_of(own.begin(), own.end(),
+                       [&](float one) { return one > 0 && one <= static_cast<float>(most); });
+  }
+  static constexpr auto fields = std::tuple(&FrequencyRatios::most, &FrequencyRatios::own,
+                                            &FrequencyRatios::limit, &FrequencyRatios::steps);
 
   // Whether what the change may cost or gain in so many steps is twice what it takes to measure.
   bool is_worth_measuring(double limit_now) const {

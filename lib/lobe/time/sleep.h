@@ -1,76 +1,105 @@
 // Who sleeps: the vertices of patches at rest, held where they are until somebody pulls at them (theory, section 8).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <tuple>
 #include <vector>
 
 #include "lobe/types.h"
 
 namespace lobe {
 
+template <class Real>
+struct Dynamics;
+
 class Sleep {
  public:
-  static constexpr double calm_time = 0.1;  // who has been still for so long may sleep [s]
+  static constexpr double calm_time = 0.1;      // who has been still for so long may sleep [s]
+  using Square = std::function<double(Index)>;  // ω_v² of a vertex, or a bound of it [1/s²]
 
   // What is to be kept and given back; empty where nobody ever sleeps.
   struct State {
     std::vector<std::uint8_t> asleep;   // per vertex
     std::vector<double> restless_till;  // per vertex [s]
+
+    bool is_valid() const {
+      return std::all_of(asleep.begin(), asleep.end(), [](auto one) { return one <= 1; }) &&
+             std::all_of(restless_till.begin(), restless_till.end(),
+                         [](double t) { return std::isfinite(t); });
+    }
+    static constexpr auto fields = std::tuple(&State::asleep, &State::restless_till);
   };
 
   Sleep() = default;
-  // `move`: as far as a vertex that moves alone may be from its equilibrium [m]; 0: nobody sleeps.
-  explicit Sleep(double move) : move_(move) {}
+  // `tolerance`: by how much displacements may differ where parts sleep [m]; 0: nobody sleeps. `move`: as far as a vertex
+  // that moves alone may be from its equilibrium then [m].
+  Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / calm_time) {}
 
   bool is_on() const { return move_ > 0; }
-  double move() const { return move_; }
   bool any() const { return count_ > 0; }
   Index count() const { return count_; }
   bool is_asleep(Index v) const { return any() && state_.asleep[v] != 0; }
-  bool rests(Index v, double time) const {
-    return state_.asleep[v] != 0 || time - state_.restless_till[v] >= calm_time;
-  }
+  std::uint64_t revision() const { return revision_; }  // grows where somebody falls asleep or wakes
 
   void extend(Index vertices, double time) {  // new ones are awake
     if (!is_on()) return;
     state_.asleep.resize(std::size_t(vertices), 0);
     state_.restless_till.resize(std::size_t(vertices), time);
   }
-  void stir(Index v, double time) { state_.restless_till[v] = time; }
-  void put_to_sleep(Index v) {
-    count_ += 1 - state_.asleep[v];
-    state_.asleep[v] = 1;
-  }
-  void wake(Index v, double time) {
-    if (!is_asleep(v)) return;
-    --count_;
-    state_.asleep[v] = 0;
-    stir(v, time);
-  }
-  void wake_all(double time) {
-    count_ = 0;
-    state_.asleep.assign(state_.asleep.size(), 0);
-    state_.restless_till.assign(state_.asleep.size(), time);
-  }
+  // And all patches around these vertices.
+  template <class Real>
+  void wake(const std::vector<Index>& vertices, Dynamics<Real>& body);
+  void wake_all(double time);
 
   const State& state() const { return state_; }
-  void set_state(const State& state) {
-    state_ = state;
-    count_ = 0;
-    for (std::uint8_t asleep : state_.asleep) count_ += asleep;
-  }
+  void set_state(const State& state);
 
-  // What a step reads while somebody sleeps:
+  // At a frame's start: who has been still may fall asleep in the next step.
+  void begin_frame() { frame_begins_ = true; }
+  // Between the forces of a step and its motion: what is kept belongs to the displacements that there are now.
+  template <class Real>
+  void update(Dynamics<Real>& body, const Square& square);
+  // The vertices whose forces may change, where the others keep theirs; null: all. Before forces are found.
+  template <class Real>
+  const std::vector<Index>* begin_forces(Dynamics<Real>& body);
+
+ private:
   struct Watched {  // asleep beside who is awake
     Index vertex = 0;
     double most = 0;  // a larger force wakes it [N]
   };
-  std::vector<Index> wanted;  // vertices whose forces may change
-  std::vector<Watched> watched;
 
- private:
-  double move_ = 0;  // [m]
+  template <class Real>
+  void fall_asleep(Dynamics<Real>& body, const Square& square);
+  template <class Real>
+  bool is_still(Index vertex, const Dynamics<Real>& body, double square) const;
+  template <class Real>
+  void wake_pulled(Dynamics<Real>& body);
+  template <class Real>
+  bool forces_are_kept(const Dynamics<Real>& body) const;
+  template <class Real>
+  void keep_forces(Dynamics<Real>& body, const Square& square);
+  template <class Real>
+  std::vector<std::uint8_t> find_wanted(Dynamics<Real>& body);
+
+  double move_ = 0;           // [m]
+  double slowest_drift_ = 0;  // [m/s]
   State state_;
   Index count_ = 0;
+  std::uint64_t revision_ = 0;
+  bool frame_begins_ = false;
+
+  // What a step reads while somebody sleeps, and the revisions that it was found at:
+  std::vector<Index> wanted_;
+  std::vector<Watched> watched_;
+  struct KeptAt {
+    std::uint64_t structure = 0, given = 0, sums = 0, sleepers = 0;
+    bool operator==(const KeptAt&) const = default;
+  } kept_at_{.structure = ~std::uint64_t(0)};
+  template <class Real>
+  KeptAt now(const Dynamics<Real>& body) const;
 };
 
 }  // namespace lobe

@@ -1,26 +1,121 @@
-// A tangle that is made linear until it comes undone (theory, section 8). Part of a checkpoint.
+// Tangles: tetrahedra that stay crushed or inverted though nobody holds them there. They are made linear until they come
+// undone (theory, section 8).
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "lobe/types.h"
+#include "lobe/time/dynamics.h"
 
 namespace lobe {
 
-struct Unravelling {
+class Unravelling {
+ public:
   // Tetrahedra that become linear with the tangle, at each stage: so many rings of neighbours around what it has come
   // to; at the last all that hangs together with it.
   static constexpr std::array<int, 4> rings{1, 2, 4, std::numeric_limits<int>::max()};
   static constexpr int stages = static_cast<int>(rings.size());
 
-  std::vector<Index> tets;  // tensor-mass for now, sorted; none: nothing is being unravelled
-  int stage = 0;     // stages that were tried since the body was last held or set by somebody, up to `stages`
-  double since = 0;  // when the present stage, or the tangle, began [s]
-  bool is_lumped = false;  // selective masses wait until nothing is crushed
+  struct State {              // part of a checkpoint
+    std::vector<Index> tets;  // tensor-mass for now, sorted; none: nothing is being unravelled
+    int stage = 0;  // stages that were tried since the body was last held or set by somebody, up to `stages`
+    double since = 0;        // when the present stage, or the tangle, began [s]
+    bool is_lumped = false;  // selective masses wait until nothing is crushed
 
-  bool is_on() const { return !tets.empty(); }
+    bool is_valid() const { return stage >= 0 && stage <= stages && std::isfinite(since); }
+    static constexpr auto fields = std::tuple(&State::tets, &State::stage, &State::since, &State::is_lumped);
+  };
+
+  Unravelling() = default;
+  // A tangle may take as long to come undone by itself as the slowest shear wave takes to cross the body 16 times.
+  explicit Unravelling(const Elements& elements, double diagonal);  // of the bounding box [m]
+
+  bool is_on() const { return !state_.tets.empty(); }
+  bool is_lumped() const { return state_.is_lumped; }
+  const State& state() const { return state_; }
+  void set_state(const State& state) { state_ = state; }
+  void restart(double time) {  // somebody holds the body, or has set its state
+    state_.stage = 0;
+    state_.since = time;
+  }
+  // Tetrahedra, sorted, that somebody gives a model: they are not changed back.
+  void leave_alone(const std::vector<Index>& tets);
+
+  // At a frame's start, from the smallest volume ratio. Selective masses wait while tetrahedra are crushed: the way out of
+  // a tangle is by short waves, which they hold back; long ones fold the body meanwhile.
+  template <class Real>
+  void lump(const Dynamics<Real>& body, double volume_ratio);
+
+  struct Remedy {
+    RegionModel model = RegionModel::nonlinear;
+    std::vector<Index> tets;  // to be given that model
+    std::string why;
+  };
+  // What is to be done then, if anything. was_held(tet): whether something held its piece when that came to be.
+  template <class Real, class WasHeld>
+  std::optional<Remedy> look(const Dynamics<Real>& body, double volume_ratio, WasHeld&& was_held);
+
+ private:
+  template <class Real, class WasHeld>
+  std::vector<Index> tangled(const Dynamics<Real>& body, double volume_ratio, WasHeld&& was_held) const;
+  template <class Real>
+  bool have_come_back(const Dynamics<Real>& body) const;
+  std::optional<Remedy> make_linear_around(const Elements& elements, double time, std::vector<Index> tangled);
+  Remedy end(const Elements& elements, double time, const std::string& how);
+
+  State state_;
+  double patience_ = 0;  // [s]
 };
+
+// det F of a tetrahedron.
+template <class Real>
+double volume_ratio_of(const Elements& elements, Index tet, const Mat3X<Real>& u);
+
+// Whether a tool, or prescribed displacements that are not those at rest, lead the body: whoever does that may crush it on
+// purpose.
+bool is_led(const HeldVertices& held);
+
+// Non-linear, guarded, of a body that is held: a linear one that is not would grow as it turns.
+template <class Real, class WasHeld>
+std::vector<Index> Unravelling::tangled(const Dynamics<Real>& body, double volume_ratio,
+                                        WasHeld&& was_held) const {
+  const Elements& elements = body.model.elements;
+  std::vector<Index> tangled;
+  if (volume_ratio >= elements.guard_below) return tangled;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    if (elements.topology.alive(t) && elements.region_of[t] == RegionModel::nonlinear && was_held(t) &&
+        volume_ratio_of(elements, t, body.motion.u.padded()) < elements.guard_below)
+      tangled.push_back(t);
+  return tangled;
+}
+
+template <class Real, class WasHeld>
+std::optional<Unravelling::Remedy> Unravelling::look(const Dynamics<Real>& body, double volume_ratio,
+                                                     WasHeld&& was_held) {
+  const Elements& elements = body.model.elements;
+  const double time = body.motion.time;
+  if (is_led(body.model.held)) restart(time);
+  const bool has_waited = time - state_.since >= (is_on() ? patience_ / 2 : patience_);
+  const bool is_crushed = volume_ratio < elements.guard_below / 2;  // a strong bend may be beyond the guard
+  if (is_on()) {
+    const std::vector<Index> others = tangled(body, volume_ratio, was_held);
+    if (others.empty() && have_come_back(body))
+      return end(elements, time, "have come back, and are non-linear again");
+    if (has_waited && state_.stage < stages) return make_linear_around(elements, time, others);
+    if (has_waited)
+      return end(elements, time,
+                 "do not come back as linear ones either, and are non-linear again: smaller loads may help");
+    return {};
+  }
+  if (!is_crushed)
+    state_.since = time;
+  else if (has_waited && state_.stage < stages)
+    return make_linear_around(elements, time, tangled(body, volume_ratio, was_held));
+  return {};
+}
 
 }  // namespace lobe

@@ -13,6 +13,7 @@ int main() {
   setup.gravity = {0, 0, -3};
   setup.damping = 20;
   lobe::World<double> world(setup);
-  while (world.time() < 4) world.advance(1.0 / 30);
-  std::printf("%.2f mm\n", 1e3 * world.state().u(2, setup.mesh.vertex_count() - 1));
+  const lobe::Frames frames = lobe::frames_of({.duration = 4, .frame = 1.0 / 30});
+  for (int i = 0; i < frames.count; ++i) world.advance(frames.length);
+  std::printf("%.3f s: %.2f mm\n", world.time(), 1e3 * world.state().u(2, setup.mesh.vertex_count() - 1));
 }

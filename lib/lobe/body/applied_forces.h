@@ -1,0 +1,56 @@
+// External forces on vertices, and springs from vertices to moving points, set while a world runs (SetForces, SetSprings,
+// MoveSprings of sim/command.h).
+//   f = f_v + k (p − x_v),  W = −f_v · u_v + k |p − x_v|²/2
+#pragma once
+
+#include "lobe/body/force_term.h"
+#include "lobe/setup/setup.h"
+
+namespace lobe {
+
+struct Spring {
+  Index vertex = 0;
+  double stiffness = 0;         // k [N/m], > 0
+  Vec3d point = Vec3d::Zero();  // p [m]
+  bool operator==(const Spring&) const = default;
+  static constexpr auto fields = std::tuple(&Spring::vertex, &Spring::stiffness, &Spring::point);
+};
+
+template <class Real>
+class AppliedForces : public ForceTerm<Real> {
+ public:
+  using At = typename ForceTerm<Real>::At;
+
+  // In place of those that there are. Throws InputError for a vertex that there is not, or values that are not finite.
+  void set(const std::vector<VertexLoad>& forces, Index vertices);
+  void set(const std::vector<Spring>& springs, Index vertices);
+  // Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move uniformly.
+  void move(const Mat3X<double>& points);
+  bool has_springs() const { return !springs_.empty(); }
+  const std::vector<VertexLoad>& forces() const { return forces_; }
+
+  std::string name() const override { return "applied forces"; }
+  void add_forces(const At& at, Mat3X<Real>& f) override;
+  void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
+  double energy(const At& at) const override;
+  std::vector<Index> touched() const override;
+  void begin_frame(double time, double duration) override;
+  void follow(const Topology& topology, const MeshEdit& edit) override;
+  std::string save() const override;
+  void load(const std::string& kept, Index vertices) override;
+
+ private:
+  // On its way from a spring's point in this frame.
+  Vec3d point_at(std::size_t spring, double time) const;
+
+  std::vector<VertexLoad> forces_;
+  std::vector<Spring> springs_;      // points at the start of the frame
+  Mat3X<double> moves_;              // of the points in this frame, 3 × #springs [m]; none: they rest
+  Mat3X<double> targets_;            // for the next frame [m]; none: they stay
+  double begin_ = 0, duration_ = 0;  // of the frame [s]
+};
+
+extern template class AppliedForces<float>;
+extern template class AppliedForces<double>;
+
+}  // namespace lobe

@@ -1,0 +1,50 @@
+// Gravity and dead loads at the vertices of a body that is being cut.
+#pragma once
+
+#include <algorithm>
+
+#include "lobe/parallel.h"
+#include "lobe/setup/boundary_conditions.h"
+
+namespace lobe {
+
+template <class Real>
+class Loads {
+ public:
+  using Columns = VertexColumns<Mat3X<Real>>;
+
+  Loads(const Elements& elements, const Setup& setup)
+      : loads_(elements, setup.face_loads, setup.vertex_loads),
+        gravity_(setup.gravity),
+        ramp_(setup.load_ramp) {}
+
+  // After an edit: of these vertices, from their masses [kg].
+  void refresh(const Elements& elements, const std::vector<Index>& vertices, const std::vector<double>& mass);
+
+  // The share of the dead loads that does not act yet at a time [s].
+  double missing(double time) const { return ramp_ > 0 ? std::max(0.0, 1 - time / ramp_) : 0; }
+
+  void put(double time, Parallel& parallel, Columns& f) const;         // f = loads at a time
+  void put_at(const std::vector<Index>& vertices, Columns& f) const {  // the same at these, at full size
+    for (Index v : vertices) f.col(v) = external_.col(v);
+  }
+  Mat3X<double> at(double time) const {  // 3 × #vertices [N]
+    return (external_.view() - missing(time) * dead_.view()).template cast<double>();
+  }
+  double work(const Mat3X<Real>& u) const;  // of all at full size on displacements [J]
+
+  // At full size, 3 × #vertices [N]: all, and the dead ones of them. A condensed region takes those of its interior.
+  Mat3X<Real>& external() { return external_.padded(); }
+  Mat3X<Real>& dead() { return dead_.padded(); }
+
+ private:
+  DeadLoads loads_;
+  Vec3d gravity_;            // [m/s²]
+  double ramp_;              // [s]
+  Columns dead_, external_;  // [N]
+};
+
+extern template class Loads<float>;
+extern template class Loads<double>;
+
+}  // namespace lobe

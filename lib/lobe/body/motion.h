@@ -1,0 +1,63 @@
+// Where the vertices of a body are and how fast they move, and what a step finds of that.
+#pragma once
+
+#include <cmath>
+#include <tuple>
+
+#include "lobe/mesh/vertex_columns.h"
+#include "lobe/time/integrator.h"
+
+namespace lobe {
+
+template <class Real>
+struct State {
+  Mat3X<Real> u;    // 3 × #vertices, displacement [m]
+  Mat3X<Real> v;    // 3 × #vertices, velocity [m/s]
+  double time = 0;  // [s]
+  // By how much v is older than u [s]: half a step after one, 0 where motion starts, or starts anew.
+  double behind = 0;
+
+  bool is_valid() const {
+    return u.allFinite() && v.allFinite() && std::isfinite(time) && behind >= 0 && std::isfinite(behind);
+  }
+  static constexpr auto fields = std::tuple(&State::u, &State::v, &State::time, &State::behind);
+};
+
+// The state of a world as it stands; it becomes invalid with the next cut.
+template <class Real>
+struct StateView {
+  Eigen::Map<const Mat3X<Real>> u, v;
+  double time = 0, behind = 0;
+  operator State<Real>() const { return {u, v, time, behind}; }
+};
+
+// The same, in columns to which a cut may add.
+template <class Real>
+struct StateColumns {
+  VertexColumns<Mat3X<Real>> u, v;  // [m], [m/s]
+  double time = 0, behind = 0;      // [s]
+};
+
+// Of the last step [m/s].
+struct Speeds {
+  double fastest = 0;  // of what moves by itself
+  double turned = 0;   // of what turned back (integrator.h)
+  double led = 0;      // of held vertices
+};
+
+template <class Real>
+struct Motion : StateColumns<Real> {
+  // Scratch of a step:
+  VertexColumns<Mat3X<Real>> forces;  // [N]
+  Turns turns;                        // since the frame began
+  Speeds speeds;
+
+  void extend(Index vertices) {
+    this->u.extend(vertices);
+    this->v.extend(vertices);
+    forces.extend(vertices);
+    turns.resize(std::size_t(vertices));
+  }
+};
+
+}  // namespace lobe

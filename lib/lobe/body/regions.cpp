@@ -1,0 +1,139 @@
+#include "lobe/body/regions.h"
+
+#include "lobe/numerics/supernodal_factor.h"
+
+namespace lobe {
+
+template <class Real>
+Regions<Real>::Regions(const Setup& setup, const CondensingLog::Progress& condensing)
+    : nonlinear_(setup.evaluator),
+      expanded_(setup.evaluator),
+      precomputed_(CondensedCache(setup.condensed_cache, condensing), make_supernodal),
+      expandable_(setup.expandable) {}
+
+template <class Real>
+void Regions<Real>::follow(const Elements& elements, const RegionEdit& edit) {
+  tensor_mass_.follow(elements, edit);
+  nonlinear_.follow(elements, edit);
+  if (expandable_) expanded_.follow(elements, edit, RegionModel::precomputed);
+}
+
+template <class Real>
+std::vector<Index> Regions<Real>::follow_condensed(const Model& model, const RegionEdit& edit,
+                                                   Loads<Real>& loads) {
+  return precomputed_.follow(model.elements, model.held, edit, loads.external(), loads.dead(), is_expanded_);
+}
+
+template <class Real>
+std::vector<Index> Regions<Real>::condensed_vertices(Index vertices) const {
+  std::vector<Index> found = precomputed_.shared();
+  for (Index v = 0; v < vertices; ++v)
+    if (precomputed_.is_interior(v)) found.push_back(v);
+  return found;
+}
+
+template <class Real>
+void Regions<Real>::begin_refresh(const Elements& elements, double due, const std::vector<double>& about) {
+  if (about.empty())
+    precomputed_.begin_refresh(elements);
+  else
+    precomputed_.begin_renewal(
+        elements, Eigen::Map<const Mat3X<double>>(about.data(), 3, Eigen::Index(about.size() / 3)));
+  refresh_due_ = due;
+}
+
+template <class Real>
+void Regions<Real>::add_free_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  tensor_mass_.add_forces(u, f, parallel);
+  nonlinear_.add_forces(u, f, parallel);
+  if (is_expanded_) expanded_.add_forces(u, f, parallel);
+}
+
+template <class Real>
+void Regions<Real>::add_forces(const Mat3X<Real>& u, double missing, Mat3X<Real>& f, Parallel& parallel) {
+  if (!is_expanded_) precomputed_.add_forces(u, Real(missing), f, parallel);
+  add_free_forces(u, f, parallel);
+}
+
+template <class Real>
+void Regions<Real>::add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  add_free_forces(u, f, parallel);
+  if (!is_expanded_) precomputed_.add_stiffness_forces(u, f, parallel);
+}
+
+template <class Real>
+void Regions<Real>::add_forces_near(const Mat3X<Real>& u, double missing, Mat3X<Real>& f,
+                                    Parallel& parallel) {
+  add_free_forces(u, f, parallel);
+  if (!is_expanded_) precomputed_.add_forces(u, Real(missing), f, parallel);
+}
+
+template <class Real>
+typename Patches<Real>::Stiffness Regions<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
+                                                                        DiagonalStiffness& K,
+                                                                        Parallel& parallel) {
+  tensor_mass_.add_diagonal_stiffness(K);
+  auto found = nonlinear_.add_diagonal_stiffness(u, K, parallel);
+  if (is_expanded_) {
+    const auto others = expanded_.add_diagonal_stiffness(u, K, parallel);
+    if (others.smallest_volume_ratio < found.smallest_volume_ratio) found = others;
+  } else {
+    precomputed_.add_diagonal_stiffness(u, K);
+  }
+  ++sums_revision_;
+  return found;
+}
+
+template <class Real>
+ElasticEnergy Regions<Real>::energy(const Elements& elements, const Mat3X<Real>& u) {
+  ElasticEnergy e;
+  e.linear = tensor_mass_.energy(u);
+  e.nonlinear = nonlinear_.energy(u);
+  if (is_expanded_) {
+    e.nonlinear += expanded_.energy(u);
+  } else {
+    const auto condensed = precomputed_.energy(elements, u);
+    e.condensed_loads = condensed.loads;
+    e.linear += condensed.elastic;
+  }
+  return e;
+}
+
+template <class Real>
+Vec3d Regions<Real>::force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const {
+  return is_expanded_ ? Vec3d::Zero() : precomputed_.force_on_fixed(elements, u, vertex);
+}
+
+template <class Real>
+void Regions<Real>::recover(const Model& model, double missing, Interior wanted, StateColumns<Real>& state) {
+  const Revisions& now = model.revisions;
+  const bool is_current = recovered_at_.structure == now.structure &&
+                          recovered_at_.displacements == now.displacements &&
+                          recovered_at_.velocities == now.velocities;
+  if (is_current && recovered_ >= wanted) return;
+  if (!is_expanded_)
+    precomputed_.recover(model.elements, Real(missing), state.u.padded(),
+                         wanted == Interior::all ? &state.v.padded() : nullptr);
+  recovered_ = wanted;
+  recovered_at_ = now;
+}
+
+template <class Real>
+PatchCount Regions<Real>::patch_count() {
+  PatchCount sum;
+  visit_patches([&](const auto&, const auto& sums) {
+    sum.evaluated += sums.count().evaluated;
+    sum.skipped += sums.count().skipped;
+  });
+  return sum;
+}
+
+template <class Real>
+void Regions<Real>::forget_sums() {
+  visit_patches([](const auto&, auto& sums) { sums.forget(); });
+}
+
+template class Regions<float>;
+template class Regions<double>;
+
+}  // namespace lobe

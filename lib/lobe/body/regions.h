@@ -1,0 +1,128 @@
+// All regions of a body: tensor-mass, non-linear and precomputed ones, which share vertices at their interfaces. It alone
+// knows which tetrahedra are condensed, and whether these are expanded for a while, that is, non-linear, interior and all.
+#pragma once
+
+#include "lobe/body/loads.h"
+#include "lobe/body/model.h"
+#include "lobe/body/motion.h"
+#include "lobe/condense/precomputed.h"
+#include "lobe/region/nonlinear.h"
+#include "lobe/region/tensor_mass.h"
+
+namespace lobe {
+
+struct ElasticEnergy {  // [J]
+  double linear = 0, nonlinear = 0;
+  double condensed_loads = 0;  // −(loads that act through condensed regions) · u
+};
+
+template <class Real>
+class Regions {
+ public:
+  Regions(const Setup& setup, const CondensingLog::Progress& condensing);
+
+  // ---- Edits
+
+  // The regions that are not condensed follow; follow_condensed() comes next, once masses and loads are those of now. It
+  // takes the loads of what becomes interior; of tetrahedra that have become a mechanism, and must leave, it returns the
+  // numbers.
+  void follow(const Elements& elements, const RegionEdit& edit);
+  std::vector<Index> follow_condensed(const Model& model, const RegionEdit& edit, Loads<Real>& loads);
+  // Whether the last edit that was followed concerned the condensed region.
+  bool condensed_has_changed() const { return precomputed_.tet_count() > 0 && precomputed_.has_changed(); }
+  // Throws InputError if the precomputed tetrahedra of these elements would take too large a matrix.
+  void refuse_large(const Elements& elements, const HeldVertices& held) const {
+    PrecomputedRegion<Real>::refuse_large(elements, held);
+  }
+  std::string take_notice() { return precomputed_.take_notice(); }  // of the cache
+
+  // Precomputed tetrahedra as non-linear ones, until they are condensed again. Masses and loads of condensed_vertices() are
+  // to be found anew in between; take_over_loads() and move_mass() follow where they are condensed.
+  bool can_be_expanded() const { return expandable_ && any_condensed(); }
+  bool is_expanded() const { return is_expanded_; }
+  bool can_condense() const {
+    return !precomputed_.is_outdated();
+  }  // no edit concerned it since it was renewed
+  void set_expanded(bool is_expanded) { is_expanded_ = is_expanded; }
+  std::vector<Index> condensed_vertices(Index vertices) const;  // shared ones first
+  void take_over_loads(Loads<Real>& loads) const {
+    precomputed_.take_over_loads(loads.external(), loads.dead());
+  }
+  // The interior's mass goes to the vertices that it shares with others, which are returned.
+  const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass) {
+    return precomputed_.move_mass(elements, mass);
+  }
+
+  // Condensed afresh by another thread, about where it is linearised or about other displacements (3 × #vertices [m]; none:
+  // the former), and used from a time on [s].
+  bool wants_refresh() const { return precomputed_.wants_refresh(); }
+  bool is_refreshing() const { return precomputed_.is_refreshing(); }
+  double refresh_due() const { return refresh_due_; }
+  void begin_refresh(const Elements& elements, double due, const std::vector<double>& about);
+  void end_refresh(const Elements& elements) { precomputed_.end_refresh(elements); }
+  const Mat3X<double>& linearised_about() const { return precomputed_.about(); }  // none: rest
+
+  bool any_condensed() const { return precomputed_.tet_count() > 0; }  // tetrahedra, expanded or not
+  bool is_condensed(Index tet) const { return precomputed_.has(tet); }
+  bool is_interior(Index vertex) const { return any_condensed() && precomputed_.is_interior(vertex); }
+  // Whether the model of a tetrahedron moves by itself: all but those that are condensed now.
+  bool is_dynamic(const Elements& elements, Index tet) const {
+    return is_expanded_ || elements.region_of[std::size_t(tet)] != RegionModel::precomputed;
+  }
+  const CondensingLog& condensing() const { return precomputed_.condensing(); }
+
+  // ---- What they answer. `missing`: share of the dead loads that does not act yet.
+
+  void add_forces(const Mat3X<Real>& u, double missing, Mat3X<Real>& f,
+                  Parallel& parallel);  // 3 × #vertices [N]
+  // The same near a state, for differences of forces: at rest without loads, and elsewhere.
+  void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
+  void add_forces_near(const Mat3X<Real>& u, double missing, Mat3X<Real>& f, Parallel& parallel);
+  // What vertices feel when they move alone, and the smallest det F.
+  typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
+                                                           Parallel& parallel);
+  ElasticEnergy energy(const Elements& elements, const Mat3X<Real>& u);
+  // How far a condensed interior lags behind its inertia, where shared vertices are accelerated like that on average.
+  double lag(const Vec3d& acceleration) const { return precomputed_.lag(acceleration); }
+  const std::vector<Index>& shared() const { return precomputed_.shared(); }
+  Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
+
+  // A condensed interior is in equilibrium with its interface. It is found here, where somebody looks; nothing is done if it
+  // has been since the state changed.
+  enum class Interior { none, displacements, all };
+  void recover(const Model& model, double missing, Interior wanted, StateColumns<Real>& state);
+
+  template <class Visit>  // visit(layout, sums), of all that is evaluated in patches
+  void visit_patches(Visit&& visit) {
+    tensor_mass_.visit_patches(visit);
+    nonlinear_.visit_patches(visit);
+    if (is_expanded_) expanded_.visit_patches(visit);
+  }
+  PatchCount patch_count();
+  // Grows where the sums of the patches hold something else than forces.
+  std::uint64_t sums_revision() const { return sums_revision_; }
+  void forget_sums();  // that patches keep
+  void spoil_sums() {  // before forces at other displacements are evaluated
+    forget_sums();
+    ++sums_revision_;
+  }
+
+ private:
+  void add_free_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
+
+  TensorMassRegion<Real> tensor_mass_;
+  NonlinearRegion<Real> nonlinear_;
+  NonlinearRegion<Real> expanded_;  // the precomputed tetrahedra, if the setup is expandable
+  PrecomputedRegion<Real> precomputed_;
+  bool expandable_;
+  bool is_expanded_ = false;
+  double refresh_due_ = 0;  // [s]
+  Interior recovered_ = Interior::none;
+  Revisions recovered_at_;
+  std::uint64_t sums_revision_ = 0;
+};
+
+extern template class Regions<float>;
+extern template class Regions<double>;
+
+}  // namespace lobe

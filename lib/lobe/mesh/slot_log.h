@@ -1,0 +1,49 @@
+// Which slots of an array changed with which revision: whoever has an older copy of the array, as a graphics card does,
+// takes over these alone.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+class SlotLog {
+ public:
+  // Everything changed with this revision.
+  void restart(std::uint64_t revision) {
+    first_ = revision + 1;
+    slots_.clear();
+    begins_.clear();
+  }
+
+  // The next revision, one above the last. Older ones are forgotten where more than about `limit` slots are remembered: to
+  // copy the array as a whole is then as cheap.
+  void next(std::size_t limit) {
+    if (slots_.size() + begins_.size() > limit) restart(last());
+    begins_.push_back(slots_.size());
+  }
+
+  void record(Index slot) { slots_.push_back(slot); }
+
+  // The slots that changed after this revision, some of them several times, some beyond the end of the array where it has
+  // become shorter. Nothing, if that is no longer known: then all may have changed. O(1).
+  std::optional<std::span<const Index>> since(std::uint64_t revision) const {
+    if (revision > last() || revision + 1 < first_) return std::nullopt;
+    const std::uint64_t at = revision + 1 - first_;
+    const std::size_t begin = at < begins_.size() ? begins_[at] : slots_.size();
+    return std::span(slots_).subspan(begin);
+  }
+
+ private:
+  std::uint64_t last() const { return first_ + begins_.size() - 1; }
+
+  std::uint64_t first_ = 1;  // the revision whose slots begin at begins_[0]
+  std::vector<std::size_t> begins_;
+  std::vector<Index> slots_;
+};
+
+}  // namespace lobe

@@ -1,0 +1,126 @@
+// The boundary of the body, for drawing and touching. It is creased where a cut meets the skin: a vertex of the mesh that
+// has both kinds of faces around it is two vertices of the surface, one on either side, so that each has a normal of its
+// own.
+//
+// Arrays have no gaps, as an index buffer that is drawn in one call must not: what an edit takes away is replaced by what it
+// adds, and where it takes away more, the last ones move into the gaps. All others keep their slots. An edit therefore
+// changes O(edit) slots, and SlotLog tells which: a copy on a graphics card takes over these alone. A list of free slots would
+// change no fewer, and every reader would have to skip the gaps.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "lobe/mesh/slot_log.h"
+#include "lobe/mesh/topology.h"
+
+namespace lobe {
+
+enum class RegionModel : std::uint8_t;  // fem/body.h
+
+// What a triangle is the boundary of. `code` tells the faces of one tetrahedron apart and means nothing else to whoever
+// reads it.
+struct FaceOwner {
+  Index tet = -1;
+  std::uint32_t code = 0;
+  bool operator==(const FaceOwner&) const = default;
+};
+
+// All but positions: what stays the same from frame to frame while nothing is cut.
+struct SurfaceMesh {
+  std::uint64_t revision = 0;  // grows by one with each change of anything here
+
+  // One per triangle.
+  std::vector<Eigen::Vector3i> triangles;  // vertices of the surface, counter-clockwise seen from outside
+  std::vector<FaceOwner> owner;
+  std::vector<RegionModel> region;  // of its tetrahedron
+  std::vector<std::uint8_t> cut;    // 1: a cut face, which was inside at the start; 0: skin
+
+  // One per vertex of the surface.
+  std::vector<Index> mesh_vertex;        // the vertex of the mesh that it is
+  std::vector<std::uint8_t> vertex_cut;  // 1: of cut faces, 0: of skin
+
+  SlotLog changed_triangles, changed_vertices;  // slots of the arrays above
+
+  Index triangle_count() const { return static_cast<Index>(triangles.size()); }
+  Index vertex_count() const { return static_cast<Index>(mesh_vertex.size()); }
+  Eigen::Map<const Triangles> triangle_columns() const {  // 3 × #triangles
+    return {triangles.empty() ? nullptr : triangles.data()->data(), 3, Eigen::Index(triangles.size())};
+  }
+};
+
+class Surface {
+ public:
+  // Also of a body that has been cut: what was inside at the start is found from the tetrahedra that are gone. O(#tets), and
+  // O(n log n) in the number of these.
+  Surface(const Topology& topology, std::span<const RegionModel> region_of) { rebuild(topology, region_of); }
+
+  // The same for a surface that has readers: the revision goes on, and everything changes.
+  void rebuild(const Topology& topology, std::span<const RegionModel> region_of);  // per tetrahedron
+
+  // Call it after each edit, which the topology has made. O(#tetrahedra around the vertices of the removed ones).
+  void follow(const Topology& topology, const MeshEdit& edit, std::span<const RegionModel> region_of);
+  // These tetrahedra, and perhaps others that follow() was told of, may have changed region. O(#them).
+  void follow_regions(std::span<const Index> tets, std::span<const RegionModel> region_of);
+
+  const SurfaceMesh& mesh() const { return mesh_; }
+  std::uint64_t revision() const { return mesh_.revision; }
+
+  // Where a face is in the arrays of mesh(); −1: nowhere.
+  Index triangle_of(const FaceOwner& face) const;
+  // The vertex of the surface on one side of a vertex of the mesh; −1: none.
+  Index vertex_of(Index mesh_vertex, bool cut) const;
+
+ private:
+  // A face that is new, or whose corners are.
+  struct Face {
+    FaceOwner owner;
+    Index triangle = -1;  // its slot
+    std::uint8_t cut = 1;
+    Eigen::Vector3i mesh_vertices;
+    Eigen::Vector3i vertices = Eigen::Vector3i::Constant(-1);
+  };
+
+  Index& triangle_at(const FaceOwner& face) { return triangle_of_[4 * std::size_t(face.tet) + face.code]; }
+  void begin_revision();
+  void release(Index triangle);
+  void drop(const FaceOwner& face);
+  void find_changed(const Topology& topology, Index tet);
+  void keep_vertices();
+  void forget_unused();
+  Index vertex_for(Index mesh_vertex, std::uint8_t cut);
+  void place(Face& face, RegionModel region);
+  void move_triangle(Index to);
+  void move_vertex(const Topology& topology, Index to);
+  void close_gaps(const Topology& topology);
+
+  SurfaceMesh mesh_;
+  std::vector<Index> uses_;                      // per vertex: corners of triangles
+  std::vector<Index> triangle_of_;               // per tetrahedron, four faces
+  std::vector<std::array<Index, 2>> vertex_of_;  // per vertex of the mesh: on the skin, on cut faces
+
+  // Scratch of an edit.
+  std::vector<Face> faces_;
+  std::vector<Index> corners_, near_;
+  std::vector<Index> free_triangles_, unused_;  // in descending order
+};
+
+// Positions x = X + u of the surface's vertices. O(#vertices).
+template <class Real>
+void update_positions(const SurfaceMesh& surface,
+                      const Eigen::Ref<const Mat3X<double>>& X,                      // 3 × #mesh [m]
+                      const Eigen::Ref<const Mat3X<std::type_identity_t<Real>>>& u,  // 3 × #mesh [m]
+                      Mat3X<Real>& x);                                               // out [m]
+
+// Unit normals of the surface's vertices that look outwards: the sum of the triangles' around them, weighted by area; zero
+// where these have none. O(#triangles).
+template <class Real>
+void update_normals(const SurfaceMesh& surface, const Mat3X<Real>& x, Mat3X<Real>& normals);
+
+// What a closed surface encloses, by the divergence theorem: Σ det[a, b, c] / 6 [m³].
+double enclosed_volume(const SurfaceMesh& surface, const Mat3X<double>& x);  // 3 × #vertices [m]
+
+}  // namespace lobe

@@ -1,0 +1,158 @@
+// What may be done to a world, as data: the same for steering it, for the record of a run and its replay, and for what a
+// checkpoint keeps of the edits since the start.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <tuple>
+#include <variant>
+#include <vector>
+
+#include "lobe/body/applied_forces.h"
+#include "lobe/tool/tools.h"
+
+namespace lobe {
+
+struct Advance {
+  double duration = 0;  // [s]
+  bool operator==(const Advance&) const = default;
+  static constexpr auto fields = std::tuple(&Advance::duration);
+};
+
+struct RemoveTets {
+  std::vector<Index> tets;
+  bool operator==(const RemoveTets&) const = default;
+  static constexpr auto fields = std::tuple(&RemoveTets::tets);
+};
+
+// Displacements and velocities stay, but for what becomes the interior of a precomputed region.
+struct SetRegion {
+  std::vector<Index> tets;
+  RegionModel model = RegionModel::nonlinear;
+  bool operator==(const SetRegion&) const = default;
+  static constexpr auto fields = std::tuple(&SetRegion::tets, &SetRegion::model);
+};
+
+// Precomputed regions become non-linear, interior and all, until they are condensed again. Only if the setup is expandable.
+struct Expand {
+  bool operator==(const Expand&) const = default;
+  static constexpr auto fields = std::tuple();
+};
+
+// Only if no edit has concerned the region since it was renewed. Its interior takes its displacements from the interface.
+struct Condense {
+  bool operator==(const Condense&) const = default;
+  static constexpr auto fields = std::tuple();
+};
+
+// Linearises precomputed regions anew about the present state, by another thread; the world goes on with the result at the
+// first frame that starts `delay` later, by waiting for it if need be.
+struct Renew {
+  double delay = 0;  // [s], > 0
+  bool operator==(const Renew&) const = default;
+  static constexpr auto fields = std::tuple(&Renew::delay);
+};
+
+// The degree of selective masses, one of Inertia::degrees(). Between two frames; displacements stay, and of velocities all
+// but their short waves, where the degree grows.
+struct SetMassDegree {
+  int degree = 1;
+  bool operator==(const SetMassDegree&) const = default;
+  static constexpr auto fields = std::tuple(&SetMassDegree::degree);
+};
+
+// Takes hold of vertices at the start of the next frame: a grasp whose id is the world's next_tool() (tool/tools.h).
+struct TakeHold {
+  std::string name;
+  std::vector<Index> vertices;
+  bool operator==(const TakeHold&) const = default;
+  static constexpr auto fields = std::tuple(&TakeHold::name, &TakeHold::vertices);
+};
+
+// Brings a spherical cautery, which is off, to a position; its id is the world's next_tool().
+struct BringCautery {
+  std::string name;
+  double radius = 0;               // [m], > 0
+  Vec3d position = Vec3d::Zero();  // of its tip [m]
+  bool operator==(const BringCautery&) const = default;
+  static constexpr auto fields =
+      std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position);
+};
+
+// A tool is to be there at the end of the next frame; on its way it moves uniformly.
+struct Lead {
+  ToolId tool = 0;
+  ToolPose target;  // of its centre; a cautery has no orientation
+  bool operator==(const Lead&) const = default;
+  static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
+};
+
+struct SwitchCautery {
+  ToolId tool = 0;
+  bool on = false;
+  bool operator==(const SwitchCautery&) const = default;
+  static constexpr auto fields = std::tuple(&SwitchCautery::tool, &SwitchCautery::on);
+};
+
+// A grasp lets go at the start of the next frame; a cautery is switched off.
+struct LetGo {
+  ToolId tool = 0;
+  bool operator==(const LetGo&) const = default;
+  static constexpr auto fields = std::tuple(&LetGo::tool);
+};
+
+// External forces on vertices, in place of those that there were.
+struct SetForces {
+  std::vector<VertexLoad> forces;
+  bool operator==(const SetForces&) const = default;
+  static constexpr auto fields = std::tuple(&SetForces::forces);
+};
+
+// Springs from vertices to points, in place of those that there were. Explicit integrator only.
+struct SetSprings {
+  std::vector<Spring> springs;
+  bool operator==(const SetSprings&) const = default;
+  static constexpr auto fields = std::tuple(&SetSprings::springs);
+};
+
+// Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move uniformly.
+struct MoveSprings {
+  Mat3X<double> points;
+  bool operator==(const MoveSprings& other) const {
+    return points.cols() == other.points.cols() && points == other.points;
+  }
+  static constexpr auto fields = std::tuple(&MoveSprings::points);
+};
+
+// What is held from then on. World makes it where a precomputed region depends on it.
+struct Hold {
+  HeldVertices held;
+  bool operator==(const Hold&) const = default;
+  static constexpr auto fields = std::tuple(&Hold::held);
+};
+
+// Precomputed regions are condensed afresh by another thread, and what it has found is used. World makes them.
+struct BeginRefresh {
+  double due = 0;  // when EndRefresh follows [s]
+  // Linearised anew about these, 3 × #vertices [m]; none: as before.
+  std::shared_ptr<const std::vector<double>> about = {};
+  bool operator==(const BeginRefresh& other) const {
+    return due == other.due && (about == other.about || (about && other.about && *about == *other.about));
+  }
+  bool is_valid() const {
+    return std::isfinite(due) &&
+           (!about || std::all_of(about->begin(), about->end(), [](double x) { return std::isfinite(x); }));
+  }
+  static constexpr auto fields = std::tuple(&BeginRefresh::due, &BeginRefresh::about);
+};
+struct EndRefresh {
+  bool operator==(const EndRefresh&) const = default;
+  static constexpr auto fields = std::tuple();
+};
+
+using Command = std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Renew, SetMassDegree, TakeHold,
+                             BringCautery, Lead, SwitchCautery, LetGo, SetForces, SetSprings, MoveSprings,
+                             Hold, BeginRefresh, EndRefresh>;
+
+}  // namespace lobe

@@ -1,0 +1,17 @@
+// How many values the enumerations have that checkpoints and recordings keep.
+#pragma once
+
+#include "lobe/io/fields.h"
+#include "lobe/sim/report.h"
+#include "lobe/tool/tools.h"
+
+namespace lobe::io {
+
+template <>
+inline constexpr int choices<RegionModel> = 1 + int(RegionModel::nonlinear);
+template <>
+inline constexpr int choices<Grasp::Phase> = 1 + int(Grasp::Phase::released);
+template <>
+inline constexpr int choices<Condition::Kind> = 1 + int(Condition::Kind::lost_force);
+
+}  // namespace lobe::io

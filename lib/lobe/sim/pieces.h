@@ -1,0 +1,43 @@
+// The pieces of a body that is being cut: which come loose.
+#pragma once
+
+#include "lobe/body/model.h"
+
+namespace lobe {
+
+class Pieces {
+ public:
+  struct State {  // part of a checkpoint
+    std::vector<Index>
+        piece_of;  // per tetrahedron: the piece it belonged to at the start, or since; none: all to 0
+    std::vector<std::uint8_t> was_held;  // per piece
+    static constexpr auto fields = std::tuple(&State::piece_of, &State::was_held);
+  };
+
+  Pieces() = default;
+  explicit Pieces(Model& model);
+
+  bool was_held(Index tet) const { return state_.was_held[piece_of(tet)] != 0; }
+  const State& state() const { return state_; }
+  void set_state(const State& state) { state_ = state; }
+
+  // Those that a cut has set loose: a piece that nothing holds is loose if its body was held, or if a larger one is left of
+  // its body. Every piece is a body of its own from then on, so that a later cut has to judge no others than those that it
+  // cuts.
+  std::vector<std::vector<Index>> loosened_by(Model& model, const MeshEdit& edit);
+  // The same after somebody took hold or let go.
+  std::vector<std::vector<Index>> loosened(Model& model) {
+    return judge(model, model.elements.topology.pieces());
+  }
+
+ private:
+  Index piece_of(Index tet) const { return state_.piece_of.empty() ? 0 : state_.piece_of[tet]; }
+  void add(const Model& model, const std::vector<Index>& piece, bool was_held);
+  bool needs_all(Model& model, const MeshEdit& edit) const;
+  std::vector<std::vector<Index>> to_judge(Model& model, const MeshEdit& edit) const;
+  std::vector<std::vector<Index>> judge(const Model& model, const std::vector<std::vector<Index>>& pieces);
+
+  State state_;
+};
+
+}  // namespace lobe

@@ -1,0 +1,45 @@
+// Which tetrahedra a fine surface lies on.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "lobe/mesh/topology.h"
+
+namespace lobe {
+
+// Lists of numbers, one after the other.
+struct NumberLists {
+  std::vector<Index> begin{0}, items;
+
+  Index count() const { return static_cast<Index>(begin.size()) - 1; }
+  std::span<const Index> operator[](Index list) const {
+    return {items.data() + begin[list], std::size_t(begin[list + 1] - begin[list])};
+  }
+  void append(std::span<const Index> list) {
+    items.insert(items.end(), list.begin(), list.end());
+    begin.push_back(static_cast<Index>(items.size()));
+  }
+};
+
+// For each number below `count`: the lists that have it.
+NumberLists inverse(const NumberLists& lists, Index count);
+
+// Under each triangle: the tetrahedra that are nearest to ten points spread over it, or to more, until they hang together by
+// shared corners (or 325 points do not help). The points lie a little inside of it, so that what merely touches its rim is not
+// among them. O(log #tets) per triangle.
+NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
+                       const Triangles& triangles, const TetMesh& mesh);
+
+// Of some tetrahedra the one nearest to p, the first where there are several; −1 if there are none.
+Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& p);
+
+enum class Bond {
+  none,   // some are gone, or two do not share all corners any more that they shared at the start
+  loose,  // but they do not all hang together, by corners that they share
+  firm
+};
+Bond bond(const Topology& topology, std::span<const Index> tets);
+
+}  // namespace lobe

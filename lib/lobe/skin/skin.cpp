@@ -1,0 +1,340 @@
+#include "lobe/skin/skin.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "lobe/cut/distance.h"
+#include "lobe/diagnostics/locate.h"
+#include "lobe/error.h"
+
+namespace lobe {
+namespace {
+
+void sort_each_once(std::vector<Index>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+void append(std::vector<Index>& to, std::span<const Index> items) {
+  to.insert(to.end(), items.begin(), items.end());
+}
+
+void check_corners(const Triangles& corners, const Triangles& triangles, Index least, Eigen::Index count,
+                   const std::string& what) {
+  if (corners.cols() != triangles.cols())
+    throw InputError("skin", "the " + what + "s of its corners are for " + std::to_string(corners.cols()) +
+                                 " triangles, expected " + std::to_string(triangles.cols()));
+  for (Eigen::Index t = 0; t < corners.cols(); ++t)
+    if (corners.col(t).minCoeff() < least || corners.col(t).maxCoeff() >= count)
+      throw InputError("skin: triangle " + std::to_string(t), "a corner's " + what + " is not within " +
+                                                                  std::to_string(least) + " … " +
+                                                                  std::to_string(count - 1));
+}
+
+// Writes the first three numbers; the fourth goes where the next vector will stand, or nowhere if this is the last.
+void put(const Eigen::Vector4f& vector, Index i, Index count, Mat3X<float>& to) {
+  if (i + 1 < count)
+    Eigen::Map<Eigen::Vector4f>(to.data() + 3 * std::size_t(i)) = vector;
+  else
+    to.col(i) = vector.head<3>();
+}
+
+}  // namespace
+
+Skin::Skin(const TexturedSurface& surface, const TetMesh& mesh) : start_(mesh) {
+  check_corners(surface.triangles, surface.triangles, 0, surface.points.cols(), "point");
+  check_corners(surface.texture_of, surface.triangles, -1, surface.texture.cols(), "texture coordinate");
+  check_corners(surface.normal_of, surface.triangles, -1, surface.normals.cols(), "normal");
+  if (surface.triangles.cols() == 0) throw InputError("skin", "has no triangle");
+  if (mesh.tet_count() == 0) throw InputError("skin", "the body has no tetrahedron that could carry it");
+  add_vertices(surface);
+  add_texture(surface);
+  lies_on_ = tets_under(points_, corners_of_, start_);
+  lying_on_ = inverse(lies_on_, start_.tet_count());
+  NumberLists corners;
+  for (const auto& triangle : corners_of_.colwise()) corners.append({triangle.data(), 3});
+  around_ = inverse(corners, Index(points_.cols()));
+  choose_carriers(Topology(start_));
+  list_triangles_around();
+  mesh_.revision = 1;
+  mesh_.changed_triangles.restart(1);
+}
+
+// Carried vertices first: one for each normal of a point; behind them what differs in texture alone.
+void Skin::add_vertices(const TexturedSurface& surface) {
+  using Normal = std::array<double, 3>;
+  const auto count = static_cast<Index>(surface.triangles.cols());
+  std::map<std::pair<Index, Normal>, Index> carried;
+  corners_of_.resize(3, count);
+  for (Index i = 0; i < 3 * count; ++i) {
+    const Index point = surface.triangles.data()[i], n = surface.normal_of.data()[i];
+    Normal normal{};
+    if (n >= 0) Eigen::Map<Vec3d>(normal.data()) = surface.normals.col(n);
+    const auto [at, is_new] = carried.emplace(std::pair(point, normal), mesh_.vertex_count());
+    if (is_new) mesh_.file_vertex.push_back(point);
+    corners_of_.data()[i] = at->second;
+  }
+  points_ = surface.points(Eigen::all, mesh_.file_vertex);
+}
+
+void Skin::add_texture(const TexturedSurface& surface) {
+  const auto count = static_cast<Index>(surface.triangles.cols());
+  const Index carried_count = mesh_.vertex_count();
+  using Textured = std::tuple<Index, double, double>;
+  std::vector<Eigen::Vector2d> texture(std::size_t(carried_count), Eigen::Vector2d::Zero());
+  std::vector<std::uint8_t> has_texture(std::size_t(carried_count), 0);
+  std::map<Textured, Index> number_of;
+  for (Index t = 0; t < count; ++t) {
+    Eigen::Vector3i& triangle = mesh_.triangles.emplace_back(corners_of_.col(t));
+    for (int c = 0; c < 3; ++c) {
+      const Index vertex = corners_of_(c, t), coordinate = surface.texture_of(c, t);
+      if (coordinate < 0) continue;
+      const Eigen::Vector2d st = surface.texture.col(coordinate);
+      const Index next = has_texture[vertex] ? Index(texture.size()) : vertex;
+      const auto [at, is_new] = number_of.emplace(Textured{vertex, st[0], st[1]}, next);
+      triangle[c] = at->second;
+      if (!is_new) continue;
+      if (next == vertex) {
+        texture[vertex] = st;
+        has_texture[vertex] = 1;
+      } else {
+        texture.push_back(st);
+        copied_from_.push_back(vertex);
+        mesh_.file_vertex.push_back(Index(mesh_.file_vertex[vertex]));
+      }
+    }
+    mesh_.file_triangle.push_back(t);
+    slot_of_.push_back(t);
+    shown_.push_back(corners_of_.col(t));
+  }
+  mesh_.texture.resize(2, Eigen::Index(texture.size()));
+  for (std::size_t i = 0; i < texture.size(); ++i)
+    mesh_.texture.col(Eigen::Index(i)) = texture[i].cast<float>();
+}
+
+void Skin::choose_carriers(const Topology& topology) {
+  const Eigen::Index count = points_.cols();
+  carrier_.assign(std::size_t(count), -1);
+  weights_.resize(std::size_t(count));
+  carrier_corners_.resize(std::size_t(count));
+  std::vector<Index> lengths(std::size_t(start_.tet_count()), 0);
+  std::vector<Index> chosen;
+  for (Index vertex = 0; vertex < count; ++vertex) {
+    chosen.push_back(nearest_of(candidates(vertex), start_, points_.col(vertex)));
+    ++lengths[chosen.back()];
+  }
+  carried_by_ = VertexLists<Index>(lengths);
+  for (Index vertex = 0; vertex < count; ++vertex) {
+    carry(vertex, chosen[vertex], topology.corners(chosen[vertex]));
+    farthest_ = std::max(farthest_, distance_to_tet(points_.col(vertex), tet_points(start_, chosen[vertex])));
+  }
+  is_loose_.assign(slot_of_.size(), 0);
+  for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle)
+    is_loose_[triangle] = bond_of(topology, triangle, corners_in(triangle)) != Bond::firm;
+}
+
+Index Skin::loose_count() const {
+  return static_cast<Index>(std::count(is_loose_.begin(), is_loose_.end(), 1));
+}
+
+// What the shown triangles around a vertex lie on.
+std::vector<Index> Skin::candidates(Index vertex) const {
+  std::vector<Index> tets;
+  for (Index triangle : around_[vertex])
+    if (slot_of_[triangle] >= 0) append(tets, lies_on_[triangle]);
+  return tets;
+}
+
+void Skin::carry(Index vertex, Index tet, const Eigen::Vector4i& corners) {
+  if (carrier_[vertex] >= 0) carried_by_.erase_value(carrier_[vertex], vertex);
+  carried_by_.append(tet, vertex);
+  carrier_[vertex] = tet;
+  carrier_corners_[vertex] = corners;
+  weights_[vertex] = barycentric(start_, tet, points_.col(vertex)).cast<float>();
+}
+
+void Skin::follow(const Topology& topology, const MeshEdit& edit) {
+  std::vector<Index> triangles, vertices;
+  const auto touched = [&](Index tet) {
+    append(triangles, lying_on_[tet]);
+    append(vertices, carried_by_[tet]);
+    if (!topology.alive(tet)) return;
+    for (Index vertex : carried_by_[tet]) carrier_corners_[vertex] = topology.corners(tet);
+  };
+  for (Index t : edit.removed) touched(t);
+  for (const VertexSplit& split : edit.splits)
+    for (Index t : split.tets) touched(t);
+  check(topology, triangles, vertices);
+}
+
+void Skin::follow_all(const Topology& topology) {
+  std::vector<Index> triangles, vertices;
+  for (Index vertex = 0; vertex < points_.cols(); ++vertex) {
+    vertices.push_back(vertex);
+    if (topology.alive(carrier_[vertex])) carrier_corners_[vertex] = topology.corners(carrier_[vertex]);
+  }
+  for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle) triangles.push_back(triangle);
+  check(topology, triangles, vertices);
+}
+
+// First what has lost what it lies on; then new carriers; then what these, or the old ones, do not hold together.
+void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices) {
+  sort_each_once(vertices);
+  std::vector<Index> drops;
+  const auto collect = [&](auto&& stays) {
+    sort_each_once(triangles);
+    for (Index triangle : triangles)
+      if (slot_of_[triangle] >= 0 && !stays(triangle)) drops.push_back(triangle);
+  };
+  collect([&](Index triangle) { return bond_of(topology, triangle, {}) != Bond::none; });
+  drop(drops);
+  for (Index vertex : vertices) {
+    append(triangles, around_[vertex]);
+    if (holds_to_any(topology, vertex)) continue;
+    const Index tet = nearest_of(candidates(vertex), start_, points_.col(vertex));
+    if (tet >= 0) carry(vertex, tet, topology.corners(tet));
+  }
+  collect([&](Index triangle) { return holds(topology, triangle, corners_in(triangle)); });
+  drop(drops);
+}
+
+// Of the tetrahedra that a triangle lies on and those that carry some of its corners.
+Bond Skin::bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const {
+  std::vector<Index> tets(lies_on_[triangle].begin(), lies_on_[triangle].end());
+  for (Index vertex : corners)
+    if (std::find(tets.begin(), tets.end(), carrier_[vertex]) == tets.end()) tets.push_back(carrier_[vertex]);
+  return bond(topology, tets);
+}
+
+bool Skin::holds(const Topology& topology, Index triangle, std::span<const Index> corners) const {
+  const Bond found = bond_of(topology, triangle, corners);
+  return found == Bond::firm || (found == Bond::loose && is_loose_[triangle]);
+}
+
+// Whether what carries a vertex hangs together with what a shown triangle around it lies on.
+bool Skin::holds_to_any(const Topology& topology, Index vertex) const {
+  const std::span<const Index> around = around_[vertex];
+  return std::any_of(around.begin(), around.end(), [&](Index triangle) {
+    return slot_of_[triangle] >= 0 && holds(topology, triangle, {&vertex, 1});
+  });
+}
+
+// The last triangles take the slots of those that go, highest slots first.
+void Skin::drop(std::vector<Index>& triangles) {
+  if (triangles.empty()) return;
+  ++mesh_.revision;
+  mesh_.changed_triangles.next(mesh_.triangles.size());
+  std::sort(triangles.begin(), triangles.end(), [&](Index a, Index b) { return slot_of_[a] > slot_of_[b]; });
+  for (Index triangle : triangles) {
+    const Index slot = std::exchange(slot_of_[triangle], -1), last = mesh_.triangle_count() - 1;
+    if (slot != last) {
+      mesh_.triangles[slot] = mesh_.triangles[last];
+      mesh_.file_triangle[slot] = mesh_.file_triangle[last];
+      shown_[slot] = shown_[last];
+      slot_of_[mesh_.file_triangle[slot]] = slot;
+      mesh_.changed_triangles.record(slot);
+    }
+    twice_area_[triangle].setZero();
+    mesh_.triangles.pop_back();
+    mesh_.file_triangle.pop_back();
+    shown_.pop_back();
+  }
+  triangles.clear();
+}
+
+void Skin::update(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<float>>& u,
+                  Mat3X<float>& x, Mat3X<float>& normals) {
+  update_from<float>(X, u, x, normals);
+}
+
+void Skin::update(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<double>>& u,
+                  Mat3X<float>& x, Mat3X<float>& normals) {
+  update_from<double>(X, u, x, normals);
+}
+
+template <class Real>
+void Skin::update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
+                       Mat3X<float>& x, Mat3X<float>& normals) {
+  mesh_x_.resize(std::size_t(X.cols()));
+  for (Eigen::Index v = 0; v < X.cols(); ++v)
+    mesh_x_[v] << (X.col(v) + u.col(v).template cast<double>()).template cast<float>(), 0.0F;
+  x.resize(3, mesh_.vertex_count());
+  normals.resize(3, mesh_.vertex_count());
+  find_positions(x);
+  find_normals(normals);
+  const auto carried = static_cast<Index>(points_.cols());
+  for (Index i = carried; i < mesh_.vertex_count(); ++i) {
+    x.col(i) = x.col(copied_from_[i - carried]);
+    normals.col(i) = normals.col(copied_from_[i - carried]);
+  }
+}
+
+void Skin::find_positions(Mat3X<float>& x) {
+  const auto count = static_cast<Index>(points_.cols());
+  x_.resize(std::size_t(count));
+  for (Index i = 0; i < count; ++i) {
+    const Eigen::Vector4f& w = weights_[i];
+    const Eigen::Vector4i& c = carrier_corners_[i];
+    x_[i] = (w[0] * mesh_x_[c[0]] + w[1] * mesh_x_[c[1]]) + (w[2] * mesh_x_[c[2]] + w[3] * mesh_x_[c[3]]);
+    put(x_[i], i, count, x);
+  }
+}
+
+// Six each, so that the loop over them never ends unexpectedly.
+void Skin::list_triangles_around() {
+  const auto of_no_area = static_cast<Index>(slot_of_.size());
+  twice_area_.assign(slot_of_.size() + 1, Eigen::Vector4f::Zero());
+  for (Index vertex = 0; vertex < around_.count(); ++vertex) {
+    auto& six = six_around_.emplace_back();
+    six.fill(of_no_area);
+    const std::span<const Index> around = around_[vertex];
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      if (i < six.size())
+        six[i] = around[i];
+      else
+        others_around_.push_back({vertex, around[i]});
+    }
+  }
+}
+
+void Skin::find_areas() {
+  const Eigen::Vector4f* const x = x_.data();
+  Eigen::Vector4f* const areas = twice_area_.data();
+  for (std::size_t slot = 0; slot < shown_.size(); ++slot) {
+    const Eigen::Vector3i& t = shown_[slot];
+    const Eigen::Vector4f a = x[t[0]], b = x[t[1]] - a, c = x[t[2]] - a;
+    areas[mesh_.file_triangle[slot]] = b.cross3(c);
+  }
+}
+
+// A vertex gathers what is around it: to add each triangle to its corners would wait for what was written just before.
+void Skin::sum_areas() {
+  normals_.resize(six_around_.size());
+  const Eigen::Vector4f* const areas = twice_area_.data();
+  for (std::size_t i = 0; i < six_around_.size(); ++i) {
+    const std::array<Index, 6>& t = six_around_[i];
+    normals_[i] = (areas[t[0]] + areas[t[1]]) + (areas[t[2]] + areas[t[3]]) + (areas[t[4]] + areas[t[5]]);
+  }
+  for (const auto& [vertex, triangle] : others_around_) normals_[vertex] += areas[triangle];
+}
+
+// Four square roots at a time.
+void Skin::find_normals(Mat3X<float>& normals) {
+  find_areas();
+  sum_areas();
+  const auto count = static_cast<Index>(normals_.size());
+  for (Index i = 0; i < count; i += 4) {
+    const Index four = std::min(4, count - i);
+    Eigen::Array4f squares = Eigen::Array4f::Zero();
+    for (Index k = 0; k < four; ++k) squares[k] = normals_[i + k].squaredNorm();
+    const Eigen::Array4f factors = (squares > 0).select(squares.sqrt().inverse(), 0.0F);
+    for (Index k = 0; k < four; ++k) put(factors[k] * normals_[i + k], i + k, count, normals);
+  }
+}
+
+}  // namespace lobe

@@ -1,0 +1,104 @@
+// A fine surface with texture coordinates, such as the one that the tetrahedra were made from, which these carry along and
+// which opens where they are cut.
+//
+// Each vertex is carried by one tetrahedron: it keeps its barycentric coordinates in it, outside of it by linear extension
+// (the tetrahedra's own surface is coarser). A triangle lies on the tetrahedra under it (tets_under()), and a vertex is carried
+// by one of those that the triangles around it lie on, the nearest. A triangle is shown as long as all tetrahedra that it lies
+// on and that carry its corners are there, any two of them share all the corners that they shared at the start, and they
+// all hang together by shared corners. The tetrahedra around a corner hang together by faces (mesh/topology.h), so no triangle
+// ever bridges a gap between pieces. A vertex whose tetrahedron is cut away, or holds to none of the shown triangles around it,
+// is carried by another of those that these lie on. What is not shown never comes back.
+#pragma once
+
+#include "lobe/io/surface_io.h"
+#include "lobe/mesh/slot_log.h"
+#include "lobe/mesh/vertex_lists.h"
+#include "lobe/skin/carriers.h"
+
+namespace lobe {
+
+// All but positions and normals. A vertex of the file is several here where it has several texture coordinates, or several
+// normals: there the skin is creased, as it is in the file.
+struct SkinMesh {
+  std::uint64_t revision = 0;              // grows by one with each change of what is shown
+  std::vector<Eigen::Vector3i> triangles;  // those that are shown; counter-clockwise seen from outside
+  std::vector<Index> file_triangle;        // per triangle: its number in the file
+  SlotLog changed_triangles;               // as in Surface: arrays without gaps
+
+  std::vector<Index> file_vertex;                   // per vertex; vertices never change
+  Eigen::Matrix<float, 2, Eigen::Dynamic> texture;  // 2 × #vertices; 0 where the file has none
+
+  Index vertex_count() const { return static_cast<Index>(file_vertex.size()); }
+  Index triangle_count() const { return static_cast<Index>(triangles.size()); }
+};
+
+class Skin {
+ public:
+  // Of the body as it was at the start; both are copied. Throws InputError for a body without tetrahedra or a surface without
+  // triangles. O(#triangles log #tets).
+  Skin(const TexturedSurface& surface, const TetMesh& mesh);
+
+  // After each edit, which the topology has made. O(what lies on the tetrahedra that are gone, or have other corners).
+  void follow(const Topology& topology, const MeshEdit& edit);
+  // The same for all edits since the start at once: of a world that was restored, say. O(#triangles).
+  void follow_all(const Topology& topology);
+
+  const SkinMesh& mesh() const { return mesh_; }
+  double farthest() const { return farthest_; }  // that a vertex was from its tetrahedron at the start [m]
+  // Triangles whose tetrahedra did not hang together at the start, because they are far outside of the body or span a hollow of
+  // it. They need not afterwards, and may bridge gaps.
+  Index loose_count() const;
+
+  // Positions and unit normals of the vertices: sums of the shown triangles' normals, weighted by area; zero where none is
+  // shown. Single precision, for drawing. O(#vertices of skin and mesh), about 10 ns each.
+  void update(const Eigen::Ref<const Mat3X<double>>& X,  // 3 × #vertices of the topology, at rest [m]
+              const Eigen::Ref<const Mat3X<float>>& u,   // the same, displacements [m]
+              Mat3X<float>& x, Mat3X<float>& normals);   // out: 3 × #vertices of the skin [m], [1]
+  void update(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<double>>& u,
+              Mat3X<float>& x, Mat3X<float>& normals);
+
+ private:
+  using Padded = std::vector<Eigen::Vector4f>;  // three numbers that fill a vector register
+
+  void add_vertices(const TexturedSurface& surface);
+  void add_texture(const TexturedSurface& surface);
+  void choose_carriers(const Topology& topology);
+  void carry(Index vertex, Index tet, const Eigen::Vector4i& corners);
+  std::span<const Index> corners_in(Index triangle) const { return {corners_of_.col(triangle).data(), 3}; }
+  Bond bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const;
+  bool holds(const Topology& topology, Index triangle, std::span<const Index> corners) const;
+  bool holds_to_any(const Topology& topology, Index vertex) const;
+  void drop(std::vector<Index>& triangles);
+  void check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices);
+  std::vector<Index> candidates(Index vertex) const;
+  template <class Real>
+  void update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
+                   Mat3X<float>& x, Mat3X<float>& normals);
+  void find_positions(Mat3X<float>& x);
+  void find_normals(Mat3X<float>& normals);
+  void find_areas();
+  void sum_areas();
+  void list_triangles_around();
+
+  TetMesh start_;
+  SkinMesh mesh_;
+  double farthest_ = 0;
+  Mat3X<double> points_;            // at rest, of the carried vertices [m]
+  std::vector<Index> copied_from_;  // of the vertices behind the carried ones: they differ in texture alone
+  Triangles corners_of_;            // 3 × #triangles of the file, carried vertices
+  std::vector<Eigen::Vector3i> shown_;       // as mesh_.triangles, of carried vertices
+  std::vector<Index> slot_of_;               // per triangle of the file; −1: not shown
+  std::vector<std::uint8_t> is_loose_;       // per triangle of the file: see loose_count()
+  NumberLists lies_on_, lying_on_, around_;  // tets of triangles, triangles of tets and of carried vertices
+  std::vector<Index> carrier_;               // per carried vertex: its tetrahedron
+  VertexLists<Index> carried_by_;            // per tetrahedron: vertices
+  std::vector<Eigen::Vector4f> weights_;     // per carried vertex
+  std::vector<Eigen::Vector4i> carrier_corners_;  // the same: vertices of the mesh
+  // Per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond six, with their vertex.
+  std::vector<std::array<Index, 6>> six_around_;
+  std::vector<std::array<Index, 2>> others_around_;
+  Padded twice_area_;            // per triangle of the file: its normal; 0 where it is not shown
+  Padded mesh_x_, x_, normals_;  // scratch of update(): of the mesh; of the carried vertices
+};
+
+}  // namespace lobe

@@ -1,0 +1,68 @@
+// A picture of a running simulation that other threads read: all that a viewer, a haptic loop or a script wants of one
+// moment. It goes through a TripleBuffer, which recycles its storage: taking one allocates nothing while nothing is cut.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lobe/mesh/surface.h"
+
+namespace lobe {
+
+template <class Real>
+struct SurfaceSnapshot {
+  std::shared_ptr<const SurfaceMesh> mesh;  // shared by all pictures of the same revision
+  Mat3X<Real> x;                            // 3 × #vertices of the surface, current positions [m]
+  Mat3X<Real> normals;                      // 3 × #vertices of the surface, unit length, outwards
+};
+
+struct ToolSnapshot {
+  std::string name, type;          // as in the scene: "left hand", "grasp"
+  Vec3d position = Vec3d::Zero();  // [m]
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  Vec3d force = Vec3d::Zero();   // on the tool, by the body [N]
+  Vec3d torque = Vec3d::Zero();  // on the tool, by the body, about its position [N m]
+};
+
+struct FigureSnapshot {  // of the frame that led here
+  bool ok = true;        // false: the simulation stands still
+  int steps = 0, reruns = 0;
+  double time_step = 0;     // the smallest that was taken [s]
+  double wall_seconds = 0;  // that it took [s]
+  Index tets = 0, tets_removed = 0;
+  std::vector<std::string> conditions;  // what there is to say, a line each
+};
+
+template <class Real>
+struct Snapshot {
+  double time = 0;         // [s]
+  std::int64_t frame = 0;  // counted from the start
+  Mat3X<Real> u, v;        // 3 × #vertices of the mesh, displacements [m] and velocities [m/s]
+  SurfaceSnapshot<Real> surface;
+  std::vector<ToolSnapshot> tools;
+  FigureSnapshot figures;
+};
+
+// Copies one surface into pictures, one after the other. What stays the same while nothing is cut is copied once for all.
+class SurfaceCopies {
+ public:
+  // O(#vertices + #triangles of the surface); it allocates where the revision or the number of vertices has changed.
+  template <class Real>
+  void copy(const Surface& surface,                                        // the same each time
+            const Eigen::Ref<const Mat3X<double>>& X,                      // 3 × #vertices of the mesh [m]
+            const Eigen::Ref<const Mat3X<std::type_identity_t<Real>>>& u,  // the same [m]
+            SurfaceSnapshot<Real>& to) {
+    if (!shared_ || shared_->revision != surface.revision())
+      shared_ = std::make_shared<const SurfaceMesh>(surface.mesh());
+    to.mesh = shared_;
+    update_positions(*shared_, X, u, to.x);
+    update_normals(*shared_, to.x, to.normals);
+  }
+
+ private:
+  std::shared_ptr<const SurfaceMesh> shared_;
+};
+
+}  // namespace lobe

@@ -1,0 +1,131 @@
+#include "lobe/time/dynamics.h"
+
+#include <cmath>
+#include <utility>
+
+namespace lobe {
+
+template <class Real>
+Dynamics<Real>::Dynamics(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
+    : model{Elements(setup), held_by(setup.prescribed), {}},
+      regions(setup, condensing),
+      loads(model.elements, setup),
+      inertia(setup),
+      parallel(threads),
+      damping(setup.damping) {
+  motion.extend(model.elements.topology.vertex_count());
+}
+
+template <class Real>
+void Dynamics<Real>::find_forces() {
+  if (const std::vector<Index>* wanted = sleep.begin_forces(*this))
+    loads.put_at(*wanted, motion.forces);
+  else
+    loads.put(motion.time, parallel, motion.forces);
+  regions.add_forces(motion.u.padded(), loads.missing(motion.time), motion.forces.padded(), parallel);
+  for (const auto& term : terms) term->add_forces(here(), motion.forces.padded());
+}
+
+template <class Real>
+void Dynamics<Real>::recover(typename Regions<Real>::Interior wanted) {
+  regions.recover(model, loads.missing(motion.time), wanted, motion);
+}
+
+template <class Real>
+void Dynamics<Real>::arrange() {
+  inertia.arrange(
+      model, sleep.revision(), [&](Index v) { return sleep.is_asleep(v); }, motion);
+}
+
+template <class Real>
+void Dynamics<Real>::prepare_inertia() {
+  arrange();
+  inertia.prepare(model, sleep.any(), [&](Index t) { return regions.is_dynamic(model.elements, t); });
+}
+
+template <class Real>
+Energies Dynamics<Real>::energies() {
+  recover(Regions<Real>::Interior::all);
+  if (inertia.is_selective()) prepare_inertia();
+  const ElasticEnergy elastic = regions.energy(model.elements, motion.u.padded());
+  Energies e;
+  e.kinetic = inertia.kinetic_energy(motion, parallel);
+  e.elastic_linear = elastic.linear;
+  e.elastic_nonlinear = elastic.nonlinear;
+  e.loads = elastic.condensed_loads - loads.work(motion.u.padded());
+  for (const auto& term : terms) e.applied += term->energy(here());
+  return e;
+}
+
+template <class Real>
+std::vector<Index> Dynamics<Real>::touched_by_terms() const {
+  std::vector<Index> vertices;
+  for (const auto& term : terms) {
+    const std::vector<Index> own = term->touched();
+    vertices.insert(vertices.end(), own.begin(), own.end());
+  }
+  return vertices;
+}
+
+template <class Real>
+Vec3d Dynamics<Real>::reaction(int holder) {
+  find_forces();
+  recover(Regions<Real>::Interior::all);
+  Vec3d sum = Vec3d::Zero();
+  for (const HeldVertices::Held& item : model.held.all()) {
+    if (item.holder != holder) continue;
+    const Vec3d inside = regions.force_on_fixed(model.elements, motion.u.padded(), item.vertex);
+    for (int i = 0; i < 3; ++i)
+      if (item.axes[i]) sum[i] -= double(motion.forces(i, item.vertex)) + inside[i];
+  }
+  return sum;
+}
+
+template <class Real>
+void Dynamics<Real>::leave_out_held() {
+  arrange();
+  for (const HeldVertices::Held& item : inertia.led()) {
+    if (model.held.fixes(item.vertex)) continue;  // it is none that moves by itself
+    for (int i = 0; i < 3; ++i)
+      if (item.axes[i]) motion.forces(i, item.vertex) = motion.v(i, item.vertex) = 0;
+  }
+}
+
+template <class Real>
+void Dynamics<Real>::push(double kick, double dt) {
+  if (inertia.is_selective()) {
+    prepare_inertia();
+    inertia.apply(parallel, motion.forces.padded());
+  }
+  const Fastest<Real> fastest =
+      central_difference(motion.forces.padded(), inertia.moving(), Real(kick), Real(dt), Real(damping),
+                         motion.u.padded(), motion.v.padded(), motion.turns, parallel);
+  motion.speeds.fastest = std::sqrt(double(fastest.all));
+  motion.speeds.turned = std::sqrt(double(fastest.turned));
+  ++model.revisions.velocities;
+}
+
+template <class Real>
+void Dynamics<Real>::catch_up() {
+  if (motion.behind == 0) return;
+  find_forces();
+  leave_out_held();
+  push(std::exchange(motion.behind, 0), 0);
+}
+
+template <class Real>
+void Dynamics<Real>::state_has_moved() {
+  ++model.revisions.displacements;
+  ++model.revisions.velocities;
+}
+
+template <class Real>
+void Dynamics<Real>::state_was_given() {
+  state_has_moved();
+  ++model.revisions.given;
+}
+
+template struct Dynamics<float>;
+template struct Dynamics<double>;
+
+}  // namespace lobe

@@ -1,0 +1,66 @@
+// A body in motion: its rest data, its state, and the parts that say by which forces and against which inertia it moves.
+// World plays frames, tools and cuts on it.
+#pragma once
+
+#include <memory>
+
+#include "lobe/body/force_term.h"
+#include "lobe/time/inertia.h"
+#include "lobe/time/sleep.h"
+
+namespace lobe {
+
+struct Energies {  // [J]
+  double kinetic = 0, elastic_linear = 0, elastic_nonlinear = 0;
+  double loads = 0;    // −(gravity and dead loads) · u
+  double applied = 0;  // of force terms
+  double total() const { return kinetic + elastic_linear + elastic_nonlinear + loads + applied; }
+};
+
+template <class Real>
+struct Dynamics {
+  Dynamics(const Setup& setup, int threads, const CondensingLog::Progress& condensing);
+
+  Model model;
+  Motion<Real> motion;
+  Regions<Real> regions;
+  Loads<Real> loads;
+  std::vector<std::shared_ptr<ForceTerm<Real>>> terms;
+  Inertia<Real> inertia;
+  Sleep sleep;
+  Parallel parallel;
+  double damping = 0;  // γ [1/s]
+
+  // Into motion.forces: all forces at the state [N], held vertices included.
+  void find_forces();
+  // Displacements, and velocities if asked for, of what is condensed as well.
+  void recover(typename Regions<Real>::Interior wanted);
+  void arrange();          // who moves
+  void prepare_inertia();  // and how selective masses couple them
+  Energies energies();
+  Vec3d reaction(int holder);  // force that who holds these vertices must apply now [N]
+
+  // Velocities and displacements by the forces that were found last, which it changes: forces act for the time `kick`, half
+  // of a step before and half of it after, for dt [s].
+  void push(double kick, double dt);
+  // Held components of who moves along the others stay where they are.
+  void leave_out_held();
+  // Brings velocities up to the time of the displacements, before an edit makes the forces jump: those from before it act
+  // until then, those after it from then on.
+  void catch_up();
+
+  typename ForceTerm<Real>::At here() const {
+    return {model, motion.u.padded(), motion.v.padded(), motion.time};
+  }
+  // Vertices on which force terms act.
+  std::vector<Index> touched_by_terms() const;
+
+  // The state was changed by other means than a step.
+  void state_was_given();
+  void state_has_moved();
+};
+
+extern template struct Dynamics<float>;
+extern template struct Dynamics<double>;
+
+}  // namespace lobe

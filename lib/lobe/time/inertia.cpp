@@ -1,0 +1,116 @@
+#include "lobe/time/inertia.h"
+
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include "lobe/error.h"
+
+namespace lobe {
+
+template <class Real>
+void Inertia<Real>::copy(Index vertex, Index copy) {
+  if (factor_.empty()) return;
+  factor_.resize(std::size_t(copy) + 1, 1);
+  factor_[std::size_t(copy)] = factor_[std::size_t(vertex)];
+}
+
+template <class Real>
+void Inertia<Real>::refresh(const Model& model, const std::vector<Index>& vertices) {
+  const auto n = std::size_t(model.elements.topology.vertex_count());
+  for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(n, 0);
+  add_edits(vertices);
+  for (Index v : vertices) mass_[v] = lumped_mass(model.elements, v) * (factor_.empty() ? 1.0 : factor_[v]);
+}
+
+template <class Real>
+void Inertia<Real>::release(Model& model, Index v) {
+  inverse_mass_[v] = mass_[v] > 0 && !model.held.fixes(v) ? 1 / mass_[v] : 0;
+  ++model.revisions.inertia;
+}
+
+template <class Real>
+void Inertia<Real>::scale(const std::vector<double>& squares, double share) {
+  factor_ = mass_factors(mass_, squares, share * std::accumulate(mass_.begin(), mass_.end(), 0.0));
+}
+
+template <class Real>
+std::vector<int> Inertia<Real>::degrees() const {
+  std::vector<int> degrees;
+  for (int degree : {1, 3, 5, 9, 12})
+    if (degree < highest_degree_) degrees.push_back(degree);
+  degrees.push_back(highest_degree_);
+  return degrees;
+}
+
+template <class Real>
+void Inertia<Real>::check_degree(int degree) const {
+  const std::vector<int> there = degrees();
+  if (std::find(there.begin(), there.end(), degree) != there.end()) return;
+  throw InputError("selective_mass", "has no degree " + std::to_string(degree) +
+                                         ", only 1, 3, 5, 9, 12 up to that of the setup, " +
+                                         std::to_string(highest_degree_));
+}
+
+template <class Real>
+void Inertia<Real>::apply(int degree, Parallel& parallel, Mat3X<Real>& f) {
+  const int own = selective_.degree();
+  selective_.set_degree(degree);
+  apply(parallel, f);
+  selective_.set_degree(own);
+}
+
+template <class Real>
+void Inertia<Real>::slow_short_waves(Parallel& parallel, Motion<Real>& motion) {
+  Mat3X<Real> once = Mat3X<Real>::Zero(3, motion.v.count());
+  for (const MovingVertex<Real>& own : moving_)
+    once.col(own.vertex) = motion.v.col(own.vertex) / own.inverse_mass;
+  apply(parallel, once);
+  Mat3X<Real> twice = once;
+  apply(parallel, twice);
+  for (const MovingVertex<Real>& own : moving_)
+    motion.v.col(own.vertex) = own.inverse_mass * (Real(2) * once.col(own.vertex) - twice.col(own.vertex));
+}
+
+// ½ v·C⁻¹v by conjugate gradients: M C p = M v in the inner product of M⁻¹, in which M C is symmetric. What each adds to
+// v·p is known without p. Components that are led have lumped masses.
+template <class Real>
+double Inertia<Real>::kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const {
+  double twice = 0;
+  for (Index v = 0; v < state.v.count(); ++v)
+    twice += mass_[v] * state.v.col(v).template cast<double>().squaredNorm();
+  if (!is_selective()) return twice / 2;
+  SelectiveMass<Real> selective = selective_;  // which keeps the accelerations of the last step
+  const auto inner = [&](const Mat3X<Real>& a, const Mat3X<Real>& b) {
+    double sum = 0;
+    for (const MovingVertex<Real>& own : moving_)
+      sum += double(own.inverse_mass) * double(a.col(own.vertex).dot(b.col(own.vertex)));
+    return sum;
+  };
+  Mat3X<Real> left = Mat3X<Real>::Zero(3, state.v.count());
+  for (const MovingVertex<Real>& own : moving_)
+    left.col(own.vertex) = state.v.col(own.vertex) / own.inverse_mass;
+  for (const Held& item : led_)
+    for (int axis = 0; axis < 3; ++axis)
+      if (item.axes[axis]) left(axis, item.vertex) = 0;
+  Mat3X<Real> along = left, image;
+  double square = inner(left, left);
+  const double small = double(std::numeric_limits<Real>::epsilon()) * square;
+  twice -= square;
+  constexpr int most = 1000;
+  for (int i = 0; i < most && square > small; ++i) {
+    image = along;
+    selective.apply(led_, parallel, image);
+    const double step = square / inner(along, image);
+    twice += step * square;
+    left -= Real(step) * image;
+    along = left + Real(inner(left, left) / square) * along;
+    square = inner(left, left);
+  }
+  return twice / 2;
+}
+
+template class Inertia<float>;
+template class Inertia<double>;
+
+}  // namespace lobe

@@ -1,0 +1,135 @@
+// What resists acceleration: lumped masses, some of them scaled, or selective masses; and which vertices a step moves.
+#pragma once
+
+#include "lobe/body/loads.h"
+#include "lobe/body/regions.h"
+#include "lobe/time/mass_scaling.h"
+#include "lobe/time/selective_mass.h"
+
+namespace lobe {
+
+template <class Real>
+class Inertia {
+ public:
+  using Held = HeldVertices::Held;
+
+  explicit Inertia(const Setup& setup)
+      : highest_degree_(setup.selective_mass), degree_(setup.selective_mass) {}
+
+  // ---- Masses
+
+  const std::vector<double>& mass() const { return mass_; }                  // per vertex [kg], 0 for orphans
+  const std::vector<double>& inverse_mass() const { return inverse_mass_; }  // [1/kg], 0 also where held
+  double inverse_mass(Index v) const { return inverse_mass_[std::size_t(v)]; }
+
+  // After an edit: masses of these vertices as its tetrahedra give them; release() follows. Copies are scaled as the vertex
+  // that they come from.
+  void copy(Index vertex, Index copy);
+  void refresh(const Model& model, const std::vector<Index>& vertices);
+  // The inverse mass of a vertex whose mass or hold has changed.
+  void release(Model& model, Index v);
+  // Masses that somebody changes at once: those of a condensed interior go to its interface.
+  std::vector<double>& masses() { return mass_; }
+  // Adds mass, at most that share of all, where `squares`, ω_v² [1/s²], are largest. Masses are then to be refreshed.
+  void scale(const std::vector<double>& squares, double share);
+  const MassScaling& scaling() const { return scaling_; }
+  MassScaling& scaling() { return scaling_; }
+
+  // ---- Who moves
+
+  // Finds it again where masses, holds, sleepers or the state have been given anew. What rests is put in its place here, and
+  // needs nothing from a step.
+  template <class IsAsleep>
+  void arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);
+  const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // by themselves
+  const std::vector<Held>& led() const { return led_; }  // held, but not at one place in all components
+
+  // ---- Selective masses (selective_mass.h)
+
+  bool may_be_selective() const { return highest_degree_ > 1; }
+  bool is_selective() const { return selective_.degree() > 1; }
+  int degree() const { return degree_; }                  // asked for
+  int degree_now() const { return selective_.degree(); }  // 1 while masses are lumped for a while
+  std::vector<int> degrees() const;                       // those that there are, the last that of the setup
+  void check_degree(int degree) const;                    // throws InputError for one that there is not
+  void ask_for(int degree) { degree_ = degree; }
+  void use(int degree) { selective_.set_degree(degree); }
+  // Vertices around which the couplings follow an edit.
+  void add_edits(const std::vector<Index>& vertices) {
+    if (may_be_selective()) edits_.insert(edits_.end(), vertices.begin(), vertices.end());
+  }
+
+  // From forces [N] to those that give lumped masses the accelerations C f; prepare() comes before, after arrange().
+  template <class TakesPart>  // takes_part(tet): whether its vertices are coupled
+  void prepare(const Model& model, bool any_asleep, TakesPart&& takes_part);
+  void apply(Parallel& parallel, Mat3X<Real>& f) { selective_.apply(led_, parallel, f); }
+  void apply(int degree, Parallel& parallel, Mat3X<Real>& f);
+  // Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further than before;
+  // long ones keep their speed: v → v − (1 − P)² v.
+  void slow_short_waves(Parallel& parallel, Motion<Real>& motion);
+  double kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const;  // [J]
+  double lag(int degree) const { return selective_.lag(degree); }                    // [s²]
+  typename SelectiveMass<Real>::Acceleration acceleration() const { return selective_.acceleration(); }
+
+ private:
+  std::vector<double> mass_, inverse_mass_, factor_;  // [kg], [1/kg], of mass scaling or empty
+  MassScaling scaling_;
+
+  std::vector<MovingVertex<Real>> moving_;
+  std::vector<Held> led_;
+  Revisions arranged_at_{.inertia = never};
+  std::uint64_t arranged_sleepers_ = 0;
+
+  int highest_degree_, degree_;
+  SelectiveMass<Real> selective_;
+  std::vector<Index> edits_;
+  std::uint64_t measured_at_ = never;
+  bool couplings_are_arranged_ = false;
+
+  static constexpr std::uint64_t never = ~std::uint64_t(0);
+};
+
+template <class Real>
+template <class IsAsleep>
+void Inertia<Real>::arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep,
+                            Motion<Real>& motion) {
+  const Revisions& now = model.revisions;
+  if (arranged_at_.inertia == now.inertia && arranged_at_.given == now.given &&
+      arranged_sleepers_ == sleepers)
+    return;
+  arranged_at_ = now;
+  arranged_sleepers_ = sleepers;
+  couplings_are_arranged_ = false;
+  moving_ = moving_vertices<Real>(inverse_mass_);
+  std::erase_if(moving_, [&](const MovingVertex<Real>& own) { return is_asleep(own.vertex); });
+  led_.clear();
+  for (const Held& item : model.held.all()) {
+    if (item.holder != HeldVertices::boundary || item.start != item.goal || item.axes != all_axes) {
+      led_.push_back(item);
+      continue;
+    }
+    motion.u.col(item.vertex) = item.goal.template cast<Real>();
+    motion.v.col(item.vertex).setZero();
+  }
+}
+
+template <class Real>
+template <class TakesPart>
+void Inertia<Real>::prepare(const Model& model, bool any_asleep, TakesPart&& takes_part) {
+  if (measured_at_ != model.revisions.inertia) {
+    std::sort(edits_.begin(), edits_.end());
+    edits_.erase(std::unique(edits_.begin(), edits_.end()), edits_.end());
+    selective_.follow(model.elements, edits_, takes_part);
+    edits_.clear();
+    selective_.measure(moving_vertices<Real>(inverse_mass_));
+    couplings_are_arranged_ = !any_asleep;
+    measured_at_ = model.revisions.inertia;
+  }
+  if (!couplings_are_arranged_) selective_.arrange(moving_);
+  couplings_are_arranged_ = true;
+}
+
+extern template class Inertia<float>;
+extern template class Inertia<double>;
+
+}  // namespace lobe

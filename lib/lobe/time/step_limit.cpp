@@ -1,0 +1,207 @@
+#include "lobe/time/step_limit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lobe {
+
+template <class Real>
+template <class Weight>
+void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
+  frequencies_.find(body.model.elements.topology.vertex_count(), weight, [&](DiagonalStiffness& K) {
+    const auto found = body.regions.add_diagonal_stiffness(body.motion.u.padded(), K, body.parallel);
+    volume_ratio_ = found.smallest_volume_ratio;
+    volume_ratio_tet_ = found.smallest_tet;
+    for (const auto& term : body.terms) term->add_diagonal_stiffness(body.here(), K);
+  });
+  found_at_ = body.model.revisions.displacements;
+}
+
+template <class Real>
+void StepLimit<Real>::find_anew(Body& body) {
+  if (known_ == Known::anew && is_known(body)) return;
+  find_frequencies(body, [&](Index v) { return weight(body, v); });
+  known_ = Known::anew;
+}
+
+template <class Real>
+double StepLimit<Real>::find(Body& body) {
+  if (!is_known(body)) {
+    known_ = Known::nothing;
+    find_anew(body);
+  }
+  const VertexFrequency highest = frequencies_.highest([&](Index v) { return weight(body, v); });
+  limiting_vertex_ = highest.vertex;
+  // SVK softens when crushed; a step far beyond that of the body at rest would still be rash.
+  const double omega = std::max(highest.omega, at_rest(body).omega / 4);
+  return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
+}
+
+template <class Real>
+double StepLimit<Real>::keep(Body& body) {
+  kept_.limit = find(body);
+  kept_.time = body.motion.time;
+  kept_.limiting_vertex = limiting_vertex_;
+  kept_.volume_ratio = volume_ratio_;
+  kept_.volume_ratio_tet = volume_ratio_tet_;
+  kept_at_ = body.model.revisions;
+  return kept_.limit;
+}
+
+template <class Real>
+double StepLimit<Real>::at_end(Body& body) {
+  if (holds(body)) return std::numeric_limits<double>::infinity();
+  kept_.is_new = true;
+  return keep(body);
+}
+
+template <class Real>
+bool StepLimit<Real>::holds(const Body& body) const {
+  const Revisions& now = body.model.revisions;
+  return !body.sleep.is_on() && body.motion.time - kept_.time < interval * (1 - 1e-9) &&
+         kept_at_.structure == now.structure && kept_at_.inertia == now.inertia && kept_at_.given == now.given;
+}
+
+template <class Real>
+void StepLimit<Real>::set_kept(const Kept& kept, const Body& body) {
+  kept_ = kept;
+  kept_at_ = body.model.revisions;
+}
+
+template <class Real>
+VertexFrequency StepLimit<Real>::highest_vertex(Body& body) {
+  const auto alone = [&](Index v) { return body.inertia.inverse_mass(v); };
+  find_frequencies(body, alone);
+  known_ = Known::nothing;
+  return frequencies_.highest(alone);
+}
+
+// About the present state, by displacements that are small enough for forces to be linear, and large enough for their
+// differences to be known. Nothing is found where the body has gone so far that there are none.
+template <class Real>
+HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettings& settings) {
+  const Mat3X<Real> at = body.motion.u.view();
+  double farthest = 0;  // of what moves by itself [m]
+  for (Index v = 0; v < static_cast<Index>(at.cols()); ++v)
+    if (body.inertia.inverse_mass(v) > 0) farthest = std::max(farthest, double(at.col(v).norm()));
+  const bool at_rest = farthest == 0;
+  if (at_rest && !body.terms.empty()) return {};
+  const double small =
+      at_rest ? 1e-9 * mean_edge_ : std::sqrt(double(std::numeric_limits<Real>::epsilon())) / 3 * farthest;
+  if (!(small < 0.01 * mean_edge_)) return {};
+  body.regions.spoil_sums();
+  const Mat3X<Real> velocities = body.terms.empty() ? Mat3X<Real>() : Mat3X<Real>(body.motion.v.view());
+  const double missing = body.loads.missing(body.motion.time);
+  const auto add_forces = [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
+    if (at_rest)
+      body.regions.add_forces_near_rest(u, f, body.parallel);
+    else
+      body.regions.add_forces_near(u, missing, f, body.parallel);
+    for (const auto& term : body.terms) term->add_forces({body.model, u, velocities, body.motion.time}, f);
+  };
+  Mat3X<Real> there = Mat3X<Real>::Zero(3, at.cols());
+  if (!at_rest) add_forces(at, there);
+  const std::function<void(Mat3X<Real>&)> nothing, scale = [&](Mat3X<Real>&f) {
+    body.prepare_inertia();
+    body.inertia.apply(body.parallel, f);
+  };
+  return highest_frequency<Real>(
+      body.inertia.inverse_mass(), [&](Index v) { return bounded_square(v); }, small,
+      [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
+        f -= there;
+        add_forces(at_rest ? u : Mat3X<Real>(at + u), f);
+      },
+      settings, body.inertia.is_selective() ? scale : nothing);
+}
+
+template <class Real>
+void StepLimit<Real>::measure_degree_at_rest(Body& body) {
+  ratios_.forget_all(1);
+  const double vertex = highest_vertex(body).omega;
+  if (!(vertex > 0)) return;
+  search_ = search_highest(body, {});
+  at_rest(body).ratio = std::max(least_ratio(body), search_.omega / vertex);
+  at_rest(body).omega = at_rest(body).ratio * vertex;
+  ratios_.forget_all(at_rest(body).ratio);
+  ratios_.limit = find(body);
+}
+
+template <class Real>
+void StepLimit<Real>::measure_at_rest(Body& body) {
+  for (int degree : body.inertia.degrees()) {
+    body.inertia.use(degree);
+    measure_degree_at_rest(body);
+  }
+}
+
+template <class Real>
+void StepLimit<Real>::measure_again(Body& body) {
+  if (body.inertia.is_selective() && body.sleep.any()) return;  // C knows of those who move only
+  const double limit = find(body);
+  if (!ratios_.is_worth_measuring(limit)) return;
+  ratios_.steps = 0;
+  ratios_.limit = limit;
+  const HighestFrequency found =
+      search_highest(body, {.tolerance = 0.02, .most = FrequencyRatios::evaluations});
+  if (!(found.omega > 0)) return;
+  std::vector<double> alone;
+  for (Index v = 0; v < body.model.elements.topology.vertex_count(); ++v)
+    alone.push_back(std::sqrt(exact_square(body, v)));
+  ratios_.measured(found.omega, alone, least_ratio(body));
+  frequencies_.weigh([&](Index v) { return weight(body, v); });
+  ratios_.limit = find(body);
+}
+
+template <class Real>
+void StepLimit<Real>::restart(Body& body) {
+  ratios_.forget_all(at_rest(body).ratio);
+  forget();
+}
+
+template <class Real>
+void StepLimit<Real>::restart_for_degree(Body& body) {
+  restart(body);
+  ratios_.steps = 0;
+  if (at_rest(body).omega > 0)
+    ratios_.limit = 2 / at_rest(body).omega;  // a deformed body is measured again soon
+}
+
+template <class Real>
+CornerStiffness StepLimit<Real>::stiffness_of(const Body& body, Index tet) {
+  const Mat34<Real> u = body.motion.u.padded()(Eigen::all, body.model.elements.topology.corners(tet));
+  return corner_stiffness(body.model.elements, tet, u.template cast<double>());
+}
+
+template <class Real>
+void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit) {
+  const Elements& elements = body.model.elements;
+  const bool is_local =
+      !body.regions.any_condensed() && !any_nodal_pressure(elements.materials) && body.terms.empty() &&
+      std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
+  known_ = is_known(body) && is_local ? Known::followed : Known::nothing;
+  if (known_ == Known::nothing) return;
+  frequencies_.extend(elements.topology.vertex_count());
+  for (Index t : edit.removed) frequencies_.subtract(elements.topology.corners(t), stiffness_of(body, t));
+  for (const VertexSplit& split : edit.splits)
+    for (Index t : split.tets) {
+      const Eigen::Vector4i corners = elements.topology.corners(t);
+      const CornerStiffness K = stiffness_of(body, t);
+      for (int c = 0; c < 4; ++c) {
+        if (corners[c] != split.copy) continue;
+        frequencies_.add(split.copy, K.col(c));
+        frequencies_.add(split.vertex, -K.col(c));
+      }
+    }
+}
+
+template <class Real>
+void StepLimit<Real>::refresh(const Body& body, Index v) {
+  ratios_.forget(v);
+  if (is_known(body)) frequencies_.update(v, weight(body, v));
+}
+
+template class StepLimit<float>;
+template class StepLimit<double>;
+
+}  // namespace lobe

@@ -1,0 +1,146 @@
+// The stable time step of a body in motion, 2/ω_max (theory, section 7): a vertex estimate of ω_max, kept up to date through
+// cuts, times the ratio to what Lanczos iterations have measured.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "lobe/numerics/lanczos.h"
+#include "lobe/time/dynamics.h"
+#include "lobe/time/frequency_ratios.h"
+#include "lobe/time/vertex_frequencies.h"
+
+namespace lobe {
+
+template <class Real>
+class StepLimit {
+ public:
+  using Body = Dynamics<Real>;
+
+  // `mean_edge`: displacements that are small against it are small [m].
+  explicit StepLimit(double mean_edge) : mean_edge_(mean_edge) {}
+
+  // 2/ω_max at the present state [s]; infinite if nothing is free. O(#tetrahedra) where the state has changed since it was
+  // last asked for; cuts are followed locally, except with nodal pressure.
+  double find(Body& body);
+  // Found anew whatever is known, so that a world that was restored finds the same to the bit.
+  void find_anew(Body& body);
+  // ---- For frames: found anew after `interval` of simulated time at the latest, since a pass over all tetrahedra costs as much
+  // as a step or two. In between the last one holds, while nothing is edited and nobody sleeps.
+  static constexpr double interval = 0.005;  // [s]
+  bool holds(const Body& body) const;
+  double for_frame(Body& body) { return holds(body) ? kept_.limit : keep(body); }
+  double at_end(Body& body);  // of a frame; infinite where the last one holds
+  // At a frame's start: whether it has been found since the last one, or no longer holds.
+  bool is_due(const Body& body) { return std::exchange(kept_.is_new, false) || !holds(body); }
+  double keep(Body& body);  // that of now
+  struct Kept {  // part of a checkpoint
+    double limit = 0, time = 0;  // [s]; when it was found
+    bool is_new = true;
+    Index limiting_vertex = -1, volume_ratio_tet = -1;
+    double volume_ratio = 1;
+    bool is_valid() const { return limit >= 0 && std::isfinite(time) && !std::isnan(volume_ratio); }
+    static constexpr auto fields = std::tuple(&Kept::limit, &Kept::time, &Kept::is_new, &Kept::limiting_vertex,
+                                              &Kept::volume_ratio_tet, &Kept::volume_ratio);
+  };
+  const Kept& kept() const { return kept_; }
+  void set_kept(const Kept& kept, const Body& body);
+
+  // At a frame's start: measured again where the limit has changed enough.
+  void measure_again(Body& body);
+  // Of the body at rest, with each degree of selective masses, condensed or expanded as it is now.
+  void measure_at_rest(Body& body);
+  // Inertia or the condensed regions have changed as a whole: ratios are those at rest.
+  void restart(Body& body);
+  void restart_for_degree(Body& body);
+
+  // Edits. Before the elements follow: what tetrahedra add to the stiffness of their corners goes with them, or moves to the
+  // copy of a vertex. All is found anew with nodal pressure, beside a precomputed region, and where the tetrahedron of the
+  // smallest volume ratio goes.
+  void follow(const Body& body, const MeshEdit& edit);
+  // Tetrahedra change their model by change().
+  template <class Change>
+  void follow_region(const Body& body, Index tet, Change&& change);
+  void extend(Index vertices) { ratios_.extend(vertices); }
+  void refresh(const Body& body, Index vertex);  // after its inverse mass has changed
+  void forget() {
+    known_ = Known::nothing;
+    kept_at_ = {};
+  }
+
+  double bounded_square(Index v) const {  // ω_v² or a bound of it [1/s²]
+    return frequencies_.bounded_square(v) / ratios_.square(v);
+  }
+  double exact_square(const Body& body, Index v) const {
+    return frequencies_.exact_square(v, body.inertia.inverse_mass(v));
+  }
+  VertexFrequency highest_vertex(Body& body);                 // the estimate without ratios, found anew
+  const HighestFrequency& search() const { return search_; }  // the last at rest
+  Index limiting_vertex() const { return kept_.limiting_vertex; }
+  double volume_ratio() const { return kept_.volume_ratio; }  // the smallest det F, when it was last kept
+  Index volume_ratio_tet() const { return kept_.volume_ratio_tet; }
+
+  void count_step() { ratios_.step(); }
+  const FrequencyRatios& ratios() const { return ratios_; }
+  void set_ratios(const FrequencyRatios& ratios) { ratios_ = ratios; }
+
+ private:
+  struct RestFrequency {
+    double ratio = 1;  // ω_max / vertex estimate
+    double omega = 0;  // ω_max [rad/s]
+  };
+  enum class Known {
+    nothing,
+    followed,  // cuts followed since it was found
+    anew       // what a restored world would find, to the bit
+  };
+
+  bool is_known(const Body& body) const {
+    return known_ != Known::nothing && found_at_ == body.model.revisions.displacements;
+  }
+  double weight(const Body& body, Index v) const { return body.inertia.inverse_mass(v) * ratios_.square(v); }
+  template <class Weight>
+  void find_frequencies(Body& body, Weight&& weight);
+  HighestFrequency search_highest(Body& body, const LanczosSettings& settings);
+  void measure_degree_at_rest(Body& body);
+  RestFrequency& at_rest(const Body& body) {
+    return at_rest_[body.regions.is_expanded()][std::size_t(body.inertia.degree_now())];
+  }
+  static double least_ratio(const Body& body) { return 1.0 / body.inertia.degree_now(); }
+  static CornerStiffness stiffness_of(const Body& body, Index tet);
+
+  double mean_edge_;
+  VertexFrequencies<Real> frequencies_;  // weighed with ratios_
+  FrequencyRatios ratios_;
+  // Condensed and expanded, with each degree.
+  std::array<std::array<RestFrequency, highest_mass_degree + 1>, 2> at_rest_;
+  HighestFrequency search_;
+  Known known_ = Known::nothing;
+  std::uint64_t found_at_ = 0;  // revision of the displacements
+  Index limiting_vertex_ = -1;
+  double volume_ratio_ = 1;
+  Index volume_ratio_tet_ = -1;
+  Kept kept_;
+  Revisions kept_at_;
+};
+
+template <class Real>
+template <class Change>
+void StepLimit<Real>::follow_region(const Body& body, Index tet, Change&& change) {
+  if (body.regions.any_condensed() || any_nodal_pressure(body.model.elements.materials)) forget();
+  if (!is_known(body)) {
+    forget();
+    return change();
+  }
+  const Eigen::Vector4i corners = body.model.elements.topology.corners(tet);
+  frequencies_.subtract(corners, stiffness_of(body, tet));
+  change();
+  frequencies_.subtract(corners, -stiffness_of(body, tet));
+  known_ = Known::followed;
+}
+
+extern template class StepLimit<float>;
+extern template class StepLimit<double>;
+
+}  // namespace lobe

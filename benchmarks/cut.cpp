@@ -76,7 +76,7 @@ Row measure(const char* name, const Setup& setup, Index batch) {
     next = end;
   }
   row.us_per_tet = 1e6 * watch.seconds() / row.removed;
-  world.highest_vertex();
+  world.step_limit().highest_vertex(world.body());
   row.error = std::abs(limit / world.time_step_limit() - 1);
   row.rebuild_us = 1e6 * seconds_to_rebuild(world);
   State<float> state = world.state();

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   lobe::World<float> world(setup);
   const double frame = 1.0 / 60;  // [s]
 
-  const lobe::ToolId hand = world.next_tool();
+  const lobe::ToolId hand = world.tools().next_id();
   world.apply(lobe::TakeHold{"hand", lobe_tip});
   world.advance(frame);
   const lobe::Vec3d start = world.tools().grasp(hand)->centre;
@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   const lobe::Grasp& holding = *world.tools().grasp(hand);
   std::printf("lifted by 20 mm: the hand holds %.2f N\n", holding.force.norm());
 
-  const lobe::ToolId tip = world.next_tool();
+  const lobe::ToolId tip = world.tools().next_id();
   world.apply(lobe::BringCautery{"tip", 0.006, {0.03, -0.06, 0.03}});
   world.apply(lobe::SwitchCautery{tip, true});
   lobe::Index burnt = 0;

@@ -113,14 +113,14 @@ TEST_CASE("what sleeps wakes where forces are set and where springs move") {
     World<double> world(setup);
     if (by_spring) world.apply(SetSprings{{{pulled, 1.0, setup.mesh.points.col(pulled)}}});
     for (int i = 0; i < 20; ++i) world.advance(frame);
-    REQUIRE(world.asleep() == setup.mesh.vertex_count());
+    REQUIRE(world.body().sleep.count() == setup.mesh.vertex_count());
     const Vec3d point = setup.mesh.points.col(pulled) + Vec3d(0.02, 0, 0);
     if (by_spring)
       world.apply(MoveSprings{Mat3X<double>(point)});
     else
       world.apply(SetForces{{{pulled, {0.02, 0, 0}}}});
     world.advance(frame);
-    CHECK(world.asleep() < setup.mesh.vertex_count());
+    CHECK(world.body().sleep.count() < setup.mesh.vertex_count());
     CHECK(world.state().u(0, pulled) > 1e-5);
   }
 }

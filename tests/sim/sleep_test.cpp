@@ -69,9 +69,9 @@ bool same_bits(World<Real>& a, World<Real>& b) {
 // Until everything sleeps.
 template <class Real>
 void settle(World<Real>& world) {
-  for (int i = 0; i < 300 && world.asleep() < world.elements().topology.vertex_count(); ++i)
+  for (int i = 0; i < 300 && world.body().sleep.count() < world.elements().topology.vertex_count(); ++i)
     world.advance(frame);
-  REQUIRE(world.asleep() == world.elements().topology.vertex_count());
+  REQUIRE(world.body().sleep.count() == world.elements().topology.vertex_count());
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ TEST_CASE("a slow pull is followed within the tolerance") {
   for (int i = 0; i < 200; ++i) {
     full.advance(frame);
     run.advance(frame);
-    if (i > 75) partly += run.asleep() > 0;
+    if (i > 75) partly += run.body().sleep.count() > 0;
     CHECK(largest_difference(run, full) < setup.sleep);
   }
   CHECK(partly > 10);
@@ -123,16 +123,16 @@ TEST_CASE("a body at rest is not evaluated at all, and a cut wakes what is besid
   CHECK(rest.patches_skipped > rest.steps);
   CHECK(world.remove_tets(notch(setup)) > 0);
   const Report cut = world.advance(frame);
-  CHECK(world.asleep() > 0);
-  CHECK(world.asleep() < world.elements().topology.vertex_count());
+  CHECK(world.body().sleep.count() > 0);
+  CHECK(world.body().sleep.count() < world.elements().topology.vertex_count());
   CHECK(cut.patches_evaluated > cut.steps);
   CHECK(cut.patches_skipped > cut.steps);
 }
 
 TEST_CASE_TEMPLATE("forces that are kept equal those found anew, to the bit", Real, float, double) {
   World<Real> world(pulled_bar(2e-5));
-  for (int i = 0; i < 300 && world.asleep() == 0; ++i) world.advance(frame);
-  REQUIRE(world.asleep() > 0);
+  for (int i = 0; i < 300 && world.body().sleep.count() == 0; ++i) world.advance(frame);
+  REQUIRE(world.body().sleep.count() > 0);
   for (int i = 0; i < 10; ++i) {
     world.step(0.2 * world.time_step_limit());
     const Mat3X<Real> kept = world.forces();
@@ -153,12 +153,13 @@ TEST_CASE("who sleeps depends neither on threads nor on a checkpoint in between"
     seven.advance(frame);
     REQUIRE(same_bits(one, two));
     REQUIRE(same_bits(one, seven));
-    if (mixed || one.asleep() == 0) continue;
-    mixed = one.asleep() < setup.mesh.vertex_count();  // from here on, one is a world restored from a file
+    if (mixed || one.body().sleep.count() == 0) continue;
+    mixed = one.body().sleep.count() <
+            setup.mesh.vertex_count();  // from here on, one is a world restored from a file
     write_checkpoint(folder.path / "state", one.save());
     one = World<float>(setup);
     one.restore(read_checkpoint<float>(folder.path / "state"));
-    CHECK(one.asleep() == two.asleep());
+    CHECK(one.body().sleep.count() == two.body().sleep.count());
   }
   CHECK(mixed);
 }
@@ -168,12 +169,12 @@ TEST_CASE("who sleeps wakes when the state is set or a tool moves what it holds"
   grasp_lower_end(setup, {{0.0, {0, 0, 0}}, {3.99, {0, 0, 0}}, {4.2, {0, 0, 0.01}}});
   World<double> world(setup);
   while (world.time() < 3.9) world.advance(frame);
-  CHECK(world.asleep() == setup.mesh.vertex_count());
+  CHECK(world.body().sleep.count() == setup.mesh.vertex_count());
   const State<double> rest = world.state();
   State<double> moved = rest;
   moved.u += random_displacement(setup.mesh.vertex_count(), 1e-4);
   world.set_state(moved);
-  CHECK(world.asleep() == 0);
+  CHECK(world.body().sleep.count() == 0);
   setup.sleep = 0;
   World<double> awake(setup);
   awake.set_state(moved);
@@ -181,7 +182,7 @@ TEST_CASE("who sleeps wakes when the state is set or a tool moves what it holds"
   world.set_state(rest);
   while (world.time() < 3.99) world.advance(frame);
   while (world.time() < 4.1) world.advance(frame);
-  CHECK(world.asleep() == 0);
+  CHECK(world.body().sleep.count() == 0);
   CHECK(world.state().v.norm() > 0);
 }
 

@@ -74,7 +74,7 @@ TEST_CASE_TEMPLATE("the time step limit that follows cuts equals the one found a
       const std::vector<Index> now(order.begin() + long(i),
                                    order.begin() + long(std::min(order.size(), i + batch)));
       for (World<Real>* world : {&follows, &anew}) world->remove_tets(now);
-      anew.highest_vertex();
+      anew.step_limit().highest_vertex(anew.body());
       const double expected = anew.time_step_limit();
       if (std::isinf(expected))
         CHECK(std::isinf(follows.time_step_limit()));

@@ -102,7 +102,7 @@ TEST_CASE(
     "frame's end") {
   const Setup setup = body();
   World<double> world(setup);
-  const ToolId grasp = world.next_tool();
+  const ToolId grasp = world.tools().next_id();
   world.apply(TakeHold{"hand", far_end(setup)});
   world.advance(frame);
   const Vec3d centre = world.tools().grasp(grasp)->centre, target = centre + Vec3d(0.003, -0.002, 0.001);
@@ -123,14 +123,14 @@ TEST_CASE("at rest the force of a grasp is its reaction, and its torque keeps th
   Setup setup = body(RegionModel::nonlinear);  // linear forces balance about where vertices rest
   setup.damping = 60;
   World<double> world(setup);
-  const ToolId grasp = world.next_tool();
+  const ToolId grasp = world.tools().next_id();
   world.apply(TakeHold{"hand", far_end(setup)});
   world.advance(frame);
   const Vec3d target = world.tools().grasp(grasp)->centre + Vec3d(0.004, 0.002, 0);
   world.apply(Lead{grasp, {target}});
   for (int i = 0; i < 300; ++i) world.advance(frame);
   const Grasp& held = *world.tools().grasp(grasp);
-  const Vec3d reaction = world.reaction(grasp);
+  const Vec3d reaction = world.body().reaction(grasp);
   CHECK(reaction.norm() > 0.01);
   CHECK((held.force - reaction).norm() < 1e-6 * reaction.norm());
   const Mat3X<double> f = world.forces();  // on vertices: those of the boundary balance the grasp's
@@ -158,7 +158,7 @@ TEST_CASE("a tool that is let go leaves the body to itself") {
   world.apply(LetGo{1});
   world.advance(frame);
   CHECK(world.held().all().size() == held - far_end(setup).size());
-  CHECK(world.tool_poses().empty());
+  CHECK(tool_poses(world).empty());
   CHECK_THROWS_WITH_AS(world.apply(Lead{1, {}}), "tool 1: has let go", InputError);
 }
 
@@ -174,7 +174,7 @@ TEST_CASE(
   CHECK_THROWS_AS(world.apply(TakeHold{"hand", {}}), InputError);
   CHECK_THROWS_AS(world.apply(BringCautery{"tip", 0, Vec3d::Zero()}), InputError);
   CHECK_THROWS_AS(world.apply(BringCautery{"tip", 0.01, Vec3d::Constant(std::nan(""))}), InputError);
-  CHECK(world.next_tool() == 2);
+  CHECK(world.tools().next_id() == 2);
   world.apply(TakeHold{"hand", {5}});
   CHECK_THROWS_AS(world.apply(Lead{2, {Vec3d::Constant(INFINITY)}}), InputError);
   CHECK_THROWS_AS(world.apply(Lead{2, {Vec3d::Zero(), Eigen::Vector4d::Zero()}}), InputError);

@@ -140,7 +140,8 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   report.error = largest_ > 0 ? error_ / largest_ : 0;
   report.place = place_;
   report.exceeded = report.error > tolerance_;
-  const bool is_startled = begins || world.next_grasp_change() < world.time() + 1.5 * frame;
+  const bool is_startled =
+      begins || world.tools().next_grasp_change(world.time() - 2e-9) < world.time() + 1.5 * frame;
   const std::size_t edits = world.history().size();
   const std::uint64_t restored = world.body().model.revisions.restored;
   const bool is_restored = std::exchange(restored_, restored) != restored;

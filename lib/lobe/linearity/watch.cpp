@@ -213,7 +213,8 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   const auto start = std::chrono::steady_clock::now();
   const bool begins = looks_++ == 0, is_cut = follow_edits(world);
   const double frame = world.time() - std::exchange(time_, world.time());
-  const bool holders_changed = hold(world.held()) || world.next_grasp_change() < world.time() + 1.5 * frame;
+  const bool holders_changed =
+      hold(world.held()) || world.tools().next_grasp_change(world.time() - 2e-9) < world.time() + 1.5 * frame;
   const bool is_startled = begins || is_cut || holders_changed;
   const bool expandable = may_expand(world);
   if (expandable && is_startled && !world.is_unravelling()) {  // whatever the estimate

@@ -60,7 +60,7 @@ void Recorder::add_pictures(World<Real>& world, const std::string& frame) {
                                  {"edges", true},
                                  {"first", frames_.front().second}};
     panel["tools"] = nlohmann::ordered_json::array();
-    for (const Tools::Pose& pose : world.tool_poses()) panel["tools"].push_back(tool_json(pose, x));
+    for (const Tools::Pose& pose : tool_poses(world)) panel["tools"].push_back(tool_json(pose, x));
     nlohmann::ordered_json picture{{"out", "picture_" + exact(output_.pictures[next_picture_]) + ".png"}};
     picture["panels"].push_back(std::move(panel));
     pictures_.push_back(std::move(picture));

@@ -62,7 +62,7 @@ struct SetMassDegree {
   static constexpr auto fields = std::tuple(&SetMassDegree::degree);
 };
 
-// Takes hold of vertices at the start of the next frame: a grasp whose id is the world's next_tool() (tool/tools.h).
+// Takes hold of vertices at the start of the next frame: a grasp whose id is tools().next_id() before (tool/tools.h).
 struct TakeHold {
   std::string name;
   std::vector<Index> vertices;
@@ -70,7 +70,7 @@ struct TakeHold {
   static constexpr auto fields = std::tuple(&TakeHold::name, &TakeHold::vertices);
 };
 
-// Brings a spherical cautery, which is off, to a position; its id is the world's next_tool().
+// Brings a spherical cautery, which is off, to a position; its id is tools().next_id() before.
 struct BringCautery {
   std::string name;
   double radius = 0;               // [m], > 0

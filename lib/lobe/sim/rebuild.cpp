@@ -82,8 +82,8 @@ RebuildDifference compare_with_rebuilt(World<Real>& world) {
   d.mass = relative(d.mass, mass_scale);
   d.force = relative(d.force, force_scale);
   d.interior = relative(d.interior, scale);
-  const double omega = fresh.highest_vertex().omega;
-  d.frequency = relative(std::abs(world.highest_vertex().omega - omega), omega);
+  const double omega = fresh.step_limit().highest_vertex(fresh.body()).omega;
+  d.frequency = relative(std::abs(world.step_limit().highest_vertex(world.body()).omega - omega), omega);
   d.same_boundary =
       boundary(world.elements().topology, &c.vertex_target) == boundary(fresh.elements().topology, nullptr);
   for (Index t = 0; t < fresh.elements().topology.tet_count(); ++t)

@@ -226,10 +226,10 @@ void World<Real>::set_state(const State<Real>& state) {
 }
 
 template <class Real>
-std::vector<Tools::Pose> World<Real>::tool_poses() {
-  const auto u = displacements();
-  return tools_.poses(time(), held(), [&](Index v) -> Vec3d {
-    return elements().points.col(v) + u.col(v).template cast<double>();
+std::vector<Tools::Pose> tool_poses(World<Real>& world) {
+  const auto u = world.displacements();
+  return world.tools().poses(world.time(), world.held(), [&](Index v) -> Vec3d {
+    return world.elements().points.col(v) + u.col(v).template cast<double>();
   });
 }
 
@@ -254,7 +254,7 @@ void World<Real>::publish(const Report& report) {
   snapshot->v = now.v;
   published_->surfaces.copy(*surface_, elements().points.view(), now.u, snapshot->surface);
   snapshot->tools.clear();
-  for (const Tools::Pose& pose : tool_poses())
+  for (const Tools::Pose& pose : tool_poses(*this))
     snapshot->tools.push_back({pose.name, pose.type == ToolType::grasp ? "grasp" : "cautery", pose.position,
                                Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque});
   snapshot->figures = {report.ok,
@@ -269,6 +269,8 @@ void World<Real>::publish(const Report& report) {
   published_->buffer.publish();
 }
 
+template std::vector<Tools::Pose> tool_poses(World<float>&);
+template std::vector<Tools::Pose> tool_poses(World<double>&);
 template class World<float>;
 template class World<double>;
 

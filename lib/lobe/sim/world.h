@@ -61,14 +61,9 @@ class World {
   const HeldVertices& held() const { return body_.model.held; }
   // Per vertex [kg], 0 for orphans and in precomputed regions.
   const std::vector<double>& mass() const { return body_.inertia.mass(); }
-  Index asleep() const { return body_.sleep.count(); }  // vertices
   // Whether tetrahedra that stayed crushed are linear until they have come back.
   bool is_unravelling() const { return unravelling_.is_on(); }
   const Tools& tools() const { return tools_; }
-  ToolId next_tool() const { return tools_.next_id(); }  // that the next command which makes a tool gives it
-  std::vector<Tools::Pose> tool_poses();
-  // When the next grasp takes hold or lets go, now or later [s]; infinite: none.
-  double next_grasp_change() const { return tools_.next_grasp_change(time() - 2e-9); }
   // The parts, for those that measure a world: none of them is to be changed.
   Dynamics<Real>& body() { return body_; }
   const Dynamics<Real>& body() const { return body_; }
@@ -91,13 +86,8 @@ class World {
   // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last asked for,
   // it follows cuts locally, except with nodal pressure.
   double time_step_limit() { return limit_.find(body_); }
-  // The vertex estimate of ω_max, found anew. O(#tetrahedra), as is the next limit.
-  VertexFrequency highest_vertex() { return limit_.highest_vertex(body_); }
-  const HighestFrequency& frequency_search() const { return limit_.search(); }  // at the start
+  StepLimit<Real>& step_limit() { return limit_; }  // how it is found
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
-  Vec3d reaction(int holder) {
-    return body_.reaction(holder);
-  }  // that who holds these vertices must apply [N]
   Energies energies() { return body_.energies(); }
 
   // ---- What it has become
@@ -200,6 +190,10 @@ class World {
   };
   std::unique_ptr<Published> published_ = std::make_unique<Published>();
 };
+
+// Where the tools of a world are.
+template <class Real>
+std::vector<Tools::Pose> tool_poses(World<Real>& world);
 
 extern template class World<float>;
 extern template class World<double>;

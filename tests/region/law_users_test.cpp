@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "lobe/diagnostics/fields.h"
+#include "lobe/fem/hooke.h"
 #include "lobe/linearity/defect.h"
-#include "lobe/region/energy_density.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/solve/tangent.h"
 #include "lobe/time/vertex_frequencies.h"
@@ -61,7 +61,7 @@ TEST_CASE("the law of a tetrahedron has all terms, and each counts") {
   for (bool Terms::*term : {&Terms::svk, &Terms::volume, &Terms::pressure, &Terms::guard}) {
     Law<double> without = one.law;
     without.terms.*term = false;
-    CHECK(difference(stress(without, one.H), stress(one.law, one.H)) > 1e-3);
+    CHECK(difference(law_stress(without, one.H), law_stress(one.law, one.H)) > 1e-3);
   }
 }
 
@@ -69,8 +69,8 @@ TEST_CASE("forces and energies of regions and solvers are those of the law") {
   const OneTetrahedron one;
   const Elements elements(one.setup);
   const Mat34<double> f =
-      corner_forces<double>(one.s.volume * stress(one.law, one.H), one.s.gradients.rightCols<3>());
-  const double energy = one.s.volume * energy_density(one.law, one.H);
+      corner_forces<double>(one.s.volume * law_stress(one.law, one.H), one.s.gradients.rightCols<3>());
+  const double energy = one.s.volume * law_energy_density(one.law, one.H);
   CHECK(difference(forces<double>(one.setup, one.u), f) < 1e-13);
   CHECK(difference(forces<float>(one.setup, one.u.cast<float>()).cast<double>(), f) < 1e-5);
   CHECK(elastic_energy(one.setup, one.u) == near(energy, 1e-13));
@@ -79,7 +79,7 @@ TEST_CASE("forces and energies of regions and solvers are those of the law") {
   CHECK(exact.energy == near(energy, 1e-13));
   const Mat3<double> F = Mat3<double>::Identity() + one.H;
   CHECK(difference(tet_fields(elements, 0, one.u, one.law.pressure).stress,
-                   stress(one.law, one.H) * F.transpose() / F.determinant()) < 1e-13);
+                   law_stress(one.law, one.H) * F.transpose() / F.determinant()) < 1e-13);
 }
 
 TEST_CASE("what the stored evaluator leaves to others is the law without SVK") {
@@ -88,12 +88,12 @@ TEST_CASE("what the stored evaluator leaves to others is the law without SVK") {
   one.setup.evaluator = Evaluator::stored;
   const Law<double> law = nonlinear_law(Elements(one.setup), 0);
   const Mat34<double> f =
-      corner_forces<double>(one.s.volume * stress(law, one.H), one.s.gradients.rightCols<3>());
+      corner_forces<double>(one.s.volume * law_stress(law, one.H), one.s.gradients.rightCols<3>());
   CHECK(difference(forces<double>(one.setup, one.u), f) < 1e-12);
   one.setup.volume_penalty = 0;
   const Law<double> guarded = nonlinear_law(Elements(one.setup), 0);
   const Mat34<double> without =
-      corner_forces<double>(one.s.volume * stress(guarded, one.H), one.s.gradients.rightCols<3>());
+      corner_forces<double>(one.s.volume * law_stress(guarded, one.H), one.s.gradients.rightCols<3>());
   CHECK(difference(forces<double>(one.setup, one.u), without) < 1e-12);
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("stiffnesses of regions, solvers and the time step are those of the la
   const Elements elements(one.setup);
   const Mat34<double> u = one.u;
   CHECK(difference(tet_stiffness(elements, 0, u, RegionModel::nonlinear, one.law.pressure),
-                   one.s.volume * stiffness_density(one.law, one.H, one.s.gradients)) < 1e-14);
+                   one.s.volume * law_stiffness(one.law, one.H, one.s.gradients)) < 1e-14);
   Law<double> alone = one.law;  // a corner's stiffness knows no nodal pressure
   alone.pressure = 0;
   const CornerStiffness corners = corner_stiffness(elements, 0, u);
@@ -117,10 +117,11 @@ TEST_CASE("stiffnesses of regions, solvers and the time step are those of the la
   region.add_diagonal_stiffness(one.u, K, one_thread);
   for (int c = 0; c < 4; ++c) {
     const Vec3d a = one.s.gradients.col(c), Fa = a + one.H * a;
-    CHECK(difference(corners.col(c), upper(one.s.volume * diagonal_block(alone, one.H, a))) < 1e-14);
+    CHECK(difference(corners.col(c), upper(one.s.volume * law_diagonal_block(alone, one.H, a))) < 1e-14);
     const double nodal_lambda = one.setup.materials[0].nodal_lambda();
     const Mat3<double> of_nodes = nodal_lambda * Fa * Fa.transpose();
-    CHECK(difference(K.col(c), upper(one.s.volume * (diagonal_block(one.law, one.H, a) + of_nodes))) < 1e-13);
+    CHECK(difference(K.col(c), upper(one.s.volume * (law_diagonal_block(one.law, one.H, a) + of_nodes))) <
+          1e-13);
   }
 }
 
@@ -128,8 +129,8 @@ TEST_CASE("the defects of a linear region are those of Hooke's law against the l
   const OneTetrahedron one;
   const Elements elements(one.setup);
   const Zones zones(elements, 1);
-  const Mat3<double> D =
-      one.s.volume * (stress(one.law, one.H) - hooke_stress(one.H, seed_material.lambda, seed_material.mu));
+  const Mat3<double> D = one.s.volume * (law_stress(one.law, one.H) -
+                                         hooke_stress(one.H, seed_material.lambda, seed_material.mu));
   CHECK(difference(exact_defects(elements, zones, one.u), D.reshaped()) < 1e-13);
   const MeanDefects mean(elements, zones);
   CHECK(difference(mean.at(0, mean.gradient(0, one.u), false), D.reshaped()) < 1e-12);

@@ -1,7 +1,7 @@
 // The law of a tetrahedron of the non-linear model: its energy is the sum of the terms of svk.h, volume_term.h,
 // pressure_term.h and guard.h. All that evaluates such tetrahedra calls the functions below: wide kernels, energies, the
-// solvers' tangent, the time step, the estimate of linear regions' errors. A new term adds its moduli to Law, and a line to
-// each function, in the order of which the terms are summed up.
+// solvers' tangent, the time step, the estimate of linear regions' errors. A new term adds its moduli to Law and a line to
+// each function. The order in which a function sums the terms up decides the last bits of results.
 //
 // What is not among the terms is not evaluated; where `terms` are constants, as in kernels, it leaves no code behind.
 #pragma once
@@ -79,7 +79,7 @@ bool is_guarded(const Law<T>& law, const Mat3<T>& H)  // whether the guard resis
 }
 
 template <class T>
-T energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³]
+T law_energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³]
 {
   SumOfTerms<T> W(T(0));
   if (law.terms.svk) W += svk_energy_density(H, law.lambda, law.mu);
@@ -90,7 +90,7 @@ T energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³]
 }
 
 template <class T>
-Mat3<T> stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhoff [Pa]
+Mat3<T> law_stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhoff [Pa]
 {
   SumOfTerms<Mat3<T>> P(Mat3<T>::Constant(T(0)));
   if (law.terms.svk) P += svk_stress(H, law.lambda, law.mu);
@@ -102,7 +102,7 @@ Mat3<T> stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhoff [P
 
 // ∂²W/∂u_j² / V of a corner with gradient α, at given nodal pressure: what it feels when it moves alone.
 template <class T>
-Mat3<T> diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha)  // [Pa/m²]
+Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha)  // [Pa/m²]
 {
   SumOfTerms<Mat3<T>> K(Mat3<T>::Constant(T(0)));
   if (law.terms.svk) K += svk_diagonal_block(H, alpha, law.lambda, law.mu);
@@ -116,8 +116,8 @@ Mat3<T> diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha
 //   SVK and nodal pressure      (α_j·S α_k) I + F B_jk Fᵀ,  B_jk of hooke.h
 //   functions ψ of J = det F    ψ″ g_j⊗g_k + ψ′ ∂g_j/∂x_k,  g_j = cof(F) α_j,  ∂g_j/∂x_k w = w × F(α_j × α_k)
 template <class T>
-Eigen::Matrix<T, 12, 12> stiffness_density(const Law<T>& law, const Mat3<T>& H,
-                                           const Mat34<T>& alpha)  // of the four corners [1/m] → [Pa/m²]
+Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
+                                       const Mat34<T>& alpha)  // of the four corners [1/m] → [Pa/m²]
 {
   const Mat3<T> I = Mat3<T>::Identity(), F = I + H;
   SumOfTerms<Mat3<T>> S(Mat3<T>::Zero());

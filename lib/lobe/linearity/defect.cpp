@@ -32,7 +32,7 @@ Mat3<double> twin(const Mat3<double>& H) {
 }
 
 Mat3<double> stress_defect(const Law<double>& law, const Elastic& material, const Mat3<double>& H) {
-  return stress(law, H) - hooke_stress(H, material.lambda, material.mu);
+  return law_stress(law, H) - hooke_stress(H, material.lambda, material.mu);
 }
 
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u) {
@@ -111,7 +111,7 @@ Column MeanDefects::beyond_tangent(Index zone, const Column& gradient, const Col
   if (mean.volume == 0) return Column::Zero();
   const auto stress_at = [&](const Column& g) {
     const Mat3<double> H = matrix(g);
-    return column(stress(law(mean.material, H), H));
+    return column(law_stress(law(mean.material, H), H));
   };
   const Mat3<double> F0 = Mat3<double>::Identity() + matrix(about);
   const Mat3<double> since = matrix(gradient - about) * F0.inverse();

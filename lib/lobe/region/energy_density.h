@@ -11,7 +11,7 @@ inline double energy_density(const Elements& elements, Index tet, const Mat3<dou
                              RegionModel model, double pressure = 0) {  // mean of its nodes' [Pa]
   const Elastic& e = elements.elastic_of(tet);
   if (model != RegionModel::nonlinear) return hooke_energy_density(H, e.lambda, e.mu);
-  return energy_density(nonlinear_law(elements, tet, pressure), H);
+  return law_energy_density(nonlinear_law(elements, tet, pressure), H);
 }
 inline double energy_density(const Elements& elements, Index tet, const Mat3<double>& H) {
   return energy_density(elements, tet, H, elements.region_of[tet]);
@@ -22,7 +22,7 @@ inline Mat3<double> stress(const Elements& elements, Index tet, const Mat3<doubl
                            RegionModel model, double pressure = 0) {
   const Elastic& e = elements.elastic_of(tet);
   if (model != RegionModel::nonlinear) return hooke_stress(H, e.lambda, e.mu);
-  return stress(nonlinear_law(elements, tet, pressure), H);
+  return law_stress(nonlinear_law(elements, tet, pressure), H);
 }
 
 }  // namespace lobe

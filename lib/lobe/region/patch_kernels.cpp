@@ -77,7 +77,7 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
     Law<T> law = patch.law.template as<T>();
     if (nodal_pressure_)
       law.pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
-    const T W = energy_density(law, e.H) * e.V;
+    const T W = law_energy_density(law, e.H) * e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
   };
   for (Index p = 0; p < layout_.patch_count(); ++p) for_lanes(p, u, add);

@@ -59,7 +59,7 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
       const Lanes e(patch.blocks[b], first, patch.u);
       Law<T> law = law_of<terms.pressure>(patch, b, first);
       law.terms = with_guard(terms, guarding == Guarding::acting);
-      const Mat3<T> VP = stress(law.times(e.V), e.H);
+      const Mat3<T> VP = law_stress(law.times(e.V), e.H);
       if constexpr (guarding == Guarding::asked) smallest = min(smallest, volume_ratio(e.H));
       add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b].corners, first, sums);
     }
@@ -120,7 +120,7 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
       law.terms.guard = patch.law.terms.guard && any_of(ratio < law.guard_threshold);
       Mat34<T> entries;
       for (int c = 0; c < 4; ++c) {
-        const Mat3<T> K = diagonal_block(law, e.H, e.gradient(c));
+        const Mat3<T> K = law_diagonal_block(law, e.H, e.gradient(c));
         entries.col(c) = entries_of<part, T>(K) * e.V;
       }
       add_to_vertices<T>(entries, patch.blocks[b].corners, first, sums);

@@ -52,7 +52,7 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
   const Shape s = elements.shape_of(tet);
   if (model == RegionModel::nonlinear) {
     const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
-    return s.volume * stiffness_density(nonlinear_law(elements, tet, pressure), H, s.gradients);
+    return s.volume * law_stiffness(nonlinear_law(elements, tet, pressure), H, s.gradients);
   }
   const Elastic& e = elements.elastic_of(tet);
   TetStiffness K;

@@ -17,7 +17,7 @@ CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat3
   for (int c = 0; c < 4; ++c) {
     const Vec3d a = s.gradients.col(c);
     const Mat3<double> B =
-        linear ? hooke_block<double>(a, a, elastic.lambda, elastic.mu) : diagonal_block(law, H, a);
+        linear ? hooke_block<double>(a, a, elastic.lambda, elastic.mu) : law_diagonal_block(law, H, a);
     K.col(c) << B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2);
   }
   return s.volume * K;

@@ -112,7 +112,7 @@ TEST_CASE("exact defects are what the forces of the linear and of the non-linear
     CAPTURE(setup.materials[0].nodal_pressure);
     const Elements elements(setup);
     const Mat3X<double> u = random_displacement(setup.mesh.vertex_count(), 1e-3);
-    CHECK(energy_and_forces(elements, u).smallest_volume_ratio < 0.6);
+    CHECK(energy_and_forces(elements, u).smallest_volume_ratio < 0.65);
     const auto direct = direct_defect(setup, u);
     for (Index count : {1, 7}) {
       const Defects defects = exact_defects(elements, Zones(elements, count), u);

@@ -25,6 +25,7 @@ struct OneTetrahedron {
     mesh.points << 0, 0.009, 0.001, 0.002, 0, 0.002, 0.011, 0.001, 0, -0.001, 0.002, 0.008;
     mesh.tets.resize(4, 1);
     mesh.tets << 0, 1, 2, 3;
+    mesh.labels = {0};
     setup = averaged(setup_of(mesh), 0.4);
     setup.volume_penalty = 1e5;
     setup.guard_below = 0.8;

@@ -2,7 +2,7 @@
 # is one of those that a user asks for by name.
 cmake_minimum_required(VERSION 3.25)
 set(separate
-  fem/guard.h fem/hooke.h fem/pressure_term.h numerics/simd.h fem/svk.h fem/volume_term.h)  # the mathematics of one element
+  fem/hooke.h fem/pressure_term.h numerics/simd.h fem/svk.h fem/volume_term.h)  # the mathematics of one element
 set(left lobe/lobe.h)
 set(reached)
 while(left)

@@ -4,9 +4,11 @@
 
 #include <Eigen/Geometry>
 
+#include "lobe/condense/linearisation.h"
 #include "lobe/fem/svk.h"
 #include "near.h"
 #include "support.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -33,6 +35,37 @@ Setup body_of(const TetMesh& mesh) {
   return setup;
 }
 
+Mat3<double> defect_at(const Mat3<double>& H) {
+  return stress_defect(nonlinear_law(seed_material, 1e5, 0), seed_material, H);
+}
+
+// Σ f ⊗ X of forces on the vertices: −∫P dV, whatever the tetrahedra's stresses are.
+Eigen::Matrix<double, 9, 1> moments(const Mat3X<double>& f, const Setup& setup) {
+  const Mat3<double> moments = f * setup.mesh.points.transpose();
+  return moments.reshaped();
+}
+
+// Of all forces of the body if it is linear and if it is not.
+Eigen::Matrix<double, 9, 1> direct_defect(const Setup& nonlinear, const Mat3X<double>& u) {
+  Setup linear = nonlinear;
+  linear.region_of.assign(linear.region_of.size(), RegionModel::tensor_mass);
+  return moments(forces<double>(linear, u) - forces<double>(nonlinear, u), nonlinear);
+}
+
+// Without the terms, with the guard, with nodal pressure of a share of two materials, with both.
+std::vector<Setup> setups_of_all_terms() {
+  std::vector<Setup> setups;
+  for (double below : {0.0, 0.7})
+    for (double share : {0.0, 0.8}) {
+      Setup setup = hybrid_setup(irregular_box(4));
+      setup.region_of.assign(setup.region_of.size(), RegionModel::nonlinear);
+      setup = averaged(setup, share);
+      setup.guard_below = below;
+      setups.push_back(setup);
+    }
+  return setups;
+}
+
 }  // namespace
 
 TEST_CASE("the twin of a linear rotation is the rotation, free of strain") {
@@ -53,7 +86,7 @@ TEST_CASE("the Green strain of a twin is the linear strain, as long as that leav
 
 TEST_CASE("the stress defect is of second order in the displacement gradient") {
   const Mat3<double> H = some_strain(1) + skew(axis);
-  const auto size = [&](double h) { return stress_defect(h * H, 4e4, 1e4, 1e5).norm(); };
+  const auto size = [&](double h) { return defect_at(h * H).norm(); };
   CHECK(size(1e-3) > 0);
   CHECK(std::log2(size(2e-4) / size(1e-4)) == near(2, 0.01));
 }
@@ -69,8 +102,66 @@ TEST_CASE("mean defects are the exact ones where the gradient is the same everyw
     const auto gradient = mean.gradient(z, u);
     CHECK((gradient - H.reshaped()).norm() < 1e-12);
     CHECK((mean.at(z, gradient, false) - exact.col(z)).norm() < 1e-10 * exact.col(z).norm());
-    const Mat3<double> of_twin = stress_defect(twin(H), 4e4, 1e4, 1e5) * zones.volume[std::size_t(z)];
+    const Mat3<double> of_twin = defect_at(twin(H)) * zones.volume[std::size_t(z)];
     CHECK((mean.at(z, gradient, true) - of_twin.reshaped()).norm() < 1e-10 * of_twin.norm());
+  }
+}
+
+TEST_CASE("exact defects are what the forces of the linear and of the non-linear body differ by") {
+  for (const Setup& setup : setups_of_all_terms()) {
+    CAPTURE(setup.guard_below);
+    CAPTURE(setup.materials[0].nodal_pressure);
+    const Elements elements(setup);
+    const Mat3X<double> u = random_displacement(setup.mesh.vertex_count(), 1e-3);
+    CHECK(energy_and_forces(elements, u).smallest_volume_ratio < 0.65);
+    const auto direct = direct_defect(setup, u);
+    for (Index count : {1, 7}) {
+      const Defects defects = exact_defects(elements, Zones(elements, count), u);
+      CHECK((defects.rowwise().sum() - direct).norm() < 1e-11 * direct.norm());
+    }
+  }
+}
+
+TEST_CASE("mean defects of an even deformation are what the forces of both bodies differ by") {
+  for (Setup setup : setups_of_all_terms()) {
+    CAPTURE(setup.guard_below);
+    CAPTURE(setup.materials[0].nodal_pressure);
+    setup.material_of.assign(setup.material_of.size(), 0);
+    const Elements elements(setup);
+    const Zones zones(elements, 1);
+    const Mat3<double> H = some_strain(0.1) + skew(0.3 * axis) - 0.3 * Mat3<double>::Identity();
+    const Mat3X<double> u = H * setup.mesh.points;
+    CHECK(energy_and_forces(elements, u).smallest_volume_ratio < 0.6);
+    const auto direct = direct_defect(setup, u);
+    const MeanDefects mean(elements, zones);
+    CHECK((mean.at(0, mean.gradient(0, u), false) - direct).norm() < 1e-11 * direct.norm());
+  }
+}
+
+TEST_CASE("mean defects beyond the tangent are what forces differ by from those linearised there") {
+  for (double below : {0.0, 0.7}) {
+    CAPTURE(below);
+    Setup setup = body_of(irregular_box(3));
+    setup.guard_below = below;
+    const Elements elements(setup);
+    const Zones zones(elements, 1);
+    const Mat3<double> start = some_strain(0.1) - 0.25 * Mat3<double>::Identity(),
+                       end = start + skew(0.1 * axis) + some_strain(0.05);
+    const Mat3X<double> about = start * setup.mesh.points, u = end * setup.mesh.points;
+    CHECK(energy_and_forces(elements, u).smallest_volume_ratio < 0.6);
+    const Linearisation linearised{about};
+    Mat3X<double> f = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
+    for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+      const Eigen::Vector4i corners = elements.topology.corners(t);
+      const Linearisation::Forces own = linearised.forces(elements, t, corners);
+      const Mat34<double> at_corners = u(Eigen::all, corners);
+      const Eigen::Matrix<double, 12, 1> force = own.constant - own.K * at_corners.reshaped();
+      f(Eigen::all, corners) += force.reshaped(3, 4);
+    }
+    const Eigen::Matrix<double, 9, 1> direct = moments(f - forces<double>(setup, u), setup);
+    const MeanDefects mean(elements, zones);
+    const auto found = mean.beyond_tangent(0, mean.gradient(0, u), mean.gradient(0, about), false);
+    CHECK((found - direct).norm() < 1e-6 * direct.norm());
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "lobe/fem/pressure_term.h"
 #include "lobe/region/energy_density.h"
 #include "lobe/region/nodal_pressure.h"
 
@@ -26,11 +25,11 @@ TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
   TetFields fields;
   fields.volume_ratio = 1 + volume_change(H);
-  fields.stress = stress(elements, tet, H, elements.region_of[tet]);
+  fields.stress = stress(elements, tet, H, elements.region_of[tet], pressure);
   if (elements.region_of[tet] == RegionModel::nonlinear) {
     const Mat3<double> F = Mat3<double>::Identity() + H;
     fields.strain = green_strain(H);
-    fields.stress = (fields.stress + pressure_stress(H, pressure)) * F.transpose() / fields.volume_ratio;
+    fields.stress = fields.stress * F.transpose() / fields.volume_ratio;
   } else {
     fields.strain = (H + H.transpose()) / 2;
   }

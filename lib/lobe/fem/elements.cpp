@@ -17,6 +17,17 @@ Elements::Elements(const Body& body)
   if (std::any_of(given.begin(), given.end(), [](int label) { return label != 0; })) labels = given;
 }
 
+Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
+                          double pressure) {
+  return {.lambda = elastic.element_lambda(),
+          .mu = elastic.mu,
+          .kappa = volume_penalty,
+          .pressure = pressure,
+          .guard_modulus = elastic.guard_modulus(),
+          .guard_threshold = guard_below,
+          .terms = {.volume = volume_penalty > 0, .pressure = pressure != 0, .guard = guard_below > 0}};
+}
+
 double lumped_mass(const Elements& elements, Index vertex) {
   double mass = 0;
   for (Index t : elements.topology.around(vertex))

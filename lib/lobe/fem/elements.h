@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lobe/fem/body.h"
+#include "lobe/fem/law.h"
 #include "lobe/fem/shape.h"
 #include "lobe/mesh/topology.h"
 #include "lobe/mesh/vertex_columns.h"
@@ -32,6 +33,13 @@ struct Elements {
   int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
 };
+
+// The law of non-linear tetrahedra of a material.
+Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
+                          double pressure = 0);  // p_T, the mean of its nodes' [Pa]
+inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {
+  return nonlinear_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below, pressure);
+}
 
 // What an edit of the mesh or of the regions' tags means for the regions.
 struct RegionEdit {

@@ -45,6 +45,13 @@ Mat3<T> guard_stress(const Mat3<T>& H, const T& modulus,
   return deformation_cofactor(H) * (modulus * guard(T(T(1) + volume_change(H)), below).slope);
 }
 
+template <class T>
+VolumeDerivatives<T> guard_derivatives(const Mat3<T>& H, const T& modulus, const T& below)  // [Pa]
+{
+  const Guard<T> held = guard(T(T(1) + volume_change(H)), below);
+  return {modulus * held.slope, modulus * held.curvature};
+}
+
 // ∂²W/∂u_j² / V = M w'' g⊗g / J₀², g = cof(F) α_j, as for the volume term.
 template <class T>
 Mat3<T> guard_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& modulus,

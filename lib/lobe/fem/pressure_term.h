@@ -26,4 +26,13 @@ Mat3<T> pressure_stress(const Mat3<T>& H, const T& p)  // adds p F to the first 
   return P;
 }
 
+// ∂²W/∂u_j² / V = p (α·α) I at given p, α = α_j.
+template <class T>
+Mat3<T> pressure_diagonal_block(const Vec3<T>& alpha, const T& p)  // [Pa/m²]
+{
+  Mat3<T> block = Mat3<T>::Constant(T(0));
+  for (int i = 0; i < 3; ++i) block(i, i) = p * alpha.cwiseProduct(alpha).sum();
+  return block;
+}
+
 }  // namespace lobe

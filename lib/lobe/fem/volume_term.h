@@ -3,6 +3,8 @@
 // force on vertex p is −κ v|v| ∂V_now/∂x_p, and V ∂v/∂F = V cof F, so that it adds κ v|v| cof F to P.
 #pragma once
 
+#include <cmath>
+
 #include "lobe/types.h"
 
 namespace lobe {
@@ -61,6 +63,23 @@ Mat3<T> volume_stress(const Mat3<T>& H, const T& kappa)  // adds to the first Pi
   using std::abs;
   const T v = volume_change(H);
   return deformation_cofactor(H) * (kappa * v * abs(v));
+}
+
+template <class T>
+struct VolumeDerivatives {  // of W/V by J = det F, of a term that depends on nothing else [Pa]
+  T slope, curvature;
+
+  void operator+=(const VolumeDerivatives& other) {
+    slope += other.slope;
+    curvature += other.curvature;
+  }
+};
+
+template <class T>
+VolumeDerivatives<T> volume_derivatives(const Mat3<T>& H, const T& kappa) {
+  using std::abs;
+  const T v = volume_change(H);
+  return {kappa * v * abs(v), T(2) * kappa * abs(v)};
 }
 
 // ∂²W/∂u_j² / V = 2κ|v| g⊗g with g = cof(F) α_j (det F is linear in each vertex).

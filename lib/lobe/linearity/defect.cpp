@@ -5,8 +5,7 @@
 #include <map>
 
 #include "lobe/fem/hooke.h"
-#include "lobe/fem/svk.h"
-#include "lobe/fem/volume_term.h"
+#include "lobe/region/nodal_pressure.h"
 
 namespace lobe {
 namespace {
@@ -32,20 +31,22 @@ Mat3<double> twin(const Mat3<double>& H) {
   return Eigen::AngleAxisd(angle, turn / (2 * angle)).toRotationMatrix() * stretch - I;
 }
 
-Mat3<double> stress_defect(const Mat3<double>& H, double lambda, double mu, double kappa) {
-  return svk_stress<double>(H, lambda, mu) + volume_stress<double>(H, kappa) -
-         hooke_stress<double>(H, lambda, mu);
+Mat3<double> stress_defect(const Law<double>& law, const Elastic& material, const Mat3<double>& H) {
+  return law_stress(law, H) - hooke_stress(H, material.lambda, material.mu);
 }
 
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u) {
+  Elements nonlinear = elements;
+  nonlinear.region_of.assign(elements.region_of.size(), RegionModel::nonlinear);
+  const std::vector<double> pressures = tet_pressures(nonlinear, PressureNodes(nonlinear), u);
   Defects defects = Defects::Zero(9, zones.count());
   for (Index t = 0; t < static_cast<Index>(zones.of.size()); ++t) {
     if (!elements.topology.alive(t)) continue;
     const Shape s = elements.shape_of(t);
-    const Elastic& e = elements.elastic_of(t);
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
     const Mat3<double> H = displacement_gradient<double>(corners, s.gradients.rightCols<3>());
-    defects.col(zones.of[t]) += s.volume * column(stress_defect(H, e.lambda, e.mu, elements.volume_penalty));
+    const Law<double> law = nonlinear_law(elements, t, pressures[std::size_t(t)]);
+    defects.col(zones.of[t]) += s.volume * column(stress_defect(law, elements.elastic_of(t), H));
   }
   return defects;
 }
@@ -53,20 +54,22 @@ Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<
 MeanDefects::MeanDefects(const Elements& elements, const Zones& zones)
     : weights_(std::size_t(zones.count())),
       mean_(std::size_t(zones.count())),
-      kappa_(elements.volume_penalty) {
+      volume_penalty_(elements.volume_penalty),
+      guard_below_(elements.guard_below) {
   for (Index z = 0; z < zones.count(); ++z) find(elements, zones, z);
 }
 
 void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone) {
   std::map<Index, Vec3d> weights;
-  Mean mean;
+  double volume = 0, lambda = 0, mu = 0, nodal_lambda = 0;
   for (Index t : zones.tets[std::size_t(zone)]) {
     if (!elements.topology.alive(t)) continue;
     const Shape s = elements.shape_of(t);
     const Elastic& e = elements.elastic_of(t);
-    mean.volume += s.volume;
-    mean.lambda += s.volume * e.lambda;
-    mean.mu += s.volume * e.mu;
+    volume += s.volume;
+    lambda += s.volume * e.lambda;
+    mu += s.volume * e.mu;
+    nodal_lambda += s.volume * e.nodal_lambda();
     for (int c = 0; c < 4; ++c) {
       const auto [at, is_new] = weights.try_emplace(elements.topology.tets()(c, t), Vec3d::Zero());
       at->second += s.volume * s.gradients.col(c);
@@ -74,10 +77,14 @@ void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone)
   }
   std::vector<Weight>& list = weights_[std::size_t(zone)];
   list.clear();
-  const double size = std::cbrt(mean.volume);
+  const double size = std::cbrt(volume);
   for (const auto& [vertex, gradient] : weights)  // those of vertices within the zone vanish
-    if (gradient.norm() > 1e-9 * size * size) list.push_back({vertex, gradient / mean.volume});
-  mean_[std::size_t(zone)] = {mean.volume, mean.lambda / mean.volume, mean.mu / mean.volume};
+    if (gradient.norm() > 1e-9 * size * size) list.push_back({vertex, gradient / volume});
+  Mean& mean = mean_[std::size_t(zone)];
+  mean.volume = volume;
+  mean.material.lambda = lambda / volume;
+  mean.material.mu = mu / volume;
+  mean.material.nodal_pressure = nodal_lambda > 0 ? nodal_lambda / lambda : 0;
 }
 
 Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
@@ -86,27 +93,32 @@ Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
   return column(H);
 }
 
+// Where the gradient is the same everywhere, nodal pressures are those of this strain: wλ θ.
+Law<double> MeanDefects::law(const Elastic& material, const Mat3<double>& H) const {
+  return nonlinear_law(material, volume_penalty_, guard_below_, material.nodal_lambda() * strain_trace(H));
+}
+
 Column MeanDefects::at(Index zone, const Column& gradient, bool is_linear) const {
   const Mean& mean = mean_[std::size_t(zone)];
   if (mean.volume == 0) return Column::Zero();
   const Mat3<double> H = is_linear ? twin(matrix(gradient)) : matrix(gradient);
-  return mean.volume * column(stress_defect(H, mean.lambda, mean.mu, kappa_));
+  return mean.volume * column(stress_defect(law(mean.material, H), mean.material, H));
 }
 
 Column MeanDefects::beyond_tangent(Index zone, const Column& gradient, const Column& about,
                                    bool is_linear) const {
   const Mean& mean = mean_[std::size_t(zone)];
   if (mean.volume == 0) return Column::Zero();
-  const auto stress = [&](const Column& g) {
-    return column(svk_stress<double>(matrix(g), mean.lambda, mean.mu) +
-                  volume_stress<double>(matrix(g), kappa_));
+  const auto stress_at = [&](const Column& g) {
+    const Mat3<double> H = matrix(g);
+    return column(law_stress(law(mean.material, H), H));
   };
   const Mat3<double> F0 = Mat3<double>::Identity() + matrix(about);
   const Mat3<double> since = matrix(gradient - about) * F0.inverse();
   const Column change = column((is_linear ? twin(since) : since) * F0);
   constexpr double step = 1e-4;  // of the change: the tangent as a central difference
-  const Column tangent = (stress(about + step * change) - stress(about - step * change)) / (2 * step);
-  return mean.volume * (stress(about + change) - stress(about) - tangent);
+  const Column tangent = (stress_at(about + step * change) - stress_at(about - step * change)) / (2 * step);
+  return mean.volume * (stress_at(about + change) - stress_at(about) - tangent);
 }
 
 }  // namespace lobe

@@ -1,5 +1,5 @@
 // What a linear law gets wrong (theory, section 15): the defect of its stress against that of the non-linear model,
-//   D = P_svk(F) − σ_linear(∇u)                                                                       [Pa],
+//   D = P(F) − σ_linear(∇u)                                                                           [Pa],
 // in a state of the non-linear body, or in one of the linear body, whose rotations and strains are first made those of a
 // non-linear one (twin()).
 #pragma once
@@ -13,16 +13,17 @@ namespace lobe {
 // A rotation that grows linearly, as in a linear solution, is thus no strain.
 Mat3<double> twin(const Mat3<double>& H);
 
-// At the displacement gradient H of the non-linear model with volume penalty κ.
-Mat3<double> stress_defect(const Mat3<double>& H, double lambda, double mu, double kappa);  // [Pa]
+// Of Hooke's law of a material, at the displacement gradient H of the non-linear model.
+Mat3<double> stress_defect(const Law<double>& law, const Elastic& material, const Mat3<double>& H);  // [Pa]
 
 // ∫ D dV per zone, each with its nine entries in a column [Pa m³]: 9 × #zones.
 using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 
-// Tetrahedron by tetrahedron, of a state of the non-linear body: 3 × #vertices [m].
+// Tetrahedron by tetrahedron, of a state of the body that is non-linear everywhere: 3 × #vertices [m].
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u);
 
-// From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean materials.
+// From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean materials, and
+// of nodal pressures as where the gradient is the same everywhere.
 class MeanDefects {
  public:
   MeanDefects(const Elements& elements, const Zones& zones);
@@ -44,10 +45,13 @@ class MeanDefects {
   };
   std::vector<std::vector<Weight>> weights_;  // per zone
   struct Mean {
-    double volume = 0, lambda = 0, mu = 0;
+    double volume = 0;
+    Elastic material;
   };
+  Law<double> law(const Elastic& material, const Mat3<double>& H) const;
+
   std::vector<Mean> mean_;
-  double kappa_;
+  double volume_penalty_, guard_below_;
 };
 
 }  // namespace lobe

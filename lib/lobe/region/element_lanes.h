@@ -1,11 +1,8 @@
 // As many tetrahedra of a block as one register holds: what every formula of one element starts from.
 #pragma once
 
-#include "lobe/fem/guard.h"
-#include "lobe/fem/pressure_term.h"
+#include "lobe/fem/law.h"
 #include "lobe/fem/shape.h"
-#include "lobe/fem/svk.h"
-#include "lobe/fem/volume_term.h"
 #include "lobe/numerics/simd.h"
 #include "lobe/region/element_block.h"
 
@@ -36,10 +33,6 @@ struct ElementLanes {
     T sum = 0;
     for (int c = 0; c < 4; ++c) sum += T([&](auto lane) { return at_nodes[block.nodes[c][first + lane]]; });
     return sum * Real(0.25f);
-  }
-
-  bool any_below(Real ratio) const {  // whether det F is, anywhere
-    return std::experimental::any_of(T(1) + volume_change(H) < T(ratio));
   }
 
   T V;

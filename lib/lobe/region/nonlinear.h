@@ -9,7 +9,7 @@ namespace lobe {
 template <class Real>
 class NonlinearRegion {
  public:
-  // The volume term is no polynomial of low degree: with the stored evaluator it is still evaluated directly.
+  // The stored evaluator has SVK; other terms of the law are still evaluated directly.
   explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct,
                            InstructionSet set = chosen_instruction_set())
       : evaluator_(evaluator), elements_(set), terms_(set) {}
@@ -25,7 +25,7 @@ class NonlinearRegion {
   void add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     if (tet_count() == 0) return;
     if (evaluator_ == Evaluator::stored) terms_.add_forces(u, f, parallel);
-    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? ElementPart::volume_term : ElementPart::both,
+    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? ElementPart::beside_svk : ElementPart::all,
                          parallel);
   }
 

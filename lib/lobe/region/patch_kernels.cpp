@@ -9,18 +9,13 @@ namespace lobe {
 
 template <class Real>
 PatchArrays<Real> Patches<Real>::arrays(Index p, const LocalVectors& u) const {
-  const Elastic& elastic = materials_[layout_.patch(p).kind];
   const std::size_t first = std::size_t(p) * patch_blocks;
   return {blocks_.data() + first,
           (layout_.patch(p).items + width - 1) / width,
           nodal_pressure_ ? pressure_blocks_.data() + first : nullptr,
           pressure_.data(),
           u.data(),
-          static_cast<Real>(elastic.element_lambda()),
-          static_cast<Real>(elastic.mu),
-          static_cast<Real>(kappa_),
-          static_cast<Real>(elastic.guard_modulus()),
-          static_cast<Real>(guard_below_)};
+          laws_[layout_.patch(p).kind].template as<Real>()};
 }
 
 template <class Real>
@@ -40,19 +35,21 @@ void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
 
 template <class Real>
 void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart part, Parallel& parallel) {
-  if (kappa_ == 0 && guard_below_ == 0 && part == ElementPart::volume_term) return;
-  if (kappa_ == 0 && part == ElementPart::both) part = ElementPart::svk;
+  const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{}; };
+  if (part == ElementPart::beside_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
   if (nodal_pressure_) find_pressures(u, parallel);
   // Collapse is rare: asking is all that it costs the others, and a patch that has an element below the threshold, with
   // some room for the rounding of the question, is evaluated again.
-  const Guarding guarding = guard_below_ > 0 ? Guarding::asked : Guarding::off;
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
-                     const PatchArrays<Real> patch = arrays(p, local);
-                     if (kernels_.add_forces(patch, part, guarding, sums) >= Real(1.01f) * patch.guard_below)
-                       return;
+                     PatchArrays<Real> patch = arrays(p, local);
+                     if (part == ElementPart::beside_svk)
+                       patch.law.terms.svk = patch.law.terms.pressure = false;
+                     const Guarding guarding = patch.law.terms.guard ? Guarding::asked : Guarding::off;
+                     const Real smallest = kernels_.add_forces(patch, guarding, sums);
+                     if (smallest >= Real(1.01f) * patch.law.guard_threshold) return;
                      std::fill_n(sums, layout_.patch(p).vertices, PaddedVector<Real>{});
-                     kernels_.add_forces(patch, part, Guarding::acting, sums);
+                     kernels_.add_forces(patch, Guarding::acting, sums);
                    });
 }
 
@@ -77,13 +74,10 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
   if (nodal_pressure_) find_pressures(u, one_thread);
   double sum = 0;
   const auto add = [&](const auto& e, const PatchArrays<Real>& patch, Index block, Index slot, int used) {
-    T W = svk_energy_density<T>(e.H, patch.lambda, patch.mu);
-    if (kappa_ > 0) W += volume_energy_density<T>(e.H, patch.kappa);
+    Law<T> law = patch.law.template as<T>();
     if (nodal_pressure_)
-      W += pressure_energy_density<T>(e.H,
-                                      e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure));
-    if (guard_below_ > 0) W += guard_energy_density<T>(e.H, patch.guard_modulus, patch.guard_below);
-    W *= e.V;
+      law.pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
+    const T W = law_energy_density(law, e.H) * e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
   };
   for (Index p = 0; p < layout_.patch_count(); ++p) for_lanes(p, u, add);

@@ -7,10 +7,12 @@ namespace lobe {
 template <class Real>
 void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                            const std::vector<Index>& enter, RegionModel model) {
-  materials_ = elements.materials;
-  kappa_ = elements.volume_penalty;
-  guard_below_ = elements.guard_below;
-  nodal_pressure_ = any_nodal_pressure(materials_);
+  nodal_pressure_ = any_nodal_pressure(elements.materials);
+  laws_.clear();
+  for (const Elastic& elastic : elements.materials) {
+    laws_.push_back(nonlinear_law(elastic, elements.volume_penalty, elements.guard_below));
+    laws_.back().terms.pressure = nodal_pressure_;
+  }
   const std::vector<Layout::Item> own = items_of(model, elements, enter);
   if (own.empty() && tet_count() == 0) return;  // what is not there takes no memory
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());

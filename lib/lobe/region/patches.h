@@ -10,6 +10,9 @@
 
 namespace lobe {
 
+// Terms of the law; beside_svk: where another evaluator has SVK, without nodal pressure.
+enum class ElementPart { all, beside_svk };
+
 template <class Real>
 class Patches {
  public:
@@ -22,8 +25,7 @@ class Patches {
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
-                  ElementPart part,      // the guard comes with either
-                  Parallel& parallel);
+                  ElementPart part, Parallel& parallel);
   double energy(const Mat3X<Real>& u);  // [J]
 
   template <class Visit>  // visit(layout, sums)
@@ -58,12 +60,10 @@ class Patches {
 
   WideKernels<Real> kernels_;
   Layout layout_;
-  std::vector<Elastic> materials_;
-  double kappa_ = 0;  // [Pa]
-  double guard_below_ = 0;
-  std::vector<Block> blocks_;  // patch_blocks per patch
-  PatchSums<Real> sums_;       // scratch
-  std::vector<Real> ratios_;   // scratch: smallest det F per patch
+  std::vector<Law<double>> laws_;  // per material
+  std::vector<Block> blocks_;      // patch_blocks per patch
+  PatchSums<Real> sums_;           // scratch
+  std::vector<Real> ratios_;       // scratch: smallest det F per patch
 
   bool nodal_pressure_ = false;  // of any material; without, the rest is empty
   PressureNodes nodes_;

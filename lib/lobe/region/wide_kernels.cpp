@@ -32,8 +32,23 @@ void prefetch(const Block* block) {
   for (std::size_t line = 0; line < sizeof(Block); line += 64) __builtin_prefetch(bytes + line);
 }
 
+// The law of each lane at the pressure of its nodes.
+template <bool nodal_pressure, class Real, class T = Pack<Real>>
+Law<T> law_of(const PatchArrays<Real>& patch, Index block, int first) {
+  Law<T> law = patch.law.template as<T>();
+  law.terms.pressure = nodal_pressure;
+  if constexpr (nodal_pressure)
+    law.pressure = ElementLanes<T>::pressure(patch.pressure_blocks[block], first, patch.pressure);
+  return law;
+}
+
+constexpr Terms with_guard(Terms terms, bool guard) {
+  terms.guard = guard;
+  return terms;
+}
+
 // The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
-template <class Real, ElementPart part, bool nodal_pressure, Guarding guarding>
+template <class Real, Terms terms, Guarding guarding>
 LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = ElementLanes<T>;
@@ -42,43 +57,34 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
     prefetch(patch.blocks + b);
     for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
       const Lanes e(patch.blocks[b], first, patch.u);
-      Mat3<T> VP;
-      if constexpr (part == ElementPart::volume_term)
-        VP = volume_stress<T>(e.H, e.V * patch.kappa);
-      else
-        VP = svk_stress<T>(e.H, e.V * patch.lambda, e.V * patch.mu);
-      if constexpr (part == ElementPart::both) VP += volume_stress<T>(e.H, e.V * patch.kappa);
-      if constexpr (nodal_pressure)
-        VP += pressure_stress<T>(e.H, e.V * Lanes::pressure(patch.pressure_blocks[b], first, patch.pressure));
+      Law<T> law = law_of<terms.pressure>(patch, b, first);
+      law.terms = with_guard(terms, guarding == Guarding::acting);
+      const Mat3<T> VP = law_stress(law.times(e.V), e.H);
       if constexpr (guarding == Guarding::asked) smallest = min(smallest, volume_ratio(e.H));
-      if constexpr (guarding == Guarding::acting)
-        if (e.any_below(patch.guard_below))
-          VP += guard_stress<T>(e.H, e.V * patch.guard_modulus, patch.guard_below);
       add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b].corners, first, sums);
     }
   }
   return hmin(smallest);
 }
 
-template <class Real, ElementPart part, bool nodal_pressure>
-Real add_forces_of(const PatchArrays<Real>& patch, Guarding guarding, Real* sums) {
-  if (guarding == Guarding::off) return add_forces_of<Real, part, nodal_pressure, Guarding::off>(patch, sums);
-  if (guarding == Guarding::asked)
-    return add_forces_of<Real, part, nodal_pressure, Guarding::asked>(patch, sums);
-  return add_forces_of<Real, part, nodal_pressure, Guarding::acting>(patch, sums);
-}
+// The sums of terms that forces are compiled for. A patch takes the first that includes its own terms; what its law lacks of
+// them, SVK aside, has the modulus 0.
+constexpr Terms compiled_terms[] = {{.svk = true},
+                                    {.svk = true, .volume = true},
+                                    {.svk = false, .volume = true},
+                                    {.svk = true, .pressure = true},
+                                    {.svk = true, .volume = true, .pressure = true}};
 
-template <class Real>
-Real add_forces(const PatchArrays<Real>& patch, ElementPart part, Guarding guarding, PaddedVector<Real>* f) {
-  const bool nodal_pressure = patch.pressure_blocks;
+template <class Real, std::size_t i = 0>
+Real add_forces(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f) {
+  constexpr Terms terms = compiled_terms[i];
+  if constexpr (i + 1 < std::size(compiled_terms))
+    if (const Terms& own = patch.law.terms; terms.svk != own.svk || !terms.includes(with_guard(own, false)))
+      return add_forces<Real, i + 1>(patch, guarding, f);
   Real* sums = &f->xyz0[0];
-  if (part == ElementPart::volume_term)
-    return add_forces_of<Real, ElementPart::volume_term, false>(patch, guarding, sums);
-  if (part == ElementPart::svk)
-    return nodal_pressure ? add_forces_of<Real, ElementPart::svk, true>(patch, guarding, sums)
-                          : add_forces_of<Real, ElementPart::svk, false>(patch, guarding, sums);
-  return nodal_pressure ? add_forces_of<Real, ElementPart::both, true>(patch, guarding, sums)
-                        : add_forces_of<Real, ElementPart::both, false>(patch, guarding, sums);
+  if (guarding == Guarding::off) return add_forces_of<Real, terms, Guarding::off>(patch, sums);
+  if (guarding == Guarding::asked) return add_forces_of<Real, terms, Guarding::asked>(patch, sums);
+  return add_forces_of<Real, terms, Guarding::acting>(patch, sums);
 }
 
 template <class Real>
@@ -109,19 +115,12 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
       const Lanes e(patch.blocks[b], first, patch.u);
       const T ratio = T(1) + volume_change(e.H);
       where(ratio < smallest, smallest) = ratio;
-      const bool guarded = patch.guard_below > 0 && any_of(ratio < T(patch.guard_below));
-      T pressure = 0;
-      if constexpr (nodal_pressure)
-        pressure = Lanes::pressure(patch.pressure_blocks[b], first, patch.pressure);
+      Law<T> law = law_of<nodal_pressure>(patch, b, first);
+      law.terms.svk = true;  // what every patch has leaves no question
+      law.terms.guard = patch.law.terms.guard && any_of(ratio < law.guard_threshold);
       Mat34<T> entries;
       for (int c = 0; c < 4; ++c) {
-        const Vec3<T> a = e.gradient(c);
-        Mat3<T> K = svk_diagonal_block<T>(e.H, a, patch.lambda, patch.mu);
-        if (patch.kappa > 0) K += volume_diagonal_block<T>(e.H, a, patch.kappa);
-        if (guarded) [[unlikely]]
-          K += guard_diagonal_block<T>(e.H, a, patch.guard_modulus, patch.guard_below);
-        if constexpr (nodal_pressure)
-          for (int i = 0; i < 3; ++i) K(i, i) += pressure * a.cwiseProduct(a).sum();
+        const Mat3<T> K = law_diagonal_block(law, e.H, e.gradient(c));
         entries.col(c) = entries_of<part, T>(K) * e.V;
       }
       add_to_vertices<T>(entries, patch.blocks[b].corners, first, sums);

@@ -3,14 +3,14 @@
 // keep the copy that an older processor cannot run.
 #pragma once
 
+#include "lobe/fem/law.h"
 #include "lobe/instruction_set.h"
 #include "lobe/region/element_block.h"
 #include "lobe/region/term_block.h"
 
 namespace lobe {
 
-enum class ElementPart { svk, volume_term, both };
-// By fem/guard.h; asked: not, but the smallest det F is looked for.
+// The guard of the law; asked: not, but the smallest det F is looked for.
 enum class Guarding { off, asked, acting };
 
 enum class StiffnessPart { diagonal, beside };  // xx, yy, zz; xy, xz, yz
@@ -22,16 +22,14 @@ struct PatchArrays {  // one patch: all its tetrahedra are of one material
   const PressureBlock<Real>* pressure_blocks;  // null without nodal pressure
   const Real* pressure;                        // per node [Pa]
   const PaddedVector<Real>* u;                 // per vertex of the patch [m]
-  Real lambda, mu, kappa;                      // λ without the share of nodal pressure [Pa]
-  Real guard_modulus, guard_below;             // M [Pa] and J₀ of fem/guard.h, 0 without a guard
+  Law<Real> law;                               // without its pressure
 };
 
 template <class Real>
 struct WideKernels {
   // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron. Returns the
   // smallest det F if asked, to rounding, else 1.
-  Real (*add_forces)(const PatchArrays<Real>& patch, ElementPart part, Guarding guarding,
-                     PaddedVector<Real>* f);
+  Real (*add_forces)(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f);
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
   // Adds three of the six entries of what each vertex feels when it moves alone [N/m]; returns the smallest det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);

@@ -1,14 +1,9 @@
 #include "lobe/solve/tangent.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "lobe/fem/guard.h"
 #include "lobe/fem/hooke.h"
-#include "lobe/fem/pressure_term.h"
-#include "lobe/fem/svk.h"
-#include "lobe/fem/volume_term.h"
 #include "lobe/region/energy_density.h"
 
 namespace lobe {
@@ -18,12 +13,6 @@ Mat34<double> corners_of(const Elements& elements, Index tet, const Mat3X<double
   Mat34<double> corners;
   for (int c = 0; c < 4; ++c) corners.col(c) = u.col(elements.topology.tets()(c, tet));
   return corners;
-}
-
-Mat3<double> cross_matrix(const Vec3d& a) {
-  Mat3<double> A;
-  A << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return A;
 }
 
 template <class Visit>  // visit(tetrahedron) for all that are alive
@@ -43,17 +32,15 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
     const Shape s = elements.shape_of(t);
     const Mat3<double> alpha = s.gradients.rightCols<3>();
     const Mat3<double> H = displacement_gradient(corners_of(elements, t, u), alpha);
-    Mat3<double> P = stress(elements, t, H, elements.region_of[t]);
     if (elements.region_of[t] == RegionModel::nonlinear) {
       const double ratio = 1 + volume_change(H);
       if (ratio < result.smallest_volume_ratio) {
         result.smallest_volume_ratio = ratio;
         result.smallest_tet = t;
       }
-      result.energy += s.volume * pressure_energy_density(H, pressures[t]);
-      P += pressure_stress(H, pressures[t]);
     }
-    result.energy += s.volume * energy_density(elements, t, H);
+    result.energy += s.volume * energy_density(elements, t, H, elements.region_of[t], pressures[t]);
+    const Mat3<double> P = stress(elements, t, H, elements.region_of[t], pressures[t]);
     const Mat34<double> f = corner_forces<double>(s.volume * P, alpha);
     for (int c = 0; c < 4; ++c) result.forces.col(elements.topology.tets()(c, t)) += f.col(c);
   });
@@ -62,34 +49,17 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
 
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
                            double pressure) {
-  const Shape shape = elements.shape_of(tet);
-  const Mat34<double>& alpha = shape.gradients;
-  const Elastic& e = elements.elastic_of(tet);
-  const bool nonlinear = model == RegionModel::nonlinear;
-  const double lambda = nonlinear ? e.element_lambda() : e.lambda;
-  const Mat3<double> H = displacement_gradient<double>(u, alpha.rightCols<3>());
-  const Mat3<double> F = Mat3<double>::Identity() + H;
-  const Mat3<double> S = svk_second_stress(H, lambda, e.mu) + pressure * Mat3<double>::Identity();
-  const double kappa = elements.volume_penalty, v = volume_change(H);
-  double slope = kappa * v * std::abs(v), curvature = 2 * kappa * std::abs(v);  // of the energy over J [Pa]
-  if (1 + v < elements.guard_below) {
-    const Guard<double> held = guard(1 + v, elements.guard_below);
-    slope += e.guard_modulus() * held.slope;
-    curvature += e.guard_modulus() * held.curvature;
+  const Shape s = elements.shape_of(tet);
+  if (model == RegionModel::nonlinear) {
+    const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
+    return s.volume * law_stiffness(nonlinear_law(elements, tet, pressure), H, s.gradients);
   }
-  const Mat34<double> g = cofactor(F) * alpha;
+  const Elastic& e = elements.elastic_of(tet);
   TetStiffness K;
   for (int j = 0; j < 4; ++j)
-    for (int k = 0; k < 4; ++k) {
-      Mat3<double> block = hooke_block<double>(alpha.col(j), alpha.col(k), lambda, e.mu);
-      if (nonlinear) {
-        block = F * block * F.transpose();
-        block.diagonal().array() += alpha.col(j).dot(S * alpha.col(k));
-        const Vec3d turned = F * Vec3d(alpha.col(j)).cross(Vec3d(alpha.col(k)));
-        block += curvature * g.col(j) * g.col(k).transpose() - slope * cross_matrix(turned);
-      }
-      K.block<3, 3>(3 * j, 3 * k) = shape.volume * block;
-    }
+    for (int k = 0; k < 4; ++k)
+      K.block<3, 3>(3 * j, 3 * k) =
+          s.volume * hooke_block<double>(s.gradients.col(j), s.gradients.col(k), e.lambda, e.mu);
   return K;
 }
 

@@ -1,0 +1,145 @@
+// The law of a tetrahedron of the non-linear model: its energy is the sum of the terms of svk.h, volume_term.h,
+// pressure_term.h and guard.h. All that evaluates such tetrahedra calls the functions below: wide kernels, energies, the
+// solvers' tangent, the time step, the estimate of linear regions' errors. A new term adds its moduli to Law and a line to
+// each function. The order in which a function sums the terms up decides the last bits of results.
+//
+// What is not among the terms is not evaluated; where `terms` are constants, as in kernels, it leaves no code behind.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "lobe/fem/guard.h"
+#include "lobe/fem/hooke.h"
+#include "lobe/fem/pressure_term.h"
+#include "lobe/fem/svk.h"
+#include "lobe/fem/volume_term.h"
+
+namespace lobe {
+
+struct Terms {
+  bool svk = true, volume = false, pressure = false, guard = false;
+
+  bool operator==(const Terms&) const = default;
+  constexpr bool includes(const Terms& other) const {
+    return svk >= other.svk && volume >= other.volume && pressure >= other.pressure && guard >= other.guard;
+  }
+};
+
+template <class T>
+struct Law {
+  T lambda, mu;       // λ without the share that nodal pressure takes over [Pa]
+  T kappa;            // volume penalty [Pa]
+  T pressure;         // of nodal pressure, mean p_T of the tetrahedron [Pa]
+  T guard_modulus;    // M [Pa]
+  T guard_threshold;  // J₀
+  Terms terms;
+
+  template <class U>
+  Law<U> as() const {
+    return {U(lambda), U(mu), U(kappa), U(pressure), U(guard_modulus), U(guard_threshold), terms};
+  }
+  Law times(const T& V) const {  // all moduli: energies and stresses are then V times those of this law
+    return {V * lambda, V * mu, V * kappa, V * pressure, V * guard_modulus, guard_threshold, terms};
+  }
+};
+
+// Begins with the first term, not with 0, which adding would cost time and the sign of a zero.
+template <class Value>
+class SumOfTerms {
+ public:
+  explicit SumOfTerms(const Value& zero) : sum_(zero) {}
+  void operator+=(const Value& term) {
+    if (empty_)
+      sum_ = term;
+    else
+      sum_ += term;
+    empty_ = false;
+  }
+  const Value& value() const { return sum_; }
+
+ private:
+  Value sum_;
+  bool empty_ = true;
+};
+
+inline bool any_of(bool lane) { return lane; }  // beside that of packs
+
+template <class T>
+Mat3<T> cross_matrix(const Vec3<T>& a)  // a × …
+{
+  Mat3<T> A;
+  A << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
+  return A;
+}
+
+template <class T>
+bool is_guarded(const Law<T>& law, const Mat3<T>& H)  // whether the guard resists, in any lane
+{
+  return law.terms.guard && any_of(T(1) + volume_change(H) < law.guard_threshold);
+}
+
+template <class T>
+T law_energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³]
+{
+  SumOfTerms<T> W(T(0));
+  if (law.terms.svk) W += svk_energy_density(H, law.lambda, law.mu);
+  if (law.terms.volume) W += volume_energy_density(H, law.kappa);
+  if (law.terms.pressure) W += pressure_energy_density(H, law.pressure);
+  if (is_guarded(law, H)) W += guard_energy_density(H, law.guard_modulus, law.guard_threshold);
+  return W.value();
+}
+
+template <class T>
+Mat3<T> law_stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhoff [Pa]
+{
+  SumOfTerms<Mat3<T>> P(Mat3<T>::Constant(T(0)));
+  if (law.terms.svk) P += svk_stress(H, law.lambda, law.mu);
+  if (law.terms.volume) P += volume_stress(H, law.kappa);
+  if (law.terms.pressure) P += pressure_stress(H, law.pressure);
+  if (is_guarded(law, H)) P += guard_stress(H, law.guard_modulus, law.guard_threshold);
+  return P.value();
+}
+
+// ∂²W/∂u_j² / V of a corner with gradient α, at given nodal pressure: what it feels when it moves alone.
+template <class T>
+Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha)  // [Pa/m²]
+{
+  SumOfTerms<Mat3<T>> K(Mat3<T>::Constant(T(0)));
+  if (law.terms.svk) K += svk_diagonal_block(H, alpha, law.lambda, law.mu);
+  if (law.terms.volume) K += volume_diagonal_block(H, alpha, law.kappa);
+  if (is_guarded(law, H)) K += guard_diagonal_block(H, alpha, law.guard_modulus, law.guard_threshold);
+  if (law.terms.pressure) K += pressure_diagonal_block(alpha, law.pressure);
+  return K.value();
+}
+
+// ∂²W/∂u_j∂u_k / V of all corners, at given nodal pressure, 3 × 3 block by block:
+//   SVK and nodal pressure      (α_j·S α_k) I + F B_jk Fᵀ,  B_jk of hooke.h
+//   functions ψ of J = det F    ψ″ g_j⊗g_k + ψ′ ∂g_j/∂x_k,  g_j = cof(F) α_j,  ∂g_j/∂x_k w = w × F(α_j × α_k)
+template <class T>
+Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
+                                       const Mat34<T>& alpha)  // of the four corners [1/m] → [Pa/m²]
+{
+  const Mat3<T> I = Mat3<T>::Identity(), F = I + H;
+  SumOfTerms<Mat3<T>> S(Mat3<T>::Zero());
+  if (law.terms.svk) S += svk_second_stress(H, law.lambda, law.mu);
+  if (law.terms.pressure) S += law.pressure * I;
+  SumOfTerms<VolumeDerivatives<T>> psi({T(0), T(0)});
+  if (law.terms.volume) psi += volume_derivatives(H, law.kappa);
+  if (is_guarded(law, H)) psi += guard_derivatives(H, law.guard_modulus, law.guard_threshold);
+  const Mat34<T> g = cofactor(F) * alpha;
+  Eigen::Matrix<T, 12, 12> K;
+  for (int j = 0; j < 4; ++j)
+    for (int k = 0; k < 4; ++k) {
+      Mat3<T> block = Mat3<T>::Zero();
+      if (law.terms.svk)
+        block = F * hooke_block<T>(alpha.col(j), alpha.col(k), law.lambda, law.mu) * F.transpose();
+      block.diagonal().array() += alpha.col(j).dot(S.value() * alpha.col(k));
+      const Vec3<T> turned = F * Vec3<T>(alpha.col(j)).cross(Vec3<T>(alpha.col(k)));
+      block +=
+          psi.value().curvature * g.col(j) * g.col(k).transpose() - psi.value().slope * cross_matrix(turned);
+      K.template block<3, 3>(3 * j, 3 * k) = block;
+    }
+  return K;
+}
+
+}  // namespace lobe

@@ -1,4 +1,5 @@
-// Tables in Markdown: a row that has fewer or more cells than its header is drawn wrong, and a blank line ends a table.
+// Tables in Markdown: a row that has fewer or more cells than its header is drawn wrong, and a blank line
+// ends a table.
 #include <doctest/doctest.h>
 
 #include <filesystem>

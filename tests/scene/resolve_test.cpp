@@ -166,7 +166,8 @@ TEST_CASE("a precomputed region must be held, and explicit") {
         "own, and a linear part that turned would grow; fix some of their vertices, let one part have "
         "\"frame\": \"corotated\", or make them tensor-mass or nonlinear");
   CHECK(faults(R"({"regions": [{"model": "precomputed"}], "time": {"integrator": "implicit"}})") ==
-        "/regions/0/model: \"precomputed\" needs \"integrator\": \"explicit\"; use \"tensor-mass\"");
+        "/regions/0/model: \"model\": \"precomputed\" does not go with \"integrator\": \"implicit\": an implicit step "
+        "solves for every vertex; use \"tensor-mass\"");
   CHECK(faults(R"({"regions": [{"model": "nonlinear", "frame": "corotated"}]})") ==
         "/regions/0/frame: \"corotated\" needs \"model\": \"precomputed\"");
   CHECK(faults(R"({"regions": [{"model": "precomputed", "frame": "corotated", )" + near +
@@ -340,17 +341,20 @@ TEST_CASE("nodal pressure silences the warning of locking where it acts, and onl
 TEST_CASE("nodal pressure is refused with the stored evaluator") {
   CHECK(faults(R"({"evaluator": "stored",
                    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
-        "/materials/0/nodal_pressure: not with \"evaluator\": \"stored\"; use \"direct\"");
+        "/materials/0/nodal_pressure: \"nodal_pressure\" does not go with \"evaluator\": \"stored\": the stored "
+        "polynomial is each tetrahedron's own; use \"direct\"");
   CHECK(faults(R"({"evaluator": "stored",
                    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": false}]})") == "");
 }
 
 TEST_CASE("sleep is refused beside nodal pressure and implicit steps") {
   CHECK(faults(R"({"time": {"sleep": 1e-5, "integrator": "implicit", "precision": "double"}})") ==
-        "/time/sleep: needs \"integrator\": \"explicit\"; leave it out");
+        "/time/sleep: \"sleep\" does not go with \"integrator\": \"implicit\": an implicit step solves for every "
+        "vertex; leave it out");
   CHECK(faults(R"({"time": {"sleep": 1e-5},
     "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
-        "/time/sleep: not with \"nodal_pressure\"; leave one of them out");
+        "/time/sleep: \"sleep\" does not go with \"nodal_pressure\": the pressure of a patch depends on its "
+        "neighbours; leave one of them out");
 }
 
 TEST_CASE("a scene built in code is checked before it is resolved") {
@@ -390,5 +394,5 @@ TEST_CASE("automatic regions: what cannot be had is refused at its place") {
           R"({"regions": {"auto": {"gestures": [{"where": {"sphere": {"center": [9, 9, 9], "radius": 1}}, "force": [0, 0, 1]}]}}})") ==
       "/regions/auto/gestures/0/where: selects no vertex" + spans);
   CHECK(faults(R"({"regions": {"auto": {}}, "time": {"integrator": "implicit"}})")
-            .find("/regions/auto: needs \"integrator\": \"explicit\"") == 0);
+            .find("/regions/auto: \"regions\": {\"auto\": …} does not go with \"integrator\": \"implicit\"") == 0);
 }

@@ -10,16 +10,6 @@
 namespace lobe {
 namespace {
 
-void refuse_implicit_precomputed(Resolution& resolution) {
-  const Scene& scene = resolution.scene;
-  for (std::size_t i = 0; i < scene.regions.size(); ++i) {
-    if (scene.regions[i].model != RegionModel::precomputed) continue;
-    if (scene.time.integrator != Integrator::generalised_alpha) continue;
-    resolution.fail("/regions/" + std::to_string(i) + "/model",
-                    "\"precomputed\" needs \"integrator\": \"explicit\"; use \"tensor-mass\"");
-  }
-}
-
 // Precomputed regions have one dense matrix in common, and so one frame.
 void resolve_frame(Resolution& resolution) {
   const std::vector<Region>& regions = resolution.scene.regions;
@@ -35,27 +25,6 @@ void resolve_frame(Resolution& resolution) {
       resolution.fail(place, "all precomputed regions have one frame in common; give all of them the same");
   }
   if (first) resolution.result.setup.precomputed_frame = first->frame;
-}
-
-// The stored polynomial holds what each tetrahedron does alone; an average over its neighbours has no place in it.
-void refuse_stored_nodal_pressure(Resolution& resolution) {
-  const std::vector<Material>& materials = resolution.scene.materials;
-  for (std::size_t i = 0; i < materials.size(); ++i) {
-    if (resolution.scene.evaluator != Evaluator::stored || materials[i].nodal_pressure == 0) continue;
-    resolution.fail("/materials/" + std::to_string(i) + "/nodal_pressure",
-                    "not with \"evaluator\": \"stored\"; use \"direct\"");
-  }
-}
-
-// Who sleeps must be told from patches' own vertices and explicit steps.
-void refuse_sleep(Resolution& resolution) {
-  const Scene& scene = resolution.scene;
-  if (scene.time.sleep == 0) return;
-  if (scene.time.integrator == Integrator::generalised_alpha)
-    resolution.fail("/time/sleep", "needs \"integrator\": \"explicit\"; leave it out");
-  for (const Material& material : scene.materials)
-    if (material.nodal_pressure > 0)
-      return resolution.fail("/time/sleep", "not with \"nodal_pressure\"; leave one of them out");
 }
 
 // A region that nothing keeps in place is refused.
@@ -201,10 +170,8 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   setup.load_ramp = scene.time.load_ramp;
   setup.sleep = scene.time.sleep;
 
-  refuse_implicit_precomputed(resolution);
+  refuse_excluded_options(resolution);
   resolve_frame(resolution);
-  refuse_stored_nodal_pressure(resolution);
-  refuse_sleep(resolution);
   resolve_materials(resolution);
   resolve_regions(resolution);
   resolve_boundary(resolution);

@@ -23,8 +23,8 @@ struct Resolved {
 // available yet.
 Resolved resolve(const Scene& scene, TetMesh mesh);
 
-// Chooses the regions where the scene leaves that to lobe, and whether those that it wants precomputed had better be
-// tensor-mass; warnings say what was found. Takes minutes on a large mesh.
+// Chooses the regions where the scene leaves that to lobe, and whether those that it wants precomputed had
+// better be tensor-mass; warnings say what was found. Takes minutes on a large mesh.
 void propose(const Scene& scene, Resolved& resolved,
              const std::function<void(double fraction)>& progress = {});
 

@@ -8,9 +8,6 @@ namespace lobe {
 
 void resolve_gestures(Resolution& resolution) {
   if (!resolution.scene.auto_regions) return;
-  if (resolution.scene.time.integrator == Integrator::generalised_alpha)
-    resolution.fail("/regions/auto",
-                    "needs \"integrator\": \"explicit\"; an implicit step gains nothing from linear regions");
   std::vector<Gesture>& gestures = resolution.result.gestures;
   for (const SceneGesture& entry : resolution.scene.auto_regions->gestures) {
     const std::string place = entry.pointer + "/where";

@@ -41,6 +41,7 @@ inline std::string counted(std::size_t count, const char* one, const char* many)
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+void refuse_excluded_options(Resolution& resolution);
 void resolve_materials(Resolution& resolution);
 void resolve_regions(Resolution& resolution);
 void resolve_boundary(Resolution& resolution);

@@ -29,12 +29,13 @@ Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& 
 
 // Position on a path at a time, linear between its points, constant before and after. [m]
 Vec3d path_at(const std::vector<PathPoint>& path, double time);
-// Orientation on it, by the shortest turn at a constant rate between its points; a unit quaternion x, y, z, w.
+// Orientation on it, by the shortest turn at a constant rate between its points; a unit quaternion x, y, z,
+// w.
 Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time);
 
 // Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
-// grasp (holder 1 + its number). The first who holds a vertex keeps it; boundary conditions may hold different
-// components of one vertex, the first of each component wins.
+// grasp (holder 1 + its number). The first who holds a vertex keeps it; boundary conditions may hold
+// different components of one vertex, the first of each component wins.
 class HeldVertices {
  public:
   struct Held {

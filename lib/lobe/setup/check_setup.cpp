@@ -24,6 +24,7 @@ class Checker {
   void check_boundary();
   void check_path(const std::string& tool, const std::vector<PathPoint>& path);
   void check_tools();
+  void check_exclusions(Options used);
 
   void finish() {
     if (!faults_.empty()) throw InputError(std::move(faults_));
@@ -59,20 +60,10 @@ void Checker::check_materials() {
            "a material needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
     expect(e.nodal_pressure >= 0 && e.nodal_pressure <= 1, "nodal_pressure must be in [0, 1]");
     expect(e.nodal_pressure == 0 || e.lambda >= 0, "nodal_pressure needs lambda of at least 0: set it to 0");
-    expect(e.nodal_pressure == 0 || setup_.evaluator == Evaluator::direct,
-           "the stored evaluator has no nodal_pressure: use the direct one");
   }
   expect(std::all_of(setup_.material_of.begin(), setup_.material_of.end(),
                      [&](std::uint16_t m) { return m < setup_.materials.size(); }),
          "a material number is out of range");
-  expect(setup_.integrator == Integrator::central_difference ||
-             !std::count(setup_.region_of.begin(), setup_.region_of.end(), RegionModel::precomputed),
-         "the implicit integrator has no precomputed regions; use tensor-mass");
-  expect(!setup_.expandable || setup_.precomputed_frame == RegionFrame::fixed,
-         "an expandable precomputed region has no frame of its own");
-  expect(!setup_.expandable || std::none_of(setup_.materials.begin(), setup_.materials.end(),
-                                            [](const Elastic& e) { return e.nodal_pressure > 0; }),
-         "an expandable precomputed region has no nodal_pressure");
   const auto not_negative = [](double x) { return std::isfinite(x) && x >= 0; };
   expect(not_negative(setup_.volume_penalty), "volume_penalty must be finite and not negative");
   expect(setup_.guard_below >= 0 && setup_.guard_below < 1, "guard_below must be in [0, 1)");
@@ -84,16 +75,8 @@ void Checker::check_materials() {
   expect(setup_.safety > 0 && setup_.safety <= 2, "safety must be in (0, 2]");
   expect(setup_.selective_mass >= 1 && setup_.selective_mass <= highest_mass_degree,
          "selective_mass must be in [1, 16]");
-  expect(setup_.selective_mass == 1 || setup_.integrator == Integrator::central_difference,
-         "selective_mass lengthens explicit steps; the implicit integrator has no use for it");
   expect(setup_.mass_scaling >= 0 && setup_.mass_scaling <= 0.2, "mass_scaling must be in [0, 0.2]");
-  expect(setup_.mass_scaling == 0 || std::find(setup_.region_of.begin(), setup_.region_of.end(),
-                                               RegionModel::precomputed) == setup_.region_of.end(),
-         "mass_scaling is not available beside precomputed regions; use tensor-mass");
   expect(not_negative(setup_.sleep), "sleep must be finite and not negative");
-  expect(setup_.sleep == 0 ||
-             (setup_.integrator == Integrator::central_difference && !any_nodal_pressure(setup_.materials)),
-         "sleep is available neither with the implicit integrator nor with nodal_pressure; leave it out");
   expect(setup_.gravity.allFinite(), "gravity is not finite");
 }
 
@@ -123,9 +106,9 @@ void Checker::check_path(const std::string& tool, const std::vector<PathPoint>& 
   bool in_order = true;
   for (std::size_t i = 0; i < path.size(); ++i)
     in_order = in_order && std::isfinite(path[i].time) && path[i].position.allFinite() &&
-               std::abs(path[i].orientation.norm() - 1) < 1e-6 &&
-               (i == 0 || path[i].time > path[i - 1].time);
-  expect(in_order, tool + ": the times of its path must increase, all its values be finite, quaternions of length 1");
+               std::abs(path[i].orientation.norm() - 1) < 1e-6 && (i == 0 || path[i].time > path[i - 1].time);
+  expect(in_order,
+         tool + ": the times of its path must increase, all its values be finite, quaternions of length 1");
 }
 
 void Checker::check_tools() {
@@ -141,14 +124,20 @@ void Checker::check_tools() {
   }
 }
 
+void Checker::check_exclusions(Options used) {
+  const auto here = [](Option) { return std::vector<std::string>{"setup"}; };
+  for (Fault& fault : find_exclusions(used | options_of(setup_), here)) faults_.push_back(std::move(fault));
+}
+
 }  // namespace
 
-void check_setup(const Setup& setup) {
+void check_setup(const Setup& setup, const Options& wanted) {
   Checker checker(setup);
   checker.check_mesh();
   checker.check_materials();
   checker.check_boundary();
   checker.check_tools();
+  checker.check_exclusions(wanted);
   checker.finish();
 }
 

@@ -1,13 +1,13 @@
 // What a World asks of a setup.
 #pragma once
 
-#include "lobe/setup/setup.h"
+#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 
 // Throws one InputError that names every kind of fault: sizes and numbers out of range, flat or inverted
 // tetrahedra, moduli without stability, values that are not finite, tools without a path or a radius, what is
-// not available yet.
-void check_setup(const Setup& setup);
+// not available yet, what excludes each other (exclusions.h), also what else is `wanted`.
+void check_setup(const Setup& setup, const Options& wanted = {});
 
 }  // namespace lobe

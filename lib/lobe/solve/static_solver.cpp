@@ -21,11 +21,6 @@ Mat3X<double> prescribed_displacements(const HeldVertices& held, Index vertices)
   return u;
 }
 
-bool has_turning_region(const Elements& elements) {
-  return elements.precomputed_frame == RegionFrame::corotated &&
-         std::count(elements.region_of.begin(), elements.region_of.end(), RegionModel::precomputed) > 0;
-}
-
 std::string most_compressed(Index tet) {  // for messages; −1: none is known
   return tet < 0 ? "" : "tetrahedron " + std::to_string(tet) + " is the most compressed, and ";
 }
@@ -34,13 +29,9 @@ std::string most_compressed(Index tet) {  // for messages; −1: none is known
 class Equations {
  public:
   explicit Equations(const Setup& setup)
-      : elements((check_setup(setup), setup)),
+      : elements((check_setup(setup, {Option::static_solution}), setup)),
         unknowns(free_components(elements, held_by(setup.prescribed))),
         prescribed(prescribed_displacements(held_by(setup.prescribed), elements.topology.vertex_count())) {
-    if (has_turning_region(elements))
-      throw InputError("static solution",
-                       "there is none of precomputed regions with \"frame\": \"corotated\"; "
-                       "use \"fixed\", or a run with damping");
     refuse_floating_pieces(elements, unknowns);
     loads = dead_loads(elements, setup.face_loads, setup.vertex_loads);
     for (Index v = 0; v < loads.cols(); ++v) loads.col(v) += lumped_mass(elements, v) * setup.gravity;
@@ -112,7 +103,8 @@ bool Equilibrium::direction(const NewtonPoint& at, Mat3X<double>& direction) {
   return true;
 }
 
-// Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at first.
+// Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at
+// first.
 bool Equilibrium::follow_boundary(NewtonPoint& point) {
   Mat3X<double> move = fraction_ * eq_.prescribed - point.u;
   for (Eigen::Index i = 0; i < move.size(); ++i)

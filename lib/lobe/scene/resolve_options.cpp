@@ -1,0 +1,65 @@
+// Options of a scene that exclude each other (setup/exclusions.h), each at its place in the file.
+#include "lobe/scene/resolve_parts.h"
+#include "lobe/setup/exclusions.h"
+
+namespace lobe {
+namespace {
+
+// The entries of a list that satisfy a condition, as JSON pointers.
+template <class Entry, class Condition>
+std::vector<std::string> places_in(const std::vector<Entry>& entries, const std::string& list,
+                                   const std::string& key, const Condition& condition) {
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (condition(entries[i])) places.push_back(list + "/" + std::to_string(i) + "/" + key);
+  return places;
+}
+
+std::vector<std::string> place_if(bool is_used, const char* place) {
+  return is_used ? std::vector<std::string>{place} : std::vector<std::string>{};
+}
+
+// Where a scene asks for an option; nowhere if it does not.
+std::vector<std::string> places_of(const Scene& scene, Option option) {
+  const Time& time = scene.time;
+  switch (option) {
+    case Option::precomputed:
+      return places_in(scene.regions, "/regions", "model",
+                       [](const Region& region) { return region.model == RegionModel::precomputed; });
+    case Option::corotated:
+      return places_in(scene.regions, "/regions", "frame",
+                       [](const Region& region) { return region.frame == RegionFrame::corotated; });
+    case Option::nodal_pressure:
+      return places_in(scene.materials, "/materials", "nodal_pressure",
+                       [](const Material& material) { return material.nodal_pressure > 0; });
+    case Option::automatic:
+      return place_if(scene.auto_regions.has_value(), "/regions/auto");
+    case Option::stored:
+      return place_if(scene.evaluator == Evaluator::stored, "/evaluator");
+    case Option::sleep:
+      return place_if(time.sleep > 0, "/time/sleep");
+    case Option::selective_mass:
+      return place_if(time.selective_mass > 1, "/time/selective_mass");
+    case Option::mass_scaling:
+      return place_if(time.mass_scaling > 0, "/time/mass_scaling");
+    case Option::implicit:
+      return place_if(time.integrator == Integrator::generalised_alpha, "/time/integrator");
+    case Option::expandable:
+    case Option::force_terms:
+    case Option::single_precision:
+    case Option::static_solution:
+      return {};  // a scene cannot say these
+  }
+  return {};
+}
+
+}  // namespace
+
+void refuse_excluded_options(Resolution& resolution) {
+  const auto places = [&](Option option) { return places_of(resolution.scene, option); };
+  Options used;
+  for (std::size_t i = 0; i < option_count; ++i) used.add(Option(i), !places(Option(i)).empty());
+  for (Fault& fault : find_exclusions(used, places)) resolution.faults.push_back(std::move(fault));
+}
+
+}  // namespace lobe

@@ -1,0 +1,107 @@
+#include "lobe/setup/exclusions.h"
+
+#include <algorithm>
+
+namespace lobe {
+namespace {
+
+constexpr Exclusion table[] = {
+    {Option::precomputed, Option::implicit, "an implicit step solves for every vertex",
+     "use \"tensor-mass\""},
+    {Option::automatic, Option::implicit, "an implicit step gains nothing from linear regions",
+     "leave one of them out"},
+    {Option::sleep, Option::implicit, "an implicit step solves for every vertex", "leave it out"},
+    {Option::selective_mass, Option::implicit, "it lengthens explicit steps", "leave it out"},
+    {Option::mass_scaling, Option::implicit, "it lengthens explicit steps", "leave it out"},
+    {Option::force_terms, Option::implicit, "its tangent does not know their stiffness",
+     "use external forces, or the explicit integrator"},
+    {Option::single_precision, Option::implicit, "its iterations need more digits", "use double precision"},
+    {Option::mass_scaling, Option::precomputed, "a precomputed region's interior has no mass to add to",
+     "use \"tensor-mass\", or \"selective_mass\""},
+    {Option::nodal_pressure, Option::stored, "the stored polynomial is each tetrahedron's own",
+     "use \"direct\""},
+    {Option::sleep, Option::nodal_pressure, "the pressure of a patch depends on its neighbours",
+     "leave one of them out"},
+    {Option::expandable, Option::corotated, "a region that turns non-linear keeps no frame",
+     "use a fixed frame"},
+    {Option::expandable, Option::nodal_pressure, "the region is condensed without it",
+     "leave one of them out"},
+    {Option::static_solution, Option::corotated, "an equilibrium has no motion that a frame could follow",
+     "use \"nonlinear\" or a fixed frame"},
+};
+
+Fault fault_of(const Exclusion& exclusion, const std::string& place) {
+  return {place, std::string(name(exclusion.option)) + " does not go with " + name(exclusion.other) + ": " +
+                     exclusion.reason + "; " + exclusion.remedy};
+}
+
+}  // namespace
+
+const char* name(Option option) {
+  switch (option) {
+    case Option::precomputed:
+      return "\"model\": \"precomputed\"";
+    case Option::corotated:
+      return "\"frame\": \"corotated\"";
+    case Option::expandable:
+      return "an expandable region";
+    case Option::automatic:
+      return "\"regions\": {\"auto\": …}";
+    case Option::nodal_pressure:
+      return "\"nodal_pressure\"";
+    case Option::stored:
+      return "\"evaluator\": \"stored\"";
+    case Option::sleep:
+      return "\"sleep\"";
+    case Option::selective_mass:
+      return "\"selective_mass\"";
+    case Option::mass_scaling:
+      return "\"mass_scaling\"";
+    case Option::force_terms:
+      return "a force term or springs";
+    case Option::implicit:
+      return "\"integrator\": \"implicit\"";
+    case Option::single_precision:
+      return "single precision";
+    case Option::static_solution:
+      return "a static solution";
+  }
+  return "";
+}
+
+std::span<const Exclusion> exclusions() { return table; }
+
+Options options_of(const Setup& setup) {
+  Options used;
+  const bool is_precomputed =
+      std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed) > 0;
+  used.add(Option::precomputed, is_precomputed);
+  used.add(Option::corotated, is_precomputed && setup.precomputed_frame == RegionFrame::corotated);
+  used.add(Option::expandable, setup.expandable);
+  used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
+  used.add(Option::stored, setup.evaluator == Evaluator::stored);
+  used.add(Option::sleep, setup.sleep > 0);
+  used.add(Option::selective_mass, setup.selective_mass > 1);
+  used.add(Option::mass_scaling, setup.mass_scaling > 0);
+  used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
+  return used;
+}
+
+std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_of) {
+  std::vector<Fault> faults;
+  for (const Exclusion& exclusion : table)
+    if (used.has(exclusion.option) && used.has(exclusion.other))
+      for (const std::string& place : places_of(exclusion.option))
+        faults.push_back(fault_of(exclusion, place));
+  return faults;
+}
+
+void refuse_excluded(Option wanted, const Options& used, const std::string& place) {
+  for (const Exclusion& exclusion : table) {
+    const bool is_first = exclusion.option == wanted, is_second = exclusion.other == wanted;
+    if ((is_first && used.has(exclusion.other)) || (is_second && used.has(exclusion.option)))
+      throw InputError({fault_of(exclusion, place)});
+  }
+}
+
+}  // namespace lobe

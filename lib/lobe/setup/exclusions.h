@@ -1,0 +1,71 @@
+// Options that exclude each other, in one table: scenes, setups and running worlds are checked against it, and
+// docs/scene.md shows it. All other options go together.
+#pragma once
+
+#include <bitset>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lobe/error.h"
+#include "lobe/setup/setup.h"
+
+namespace lobe {
+
+enum class Option : std::uint8_t {
+  precomputed,
+  corotated,
+  expandable,  // Setup::expandable
+  automatic,   // regions that are chosen by their estimated error
+  nodal_pressure,
+  stored,
+  sleep,
+  selective_mass,
+  mass_scaling,
+  force_terms,  // World::add(), springs
+  implicit,
+  single_precision,
+  static_solution
+};
+inline constexpr std::size_t option_count = 13;
+const char* name(Option option);  // as a scene says it: "model": "precomputed"
+
+class Options {  // a set of them
+ public:
+  Options() = default;
+  Options(std::initializer_list<Option> options) {
+    for (const Option option : options) add(option);
+  }
+  void add(Option option, bool is_used = true) {
+    if (is_used) bits_.set(std::size_t(option));
+  }
+  bool has(Option option) const { return bits_[std::size_t(option)]; }
+  Options operator|(const Options& other) const {
+    Options both = *this;
+    both.bits_ |= other.bits_;
+    return both;
+  }
+
+ private:
+  std::bitset<option_count> bits_;
+};
+
+struct Exclusion {
+  Option option, other;
+  const char* reason;
+  const char* remedy;  // for whoever asked for `option`
+};
+std::span<const Exclusion> exclusions();
+
+Options options_of(const Setup& setup);
+
+// One fault for each exclusion of which both options are used, and each place where the first one stands.
+using PlacesOf = std::function<std::vector<std::string>(Option)>;
+std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_of);
+// Throws InputError if something that is used excludes `wanted`.
+void refuse_excluded(Option wanted, const Options& used, const std::string& place);
+
+}  // namespace lobe

@@ -1,0 +1,32 @@
+// The table of docs/scene.md that says which options exclude each other is the one that scenes are checked
+// against.
+#include <doctest/doctest.h>
+
+#include "folder.h"
+#include "lobe/setup/exclusions.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+std::string cell(Option option) {
+  const std::string text = name(option);
+  return text.find('"') == std::string::npos ? text : "`" + text + "`";
+}
+
+std::string table() {
+  std::string rows = "| option | not with | because | instead |\n|---|---|---|---|\n";
+  for (const Exclusion& own : exclusions())
+    rows +=
+        "| " + cell(own.option) + " | " + cell(own.other) + " | " + own.reason + " | " + own.remedy + " |\n";
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("docs/scene.md shows the table of options that exclude each other") {
+  const std::string text = bytes_of(std::filesystem::path(LOBE_SOURCE_DIR) / "docs" / "scene.md");
+  INFO("expected:\n", table());
+  CHECK(text.find(table()) != std::string::npos);
+}

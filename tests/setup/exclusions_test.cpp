@@ -1,0 +1,111 @@
+#include "lobe/setup/exclusions.h"
+
+#include <doctest/doctest.h>
+
+#include <memory>
+
+#include "lobe/sim/world.h"
+#include "lobe/solve/static_solver.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// A setup that asks for an option; what a setup cannot say stays as it is.
+void ask_for(Setup& setup, Option option) {
+  const auto half = setup.region_of.size() / 2;
+  switch (option) {
+    case Option::corotated:
+      setup.precomputed_frame = RegionFrame::corotated;
+      [[fallthrough]];
+    case Option::precomputed:
+      std::fill_n(setup.region_of.begin(), half, RegionModel::precomputed);
+      break;
+    case Option::expandable:
+      setup.expandable = true;
+      break;
+    case Option::nodal_pressure:
+      setup.materials[0].nodal_pressure = 1;
+      break;
+    case Option::stored:
+      setup.evaluator = Evaluator::stored;
+      break;
+    case Option::sleep:
+      setup.sleep = 1e-5;
+      break;
+    case Option::selective_mass:
+      setup.selective_mass = 5;
+      break;
+    case Option::mass_scaling:
+      setup.mass_scaling = 0.01;
+      break;
+    case Option::implicit:
+      setup.integrator = Integrator::generalised_alpha;
+      break;
+    case Option::automatic:
+    case Option::force_terms:
+    case Option::single_precision:
+    case Option::static_solution:
+      break;
+  }
+}
+
+// Why it is refused; empty: it is not.
+std::string fault_of(Option a, Option b) {
+  Setup setup = setup_of(irregular_box(3));
+  setup.damping = 1;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, Vec3d::Zero()});
+  ask_for(setup, a);
+  ask_for(setup, b);
+  const auto asks = [&](Option option) { return a == option || b == option; };
+  try {
+    if (asks(Option::static_solution)) {
+      solve_static(setup);
+    } else if (asks(Option::single_precision)) {
+      World<float>{setup};
+    } else {
+      World<double> world(setup);
+      if (asks(Option::force_terms)) world.apply(SetSprings{{{0, 1.0, Vec3d::Zero()}}});
+    }
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool is_excluded(Option a, Option b) {
+  if (a == Option::corotated && is_excluded(Option::precomputed, b)) return true;  // it is of such a region
+  if (b == Option::corotated && is_excluded(a, Option::precomputed)) return true;
+  for (const Exclusion& own : exclusions())
+    if ((own.option == a && own.other == b) || (own.option == b && own.other == a)) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("each pair of options is refused by name if the table has it, and accepted if not") {
+  for (std::size_t i = 0; i < option_count; ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Option a{static_cast<std::uint8_t>(i)}, b{static_cast<std::uint8_t>(j)};
+      if (a == Option::automatic || b == Option::automatic) continue;  // of scenes: tests/scene
+      CAPTURE(name(a));
+      CAPTURE(name(b));
+      const std::string fault = fault_of(a, b);
+      CHECK(fault.empty() != is_excluded(a, b));
+      if (!fault.empty()) CHECK(fault.find(" does not go with ") != std::string::npos);
+    }
+}
+
+TEST_CASE("a running world refuses what its setup excludes, and has then changed nothing") {
+  Setup setup = setup_of(irregular_box(3));
+  setup.mass_scaling = 0.01;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, Vec3d::Zero()});
+  World<double> world(setup);
+  CHECK_THROWS_WITH_AS(world.apply(SetRegion{{0, 1}, RegionModel::precomputed}),
+                       doctest::Contains("\"mass_scaling\" does not go with \"model\": \"precomputed\""),
+                       InputError);
+  CHECK(world.elements().region_of[0] == RegionModel::nonlinear);
+  CHECK(world.history().empty());
+}

@@ -1,4 +1,5 @@
-// Runs whose bits are kept: the digests of displacements, velocities and time at ten times of each (digests.txt).
+// Runs whose bits are kept: the digests of displacements, velocities and time at ten times of each
+// (digests.txt).
 #pragma once
 
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "lobe/run/recording.h"
+#include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 
 namespace lobe::test {
@@ -22,7 +24,8 @@ struct GoldenRun {
 std::vector<GoldenRun> shipped_scenes();  // those of data/scenes
 std::vector<GoldenRun> option_scenes();   // small bodies, one for each option and what goes with it
 
-// Plays so many frames. `begin(world)` is called once; what it returns is called with the number of each frame before that.
+// Plays so many frames. `begin(world)` is called once; what it returns is called with the number of each
+// frame before that.
 template <class Real, class Begin>
 Digests play_golden(const Setup& setup, int threads, int frames, double frame, Begin&& begin) {
   World<Real> world(setup, threads);
@@ -33,6 +36,7 @@ Digests play_golden(const Setup& setup, int threads, int frames, double frame, B
     world.advance(frame);
     if ((i + 1) * golden_times / frames > i * golden_times / frames) digests.push_back(digest(world));
   }
+  validate(world);
   return digests;
 }
 

@@ -1,5 +1,6 @@
-// Every run gives the bits that are kept in digests.txt, on 1, 2 and 7 threads. They hold on x86-64, whatever instructions
-// the wide kernels use. LOBE_WRITE_GOLDEN=FILE writes the digests of one thread to a file instead.
+// Every run gives the bits that are kept in digests.txt, on 1, 2 and 7 threads. They hold on x86-64, whatever
+// instructions the wide kernels use. LOBE_WRITE_GOLDEN=FILE writes the digests of one thread to a file
+// instead.
 #include "golden/golden.h"
 
 #include <doctest/doctest.h>

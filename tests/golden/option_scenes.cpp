@@ -110,7 +110,8 @@ void add_inertia(std::vector<GoldenRun>& runs) {
              });
 }
 
-// Edits by hand of each region, and a precomputed one that is expanded, cut, linearised anew and condensed again.
+// Edits by hand of each region, and a precomputed one that is expanded, cut, linearised anew and condensed
+// again.
 void add_edits(std::vector<GoldenRun>& runs) {
   Setup setup = box_of(RegionModel::precomputed);
   setup.expandable = true;

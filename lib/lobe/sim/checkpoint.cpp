@@ -64,8 +64,8 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   take(c);
 }
 
-// Terms that an application has added are its own, and must be there; what it keeps of one that is not in the checkpoint
-// stays.
+// Terms that an application has added are its own, and must be there; what it keeps of one that is not in the
+// checkpoint stays.
 template <class Real>
 void World<Real>::load_terms(const Checkpoint<Real>& c) {
   const AppliedForces<Real> none;

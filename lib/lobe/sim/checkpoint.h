@@ -1,5 +1,5 @@
-// What a world has become since it was built: its edits in order, its state, who holds what. A world of the same setup
-// that is given it goes on with the same bits, on any number of threads (docs/stability.md).
+// What a world has become since it was built: its edits in order, its state, who holds what. A world of the
+// same setup that is given it goes on with the same bits, on any number of threads (docs/stability.md).
 #pragma once
 
 #include <deque>
@@ -33,17 +33,18 @@ struct Checkpoint {
   std::vector<Term> terms;  // of forces, by their names
 
   bool is_valid() const { return acceleration.allFinite(); }
-  static constexpr auto fields = std::tuple(
-      &Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held, &Checkpoint::tools,
-      &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit,
-      &Checkpoint::mass_degree, &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms);
+  static constexpr auto fields =
+      std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
+                 &Checkpoint::tools, &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling,
+                 &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::mass_degree, &Checkpoint::acceleration,
+                 &Checkpoint::pending, &Checkpoint::terms);
 };
 
 // Of what decides how a world moves: mesh, materials, regions, loads, tools …
 std::uint64_t fingerprint(const Setup& setup);
 
-// A file that holds a checkpoint. Reading throws InputError for a file that is damaged, cut off, of another version or
-// precision; World::restore() for one of another setup.
+// A file that holds a checkpoint. Reading throws InputError for a file that is damaged, cut off, of another
+// version or precision; World::restore() for one of another setup.
 template <class Real>
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>& checkpoint);
 template <class Real>
@@ -59,7 +60,8 @@ class CheckpointRing {
   CheckpointRing(std::size_t most, double apart) : most_(most), apart_(apart) {}  // how many, [s]
 
   void keep(const World<Real>& world);  // if the last is old enough
-  // To the latest checkpoint that is at least `seconds` old, and forgets those after it; false if there is none.
+  // To the latest checkpoint that is at least `seconds` old, and forgets those after it; false if there is
+  // none.
   bool roll_back(World<Real>& world, double seconds);
   std::size_t size() const { return kept_.size(); }
 

@@ -1,5 +1,5 @@
-// What may be done to a world, as data: the same for steering it, for the record of a run and its replay, and for what a
-// checkpoint keeps of the edits since the start.
+// What may be done to a world, as data: the same for steering it, for the record of a run and its replay, and
+// for what a checkpoint keeps of the edits since the start.
 #pragma once
 
 #include <algorithm>
@@ -34,35 +34,38 @@ struct SetRegion {
   static constexpr auto fields = std::tuple(&SetRegion::tets, &SetRegion::model);
 };
 
-// Precomputed regions become non-linear, interior and all, until they are condensed again. Only if the setup is expandable.
+// Precomputed regions become non-linear, interior and all, until they are condensed again. Only if the setup
+// is expandable.
 struct Expand {
   bool operator==(const Expand&) const = default;
   static constexpr auto fields = std::tuple();
 };
 
-// Only if no edit has concerned the region since it was renewed. Its interior takes its displacements from the interface.
+// Only if no edit has concerned the region since it was renewed. Its interior takes its displacements from
+// the interface.
 struct Condense {
   bool operator==(const Condense&) const = default;
   static constexpr auto fields = std::tuple();
 };
 
-// Linearises precomputed regions anew about the present state, by another thread; the world goes on with the result at the
-// first frame that starts `delay` later, by waiting for it if need be.
+// Linearises precomputed regions anew about the present state, by another thread; the world goes on with the
+// result at the first frame that starts `delay` later, by waiting for it if need be.
 struct Renew {
   double delay = 0;  // [s], > 0
   bool operator==(const Renew&) const = default;
   static constexpr auto fields = std::tuple(&Renew::delay);
 };
 
-// The degree of selective masses, one of Inertia::degrees(). Between two frames; displacements stay, and of velocities all
-// but their short waves, where the degree grows.
+// The degree of selective masses, one of Inertia::degrees(). Between two frames; displacements stay, and of
+// velocities all but their short waves, where the degree grows.
 struct SetMassDegree {
   int degree = 1;
   bool operator==(const SetMassDegree&) const = default;
   static constexpr auto fields = std::tuple(&SetMassDegree::degree);
 };
 
-// Takes hold of vertices at the start of the next frame: a grasp whose id is tools().next_id() before (tool/tools.h).
+// Takes hold of vertices at the start of the next frame: a grasp whose id is tools().next_id() before
+// (tool/tools.h).
 struct TakeHold {
   std::string name;
   std::vector<Index> vertices;
@@ -116,7 +119,8 @@ struct SetSprings {
   static constexpr auto fields = std::tuple(&SetSprings::springs);
 };
 
-// Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move uniformly.
+// Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move
+// uniformly.
 struct MoveSprings {
   Mat3X<double> points;
   bool operator==(const MoveSprings& other) const {
@@ -132,7 +136,8 @@ struct Hold {
   static constexpr auto fields = std::tuple(&Hold::held);
 };
 
-// Precomputed regions are condensed afresh by another thread, and what it has found is used. World makes them.
+// Precomputed regions are condensed afresh by another thread, and what it has found is used. World makes
+// them.
 struct BeginRefresh {
   double due = 0;  // when EndRefresh follows [s]
   // Linearised anew about these, 3 × #vertices [m]; none: as before.

@@ -21,9 +21,9 @@ class Pieces {
   const State& state() const { return state_; }
   void set_state(const State& state) { state_ = state; }
 
-  // Those that a cut has set loose: a piece that nothing holds is loose if its body was held, or if a larger one is left of
-  // its body. Every piece is a body of its own from then on, so that a later cut has to judge no others than those that it
-  // cuts.
+  // Those that a cut has set loose: a piece that nothing holds is loose if its body was held, or if a larger
+  // one is left of its body. Every piece is a body of its own from then on, so that a later cut has to judge
+  // no others than those that it cuts.
   std::vector<std::vector<Index>> loosened_by(Model& model, const MeshEdit& edit);
   // The same after somebody took hold or let go.
   std::vector<std::vector<Index>> loosened(Model& model) {

@@ -15,8 +15,8 @@ struct RebuildDifference {  // relative, largest over vertices
   double largest() const;  // infinite if boundary or regions differ
 };
 
-// Builds a new world from world.current_setup() and compares. O(building a world). Added mass is another in the new
-// one: compare worlds without.
+// Builds a new world from world.current_setup() and compares. O(building a world). Added mass is another in
+// the new one: compare worlds without.
 template <class Real>
 RebuildDifference compare_with_rebuilt(World<Real>& world);
 

@@ -39,9 +39,7 @@ RegionEdit everything(const Topology& topology) {
 
 template <class Real>
 const Setup& checked(const Setup& setup) {
-  check_setup(setup);
-  if (setup.integrator == Integrator::generalised_alpha && !std::is_same_v<Real, double>)
-    throw InputError("setup", "the implicit integrator needs double precision");
+  check_setup(setup, std::is_same_v<Real, float> ? Options{Option::single_precision} : Options{});
   return setup;
 }
 

@@ -1,6 +1,6 @@
-// A body that is simulated: central differences in velocity form on lumped masses ([PDA] section 3.2 with erratum 3), or
-// implicit dynamics as a reference and for stiff scenes, with regions that share vertices at their interfaces, tools and
-// cuts.
+// A body that is simulated: central differences in velocity form on lumped masses ([PDA] section 3.2 with
+// erratum 3), or implicit dynamics as a reference and for stiff scenes, with regions that share vertices at
+// their interfaces, tools and cuts.
 //
 //   World<float> world(setup);
 //   while (world.time() < 2) world.advance(1.0 / 30);
@@ -40,9 +40,10 @@ class World {
 
   // ---- Edits
 
-  // Stiffness, mass, loads and boundary are updated around what changed only, but for a precomputed region that must be
-  // condensed afresh (theory, section 14); whether something came loose is searched from there, and in O(#tets) only where
-  // that does not tell. Throws InputError for what cannot be done, and has then changed nothing.
+  // Stiffness, mass, loads and boundary are updated around what changed only, but for a precomputed region
+  // that must be condensed afresh (theory, section 14); whether something came loose is searched from there,
+  // and in O(#tets) only where that does not tell. Throws InputError for what cannot be done, and has then
+  // changed nothing.
   void apply(const Command& command);
   // One more force on the body (body/force_term.h); explicit integrator only. Its names must be its own.
   void add(std::shared_ptr<ForceTerm<Real>> term);
@@ -52,8 +53,8 @@ class World {
   // ---- State
 
   double time() const { return body_.motion.time; }
-  // The interior of a precomputed region is in equilibrium with its interface; it is found here, where somebody looks,
-  // and not by every step. What set_state() says of it is ignored.
+  // The interior of a precomputed region is in equilibrium with its interface; it is found here, where
+  // somebody looks, and not by every step. What set_state() says of it is ignored.
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);
@@ -70,21 +71,22 @@ class World {
 
   // ---- For others to look at (docs/threads.md)
 
-  // The boundary of the body: made when it is first asked for, and kept up to date through cuts from then on, O(edit) each.
+  // The boundary of the body: made when it is first asked for, and kept up to date through cuts from then on,
+  // O(edit) each.
   const Surface& surface();
   // Told of each edit of the mesh, which the topology has made: a Skin follows by it. Not of restore().
   using CutObserver = std::function<void(const Topology&, const MeshEdit&)>;
   void on_cut(CutObserver observer) { cut_observers_.push_back(std::move(observer)); }
-  // A picture of the present state for other threads, with the report of the frame that led to it: what they get by
-  // snapshots() from then on. Costs a copy of the state and the normals of the surface. Where more pictures are held than
-  // there are slots for, none is made.
+  // A picture of the present state for other threads, with the report of the frame that led to it: what they
+  // get by snapshots() from then on. Costs a copy of the state and the normals of the surface. Where more
+  // pictures are held than there are slots for, none is made.
   void publish(const Report& report);
   const TripleBuffer<Snapshot<Real>>& snapshots() const { return published_->buffer; }  // from any thread
 
   // ---- What can be asked
 
-  // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last asked for,
-  // it follows cuts locally, except with nodal pressure.
+  // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last
+  // asked for, it follows cuts locally, except with nodal pressure.
   double time_step_limit() { return limit_.find(body_); }
   StepLimit<Real>& step_limit() { return limit_; }  // how it is found
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
@@ -92,15 +94,15 @@ class World {
 
   // ---- What it has become
 
-  // All that this world has become (checkpoint.h). restore() throws InputError for a checkpoint of another setup or one that
-  // is not finite, and leaves the world as it was; it costs a copy where nothing was edited since, else the building of a
-  // world.
+  // All that this world has become (checkpoint.h). restore() throws InputError for a checkpoint of another
+  // setup or one that is not finite, and leaves the world as it was; it costs a copy where nothing was edited
+  // since, else the building of a world.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   std::uint64_t fingerprint() const { return fingerprint_; }        // of the setup
   const std::vector<Command>& history() const { return history_; }  // its edits
-  // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew), and where
-  // its parts come from.
+  // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew),
+  // and where its parts come from.
   Setup current_setup(CompactMesh& compacted) const;
 
  private:

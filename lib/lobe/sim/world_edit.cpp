@@ -1,19 +1,17 @@
-// Edits of a World: everything follows a cut or a change of regions around what changed.
+// Cuts of a World, and how its parts follow an edit around what changed.
 #include <algorithm>
 
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
+#include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
 
-void make_unique(std::vector<Index>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-}
-
-// What a cut means for the regions: the tetrahedra that went or have a copied vertex, and all vertices of these, old and new.
+// What a cut means for the regions: the tetrahedra that went or have a copied vertex, and all vertices of
+// these, old and new.
 RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index vertices_before) {
   RegionEdit edit;
   edit.left = cut.removed;
@@ -22,11 +20,11 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
     edit.vertices.push_back(split.vertex);
   }
   for (Index v = vertices_before; v < topology.vertex_count(); ++v) edit.vertices.push_back(v);
-  make_unique(edit.entered);
+  sort_unique(edit.entered);
   edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
   for (Index t : edit.left)
     for (Index v : topology.corners(t)) edit.vertices.push_back(v);
-  make_unique(edit.vertices);
+  sort_unique(edit.vertices);
   return edit;
 }
 
@@ -35,6 +33,7 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
 template <class Real>
 void World<Real>::apply(const Command& command) {
   std::visit([&](const auto& own) { perform(own); }, command);
+  if constexpr (is_debug_build) validate(*this);
 }
 
 // ---- Cuts
@@ -117,58 +116,15 @@ void World<Real>::freeze(const std::vector<Index>& piece) {
   release(vertices);
 }
 
-// ---- Regions
-
 template <class Real>
-void World<Real>::perform(const SetRegion& command) {
-  check_tets(command.tets);
-  if (command.model == RegionModel::precomputed) refuse_precomputed(command.tets);
-  std::vector<Index> own = command.tets;
-  make_unique(own);
-  std::erase_if(own, [&](Index t) { return !elements().topology.alive(t); });
-  unravelling_.leave_alone(own);
-  if (std::all_of(own.begin(), own.end(), [&](Index t) { return elements().region_of[t] == command.model; }))
-    return;
-  change_region(command.tets, command.model);
+void World<Real>::check_tets(const std::vector<Index>& tets) const {
+  for (Index t : tets)
+    if (t < 0 || t >= elements().topology.tet_count())
+      throw InputError("tetrahedron " + std::to_string(t),
+                       "there are " + std::to_string(elements().topology.tet_count()) + ", numbered from 0");
 }
 
-template <class Real>
-void World<Real>::refuse_precomputed(const std::vector<Index>& tets) const {
-  if (implicit_)
-    throw InputError("region", "the implicit integrator has no precomputed regions; use tensor-mass");
-  if (setup_.mass_scaling > 0)
-    throw InputError("region", "mass scaling is not available beside precomputed regions; use tensor-mass");
-  Elements changed = elements();
-  for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
-  refuse_unanchored(changed, held());
-  body_.regions.refuse_large(changed, held());
-}
-
-template <class Real>
-void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
-  catch_up();
-  state();
-  RegionEdit edit = change_of_region(tets, model);
-  if (edit.left.empty()) return;
-  history_.push_back(SetRegion{edit.left, model});
-  follow(std::move(edit));
-}
-
-template <class Real>
-RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionModel model) {
-  RegionEdit edit;
-  Elements& elements = body_.model.elements;
-  for (Index t : tets) {
-    if (!elements.topology.alive(t) || elements.region_of[t] == model) continue;
-    limit_.follow_region(body_, t, [&] { elements.region_of[t] = model; });
-    edit.left.push_back(t);
-    for (Index v : elements.topology.corners(t)) edit.vertices.push_back(v);
-  }
-  if (surface_) surface_->follow_regions(edit.left, elements.region_of);
-  edit.entered = edit.left;
-  make_unique(edit.vertices);
-  return edit;
-}
+// ---- What follows an edit
 
 // Every part follows an edit, in this order.
 template <class Real>
@@ -203,7 +159,7 @@ void World<Real>::add_unanchored(RegionEdit& edit) {
   const RegionEdit change = change_of_region(tets, RegionModel::nonlinear);
   for (auto list : {&RegionEdit::left, &RegionEdit::entered, &RegionEdit::vertices}) {
     (edit.*list).insert((edit.*list).end(), (change.*list).begin(), (change.*list).end());
-    make_unique(edit.*list);
+    sort_unique(edit.*list);
   }
   notice(Condition::Kind::pieces,
          std::to_string(tets.size()) + " precomputed tetrahedra are no longer held and became nonlinear");
@@ -238,201 +194,7 @@ void World<Real>::move_mass() {
   release(body_.regions.move_mass(elements(), body_.inertia.masses()));
 }
 
-template <class Real>
-void World<Real>::perform(const TakeHold& command) {
-  for (Index v : command.vertices)
-    if (v < 0 || v >= elements().topology.vertex_count())
-      throw InputError(
-          "vertex " + std::to_string(v),
-          "there are " + std::to_string(elements().topology.vertex_count()) + ", numbered from 0");
-  if (command.vertices.empty()) throw InputError("grasp", "needs at least one vertex");
-  tools_.add(Grasp{.name = command.name, .vertices = command.vertices, .path = {}});
-}
-
-template <class Real>
-void World<Real>::perform(const BringCautery& command) {
-  tools_.add(
-      Cautery{.name = command.name, .radius = command.radius, .strokes = {}, .position = command.position});
-}
-
-// ---- Forces from outside
-
-// It is among the terms from the first time on that somebody asks for it.
-template <class Real>
-AppliedForces<Real>& World<Real>::applied() {
-  for (const auto& term : body_.terms)
-    if (auto* own = dynamic_cast<AppliedForces<Real>*>(term.get())) return *own;
-  auto own = std::make_shared<AppliedForces<Real>>();
-  body_.terms.push_back(own);
-  return *own;
-}
-
-template <class Real>
-void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
-  if (implicit_) throw InputError("force term", "the implicit integrator has none but external forces");
-  const bool is_known = std::any_of(body_.terms.begin(), body_.terms.end(),
-                                    [&](const auto& own) { return own->name() == term->name(); });
-  if (is_known) throw InputError("force term", "there is one of the name \"" + term->name() + "\" already");
-  body_.terms.push_back(std::move(term));
-  terms_have_changed({});
-}
-
-template <class Real>
-void World<Real>::perform(const SetForces& command) {
-  const std::vector<Index> before = body_.touched_by_terms();
-  catch_up();
-  applied().set(command.forces, elements().topology.vertex_count());
-  terms_have_changed(before);
-}
-
-template <class Real>
-void World<Real>::perform(const SetSprings& command) {
-  if (implicit_) throw InputError("springs", "are available with the explicit integrator only");
-  const std::vector<Index> before = body_.touched_by_terms();
-  catch_up();
-  applied().set(command.springs, elements().topology.vertex_count());
-  terms_have_changed(before);
-}
-
-// What they act on now, and did before, wakes; the step limit has to do with their stiffness.
-template <class Real>
-void World<Real>::terms_have_changed(const std::vector<Index>& touched_before) {
-  const std::vector<Index> now = body_.touched_by_terms();
-  body_.sleep.wake(touched_before, body_);
-  body_.sleep.wake(now, body_);
-  limit_.forget();
-  ++body_.model.revisions.structure;
-  report_lost_forces(now);
-}
-
-// The interior of a condensed region follows its interface: a force on it would act on nothing.
-template <class Real>
-void World<Real>::report_lost_forces(const std::vector<Index>& touched) {
-  if (body_.regions.is_expanded()) return;
-  for (Index v : touched)
-    if (body_.regions.is_interior(v))
-      return notice(
-          Condition::Kind::lost_force,
-          "a force on vertex " + std::to_string(v) +
-              ", in the interior of a precomputed region, has no effect: expand the region, make it "
-              "tensor-mass, or take hold of the vertex");
-}
-
-// Somebody has taken hold of vertices, or let go.
-template <class Real>
-void World<Real>::perform(const Hold& command) {
-  RegionEdit edit;
-  for (const HeldVertices::Held& item : held().all()) edit.vertices.push_back(item.vertex);
-  for (const HeldVertices::Held& item : command.held.all()) edit.vertices.push_back(item.vertex);
-  make_unique(edit.vertices);
-  body_.model.held = command.held;
-  if (body_.regions.any_condensed()) history_.push_back(command);
-  follow(std::move(edit));
-}
-
-// ---- Precomputed regions that are condensed afresh, linearised anew, and non-linear for a while (theory, section 14)
-
-template <class Real>
-void World<Real>::perform(const BeginRefresh& command) {
-  body_.regions.begin_refresh(elements(), command.due,
-                              command.about ? *command.about : std::vector<double>{});
-  history_.push_back(command);
-}
-
-template <class Real>
-void World<Real>::perform(const EndRefresh& command) {
-  catch_up();
-  body_.regions.end_refresh(elements());
-  if (!body_.regions.is_expanded()) move_mass();
-  ++body_.model.revisions.structure;
-  limit_.forget();
-  history_.push_back(command);
-}
-
-template <class Real>
-void World<Real>::perform(const Renew& command) {
-  if (!(command.delay > 0)) throw InputError("region", "the delay of its renewal must be above 0 s");
-  if (body_.regions.is_refreshing() || !body_.regions.any_condensed()) return;
-  const Mat3X<double> u = displacements().template cast<double>();
-  perform(BeginRefresh{time() + command.delay,
-                       std::make_shared<std::vector<double>>(u.data(), u.data() + u.size())});
-}
-
-template <class Real>
-void World<Real>::perform(const Expand& command) {
-  if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
-  if (body_.regions.is_expanded() || !body_.regions.any_condensed()) return;
-  catch_up();
-  state();
-  set_expanded(true);
-  history_.push_back(command);
-}
-
-template <class Real>
-void World<Real>::perform(const Condense& command) {
-  if (!body_.regions.is_expanded()) return;
-  if (!body_.regions.can_condense())
-    throw InputError("region",
-                     "it was edited while it was expanded, and must be renewed before it is condensed");
-  catch_up();
-  set_expanded(false);
-  history_.push_back(command);
-}
-
-template <class Real>
-void World<Real>::set_expanded(bool is_expanded) {
-  body_.regions.set_expanded(is_expanded);
-  if (body_.inertia.may_be_selective())  // also around those that are held
-    for (Index t = 0; t < elements().topology.tet_count(); ++t)
-      if (body_.regions.is_condensed(t)) {
-        const Eigen::Vector4i corners = elements().topology.corners(t);
-        body_.inertia.add_edits({corners.begin(), corners.end()});
-      }
-  const std::vector<Index> vertices = body_.regions.condensed_vertices(elements().topology.vertex_count());
-  refresh(vertices);
-  if (!is_expanded) {
-    body_.regions.take_over_loads(body_.loads);
-    move_mass();
-    release(vertices);
-  }
-  body_.sleep.wake_all(time());
-  if (!body_.terms.empty()) report_lost_forces(body_.touched_by_terms());
-  limit_.restart(body_);
-  ++body_.model.revisions.structure;
-}
-
-// ---- Inertia
-
-template <class Real>
-void World<Real>::perform(const SetMassDegree& command) {
-  body_.inertia.check_degree(command.degree);
-  body_.inertia.ask_for(command.degree);
-  if (!unravelling_.is_lumped()) use_mass_degree(command.degree);
-}
-
-template <class Real>
-void World<Real>::use_mass_degree(int degree) {
-  const int before = body_.inertia.degree_now();
-  if (degree == before) return;
-  catch_up();
-  body_.inertia.use(degree);
-  if (degree > before) {
-    body_.prepare_inertia();
-    body_.inertia.slow_short_waves(body_.parallel, body_.motion);
-  }
-  limit_.restart_for_degree(body_);
-  ++body_.model.revisions.velocities;
-}
-
 // ---- What it has become
-
-template <class Real>
-void World<Real>::check_tets(const std::vector<Index>& tets) const {
-  for (Index t : tets)
-    if (t < 0 || t >= elements().topology.tet_count())
-      throw InputError("tetrahedron " + std::to_string(t),
-                       "there are " + std::to_string(elements().topology.tet_count()) + ", numbered from 0");
-}
 
 template <class Real>
 Setup World<Real>::current_setup(CompactMesh& c) const {

@@ -57,7 +57,8 @@ Condition diverged(double step, const std::string& fastest, double time) {
       time};
 }
 
-// What is led may be led beyond the numbers, which no force notices where nothing that moves by itself is near.
+// What is led may be led beyond the numbers, which no force notices where nothing that moves by itself is
+// near.
 template <class Real>
 bool led_are_finite(const HeldVertices& held, const StateColumns<Real>& state) {
   return std::all_of(held.all().begin(), held.all().end(), [&](const HeldVertices::Held& item) {
@@ -93,9 +94,9 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
   return led_are_finite(held(), body_.motion);
 }
 
-// A vertex is not a number or moved further than an edge in one step; in a first try also where one swings to and fro, ever
-// faster, by more than a fiftieth of that: a state of high frequency in its own right looks the same, and is left alone in
-// the second try.
+// A vertex is not a number or moved further than an edge in one step; in a first try also where one swings to
+// and fro, ever faster, by more than a fiftieth of that: a state of high frequency in its own right looks the
+// same, and is left alone in the second try.
 template <class Real>
 bool World<Real>::is_in_trouble(double dt, bool first_try) const {
   const Speeds& speeds = body_.motion.speeds;
@@ -216,8 +217,8 @@ void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& s
   tools_.state_was_given();
 }
 
-// The result of a refresh is taken when it is due, on a slow machine by waiting for it, so that a run is the same to the bit
-// on every one.
+// The result of a refresh is taken when it is due, on a slow machine by waiting for it, so that a run is the
+// same to the bit on every one.
 template <class Real>
 void World<Real>::refresh_condensed() {
   constexpr double delay = 1;  // [s]

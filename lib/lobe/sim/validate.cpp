@@ -1,0 +1,188 @@
+#include "lobe/sim/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lobe/sim/world.h"
+
+namespace lobe {
+namespace {
+
+void check(bool holds, const std::string& what) { lobe_assert(holds, what.c_str()); }
+
+template <class Items>
+std::vector<Index> sorted(const Items& items) {
+  std::vector<Index> list(items.begin(), items.end());
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
+// ---- The mesh
+
+// Faces by their vertices, each with the tetrahedra that have it.
+struct FaceOfTet {
+  std::array<Index, 3> vertices;
+  Index code;  // 4 × tetrahedron + corner opposite to it
+  bool operator<(const FaceOfTet& other) const {
+    return vertices != other.vertices ? vertices < other.vertices : code < other.code;
+  }
+};
+
+std::vector<FaceOfTet> faces_of(const Topology& topology) {
+  std::vector<FaceOfTet> faces;
+  for (Index t = 0; t < topology.tet_count(); ++t)
+    for (int f = 0; f < 4 && topology.alive(t); ++f) {
+      const Eigen::Vector3i face = topology.face(4 * t + f);
+      std::array<Index, 3> vertices{face[0], face[1], face[2]};
+      std::sort(vertices.begin(), vertices.end());
+      faces.push_back({vertices, 4 * t + f});
+    }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+// Who lies across each face, and what is left over for the boundary.
+void validate_faces(const Topology& topology) {
+  const std::vector<FaceOfTet> faces = faces_of(topology);
+  std::vector<Index> boundary;
+  for (std::size_t i = 0; i < faces.size();) {
+    std::size_t end = i + 1;
+    while (end < faces.size() && faces[end].vertices == faces[i].vertices) ++end;
+    check(end - i <= 2, "topology: a face belongs to more than two tetrahedra");
+    const Index a = faces[i].code, b = end - i == 2 ? faces[i + 1].code : -1;
+    check(topology.neighbour(a / 4, a % 4) == (b < 0 ? -1 : b / 4), "topology: a neighbour across a face");
+    if (b >= 0) check(topology.neighbour(b / 4, b % 4) == a / 4, "topology: a neighbour across a face");
+    if (b < 0) boundary.push_back(a);
+    i = end;
+  }
+  std::sort(boundary.begin(), boundary.end());
+  check(sorted(topology.boundary_faces()) == boundary, "topology: the boundary");
+}
+
+void validate_topology(const Topology& topology) {
+  std::vector<std::vector<Index>> around(std::size_t(topology.vertex_count()));
+  Index alive = 0;
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    if (!topology.alive(t)) continue;
+    ++alive;
+    for (const Index v : topology.corners(t)) {
+      check(v >= 0 && v < topology.vertex_count(), "topology: a corner is no vertex");
+      around[std::size_t(v)].push_back(t);
+    }
+  }
+  check(alive == topology.alive_count(), "topology: the number of tetrahedra that are left");
+  for (Index v = 0; v < topology.vertex_count(); ++v)
+    check(sorted(topology.around(v)) == around[std::size_t(v)], "topology: the tetrahedra around a vertex");
+  validate_faces(topology);
+}
+
+void validate_elements(const Elements& elements) {
+  const Topology& topology = elements.topology;
+  const auto tets = std::size_t(topology.tet_count());
+  check(elements.points.count() == topology.vertex_count(), "elements: one rest position per vertex");
+  check(elements.region_of.size() == tets && elements.material_of.size() == tets,
+        "elements: one region and one material per tetrahedron");
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    check(elements.material_of[std::size_t(t)] < elements.materials.size(), "elements: a material's number");
+    if (topology.alive(t))
+      check(signed_volume(elements.corner_points(t)) > 0, "elements: a tetrahedron's rest volume");
+  }
+}
+
+// ---- The body in motion
+
+template <class Real>
+void validate_motion(const Dynamics<Real>& body) {
+  const Index vertices = body.model.elements.topology.vertex_count();
+  const Motion<Real>& motion = body.motion;
+  check(motion.u.count() == vertices && motion.v.count() == vertices && motion.forces.count() == vertices &&
+            motion.turns.size() == std::size_t(vertices),
+        "motion: one displacement, velocity and force per vertex");
+  check(motion.u.view().allFinite() && motion.v.view().allFinite() && std::isfinite(motion.time),
+        "motion: the state is not finite");
+}
+
+// The mass of a condensed interior is carried by the vertices that it shares with others.
+template <class Real>
+void validate_masses(const Dynamics<Real>& body) {
+  const Elements& elements = body.model.elements;
+  const std::vector<double>& mass = body.inertia.mass();
+  check(mass.size() == std::size_t(elements.topology.vertex_count()), "inertia: one mass per vertex");
+  const bool is_condensed = body.regions.any_condensed() && !body.regions.is_expanded();
+  std::vector<char> carries(mass.size(), body.inertia.scaling().share > 0);
+  if (is_condensed)
+    for (const Index v : body.regions.shared()) carries[std::size_t(v)] = 1;
+  for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
+    const double own = mass[std::size_t(v)];
+    const double lumped = is_condensed && body.regions.is_interior(v) ? 0 : lumped_mass(elements, v);
+    check(carries[std::size_t(v)] ? std::isfinite(own) && own >= lumped : own == lumped,
+          "inertia: a vertex's mass");
+    const double inverse = body.inertia.inverse_mass(v);
+    const bool rests = body.model.held.fixes(v) || own == 0;
+    check(rests ? inverse == 0 : std::abs(inverse * own - 1) < 1e-12, "inertia: an inverse mass");
+  }
+}
+
+template <class Real>
+void validate_held(const Dynamics<Real>& body) {
+  for (const HeldVertices::Held& item : body.model.held.all()) {
+    check(item.vertex >= 0 && item.vertex < body.model.elements.topology.vertex_count(),
+          "held: a vertex that there is not");
+    check(body.model.held.holds(item.vertex), "held: an entry that does not hold its vertex");
+  }
+}
+
+template <class Real>
+void validate_regions(Dynamics<Real>& body) {
+  const Elements& elements = body.model.elements;
+  Index condensed = 0;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    const bool expected =
+        elements.topology.alive(t) && elements.region_of[std::size_t(t)] == RegionModel::precomputed;
+    check(body.regions.is_condensed(t) == expected, "regions: which tetrahedra are condensed");
+    condensed += expected;
+  }
+  check(body.regions.any_condensed() == (condensed > 0), "regions: whether any is condensed");
+}
+
+void validate_surface(const Surface& surface, const Elements& elements) {
+  const SurfaceMesh& mesh = surface.mesh();
+  const Topology& topology = elements.topology;
+  check(std::size_t(mesh.triangle_count()) == topology.boundary_faces().size(),
+        "surface: one triangle per face of the boundary");
+  for (Index i = 0; i < mesh.triangle_count(); ++i) {
+    const auto slot = std::size_t(i);
+    const FaceOwner owner = mesh.owner[slot];
+    check(topology.alive(owner.tet) && topology.neighbour(owner.tet, int(owner.code)) < 0,
+          "surface: a triangle that is not on the boundary");
+    check(surface.triangle_of(owner) == i, "surface: where a face's triangle stands");
+    check(mesh.region[slot] == elements.region_of[std::size_t(owner.tet)], "surface: a triangle's region");
+    const Eigen::Vector3i face = topology.face(4 * owner.tet + Index(owner.code));
+    std::array<Index, 3> shown, there{face[0], face[1], face[2]};
+    for (int c = 0; c < 3; ++c)
+      shown[std::size_t(c)] = mesh.mesh_vertex[std::size_t(mesh.triangles[slot][c])];
+    std::sort(shown.begin(), shown.end());
+    std::sort(there.begin(), there.end());
+    check(shown == there, "surface: a triangle's corners");
+  }
+}
+
+}  // namespace
+
+template <class Real>
+void validate(World<Real>& world) {
+  Dynamics<Real>& body = world.body();
+  validate_topology(body.model.elements.topology);
+  validate_elements(body.model.elements);
+  validate_motion(body);
+  validate_held(body);
+  validate_masses(body);
+  validate_regions(body);
+  validate_surface(world.surface(), body.model.elements);
+}
+
+template void validate(World<float>&);
+template void validate(World<double>&);
+
+}  // namespace lobe

@@ -1,0 +1,156 @@
+// Regions of a World: tetrahedra that change their model; precomputed regions that are condensed afresh,
+// linearised anew, and non-linear for a while (theory, section 14).
+#include "lobe/condense/anchors.h"
+#include "lobe/error.h"
+#include "lobe/setup/exclusions.h"
+#include "lobe/sim/world.h"
+#include "lobe/sort_unique.h"
+
+namespace lobe {
+
+template <class Real>
+void World<Real>::perform(const SetRegion& command) {
+  check_tets(command.tets);
+  if (command.model == RegionModel::precomputed) refuse_precomputed(command.tets);
+  std::vector<Index> own = command.tets;
+  sort_unique(own);
+  std::erase_if(own, [&](Index t) { return !elements().topology.alive(t); });
+  unravelling_.leave_alone(own);
+  if (std::all_of(own.begin(), own.end(), [&](Index t) { return elements().region_of[t] == command.model; }))
+    return;
+  change_region(command.tets, command.model);
+}
+
+template <class Real>
+void World<Real>::refuse_precomputed(const std::vector<Index>& tets) const {
+  refuse_excluded(Option::precomputed, options_of(setup_), "region");
+  Elements changed = elements();
+  for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
+  refuse_unanchored(changed, held());
+  body_.regions.refuse_large(changed, held());
+}
+
+template <class Real>
+void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
+  catch_up();
+  state();
+  RegionEdit edit = change_of_region(tets, model);
+  if (edit.left.empty()) return;
+  history_.push_back(SetRegion{edit.left, model});
+  follow(std::move(edit));
+}
+
+template <class Real>
+RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionModel model) {
+  RegionEdit edit;
+  Elements& elements = body_.model.elements;
+  for (Index t : tets) {
+    if (!elements.topology.alive(t) || elements.region_of[t] == model) continue;
+    limit_.follow_region(body_, t, [&] { elements.region_of[t] = model; });
+    edit.left.push_back(t);
+    for (Index v : elements.topology.corners(t)) edit.vertices.push_back(v);
+  }
+  if (surface_) surface_->follow_regions(edit.left, elements.region_of);
+  edit.entered = edit.left;
+  sort_unique(edit.vertices);
+  return edit;
+}
+
+// ---- Precomputed regions
+
+template <class Real>
+void World<Real>::perform(const BeginRefresh& command) {
+  body_.regions.begin_refresh(elements(), command.due,
+                              command.about ? *command.about : std::vector<double>{});
+  history_.push_back(command);
+}
+
+template <class Real>
+void World<Real>::perform(const EndRefresh& command) {
+  catch_up();
+  body_.regions.end_refresh(elements());
+  if (!body_.regions.is_expanded()) move_mass();
+  ++body_.model.revisions.structure;
+  limit_.forget();
+  history_.push_back(command);
+}
+
+template <class Real>
+void World<Real>::perform(const Renew& command) {
+  if (!(command.delay > 0)) throw InputError("region", "the delay of its renewal must be above 0 s");
+  if (body_.regions.is_refreshing() || !body_.regions.any_condensed()) return;
+  const Mat3X<double> u = displacements().template cast<double>();
+  perform(BeginRefresh{time() + command.delay,
+                       std::make_shared<std::vector<double>>(u.data(), u.data() + u.size())});
+}
+
+template <class Real>
+void World<Real>::perform(const Expand& command) {
+  if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
+  if (body_.regions.is_expanded() || !body_.regions.any_condensed()) return;
+  catch_up();
+  state();
+  set_expanded(true);
+  history_.push_back(command);
+}
+
+template <class Real>
+void World<Real>::perform(const Condense& command) {
+  if (!body_.regions.is_expanded()) return;
+  if (!body_.regions.can_condense())
+    throw InputError("region",
+                     "it was edited while it was expanded, and must be renewed before it is condensed");
+  catch_up();
+  set_expanded(false);
+  history_.push_back(command);
+}
+
+template <class Real>
+void World<Real>::set_expanded(bool is_expanded) {
+  body_.regions.set_expanded(is_expanded);
+  if (body_.inertia.may_be_selective())  // also around those that are held
+    for (Index t = 0; t < elements().topology.tet_count(); ++t)
+      if (body_.regions.is_condensed(t)) {
+        const Eigen::Vector4i corners = elements().topology.corners(t);
+        body_.inertia.add_edits({corners.begin(), corners.end()});
+      }
+  const std::vector<Index> vertices = body_.regions.condensed_vertices(elements().topology.vertex_count());
+  refresh(vertices);
+  if (!is_expanded) {
+    body_.regions.take_over_loads(body_.loads);
+    move_mass();
+    release(vertices);
+  }
+  body_.sleep.wake_all(time());
+  if (!body_.terms.empty()) report_lost_forces(body_.touched_by_terms());
+  limit_.restart(body_);
+  ++body_.model.revisions.structure;
+}
+
+// ---- Inertia
+
+template <class Real>
+void World<Real>::perform(const SetMassDegree& command) {
+  body_.inertia.check_degree(command.degree);
+  body_.inertia.ask_for(command.degree);
+  if (!unravelling_.is_lumped()) use_mass_degree(command.degree);
+}
+
+template <class Real>
+void World<Real>::use_mass_degree(int degree) {
+  const int before = body_.inertia.degree_now();
+  if (degree == before) return;
+  catch_up();
+  body_.inertia.use(degree);
+  if (degree > before) {
+    body_.prepare_inertia();
+    body_.inertia.slow_short_waves(body_.parallel, body_.motion);
+  }
+  limit_.restart_for_degree(body_);
+  ++body_.model.revisions.velocities;
+}
+
+template class World<float>;
+template class World<double>;
+
+}  // namespace lobe

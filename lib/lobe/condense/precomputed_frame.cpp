@@ -60,20 +60,23 @@ void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real mis
     f.col(vertices_[std::size_t(i)]) += (pose_.R * forces_.col(i)).template cast<Real>();
 }
 
-// τ_f of (42c): of the loads on the interior, about the centroid of the interface, in the frame: from the work that each amplitude's
-// load does on the arms of the interior, Σ (Y + d)_k f_l.
+// τ_f of (42c): of the loads on the interior, about the centroid of the interface, in the frame: from the
+// work that each amplitude's load does on the arms of the interior, Σ (Y + d)_k f_l.
 template <class Real>
 Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing) const {
   const auto count = amplitudes();
   Amplitudes work = at_rest_;
   work.noalias() += of_loads_.transpose() * pose_.d.reshaped();
   work.noalias() -= reduced_->stiffness().topLeftCorner(count, count) * a;
-  const Mat3<double> M =
-      (work.template head<9>() + double(missing) * work.template tail<9>()).reshaped(3, 3) * pose_.R;
+  const Mat3<double> of_amplitudes =
+      (work.template head<9>() + double(missing) * work.template tail<9>()).reshaped(3, 3);
+  Mat3<double> M = Mat3<double>::Zero();
+  for (int k = 0; k < 3; ++k) M += of_amplitudes.col(k) * pose_.R.row(k);
   return {M(1, 2) - M(2, 1), M(2, 0) - M(0, 2), M(0, 1) - M(1, 0)};
 }
 
-// Displacements in the frame are those of (39); their velocities come with those of the frame and of the loads in it.
+// Displacements in the frame are those of (39); their velocities come with those of the frame and of the
+// loads in it.
 template <class Real>
 void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u,
                                                Mat3X<Real>* v) const {

@@ -1,5 +1,5 @@
-// The stable time step of a body in motion, 2/ω_max (theory, section 7): a vertex estimate of ω_max, kept up to date through
-// cuts, times the ratio to what Lanczos iterations have measured.
+// The stable time step of a body in motion, 2/ω_max (theory, section 7): a vertex estimate of ω_max, kept up
+// to date through cuts, times the ratio to what Lanczos iterations have measured.
 #pragma once
 
 #include <array>
@@ -21,28 +21,30 @@ class StepLimit {
   // `mean_edge`: displacements that are small against it are small [m].
   explicit StepLimit(double mean_edge) : mean_edge_(mean_edge) {}
 
-  // 2/ω_max at the present state [s]; infinite if nothing is free. O(#tetrahedra) where the state has changed since it was
-  // last asked for; cuts are followed locally, except with nodal pressure.
+  // 2/ω_max at the present state [s]; infinite if nothing is free. O(#tetrahedra) where the state has changed
+  // since it was last asked for; cuts are followed locally, except with nodal pressure.
   double find(Body& body);
   // Found anew whatever is known, so that a world that was restored finds the same to the bit.
   void find_anew(Body& body);
-  // ---- For frames: found anew after `interval` of simulated time at the latest, since a pass over all tetrahedra costs as much
-  // as a step or two. In between the last one holds, while nothing is edited and nobody sleeps.
-  static constexpr double interval = 0.005;  // [s]
+  // ---- For frames: found anew after `interval` of simulated time at the latest, about a frame of 60 Hz,
+  // since a pass over all tetrahedra costs as much as two or three steps. In between the last one holds, while
+  // nothing is edited and nobody sleeps.
+  static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? kept_.limit : keep(body); }
   double at_end(Body& body);  // of a frame; infinite where the last one holds
   // At a frame's start: whether it has been found since the last one, or no longer holds.
   bool is_due(const Body& body) { return std::exchange(kept_.is_new, false) || !holds(body); }
-  double keep(Body& body);  // that of now
-  struct Kept {  // part of a checkpoint
+  double keep(Body& body);       // that of now
+  struct Kept {                  // part of a checkpoint
     double limit = 0, time = 0;  // [s]; when it was found
     bool is_new = true;
     Index limiting_vertex = -1, volume_ratio_tet = -1;
     double volume_ratio = 1;
     bool is_valid() const { return limit >= 0 && std::isfinite(time) && !std::isnan(volume_ratio); }
-    static constexpr auto fields = std::tuple(&Kept::limit, &Kept::time, &Kept::is_new, &Kept::limiting_vertex,
-                                              &Kept::volume_ratio_tet, &Kept::volume_ratio);
+    static constexpr auto fields =
+        std::tuple(&Kept::limit, &Kept::time, &Kept::is_new, &Kept::limiting_vertex, &Kept::volume_ratio_tet,
+                   &Kept::volume_ratio);
   };
   const Kept& kept() const { return kept_; }
   void set_kept(const Kept& kept, const Body& body);
@@ -55,9 +57,9 @@ class StepLimit {
   void restart(Body& body);
   void restart_for_degree(Body& body);
 
-  // Edits. Before the elements follow: what tetrahedra add to the stiffness of their corners goes with them, or moves to the
-  // copy of a vertex. All is found anew with nodal pressure, beside a precomputed region, and where the tetrahedron of the
-  // smallest volume ratio goes.
+  // Edits. Before the elements follow: what tetrahedra add to the stiffness of their corners goes with them,
+  // or moves to the copy of a vertex. All is found anew with nodal pressure, beside a precomputed region, and
+  // where the tetrahedron of the smallest volume ratio goes.
   void follow(const Body& body, const MeshEdit& edit);
   // Tetrahedra change their model by change().
   template <class Change>

@@ -29,8 +29,8 @@ struct Accuracy {
   std::vector<std::string> warnings;  // one line each
 };
 
-// Plays one scene in all ways, after two references per mesh and two on the fine one. `show` is called with each row as soon as it is there. Throws InputError; WrongResult if a
-// reference does not run to its end.
+// Plays one scene in all ways, after two references per mesh and two on the fine one. `show` is called with
+// each row as soon as it is there. Throws InputError; WrongResult if a reference does not run to its end.
 Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&) = nullptr);
 
 void mark_pareto(std::vector<AccuracyRow>& rows);

@@ -9,13 +9,15 @@
 #include "benchmarks/accuracy_error.h"
 #include "benchmarks/accuracy_models.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe::bench {
 namespace {
 
 constexpr double safeties[] = {0.9, 0.45};  // of the time step
-// Of the references: first, and halved, which is what errors are measured against. The change between the two bounds
-// what further halving would change. On the fine mesh the error of interest is that of space, hence larger steps.
+// Of the references: first, and halved, which is what errors are measured against. The change between the two
+// bounds what further halving would change. On the fine mesh the error of interest is that of space, hence
+// larger steps.
 constexpr double model_safety[] = {0.225, 0.1125}, total_safety[] = {0.9, 0.45};
 
 // References are not timed, and have the same bits on any number of threads.
@@ -131,8 +133,7 @@ Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const Acc
       }
   }
   auto& warnings = accuracy.warnings;  // those of every mesh once
-  std::sort(warnings.begin(), warnings.end());
-  warnings.erase(std::unique(warnings.begin(), warnings.end()), warnings.end());
+  sort_unique(warnings);
   mark_pareto(accuracy.rows);
   return accuracy;
 }

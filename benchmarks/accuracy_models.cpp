@@ -19,7 +19,8 @@ Setup all(Setup setup, RegionModel model) {
   return setup;
 }
 
-// Distance of each barycentre to the nearest vertex that the boundary conditions hold, else that a grasp holds.
+// Distance of each barycentre to the nearest vertex that the boundary conditions hold, else that a grasp
+// holds.
 std::vector<double> distance_to_held(const Setup& setup) {
   std::vector<Index> held;
   for (const PrescribedVertex& p : setup.prescribed) held.push_back(p.vertex);

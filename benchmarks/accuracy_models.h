@@ -21,7 +21,8 @@ Setup reference_setup(Setup setup);
 // svk                everywhere, without volume penalty
 // svk_volume         everywhere, with the scene's volume penalty, if it has one
 // hybrid_scene       the scene's own regions, if any is linear
-// hybrid_strain_50   the half of the volume with the least smoothed strain of a linear trial solution is tensor-mass
+// hybrid_strain_50   the half of the volume with the least smoothed strain of a linear trial solution is
+//                    tensor-mass
 // hybrid_strain_80   four fifths of it
 // hybrid_gradient_50 the half with the least smoothed displacement gradient, that is strain and rotation
 // hybrid_held_50     the half nearest to the held vertices, as one would guess
@@ -39,8 +40,8 @@ enum class Measure { strain, gradient };  // ½(∇u + ∇uᵀ), ∇u
 // Its norm per tetrahedron, averaged to the vertices and back by volume, twice.
 std::vector<double> smoothed_norm(const TetMesh& mesh, const Mat3X<double>& u, Measure measure);
 
-// Makes the tetrahedra with the least score tensor-mass, up to a fraction of the volume, the others non-linear.
-// Returns the fraction that was reached.
+// Makes the tetrahedra with the least score tensor-mass, up to a fraction of the volume, the others
+// non-linear. Returns the fraction that was reached.
 double make_linear(Setup& setup, const std::vector<double>& score, double fraction);
 
 }  // namespace lobe::bench

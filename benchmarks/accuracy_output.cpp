@@ -8,8 +8,8 @@
 namespace lobe::bench {
 namespace {
 
-// Two plots per scene: total error, model error. Colours are models; full points single, hollow ones double precision;
-// the larger the point, the finer the mesh; squares the Pareto front.
+// Two plots per scene: total error, model error. Colours are models; full points single, hollow ones double
+// precision; the larger the point, the finer the mesh; squares the Pareto front.
 constexpr const char* plot_script = R"gp(set datafile separator ','
 set logscale xy
 set format y '%g'

@@ -8,8 +8,8 @@
 
 namespace lobe::bench {
 
-// All runs of a scene advance in the same frames, about as long as the scene's, and are sampled at the same times, equally spaced, the last at the
-// end.
+// All runs of a scene advance in the same frames, about as long as the scene's, and are sampled at the same
+// times, equally spaced, the last at the end.
 struct Schedule {
   int frames = 0;  // a multiple of the number of samples
   int samples = 0;
@@ -35,8 +35,8 @@ struct Played {
   Samples samples;             // those before the end
 };
 
-// On one thread it is that thread's processor time that is taken. Runs below 0.1 s are played three times, and the
-// shortest time counts.
+// On one thread it is that thread's processor time that is taken. Runs below 0.1 s are played three times,
+// and the shortest time counts.
 Played play(const Setup& setup, const Schedule& schedule, const Way& way);
 
 // Plays it once, for a reference. Throws WrongResult if it does not run to its end.

@@ -20,8 +20,8 @@ struct Options {
   std::vector<std::filesystem::path> meshes;  // accuracy, hybrid, realtime: of the one scene, beside its own
 };
 
-// A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its end; failed
-// rows of the validation.
+// A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its
+// end; failed rows of the validation.
 class WrongResult : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

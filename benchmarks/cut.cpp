@@ -1,4 +1,5 @@
-// lobe bench cut: microseconds per removed tetrahedron, everything included, while a channel is cut through a cube.
+// lobe bench cut: microseconds per removed tetrahedron, everything included, while a channel is cut through a
+// cube.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -116,8 +117,8 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
-// What is dear to cut is cut in batches, as by an instrument's sweep of a frame, and on small meshes: beyond this size the
-// cross-section of a cube is no interface to condense to.
+// What is dear to cut is cut in batches, as by an instrument's sweep of a frame, and on small meshes: beyond
+// this size the cross-section of a cube is no interface to condense to.
 constexpr int most_in_batches = 20000;
 
 constexpr const char* plot_script = R"(set terminal pngcairo size 900,560 font 'sans,11'

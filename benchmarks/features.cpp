@@ -1,4 +1,5 @@
-// lobe bench features: what each option costs where a scene asks for it, beside a scene that asks for nothing.
+// lobe bench features: what each option costs where a scene asks for it, beside a scene that asks for
+// nothing.
 #include <cmath>
 #include <cstdio>
 #include <functional>

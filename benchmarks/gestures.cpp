@@ -61,8 +61,8 @@ double worst_error(const std::vector<RegionModel>& region_of, const std::vector<
   return worst;
 }
 
-// The simple recipe: the tetrahedra with the least strain in one linear solution of the first declared gesture, as many as
-// the tolerance allows.
+// The simple recipe: the tetrahedra with the least strain in one linear solution of the first declared
+// gesture, as many as the tolerance allows.
 std::vector<RegionModel> by_strain(const Setup& setup, const std::vector<Gesture>& gestures,
                                    const std::vector<Trial>& trials, double tolerance) {
   constexpr int halvings = 8;

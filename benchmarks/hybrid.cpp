@@ -1,5 +1,5 @@
-// lobe bench hybrid: the step of a body of which a part is linear, against the step of all of it non-linear, beside the
-// error in equilibrium.
+// lobe bench hybrid: the step of a body of which a part is linear, against the step of all of it non-linear,
+// beside the error in equilibrium.
 #include <algorithm>
 #include <cstdio>
 #include <iomanip>
@@ -43,8 +43,8 @@ std::vector<double> moved(const TetMesh& mesh, const Mat3X<double>& trial) {
   return moved;
 }
 
-// Linear is what moves least, up to about this fraction of the volume: a little less or more, as it takes to end where few
-// vertices are shared. Returns the fraction that was reached.
+// Linear is what moves least, up to about this fraction of the volume: a little less or more, as it takes to
+// end where few vertices are shared. Returns the fraction that was reached.
 double make_linear_to_a_neck(Setup& setup, const std::vector<double>& score, double fraction) {
   constexpr double less = 0.02, more = 0.04;
   Setup all = setup, least = setup;
@@ -95,8 +95,8 @@ void find_errors(const Setup& hybrid, const Mat3X<double>& exact, Row& row) {
   row.error_max = difference.colwise().norm().maxCoeff() / exact.colwise().norm().maxCoeff();
 }
 
-// The interior of a condensed region has no inertia. How far the body is from that of the tensor-mass hybrid while the
-// scene's gesture is played: relative L2 over all vertices and frames.
+// The interior of a condensed region has no inertia. How far the body is from that of the tensor-mass hybrid
+// while the scene's gesture is played: relative L2 over all vertices and frames.
 double transient_error(Setup gesture, const Setup& hybrid, const Time& time) {
   gesture.region_of = hybrid.region_of;
   World<float> condensed(with_linear(gesture, RegionModel::precomputed)),

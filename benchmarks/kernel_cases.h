@@ -21,8 +21,8 @@ Setup shuffled(const Setup& setup);
 // The shipped liver, non-linear, of one material, held on one side.
 Setup liver_setup();
 
-// A body with every vertex moved at random by a tenth of a cell of six tetrahedra: strains are large, and forces do not
-// cancel out. Displacements are representable in single precision.
+// A body with every vertex moved at random by a tenth of a cell of six tetrahedra: strains are large, and
+// forces do not cancel out. Displacements are representable in single precision.
 struct Specimen {
   Specimen(std::string mesh_name, const Setup& body);
 

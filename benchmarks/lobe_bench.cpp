@@ -1,4 +1,5 @@
-// lobe-bench, which `lobe bench` starts: docs/benchmarks.md and docs/validation.md say how to read what it writes.
+// lobe-bench, which `lobe bench` starts: docs/benchmarks.md and docs/validation.md say how to read what it
+// writes.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>

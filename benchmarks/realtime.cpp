@@ -1,5 +1,5 @@
-// lobe bench realtime: whole gestures with every tetrahedron non-linear, cuts included, against the clock; and what the
-// time step of each mesh is worth.
+// lobe bench realtime: whole gestures with every tetrahedron non-linear, cuts included, against the clock;
+// and what the time step of each mesh is worth.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -45,8 +45,9 @@ double wave_step(const Setup& setup) {
   return step;
 }
 
-// If each tetrahedron was evaluated as seldom as the stiffest of its own vertices allows at rest, in steps of the
-// shortest one times a power of two. Neighbours of other steps, which cost and need shorter ones, are left out.
+// If each tetrahedron was evaluated as seldom as the stiffest of its own vertices allows at rest, in steps of
+// the shortest one times a power of two. Neighbours of other steps, which cost and need shorter ones, are
+// left out.
 double local_gain(World<float>& world) {
   const Elements& elements = world.elements();
   const Index vertices = elements.topology.vertex_count(), tets = elements.topology.tet_count();
@@ -86,8 +87,8 @@ Row row_of_mesh(const std::string& organ, const Setup& setup) {
   return row;
 }
 
-// Every run does the same work in each frame, to the bit: the fastest of a frame is what it takes while nobody else asks for
-// the processor.
+// Every run does the same work in each frame, to the bit: the fastest of a frame is what it takes while
+// nobody else asks for the processor.
 void play_some_times(const Setup& setup, const Schedule& schedule, const Way& way, int times, Row& row) {
   std::vector<Played> runs;
   for (int i = 0; i < times; ++i) runs.push_back(play(setup, schedule, way));

@@ -40,8 +40,8 @@ void add_reference_volume_forces(const std::vector<ReferenceTet>& tets,
                                  double kappa,            // [Pa]
                                  Mat3X<double>& f);
 
-// SVK whose whole pressure is averaged around vertices (lobe/region/nodal_pressure.h, w = 1), of bodies of one
-// material. Only to check.
+// SVK whose whole pressure is averaged around vertices (lobe/region/nodal_pressure.h, w = 1), of bodies of
+// one material. Only to check.
 void add_reference_nodal_pressure_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                          Mat3X<double>& f);
 

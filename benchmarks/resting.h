@@ -1,4 +1,5 @@
-// A gesture with rests, played awake and with parts at rest asleep: what sleep gains, and what it costs in accuracy.
+// A gesture with rests, played awake and with parts at rest asleep: what sleep gains, and what it costs in
+// accuracy.
 #pragma once
 
 #include <array>
@@ -18,8 +19,8 @@ struct Resting {
 };
 inline constexpr const char* resting_parts[2] = {"moving", "resting"};
 
-// What the setup's first grasp holds is lifted by 20 mm in half a second, kept there, let down as slowly, and kept.
-// `rest`: how long each time [s].
+// What the setup's first grasp holds is lifted by 20 mm in half a second, kept there, let down as slowly, and
+// kept. `rest`: how long each time [s].
 Resting play_with_rests(Setup setup, double frame, double rest);
 
 }  // namespace lobe::bench

@@ -1,9 +1,11 @@
-// What bounds a kernel: the multiplications and additions of its formulas, and what this machine can do at most.
+// What bounds a kernel: the multiplications and additions of its formulas, and what this machine can do at
+// most.
 #pragma once
 
 namespace lobe::bench {
 
-// Operations per tetrahedron, counted by evaluating the formulas of one element with numbers that count; and per edge.
+// Operations per tetrahedron, counted by evaluating the formulas of one element with numbers that count; and
+// per edge.
 double flops_svk();
 double flops_svk_volume();
 double flops_tensor_mass_edge();

@@ -27,17 +27,6 @@ struct Row {
   double follow_us = 0;         // per cut
 };
 
-TexturedSurface boundary_of(const TetMesh& mesh) {
-  const Topology topology(mesh);
-  TexturedSurface surface;
-  surface.points = mesh.points;
-  surface.triangles.resize(3, Eigen::Index(topology.boundary_faces().size()));
-  for (std::size_t i = 0; i < topology.boundary_faces().size(); ++i)
-    surface.triangles.col(Eigen::Index(i)) = topology.face(topology.boundary_faces()[i]);
-  surface.texture_of = surface.normal_of = Triangles::Constant(3, surface.triangles.cols(), -1);
-  return surface;
-}
-
 // A linear field is carried exactly: displacements of it must come out as it.
 void check(Skin& skin, const TexturedSurface& surface, const TetMesh& mesh) {
   const Mat3<double> F = 0.3 * Mat3<double>::Random();
@@ -69,7 +58,7 @@ Row measure(const std::string& name, const TetMesh& mesh, int finer, int cuts) {
   Row row{name, mesh.tet_count()};
   TetMesh fine = mesh;
   for (int i = 0; i < finer; ++i) fine = refine(fine).mesh;
-  const TexturedSurface surface = boundary_of(fine);
+  const TexturedSurface surface = textured_boundary(fine);
   const Stopwatch building(true);
   Skin skin(surface, mesh);
   row.build_ms = 1e3 * building.seconds();

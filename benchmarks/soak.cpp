@@ -1,5 +1,5 @@
-// lobe bench soak --minutes N: gestures with random tool noise, one after the other, invariants checked every second, one
-// line in the end.
+// lobe bench soak --minutes N: gestures with random tool noise, one after the other, invariants checked every
+// second, one line in the end.
 #include <chrono>
 #include <cmath>
 #include <cstdio>

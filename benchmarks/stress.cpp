@@ -61,8 +61,8 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
-// One line per case and body: the worst figures of all models and precisions, how many passed, and in how many a tangle
-// was unravelled.
+// One line per case and body: the worst figures of all models and precisions, how many passed, and in how
+// many a tangle was unravelled.
 std::string markdown(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "\n| case | body | must | passed | smallest det F | largest det F | reruns | unravelled | shortest "

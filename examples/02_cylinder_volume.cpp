@@ -4,7 +4,8 @@
 // results.
 //
 //   build/bin/02_cylinder_volume out/cylinder
-//   linear                        6.99   27.97   62.94   (and two more rows; frames and a picture request in the folder)
+//   linear                        6.99   27.97   62.94
+//   (and two more rows; frames and a picture request in the folder)
 #include <lobe/lobe.h>
 
 #include <cmath>

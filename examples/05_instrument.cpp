@@ -1,5 +1,5 @@
-// An instrument in an engine's loop: take hold of the liver's left lobe, lift it, feel its weight and stiffness, burn a notch,
-// let go.
+// An instrument in an engine's loop: take hold of the liver's left lobe, lift it, feel its weight and
+// stiffness, burn a notch, let go.
 //
 //   build/bin/05_instrument
 //   lifted by 20 mm: the hand holds 3.52 N

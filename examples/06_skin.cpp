@@ -1,5 +1,5 @@
-// What an engine draws: the surface of the tetrahedra with normals and cut faces, in buffers of which only what changed is
-// copied, and a finer skin that they carry.
+// What an engine draws: the surface of the tetrahedra with normals and cut faces, in buffers of which only
+// what changed is copied, and a finer skin that they carry.
 //
 //   build/bin/06_skin
 //   surface: 670 triangles, then 682 of which 27 are cut; copied 52 slots

@@ -8,14 +8,15 @@
 
 namespace lobe::test {
 
-// Equal but for this share of the larger of the two. doctest::Approx(x).epsilon(e) allows e (1 + |x|), which is absolute
-// where x is far below 1, as most figures in SI units are: refuse_approx.cmake refuses it elsewhere. Zero has no relative
-// tolerance: compare std::abs(a) with an absolute one.
+// Equal but for this share of the larger of the two. doctest::Approx(x).epsilon(e) allows e (1 + |x|), which
+// is absolute where x is far below 1, as most figures in SI units are: refuse_approx.cmake refuses it
+// elsewhere. Zero has no relative tolerance: compare std::abs(a) with an absolute one.
 inline doctest::Approx near(double value, double relative) {
   return doctest::Approx(value).epsilon(relative).scale(0);
 }
 
-// Equal but for this share of what the two are small beside, such as the norm of the vector that they are entries of.
+// Equal but for this share of what the two are small beside, such as the norm of the vector that they are
+// entries of.
 struct Near {
   double value, tolerance;
 };

@@ -30,8 +30,9 @@ inline double elastic_energy(const Setup& setup, const Mat3X<double>& u) {
   return e.elastic_linear + e.elastic_nonlinear;
 }
 
-// Takes a step. Returns ½ v⁻·M v⁺ + U(u), of the velocities half a step before and after u: central differences without
-// damping conserve it of a linear body to rounding, of others but for what is of second order in dt. [J]
+// Takes a step. Returns ½ v⁻·M v⁺ + U(u), of the velocities half a step before and after u: central
+// differences without damping conserve it of a linear body to rounding, of others but for what is of second
+// order in dt. [J]
 inline double staggered_energy(World<double>& world, double dt) {
   const Mat3X<double> before = world.state().v;
   const Energies e = world.energies();

@@ -1,4 +1,5 @@
-// What is done to a body, and what must hold: one row of `lobe bench stress`. The stress suite is a list of these.
+// What is done to a body, and what must hold: one row of `lobe bench stress`. The stress suite is a list of
+// these.
 #pragma once
 
 #include <string>
@@ -43,8 +44,9 @@ struct Subject {  // a mesh that is held at its low end along x, and handled at 
 Subject box();                            // 162 irregular tetrahedra, 3 cm long
 std::vector<Subject> organs(bool quick);  // the shipped meshes
 
-// Every model and mixture of models: "mixed", "precomputed" and "corotated" (precomputed, in a frame that turns with it)
-// are linear in their low half and non-linear in the other; "selective" has selective masses beside the volume term.
+// Every model and mixture of models: "mixed", "precomputed" and "corotated" (precomputed, in a frame that
+// turns with it) are linear in their low half and non-linear in the other; "selective" has selective masses
+// beside the volume term.
 const std::vector<std::string>& models();
 // A guarded body of soft tissue, held at its low end if asked, damped.
 Setup tissue(const TetMesh& mesh, const std::string& model);

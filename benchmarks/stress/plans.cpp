@@ -27,7 +27,8 @@ Plan& add(std::vector<Plan>& plans, const std::string& name, const std::string& 
   return plan;
 }
 
-// A grasp of its own for every vertex, whose path follows to(X, s) − X while s goes from 0 to 1, then lets go.
+// A grasp of its own for every vertex, whose path follows to(X, s) − X while s goes from 0 to 1, then lets
+// go.
 template <class To>
 void handle(Setup& setup, const std::vector<Index>& vertices, double seconds, To&& to) {
   constexpr int rows = 64;

@@ -10,6 +10,7 @@
 #include "lobe/scene/select.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe::validation {
 
@@ -39,8 +40,7 @@ std::vector<Index> outer_vertices(const TetMesh& mesh) {
   std::vector<Index> vertices;
   for (const TetFace& face : outer_faces(mesh))
     for (int c : face_corners[face.face]) vertices.push_back(mesh.tets(c, face.tet));
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   return vertices;
 }
 

@@ -22,10 +22,12 @@ std::vector<Index> vertices_where(const TetMesh& mesh, const Condition& holds);
 // Prescribes u(X) at vertices.
 void prescribe(Setup& setup, const std::vector<Index>& vertices, const Field& u);
 
-// The vertices on the plane X[axis] = place [m] slide in it; across, they are displaced by as much as said [m].
+// The vertices on the plane X[axis] = place [m] slide in it; across, they are displaced by as much as said
+// [m].
 void slide(Setup& setup, int axis, double place, double displacement = 0);
 
-// A dead load t(N) on the boundary faces whose three vertices satisfy a condition; N is the outer unit normal.
+// A dead load t(N) on the boundary faces whose three vertices satisfy a condition; N is the outer unit
+// normal.
 void load_faces(Setup& setup, const Condition& holds, const Field& traction);
 
 // The static equilibrium [m]; throws std::runtime_error where the solver finds none.
@@ -34,7 +36,8 @@ Mat3X<double> equilibrium(const Setup& setup);
 // −∂W/∂u of a displaced body, without its loads, by the kernels that run in time: 3 × #vertices [N].
 Mat3X<double> internal_forces(const Setup& setup, const Mat3X<double>& u);
 
-// Mean first Piola-Kirchhoff stress by the outer forces that equilibrium asks for, Σ r_v ⊗ X_v / V, r = −f [Pa].
+// Mean first Piola-Kirchhoff stress by the outer forces that equilibrium asks for, Σ r_v ⊗ X_v / V, r = −f
+// [Pa].
 Mat3<double> mean_stress(const Setup& setup, const Mat3X<double>& u);
 
 // Largest distance of a vertex, as a part of the largest displacement of b.

@@ -1,5 +1,5 @@
-// The families of validation cases; docs/validation.md says what each shows. Each adds its rows to the findings, with
-// smaller meshes if `quick`; an exception means that it ended early.
+// The families of validation cases; docs/validation.md says what each shows. Each adds its rows to the
+// findings, with smaller meshes if `quick`; an exception means that it ended early.
 #pragma once
 
 #include <span>

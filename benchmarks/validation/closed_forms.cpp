@@ -24,7 +24,8 @@ Setup cube(const Elastic& elastic) {
 
 bool at(double coordinate, double plane) { return std::abs(coordinate - plane) < 1e-9 * edge; }
 
-// F = I + γ e₁⊗e₂: lower and upper plane (y) prescribed, the exact traction as a dead load on the other sides.
+// F = I + γ e₁⊗e₂: lower and upper plane (y) prescribed, the exact traction as a dead load on the other
+// sides.
 Mat3<double> sheared(double gamma) {
   Mat3<double> H = Mat3<double>::Zero();
   H(0, 1) = gamma;
@@ -116,8 +117,8 @@ void ssnv122(Findings& findings) {
 
 constexpr double radius = 0.1, length = 0.1, twist = std::numbers::pi / 2;  // [m], [m], [rad/m]
 
-// Torque on the upper end of a twisted cylinder [N m]. Linear: the ends are prescribed, the sides free. SVK: nothing is
-// solved, since the displacement is no equilibrium without loads.
+// Torque on the upper end of a twisted cylinder [N m]. Linear: the ends are prescribed, the sides free. SVK:
+// nothing is solved, since the displacement is no equilibrium without loads.
 double end_torque(RegionModel model, int rings) {
   const bool linear = model == RegionModel::tensor_mass;
   Setup setup = body_of(cylinder_mesh(radius, length, rings, rings), liver, model);

@@ -1,5 +1,5 @@
-// A manufactured displacement, and the loads in closed form that make it an equilibrium. After the sympy file of
-// Caribou's Validation/manufactured_solution: u = a (z eˣ, x eʸ, y eᶻ), X − centre = (x, y, z).
+// A manufactured displacement, and the loads in closed form that make it an equilibrium. After the sympy file
+// of Caribou's Validation/manufactured_solution: u = a (z eˣ, x eʸ, y eᶻ), X − centre = (x, y, z).
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ struct Law {
   double lambda = 1.25, mu = 1, volume_penalty = 0;  // [Pa]
 
   Mat3<double> stress(const Mat3<double>& H) const;  // P [Pa]
-  // dP = λ tr(dH) I + μ (dH + dHᵀ), or dH S + F (λ tr(dE) I + 2μ dE) with dE = sym(Fᵀ dH), and of the volume term
-  // 2κ|v| (cof F : dH) cof F + κ v|v| d(cof F).
+  // dP = λ tr(dH) I + μ (dH + dHᵀ), or dH S + F (λ tr(dE) I + 2μ dE) with dE = sym(Fᵀ dH), and of the volume
+  // term 2κ|v| (cof F : dH) cof F + κ v|v| d(cof F).
   Mat3<double> stress_derivative(const Mat3<double>& H, const Mat3<double>& dH) const;
 };
 

@@ -1,4 +1,5 @@
-// Natural frequencies of free bars against theory, from eigenproblems on refined meshes and from a run in time.
+// Natural frequencies of free bars against theory, from eigenproblems on refined meshes and from a run in
+// time.
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -48,9 +49,9 @@ Mode theory_mode(const Bar& bar, const Setup& setup) {
   return mode;
 }
 
-// The first symmetric bending mode of a free Timoshenko beam: w = A cosh pz + B cos qz with p², −q² the roots k² of
-// k⁴ + (a + e) k² + a e − ρAω²/(EI) = 0, a = ρω²/(κG), e = ρω²/E, and no moment or shear force at z = ±L/2:
-// (p² + a) p tan(qL/2) + (q² − a) q tanh(pL/2) = 0. κ = 5/6 (Cowper 1966, rectangle, ν = 0).
+// The first symmetric bending mode of a free Timoshenko beam: w = A cosh pz + B cos qz with p², −q² the roots
+// k² of k⁴ + (a + e) k² + a e − ρAω²/(EI) = 0, a = ρω²/(κG), e = ρω²/E, and no moment or shear force at z =
+// ±L/2: (p² + a) p tan(qL/2) + (q² − a) q tanh(pL/2) = 0. κ = 5/6 (Cowper 1966, rectangle, ν = 0).
 double timoshenko_condition(double omega) {
   const double kappa = 5.0 / 6, shear = young / 2, L = bar_length;
   const double a = density * omega * omega / (kappa * shear), e = density * omega * omega / young;
@@ -131,8 +132,8 @@ void study(Findings& findings, const Bar& bar) {
                  bar.frequency, bar.tolerance);
 }
 
-// Frequency of a linear run [rad/s] that starts as a mode at its largest displacement: 20 periods between zero
-// crossings of the mode's share in u.
+// Frequency of a linear run [rad/s] that starts as a mode at its largest displacement: 20 periods between
+// zero crossings of the mode's share in u.
 double run_frequency(const Setup& setup, const Mode& mode, double dt) {
   World<double> world(setup);
   State<double> state = world.state();

@@ -31,7 +31,8 @@ Vibration::Vibration(const Setup& setup)
   mass = unknowns.gather(masses);
 }
 
-// The factor of K − σM is indefinite; it needs no pivoting as long as σ is not an eigenvalue to the last digit.
+// The factor of K − σM is indefinite; it needs no pivoting as long as σ is not an eigenvalue to the last
+// digit.
 Vector solve_shifted(const Vibration& body, double shift, const Vector& right) {
   Sparse A = body.stiffness;
   A.diagonal() -= shift * body.mass;

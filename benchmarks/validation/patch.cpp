@@ -18,7 +18,8 @@ Mat3<double> random_matrix(std::mt19937& random) {
   return A;
 }
 
-// Large: principal stretches between 0.75 and 1.25, turned by up to 40° (the solver follows chords of the rotation).
+// Large: principal stretches between 0.75 and 1.25, turned by up to 40° (the solver follows chords of the
+// rotation).
 Mat3<double> random_gradient(bool large, std::mt19937& random) {
   const Mat3<double> A = random_matrix(random);
   if (!large) return 1e-3 * A;

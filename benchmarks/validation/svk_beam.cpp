@@ -1,5 +1,5 @@
-// The cantilever of SofaCaribou's unit test (test_static.cpp): 15 × 15 × 80, E = 3000, traction −30 on its end. P1
-// tetrahedra against a quadratic solution, and locking as ν → ½.
+// The cantilever of SofaCaribou's unit test (test_static.cpp): 15 × 15 × 80, E = 3000, traction −30 on its
+// end. P1 tetrahedra against a quadratic solution, and locking as ν → ½.
 #include <cmath>
 
 #include "benchmarks/validation/bodies.h"
@@ -62,8 +62,9 @@ void unlocked(Findings& findings) {
         {0.0005 / std::abs(k.uy), "digits of the reference"});
 }
 
-// Q1 hexahedra on the same 3 × 3 × 9 nodes lock, too: −21.0164 where the limit is near −52. A share of 0.985 is as stiff
-// as they are, the whole of λ closer to the limit, which is known from quadratic elements at ν = 0.4.
+// Q1 hexahedra on the same 3 × 3 × 9 nodes lock, too: −21.0164 where the limit is near −52. A share of 0.985
+// is as stiff as they are, the whole of λ closer to the limit, which is known from quadratic elements at ν =
+// 0.4.
 void against_other_elements(Findings& findings, bool quick) {
   findings.value("ν = 0.499, 2 cells across, nodal pressure 0.985", "u_y of the end", "-",
                  end_displacement(0.499, 2, 0.985).y(), {-21.0164, "Q1 hexahedra, same nodes"},
@@ -79,7 +80,8 @@ void against_other_elements(Findings& findings, bool quick) {
                    {0.015, "extrapolation, mesh of the reference"});
 }
 
-// Errors are even powers of h where the mesh is fine enough: two meshes remove h² (quick: a third removes h⁴).
+// Errors are even powers of h where the mesh is fine enough: two meshes remove h² (quick: a third removes
+// h⁴).
 void refined(Findings& findings, bool quick) {
   const std::vector<int> cells = quick ? std::vector{2, 4, 8} : std::vector{4, 6, 12};
   const Vec3d reference(0, -52.380, -24.201);

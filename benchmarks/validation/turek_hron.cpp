@@ -1,5 +1,5 @@
-// The elastic benchmarks CSM1 … CSM3 of Turek and Hron (2006): a beam in plane strain on a cylinder, bent by gravity.
-// A slab one cell thick, u_z = 0 at every vertex.
+// The elastic benchmarks CSM1 … CSM3 of Turek and Hron (2006): a beam in plane strain on a cylinder, bent by
+// gravity. A slab one cell thick, u_z = 0 at every vertex.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -22,7 +22,8 @@ struct Slab {
   Index tip = 0;  // the point A = (0.6, 0.2)
 };
 
-// `cells` through the height, an even number; cells are twice as long as high. Their left ends lie on the arc.
+// `cells` through the height, an even number; cells are twice as long as high. Their left ends lie on the
+// arc.
 Slab slab(double young, int cells) {
   const double cell = height / cells;
   const int along = int(std::lround((right_end - centre - cylinder_radius) / (2 * cell)));
@@ -128,8 +129,9 @@ struct Wanted {
   std::function<double(const Oscillation&)> mesh_error;
 };
 
-// Two published solutions differ by 1.0 % (mean of u_y), 0.9 % (amplitude), 0.5 % (u_x) and 0.4 % (frequency): higher
-// modes are excited, and extrema depend on their phase. How much a mesh is too stiff is known from CSM1.
+// Two published solutions differ by 1.0 % (mean of u_y), 0.9 % (amplitude), 0.5 % (u_x) and 0.4 %
+// (frequency): higher modes are excited, and extrema depend on their phase. How much a mesh is too stiff is
+// known from CSM1.
 std::vector<Wanted> wanted() {
   const double mean[] = {-14.384e-3, -64.271e-3}, amplitude[] = {14.389e-3, 64.595e-3};
   std::vector<Wanted> list;

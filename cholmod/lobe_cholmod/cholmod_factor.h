@@ -5,8 +5,8 @@
 
 namespace lobe {
 
-// CHOLMOD's supernodal L Lᵀ with METIS nested dissection, for positive definite matrices only: where nodal pressures
-// make the matrix indefinite, the solvers use make_ldlt() instead.
+// CHOLMOD's supernodal L Lᵀ with METIS nested dissection, for positive definite matrices only: where nodal
+// pressures make the matrix indefinite, the solvers use make_ldlt() instead.
 std::unique_ptr<SparseFactor> make_cholmod();
 
 }  // namespace lobe

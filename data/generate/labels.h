@@ -5,8 +5,8 @@
 
 namespace organs {
 
-// NRRD, uncompressed: voxels of 2 × 2 × 2.5 mm, 0 background, 1 liver, 2 a ball in its right lobe (a tumour), 3 a
-// tube that enters it from the back (a vein). Whole or absent.
+// NRRD, uncompressed: voxels of 2 × 2 × 2.5 mm, 0 background, 1 liver, 2 a ball in its right lobe (a tumour),
+// 3 a tube that enters it from the back (a vein). Whole or absent.
 void write_labels(const std::filesystem::path& file);
 
 }  // namespace organs

@@ -1,5 +1,5 @@
-// lobe-organs -o DIR: writes the surfaces and the label image of data/ from their formulas, and prints what README.md there says
-// of them. Exit status 1 if a surface fails a check, 2 for bad input.
+// lobe-organs -o DIR: writes the surfaces and the label image of data/ from their formulas, and prints what
+// README.md there says of them. Exit status 1 if a surface fails a check, 2 for bad input.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>

@@ -1,5 +1,5 @@
-// Which vector instructions the wide kernels use: found when the program starts, so that one binary runs anywhere. Every
-// set gives the same bits: the same operations in the same order, without fused ones.
+// Which vector instructions the wide kernels use: found when the program starts, so that one binary runs
+// anywhere. Every set gives the same bits: the same operations in the same order, without fused ones.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ const char* name(InstructionSet set);
 // Those that this processor has, the widest last.
 std::vector<InstructionSet> available_instruction_sets();
 
-// The widest, or that which the environment variable LOBE_INSTRUCTION_SET names. Throws InputError if the processor does
-// not have it.
+// The widest, or that which the environment variable LOBE_INSTRUCTION_SET names. Throws InputError if the
+// processor does not have it.
 InstructionSet chosen_instruction_set();
 
 }  // namespace lobe

@@ -29,7 +29,8 @@ int forward(const std::string& program, char** first, char** last, const std::st
   return status == 127 ? static_cast<int>(bad_input) : status;
 }
 
-// A command that another program answers with the arguments after it; nothing for the commands of `lobe` itself.
+// A command that another program answers with the arguments after it; nothing for the commands of `lobe`
+// itself.
 std::optional<int> run_other_program(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "mesh") return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING");

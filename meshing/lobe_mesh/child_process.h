@@ -27,9 +27,9 @@ struct ChildResult {
 ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                       const ChildLimits& limits, const std::filesystem::path& errors = "/dev/null");
 
-// Runs `work` in a copy of this process, which must have one thread, and waits for its end, calling `meanwhile`
-// every 20 ms. Crashes end the copy alone; SIGINT, SIGTERM and SIGHUP to this process are handed on to it, unless
-// they were ignored, and are its end, too; whatever it has started then ends with it.
+// Runs `work` in a copy of this process, which must have one thread, and waits for its end, calling
+// `meanwhile` every 20 ms. Crashes end the copy alone; SIGINT, SIGTERM and SIGHUP to this process are handed
+// on to it, unless they were ignored, and are its end, too; whatever it has started then ends with it.
 ChildResult run_contained(const std::function<int()>& work, double memory_bytes,
                           const std::function<void()>& meanwhile);
 

@@ -56,8 +56,8 @@ struct Diagnosis {
 // Costs one sort of the edges and one box-intersection sweep: 0.1 s for 10,000 triangles.
 Diagnosis diagnose(const Surface& surface);
 
-// The surface with its faults, for a viewer: .vtp, .vtu or .ply with one number (0 or 1) per triangle and kind of
-// fault that occurs, named after it, and `faults`, their sum.
+// The surface with its faults, for a viewer: .vtp, .vtu or .ply with one number (0 or 1) per triangle and
+// kind of fault that occurs, named after it, and `faults`, their sum.
 void write_marked(const std::filesystem::path& file, const Surface& surface, const Diagnosis& diagnosis);
 
 std::string in_words(const Diagnosis& diagnosis);

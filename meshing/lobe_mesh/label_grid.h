@@ -15,12 +15,12 @@ namespace lobe::meshing {
 // Region r (from 1) are the voxels of value values[r − 1]; region 0 is the background. Cropped to what is not
 // background, with a margin of background around it.
 //
-// The staircase of the voxels is smoothed: with 1_r the indicator of a region and G a Gaussian of σ = `smoothing`
-// voxels, φ_r = (2 + √2) G 1_r − (1 + √2) G G 1_r. G alone moves the level 1/2 of a ball of radius R inwards by
-// σ²/R, and G G, whose slope there is smaller by √2, by 2 σ²/R: their sum leaves it in its place. Σ φ_r = 1. A voxel
-// belongs to the region of the largest φ, with the lead over the second largest as weight. A point between voxels
-// belongs to the region whose weights, interpolated linearly, are largest; where two regions meet, that is the level
-// φ_1 = φ_2 of the interpolated φ.
+// The staircase of the voxels is smoothed: with 1_r the indicator of a region and G a Gaussian of σ =
+// `smoothing` voxels, φ_r = (2 + √2) G 1_r − (1 + √2) G G 1_r. G alone moves the level 1/2 of a ball of
+// radius R inwards by σ²/R, and G G, whose slope there is smaller by √2, by 2 σ²/R: their sum leaves it in
+// its place. Σ φ_r = 1. A voxel belongs to the region of the largest φ, with the lead over the second largest
+// as weight. A point between voxels belongs to the region whose weights, interpolated linearly, are largest;
+// where two regions meet, that is the level φ_1 = φ_2 of the interpolated φ.
 struct LabelGrid {
   std::array<Index, 3> first{}, size{};  // its first voxel in the image; voxels along i, j, k
   std::vector<std::uint8_t> regions;     // of each voxel, i fastest
@@ -38,8 +38,8 @@ struct LabelGrid {
   }
 };
 
-// Throws InputError: nothing but background, one value only, negative values, more than 250 values, a label that
-// the smoothing removes. O(#voxels in the boxes of the labels).
+// Throws InputError: nothing but background, one value only, negative values, more than 250 values, a label
+// that the smoothing removes. O(#voxels in the boxes of the labels).
 LabelGrid make_label_grid(const LabelImage& image, double smoothing);  // [voxels], 0: none
 
 // Finds the region of a point, 0 outside of the grid.
@@ -53,8 +53,8 @@ class RegionAt {
   Mat34<double> to_grid_;
 };
 
-// The interfaces between the regions, by dual contouring: a vertex in every cube of eight voxels that are not all of
-// one region, at the mean of the crossings on its edges.
+// The interfaces between the regions, by dual contouring: a vertex in every cube of eight voxels that are not
+// all of one region, at the mean of the crossings on its edges.
 struct LabelSurfaces {
   std::vector<Surface> surfaces;         // one per pair of regions that meet
   std::vector<Sides> sides;              // of each

@@ -15,7 +15,8 @@ namespace lobe::meshing {
 struct LabelImage {
   std::array<Index, 3> size{};       // voxels along i, j, k
   std::vector<std::int32_t> values;  // i fastest; 0 is background
-  // 3 × 4: (i, j, k, 1) of a voxel's centre to its position [m]; +x to the patient's left, +y to the back, +z up.
+  // 3 × 4: (i, j, k, 1) of a voxel's centre to its position [m]; +x to the patient's left, +y to the back, +z
+  // up.
   Mat34<double> to_world = Mat34<double>::Zero();
 
   std::int32_t at(Index i, Index j, Index k) const {
@@ -29,9 +30,9 @@ struct LabelImage {
 // Whether the extension says so: .nrrd, .nhdr, .nii, .nii.gz.
 bool is_label_image(const std::filesystem::path& file);
 
-// NRRD 1 to 5 (read by teem) and NIfTI 1 and 2 (read by niftilib), compressed or not. Coordinates become metres
-// where the file names its unit. Throws InputError naming the file: missing or garbled, not three axes, not whole
-// numbers, more than half a billion voxels, spacing or orientation unknown.
+// NRRD 1 to 5 (read by teem) and NIfTI 1 and 2 (read by niftilib), compressed or not. Coordinates become
+// metres where the file names its unit. Throws InputError naming the file: missing or garbled, not three
+// axes, not whole numbers, more than half a billion voxels, spacing or orientation unknown.
 LabelImage read_label_image(const std::filesystem::path& file);
 
 }  // namespace lobe::meshing

@@ -7,8 +7,8 @@
 
 namespace lobe::meshing {
 
-// The lines that edges (pairs of vertices, each once) make, from where other than two of them meet to the next such
-// place; loops begin anywhere.
+// The lines that edges (pairs of vertices, each once) make, from where other than two of them meet to the
+// next such place; loops begin anywhere.
 std::vector<Polyline> lines_of(const std::vector<std::pair<Index, Index>>& edges);
 
 }  // namespace lobe::meshing

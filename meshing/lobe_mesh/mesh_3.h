@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// CGAL's Delaunay refinement (Mesh_3) of any domain. Private: included by one translation unit per kind of domain.
+// CGAL's Delaunay refinement (Mesh_3) of any domain. Private: included by one translation unit per kind of
+// domain.
 #pragma once
 
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
@@ -35,7 +36,8 @@ inline constexpr double facet_radius = 0.7;
 inline constexpr double cell_radius = 0.81;
 inline constexpr double facet_distance = 0.3;  // tighter values ruin the time step
 
-// Points of one piece of a surface that a refinement starts from: random ones, which CGAL takes, miss small pieces.
+// Points of one piece of a surface that a refinement starts from: random ones, which CGAL takes, miss small
+// pieces.
 inline constexpr std::size_t points_per_piece = 12;
 
 template <class Domain>
@@ -46,7 +48,8 @@ struct Mesh3 {
   using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 };
 
-// A multiple of the edges asked for, as Mesh_3 wants it. Subdomain r + 1 of a domain is region r, 0 is outside.
+// A multiple of the edges asked for, as Mesh_3 wants it. Subdomain r + 1 of a domain is region r, 0 is
+// outside.
 template <class Domain>
 struct Field {
   using FT = double;
@@ -107,8 +110,8 @@ TetMesh to_tet_mesh(const Complex& complex) {
   return mesh;
 }
 
-// Counts how often the refinement asks what a new tetrahedron lies in, or where the surface meets the edge between two
-// of them: how far it is, and whether it will end.
+// Counts how often the refinement asks what a new tetrahedron lies in, or where the surface meets the edge
+// between two of them: how far it is, and whether it will end.
 template <class Domain>
 struct Counted : Domain {
   using Domain::Domain;

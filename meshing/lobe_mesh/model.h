@@ -1,7 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// What is meshed: regions with labels, and the surfaces between them. Either closed surfaces (an organ, and in it a
-// tumour, vessels, a cyst), or a label image.
+// What is meshed: regions with labels, and the surfaces between them. Either closed surfaces (an organ, and
+// in it a tumour, vessels, a cyst), or a label image.
 #pragma once
 
 #include <functional>
@@ -18,8 +18,8 @@ struct Sides {
   int inside = 0, outside = -1;
 };
 
-// Of closed surfaces, region k is what surface k encloses, without what the surfaces inside it enclose. Of an image,
-// surface k is where two regions meet; it is not closed, and its neighbours share its border.
+// Of closed surfaces, region k is what surface k encloses, without what the surfaces inside it enclose. Of an
+// image, surface k is where two regions meet; it is not closed, and its neighbours share its border.
 struct Model {
   std::vector<Surface> surfaces;                // [m]
   std::vector<Sides> sides;                     // of each surface

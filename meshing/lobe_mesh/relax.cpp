@@ -9,6 +9,7 @@
 
 #include "lobe/fem/hooke.h"
 #include "lobe/fem/shape.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe::meshing {
 namespace {
@@ -215,8 +216,7 @@ void Relaxation::improve(Index v) {
     if (!now_.back().valid) return;
     for (int k = 0; k < 4; ++k) ring_.push_back(mesh_.tets(k, t));
   }
-  std::sort(ring_.begin(), ring_.end());
-  ring_.erase(std::unique(ring_.begin(), ring_.end()), ring_.end());
+  sort_unique(ring_);
   double cost = cost_around(v), step = first_step * goal_.edge;
   for (int size = 0; size < step_sizes && cost > 0; ++size) {
     bool better = false;

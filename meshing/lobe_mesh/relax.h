@@ -19,8 +19,8 @@ struct RelaxGoal {
   double poisson_ratio = 0.4;   // of the material whose time step it is
 };
 
-// Minimises the sum of (goal / value − 1)² over the vertices and dihedral angles that miss the goal, vertex by
-// vertex, by trying steps along the axes; vertices of surfaces slide. Never inverts a tetrahedron, never
+// Minimises the sum of (goal / value − 1)² over the vertices and dihedral angles that miss the goal, vertex
+// by vertex, by trying steps along the axes; vertices of surfaces slide. Never inverts a tetrahedron, never
 // makes the sum larger. Serial, the same on every machine but for rounding.
 void relax(TetMesh& mesh, const Freedom& freedom, const RelaxGoal& goal);
 

@@ -131,8 +131,8 @@ void compare(const Surface& input, const Surface& result, const Diagnosis& after
   }
 }
 
-// Through a gap wider than alpha the wrapping falls into the body and leaves a hollow shell, which has two sides where
-// the surface has one: then a larger alpha is taken, unless the user chose it.
+// Through a gap wider than alpha the wrapping falls into the body and leaves a hollow shell, which has two
+// sides where the surface has one: then a larger alpha is taken, unless the user chose it.
 Surface wrap(const Surface& surface, const UnitBox& unit, const RepairOptions& options,
              RepairReport& report) {
   const double diagonal = box_diagonal(surface);
@@ -173,7 +173,8 @@ class Climb {
         RepairReport& report)
       : cleaned_(cleaned), unit_(unit), options_(options), ladder_(ladder), report_(report) {}
 
-  // What only just does not intersect may do so for the rounding of another box: then the rungs are climbed again there.
+  // What only just does not intersect may do so for the rounding of another box: then the rungs are climbed
+  // again there.
   Repaired basic() {
     constexpr int most_climbs = 3;
     Repaired result = by_rungs(cleaned_, unit_);

@@ -148,7 +148,8 @@ std::vector<Face> nearly_degenerate_faces(const CgalMesh& mesh) {
   return faces;
 }
 
-// Exactly flat ones first; then those with an area that is but rounding, of which caps are flipped, needles collapsed.
+// Exactly flat ones first; then those with an area that is but rounding, of which caps are flipped, needles
+// collapsed.
 void remove_degenerate(CgalMesh& mesh, RepairReport& report) {
   constexpr double cap = -1 + 1e-12, needle = 1e6,
                    longest_collapse = 1e-6;  // cosine, ratio of edges, of the size

@@ -33,9 +33,9 @@ class SizeBalls {
   double growth_ = 0;
 };
 
-// The point array `edge` [m] of a tetrahedral mesh (.vtu): each vertex asks for its edge in a ball of the volume
-// around it, a quarter of that of its tetrahedra. Throws InputError if the array is missing, or not of positive
-// numbers.
+// The point array `edge` [m] of a tetrahedral mesh (.vtu): each vertex asks for its edge in a ball of the
+// volume around it, a quarter of that of its tetrahedra. Throws InputError if the array is missing, or not of
+// positive numbers.
 std::vector<SizeBall> read_size_balls(const std::filesystem::path& file);
 
 }  // namespace lobe::meshing

@@ -20,9 +20,10 @@ struct Surface {
 };
 
 // (Written by write_surface() of lobe/io/surface_io.h.)
-// Reads by extension: .stl and .ply (ascii and binary), .obj, .off, .vtp. Polygons are triangulated; STL, which has
-// no indices, gets equal points welded. Coordinates that are not finite are kept for diagnose(). Throws
-// InputError naming file and line (or byte): missing, empty, truncated or garbled files, wrong indices.
+// Reads by extension: .stl and .ply (ascii and binary), .obj, .off, .vtp. Polygons are triangulated; STL,
+// which has no indices, gets equal points welded. Coordinates that are not finite are kept for diagnose().
+// Throws InputError naming file and line (or byte): missing, empty, truncated or garbled files, wrong
+// indices.
 Surface read_surface(const std::filesystem::path& file);
 
 double enclosed_volume(const Surface& surface);  // [m³], negative if the triangles face inwards
@@ -45,9 +46,9 @@ using Polyline = std::vector<Index>;
 
 // Edges whose two triangles turn by more than `angle` [degrees], as lines from corner to corner. Creases of a
 // coarse or rough surface are left out: lines that end on a smooth part or zigzag, and connected groups
-// shorter than `shortest` [m]. The edges of a box and the rims of a cylinder stay. Lines from corner to corner that are
-// shorter than `finest` [m] are left out as well, with what then ends nowhere: a mesher that keeps them makes edges as
-// short as they are. Those are counted.
+// shorter than `shortest` [m]. The edges of a box and the rims of a cylinder stay. Lines from corner to
+// corner that are shorter than `finest` [m] are left out as well, with what then ends nowhere: a mesher that
+// keeps them makes edges as short as they are. Those are counted.
 struct FeatureLines {
   std::vector<Polyline> lines;
   Index fine = 0;                 // lines that were left out because they are short

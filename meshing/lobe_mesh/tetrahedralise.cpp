@@ -28,7 +28,8 @@ constexpr double surface_edge_factor = 1.08;
 
 constexpr double finest_feature = 0.15;  // of the shortest edge asked for
 
-// Far more tetrahedra than a body of that volume and area takes: most of them at features smaller than the edge.
+// Far more tetrahedra than a body of that volume and area takes: most of them at features smaller than the
+// edge.
 constexpr double most_tets_of_expected = 20;
 constexpr double most_tets_at_least = 10000;
 
@@ -66,7 +67,8 @@ Model remesh_without_intersections(const Model& model, double edge) {
   throw MeshingFailure("remeshing left self-intersections: use --mesher cgal, or a shorter --edge");
 }
 
-// Repair takes bodies that touch along an edge or at a vertex apart, in the same place; Mesh_3 refines there without end.
+// Repair takes bodies that touch along an edge or at a vertex apart, in the same place; Mesh_3 refines there
+// without end.
 void refuse_touching(const Surface& surface) {
   std::map<std::array<double, 3>, Index> seen;
   for (Index v = 0; v < surface.points.cols(); ++v) {
@@ -149,8 +151,8 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
   stopwatch_.phase("prepare");
 }
 
-// A body with features far smaller than the edge cannot be meshed well with them, and the refinement, the relaxation
-// and all further tries take minutes to find that out.
+// A body with features far smaller than the edge cannot be meshed well with them, and the refinement, the
+// relaxation and all further tries take minutes to find that out.
 void Tries::keep_features(std::size_t k) {
   const Surface& surface = scaled_.surfaces[k];
   const double shortest_edge = Sizing(scaled_, scaled_options_).shortest();
@@ -222,7 +224,8 @@ void Tries::improve(TetMesh& mesh) {
   stopwatch_.phase("relax");
 }
 
-// Keeps the mesh if it is the best so far: with the most labels, nearest to passing the gate, of the longest time step.
+// Keeps the mesh if it is the best so far: with the most labels, nearest to passing the gate, of the longest
+// time step.
 void Tries::one(Mesher mesher, double factor) {
   Attempt attempt{mesher, factor * options_.edge, 0, 0, {}};
   try {

@@ -6,8 +6,9 @@
 
 namespace lobe::meshing {
 
-// One line on a terminal that says what a run is doing, how far it is, and since when. The process that works reports
-// through a pipe; the one that waits for it draws, so that the clock goes on while a library is at work.
+// One line on a terminal that says what a run is doing, how far it is, and since when. The process that works
+// reports through a pipe; the one that waits for it draws, so that the clock goes on while a library is at
+// work.
 class ProgressLine {
  public:
   explicit ProgressLine(bool shown);

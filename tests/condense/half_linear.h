@@ -6,8 +6,8 @@
 
 namespace lobe::test {
 
-// A box whose half with the smaller x is linear, held at x = 0, where one vertex slides along the wall; the other half
-// is non-linear.
+// A box whose half with the smaller x is linear, held at x = 0, where one vertex slides along the wall; the
+// other half is non-linear.
 inline Setup half_linear(RegionModel model, int n = 5) {
   const TetMesh mesh = irregular_box(n);
   Setup setup = hybrid_setup(mesh);

@@ -152,7 +152,8 @@ TEST_CASE("the interface bears the mass of what follows it") {
   }
   double bears = 0, expected = 0;
   for (Index i : shared) bears += (world.mass()[i / 3] - lumped_mass(world.elements(), i / 3)) / 3;
-  // Kinetic energy of the interior at unit velocity of the interface along each axis, twice: a third of all three.
+  // Kinetic energy of the interior at unit velocity of the interface along each axis, twice: a third of all
+  // three.
   const Eigen::LDLT<Eigen::MatrixXd> interior(K(inside, inside));
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(Eigen::Index(shared.size()));

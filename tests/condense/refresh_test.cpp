@@ -1,5 +1,5 @@
-// A region that many cuts have touched is condensed afresh beside the simulation, and at once where they have made it
-// inexact.
+// A region that many cuts have touched is condensed afresh beside the simulation, and at once where they have
+// made it inexact.
 #include <doctest/doctest.h>
 
 #include <algorithm>

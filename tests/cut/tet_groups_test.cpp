@@ -11,8 +11,8 @@ using namespace lobe::test;
 
 namespace {
 
-// A body that creeps, swings, and is thrown about (which inverts it), while sweeps of all kinds pass: from outside, from
-// inside, past it.
+// A body that creeps, swings, and is thrown about (which inverts it), while sweeps of all kinds pass: from
+// outside, from inside, past it.
 template <class Real>
 Index compare_with_scan(TetMesh mesh, int rounds) {
   Topology topology(mesh);

@@ -34,7 +34,8 @@ std::string name(const Terms& terms) {
          (terms.pressure ? "pressure " : "") + (terms.guard ? "guard" : "");
 }
 
-// With the nodal pressure of a body whose gradient is the same everywhere, so that there is an energy of H alone.
+// With the nodal pressure of a body whose gradient is the same everywhere, so that there is an energy of H
+// alone.
 Law<double> law_at(const Terms& terms, const Mat3<double>& H) {
   return {.lambda = 1e4,
           .mu = 1.5e4,
@@ -45,7 +46,8 @@ Law<double> law_at(const Terms& terms, const Mat3<double>& H) {
           .terms = terms};
 }
 
-// Stretched, where the guard is silent; at det F = 0.61, in the guard's first branch; inverted, in its second.
+// Stretched, where the guard is silent; at det F = 0.61, in the guard's first branch; inverted, in its
+// second.
 std::vector<Mat3<double>> states() {
   Mat3<double> H;
   H << 0.15, -0.2, 0.1, 0.25, 0.2, -0.15, -0.1, 0.2, 0.1;
@@ -63,7 +65,8 @@ Mat34<double> gradients() {
       .gradients;
 }
 
-// That `slope` is the derivative of f at 0: the error of central differences falls like h², or is but rounding.
+// That `slope` is the derivative of f at 0: the error of central differences falls like h², or is but
+// rounding.
 template <class F>
 void check_derivative(const F& f, const Eigen::VectorXd& slope) {
   const auto error = [&](double h) { return ((f(h) - f(-h)) / (2 * h) - slope).norm() / slope.norm(); };

@@ -1,5 +1,6 @@
-// Whatever stands in a checkpoint or a recording, even under a right length, checksum and fingerprint, reading, restoring
-// and going on give a world or an InputError. The first byte chooses: as it is, a checkpoint or a recording put right.
+// Whatever stands in a checkpoint or a recording, even under a right length, checksum and fingerprint,
+// reading, restoring and going on give a world or an InputError. The first byte chooses: as it is, a
+// checkpoint or a recording put right.
 #include "fuzz/put_right.h"
 #include "fuzz/target.h"
 #include "lobe/error.h"

@@ -1,5 +1,5 @@
-// Whatever stands in a file of the condensed cache, even under a right length and checksum, the world is built, from it or
-// afresh, goes on, and can be cut. The first byte chooses: as it is, or put right.
+// Whatever stands in a file of the condensed cache, even under a right length and checksum, the world is
+// built, from it or afresh, goes on, and can be cut. The first byte chooses: as it is, or put right.
 #include <unistd.h>
 
 #include <filesystem>

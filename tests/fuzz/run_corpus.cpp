@@ -1,4 +1,5 @@
-// Without libFuzzer: every file of the folders that are named is one input, and so is each with one byte changed.
+// Without libFuzzer: every file of the folders that are named is one input, and so is each with one byte
+// changed.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Whatever the bytes, the scene reader gives a scene or an InputError; a scene can be written, read again, and resolved on
-// a small mesh, or is refused.
+// Whatever the bytes, the scene reader gives a scene or an InputError; a scene can be written, read again,
+// and resolved on a small mesh, or is refused.
 #include <string_view>
 
 #include "fuzz/target.h"

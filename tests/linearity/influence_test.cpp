@@ -49,7 +49,8 @@ Eigen::VectorXd zone_means(const Elements& elements, const Zones& zones, const M
 
 }  // namespace
 
-// The linear body with the defect of the exact state as a load is the exact body: K (u_linear − u_exact) = its force.
+// The linear body with the defect of the exact state as a load is the exact body: K (u_linear − u_exact) =
+// its force.
 TEST_CASE("the error of the all-linear body is predicted from the exact state as zones become fine") {
   const Setup setup = bent_bar(0.02);
   Setup linear = setup;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "lobe/error.h"
+#include "lobe/sort_unique.h"
 #include "near.h"
 
 using namespace lobe;
@@ -55,8 +56,7 @@ TEST_CASE("generated meshes are conforming: each inner face is shared by two, th
     // A closed triangulated surface of one sphere-like piece: F = 2 V − 4 with its V vertices.
     std::vector<Index> vertices;
     for (const auto& face : boundary) vertices.insert(vertices.end(), face.begin(), face.end());
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
     CHECK(boundary.size() == 2 * vertices.size() - 4);
   }
 }

@@ -26,8 +26,8 @@ std::string refusal(const Surface& surface, Repair level = Repair::basic) {
   return input_error([&] { repair_surface(surface, {.level = level}, report); });
 }
 
-// A ball of 1,280 triangles whose vertices were drawn through each other, some onto the opposite edge of a triangle,
-// with 38 triangles twice.
+// A ball of 1,280 triangles whose vertices were drawn through each other, some onto the opposite edge of a
+// triangle, with 38 triangles twice.
 Surface wreck(unsigned random) {
   Surface bad = make_sphere(1, 3);
   const auto next = [&] { return (random = random * 1664525u + 1013904223u) / 4294967296.0; };

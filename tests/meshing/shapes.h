@@ -42,8 +42,8 @@ inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != text.npos;
 }
 
-// Every face belongs to one or two tetrahedra, those with two lie on either side of it, and the volume is that of
-// the boundary: nothing hangs, nothing overlaps.
+// Every face belongs to one or two tetrahedra, those with two lie on either side of it, and the volume is
+// that of the boundary: nothing hangs, nothing overlaps.
 void check_faces(const TetMesh& mesh);
 
 // And the faces with one tetrahedron form a closed manifold surface.

@@ -15,7 +15,8 @@ using test::near;
 
 namespace {
 
-// A field on a mesh of a box from −0.06 to 0.06 m: edges of 4 mm at the left end, growing by half of the distance.
+// A field on a mesh of a box from −0.06 to 0.06 m: edges of 4 mm at the left end, growing by half of the
+// distance.
 std::filesystem::path write_field(const SurfaceFolder& folder, double factor) {
   TetMesh box = box_mesh({0.12, 0.12, 0.12}, 8, 8, 8);
   box.points.array() -= 0.06;
@@ -69,7 +70,8 @@ TEST_CASE("edges follow the field of a mesh") {
       {sphere}, {.edge = 0.02, .balls = read_size_balls(write_field(folder, 1)), .growth = 0.5}, report);
   CHECK(report.passes());
   check_boundary(mesh);
-  // Where the field asks for h, the mean volume is that of the regular tetrahedron of edge h, ± a factor of 1.5³.
+  // Where the field asks for h, the mean volume is that of the regular tetrahedron of edge h, ± a factor of
+  // 1.5³.
   for (const double x : {-0.035, -0.015, 0.005, 0.025}) {
     CAPTURE(x);
     double volume = 0;

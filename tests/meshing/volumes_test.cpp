@@ -1,4 +1,5 @@
-// The volumes of labels, of one within another and of two that touch, at edges of a quarter of their diameter.
+// The volumes of labels, of one within another and of two that touch, at edges of a quarter of their
+// diameter.
 #include "lobe_mesh/volumes.h"
 
 #include <cmath>

@@ -16,8 +16,8 @@ using namespace lobe::test;
 
 namespace {
 
-// One tetrahedron alone, compressed to where the guard resists. Its nodes all have a quarter of its volume, and the same
-// pressure.
+// One tetrahedron alone, compressed to where the guard resists. Its nodes all have a quarter of its volume,
+// and the same pressure.
 struct OneTetrahedron {
   OneTetrahedron() {
     TetMesh mesh;

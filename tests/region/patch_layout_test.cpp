@@ -41,7 +41,8 @@ Index leave(Layout& layout, const Layout::Item& item) {
                       layout.local_corners(layout.slot_of(item.id) / Layout::capacity, item.corners));
 }
 
-// Every tetrahedron of the layout has a slot of its own and its patch knows its corners; nobody else has a place.
+// Every tetrahedron of the layout has a slot of its own and its patch knows its corners; nobody else has a
+// place.
 void check(const Layout& layout, const Elements& elements, Index tet_count) {
   REQUIRE(layout.item_count() == tet_count);
   Index tets = 0;

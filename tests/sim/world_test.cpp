@@ -331,7 +331,7 @@ TEST_CASE("an inconsistent setup is refused with a message") {
         s.materials[0].nodal_pressure = 1;
         s.evaluator = Evaluator::stored;
       },
-      "use the direct one");
+      "use \"direct\"");
   refused([](Setup& s) { s.mesh.tets(0, 5) = 9999; }, "tetrahedron 5 names no vertex");
   refused([](Setup& s) { std::swap(s.mesh.tets(0, 5), s.mesh.tets(1, 5)); },
           "tetrahedron 5 is flat or inverted");

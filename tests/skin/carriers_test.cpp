@@ -13,7 +13,7 @@ using namespace lobe::test;
 TEST_CASE("a face of the boundary lies on its own tetrahedron alone") {
   const TetMesh mesh = irregular_box(4);
   const Topology topology(mesh);
-  const TexturedSurface boundary = boundary_of(mesh);
+  const TexturedSurface boundary = textured_boundary(mesh);
   const NumberLists under = tets_under(boundary.points, boundary.triangles, mesh);
   REQUIRE(under.count() == boundary.triangles.cols());
   for (Index i = 0; i < under.count(); ++i) {

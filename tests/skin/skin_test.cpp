@@ -163,7 +163,7 @@ TEST_CASE("a rigid rotation turns normals") {
 
 TEST_CASE("where the skin is the boundary itself, it opens as the surface does") {
   const TetMesh mesh = irregular_box(5);
-  const TexturedSurface boundary = boundary_of(mesh);
+  const TexturedSurface boundary = textured_boundary(mesh);
   const Topology uncut(mesh);
   for (unsigned seed : {1U, 2U, 3U}) {
     Topology topology(mesh);
@@ -197,7 +197,7 @@ TEST_CASE("where the skin is the boundary itself, it opens as the surface does")
 TEST_CASE("nothing bridges pieces that go apart: each shown triangle moves with one of them") {
   const TetMesh coarse = irregular_box(2, 0.02), mesh = refine(coarse).mesh;
   const TexturedSurface fine = fine_boundary_of(mesh, 1, 1.0), outside = fine_boundary_of(mesh, 1, 1.05);
-  for (const TexturedSurface& surface : {fine, outside, boundary_of(coarse)}) {
+  for (const TexturedSurface& surface : {fine, outside, textured_boundary(coarse)}) {
     Topology topology(mesh);
     Skin skin(surface, mesh);
     CHECK(skin.loose_count() == 0);
@@ -339,7 +339,7 @@ TEST_CASE("a file that is no OBJ, or has a fault, is refused with its line") {
 TEST_CASE(
     "a skin without triangles, of corners that are not there, or of a body without tetrahedra is refused") {
   const TetMesh mesh = box_mesh(Vec3d::Ones(), 1, 1, 1);
-  TexturedSurface surface = boundary_of(mesh);
+  TexturedSurface surface = textured_boundary(mesh);
   CHECK_THROWS_WITH_AS(Skin(surface, TetMesh()), doctest::Contains("no tetrahedron"), InputError);
   CHECK_THROWS_WITH_AS(Skin(TexturedSurface(), mesh), doctest::Contains("no triangle"), InputError);
   surface.triangles(1, 3) = 8;

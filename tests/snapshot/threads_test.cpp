@@ -63,8 +63,8 @@ struct Seen {
   std::int64_t last = -1;
 };
 
-// Until it has seen the last frame, whose number is −1 while there are more to come. Every hundredth picture or so is held for
-// a while, and must be the same afterwards.
+// Until it has seen the last frame, whose number is −1 while there are more to come. Every hundredth picture
+// or so is held for a while, and must be the same afterwards.
 void read(const TripleBuffer<Snapshot<float>>& buffer, const std::atomic<std::int64_t>& last_frame,
           unsigned seed, Seen& seen) {
   std::mt19937 random(seed);

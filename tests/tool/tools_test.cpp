@@ -34,7 +34,8 @@ Eigen::Vector4d turn_about_x(double angle) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3d::UnitX())).coeffs();
 }
 
-// What two hands do in the frames that are numbered so, by commands: pull, turn and wait, burn a line, let go.
+// What two hands do in the frames that are numbered so, by commands: pull, turn and wait, burn a line, let
+// go.
 template <class Hands>
 void act(Hands& hands, const Setup& setup, int i) {
   constexpr ToolId grasp = 1, cautery = 2;

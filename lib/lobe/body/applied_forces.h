@@ -1,5 +1,5 @@
-// External forces on vertices, and springs from vertices to moving points, set while a world runs (SetForces, SetSprings,
-// MoveSprings of sim/command.h).
+// External forces on vertices, and springs from vertices to moving points, set while a world runs (SetForces,
+// SetSprings, MoveSprings of sim/command.h).
 //   f = f_v + k (p − x_v),  W = −f_v · u_v + k |p − x_v|²/2
 #pragma once
 
@@ -21,10 +21,12 @@ class AppliedForces : public ForceTerm<Real> {
  public:
   using At = typename ForceTerm<Real>::At;
 
-  // In place of those that there are. Throws InputError for a vertex that there is not, or values that are not finite.
+  // In place of those that there are. Throws InputError for a vertex that there is not, or values that are
+  // not finite.
   void set(const std::vector<VertexLoad>& forces, Index vertices);
   void set(const std::vector<Spring>& springs, Index vertices);
-  // Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move uniformly.
+  // Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move
+  // uniformly.
   void move(const Mat3X<double>& points);
   bool has_springs() const { return !springs_.empty(); }
   const std::vector<VertexLoad>& forces() const { return forces_; }

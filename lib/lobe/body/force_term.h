@@ -1,5 +1,5 @@
-// A force on a body beside those of its own regions, its weight and its dead loads: contact, springs of a haptic coupling, what an
-// application wants. A World has a list of them (World::add()); none costs nothing.
+// A force on a body beside those of its own regions, its weight and its dead loads: contact, springs of a
+// haptic coupling, what an application wants. A World has a list of them (World::add()); none costs nothing.
 #pragma once
 
 #include <string>
@@ -24,7 +24,8 @@ class ForceTerm {
 
   // Once per step: f += forces that act on vertices [N]. A force that depends on v is taken half a step late.
   virtual void add_forces(const At& at, Mat3X<Real>& f) = 0;
-  // What its vertices feel of it when they move alone, −∂f_v/∂u_v [N/m]: without it the time step limit is too long.
+  // What its vertices feel of it when they move alone, −∂f_v/∂u_v [N/m]: without it the time step limit is
+  // too long.
   virtual void add_diagonal_stiffness(const At&, DiagonalStiffness&) const {}
   virtual double energy(const At&) const { return 0; }  // [J]
   // Vertices on which it may act in this frame. They do not sleep through it.

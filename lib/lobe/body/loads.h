@@ -33,7 +33,8 @@ class Loads {
   }
   double work(const Mat3X<Real>& u) const;  // of all at full size on displacements [J]
 
-  // At full size, 3 × #vertices [N]: all, and the dead ones of them. A condensed region takes those of its interior.
+  // At full size, 3 × #vertices [N]: all, and the dead ones of them. A condensed region takes those of its
+  // interior.
   Mat3X<Real>& external() { return external_.padded(); }
   Mat3X<Real>& dead() { return dead_.padded(); }
 

@@ -9,8 +9,8 @@
 
 namespace lobe {
 
-// Each only grows. A part that depends on something keeps the numbers that it was computed at, and is out of date as soon as
-// one of them differs.
+// Each only grows. A part that depends on something keeps the numbers that it was computed at, and is out of
+// date as soon as one of them differs.
 struct Revisions {
   std::uint64_t structure = 0;  // which tetrahedra there are, the model of each, which of them are condensed
   std::uint64_t inertia = 0;    // masses, and which components move by themselves

@@ -1,5 +1,6 @@
-// All regions of a body: tensor-mass, non-linear and precomputed ones, which share vertices at their interfaces. It alone
-// knows which tetrahedra are condensed, and whether these are expanded for a while, that is, non-linear, interior and all.
+// All regions of a body: tensor-mass, non-linear and precomputed ones, which share vertices at their
+// interfaces. It alone knows which tetrahedra are condensed, and whether these are expanded for a while, that
+// is, non-linear, interior and all.
 #pragma once
 
 #include "lobe/body/loads.h"
@@ -23,9 +24,9 @@ class Regions {
 
   // ---- Edits
 
-  // The regions that are not condensed follow; follow_condensed() comes next, once masses and loads are those of now. It
-  // takes the loads of what becomes interior; of tetrahedra that have become a mechanism, and must leave, it returns the
-  // numbers.
+  // The regions that are not condensed follow; follow_condensed() comes next, once masses and loads are those
+  // of now. It takes the loads of what becomes interior; of tetrahedra that have become a mechanism, and must
+  // leave, it returns the numbers.
   void follow(const Elements& elements, const RegionEdit& edit);
   std::vector<Index> follow_condensed(const Model& model, const RegionEdit& edit, Loads<Real>& loads);
   // Whether the last edit that was followed concerned the condensed region.
@@ -36,8 +37,9 @@ class Regions {
   }
   std::string take_notice() { return precomputed_.take_notice(); }  // of the cache
 
-  // Precomputed tetrahedra as non-linear ones, until they are condensed again. Masses and loads of condensed_vertices() are
-  // to be found anew in between; take_over_loads() and move_mass() follow where they are condensed.
+  // Precomputed tetrahedra as non-linear ones, until they are condensed again. Masses and loads of
+  // condensed_vertices() are to be found anew in between; take_over_loads() and move_mass() follow where they
+  // are condensed.
   bool can_be_expanded() const { return expandable_ && any_condensed(); }
   bool is_expanded() const { return is_expanded_; }
   bool can_condense() const {
@@ -53,8 +55,8 @@ class Regions {
     return precomputed_.move_mass(elements, mass);
   }
 
-  // Condensed afresh by another thread, about where it is linearised or about other displacements (3 × #vertices [m]; none:
-  // the former), and used from a time on [s].
+  // Condensed afresh by another thread, about where it is linearised or about other displacements (3 ×
+  // #vertices [m]; none: the former), and used from a time on [s].
   bool wants_refresh() const { return precomputed_.wants_refresh(); }
   bool is_refreshing() const { return precomputed_.is_refreshing(); }
   double refresh_due() const { return refresh_due_; }
@@ -82,13 +84,14 @@ class Regions {
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                            Parallel& parallel);
   ElasticEnergy energy(const Elements& elements, const Mat3X<Real>& u);
-  // How far a condensed interior lags behind its inertia, where shared vertices are accelerated like that on average.
+  // How far a condensed interior lags behind its inertia, where shared vertices are accelerated like that on
+  // average.
   double lag(const Vec3d& acceleration) const { return precomputed_.lag(acceleration); }
   const std::vector<Index>& shared() const { return precomputed_.shared(); }
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
-  // A condensed interior is in equilibrium with its interface. It is found here, where somebody looks; nothing is done if it
-  // has been since the state changed.
+  // A condensed interior is in equilibrium with its interface. It is found here, where somebody looks;
+  // nothing is done if it has been since the state changed.
   enum class Interior { none, displacements, all };
   void recover(const Model& model, double missing, Interior wanted, StateColumns<Real>& state);
 

@@ -1,14 +1,14 @@
 // Condensation that is kept exact while the structure changes (theory, section 14).
 //
-// A factor gives A = K̂⁻¹ of the structure as it was at first. Since then forces φ on a few touched components T stand
-// for all that has changed, so that a field in equilibrium is
+// A factor gives A = K̂⁻¹ of the structure as it was at first. Since then forces φ on a few touched
+// components T stand for all that has changed, so that a field in equilibrium is
 //   u = A (f·a + E_T φ),   φ = Φ [a; u_B],                                                          (1)
-// with loads f and their amplitudes a, and the displacements u_B of the interface B ⊂ T. Its energy, less what the loads
-// have done, is ½ [a; u_B]·S [a; u_B], so that the rows of B in
+// with loads f and their amplitudes a, and the displacements u_B of the interface B ⊂ T. Its energy, less
+// what the loads have done, is ½ [a; u_B]·S [a; u_B], so that the rows of B in
 //   −S [a; u_B]                                                                                     (2)
-// are the force on the interface, those of a the work of unit loads on the interior. This, the interface held, answers to
-// a force with A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N exact, with G = dependence of displacements on
-// [a; u_B], R = E_Pᵀ (A − A E N Eᵀ A) E_P, Z = E_P − N A_TP:
+// are the force on the interface, those of a the work of unit loads on the interior. This, the interface
+// held, answers to a force with A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N exact, with G =
+// dependence of displacements on [a; u_B], R = E_Pᵀ (A − A E N Eᵀ A) E_P, Z = E_P − N A_TP:
 //   change:  K and f between components P by ΔK and Δf, wherever they are.
 //            W = ΔK − ΔK (R⁻¹ + ΔK)⁻¹ ΔK,  S ← S + Gᵀ W G,  Φ ← Φ − Z W G,  N ← N + Z W Zᵀ             (3)
 //            after the same of Δf: S ← S − Gᵀ Δf − Δfᵀ G − Δfᵀ R Δf, Φ ← Φ + Z Δf, where a is concerned
@@ -16,8 +16,9 @@
 //            S ← [S + Gᵀ C G, −Gᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ              (4)
 //   demote:  components D of B join the interior.  C = S_DD⁻¹,
 //            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (5)
-// Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each. It loses as many
-// digits as what is left is softer than what went. With all ΔK and Δf so far, (1) should leave inside B no force
+// Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each. It
+// loses as many digits as what is left is softer than what went. With all ΔK and Δf so far, (1) should leave
+// inside B no force
 //   r = φ + ΔK u − Δf a;                                                                            (6)
 // the displacements that answer to r, B held, are its error.
 #pragma once
@@ -58,23 +59,24 @@ class Condensed {
   bool demote(const Dofs& dofs);
   // Components that nothing is attached to any more.
   void forget(const Dofs& dofs);
-  // Components that K̂ does not know, on the interface, without stiffness: the first of so many consecutive ones.
-  // `scale` [N/m] is of the order of K's diagonal.
+  // Components that K̂ does not know, on the interface, without stiffness: the first of so many consecutive
+  // ones. `scale` [N/m] is of the order of K's diagonal.
   Index add(Index count, double scale);
 
-  // In the norm of energy, relative: the larger one of two fields, driven by the loads and by the interface. O(|T|²).
+  // In the norm of energy, relative: the larger one of two fields, driven by the loads and by the interface.
+  // O(|T|²).
   double error() const;
 
-  // Before anything was changed or added; false where the factor cannot be kept. What was saved goes on with the same
-  // loads.
+  // Before anything was changed or added; false where the factor cannot be kept. What was saved goes on with
+  // the same loads.
   bool save(io::ByteWriter& out) const;
   static std::unique_ptr<Condensed> load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
                                          const Matrix& loads);
 
   // The whole field in equilibrium: all dofs × #columns, from [a; u_B] in each column.
   Matrix field(const Matrix& driven) const;
-  // Forces on the interior while the interface is held, all dofs × #columns [N]: what the interface bears, interface ×
-  // #columns [N] (field() transposed), and displacements, all dofs × #columns [m].
+  // Forces on the interior while the interface is held, all dofs × #columns [N]: what the interface bears,
+  // interface × #columns [N] (field() transposed), and displacements, all dofs × #columns [m].
   Matrix borne(const Matrix& forces) const;
   Matrix held(const Matrix& forces) const;
 

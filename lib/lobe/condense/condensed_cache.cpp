@@ -35,8 +35,8 @@ std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eig
   });
 }
 
-// Whether a field of it, with everything driven at once, has no force inside and that of S on the interface: its numbers
-// are those of the region.
+// Whether a field of it, with everything driven at once, has no force inside and that of S on the interface:
+// its numbers are those of the region.
 bool is_in_equilibrium(const Condensed& condensed, const RegionFactor& region, const Eigen::MatrixXd& loads) {
   const Condensed::Dofs& interface = condensed.interface();
   const Eigen::VectorXd driven = Eigen::VectorXd::LinSpaced(condensed.stiffness().cols(), 1, 2);

@@ -1,5 +1,6 @@
-// What was condensed, on disk: a file per region, named and keyed by all that condensing starts from (stiffness, which has
-// mesh, materials and boundary in it; loads; interface), so that a changed input finds nothing.
+// What was condensed, on disk: a file per region, named and keyed by all that condensing starts from
+// (stiffness, which has mesh, materials and boundary in it; loads; interface), so that a changed input finds
+// nothing.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +21,8 @@ class CondensedCache {
                           CondensingLog::Progress progress = {})
       : folder_(std::move(folder)), log_(std::move(progress)) {}
 
-  // The region condensed to its interface: from the folder, or else afresh, and then kept there. A file that is damaged
-  // is replaced, one that cannot be written is left: take_notice() says so.
+  // The region condensed to its interface: from the folder, or else afresh, and then kept there. A file that
+  // is damaged is replaced, one that cannot be written is left: take_notice() says so.
   std::unique_ptr<Condensed> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                       const Dofs& interface, const SparseFactorMaker& make_factor);
   const CondensingLog& log() const { return log_; }

@@ -1,4 +1,5 @@
-// What decides whether it pays to condense a region: the interface costs a dense product, its tetrahedra a sparse one.
+// What decides whether it pays to condense a region: the interface costs a dense product, its tetrahedra a
+// sparse one.
 #pragma once
 
 #include "lobe/fem/elements.h"

@@ -1,5 +1,6 @@
-// What the tetrahedra of a pre-computed region are linearised about: rest, where they follow Hooke's law, or a state of the
-// body, where forces are those of the non-linear model and stiffness is its tangent (theory, section 14).
+// What the tetrahedra of a pre-computed region are linearised about: rest, where they follow Hooke's law, or
+// a state of the body, where forces are those of the non-linear model and stiffness is its tangent (theory,
+// section 14).
 #pragma once
 
 #include "lobe/solve/tangent.h"
@@ -12,7 +13,8 @@ struct Linearisation {
   bool is_at_rest() const { return about.size() == 0; }
   RegionModel model() const { return is_at_rest() ? RegionModel::precomputed : RegionModel::nonlinear; }
 
-  // Of a tetrahedron between these vertices. At displacements u of them [m] forces −∂W/∂u are constant − K u [N].
+  // Of a tetrahedron between these vertices. At displacements u of them [m] forces −∂W/∂u are constant − K u
+  // [N].
   struct Forces {
     TetStiffness K;                         // [N/m]
     Eigen::Matrix<double, 12, 1> constant;  // f(u₀) + K u₀ [N]

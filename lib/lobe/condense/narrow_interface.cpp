@@ -5,9 +5,9 @@
 namespace lobe {
 namespace {
 
-// Paths from the linear to the non-linear side, along edges of the tetrahedra between them, one after the other (L. Ford, D.
-// Fulkerson 1956). A vertex has an entrance and an exit, 2 v and 2 v + 1, and lets one path through. A new path may take
-// back what older ones did.
+// Paths from the linear to the non-linear side, along edges of the tetrahedra between them, one after the
+// other (L. Ford, D. Fulkerson 1956). A vertex has an entrance and an exit, 2 v and 2 v + 1, and lets one
+// path through. A new path may take back what older ones did.
 class VertexPaths {
  public:
   VertexPaths(const TetMesh& mesh, const std::vector<Side>& sides);

@@ -1,5 +1,5 @@
-// Where a pre-computed region should end: at the vertices, as few as possible, that its interface then has. A step costs the
-// square of their number.
+// Where a pre-computed region should end: at the vertices, as few as possible, that its interface then has. A
+// step costs the square of their number.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ namespace lobe {
 
 enum class Side : std::uint8_t { linear, either, nonlinear };
 
-// Gives each tetrahedron that may be on either side to one of them, so that as few vertices as possible belong to both:
-// a minimum cut through vertices, found by as many paths without a common vertex as there are (K. Menger 1927).
-// O(shared vertices × tetrahedra that may be on either side), of which none remains.
+// Gives each tetrahedron that may be on either side to one of them, so that as few vertices as possible
+// belong to both: a minimum cut through vertices, found by as many paths without a common vertex as there are
+// (K. Menger 1927). O(shared vertices × tetrahedra that may be on either side), of which none remains.
 std::vector<Side> with_narrow_interface(const TetMesh& mesh, std::vector<Side> sides);  // per tetrahedron
 
 }  // namespace lobe

@@ -1,9 +1,10 @@
-// The pre-computed region (theory, section 14): linear and quasi-static. Its interior has no state of its own, since in
-// equilibrium it follows the interface, on which a dense matrix acts,
+// The pre-computed region (theory, section 14): linear and quasi-static. Its interior has no state of its
+// own, since in equilibrium it follows the interface, on which a dense matrix acts,
 //   f_B = −S u_B + (loads of the interior, condensed),
-// whatever the number of its tetrahedra. Interior displacements are found only where somebody looks. Cuts, tetrahedra
-// that come and go, and vertices that a tool takes hold of keep all of it exact (condensed.h). With a frame, u_B are the
-// displacements from the rigid motion that fits the interface best, and every vertex that is held belongs to that.
+// whatever the number of its tetrahedra. Interior displacements are found only where somebody looks. Cuts,
+// tetrahedra that come and go, and vertices that a tool takes hold of keep all of it exact (condensed.h).
+// With a frame, u_B are the displacements from the rigid motion that fits the interface best, and every
+// vertex that is held belongs to that.
 #pragma once
 
 #include <future>
@@ -24,20 +25,22 @@ class PrecomputedRegion {
                              InstructionSet set = chosen_instruction_set())
       : cache_(std::move(cache)), make_factor_(std::move(make_factor)), stiffness_(set) {}
 
-  // After an edit of the mesh or the regions; `edit.vertices` also names vertices that somebody took hold of or let go.
-  // Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act through the
-  // interface. Returns tetrahedra that have become a mechanism and must leave the region. Throws InputError if the
-  // region cannot be condensed: only where tetrahedra enter it.
-  // Where the world does without the region for now, it may be followed lazily: then it is outdated, until it is
-  // renewed. Where edits have become inexact the region is condensed at once, which waits for what another thread condenses.
+  // After an edit of the mesh or the regions; `edit.vertices` also names vertices that somebody took hold of
+  // or let go. Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they
+  // act through the interface. Returns tetrahedra that have become a mechanism and must leave the region.
+  // Throws InputError if the region cannot be condensed: only where tetrahedra enter it.
+  // Where the world does without the region for now, it may be followed lazily: then it is outdated, until it
+  // is renewed. Where edits have become inexact the region is condensed at once, which waits for what another
+  // thread condenses.
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
                             Mat3X<Real>& external, Mat3X<Real>& dead, bool lazily = false);
   bool is_outdated() const { return is_outdated_; }
   // Throws InputError if the region of these elements had too large an interface.
   static void refuse_large(const Elements& elements, const HeldVertices& held);
 
-  // What is touched by edits makes the next ones dearer, until the region is condensed afresh. That is done by another
-  // thread, from a copy of what there is now; edits go on meanwhile, and are repeated on the result.
+  // What is touched by edits makes the next ones dearer, until the region is condensed afresh. That is done
+  // by another thread, from a copy of what there is now; edits go on meanwhile, and are repeated on the
+  // result.
   bool wants_refresh() const {
     return tet_count_ > 0 && !is_refreshing() && reduced_->touched() > most_touched_;
   }
@@ -47,16 +50,16 @@ class PrecomputedRegion {
   void begin_renewal(const Elements& elements, const Mat3X<double>& about) {
     begin_refresh(elements, Linearisation{about});
   }
-  // Waits for it. The result of a refresh is as before, to rounding. False where there is none, and all stays as it is: the
-  // tangent of a renewal is not positive definite, or it was followed lazily meanwhile.
+  // Waits for it. The result of a refresh is as before, to rounding. False where there is none, and all stays
+  // as it is: the tangent of a renewal is not positive definite, or it was followed lazily meanwhile.
   bool end_refresh(const Elements& elements);
 
   bool has_changed() const { return has_changed_; }  // by the last edit that was followed
   // 3 × #vertices, what it is linearised about [m]; none: rest.
   const Mat3X<double>& about() const { return linearisation_.about; }
   const std::vector<Index>& shared() const { return shared_; }  // vertices that are others' as well
-  // How far the interior lags behind for want of inertia, √Σ m |u|² [√kg m], where the vertices that it shares are
-  // accelerated, in the mean, by `acceleration` [m/s²]. Of the masses of move_mass().
+  // How far the interior lags behind for want of inertia, √Σ m |u|² [√kg m], where the vertices that it
+  // shares are accelerated, in the mean, by `acceleration` [m/s²]. Of the masses of move_mass().
   double lag(const Vec3d& acceleration) const;
 
   std::string take_notice() { return cache_.take_notice(); }        // of the cache
@@ -69,9 +72,9 @@ class PrecomputedRegion {
   // What becomes of the interior's loads where the world has put them back.
   void take_over_loads(Mat3X<Real>& external, Mat3X<Real>& dead) const;
 
-  // The interior follows the interface, and its mass with it: what it takes to move the interface as a whole goes to the
-  // vertices that it shares with other regions (theory, section 14). `mass` per vertex [kg] is changed there and in the
-  // interior. Returns the shared vertices.
+  // The interior follows the interface, and its mass with it: what it takes to move the interface as a whole
+  // goes to the vertices that it shares with other regions (theory, section 14). `mass` per vertex [kg] is
+  // changed there and in the interior. Returns the shared vertices.
   const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass);
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
@@ -82,8 +85,8 @@ class PrecomputedRegion {
                             Parallel& parallel);  // at rest, without loads
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
-  // Interior displacements, and velocities unless there are none, from those of the interface. A solve with the factor for
-  // either.
+  // Interior displacements, and velocities unless there are none, from those of the interface. A solve with
+  // the factor for either.
   void recover(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
 
   // Of recovered displacements:
@@ -91,14 +94,16 @@ class PrecomputedRegion {
     double elastic = 0, loads = 0;  // [J]; of the loads that were taken over
   };
   Energy energy(const Elements& elements, const Mat3X<Real>& u) const;
-  // What the region's tetrahedra do to the fixed components of a vertex, 0 for others [N]: add_forces() leaves it out.
+  // What the region's tetrahedra do to the fixed components of a vertex, 0 for others [N]: add_forces()
+  // leaves it out.
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
  private:
   using Loads = std::array<Mat3X<double>, 2>;  // all; less the dead ones, of which some may be missing
   using Pose = RigidFrame::Pose;
 
-  // A load for each of these acts alone. A frame needs nine: a load along l in space acts along k in the frame with R_lk.
+  // A load for each of these acts alone. A frame needs nine: a load along l in space acts along k in the
+  // frame with R_lk.
   Eigen::Index amplitudes() const { return has_frame_ ? 18 : 2; }
   using Amplitudes = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 18>;
   Amplitudes amplitudes(Real missing, const Mat3<double>& R) const;

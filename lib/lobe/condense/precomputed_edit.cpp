@@ -1,11 +1,12 @@
-// The pre-computed region follows edits: each is a promotion of the components around it to the interface, a change of
-// stiffness and loads there, and a demotion of those that are interior afterwards.
+// The pre-computed region follows edits: each is a promotion of the components around it to the interface, a
+// change of stiffness and loads there, and a demotion of those that are interior afterwards.
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
 #include "lobe/condense/precomputed.h"
 #include "lobe/error.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -17,8 +18,8 @@ bool is_member(const Elements& elements, Index tet) {
   return elements.topology.alive(tet) && elements.region_of[tet] == RegionModel::precomputed;
 }
 
-// What boundary conditions and tools do to the components of vertices. Where somebody leads one component of a vertex, he
-// is taken to lead all that are held; in a frame, which may turn, all of them.
+// What boundary conditions and tools do to the components of vertices. Where somebody leads one component of
+// a vertex, he is taken to lead all that are held; in a frame, which may turn, all of them.
 class Hold {
  public:
   Hold(const Elements& elements, const HeldVertices& held)
@@ -162,8 +163,8 @@ void PrecomputedRegion<Real>::open(const std::vector<Index>& components) {
   reduced_->add(picked(components, [&](Index i) { return !reduced_->has(i) && role(i) != Role::none; }));
 }
 
-// Stiffness and loads where they change. What becomes fixed leaves by way of the interface; components that nothing is
-// attached to any more are held by a spring.
+// Stiffness and loads where they change. What becomes fixed leaves by way of the interface; components that
+// nothing is attached to any more are held by a spring.
 template <class Real>
 void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit,
                                      const std::vector<Index>& all, Mat3X<Real>& external,
@@ -273,14 +274,13 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
   if (reduced_->demote(interior)) return mechanism;
   for (Index i : interior)
     for (Index t : elements.topology.around(i / 3)) mechanism.push_back(t);
-  std::sort(mechanism.begin(), mechanism.end());
-  mechanism.erase(std::unique(mechanism.begin(), mechanism.end()), mechanism.end());
+  sort_unique(mechanism);
   return mechanism;
 }
 
-// Where edits have left too large an error the region is condensed afresh at once, if it can be: little of it is left then.
-// That is measured as often as it costs little beside the edits. What another thread is condensing starts again from here,
-// once that is done.
+// Where edits have left too large an error the region is condensed afresh at once, if it can be: little of it
+// is left then. That is measured as often as it costs little beside the edits. What another thread is
+// condensing starts again from here, once that is done.
 template <class Real>
 void PrecomputedRegion<Real>::keep_exact(const Elements& elements, const std::vector<Index>& edited) {
   edited_ += static_cast<Index>(edited.size());
@@ -383,8 +383,7 @@ void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
     const auto around = elements.topology.around(v);
     if (std::any_of(around.begin(), around.end(), [&](Index t) { return !member_[t]; })) shared_.push_back(v);
   }
-  std::sort(shared_.begin(), shared_.end());
-  shared_.erase(std::unique(shared_.begin(), shared_.end()), shared_.end());
+  sort_unique(shared_);
   if (has_frame_) prepare_frame(elements);
 }
 

@@ -1,5 +1,6 @@
-// A condensed region by the components of the mesh, 3 × vertex + axis: which of them it knows, and the operations of
-// condensed.h on them. They may be recorded, to be repeated on another that was condensed from an earlier state.
+// A condensed region by the components of the mesh, 3 × vertex + axis: which of them it knows, and the
+// operations of condensed.h on them. They may be recorded, to be repeated on another that was condensed from
+// an earlier state.
 #pragma once
 
 #include <optional>
@@ -29,13 +30,13 @@ class ReducedRegion {
   Components interface() const;                         // in the order of the columns
   const Matrix& stiffness() const { return condensed_->stiffness(); }
   Matrix field(const Matrix& driven) const;  // per component, 0 where there is none
-  // What masses of the interior do that follows its interface, where components of that move as a whole along their
-  // axes. Both are found once, and again after an operation.
+  // What masses of the interior do that follows its interface, where components of that move as a whole along
+  // their axes. Both are found once, and again after an operation.
   const Eigen::VectorXd& inertia(
       const Eigen::VectorXd& mass,  // per component, 0 outside of the interior [kg]
       const Components& moving);    // per component of the interface [kg]
-  // How far the interior then lags behind, per axis: √Σ m |u|² for 1 m/s² [√kg s²]. Of what inertia() was asked for last;
-  // 0 where it was not, since the last operation.
+  // How far the interior then lags behind, per axis: √Σ m |u|² for 1 m/s² [√kg s²]. Of what inertia() was
+  // asked for last; 0 where it was not, since the last operation.
   Vec3d sway();
 
   void promote(const Components& components);
@@ -43,7 +44,8 @@ class ReducedRegion {
   struct Change {
     Matrix stiffness = {}, loads = {};
   };
-  // What would become a mechanism is promoted. `repeated`: the same of the region that it is to be repeated on.
+  // What would become a mechanism is promoted. `repeated`: the same of the region that it is to be repeated
+  // on.
   void change(const Components& components, const Change& change, const Change& repeated);
   bool demote(const Components& components);  // false if it would be a mechanism
   void forget(const Components& components);

@@ -13,7 +13,8 @@ Vec3d mean(const Mat3X<double>& x, const Eigen::VectorXd& weights) {
   return sum / weights.sum();
 }
 
-// The rotation for which the trace of RᵀM is largest: the eigenvector of the largest eigenvalue of Horn's matrix.
+// The rotation for which the trace of RᵀM is largest: the eigenvector of the largest eigenvalue of Horn's
+// matrix.
 Mat3<double> closest_rotation(const Mat3<double>& M) {
   const Vec3d axial(M(2, 1) - M(1, 2), M(0, 2) - M(2, 0), M(1, 0) - M(0, 1));
   Eigen::Matrix4d N;

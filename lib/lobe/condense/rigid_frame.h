@@ -1,7 +1,8 @@
-// The rigid motion that fits displaced points best, and what a model in that frame must know of it: a linear region that
-// moves with the frame may turn as a whole (theory, (42a) to (42c)). With rest positions X_i about their centroid, Y_i, the
-// weights w_i, and x_i about theirs, y_i, the rotation R makes Σ w_i y_i·R Y_i as large as it can be (B. K. P. Horn,
-// Closed-form solution of absolute orientation using unit quaternions, 1987). Where points move, R turns by
+// The rigid motion that fits displaced points best, and what a model in that frame must know of it: a linear
+// region that moves with the frame may turn as a whole (theory, (42a) to (42c)). With rest positions X_i
+// about their centroid, Y_i, the weights w_i, and x_i about theirs, y_i, the rotation R makes Σ w_i y_i·R Y_i
+// as large as it can be (B. K. P. Horn, Closed-form solution of absolute orientation using unit quaternions,
+// 1987). Where points move, R turns by
 //   ω = R A⁻¹ Σ w_i Y_i × Rᵀ v_i,  A = Σ w_i [(Y_i·Rᵀ y_i) I − Y_i (Rᵀ y_i)ᵀ].                        (1)
 #pragma once
 
@@ -30,8 +31,8 @@ class RigidFrame {
 
   void fit(Pose& pose) const;                                 // where d are positions in space [m]
   Rate rate(const Pose& pose, const Mat3X<double>& v) const;  // 3 × #points, in space [m/s]
-  // All in the frame, about the centroid: the torque of forces on the points [N m], and forces −w_i A⁻¹τ × Y_i that are
-  // added to take a torque τ off, without a resultant.
+  // All in the frame, about the centroid: the torque of forces on the points [N m], and forces −w_i A⁻¹τ ×
+  // Y_i that are added to take a torque τ off, without a resultant.
   Vec3d torque(const Pose& pose, const Mat3X<double>& f) const;
   void take_off(const Pose& pose, const Vec3d& torque, Mat3X<double>& f) const;
 

@@ -16,12 +16,12 @@ struct Sweep {
 
 Eigen::AlignedBox3d box_of(const Sweep& sweep);  // [m]
 
-// Whether a tetrahedron is within reach of a sweep. The sweep is sampled every quarter of the radius (between samples
-// the reach is short of the radius by less than 1 %), in at most 10,000 places.
+// Whether a tetrahedron is within reach of a sweep. The sweep is sampled every quarter of the radius (between
+// samples the reach is short of the radius by less than 1 %), in at most 10,000 places.
 bool touches(const Sweep& sweep, const Mat34<double>& corners);
 
-// Alive tetrahedra within reach of the sweep, in ascending order. O(#tets), some nanoseconds each; TetGroups finds the
-// same faster, frame after frame.
+// Alive tetrahedra within reach of the sweep, in ascending order. O(#tets), some nanoseconds each; TetGroups
+// finds the same faster, frame after frame.
 std::vector<Index> touched_tets(const Topology& topology,
                                 const Mat3X<double>& x,  // 3 × #vertices, current positions [m]
                                 const Sweep& sweep);

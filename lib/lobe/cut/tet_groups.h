@@ -1,7 +1,7 @@
-// Which tetrahedra an instrument may touch, without looking at all of them: they stand in groups of some hundred that are
-// near each other at rest, and each group remembers the box that it was in and how far vertices have moved since. Only
-// where the box, larger by that, meets the instrument's is a group looked at. Nothing is ever missed: a shuffled or
-// inverted mesh only costs more.
+// Which tetrahedra an instrument may touch, without looking at all of them: they stand in groups of some
+// hundred that are near each other at rest, and each group remembers the box that it was in and how far
+// vertices have moved since. Only where the box, larger by that, meets the instrument's is a group looked at.
+// Nothing is ever missed: a shuffled or inverted mesh only costs more.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,8 @@ namespace lobe {
 
 class TetGroups {
  public:
-  // Every vertex has moved by at most this in one more step [m]; `rounding` is that of the displacements' precision.
+  // Every vertex has moved by at most this in one more step [m]; `rounding` is that of the displacements'
+  // precision.
   void moved(double distance, double rounding) { path_ += distance + rounding * (reach_ + path_); }
   // It is not known how far they have moved.
   void forget() { groups_.clear(); }

@@ -9,15 +9,16 @@ namespace lobe {
 
 class Locator {
  public:
-  // Refers to the mesh, which must outlive it. Throws InputError if the mesh has no tetrahedron. O(#tets log #tets).
+  // Refers to the mesh, which must outlive it. Throws InputError if the mesh has no tetrahedron. O(#tets log
+  // #tets).
   explicit Locator(const TetMesh& mesh);
 
   struct Found {
     Index tet = -1;
     double distance = 0;  // [m], 0 inside
   };
-  // The tetrahedron that contains p, else the nearest one. About O(log #tets); a good guess of the tetrahedron saves
-  // most of that.
+  // The tetrahedron that contains p, else the nearest one. About O(log #tets); a good guess of the
+  // tetrahedron saves most of that.
   Found nearest(const Vec3d& p,  // [m]
                 Index guess = -1) const;
 

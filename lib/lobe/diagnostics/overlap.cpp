@@ -17,7 +17,8 @@ double mean_edge(const TetMesh& mesh, Index tet) {
 
 }  // namespace
 
-// The rule of degree two: weights V/4 at barycentric coordinates (5 + 3√5)/20 once and (5 − √5)/20 three times.
+// The rule of degree two: weights V/4 at barycentric coordinates (5 + 3√5)/20 once and (5 − √5)/20 three
+// times.
 Coverage for_each_overlap(const Locator& a, const TetMesh& b,
                           const std::function<void(const OverlapPoint&)>& visit) {
   const double near = (5 + 3 * std::sqrt(5.0)) / 20, far = (5 - std::sqrt(5.0)) / 20;

@@ -25,8 +25,8 @@ struct Coverage {
 Coverage for_each_overlap(const Locator& a, const TetMesh& b,
                           const std::function<void(const OverlapPoint&)>& visit);
 
-// Where each vertex of B lies in A. A point is looked for a millionth of the way towards the barycentre of one of its
-// tetrahedra, so that both sides of a cut are told apart. −1: a vertex without tetrahedra.
+// Where each vertex of B lies in A. A point is looked for a millionth of the way towards the barycentre of
+// one of its tetrahedra, so that both sides of a cut are told apart. −1: a vertex without tetrahedra.
 struct VertexPlace {
   Index tet = -1;
   Eigen::Vector4d at;

@@ -12,8 +12,8 @@ struct Shape {
   double volume = 0;        // V [m³], > 0
 };
 
-// With D = [X1−X0, X2−X0, X3−X0], the rows of D⁻¹ are α_1, α_2, α_3, and α_0 = −(α_1 + α_2 + α_3). Those of D⁻¹ det D
-// are cross products of its columns.
+// With D = [X1−X0, X2−X0, X3−X0], the rows of D⁻¹ are α_1, α_2, α_3, and α_0 = −(α_1 + α_2 + α_3). Those of
+// D⁻¹ det D are cross products of its columns.
 inline Shape shape(const Mat34<double>& X)  // 3 × 4, rest positions [m], positively oriented
 {
   const Mat3<double> D = X.rightCols<3>().colwise() - X.col(0);

@@ -1,5 +1,6 @@
-// Gmsh .msh 1 (ascii), 2.2 and 4.1 (ascii and binary). The last two share their sections and differ in their layout;
-// the same code reads text and binary numbers. Version 1 has $NOD and $ELM instead, and no $MeshFormat.
+// Gmsh .msh 1 (ascii), 2.2 and 4.1 (ascii and binary). The last two share their sections and differ in their
+// layout; the same code reads text and binary numbers. Version 1 has $NOD and $ELM instead, and no
+// $MeshFormat.
 #include <map>
 #include <unordered_map>
 

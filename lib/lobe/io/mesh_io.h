@@ -11,10 +11,10 @@
 namespace lobe {
 
 // Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
-// (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 1, ascii; 2.2 and 4.1, ascii and binary), .mesh (MEDIT ascii),
-// .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of the file. Cells
-// other than 4-node tetrahedra are ignored and counted. Labels are the cell data "label", else
-// "gmsh:physical", "medit:ref" or "CellEntityIds" (VTK), the first physical group (Gmsh), the reference
+// (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 1, ascii; 2.2 and 4.1, ascii and binary), .mesh
+// (MEDIT ascii), .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of
+// the file. Cells other than 4-node tetrahedra are ignored and counted. Labels are the cell data "label",
+// else "gmsh:physical", "medit:ref" or "CellEntityIds" (VTK), the first physical group (Gmsh), the reference
 // (MEDIT), the region (TetGen). Throws InputError naming file, line or section, and what was expected. Calls
 // prepare().
 struct MeshFile {
@@ -38,9 +38,10 @@ struct DataArray {
 void write_vtu(const std::filesystem::path& file, const TetMesh& mesh,
                const std::vector<DataArray>& point_data = {}, const std::vector<DataArray>& cell_data = {});
 
-// Writes by extension, whole or absent, vertices and tetrahedra in order, labels as read_mesh() reads them: .vtu,
-// .vtk (legacy 3.0), .msh (Gmsh 4.1), .msh2 (Gmsh 2.2), .mesh (MEDIT), .node and .ele (TetGen, both); all but
-// the first as text, exact. Throws InputError for another extension, and for negative labels in Gmsh's formats.
+// Writes by extension, whole or absent, vertices and tetrahedra in order, labels as read_mesh() reads them:
+// .vtu, .vtk (legacy 3.0), .msh (Gmsh 4.1), .msh2 (Gmsh 2.2), .mesh (MEDIT), .node and .ele (TetGen, both);
+// all but the first as text, exact. Throws InputError for another extension, and for negative labels in
+// Gmsh's formats.
 void write_mesh(const std::filesystem::path& file, const TetMesh& mesh);
 bool can_write_mesh(const std::filesystem::path& file);  // whether the extension is one of these
 

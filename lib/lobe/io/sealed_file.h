@@ -1,5 +1,5 @@
-// Binary files of our own: the name of the format, its version, the contents, a checksum. What is damaged, cut off, of
-// another kind or another version is refused. Numbers are little-endian.
+// Binary files of our own: the name of the format, its version, the contents, a checksum. What is damaged,
+// cut off, of another kind or another version is refused. Numbers are little-endian.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Triangle surfaces out, VTP in, and OBJ with its texture coordinates. Reading other formats and repairing surfaces is the meshing part's.
+// Triangle surfaces out, VTP in, and OBJ with its texture coordinates. Reading other formats and repairing
+// surfaces is the meshing part's.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +10,11 @@
 
 namespace lobe {
 
-// By extension: .vtp, .vtu, .obj and .off (exact), .ply (binary, double precision), .stl (binary, single precision
-// and without shared vertices, as the format is). Whole or absent, like write_vtu(). `data` of the triangles go
-// into .vtp, .vtu and .ply; there as properties of the faces, blanks in names as underscores, one component only.
-// Throws InputError for another extension, data that the format does not hold, a vertex number out of range, or a
-// folder that cannot be written to.
+// By extension: .vtp, .vtu, .obj and .off (exact), .ply (binary, double precision), .stl (binary, single
+// precision and without shared vertices, as the format is). Whole or absent, like write_vtu(). `data` of the
+// triangles go into .vtp, .vtu and .ply; there as properties of the faces, blanks in names as underscores,
+// one component only. Throws InputError for another extension, data that the format does not hold, a vertex
+// number out of range, or a folder that cannot be written to.
 void write_surface(const std::filesystem::path& file,
                    const Mat3X<double>& points,  // 3 × #vertices [m]
                    const Triangles& triangles,   // 3 × #triangles, counter-clockwise seen from outside
@@ -26,7 +27,8 @@ struct Polygons {
 };
 Polygons read_vtp(const std::filesystem::path& file);  // triangle strips, lines and vertices are left out
 
-// A surface for drawing: each corner of a triangle has a point, and perhaps a texture coordinate and a normal.
+// A surface for drawing: each corner of a triangle has a point, and perhaps a texture coordinate and a
+// normal.
 struct TexturedSurface {
   Mat3X<double> points;                              // 3 × #points [m]
   Eigen::Matrix<double, 2, Eigen::Dynamic> texture;  // 2 × #texture coordinates
@@ -35,8 +37,9 @@ struct TexturedSurface {
   Triangles triangles, texture_of, normal_of;
 };
 
-// `v`, `vt`, `vn` and `f` of an OBJ file; polygons are cut into fans of triangles; groups, materials, lines and curves are left
-// out. Throws InputError, which names the line: what is no OBJ, numbers that are not finite, indices out of range, no triangle.
+// `v`, `vt`, `vn` and `f` of an OBJ file; polygons are cut into fans of triangles; groups, materials, lines
+// and curves are left out. Throws InputError, which names the line: what is no OBJ, numbers that are not
+// finite, indices out of range, no triangle.
 TexturedSurface read_obj(const std::filesystem::path& file);
 
 }  // namespace lobe

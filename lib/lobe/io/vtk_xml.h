@@ -1,4 +1,5 @@
-// Private to io/: VTK XML files (VTK file formats, "XML file formats"): one piece, any encoding but LZ4 and LZMA.
+// Private to io/: VTK XML files (VTK file formats, "XML file formats"): one piece, any encoding but LZ4 and
+// LZMA.
 #pragma once
 
 #include <map>

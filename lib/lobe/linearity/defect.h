@@ -1,16 +1,17 @@
-// What a linear law gets wrong (theory, section 15): the defect of its stress against that of the non-linear model,
+// What a linear law gets wrong (theory, section 15): the defect of its stress against that of the non-linear
+// model,
 //   D = P(F) − σ_linear(∇u)                                                                           [Pa],
-// in a state of the non-linear body, or in one of the linear body, whose rotations and strains are first made those of a
-// non-linear one (twin()).
+// in a state of the non-linear body, or in one of the linear body, whose rotations and strains are first made
+// those of a non-linear one (twin()).
 #pragma once
 
 #include "lobe/linearity/zones.h"
 
 namespace lobe {
 
-// ∇u of the non-linear state that a linear one stands for: R U − I with the rotation R of its skew part as rotation
-// vector, and the stretch U = √(I + 2ε) whose Green strain is its symmetric part ε; no stretch is taken below 0.2.
-// A rotation that grows linearly, as in a linear solution, is thus no strain.
+// ∇u of the non-linear state that a linear one stands for: R U − I with the rotation R of its skew part as
+// rotation vector, and the stretch U = √(I + 2ε) whose Green strain is its symmetric part ε; no stretch is
+// taken below 0.2. A rotation that grows linearly, as in a linear solution, is thus no strain.
 Mat3<double> twin(const Mat3<double>& H);
 
 // Of Hooke's law of a material, at the displacement gradient H of the non-linear model.
@@ -22,8 +23,8 @@ using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 // Tetrahedron by tetrahedron, of a state of the body that is non-linear everywhere: 3 × #vertices [m].
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u);
 
-// From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean materials, and
-// of nodal pressures as where the gradient is the same everywhere.
+// From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean
+// materials, and of nodal pressures as where the gradient is the same everywhere.
 class MeanDefects {
  public:
   MeanDefects(const Elements& elements, const Zones& zones);
@@ -33,8 +34,8 @@ class MeanDefects {
   // Of a zone with this mean gradient; in a linear zone that of its twin counts.
   Eigen::Matrix<double, 9, 1> at(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                  bool is_linear) const;
-  // Of a zone whose linear law is the tangent at the mean gradient `about`; a linear zone's twin is one of what it has gone
-  // through since.
+  // Of a zone whose linear law is the tangent at the mean gradient `about`; a linear zone's twin is one of
+  // what it has gone through since.
   Eigen::Matrix<double, 9, 1> beyond_tangent(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                              const Eigen::Matrix<double, 9, 1>& about, bool is_linear) const;
 

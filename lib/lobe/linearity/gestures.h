@@ -21,8 +21,8 @@ Setup at_the_end_of(const Gesture& gesture, const Setup& setup);
 // What the grasps of a setup do, each where it has moved furthest. Empty if there are none.
 std::vector<Gesture> gestures_of_grasps(const Setup& setup);
 
-// Pulls at five places of the free surface, as far from each other and from what is held as they can be, outwards by
-// a tenth of the body's diagonal.
+// Pulls at five places of the free surface, as far from each other and from what is held as they can be,
+// outwards by a tenth of the body's diagonal.
 std::vector<Gesture> usual_gestures(const Setup& setup);
 
 }  // namespace lobe

@@ -138,8 +138,8 @@ Influence::Influence(const Elements& elements, const Zones& zones, const HeldVer
   M_ = free_;
 }
 
-// The forces that keep the grasps where they are are found from the work that they do: R (Rᵀ K⁻¹ R)⁻¹ Rᵀ. A grasp of one
-// vertex cannot turn, so that the small matrix may be singular.
+// The forces that keep the grasps where they are are found from the work that they do: R (Rᵀ K⁻¹ R)⁻¹ Rᵀ. A
+// grasp of one vertex cannot turn, so that the small matrix may be singular.
 void Influence::hold(const std::vector<Index>& grasps) {
   if (grasps == holding_) return;
   holding_ = grasps;

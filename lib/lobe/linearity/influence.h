@@ -1,6 +1,8 @@
-// How far a body at rest moves, on the average over each zone, where stresses act in a zone (theory, section 15):
+// How far a body at rest moves, on the average over each zone, where stresses act in a zone (theory, section
+// 15):
 //   e_y = M_yz ∫_z D dV,   M_yz = mean over z of the gradient of K⁻¹ (mean over y)ᵀ.
-// The stress defects of linear zones give the displacement error that they cause; exact to first order in the error.
+// The stress defects of linear zones give the displacement error that they cause; exact to first order in the
+// error.
 #pragma once
 
 #include "lobe/linearity/zones.h"
@@ -11,8 +13,8 @@ namespace lobe {
 
 class Influence {
  public:
-  // One sparse factor and three solves per zone. `grasps` are sets of vertices that may be held later, as rigid bodies.
-  // Nothing is said of pieces that float without a grasp.
+  // One sparse factor and three solves per zone. `grasps` are sets of vertices that may be held later, as
+  // rigid bodies. Nothing is said of pieces that float without a grasp.
   Influence(const Elements& elements, const Zones& zones, const HeldVertices& held,
             const std::vector<std::vector<Index>>& grasps);
 

@@ -79,7 +79,8 @@ typename SelectiveMass<Real>::Acceleration smooth_acceleration(Dynamics<Real>& b
 
 namespace {
 
-// By how much C lets these forces [N] accelerate less than M⁻¹ does, as a share of the power f·M⁻¹f, at the highest degree.
+// By how much C lets these forces [N] accelerate less than M⁻¹ does, as a share of the power f·M⁻¹f, at the
+// highest degree.
 template <class Real>
 double missing_mobility(Dynamics<Real>& body, const Mat3X<Real>& f) {
   Mat3X<Real> smooth = f;

@@ -1,5 +1,6 @@
-// Watches what selective masses get wrong while a world runs, and chooses their degree: high while the body moves slowly or
-// swings gently, low while it is cut, lumped masses where somebody takes hold or lets go (theory, section 15).
+// Watches what selective masses get wrong while a world runs, and chooses their degree: high while the body
+// moves slowly or swings gently, low while it is cut, lumped masses where somebody takes hold or lets go
+// (theory, section 15).
 //
 //   setup.selective_mass = 12;
 //   MassWatch<float> watch(world, 0.02);
@@ -31,7 +32,8 @@ class MassWatch {
   // The lowest mode of the body at rest, by one sparse factor; of one that nothing holds masses stay lumped.
   MassWatch(World<Real>& world, double tolerance, OnExceeded on_exceeded = {});
 
-  // At the start, and after a frame. Costs two norms over all vertices, after a frame with lumped masses an apply() beside.
+  // At the start, and after a frame. Costs two norms over all vertices, after a frame with lumped masses an
+  // apply() beside.
   MassReport look(World<Real>& world) { return look(world, steering_of(world)); }
   MassReport look(World<Real>& world, const Steering& steering);
 

@@ -1,5 +1,5 @@
-// Regions for declared gestures: the cheapest step whose displacement error, measured against the non-linear body, stays
-// below a tolerance (theory, section 15).
+// Regions for declared gestures: the cheapest step whose displacement error, measured against the non-linear
+// body, stays below a tolerance (theory, section 15).
 #pragma once
 
 #include <functional>
@@ -34,13 +34,14 @@ struct Proposal {
   std::vector<std::string> notes;  // one line each: what could not be had, and why
 };
 
-// What the setup's regions are does not matter. Without gestures: usual_gestures(). Nothing is linear where that would not
-// pay, where no tolerance can be met, or where the body floats; the notes say so. Takes a static solution per gesture and
-// try; deterministic but for the choice by measured cost.
+// What the setup's regions are does not matter. Without gestures: usual_gestures(). Nothing is linear where
+// that would not pay, where no tolerance can be met, or where the body floats; the notes say so. Takes a
+// static solution per gesture and try; deterministic but for the choice by measured cost.
 Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options);
 
-// For regions that are corrected while they run (watch.h): precomputed, which may be wrong by three times the tolerance (up to
-// 7 %), since they will be linearised anew or expanded; where nothing pays to be precomputed, tensor-mass as above.
+// For regions that are corrected while they run (watch.h): precomputed, which may be wrong by three times the
+// tolerance (up to 7 %), since they will be linearised anew or expanded; where nothing pays to be
+// precomputed, tensor-mass as above.
 Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
                                     ProposalOptions options);
 

@@ -18,8 +18,9 @@ struct TrialError {
   double of(const Zones& zones, const std::vector<char>& linear) const;     // per zone, scale included
 };
 
-// One flag per zone. From none, zones are added that add least to the error of the worst gesture; then zones at the
-// border change sides while that makes the step cheaper. With `condensed`, linear zones cost what their interface costs.
+// One flag per zone. From none, zones are added that add least to the error of the worst gesture; then zones
+// at the border change sides while that makes the step cheaper. With `condensed`, linear zones cost what
+// their interface costs.
 std::vector<char> select_zones(const Elements& elements, const Zones& zones,
                                const std::vector<TrialError>& trials, double tolerance, const StepCost& cost,
                                bool condensed);

@@ -1,4 +1,5 @@
-// What a watch does to a world goes through this: the world's own apply(), or that of who keeps a record of the commands.
+// What a watch does to a world goes through this: the world's own apply(), or that of who keeps a record of
+// the commands.
 #pragma once
 
 #include <functional>

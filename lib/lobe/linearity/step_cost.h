@@ -11,25 +11,28 @@ struct StepCost {
   double shared = 0;                      // [s] per vertex that both share
   double dense = 0;                       // [s] per entry of the condensed stiffness
 
-  // Of a body with so many of each, and so many displacement components on the interface of its condensed region.
+  // Of a body with so many of each, and so many displacement components on the interface of its condensed
+  // region.
   double of(double nonlinear_tets, double tensor_mass_tets, double shared_vertices, double condensed) const {
     return nonlinear * nonlinear_tets + tensor_mass * tensor_mass_tets + shared * shared_vertices +
            dense * condensed * condensed;
   }
 };
 
-// What the precomputed tetrahedra of a setup add to a step [s], condensed and as tensor-mass. Nothing is condensed for it.
+// What the precomputed tetrahedra of a setup add to a step [s], condensed and as tensor-mass. Nothing is
+// condensed for it.
 struct Representations {
   double condensed = 0, tensor_mass = 0;
 };
 Representations measure_representations(const Setup& setup, bool in_double);
 
-// The smallest time of one step of a world near rest [s], in the precision of the run; of several, measured in turn, so that
-// what else the machine does touches all of them.
+// The smallest time of one step of a world near rest [s], in the precision of the run; of several, measured
+// in turn, so that what else the machine does touches all of them.
 std::vector<double> step_seconds(const std::vector<Setup>& setups, bool in_double);
 double step_seconds(const Setup& setup, bool in_double);
 
-// From the steps of the setup with every tetrahedron non-linear, with every one tensor-mass, and with every other zone.
+// From the steps of the setup with every tetrahedron non-linear, with every one tensor-mass, and with every
+// other zone.
 StepCost measure_step_cost(const Setup& setup, const Zones& zones, bool in_double);
 
 }  // namespace lobe

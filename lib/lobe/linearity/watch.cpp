@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
@@ -83,8 +85,8 @@ HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
   return boundary;
 }
 
-// Whether there was a cut. It changes what zones do to each other: found anew from a copy, since that takes as long as many
-// frames.
+// Whether there was a cut. It changes what zones do to each other: found anew from a copy, since that takes
+// as long as many frames.
 template <class Real>
 bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   if (next_influence_.valid() && world.time() >= influence_due_) influence_ = next_influence_.get();
@@ -128,8 +130,7 @@ bool LinearityWatch<Real>::hold(const HeldVertices& held) {
   for (const HeldVertices::Held& item : held.all())
     if (item.holder != HeldVertices::boundary && item.holder <= static_cast<int>(grasps_.size()))
       holding.push_back(item.holder - 1);
-  std::sort(holding.begin(), holding.end());
-  holding.erase(std::unique(holding.begin(), holding.end()), holding.end());
+  sort_unique(holding);
   influence_->hold(holding);
   return std::exchange(holding_, holding) != holding;
 }
@@ -249,10 +250,10 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   return report;
 }
 
-// A precomputed region is linearised anew while its error is small, and expanded where it is not: also, before any look,
-// where a cut or a change of who holds the body, in the last frame or the next, starts a motion that no estimate foresees.
-// It is condensed again once it would have been welcome for some looks; until then it is linearised anew wherever the body
-// has gone.
+// A precomputed region is linearised anew while its error is small, and expanded where it is not: also,
+// before any look, where a cut or a change of who holds the body, in the last frame or the next, starts a
+// motion that no estimate foresees. It is condensed again once it would have been welcome for some looks;
+// until then it is linearised anew wherever the body has gone.
 template <class Real>
 void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steering, double estimate,
                                  LinearityReport& report) {

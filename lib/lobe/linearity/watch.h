@@ -1,6 +1,6 @@
-// Watches what linear regions get wrong while a world runs, and corrects it, if asked (theory, section 15): zones of
-// tensor-mass regions move to the non-linear model and back; precomputed regions are linearised anew about the present state,
-// and are expanded where not even that holds.
+// Watches what linear regions get wrong while a world runs, and corrects it, if asked (theory, section 15):
+// zones of tensor-mass regions move to the non-linear model and back; precomputed regions are linearised anew
+// about the present state, and are expanded where not even that holds.
 //
 //   LinearityWatch<float> watch(world, grasps, {.tolerance = 0.02, .correct = true});
 //   world.advance(1.0 / 30);
@@ -47,10 +47,11 @@ class LinearityWatch {
   LinearityWatch(const LinearityWatch&) = delete;
   LinearityWatch& operator=(const LinearityWatch&) = delete;
 
-  // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the recovery of its
-  // interior, so that the last report stands in for most looks there, otherwise for every other one while the error is
-  // small. Where a cut or a change of who holds startles it, a region that may be expanded is so without a look.
-  // What cuts do to the influence of zones is found by a background thread and used from a fixed simulated time on.
+  // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the
+  // recovery of its interior, so that the last report stands in for most looks there, otherwise for every
+  // other one while the error is small. Where a cut or a change of who holds startles it, a region that may
+  // be expanded is so without a look. What cuts do to the influence of zones is found by a background thread
+  // and used from a fixed simulated time on.
   LinearityReport look(World<Real>& world) { return look(world, steering_of(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "lobe/error.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -21,13 +22,12 @@ std::vector<Edge> all_edges(const TetMesh& mesh) {
   edges.reserve(6 * std::size_t(mesh.tet_count()));
   for (Index t = 0; t < mesh.tet_count(); ++t)
     for (int e = 0; e < 6; ++e) edges.push_back(edge_of(mesh, t, e));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   return edges;
 }
 
-// The octahedron's diagonals join the middles of opposite edges e and 5 − e. The ring of the four other middles around
-// each diagonal is ordered so that (first, last, ring[i], ring[i+1]) is positively oriented.
+// The octahedron's diagonals join the middles of opposite edges e and 5 − e. The ring of the four other
+// middles around each diagonal is ordered so that (first, last, ring[i], ring[i+1]) is positively oriented.
 constexpr int rings[3][4] = {{1, 2, 4, 3}, {0, 3, 5, 2}, {0, 1, 5, 4}};
 
 int shortest_diagonal(const TetMesh& mesh, const std::array<Index, 6>& middle) {

@@ -23,9 +23,10 @@ struct RefinedMesh {
   }
 };
 
-// Each tetrahedron becomes eight (red refinement: J. Bey, Computing 55, 1995): one at each corner, and the octahedron
-// between them cut into four along the shortest of its diagonals. Conforming, positively oriented, labels kept. Throws
-// InputError beyond 2^31 − 1 tetrahedra, and if only some tetrahedra have a label. O(#tetrahedra log #tetrahedra).
+// Each tetrahedron becomes eight (red refinement: J. Bey, Computing 55, 1995): one at each corner, and the
+// octahedron between them cut into four along the shortest of its diagonals. Conforming, positively oriented,
+// labels kept. Throws InputError beyond 2^31 − 1 tetrahedra, and if only some tetrahedra have a label.
+// O(#tetrahedra log #tetrahedra).
 RefinedMesh refine(const TetMesh& mesh);
 
 }  // namespace lobe

@@ -19,7 +19,8 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-// Place of a cell along the curve. J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707, 381 (2004).
+// Place of a cell along the curve. J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707, 381
+// (2004).
 std::uint64_t hilbert_key(Cell x) {
   for (std::uint32_t q = 1u << (bits - 1); q > 1; q >>= 1)
     for (std::uint32_t& c : x) {

@@ -1,5 +1,5 @@
-// Points in the order in which a Hilbert curve passes them: what is close together in it is close together in space, so
-// that arrays in this order are read from the caches whatever the numbering of the mesh.
+// Points in the order in which a Hilbert curve passes them: what is close together in it is close together in
+// space, so that arrays in this order are read from the caches whatever the numbering of the mesh.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace lobe {
 
-// The columns of `points`, each once, along a Hilbert curve through their bounding cube in 2^21 cells a side; what shares a
-// cell stays in its order. O(n log n).
+// The columns of `points`, each once, along a Hilbert curve through their bounding cube in 2^21 cells a side;
+// what shares a cell stays in its order. O(n log n).
 std::vector<Index> spatial_order(const Mat3X<double>& points);  // 3 × n [m]
 
 }  // namespace lobe

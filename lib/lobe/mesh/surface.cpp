@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
@@ -23,11 +25,6 @@ std::vector<FaceKey> faces_of_removed(const Topology& topology) {
       for (int f = 0; f < 4; ++f) faces.push_back(key_at_start(topology, topology.face(4 * t + f)));
   std::sort(faces.begin(), faces.end());
   return faces;
-}
-
-void sort_each_once(std::vector<Index>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
 Index taken_from(std::vector<Index>& slots) {
@@ -69,10 +66,10 @@ void Surface::follow(const Topology& topology, const MeshEdit& edit, std::span<c
     for (Index v : topology.corners(t)) corners_.push_back(v);
   }
   for (const VertexSplit& split : edit.splits) corners_.push_back(split.copy);
-  sort_each_once(corners_);
+  sort_unique(corners_);
   near_.clear();
   for (Index v : corners_) near_.insert(near_.end(), topology.around(v).begin(), topology.around(v).end());
-  sort_each_once(near_);
+  sort_unique(near_);
   for (Index t : near_) find_changed(topology, t);
 
   keep_vertices();

@@ -1,11 +1,12 @@
-// The boundary of the body, for drawing and touching. It is creased where a cut meets the skin: a vertex of the mesh that
-// has both kinds of faces around it is two vertices of the surface, one on either side, so that each has a normal of its
-// own.
+// The boundary of the body, for drawing and touching. It is creased where a cut meets the skin: a vertex of
+// the mesh that has both kinds of faces around it is two vertices of the surface, one on either side, so that
+// each has a normal of its own.
 //
-// Arrays have no gaps, as an index buffer that is drawn in one call must not: what an edit takes away is replaced by what it
-// adds, and where it takes away more, the last ones move into the gaps. All others keep their slots. An edit therefore
-// changes O(edit) slots, and SlotLog tells which: a copy on a graphics card takes over these alone. A list of free slots would
-// change no fewer, and every reader would have to skip the gaps.
+// Arrays have no gaps, as an index buffer that is drawn in one call must not: what an edit takes away is
+// replaced by what it adds, and where it takes away more, the last ones move into the gaps. All others keep
+// their slots. An edit therefore changes O(edit) slots, and SlotLog tells which: a copy on a graphics card
+// takes over these alone. A list of free slots would change no fewer, and every reader would have to skip the
+// gaps.
 #pragma once
 
 #include <array>
@@ -21,8 +22,8 @@ namespace lobe {
 
 enum class RegionModel : std::uint8_t;  // fem/body.h
 
-// What a triangle is the boundary of. `code` tells the faces of one tetrahedron apart and means nothing else to whoever
-// reads it.
+// What a triangle is the boundary of. `code` tells the faces of one tetrahedron apart and means nothing else
+// to whoever reads it.
 struct FaceOwner {
   Index tet = -1;
   std::uint32_t code = 0;
@@ -54,14 +55,15 @@ struct SurfaceMesh {
 
 class Surface {
  public:
-  // Also of a body that has been cut: what was inside at the start is found from the tetrahedra that are gone. O(#tets), and
-  // O(n log n) in the number of these.
+  // Also of a body that has been cut: what was inside at the start is found from the tetrahedra that are
+  // gone. O(#tets), and O(n log n) in the number of these.
   Surface(const Topology& topology, std::span<const RegionModel> region_of) { rebuild(topology, region_of); }
 
   // The same for a surface that has readers: the revision goes on, and everything changes.
   void rebuild(const Topology& topology, std::span<const RegionModel> region_of);  // per tetrahedron
 
-  // Call it after each edit, which the topology has made. O(#tetrahedra around the vertices of the removed ones).
+  // Call it after each edit, which the topology has made. O(#tetrahedra around the vertices of the removed
+  // ones).
   void follow(const Topology& topology, const MeshEdit& edit, std::span<const RegionModel> region_of);
   // These tetrahedra, and perhaps others that follow() was told of, may have changed region. O(#them).
   void follow_regions(std::span<const Index> tets, std::span<const RegionModel> region_of);
@@ -115,8 +117,8 @@ void update_positions(const SurfaceMesh& surface,
                       const Eigen::Ref<const Mat3X<std::type_identity_t<Real>>>& u,  // 3 × #mesh [m]
                       Mat3X<Real>& x);                                               // out [m]
 
-// Unit normals of the surface's vertices that look outwards: the sum of the triangles' around them, weighted by area; zero
-// where these have none. O(#triangles).
+// Unit normals of the surface's vertices that look outwards: the sum of the triangles' around them, weighted
+// by area; zero where these have none. O(#triangles).
 template <class Real>
 void update_normals(const SurfaceMesh& surface, const Mat3X<Real>& x, Mat3X<Real>& normals);
 

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <map>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
@@ -95,8 +97,8 @@ void Topology::unlink(Index tet) {
   }
 }
 
-// The tetrahedra that are left beside each part of the removed ones that hangs together by faces, one part after the other;
-// `ends` tells where each ends. Call it before they are unlinked.
+// The tetrahedra that are left beside each part of the removed ones that hangs together by faces, one part
+// after the other; `ends` tells where each ends. Call it before they are unlinked.
 std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vector<Index>& ends) {
   std::vector<Index> rims, part;
   for (Index first : removed) {
@@ -117,9 +119,9 @@ std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vec
   return rims;
 }
 
-// The pieces of the body that hold some of these tetrahedra, all but one of them; none if they hang together. One
-// breadth-first search from all of them: searches that meet become one, and one that ends has found a piece. `left` is
-// one of the tetrahedra that is in none of the pieces.
+// The pieces of the body that hold some of these tetrahedra, all but one of them; none if they hang together.
+// One breadth-first search from all of them: searches that meet become one, and one that ends has found a
+// piece. `left` is one of the tetrahedra that is in none of the pieces.
 std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> tets, Index& left) {
   std::vector<Index> search_of(tets.size()), open(tets.size(), 0), queue;  // open: tetrahedra yet to be left
   const auto root = [&](Index search) {
@@ -163,7 +165,8 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
   return apart;
 }
 
-// Part by part; then from what is left beside each part where something came apart, since a piece may lie between two.
+// Part by part; then from what is left beside each part where something came apart, since a piece may lie
+// between two.
 void Topology::find_cut_off(const std::vector<Index>& rims, const std::vector<Index>& ends, MeshEdit& edit) {
   std::map<Index, std::vector<Index>> pieces;  // by their first tetrahedron
   std::vector<Index> lefts;
@@ -202,14 +205,13 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
       if (!whole[c] || !stars_are_whole_) touched.push_back(tets_(c, t));
   }
   find_cut_off(rims, ends, edit);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  sort_unique(touched);
   for (Index v : touched) split_if_apart(v, edit.splits);
   return edit;
 }
 
-// Whether the ring of tetrahedra around the edge v w leads from one to another; `behind`: the corner of the first that is
-// left behind.
+// Whether the ring of tetrahedra around the edge v w leads from one to another; `behind`: the corner of the
+// first that is left behind.
 bool Topology::ring_closes(Index from, Index to, Index v, Index w, Index behind) const {
   while (from != to) {
     const auto corners = tets_.col(from);
@@ -221,8 +223,8 @@ bool Topology::ring_closes(Index from, Index to, Index v, Index w, Index behind)
   return true;
 }
 
-// Of a tetrahedron that was unlinked: at which corners the rings around its edges show that what was beside it still
-// hangs together. What hung together around a corner before then does.
+// Of a tetrahedron that was unlinked: at which corners the rings around its edges show that what was beside
+// it still hangs together. What hung together around a corner before then does.
 std::array<bool, 4> Topology::stays_whole(const Eigen::Vector4i& corners,
                                           const Eigen::Vector4i& beside) const {  // per face; negative: none
   std::array<int, 4> parts;

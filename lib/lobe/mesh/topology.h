@@ -1,5 +1,5 @@
-// Who touches whom in a mesh that is being cut: neighbours across faces, the tetrahedra around each vertex, the
-// boundary surface. It is edited in place; every other structure follows the record that an edit returns.
+// Who touches whom in a mesh that is being cut: neighbours across faces, the tetrahedra around each vertex,
+// the boundary surface. It is edited in place; every other structure follows the record that an edit returns.
 #pragma once
 
 #include <algorithm>
@@ -56,13 +56,14 @@ class Topology {
   const std::vector<Index>& boundary_faces() const { return boundary_; }
   Eigen::Vector3i face(Index code) const;
 
-  // Removes the alive ones of these tetrahedra. Where what is left around one of their vertices falls into parts that
-  // share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra around these vertices),
-  // and a search from all sides of the cut until they meet, or until the smaller pieces are all found.
+  // Removes the alive ones of these tetrahedra. Where what is left around one of their vertices falls into
+  // parts that share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra
+  // around these vertices), and a search from all sides of the cut until they meet, or until the smaller
+  // pieces are all found.
   MeshEdit remove(std::span<const Index> tets);
 
-  // Calls visit(t) for all that hangs together with a tetrahedron by faces, breadth first, until it returns true;
-  // returns whether it did. O(#tetrahedra visited).
+  // Calls visit(t) for all that hangs together with a tetrahedron by faces, breadth first, until it returns
+  // true; returns whether it did. O(#tetrahedra visited).
   template <class Visit>
   bool visit_piece(Index tet, Visit&& visit) {
     std::vector<Index> queue{tet};
@@ -80,7 +81,8 @@ class Topology {
     return found;
   }
 
-  // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first. O(#tets).
+  // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first.
+  // O(#tets).
   std::vector<std::vector<Index>> pieces() const;
 
  private:

@@ -1,5 +1,5 @@
-// One short list per vertex, all in one array, that follows edits: appending and erasing cost O(1), and a list
-// that outgrows its place moves to the end of the array.
+// One short list per vertex, all in one array, that follows edits: appending and erasing cost O(1), and a
+// list that outgrows its place moves to the end of the array.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@ class VertexLists {
  public:
   VertexLists() = default;
 
-  // Lists of the given lengths, all empty, so that filling them moves nothing. A quarter more is set aside for the vertices
-  // that cuts add; memory that nobody touches costs nothing.
+  // Lists of the given lengths, all empty, so that filling them moves nothing. A quarter more is set aside
+  // for the vertices that cuts add; memory that nobody touches costs nothing.
   explicit VertexLists(const std::vector<Index>& lengths) {
     const std::size_t vertices = lengths.size() + lengths.size() / 4;
     begin_.reserve(vertices);

@@ -30,7 +30,8 @@ void add_column_sums(const Real* lanes, Real* sums) {
   std::memcpy(sums, &sum, sizeof sum);
 }
 
-// Each entry is read once and used twice, as S_ij and as S_ji; the sums of a panel's columns stay in registers.
+// Each entry is read once and used twice, as S_ij and as S_ji; the sums of a panel's columns stay in
+// registers.
 template <class Real>
 LOBE_FLATTEN void symmetric_product(const Real* tiles, SymmetricHalf shape, const Real* x, Index begin,
                                     Index end, Real* y) {

@@ -1,6 +1,6 @@
-// The dense products that every instruction set has a copy of its own of: dense_kernels.cpp is compiled once per set. They
-// take plain arrays and share no inline function with the rest of the library, of which the linker might else keep the
-// copy that an older processor cannot run.
+// The dense products that every instruction set has a copy of its own of: dense_kernels.cpp is compiled once
+// per set. They take plain arrays and share no inline function with the rest of the library, of which the
+// linker might else keep the copy that an older processor cannot run.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace lobe {
 
-// A symmetric matrix without its diagonal, by the half below: panels of eight columns, each of tiles of sixteen rows from
-// the tile on in which the panel begins, and a tile column by column. What lies on the diagonal, above it or beyond the
-// matrix is zero.
+// A symmetric matrix without its diagonal, by the half below: panels of eight columns, each of tiles of
+// sixteen rows from the tile on in which the panel begins, and a tile column by column. What lies on the
+// diagonal, above it or beyond the matrix is zero.
 struct SymmetricHalf {
   static constexpr Index panel_columns = 8, tile_rows = 16, tile_size = panel_columns * tile_rows;
   Index size = 0;  // rows
@@ -27,7 +27,8 @@ struct SymmetricHalf {
   }
 };
 
-// C += sign A B, with A of rows × depth, B of depth × columns; entry (i, j) of a factor is at i × row + j × column.
+// C += sign A B, with A of rows × depth, B of depth × columns; entry (i, j) of a factor is at i × row + j ×
+// column.
 template <class Real>
 struct MatrixFactor {
   const Real* entries;

@@ -1,4 +1,5 @@
-// Products of large dense matrices, in double precision, by the wide kernels: the same bits on every processor.
+// Products of large dense matrices, in double precision, by the wide kernels: the same bits on every
+// processor.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,6 @@
-// Products of large dense matrices for the dense kernels. An entry of the result is the sum over blocks of k of sums in the
-// order of k, so that its bits depend neither on the width of a register nor on the size of a cache.
+// Products of large dense matrices for the dense kernels. An entry of the result is the sum over blocks of k
+// of sums in the order of k, so that its bits depend neither on the width of a register nor on the size of a
+// cache.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +11,8 @@
 namespace lobe::LOBE_KERNELS {
 namespace {  // one for each set: included by dense_kernels.cpp alone
 
-// Both factors are copied to panels that the innermost loop reads one number after the other: of A sixteen rows, of B eight
-// columns, filled up with zeros.
+// Both factors are copied to panels that the innermost loop reads one number after the other: of A sixteen
+// rows, of B eight columns, filled up with zeros.
 struct ProductPanels {
   static constexpr int rows = 16, columns = 8;
   static constexpr Index depth = product_depth, height = product_height;  // of a block of A

@@ -22,9 +22,9 @@ void unrolled(Body&& body) {
   (std::make_integer_sequence<int, n>());
 }
 
-// Vectors of four numbers, the last of which is a pad, between memory, one vector after the other, and packs, one component
-// after the other. Lane by lane the components would take a load or a store each; instead, four registers of whole vectors
-// are transposed in place: register k holds those of the lanes k, k + 4, k + 8 …
+// Vectors of four numbers, the last of which is a pad, between memory, one vector after the other, and packs,
+// one component after the other. Lane by lane the components would take a load or a store each; instead, four
+// registers of whole vectors are transposed in place: register k holds those of the lanes k, k + 4, k + 8 …
 template <class T>  // a pack
 class PaddedVectors {
  public:

@@ -91,8 +91,8 @@ LOBE_WIDE void subtract_rows(Column column, const double* x, double* own) {
   for (int k = 0; k < batch; ++k) own[k] = sum[k];
 }
 
-// x = L⁻¹ b, passing over columns that nothing reaches: from a few unknowns only their ancestors in the elimination tree
-// are reached.
+// x = L⁻¹ b, passing over columns that nothing reaches: from a few unknowns only their ancestors in the
+// elimination tree are reached.
 void forward(const SparseFactor::Matrix& L, Rows& x) {
   for (Eigen::Index j = 0; j < L.cols(); ++j) {
     const Eigen::Matrix<double, 1, batch> own = x.row(j);

@@ -1,5 +1,5 @@
-// The factorisation of symmetric matrices that Newton's method asks for, behind one interface, so that other back
-// ends can be linked in (cholmod/ has one under the GPL).
+// The factorisation of symmetric matrices that Newton's method asks for, behind one interface, so that other
+// back ends can be linked in (cholmod/ has one under the GPL).
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -20,8 +20,8 @@ class SparseFactor {
   virtual bool takes_indefinite() const = 0;
 
   virtual void analyse(const Matrix& A) = 0;  // the ordering, for a pattern
-  // A = L D Lᵀ for a matrix of the pattern analysed. False if A is singular to rounding or does not have exactly
-  // `negative` negative eigenvalues.
+  // A = L D Lᵀ for a matrix of the pattern analysed. False if A is singular to rounding or does not have
+  // exactly `negative` negative eigenvalues.
   virtual bool factorise(const Matrix& A, Eigen::Index negative = 0) = 0;
   virtual Eigen::Index size() const = 0;  // of A
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;

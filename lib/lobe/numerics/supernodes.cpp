@@ -6,15 +6,12 @@
 
 #include <Eigen/MetisSupport>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
 using Lists = std::vector<std::vector<int>>;
-
-void sort_unique(std::vector<int>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 // Of each component, itself included.
 Lists neighbours_of(const Eigen::SparseMatrix<double>& A) {
@@ -69,7 +66,8 @@ std::vector<int> nested_dissection(const Lists& neighbours) {  // the groups in 
   return order;
 }
 
-// The elimination tree (J. W. H. Liu, The role of elimination trees in sparse factorization, 1990), in the given order.
+// The elimination tree (J. W. H. Liu, The role of elimination trees in sparse factorization, 1990), in the
+// given order.
 std::vector<int> elimination_tree(const Lists& neighbours, const std::vector<int>& order,
                                   const std::vector<int>& place) {
   std::vector<int> parent(order.size(), -1), ancestor(order.size(), -1);

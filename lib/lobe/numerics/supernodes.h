@@ -1,5 +1,5 @@
-// In which order a sparse symmetric matrix is factorised, and which columns of its factor have the same rows below them: a
-// supernode, whose part of the factor is dense.
+// In which order a sparse symmetric matrix is factorised, and which columns of its factor have the same rows
+// below them: a supernode, whose part of the factor is dense.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -23,8 +23,8 @@ struct Supernodes {
   void number();  // `of`, from `first`
 };
 
-// Nested dissection (METIS) of groups of consecutive components with the same neighbours, as those of a vertex are; then
-// supernodes that differ little are made one. Of a lower triangle.
+// Nested dissection (METIS) of groups of consecutive components with the same neighbours, as those of a
+// vertex are; then supernodes that differ little are made one. Of a lower triangle.
 Supernodes find_supernodes(const Eigen::SparseMatrix<double>& A);
 
 }  // namespace lobe

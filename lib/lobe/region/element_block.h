@@ -1,5 +1,5 @@
-// Tetrahedra and edges side by side, as wide kernels read them: every row fills one cache line, a multiple of every
-// register's width. Plain arrays.
+// Tetrahedra and edges side by side, as wide kernels read them: every row fills one cache line, a multiple of
+// every register's width. Plain arrays.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// Energy and stress of one tetrahedron by the model of its region, or by another: what all evaluators of regions sum up.
+// Energy and stress of one tetrahedron by the model of its region, or by another: what all evaluators of
+// regions sum up.
 #pragma once
 
 #include "lobe/fem/elements.h"

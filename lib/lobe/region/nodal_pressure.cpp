@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lobe/fem/pressure_term.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 
@@ -38,8 +39,7 @@ void PressureNodes::follow(const Elements& elements, const std::vector<Index>& l
       nodes_(c, t) = node;
     }
   }
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  sort_unique(touched);
   for (Index node : touched) refresh(elements, node);
 }
 
@@ -62,7 +62,8 @@ Index PressureNodes::node_at(Index vertex, std::uint16_t material, double lambda
   return node;
 }
 
-// Volumes are summed anew from the tetrahedra that are left: nothing is subtracted, and no rounding accumulates.
+// Volumes are summed anew from the tetrahedra that are left: nothing is subtracted, and no rounding
+// accumulates.
 void PressureNodes::refresh(const Elements& elements, Index node) {
   volume_[node] = 0;
   for (Index t : tets_of_[node]) volume_[node] += signed_volume(elements.corner_points(t)) / 4;

@@ -1,10 +1,11 @@
-// Averaged nodal pressure against volumetric locking: the term λ/2 (tr E)² of non-linear tetrahedra, or a share w of it,
-// is taken of an average around vertices (theory, section 12),
+// Averaged nodal pressure against volumetric locking: the term λ/2 (tr E)² of non-linear tetrahedra, or a
+// share w of it, is taken of an average around vertices (theory, section 12),
 //   W = Σ_T V_T ((1−w)λ/2 θ_T² + μ tr E_T²) + Σ_n wλ/2 V_n θ_n²,  V_n = Σ_T∋n V_T/4,  θ_n = Σ_T∋n V_T θ_T / 4V_n,
 // θ_T = tr E_T. A tetrahedron feels S = ((1−w)λ θ_T + p_T) I + 2μE with p_T = ¼ Σ_n∈T p_n, p_n = wλ θ_n.
 //
 // A pressure node n is a vertex together with a material: pressure may jump between materials, and no other
-// tetrahedra take part. Nodes come and go with their tetrahedra; numbers of those that have gone are used again.
+// tetrahedra take part. Nodes come and go with their tetrahedra; numbers of those that have gone are used
+// again.
 #pragma once
 
 #include <span>
@@ -56,7 +57,8 @@ class PressureNodes {
     return (pressure[n[0]] + pressure[n[1]] + pressure[n[2]] + pressure[n[3]]) / 4;
   }
 
-  // Adds the exact part of the nodes: Σ_n wλ/V_n g⊗g with g = ∂(V_n θ_n)/∂u_i of each vertex i. O(#tetrahedra).
+  // Adds the exact part of the nodes: Σ_n wλ/V_n g⊗g with g = ∂(V_n θ_n)/∂u_i of each vertex i.
+  // O(#tetrahedra).
   void add_diagonal_stiffness(
       const Mat3X<double>& slopes,  // 3 × 4 #tetrahedra: column 4T + c is V_T ∂θ_T/∂u of corner c [m²]
       DiagonalStiffness& K) const;

@@ -1,5 +1,5 @@
-// What Patches computes: forces and stiffness by the kernels of an instruction set; energies, which are asked for less
-// often, by the registers that the whole library is compiled for.
+// What Patches computes: forces and stiffness by the kernels of an instruction set; energies, which are asked
+// for less often, by the registers that the whole library is compiled for.
 #include <algorithm>
 
 #include "lobe/region/element_lanes.h"
@@ -38,8 +38,8 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart
   const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{}; };
   if (part == ElementPart::beside_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
   if (nodal_pressure_) find_pressures(u, parallel);
-  // Collapse is rare: asking is all that it costs the others, and a patch that has an element below the threshold, with
-  // some room for the rounding of the question, is evaluated again.
+  // Collapse is rare: asking is all that it costs the others, and a patch that has an element below the
+  // threshold, with some room for the rounding of the question, is evaluated again.
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
                      PatchArrays<Real> patch = arrays(p, local);

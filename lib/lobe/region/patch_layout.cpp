@@ -22,8 +22,8 @@ std::vector<Item> in_patch_order(const std::vector<Item>& items, const Mat3X<dou
   return sorted;
 }
 
-// Neighbours in the order of the curve far apart, so that those side by side in a block seldom share a vertex: a sum in
-// memory that was just written is slow to be read again.
+// Neighbours in the order of the curve far apart, so that those side by side in a block seldom share a
+// vertex: a sum in memory that was just written is slow to be read again.
 template <class Visit>
 void for_strided(Index begin, Index end, Visit&& visit) {
   constexpr Index lanes = 16;

@@ -1,6 +1,7 @@
-// Which items, of n vertices each (tetrahedra, edges), share a patch, and how it numbers them and their vertices. A patch
-// has items of one kind that lie together: consecutive ones along a Hilbert curve through their barycentres, as many as
-// find room. What leaves is replaced by the last of its patch; what enters goes to a patch which knows its vertices.
+// Which items, of n vertices each (tetrahedra, edges), share a patch, and how it numbers them and their
+// vertices. A patch has items of one kind that lie together: consecutive ones along a Hilbert curve through
+// their barycentres, as many as find room. What leaves is replaced by the last of its patch; what enters goes
+// to a patch which knows its vertices.
 #pragma once
 
 #include <array>
@@ -14,7 +15,8 @@ namespace lobe {
 
 inline constexpr Index patch_vertices = 256;  // the most that share a patch: numbered by one byte
 
-// At first with room for the patches that cuts add, so that they seldom copy all; memory that nobody touches costs nothing.
+// At first with room for the patches that cuts add, so that they seldom copy all; memory that nobody touches
+// costs nothing.
 template <class Item>
 void resize_with_room(std::vector<Item>& items, std::size_t count) {
   if (items.empty()) items.reserve(count + count / 4);
@@ -60,7 +62,8 @@ class PatchLayout {
   // Makes room for the vertices and ids that are new.
   void resize(Index vertex_count, Index id_count);
   void enter(const std::vector<Item>& items, const Mat3X<double>& points);  // of the vertices [m]
-  // The slot that it leaves is that of the last item of its patch from now on, whose former slot is returned. O(1).
+  // The slot that it leaves is that of the last item of its patch from now on, whose former slot is returned.
+  // O(1).
   Index leave(Index id, const LocalCorners& corners);
 
  private:

@@ -1,7 +1,8 @@
-// SVK tetrahedra (with or without the volume term and the guard), the closed-form evaluator: about 60 flops per corner. They
-// are kept in patches of one material each (patch_layout.h, patch_sums.h), which evaluate a register's width of tetrahedra
-// at a time and add their forces up in the order of their slots. Memory is asked for the tetrahedra and little else. Where
-// a material asks for nodal pressure, a pass over the strains comes first.
+// SVK tetrahedra (with or without the volume term and the guard), the closed-form evaluator: about 60 flops
+// per corner. They are kept in patches of one material each (patch_layout.h, patch_sums.h), which evaluate a
+// register's width of tetrahedra at a time and add their forces up in the order of their slots. Memory is
+// asked for the tetrahedra and little else. Where a material asks for nodal pressure, a pass over the strains
+// comes first.
 #pragma once
 
 #include "lobe/region/nodal_pressure.h"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
@@ -18,8 +20,8 @@ class TermSums {
     terms_.push_back(terms);
   }
 
-  // Carriers that come one after the other in ascending order stand in different blocks: those side by side in a block
-  // seldom share a vertex, since a sum in memory that was just written is slow to be read again.
+  // Carriers that come one after the other in ascending order stand in different blocks: those side by side
+  // in a block seldom share a vertex, since a sum in memory that was just written is slow to be read again.
   template <class Real>
   std::vector<TermBlock<Real, Terms>> blocks() {
     const std::vector<std::pair<Carrier<Terms>, Index>> sums = add_up();
@@ -73,8 +75,7 @@ void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index
     corners_[slot] = layout_.local_corners(p, item.corners);
     changed.push_back(p);
   }
-  std::sort(changed.begin(), changed.end());
-  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  sort_unique(changed);
   patches_.resize(std::size_t(layout_.patch_count()));
   sums_.resize(layout_.patch_count());
   for (Index p : changed) gather(elements, p);
@@ -137,8 +138,8 @@ std::vector<typename StoredTerms<Real>::Part> StoredTerms<Real>::parts_of(Index 
   return parts;
 }
 
-// A translation changes no energy, so that the forces of a part add up to nothing: what rounding leaves of the sum is
-// taken off.
+// A translation changes no energy, so that the forces of a part add up to nothing: what rounding leaves of
+// the sum is taken off.
 template <class Real>
 void balance(const std::vector<std::uint8_t>& part, PaddedVector<Real>* forces) {
   for (int d = 0; d < 3; ++d) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lobe/fem/hooke.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -13,8 +14,8 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
   return -1;
 }
 
-// V B_ij of shape.h and hooke.h from the area vectors of the faces opposite to two corners: α_c is minus that of its face
-// over 3V.
+// V B_ij of shape.h and hooke.h from the area vectors of the faces opposite to two corners: α_c is minus that
+// of its face over 3V.
 Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {  // [N/m]
   const Elastic& elastic = elements.elastic_of(tet);
   const Mat34<double> X = elements.corner_points(tet);
@@ -94,7 +95,8 @@ std::vector<Index> TensorMassRegion<Real>::update_members(const Elements& elemen
   return removed;
 }
 
-// Those of the tetrahedra that went or came; and, where corners may have changed, those between the vertices of the edit.
+// Those of the tetrahedra that went or came; and, where corners may have changed, those between the vertices
+// of the edit.
 template <class Real>
 std::vector<typename TensorMassRegion<Real>::Ends> TensorMassRegion<Real>::touched_edges(
     const Elements& elements, const RegionEdit& edit, const std::vector<Index>& removed) const {
@@ -115,8 +117,7 @@ std::vector<typename TensorMassRegion<Real>::Ends> TensorMassRegion<Real>::touch
         if (std::binary_search(edit.vertices.begin(), edit.vertices.end(), n.vertex))
           edges.push_back({v, n.vertex});
   if (edges.size() == 6) return edges;  // of one tetrahedron
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   return edges;
 }
 

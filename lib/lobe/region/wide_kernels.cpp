@@ -6,8 +6,8 @@
 namespace lobe::LOBE_KERNELS {
 namespace {
 
-// Lane by lane, so that the order of the sums, hence their bits, does not depend on the width. `numbers`: of the vertices
-// of the lanes of each column.
+// Lane by lane, so that the order of the sums, hence their bits, does not depend on the width. `numbers`: of
+// the vertices of the lanes of each column.
 template <class T, int n, class Numbers, class Real = typename T::value_type>
 void add_to_vertices(const Eigen::Matrix<T, 3, n>& forces, const Numbers& numbers, int first, Real* sums) {
   using Vectors = PaddedVectors<T>;
@@ -25,7 +25,8 @@ void add_to_vertices(const Eigen::Matrix<T, 3, n>& forces, const Numbers& number
   });
 }
 
-// What streams from memory is asked for some blocks ahead: the processor's own guess stops at every page and patch.
+// What streams from memory is asked for some blocks ahead: the processor's own guess stops at every page and
+// patch.
 template <class Block>
 void prefetch(const Block* block) {
   const char* bytes = reinterpret_cast<const char*>(block + 4);
@@ -67,8 +68,8 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
-// The sums of terms that forces are compiled for. A patch takes the first that includes its own terms; what its law lacks of
-// them, SVK aside, has the modulus 0.
+// The sums of terms that forces are compiled for. A patch takes the first that includes its own terms; what
+// its law lacks of them, SVK aside, has the modulus 0.
 constexpr Terms compiled_terms[] = {{.svk = true},
                                     {.svk = true, .volume = true},
                                     {.svk = false, .volume = true},

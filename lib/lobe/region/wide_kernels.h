@@ -1,6 +1,6 @@
-// The loops that every instruction set has a copy of its own of: wide_kernels.cpp is compiled once per set. They
-// take plain arrays and share no inline function with the rest of the library, of which the linker might else
-// keep the copy that an older processor cannot run.
+// The loops that every instruction set has a copy of its own of: wide_kernels.cpp is compiled once per set.
+// They take plain arrays and share no inline function with the rest of the library, of which the linker might
+// else keep the copy that an older processor cannot run.
 #pragma once
 
 #include "lobe/fem/law.h"
@@ -27,11 +27,12 @@ struct PatchArrays {  // one patch: all its tetrahedra are of one material
 
 template <class Real>
 struct WideKernels {
-  // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron. Returns the
-  // smallest det F if asked, to rounding, else 1.
+  // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
+  // Returns the smallest det F if asked, to rounding, else 1.
   Real (*add_forces)(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f);
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
-  // Adds three of the six entries of what each vertex feels when it moves alone [N/m]; returns the smallest det F.
+  // Adds three of the six entries of what each vertex feels when it moves alone [N/m]; returns the smallest
+  // det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
   // The same of the terms of the stored evaluator, carrier by carrier.
   void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);

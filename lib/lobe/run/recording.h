@@ -1,5 +1,5 @@
-// What was done to a world, command by command, with a digest of the state after each: played again on a world of the same
-// setup, on any number of threads, it must give the same bits.
+// What was done to a world, command by command, with a digest of the state after each: played again on a
+// world of the same setup, on any number of threads, it must give the same bits.
 #pragma once
 
 #include <cstdint>
@@ -48,8 +48,8 @@ struct Replayed {
   double time = 0;           // of the world, where it ended [s]
 };
 
-// Plays a recording on a world as it was when the recording began; throws InputError for one of another setup or
-// precision. Stops at the first command after which the state differs.
+// Plays a recording on a world as it was when the recording began; throws InputError for one of another setup
+// or precision. Stops at the first command after which the state differs.
 template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world);
 

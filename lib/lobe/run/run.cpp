@@ -109,7 +109,8 @@ Json timing_json(const Totals& totals, double simulated, double setup_seconds,
           {"phases_s", phases}};
 }
 
-// What the run did not compute: patches that slept, states that nobody asked to see, terms that the scene leaves out.
+// What the run did not compute: patches that slept, states that nobody asked to see, terms that the scene
+// leaves out.
 Json skipped_json(const Totals& totals, const Setup& setup, std::size_t written) {
   const long long all = totals.patches_evaluated + totals.patches_skipped;
   Json terms = Json::array();

@@ -1,4 +1,5 @@
-// What is seen, while a scene runs, of linear regions and of selective masses that lobe has chosen: for its report.
+// What is seen, while a scene runs, of linear regions and of selective masses that lobe has chosen: for its
+// report.
 #pragma once
 
 #include <map>

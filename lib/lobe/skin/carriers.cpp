@@ -5,6 +5,7 @@
 
 #include "lobe/cut/distance.h"
 #include "lobe/diagnostics/locate.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -44,16 +45,15 @@ void sample(const Locator& where, const Mat3<double>& corners, int per_edge, Ind
       const Vec3d p = middle + inside * (corners * weights - middle);
       tets.push_back(where.nearest(p, centre).tet);  // where several are as near: that of the middle
     }
-  std::sort(tets.begin(), tets.end());
-  tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+  sort_unique(tets);
   std::erase(tets, centre);
   tets.insert(tets.begin(), centre);
 }
 
 enum class Touch { apart, never, together };
 
-// How two alive tetrahedra stand to each other: a corner that they shared at the start they share no more; they never shared
-// one; they share all that they did.
+// How two alive tetrahedra stand to each other: a corner that they shared at the start they share no more;
+// they never shared one; they share all that they did.
 Touch touch(const Topology& topology, Index tet, Index other) {
   Touch found = Touch::never;
   for (Index v : topology.corners(tet))

@@ -26,9 +26,9 @@ struct NumberLists {
 // For each number below `count`: the lists that have it.
 NumberLists inverse(const NumberLists& lists, Index count);
 
-// Under each triangle: the tetrahedra that are nearest to ten points spread over it, or to more, until they hang together by
-// shared corners (or 325 points do not help). The points lie a little inside of it, so that what merely touches its rim is not
-// among them. O(log #tets) per triangle.
+// Under each triangle: the tetrahedra that are nearest to ten points spread over it, or to more, until they
+// hang together by shared corners (or 325 points do not help). The points lie a little inside of it, so that
+// what merely touches its rim is not among them. O(log #tets) per triangle.
 NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
                        const Triangles& triangles, const TetMesh& mesh);
 

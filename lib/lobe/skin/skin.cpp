@@ -11,14 +11,10 @@
 #include "lobe/cut/distance.h"
 #include "lobe/diagnostics/locate.h"
 #include "lobe/error.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
-
-void sort_each_once(std::vector<Index>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
 
 void append(std::vector<Index>& to, std::span<const Index> items) {
   to.insert(to.end(), items.begin(), items.end());
@@ -36,7 +32,8 @@ void check_corners(const Triangles& corners, const Triangles& triangles, Index l
                                                                   std::to_string(count - 1));
 }
 
-// Writes the first three numbers; the fourth goes where the next vector will stand, or nowhere if this is the last.
+// Writes the first three numbers; the fourth goes where the next vector will stand, or nowhere if this is the
+// last.
 void put(const Eigen::Vector4f& vector, Index i, Index count, Mat3X<float>& to) {
   if (i + 1 < count)
     Eigen::Map<Eigen::Vector4f>(to.data() + 3 * std::size_t(i)) = vector;
@@ -45,6 +42,17 @@ void put(const Eigen::Vector4f& vector, Index i, Index count, Mat3X<float>& to) 
 }
 
 }  // namespace
+
+TexturedSurface textured_boundary(const TetMesh& mesh) {
+  const Topology topology(mesh);
+  TexturedSurface surface;
+  surface.points = mesh.points;
+  surface.triangles.resize(3, Eigen::Index(topology.boundary_faces().size()));
+  for (std::size_t i = 0; i < topology.boundary_faces().size(); ++i)
+    surface.triangles.col(Eigen::Index(i)) = topology.face(topology.boundary_faces()[i]);
+  surface.texture_of = surface.normal_of = Triangles::Constant(3, surface.triangles.cols(), -1);
+  return surface;
+}
 
 Skin::Skin(const TexturedSurface& surface, const TetMesh& mesh) : start_(mesh) {
   check_corners(surface.triangles, surface.triangles, 0, surface.points.cols(), "point");
@@ -182,12 +190,13 @@ void Skin::follow_all(const Topology& topology) {
   check(topology, triangles, vertices);
 }
 
-// First what has lost what it lies on; then new carriers; then what these, or the old ones, do not hold together.
+// First what has lost what it lies on; then new carriers; then what these, or the old ones, do not hold
+// together.
 void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices) {
-  sort_each_once(vertices);
+  sort_unique(vertices);
   std::vector<Index> drops;
   const auto collect = [&](auto&& stays) {
-    sort_each_once(triangles);
+    sort_unique(triangles);
     for (Index triangle : triangles)
       if (slot_of_[triangle] >= 0 && !stays(triangle)) drops.push_back(triangle);
   };
@@ -312,7 +321,8 @@ void Skin::find_areas() {
   }
 }
 
-// A vertex gathers what is around it: to add each triangle to its corners would wait for what was written just before.
+// A vertex gathers what is around it: to add each triangle to its corners would wait for what was written
+// just before.
 void Skin::sum_areas() {
   normals_.resize(six_around_.size());
   const Eigen::Vector4f* const areas = twice_area_.data();

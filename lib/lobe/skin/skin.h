@@ -1,12 +1,13 @@
-// A fine surface with texture coordinates, such as the one that the tetrahedra were made from, which these carry along and
-// which opens where they are cut.
+// A fine surface with texture coordinates, such as the one that the tetrahedra were made from, which these
+// carry along and which opens where they are cut.
 //
-// Each vertex is carried by one tetrahedron: it keeps its barycentric coordinates in it, outside of it by linear extension
-// (the tetrahedra's own surface is coarser). A triangle lies on the tetrahedra under it (tets_under()), and a vertex is carried
-// by one of those that the triangles around it lie on, the nearest. A triangle is shown as long as all tetrahedra that it lies
-// on and that carry its corners are there, any two of them share all the corners that they shared at the start, and they
-// all hang together by shared corners. The tetrahedra around a corner hang together by faces (mesh/topology.h), so no triangle
-// ever bridges a gap between pieces. A vertex whose tetrahedron is cut away, or holds to none of the shown triangles around it,
+// Each vertex is carried by one tetrahedron: it keeps its barycentric coordinates in it, outside of it by
+// linear extension (the tetrahedra's own surface is coarser). A triangle lies on the tetrahedra under it
+// (tets_under()), and a vertex is carried by one of those that the triangles around it lie on, the nearest. A
+// triangle is shown as long as all tetrahedra that it lies on and that carry its corners are there, any two
+// of them share all the corners that they shared at the start, and they all hang together by shared corners.
+// The tetrahedra around a corner hang together by faces (mesh/topology.h), so no triangle ever bridges a gap
+// between pieces. A vertex whose tetrahedron is cut away, or holds to none of the shown triangles around it,
 // is carried by another of those that these lie on. What is not shown never comes back.
 #pragma once
 
@@ -17,8 +18,8 @@
 
 namespace lobe {
 
-// All but positions and normals. A vertex of the file is several here where it has several texture coordinates, or several
-// normals: there the skin is creased, as it is in the file.
+// All but positions and normals. A vertex of the file is several here where it has several texture
+// coordinates, or several normals: there the skin is creased, as it is in the file.
 struct SkinMesh {
   std::uint64_t revision = 0;              // grows by one with each change of what is shown
   std::vector<Eigen::Vector3i> triangles;  // those that are shown; counter-clockwise seen from outside
@@ -32,25 +33,29 @@ struct SkinMesh {
   Index triangle_count() const { return static_cast<Index>(triangles.size()); }
 };
 
+// The boundary of the tetrahedra, for bodies that have no finer surface; its points are all of the mesh.
+TexturedSurface textured_boundary(const TetMesh& mesh);
+
 class Skin {
  public:
-  // Of the body as it was at the start; both are copied. Throws InputError for a body without tetrahedra or a surface without
-  // triangles. O(#triangles log #tets).
+  // Of the body as it was at the start; both are copied. Throws InputError for a body without tetrahedra or a
+  // surface without triangles. O(#triangles log #tets).
   Skin(const TexturedSurface& surface, const TetMesh& mesh);
 
-  // After each edit, which the topology has made. O(what lies on the tetrahedra that are gone, or have other corners).
+  // After each edit, which the topology has made. O(what lies on the tetrahedra that are gone, or have other
+  // corners).
   void follow(const Topology& topology, const MeshEdit& edit);
   // The same for all edits since the start at once: of a world that was restored, say. O(#triangles).
   void follow_all(const Topology& topology);
 
   const SkinMesh& mesh() const { return mesh_; }
   double farthest() const { return farthest_; }  // that a vertex was from its tetrahedron at the start [m]
-  // Triangles whose tetrahedra did not hang together at the start, because they are far outside of the body or span a hollow of
-  // it. They need not afterwards, and may bridge gaps.
+  // Triangles whose tetrahedra did not hang together at the start, because they are far outside of the body
+  // or span a hollow of it. They need not afterwards, and may bridge gaps.
   Index loose_count() const;
 
-  // Positions and unit normals of the vertices: sums of the shown triangles' normals, weighted by area; zero where none is
-  // shown. Single precision, for drawing. O(#vertices of skin and mesh), about 10 ns each.
+  // Positions and unit normals of the vertices: sums of the shown triangles' normals, weighted by area; zero
+  // where none is shown. Single precision, for drawing. O(#vertices of skin and mesh), about 10 ns each.
   void update(const Eigen::Ref<const Mat3X<double>>& X,  // 3 × #vertices of the topology, at rest [m]
               const Eigen::Ref<const Mat3X<float>>& u,   // the same, displacements [m]
               Mat3X<float>& x, Mat3X<float>& normals);   // out: 3 × #vertices of the skin [m], [1]
@@ -94,7 +99,8 @@ class Skin {
   VertexLists<Index> carried_by_;            // per tetrahedron: vertices
   std::vector<Eigen::Vector4f> weights_;     // per carried vertex
   std::vector<Eigen::Vector4i> carrier_corners_;  // the same: vertices of the mesh
-  // Per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond six, with their vertex.
+  // Per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond six,
+  // with their vertex.
   std::vector<std::array<Index, 6>> six_around_;
   std::vector<std::array<Index, 2>> others_around_;
   Padded twice_area_;            // per triangle of the file: its normal; 0 where it is not shown

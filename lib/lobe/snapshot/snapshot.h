@@ -1,5 +1,6 @@
-// A picture of a running simulation that other threads read: all that a viewer, a haptic loop or a script wants of one
-// moment. It goes through a TripleBuffer, which recycles its storage: taking one allocates nothing while nothing is cut.
+// A picture of a running simulation that other threads read: all that a viewer, a haptic loop or a script
+// wants of one moment. It goes through a TripleBuffer, which recycles its storage: taking one allocates
+// nothing while nothing is cut.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -45,10 +46,12 @@ struct Snapshot {
   FigureSnapshot figures;
 };
 
-// Copies one surface into pictures, one after the other. What stays the same while nothing is cut is copied once for all.
+// Copies one surface into pictures, one after the other. What stays the same while nothing is cut is copied
+// once for all.
 class SurfaceCopies {
  public:
-  // O(#vertices + #triangles of the surface); it allocates where the revision or the number of vertices has changed.
+  // O(#vertices + #triangles of the surface); it allocates where the revision or the number of vertices has
+  // changed.
   template <class Real>
   void copy(const Surface& surface,                                        // the same each time
             const Eigen::Ref<const Mat3X<double>>& X,                      // 3 × #vertices of the mesh [m]

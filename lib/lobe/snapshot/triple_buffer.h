@@ -1,11 +1,13 @@
-// Hands whole values from one thread that writes to any number of threads that read, without a lock: a reader always gets
-// the latest value that is complete, and the writer never waits.
+// Hands whole values from one thread that writes to any number of threads that read, without a lock: a reader
+// always gets the latest value that is complete, and the writer never waits.
 //
-// The value that a reader looks at is never written to. With one reader this is the triple buffer: one slot that is being
-// read, one that is complete, one that is being written. Each further view that is held at the same time wants one slot more.
+// The value that a reader looks at is never written to. With one reader this is the triple buffer: one slot
+// that is being read, one that is complete, one that is being written. Each further view that is held at the
+// same time wants one slot more.
 //
-// Reading and publishing take a bounded number of atomic operations, whatever the other threads do. Which slot is the latest
-// and how often it has been taken stand in one word, so that a reader finds it and makes itself known in one operation.
+// Reading and publishing take a bounded number of atomic operations, whatever the other threads do. Which
+// slot is the latest and how often it has been taken stand in one word, so that a reader finds it and makes
+// itself known in one operation.
 #pragma once
 
 #include <atomic>
@@ -20,8 +22,8 @@ class TripleBuffer {
   struct Slots;
 
  public:
-  // Views held at the same time, of all readers, for which a slot is always left to write into. Slots that are not needed
-  // hold an empty T.
+  // Views held at the same time, of all readers, for which a slot is always left to write into. Slots that
+  // are not needed hold an empty T.
   explicit TripleBuffer(int views = 4)
       : slots_(std::make_shared<Slots>(static_cast<std::uint32_t>(views) + 2)) {}
   TripleBuffer(const TripleBuffer&) = delete;
@@ -29,8 +31,8 @@ class TripleBuffer {
 
   // ---- The thread that writes.
 
-  // What to write the next value into: it holds an older value, whose storage can be used again. The same one until
-  // publish(). Null where more views are held than were planned for: leave this value out. O(#slots).
+  // What to write the next value into: it holds an older value, whose storage can be used again. The same one
+  // until publish(). Null where more views are held than were planned for: leave this value out. O(#slots).
   T* writable() {
     for (std::uint32_t i = 0; i < slots_->count && writing_ == none; ++i)
       if (i != published_ && slots_->slot[i].holders.load(std::memory_order_acquire) == 0) writing_ = i;
@@ -40,7 +42,8 @@ class TripleBuffer {
   // What writable() gave last is complete: it is the latest from now on. Call it after writable() alone.
   void publish() {
     const std::uint64_t before = slots_->latest.exchange(writing_, std::memory_order_acq_rel);
-    // Who took the former one has not been counted there yet, who gave it back has: the sum is who still holds it.
+    // Who took the former one has not been counted there yet, who gave it back has: the sum is who still
+    // holds it.
     if (published_ != none)
       slots_->slot[published_].holders.fetch_add(std::uint32_t(before >> 32), std::memory_order_acq_rel);
     published_ = std::exchange(writing_, none);

@@ -12,8 +12,9 @@ namespace lobe {
 bool is_held(const Elements& elements, const std::vector<Index>& piece,
              const std::function<bool(Index vertex, int axis)>& is_given);
 
-// Throws InputError that names the first piece (tetrahedra that hang together by faces) whose given components leave
-// it one of the six rigid motions. Vertices that it shares with a piece which is held count as given.
+// Throws InputError that names the first piece (tetrahedra that hang together by faces) whose given
+// components leave it one of the six rigid motions. Vertices that it shares with a piece which is held count
+// as given.
 void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns);
 
 }  // namespace lobe

@@ -6,7 +6,8 @@
 
 namespace lobe {
 
-// One step as a minimum over u⁺: inertia is affine in u⁺, and f(u_α) is minus the gradient of W(u_α)/(1 − α_f).
+// One step as a minimum over u⁺: inertia is affine in u⁺, and f(u_α) is minus the gradient of W(u_α)/(1 −
+// α_f).
 class ImplicitStep::Problem : public NewtonProblem {
  public:
   Problem(ImplicitStep& owner, const StepLoads& loads, double dt, const DynamicState& from)

@@ -1,10 +1,12 @@
-// One step of implicit dynamics: generalised-α (J. Chung, G. M. Hulbert, J. Appl. Mech. 60, 1993) on lumped masses,
+// One step of implicit dynamics: generalised-α (J. Chung, G. M. Hulbert, J. Appl. Mech. 60, 1993) on lumped
+// masses,
 //   m ((1 − α_m) a⁺ + α_m a + γ v_α) = f(u_α, t_α),          x_α = (1 − α_f) x⁺ + α_f x for u, v, t,
 //   u⁺ = u + Δt v + Δt² ((½ − β) a + β a⁺),  v⁺ = v + Δt ((1 − γ_N) a + γ_N a⁺),
 //   α_m = (2ρ − 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ_N = ½ − α_m + α_f, β = ¼ (1 − α_m + α_f)²,
-// solved as the minimum of the potential whose gradient this is, which never inverts a non-linear tetrahedron. Of second order and unconditionally stable for linear models; ρ is
-// the spectral radius at high frequencies. ρ = 1: the implicit midpoint rule (Newmark's average acceleration where f is
-// linear), which keeps linear and angular momentum and, in linear models, energy; ρ < 1 damps what Δt cannot resolve.
+// solved as the minimum of the potential whose gradient this is, which never inverts a non-linear
+// tetrahedron. Of second order and unconditionally stable for linear models; ρ is the spectral radius at high
+// frequencies. ρ = 1: the implicit midpoint rule (Newmark's average acceleration where f is linear), which
+// keeps linear and angular momentum and, in linear models, energy; ρ < 1 damps what Δt cannot resolve.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// Newton's method for minima of a potential over the unknown displacement components: the core of statics and of
-// implicit time steps.
+// Newton's method for minima of a potential over the unknown displacement components: the core of statics and
+// of implicit time steps.
 #pragma once
 
 #include "lobe/types.h"
@@ -29,9 +29,10 @@ struct NewtonResult {
   int iterations = 0;
 };
 
-// From `point` to a minimum. Steps are halved until no non-linear tetrahedron is inverted (or, from an inverted start,
-// more inverted) and the potential falls, or the residual does, where rounding hides the potential. On failure the
-// point is the last one that was accepted, but for its smallest_tet, which is that of the last one tried.
+// From `point` to a minimum. Steps are halved until no non-linear tetrahedron is inverted (or, from an
+// inverted start, more inverted) and the potential falls, or the residual does, where rounding hides the
+// potential. On failure the point is the last one that was accepted, but for its smallest_tet, which is that
+// of the last one tried.
 NewtonResult minimise(NewtonProblem& problem, NewtonPoint& point, double tolerance, int most_iterations);
 
 }  // namespace lobe

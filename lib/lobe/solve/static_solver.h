@@ -1,6 +1,6 @@
-// Static equilibrium, the reference for everything that moves: Newton's method with the exact tangent, a line search
-// that never accepts an inverted non-linear tetrahedron, load steps that halve when an equilibrium is not found and
-// double when it is, a sparse factorisation with nested dissection.
+// Static equilibrium, the reference for everything that moves: Newton's method with the exact tangent, a line
+// search that never accepts an inverted non-linear tetrahedron, load steps that halve when an equilibrium is
+// not found and double when it is, a sparse factorisation with nested dissection.
 #pragma once
 
 #include <functional>
@@ -39,8 +39,8 @@ struct StaticResult {
   int damped = 0;                 // iterations in which the tangent was not positive definite and was damped
 };
 
-// Dead loads, gravity and prescribed displacements of the setup; tools are ignored. Throws InputError if the setup is
-// inconsistent, or if a piece of the body is free to move as a rigid body.
+// Dead loads, gravity and prescribed displacements of the setup; tools are ignored. Throws InputError if the
+// setup is inconsistent, or if a piece of the body is free to move as a rigid body.
 StaticResult solve_static(const Setup& setup, const StaticOptions& options = {});
 
 }  // namespace lobe

@@ -1,5 +1,5 @@
-// A body in motion: its rest data, its state, and the parts that say by which forces and against which inertia it moves.
-// World plays frames, tools and cuts on it.
+// A body in motion: its rest data, its state, and the parts that say by which forces and against which
+// inertia it moves. World plays frames, tools and cuts on it.
 #pragma once
 
 #include <memory>
@@ -40,13 +40,13 @@ struct Dynamics {
   Energies energies();
   Vec3d reaction(int holder);  // force that who holds these vertices must apply now [N]
 
-  // Velocities and displacements by the forces that were found last, which it changes: forces act for the time `kick`, half
-  // of a step before and half of it after, for dt [s].
+  // Velocities and displacements by the forces that were found last, which it changes: forces act for the
+  // time `kick`, half of a step before and half of it after, for dt [s].
   void push(double kick, double dt);
   // Held components of who moves along the others stay where they are.
   void leave_out_held();
-  // Brings velocities up to the time of the displacements, before an edit makes the forces jump: those from before it act
-  // until then, those after it from then on.
+  // Brings velocities up to the time of the displacements, before an edit makes the forces jump: those from
+  // before it act until then, those after it from then on.
   void catch_up();
 
   typename ForceTerm<Real>::At here() const {

@@ -1,5 +1,5 @@
-// Implicit dynamics of a body in motion: generalised-α steps, whose accelerations and tangent follow edits (theory,
-// section 13).
+// Implicit dynamics of a body in motion: generalised-α steps, whose accelerations and tangent follow edits
+// (theory, section 13).
 #pragma once
 
 #include <functional>
@@ -13,11 +13,13 @@ class ImplicitDynamics {
  public:
   explicit ImplicitDynamics(double spectral_radius);
 
-  // One step [s]; false if it was not solved: nothing has moved. given(item, time): the displacement of what is held [m].
+  // One step [s]; false if it was not solved: nothing has moved. given(item, time): the displacement of what
+  // is held [m].
   using Given = std::function<Vec3d(const HeldVertices::Held& item, double time)>;
   bool step(Dynamics<double>& body, double dt, const Given& given);
 
-  // Part of a checkpoint: accelerations [m/s²], 3 × #vertices, or empty where they are to be taken from the forces.
+  // Part of a checkpoint: accelerations [m/s²], 3 × #vertices, or empty where they are to be taken from the
+  // forces.
   Mat3X<double> acceleration(const Model& model) const;
   void set_acceleration(const Model& model, const Mat3X<double>& acceleration);
 

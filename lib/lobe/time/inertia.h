@@ -1,8 +1,10 @@
-// What resists acceleration: lumped masses, some of them scaled, or selective masses; and which vertices a step moves.
+// What resists acceleration: lumped masses, some of them scaled, or selective masses; and which vertices a
+// step moves.
 #pragma once
 
 #include "lobe/body/loads.h"
 #include "lobe/body/regions.h"
+#include "lobe/sort_unique.h"
 #include "lobe/time/mass_scaling.h"
 #include "lobe/time/selective_mass.h"
 
@@ -22,23 +24,24 @@ class Inertia {
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }  // [1/kg], 0 also where held
   double inverse_mass(Index v) const { return inverse_mass_[std::size_t(v)]; }
 
-  // After an edit: masses of these vertices as its tetrahedra give them; release() follows. Copies are scaled as the vertex
-  // that they come from.
+  // After an edit: masses of these vertices as its tetrahedra give them; release() follows. Copies are scaled
+  // as the vertex that they come from.
   void copy(Index vertex, Index copy);
   void refresh(const Model& model, const std::vector<Index>& vertices);
   // The inverse mass of a vertex whose mass or hold has changed.
   void release(Model& model, Index v);
   // Masses that somebody changes at once: those of a condensed interior go to its interface.
   std::vector<double>& masses() { return mass_; }
-  // Adds mass, at most that share of all, where `squares`, ω_v² [1/s²], are largest. Masses are then to be refreshed.
+  // Adds mass, at most that share of all, where `squares`, ω_v² [1/s²], are largest. Masses are then to be
+  // refreshed.
   void scale(const std::vector<double>& squares, double share);
   const MassScaling& scaling() const { return scaling_; }
   MassScaling& scaling() { return scaling_; }
 
   // ---- Who moves
 
-  // Finds it again where masses, holds, sleepers or the state have been given anew. What rests is put in its place here, and
-  // needs nothing from a step.
+  // Finds it again where masses, holds, sleepers or the state have been given anew. What rests is put in its
+  // place here, and needs nothing from a step.
   template <class IsAsleep>
   void arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);
   const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // by themselves
@@ -59,13 +62,14 @@ class Inertia {
     if (may_be_selective()) edits_.insert(edits_.end(), vertices.begin(), vertices.end());
   }
 
-  // From forces [N] to those that give lumped masses the accelerations C f; prepare() comes before, after arrange().
+  // From forces [N] to those that give lumped masses the accelerations C f; prepare() comes before, after
+  // arrange().
   template <class TakesPart>  // takes_part(tet): whether its vertices are coupled
   void prepare(const Model& model, bool any_asleep, TakesPart&& takes_part);
   void apply(Parallel& parallel, Mat3X<Real>& f) { selective_.apply(led_, parallel, f); }
   void apply(int degree, Parallel& parallel, Mat3X<Real>& f);
-  // Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further than before;
-  // long ones keep their speed: v → v − (1 − P)² v.
+  // Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further
+  // than before; long ones keep their speed: v → v − (1 − P)² v.
   void slow_short_waves(Parallel& parallel, Motion<Real>& motion);
   double kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const;  // [J]
   double lag(int degree) const { return selective_.lag(degree); }                    // [s²]
@@ -117,8 +121,7 @@ template <class Real>
 template <class TakesPart>
 void Inertia<Real>::prepare(const Model& model, bool any_asleep, TakesPart&& takes_part) {
   if (measured_at_ != model.revisions.inertia) {
-    std::sort(edits_.begin(), edits_.end());
-    edits_.erase(std::unique(edits_.begin(), edits_.end()), edits_.end());
+    sort_unique(edits_);
     selective_.follow(model.elements, edits_, takes_part);
     edits_.clear();
     selective_.measure(moving_vertices<Real>(inverse_mass_));

@@ -16,9 +16,10 @@
 
 namespace lobe {
 
-// The highest speeds squared [m²/s²]; of all vertices (infinite if one is not a number), and of those that in each of the
-// last two steps turned back and were faster than before: what grows in a step beyond the stable one. A wave that passes
-// turns a vertex once, and no swing whose ωΔt is below √3, for the 2 of the limit, does so twice in a row.
+// The highest speeds squared [m²/s²]; of all vertices (infinite if one is not a number), and of those that in
+// each of the last two steps turned back and were faster than before: what grows in a step beyond the stable
+// one. A wave that passes turns a vertex once, and no swing whose ωΔt is below √3, for the 2 of the limit,
+// does so twice in a row.
 template <class Real>
 struct Fastest {
   Real all = 0, turned = 0;
@@ -75,7 +76,8 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
   return fastest;
 }
 
-// Forces act for the time `kick` from where v lives before to where it lives afterwards: half a step before the new u.
+// Forces act for the time `kick` from where v lives before to where it lives afterwards: half a step before
+// the new u.
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v,

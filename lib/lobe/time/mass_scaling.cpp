@@ -5,7 +5,8 @@
 
 namespace lobe {
 
-// With the k highest vertices raised, level = Σ m ω² / (Σ m + added); k grows until the next vertex is below it.
+// With the k highest vertices raised, level = Σ m ω² / (Σ m + added); k grows until the next vertex is below
+// it.
 std::vector<double> mass_factors(const std::vector<double>& mass, const std::vector<double>& squares,
                                  double added) {
   std::vector<Index> order(mass.size());

@@ -1,8 +1,9 @@
-// Selective mass scaling: inertia that grows with the wave number, so that the stable time step is longer (theory, section
-// 7). The inverse mass matrix is a polynomial of a Laplacian L,
+// Selective mass scaling: inertia that grows with the wave number, so that the stable time step is longer
+// (theory, section 7). The inverse mass matrix is a polynomial of a Laplacian L,
 //   C = P(M⁻¹L) M⁻¹,  P(0) = 1,  0 < P ≤ 1,
-// M lumped: what moves as a whole, and every equilibrium, is as before. After Olovsson, Simonsson, Unosson (Int. J. Numer.
-// Meth. Engng 63, 2005), who add to the mass matrix, and Tkachuk, Bischoff (ibid. 101, 2015), who construct its inverse.
+// M lumped: what moves as a whole, and every equilibrium, is as before. After Olovsson, Simonsson, Unosson
+// (Int. J. Numer. Meth. Engng 63, 2005), who add to the mass matrix, and Tkachuk, Bischoff (ibid. 101, 2015),
+// who construct its inverse.
 #pragma once
 
 #include <array>
@@ -25,16 +26,18 @@ class SelectiveMass {
   int degree() const { return degree_; }
   void set_degree(int degree) { degree_ = degree; }
 
-  // L is changed around these vertices: that of all alive tetrahedra that take part, by the stiffness of their material at
-  // rest. O(#tetrahedra around them).
+  // L is changed around these vertices: that of all alive tetrahedra that take part, by the stiffness of
+  // their material at rest. O(#tetrahedra around them).
   void follow(const Elements& elements, const std::vector<Index>& vertices,
               const std::function<bool(Index tet)>& takes_part);
-  // After that, or where masses have changed: all that may move, and does until the next call. Some twenty products with L.
+  // After that, or where masses have changed: all that may move, and does until the next call. Some twenty
+  // products with L.
   void measure(const std::vector<MovingVertex<Real>>& free);
   // Those of them that do, where others rest.
   void arrange(const std::vector<MovingVertex<Real>>& moving);
 
-  // From forces [N] those that give lumped masses the accelerations C f. What is held of those that move is left out.
+  // From forces [N] those that give lumped masses the accelerations C f. What is held of those that move is
+  // left out.
   void apply(const std::vector<HeldVertices::Held>& sliding, Parallel& parallel, Mat3X<Real>& f);
   struct Acceleration {
     double norm = 0;    // √Σ m |C f|² [√kg m/s²]

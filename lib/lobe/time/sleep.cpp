@@ -71,7 +71,8 @@ void Sleep::fall_asleep(Dynamics<Real>& body, const Square& square) {
   });
 }
 
-// A vertex that swings alone by δ has speeds up to ω δ and feels up to m ω² δ; slow swings of many show as a drift.
+// A vertex that swings alone by δ has speeds up to ω δ and feels up to m ω² δ; slow swings of many show as a
+// drift.
 template <class Real>
 bool Sleep::is_still(Index vertex, const Dynamics<Real>& body, double square) const {
   const double speed = body.motion.v.col(vertex).template cast<double>().squaredNorm();
@@ -125,8 +126,9 @@ void Sleep::keep_forces(Dynamics<Real>& body, const Square& square) {
   kept_at_ = now(body);
 }
 
-// The vertices whose forces may change: those who are awake, what is led or touched by force terms, the interface of
-// condensed regions, and their neighbours by patches. Patches that sleep keep their sums from here on.
+// The vertices whose forces may change: those who are awake, what is led or touched by force terms, the
+// interface of condensed regions, and their neighbours by patches. Patches that sleep keep their sums from
+// here on.
 template <class Real>
 std::vector<std::uint8_t> Sleep::find_wanted(Dynamics<Real>& body) {
   std::vector<std::uint8_t> wanted(state_.asleep.size());

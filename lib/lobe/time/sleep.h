@@ -1,4 +1,5 @@
-// Who sleeps: the vertices of patches at rest, held where they are until somebody pulls at them (theory, section 8).
+// Who sleeps: the vertices of patches at rest, held where they are until somebody pulls at them (theory,
+// section 8).
 #pragma once
 
 #include <algorithm>
@@ -33,8 +34,8 @@ class Sleep {
   };
 
   Sleep() = default;
-  // `tolerance`: by how much displacements may differ where parts sleep [m]; 0: nobody sleeps. `move`: as far as a vertex
-  // that moves alone may be from its equilibrium then [m].
+  // `tolerance`: by how much displacements may differ where parts sleep [m]; 0: nobody sleeps. `move`: as far
+  // as a vertex that moves alone may be from its equilibrium then [m].
   Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / calm_time) {}
 
   bool is_on() const { return move_ > 0; }
@@ -58,7 +59,8 @@ class Sleep {
 
   // At a frame's start: who has been still may fall asleep in the next step.
   void begin_frame() { frame_begins_ = true; }
-  // Between the forces of a step and its motion: what is kept belongs to the displacements that there are now.
+  // Between the forces of a step and its motion: what is kept belongs to the displacements that there are
+  // now.
   template <class Real>
   void update(Dynamics<Real>& body, const Square& square);
   // The vertices whose forces may change, where the others keep theirs; null: all. Before forces are found.

@@ -60,7 +60,8 @@ template <class Real>
 bool StepLimit<Real>::holds(const Body& body) const {
   const Revisions& now = body.model.revisions;
   return !body.sleep.is_on() && body.motion.time - kept_.time < interval * (1 - 1e-9) &&
-         kept_at_.structure == now.structure && kept_at_.inertia == now.inertia && kept_at_.given == now.given;
+         kept_at_.structure == now.structure && kept_at_.inertia == now.inertia &&
+         kept_at_.given == now.given;
 }
 
 template <class Real>
@@ -77,8 +78,8 @@ VertexFrequency StepLimit<Real>::highest_vertex(Body& body) {
   return frequencies_.highest(alone);
 }
 
-// About the present state, by displacements that are small enough for forces to be linear, and large enough for their
-// differences to be known. Nothing is found where the body has gone so far that there are none.
+// About the present state, by displacements that are small enough for forces to be linear, and large enough
+// for their differences to be known. Nothing is found where the body has gone so far that there are none.
 template <class Real>
 HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettings& settings) {
   const Mat3X<Real> at = body.motion.u.view();

@@ -1,5 +1,5 @@
-// Tangles: tetrahedra that stay crushed or inverted though nobody holds them there. They are made linear until they come
-// undone (theory, section 8).
+// Tangles: tetrahedra that stay crushed or inverted though nobody holds them there. They are made linear
+// until they come undone (theory, section 8).
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace lobe {
 
 class Unravelling {
  public:
-  // Tetrahedra that become linear with the tangle, at each stage: so many rings of neighbours around what it has come
-  // to; at the last all that hangs together with it.
+  // Tetrahedra that become linear with the tangle, at each stage: so many rings of neighbours around what it
+  // has come to; at the last all that hangs together with it.
   static constexpr std::array<int, 4> rings{1, 2, 4, std::numeric_limits<int>::max()};
   static constexpr int stages = static_cast<int>(rings.size());
 
@@ -31,7 +31,8 @@ class Unravelling {
   };
 
   Unravelling() = default;
-  // A tangle may take as long to come undone by itself as the slowest shear wave takes to cross the body 16 times.
+  // A tangle may take as long to come undone by itself as the slowest shear wave takes to cross the body 16
+  // times.
   explicit Unravelling(const Elements& elements, double diagonal);  // of the bounding box [m]
 
   bool is_on() const { return !state_.tets.empty(); }
@@ -45,8 +46,8 @@ class Unravelling {
   // Tetrahedra, sorted, that somebody gives a model: they are not changed back.
   void leave_alone(const std::vector<Index>& tets);
 
-  // At a frame's start, from the smallest volume ratio. Selective masses wait while tetrahedra are crushed: the way out of
-  // a tangle is by short waves, which they hold back; long ones fold the body meanwhile.
+  // At a frame's start, from the smallest volume ratio. Selective masses wait while tetrahedra are crushed:
+  // the way out of a tangle is by short waves, which they hold back; long ones fold the body meanwhile.
   template <class Real>
   void lump(const Dynamics<Real>& body, double volume_ratio);
 
@@ -55,7 +56,8 @@ class Unravelling {
     std::vector<Index> tets;  // to be given that model
     std::string why;
   };
-  // What is to be done then, if anything. was_held(tet): whether something held its piece when that came to be.
+  // What is to be done then, if anything. was_held(tet): whether something held its piece when that came to
+  // be.
   template <class Real, class WasHeld>
   std::optional<Remedy> look(const Dynamics<Real>& body, double volume_ratio, WasHeld&& was_held);
 
@@ -75,8 +77,8 @@ class Unravelling {
 template <class Real>
 double volume_ratio_of(const Elements& elements, Index tet, const Mat3X<Real>& u);
 
-// Whether a tool, or prescribed displacements that are not those at rest, lead the body: whoever does that may crush it on
-// purpose.
+// Whether a tool, or prescribed displacements that are not those at rest, lead the body: whoever does that
+// may crush it on purpose.
 bool is_led(const HeldVertices& held);
 
 // Non-linear, guarded, of a body that is held: a linear one that is not would grow as it turns.

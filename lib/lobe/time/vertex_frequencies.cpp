@@ -29,7 +29,8 @@ double largest_eigenvalue(const Mat3<double>& symmetric) {
   return solver.eigenvalues()[2];
 }
 
-// With q = tr K/3 and p² = |K − qI|²/6 the eigenvalues of a symmetric 3 × 3 matrix are q + 2p cos φ at three angles.
+// With q = tr K/3 and p² = |K − qI|²/6 the eigenvalues of a symmetric 3 × 3 matrix are q + 2p cos φ at three
+// angles.
 template <class Real>
 double VertexFrequencies<Real>::bound(Index v) const {
   const auto K = stiffness(v);

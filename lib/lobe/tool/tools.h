@@ -1,6 +1,6 @@
-// Instruments: grasps that hold vertices, cauteries that sweep. Those of a scene follow their paths. Others are made, moved and
-// taken away while the world runs: their path grows by a row per frame, so that what they did can be kept as the path of a
-// scene, which gives the same bits.
+// Instruments: grasps that hold vertices, cauteries that sweep. Those of a scene follow their paths. Others
+// are made, moved and taken away while the world runs: their path grows by a row per frame, so that what they
+// did can be kept as the path of a scene, which gives the same bits.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -84,8 +84,8 @@ class Tools {
 
   // Paths of live tools grow by what they are to do from `time` on for the duration [s].
   void begin_frame(double time, double duration);
-  // Takes hold of the vertices that exist(v), and lets go, as the paths say at this time. position(v) gives x [m],
-  // displacement(v) gives u [m]. Returns whether anything changed.
+  // Takes hold of the vertices that exist(v), and lets go, as the paths say at this time. position(v) gives x
+  // [m], displacement(v) gives u [m]. Returns whether anything changed.
   template <class Displacement, class Position, class Exists>
   bool update_grasps(double time, HeldVertices& held, Displacement&& displacement, Position&& position,
                      Exists&& exists);
@@ -102,7 +102,8 @@ class Tools {
 
   // ---- A step
 
-  // Where grasps are at a time; not later than the end of the frame, so that no row of a path that comes later matters.
+  // Where grasps are at a time; not later than the end of the frame, so that no row of a path that comes
+  // later matters.
   void place(double time);
   // Displacement of a vertex that a grasp holds [m]; `rest`: its rest position [m].
   Vec3d displacement(const HeldVertices::Held& item, const Vec3d& rest) const;
@@ -112,7 +113,8 @@ class Tools {
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
   void end_forces(double duration);
 
-  // Every vertex has moved by at most this in one more step [m], but for rounding; or the state is another one.
+  // Every vertex has moved by at most this in one more step [m], but for rounding; or the state is another
+  // one.
   void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
   void state_was_given() { groups_.forget(); }
 

@@ -111,6 +111,26 @@ TEST_CASE("it is taken in the same frame on one, two and seven threads, and from
   CHECK(first.state().u == third.state().u);
 }
 
+TEST_CASE("a renewal that another has replaced is forgotten, and a world that is restored moves as before") {
+  const Setup setup = cut_body();
+  World<double> world(setup), restored(setup, 2);
+  for (int i = 0; i < 6; ++i) {
+    play(world, setup, i, i + 1);
+    world.apply(Renew{0.5 * frame});
+    REQUIRE(world.advance(frame).ok);  // it begins with the next frame
+    REQUIRE(world.advance(frame).ok);
+  }
+  CHECK(count<Superseded>(world) == 2 * 5);
+  CHECK(count<BeginRefresh>(world) == 1);
+  CHECK(count<EndRefresh>(world) == 1);
+  restored.restore(world.save());
+  CHECK(restored.history() == world.history());
+  play(world, setup, 6, 9);
+  play(restored, setup, 6, 9);
+  CHECK(restored.state().u == world.state().u);
+  CHECK(restored.history() == world.history());
+}
+
 TEST_CASE("a region that is cut to rags stays what would be condensed from the cut mesh") {
   for (const RegionFrame frame_kind : {RegionFrame::fixed, RegionFrame::corotated}) {
     CAPTURE(frame_kind == RegionFrame::corotated);

@@ -61,7 +61,8 @@ class Regions {
   bool is_refreshing() const { return precomputed_.is_refreshing(); }
   double refresh_due() const { return refresh_due_; }
   void begin_refresh(const Elements& elements, double due, const std::vector<double>& about);
-  void end_refresh(const Elements& elements) { precomputed_.end_refresh(elements); }
+  // False where nothing could be condensed, and all stays as it was.
+  bool end_refresh(const Elements& elements) { return precomputed_.end_refresh(elements); }
   const Mat3X<double>& linearised_about() const { return precomputed_.about(); }  // none: rest
 
   bool any_condensed() const { return precomputed_.tet_count() > 0; }  // tetrahedra, expanded or not

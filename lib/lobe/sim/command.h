@@ -156,8 +156,14 @@ struct EndRefresh {
   static constexpr auto fields = std::tuple();
 };
 
+// In the place of a command whose effect a later one has replaced: it keeps the numbers of those that follow.
+struct Superseded {
+  bool operator==(const Superseded&) const = default;
+  static constexpr auto fields = std::tuple();
+};
+
 using Command = std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Renew, SetMassDegree, TakeHold,
                              BringCautery, Lead, SwitchCautery, LetGo, SetForces, SetSprings, MoveSprings,
-                             Hold, BeginRefresh, EndRefresh>;
+                             Hold, BeginRefresh, EndRefresh, Superseded>;
 
 }  // namespace lobe

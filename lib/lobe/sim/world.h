@@ -100,7 +100,8 @@ class World {
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   std::uint64_t fingerprint() const { return fingerprint_; }        // of the setup
-  const std::vector<Command>& history() const { return history_; }  // its edits
+  // Its edits. Of those that condense a region afresh only the last that no other has replaced are kept.
+  const std::vector<Command>& history() const { return history_; }
   // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew),
   // and where its parts come from.
   Setup current_setup(CompactMesh& compacted) const;
@@ -124,6 +125,7 @@ class World {
   void perform(const Hold& command);
   void perform(const BeginRefresh& command);
   void perform(const EndRefresh&);
+  void perform(const Superseded& command) { history_.push_back(command); }
 
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);
@@ -136,6 +138,7 @@ class World {
   void move_mass();
   void set_expanded(bool is_expanded);
   void use_mass_degree(int degree);
+  void forget_former_refreshes();
   void scale_masses(double share);
   Index treat_loose(const std::vector<std::vector<Index>>& pieces);
   void freeze(const std::vector<Index>& piece);

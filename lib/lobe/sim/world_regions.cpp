@@ -1,5 +1,7 @@
 // Regions of a World: tetrahedra that change their model; precomputed regions that are condensed afresh,
 // linearised anew, and non-linear for a while (theory, section 14).
+#include <algorithm>
+
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
 #include "lobe/setup/exclusions.h"
@@ -58,21 +60,44 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
 
 // ---- Precomputed regions
 
+// The history says what the region is linearised about, whatever it was before.
 template <class Real>
 void World<Real>::perform(const BeginRefresh& command) {
-  body_.regions.begin_refresh(elements(), command.due,
-                              command.about ? *command.about : std::vector<double>{});
-  history_.push_back(command);
+  BeginRefresh own = command;
+  const Mat3X<double>& former = body_.regions.linearised_about();
+  if (!own.about && former.size() > 0)
+    own.about = std::make_shared<std::vector<double>>(former.data(), former.data() + former.size());
+  body_.regions.begin_refresh(elements(), own.due, own.about ? *own.about : std::vector<double>{});
+  history_.push_back(std::move(own));
 }
 
 template <class Real>
 void World<Real>::perform(const EndRefresh& command) {
   catch_up();
-  body_.regions.end_refresh(elements());
+  const bool is_condensed = body_.regions.end_refresh(elements());
   if (!body_.regions.is_expanded()) move_mass();
   ++body_.model.revisions.structure;
   limit_.forget();
   history_.push_back(command);
+  if (is_condensed) forget_former_refreshes();
+}
+
+// A region that is condensed afresh does not depend on how it was condensed before, nor on whether it was
+// expanded in between: only its tetrahedra and what is held decide. Where it is expanded when the last refresh
+// begins, what came since then stays, since condensing it again asks for a refresh.
+template <class Real>
+void World<Real>::forget_former_refreshes() {
+  const auto is = [&]<class Kind>(std::size_t i, Kind) { return std::holds_alternative<Kind>(history_[i]); };
+  std::size_t last = history_.size(), expanded_at = history_.size();
+  for (std::size_t i = 0; i < history_.size(); ++i)
+    if (is(i, BeginRefresh{})) last = i;
+  for (std::size_t i = 0; i < last; ++i) {
+    if (is(i, Expand{})) expanded_at = i;
+    if (is(i, Condense{})) expanded_at = history_.size();
+  }
+  for (std::size_t i = 0; i < std::min(last, expanded_at); ++i)
+    if (is(i, BeginRefresh{}) || is(i, EndRefresh{}) || is(i, Expand{}) || is(i, Condense{}))
+      history_[i] = Superseded{};
 }
 
 template <class Real>

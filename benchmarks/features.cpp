@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
+#include "benchmarks/frames.h"
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
@@ -154,6 +155,12 @@ void bench_features(const Options& options) {
   }
   io::write_file(options.output / "features.csv", csv(rows));
   io::write_file(options.output / "features.md", markdown(rows, machine));
+  Setup liver = liver_setup();
+  liver.gravity = {0, 0, -3};
+  liver.damping = 20;
+  const std::vector<FrameCost> costs = frame_costs(liver, options.quick ? 0.05 : 0.5);
+  print(costs, "liver_10k");
+  io::write_file(options.output / "frames.csv", csv(costs, "liver_10k"));
 }
 
 }  // namespace lobe::bench

@@ -2,12 +2,11 @@
 // ends a table.
 #include <doctest/doctest.h>
 
-#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "folder.h"
+#include "documents.h"
 
 using namespace lobe::test;
 namespace fs = std::filesystem;
@@ -47,14 +46,6 @@ Faults faults_of(const std::string& markdown) {
       faults.lines += ' ' + std::to_string(number);
   }
   return faults;
-}
-
-std::vector<fs::path> documents() {
-  std::vector<fs::path> found{fs::path(LOBE_SOURCE_DIR) / "README.md"};
-  for (const char* folder : {"docs", "data", "benchmarks/results"})
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(LOBE_SOURCE_DIR) / folder))
-      if (entry.path().extension() == ".md") found.push_back(entry.path());
-  return found;
 }
 
 }  // namespace

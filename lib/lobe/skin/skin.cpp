@@ -32,13 +32,32 @@ void check_corners(const Triangles& corners, const Triangles& triangles, Index l
                                                                   std::to_string(count - 1));
 }
 
-// Writes the first three numbers; the fourth goes where the next vector will stand, or nowhere if this is the
-// last.
-void put(const Eigen::Vector4f& vector, Index i, Index count, Mat3X<float>& to) {
-  if (i + 1 < count)
-    Eigen::Map<Eigen::Vector4f>(to.data() + 3 * std::size_t(i)) = vector;
-  else
-    to.col(i) = vector.head<3>();
+// Vectors as columns of three: the fourth number of each is written over by the next, and that of the last is
+// left out. Registers of four may point anywhere as far as the compiler knows, so that loops keep pointers of
+// their own.
+class Columns {
+ public:
+  explicit Columns(Mat3X<float>& to, Index count) : data_(to.data()), last_(count - 1), to_(to) {}
+  void put_before_last(Index i, const Eigen::Vector4f& vector) const {
+    Eigen::Map<Eigen::Vector4f>(data_ + 3 * std::size_t(i)) = vector;
+  }
+  void put_last(const Eigen::Vector4f& vector) const { to_.col(last_) = vector.head<3>(); }
+
+ private:
+  float* data_;
+  Index last_;
+  Mat3X<float>& to_;
+};
+
+// b × c of the first three numbers; the fourth is 0 where theirs are. (Eigen's cross3() does one number at a
+// time.)
+Eigen::Vector4f cross(const Eigen::Vector4f& b, const Eigen::Vector4f& c) {
+  using Four [[gnu::vector_size(16)]] = float;
+  const auto turned = [](Four a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); };
+  const Four own_b = *reinterpret_cast<const Four*>(b.data()),
+             own_c = *reinterpret_cast<const Four*>(c.data());
+  const Four product = turned(own_b * turned(own_c) - turned(own_b) * own_c);
+  return Eigen::Map<const Eigen::Vector4f>(reinterpret_cast<const float*>(&product));
 }
 
 }  // namespace
@@ -285,13 +304,19 @@ void Skin::update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Re
 
 void Skin::find_positions(Mat3X<float>& x) {
   const auto count = static_cast<Index>(points_.cols());
+  if (count == 0) return;
   x_.resize(std::size_t(count));
+  const Eigen::Vector4f *const mesh = mesh_x_.data(), *const weights = weights_.data();
+  const Eigen::Vector4i* const corners = carrier_corners_.data();
+  Eigen::Vector4f* const own = x_.data();
+  const Columns columns(x, count);
   for (Index i = 0; i < count; ++i) {
-    const Eigen::Vector4f& w = weights_[i];
-    const Eigen::Vector4i& c = carrier_corners_[i];
-    x_[i] = (w[0] * mesh_x_[c[0]] + w[1] * mesh_x_[c[1]]) + (w[2] * mesh_x_[c[2]] + w[3] * mesh_x_[c[3]]);
-    put(x_[i], i, count, x);
+    const Eigen::Vector4f& w = weights[i];
+    const Eigen::Vector4i& c = corners[i];
+    own[i] = (w[0] * mesh[c[0]] + w[1] * mesh[c[1]]) + (w[2] * mesh[c[2]] + w[3] * mesh[c[3]]);
+    if (i + 1 < count) columns.put_before_last(i, own[i]);
   }
+  columns.put_last(own[count - 1]);
 }
 
 // Six each, so that the loop over them never ends unexpectedly.
@@ -314,36 +339,40 @@ void Skin::list_triangles_around() {
 void Skin::find_areas() {
   const Eigen::Vector4f* const x = x_.data();
   Eigen::Vector4f* const areas = twice_area_.data();
-  for (std::size_t slot = 0; slot < shown_.size(); ++slot) {
-    const Eigen::Vector3i& t = shown_[slot];
+  const Eigen::Vector3i* const shown = shown_.data();
+  const Index* const numbers = mesh_.file_triangle.data();
+  const std::size_t count = shown_.size();
+  for (std::size_t slot = 0; slot < count; ++slot) {
+    const Eigen::Vector3i& t = shown[slot];
     const Eigen::Vector4f a = x[t[0]], b = x[t[1]] - a, c = x[t[2]] - a;
-    areas[mesh_.file_triangle[slot]] = b.cross3(c);
+    areas[numbers[slot]] = cross(b, c);
   }
 }
 
 // A vertex gathers what is around it: to add each triangle to its corners would wait for what was written
-// just before.
-void Skin::sum_areas() {
-  normals_.resize(six_around_.size());
-  const Eigen::Vector4f* const areas = twice_area_.data();
-  for (std::size_t i = 0; i < six_around_.size(); ++i) {
-    const std::array<Index, 6>& t = six_around_[i];
-    normals_[i] = (areas[t[0]] + areas[t[1]]) + (areas[t[2]] + areas[t[3]]) + (areas[t[4]] + areas[t[5]]);
-  }
-  for (const auto& [vertex, triangle] : others_around_) normals_[vertex] += areas[triangle];
-}
-
-// Four square roots at a time.
+// just before. Four square roots at a time; a vertex without area has no normal.
 void Skin::find_normals(Mat3X<float>& normals) {
   find_areas();
-  sum_areas();
-  const auto count = static_cast<Index>(normals_.size());
+  const auto count = static_cast<Index>(six_around_.size());
+  if (count == 0) return;
+  const Eigen::Vector4f* const areas = twice_area_.data();
+  const std::array<Index, 6>* const around = six_around_.data();
+  const Columns columns(normals, count);
+  auto other = others_around_.begin();
+  const auto end = others_around_.end();
   for (Index i = 0; i < count; i += 4) {
-    const Index four = std::min(4, count - i);
-    Eigen::Array4f squares = Eigen::Array4f::Zero();
-    for (Index k = 0; k < four; ++k) squares[k] = normals_[i + k].squaredNorm();
+    const Index here = std::min(4, count - i);
+    Eigen::Matrix4f sums = Eigen::Matrix4f::Zero();
+    for (Index k = 0; k < here; ++k) {
+      const std::array<Index, 6>& t = around[i + k];
+      sums.col(k) = (areas[t[0]] + areas[t[1]]) + (areas[t[2]] + areas[t[3]]) + (areas[t[4]] + areas[t[5]]);
+    }
+    for (; other != end && (*other)[0] < i + 4; ++other) sums.col((*other)[0] - i) += areas[(*other)[1]];
+    const Eigen::Array4f squares = sums.colwise().squaredNorm().transpose();
     const Eigen::Array4f factors = (squares > 0).select(squares.sqrt().inverse(), 0.0F);
-    for (Index k = 0; k < four; ++k) put(factors[k] * normals_[i + k], i + k, count, normals);
+    for (Index k = 0; k < here && i + k + 1 < count; ++k)
+      columns.put_before_last(i + k, factors[k] * sums.col(k));
+    if (i + 4 >= count) columns.put_last(factors[here - 1] * sums.col(here - 1));
   }
 }
 

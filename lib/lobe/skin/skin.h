@@ -82,7 +82,6 @@ class Skin {
   void find_positions(Mat3X<float>& x);
   void find_normals(Mat3X<float>& normals);
   void find_areas();
-  void sum_areas();
   void list_triangles_around();
 
   TetMesh start_;
@@ -100,11 +99,11 @@ class Skin {
   std::vector<Eigen::Vector4f> weights_;     // per carried vertex
   std::vector<Eigen::Vector4i> carrier_corners_;  // the same: vertices of the mesh
   // Per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond six,
-  // with their vertex.
+  // with their vertex, in its order.
   std::vector<std::array<Index, 6>> six_around_;
   std::vector<std::array<Index, 2>> others_around_;
-  Padded twice_area_;            // per triangle of the file: its normal; 0 where it is not shown
-  Padded mesh_x_, x_, normals_;  // scratch of update(): of the mesh; of the carried vertices
+  Padded twice_area_;  // per triangle of the file: its normal; 0 where it is not shown
+  Padded mesh_x_, x_;  // scratch of update(): of the mesh; of the carried vertices
 };
 
 }  // namespace lobe

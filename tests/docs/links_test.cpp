@@ -19,6 +19,16 @@ std::vector<std::string> linked_files(const std::string& markdown) {
   return files;
 }
 
+// Files of the project that are named in `code`, with their folder.
+std::vector<std::string> named_files(const std::string& markdown) {
+  static const std::regex name(
+      R"(`((?:benchmarks|data|examples|lib|meshing|pictures|tests|view)/[\w/.\-]+\.\w+)`)");
+  std::vector<std::string> files;
+  for (std::sregex_iterator at(markdown.begin(), markdown.end(), name), end; at != end; ++at)
+    files.push_back((*at)[1]);
+  return files;
+}
+
 }  // namespace
 
 TEST_CASE("links to files are found in Markdown") {
@@ -36,4 +46,18 @@ TEST_CASE("every link between files of the project leads somewhere") {
       ++links;
     }
   CHECK(links > 50);
+}
+
+TEST_CASE("every file of the project that the pages name is there") {
+  CHECK(named_files("`lib/lobe/a.h` and lib/b.h, `lib/lobe/c.*`") ==
+        std::vector<std::string>{"lib/lobe/a.h"});
+  int names = 0;
+  for (const fs::path& document : documents())
+    for (const std::string& file : named_files(bytes_of(document))) {
+      CAPTURE(document);
+      CAPTURE(file);
+      CHECK(fs::exists(fs::path(LOBE_SOURCE_DIR) / file));
+      ++names;
+    }
+  CHECK(names > 20);
 }

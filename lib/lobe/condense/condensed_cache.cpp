@@ -1,5 +1,6 @@
 #include "lobe/condense/condensed_cache.h"
 
+#include <cmath>
 #include <cstdio>
 #include <span>
 
@@ -44,7 +45,7 @@ bool is_in_equilibrium(const Condensed& condensed, const RegionFactor& region, c
   Eigen::VectorXd force = region.K.selfadjointView<Eigen::Lower>() * u - loads * driven.head(loads.cols());
   const double scale = force.norm();
   force(interface) -= on_interface.tail(Eigen::Index(interface.size()));
-  return force.norm() <= 1e-6 * scale;
+  return std::isfinite(scale) && force.norm() <= 1e-6 * scale;
 }
 
 }  // namespace

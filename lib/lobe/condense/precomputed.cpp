@@ -1,6 +1,7 @@
 #include "lobe/condense/precomputed.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lobe {
 namespace {
@@ -70,8 +71,10 @@ const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& ele
     all += own;
     positive += mass[v];
   }
-  for (Index v : shared_)
-    mass[v] = lumped_mass(elements, v) + (positive > 0 ? std::max(0.0, all) / positive * mass[v] : 0);
+  for (Index v : shared_) {
+    const double followed = positive > 0 ? std::max(0.0, all) / positive * mass[v] : 0;
+    mass[v] = lumped_mass(elements, v) + (std::isfinite(followed) ? followed : 0);  // a damaged cache's are not
+  }
   return shared_;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <tuple>
 #include <vector>
@@ -11,6 +12,10 @@
 namespace lobe {
 
 enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2 };
+// As scenes and reports name them.
+inline constexpr std::array<const char*, 3> region_model_names{"tensor-mass", "precomputed", "nonlinear"};
+inline const char* name(RegionModel model) { return region_model_names[std::size_t(model)]; }
+
 enum class RegionFrame : std::uint8_t {
   fixed,     // a linear region's displacements are those in space
   corotated  // those from a rigid motion that follows the region (condense/rigid_frame.h)

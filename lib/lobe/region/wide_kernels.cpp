@@ -57,8 +57,8 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   for (Index b = 0; b < patch.block_count; ++b) {
     prefetch(patch.blocks + b);
     for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
-      const Lanes e(patch.blocks[b], first, patch.u);
       Law<T> law = law_of<terms.pressure>(patch, b, first);
+      const Lanes e(patch.blocks[b], first, patch.u);
       law.terms = with_guard(terms, guarding == Guarding::acting);
       const Mat3<T> VP = law_stress(law.times(e.V), e.H);
       if constexpr (guarding == Guarding::asked) smallest = min(smallest, volume_ratio(e.H));

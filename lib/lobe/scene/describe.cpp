@@ -16,8 +16,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char* model_names[] = {"tensor-mass", "precomputed", "nonlinear"};
-
 ordered_json vector(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
@@ -59,9 +57,9 @@ ordered_json summarise_regions(const Scene& scene, const Resolved& resolved) {
     for (const Gesture& gesture : resolved.gestures) names.push_back(gesture.name);
     return {{"auto", {{"tolerance", scene.auto_regions->tolerance}, {"gestures", names}}}};
   }
-  for (const char* name : model_names) counts[name] = 0;
+  for (const char* model : region_model_names) counts[model] = 0;
   for (const RegionModel model : setup.region_of) {
-    auto& count = counts[model_names[static_cast<int>(model)]];
+    auto& count = counts[name(model)];
     count = count.get<Index>() + 1;
   }
   return counts;

@@ -52,9 +52,8 @@ Region read_region(const json& entry, const std::string& pointer) {
   Region region;
   region.name = model;
   read(entry, "name", region.name);
-  region.model = model == "tensor-mass"   ? RegionModel::tensor_mass
-                 : model == "precomputed" ? RegionModel::precomputed
-                                          : RegionModel::nonlinear;
+  const auto at = std::find(region_model_names.begin(), region_model_names.end(), model);
+  region.model = static_cast<RegionModel>(at - region_model_names.begin());  // the schema knows no others
   if (entry.value("frame", "fixed") == "corotated") region.frame = RegionFrame::corotated;
   region.always_condensed = entry.value("representation", "measured") == "condensed";
   region.where = read_where(entry);

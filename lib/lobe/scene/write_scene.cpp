@@ -69,8 +69,7 @@ ordered_json write(const Material& material) {
 }
 
 ordered_json write(const Region& region) {
-  static constexpr const char* models[] = {"tensor-mass", "precomputed", "nonlinear"};
-  ordered_json entry = {{"name", region.name}, {"model", models[static_cast<int>(region.model)]}};
+  ordered_json entry = {{"name", region.name}, {"model", name(region.model)}};
   if (region.frame == RegionFrame::corotated) entry["frame"] = "corotated";
   if (region.always_condensed) entry["representation"] = "condensed";
   add_where(entry, region.where);

@@ -16,7 +16,7 @@ inline constexpr bool is_debug_build = true;
 #endif
 
 // Throws BrokenInvariant, which names the first part that does not fit. O(#tetrahedra log #tetrahedra).
-// World::apply() and World::advance() call it in debug builds.
+// In debug builds World calls it after each command, and after each frame that has cut.
 template <class Real>
 void validate(World<Real>& world);
 

@@ -3,7 +3,7 @@
 // their interfaces, tools and cuts.
 //
 //   World<float> world(setup);
-//   while (world.time() < 2) world.advance(1.0 / 30);
+//   for (int frame = 0; frame < 60; ++frame) world.advance(1.0 / 30);
 #pragma once
 
 #include "lobe/sim/command.h"

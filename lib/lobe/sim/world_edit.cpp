@@ -1,6 +1,7 @@
 // Cuts of a World, and how its parts follow an edit around what changed.
 #include <algorithm>
 
+#include "lobe/assert.h"
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
 #include "lobe/sim/validate.h"
@@ -70,6 +71,8 @@ void World<Real>::follow(const MeshEdit& edit) {
   elements.points.extend(elements.topology.vertex_count());
   motion.extend(elements.topology.vertex_count());
   for (const VertexSplit& split : edit.splits) {
+    lobe_assert(split.copy >= before && split.copy < motion.u.count(),
+                "a copy of a vertex is not a new vertex");
     elements.points.col(split.copy) = elements.points.col(split.vertex);
     motion.u.col(split.copy) = motion.u.col(split.vertex);
     motion.v.col(split.copy) = motion.v.col(split.vertex);

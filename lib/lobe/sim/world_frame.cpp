@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lobe/error.h"
+#include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 #include "lobe/text.h"
 
@@ -139,6 +140,9 @@ Report World<Real>::advance(double duration) {
   const PatchCount after = body_.regions.patch_count();
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
+  lobe_assert(body_.motion.u.count() == elements().topology.vertex_count(), "a vertex has no displacement");
+  if constexpr (is_debug_build)
+    if (report.tets_removed > 0) validate(*this);
   return report;
 }
 

@@ -15,6 +15,8 @@
 #include <memory>
 #include <utility>
 
+#include "lobe/assert.h"
+
 namespace lobe {
 
 template <class T>
@@ -41,6 +43,7 @@ class TripleBuffer {
 
   // What writable() gave last is complete: it is the latest from now on. Call it after writable() alone.
   void publish() {
+    lobe_assert(writing_ != none, "publish() without writable()");
     const std::uint64_t before = slots_->latest.exchange(writing_, std::memory_order_acq_rel);
     // Who took the former one has not been counted there yet, who gave it back has: the sum is who still
     // holds it.

@@ -1,9 +1,11 @@
 #include "lobe/time/inertia.h"
+#include "lobe/assert.h"
 
 #include <limits>
 #include <numeric>
 #include <string>
 
+#include "lobe/assert.h"
 #include "lobe/error.h"
 
 namespace lobe {
@@ -25,6 +27,7 @@ void Inertia<Real>::refresh(const Model& model, const std::vector<Index>& vertic
 
 template <class Real>
 void Inertia<Real>::release(Model& model, Index v) {
+  lobe_assert(mass_[v] >= 0, "a vertex's mass is below 0, or not a number");
   inverse_mass_[v] = mass_[v] > 0 && !model.held.fixes(v) ? 1 / mass_[v] : 0;
   ++model.revisions.inertia;
 }

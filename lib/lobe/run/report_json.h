@@ -1,0 +1,45 @@
+// The parts of report.json, and what they are summed up from. Private to this folder.
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "lobe/linearity/proposal.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+// Sums of the reports of all frames.
+struct Totals {
+  using Json = nlohmann::ordered_json;
+  long long steps = 0;
+  double smallest_step = 0, largest_step = 0;  // [s]
+  double smallest_volume_ratio = 1;
+  double simulation_seconds = 0, slowest_frame = 0, output_seconds = 0;  // wall
+  std::array<double, phase_count> phases{};
+  Json cuts = Json::array(), conditions = Json::array(), series = Json::array();
+  Index tets_removed = 0;
+  long long states = 1, patches_evaluated = 0, patches_skipped = 0;
+  std::vector<std::string> warnings;
+  bool warned_of_inversion = false;
+
+  void add(const Report& report, double time, double wall);
+};
+
+// Time, volume and energies now: an entry of the report's series.
+template <class Real>
+nlohmann::ordered_json state_json(World<Real>& world);
+nlohmann::ordered_json region_counts(const Elements& elements);
+nlohmann::ordered_json timing_json(const Totals& totals, double simulated, double setup_seconds,
+                                   const CondensingLog& condensing);
+// What the run did not compute: patches that slept, states that nobody asked to see, terms that the scene
+// leaves out.
+nlohmann::ordered_json skipped_json(const Totals& totals, const Setup& setup, std::size_t written);
+nlohmann::ordered_json proposal_json(const Proposal& proposal);
+
+// Of a whole report, for the console.
+std::string summary_of(const nlohmann::ordered_json& report);
+
+}  // namespace lobe

@@ -248,7 +248,7 @@ bool Tools::fits(const State& state, Index vertices, const Setup& setup) {
     return false;
   for (const Grasp& grasp : state.grasps) {
     for (Index v : grasp.vertices)
-      if (v < 0 || v >= vertices) return false;
+      if (v < 0 || (grasp.is_live && v >= vertices)) return false;
     if (!is_new(grasp.id) || !is_path(grasp.path) || !grasp.centre.allFinite()) return false;
     if (grasp.path.empty() && (!grasp.is_live || grasp.phase != Grasp::Phase::waiting)) return false;
   }

@@ -41,36 +41,39 @@ struct Played {
   }
 };
 
-// Grasps the end, turns and lifts it, cuts the beam nearly through with a cautery, takes hold of what lies on the far side of the
-// cut by a ray, and lets the first hand go.
+// Cuts into the beam with a cautery, which splits vertices beside it, takes hold of these by a ray, and of the end, turns and lifts
+// both, cuts once more, and lets the end go.
 template <class Real>
 void act(Session<Real>& session) {
   Controller hands = session.connect("surgeon");
-  const Vec3d end(0.08, 0.01, 0.01);
   const auto frames = [&](int count) {
     for (int i = 0; i < count; ++i) REQUIRE(session.step_frame());
   };
-  hands.send(take_at(end, 0.006, 1));
-  frames(3);
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Vec3d::UnitX()));
-  HandCommand lead = lead_to(end + Vec3d(0, 0, 0.01), 1);
-  lead.orientation = turn.coeffs();
-  hands.send(lead);
-  frames(20);
-  hands.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.05, -0.01, 0.02}, .radius = 0.004});
+  hands.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.058, -0.005, 0.012}, .radius = 0.0027});
   hands.send(turn_on(Kind::burn, true, 2));
-  hands.send(lead_to({0.05, 0.03, 0.02}, 2));
-  frames(20);
+  hands.send(lead_to({0.057, 0.025, 0.011}, 2));
+  frames(25);
   hands.send(turn_on(Kind::burn, false, 2));
   hands.send({.kind = Kind::take_at_ray,
               .hand = 3,
-              .position = {0.058, 0.01, 0.2},
+              .position = {0.061, 0.01, 0.2},
               .direction = {0, 0, -3},
-              .radius = 0.008});
-  hands.send(ask(Kind::let_go, 1));
-  frames(5);
-  hands.send(lead_to(session.status()->hands.back().pose.position + Vec3d(0, 0.005, 0.005), 3));
+              .radius = 0.012});
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.006, 1));
+  frames(3);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Vec3d::UnitX()));
+  for (const HandStatus& hand : session.status()->hands) {
+    if (hand.type == ToolType::cautery) continue;
+    HandCommand lead = lead_to(hand.pose.position + Vec3d(0, 0.002, 0.005), hand.hand);
+    lead.orientation = turn.coeffs();
+    hands.send(lead);
+  }
   frames(20);
+  hands.send(turn_on(Kind::burn, true, 2));
+  hands.send(lead_to({0.03, 0.01, 0.02}, 2));
+  frames(20);
+  hands.send(ask(Kind::let_go, 1));
+  frames(10);
 }
 
 bool holds_a_copy(const Tools& tools, Index mesh_vertices) {

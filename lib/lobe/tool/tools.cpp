@@ -151,7 +151,9 @@ void Tools::begin_frame(double time, double duration) {
     if (!cautery.is_on) continue;
     std::vector<PathPoint>& stroke = cautery.strokes.back();
     forget_later(stroke);
-    if (stroke.empty()) stroke.push_back({time, from});
+    // Just after the frame's start: as a path of a scene it would else begin at the end of the frame before.
+    if (stroke.empty())
+      stroke.push_back({std::nextafter(time, std::numeric_limits<double>::infinity()), from});
     stroke.push_back({frame_end_, cautery.position});
   }
 }

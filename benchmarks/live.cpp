@@ -151,9 +151,8 @@ void print(const Row& r) {
 
 std::string csv(const std::vector<Row>& rows, const RandomPlay& played) {
   std::ostringstream out;
-  out << "mesh,tets,frames,bare_us,session_us,overhead,publish_us,seal_us,keep_us,random_minutes,random_"
-         "commands,"
-         "random_returns,playing_s,replaying_s,recording_mb\n"
+  out << "mesh,tets,frames,bare_us,session_us,overhead,publish_us,seal_us,keep_us,"
+         "random_minutes,random_commands,random_returns,playing_s,replaying_s,recording_mb\n"
       << std::setprecision(4);
   for (const Row& r : rows)
     out << r.mesh << ',' << r.tets << ',' << r.frames << ',' << r.bare_us << ',' << r.session_us << ','

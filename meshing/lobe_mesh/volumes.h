@@ -20,11 +20,11 @@ constexpr double accepted_volume_error = 0.02;  // of a label
 // Moves the vertices of boundaries and interfaces until the volume of every label k is goals[k] but for the
 // accepted error; a mesh where it is already stays bit for bit. The displacement
 //   u_v = w_v Σ_k p_k ∂V_k/∂x_v,   Σ_v ∂V_j/∂x_v · u_v = what label j misses,
-// with k and j over the labels that miss some, is the smallest in the norm Σ |u_v|²/w_v. The weight w_v is the mean height of the surface over the chords
-// of the triangles at v, by the area there: what is flat stays, and the volume is put back where it was lost.
-// No vertex goes farther than a quarter of an edge from the surface, no tetrahedron is flattened, and the
-// boundary does not run into itself; what cannot be reached is left. O(#tetrahedra log #tetrahedra), and
-// O(#faces log #triangles) a round.
+// with k and j over the labels that miss some, is the smallest in the norm Σ |u_v|²/w_v. The weight w_v is
+// the mean height of the surface over the chords of the triangles at v, by the area there: what is flat
+// stays, and the volume is put back where it was lost. No vertex goes farther than a quarter of an edge from
+// the surface, no tetrahedron is flattened, and the boundary does not run into itself; what cannot be reached
+// is left. O(#tetrahedra log #tetrahedra), and O(#faces log #triangles) a round.
 void match_volumes(TetMesh& mesh, const Interfaces& interfaces, const Freedom& freedom,
                    const std::vector<double>& goals);  // [m³] of each label
 

@@ -10,6 +10,8 @@
 #include "lobe/error.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/write_scene.h"
+#include "lobe/sim/world.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -166,7 +168,8 @@ TEST_CASE("a precomputed region must be held, and explicit") {
         "own, and a linear part that turned would grow; fix some of their vertices, let one part have "
         "\"frame\": \"corotated\", or make them tensor-mass or nonlinear");
   CHECK(faults(R"({"regions": [{"model": "precomputed"}], "time": {"integrator": "implicit"}})") ==
-        "/regions/0/model: \"model\": \"precomputed\" does not go with \"integrator\": \"implicit\": an implicit step "
+        "/regions/0/model: \"model\": \"precomputed\" does not go with \"integrator\": \"implicit\": an "
+        "implicit step "
         "solves for every vertex; use \"tensor-mass\"");
   CHECK(faults(R"({"regions": [{"model": "nonlinear", "frame": "corotated"}]})") ==
         "/regions/0/frame: \"corotated\" needs \"model\": \"precomputed\"");
@@ -286,6 +289,29 @@ TEST_CASE("tools are resolved, and doubtful ones pointed out") {
         "/tools/1/path: never comes within its radius of the mesh's bounding box");
 }
 
+TEST_CASE("a grasp may name copies, which cuts make, beside vertices of the mesh or alone") {
+  const Scene read = scene(R"({"tools": [
+    {"type": "grasp", "where": {"vertices": [4, 7]}, "copies": [22, 20], "path": [[0, 0, 0, 0]]},
+    {"type": "grasp", "where": {"not": {"all": true}}, "copies": [31], "path": [[0, 0, 0, 0], [1, 0, 0, 0.1]]}]})");
+  const Setup setup = resolve(parse_scene(to_json(read)), bar()).setup;
+  REQUIRE(setup.grasps.size() == 2);
+  CHECK(setup.grasps[0].vertices == std::vector<Index>{4, 7, 20, 22});
+  CHECK(setup.grasps[1].vertices == std::vector<Index>{31});
+  CHECK(gestures_of_grasps(setup).empty());
+  World<float> world(setup);  // nothing is cut, so that they are not there
+  world.advance(0.001);
+  CHECK(world.held().all().size() == setup.prescribed.size() + 2);
+  CHECK(
+      faults(
+          R"({"tools": [{"type": "grasp", "where": {"all": true}, "copies": [19], "path": [[0, 0, 0, 0]]}]})") ==
+      "/tools/0/copies: 19 is a vertex of the mesh, which has 20; copies have higher numbers, others belong "
+      "to "
+      "\"where\"");
+  CHECK(faults(R"({"regions": {"auto": {}}, "tools": [
+          {"type": "grasp", "where": {"not": {"all": true}}, "copies": [31], "path": [[0, 0, 0, 0]]}]})") ==
+        "/tools/0/where: must select a vertex of the mesh, beside automatic regions");
+}
+
 TEST_CASE("a cautery that only passes through between two points is near") {
   CHECK(
       warnings(
@@ -341,7 +367,8 @@ TEST_CASE("nodal pressure silences the warning of locking where it acts, and onl
 TEST_CASE("nodal pressure is refused with the stored evaluator") {
   CHECK(faults(R"({"evaluator": "stored",
                    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
-        "/materials/0/nodal_pressure: \"nodal_pressure\" does not go with \"evaluator\": \"stored\": the stored "
+        "/materials/0/nodal_pressure: \"nodal_pressure\" does not go with \"evaluator\": \"stored\": the "
+        "stored "
         "polynomial is each tetrahedron's own; use \"direct\"");
   CHECK(faults(R"({"evaluator": "stored",
                    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": false}]})") == "");
@@ -349,7 +376,8 @@ TEST_CASE("nodal pressure is refused with the stored evaluator") {
 
 TEST_CASE("sleep is refused beside nodal pressure and implicit steps") {
   CHECK(faults(R"({"time": {"sleep": 1e-5, "integrator": "implicit", "precision": "double"}})") ==
-        "/time/sleep: \"sleep\" does not go with \"integrator\": \"implicit\": an implicit step solves for every "
+        "/time/sleep: \"sleep\" does not go with \"integrator\": \"implicit\": an implicit step solves for "
+        "every "
         "vertex; leave it out");
   CHECK(faults(R"({"time": {"sleep": 1e-5},
     "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
@@ -393,6 +421,8 @@ TEST_CASE("automatic regions: what cannot be had is refused at its place") {
       faults(
           R"({"regions": {"auto": {"gestures": [{"where": {"sphere": {"center": [9, 9, 9], "radius": 1}}, "force": [0, 0, 1]}]}}})") ==
       "/regions/auto/gestures/0/where: selects no vertex" + spans);
-  CHECK(faults(R"({"regions": {"auto": {}}, "time": {"integrator": "implicit"}})")
-            .find("/regions/auto: \"regions\": {\"auto\": …} does not go with \"integrator\": \"implicit\"") == 0);
+  CHECK(
+      faults(R"({"regions": {"auto": {}}, "time": {"integrator": "implicit"}})")
+          .find("/regions/auto: \"regions\": {\"auto\": …} does not go with \"integrator\": \"implicit\"") ==
+      0);
 }

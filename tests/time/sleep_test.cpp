@@ -202,7 +202,9 @@ TEST_CASE("a body whose vertices are partly held, or on a precomputed region, sl
 TEST_CASE("sleep is refused where forces depend on more than a patch's own vertices, or steps are implicit") {
   Setup implicit = hanging_bar(1e-5);
   implicit.integrator = Integrator::generalised_alpha;
-  CHECK_THROWS_WITH_AS(World<double>{implicit}, doctest::Contains("\"sleep\" does not go with \"integrator\": \"implicit\""), InputError);
+  CHECK_THROWS_WITH_AS(World<double>{implicit},
+                       doctest::Contains("\"sleep\" does not go with \"integrator\": \"implicit\""),
+                       InputError);
   CHECK_THROWS_WITH_AS(World<double>{averaged(hanging_bar(1e-5))}, doctest::Contains("sleep"), InputError);
   CHECK_THROWS_WITH_AS(World<double>{hanging_bar(-1)}, doctest::Contains("sleep must be"), InputError);
 }

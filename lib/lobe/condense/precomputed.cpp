@@ -73,7 +73,8 @@ const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& ele
   }
   for (Index v : shared_) {
     const double followed = positive > 0 ? std::max(0.0, all) / positive * mass[v] : 0;
-    mass[v] = lumped_mass(elements, v) + (std::isfinite(followed) ? followed : 0);  // a damaged cache's are not
+    mass[v] =
+        lumped_mass(elements, v) + (std::isfinite(followed) ? followed : 0);  // a damaged cache's are not
   }
   return shared_;
 }

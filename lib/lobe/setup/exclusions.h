@@ -1,5 +1,5 @@
-// Options that exclude each other, in one table: scenes, setups and running worlds are checked against it, and
-// docs/scene.md shows it. All other options go together.
+// Options that exclude each other, in one table: scenes, setups and running worlds are checked against it,
+// and docs/scene.md shows it. All other options go together.
 #pragma once
 
 #include <bitset>

@@ -99,7 +99,7 @@ class World {
   // since, else the building of a world.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
-  std::uint64_t fingerprint() const { return fingerprint_; }        // of the setup
+  std::uint64_t fingerprint() const { return fingerprint_; }  // of the setup
   // Its edits. Of those that condense a region afresh only the last that no other has replaced are kept.
   const std::vector<Command>& history() const { return history_; }
   // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew),

@@ -63,6 +63,8 @@ void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
 
 template <class Real>
 void World<Real>::perform(const SetForces& command) {
+  AppliedForces<Real>().set(command.forces,
+                            elements().topology.vertex_count());  // throws before anything changes
   const std::vector<Index> before = body_.touched_by_terms();
   catch_up();
   applied().set(command.forces, elements().topology.vertex_count());
@@ -72,6 +74,8 @@ void World<Real>::perform(const SetForces& command) {
 template <class Real>
 void World<Real>::perform(const SetSprings& command) {
   refuse_excluded(Option::force_terms, options_of(setup_), "springs");
+  AppliedForces<Real>().set(command.springs,
+                            elements().topology.vertex_count());  // throws before anything changes
   const std::vector<Index> before = body_.touched_by_terms();
   catch_up();
   applied().set(command.springs, elements().topology.vertex_count());

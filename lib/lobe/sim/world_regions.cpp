@@ -83,8 +83,8 @@ void World<Real>::perform(const EndRefresh& command) {
 }
 
 // A region that is condensed afresh does not depend on how it was condensed before, nor on whether it was
-// expanded in between: only its tetrahedra and what is held decide. Where it is expanded when the last refresh
-// begins, what came since then stays, since condensing it again asks for a refresh.
+// expanded in between: only its tetrahedra and what is held decide. Where it is expanded when the last
+// refresh begins, what came since then stays, since condensing it again asks for a refresh.
 template <class Real>
 void World<Real>::forget_former_refreshes() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) { return std::holds_alternative<Kind>(history_[i]); };

@@ -27,8 +27,8 @@ class StepLimit {
   // Found anew whatever is known, so that a world that was restored finds the same to the bit.
   void find_anew(Body& body);
   // ---- For frames: found anew after `interval` of simulated time at the latest, about a frame of 60 Hz,
-  // since a pass over all tetrahedra costs as much as two or three steps. In between the last one holds, while
-  // nothing is edited and nobody sleeps.
+  // since a pass over all tetrahedra costs as much as two or three steps. In between the last one holds,
+  // while nothing is edited and nobody sleeps.
   static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? kept_.limit : keep(body); }

@@ -1,0 +1,189 @@
+// What hands did, as a scene that `lobe run` plays.
+#include "lobe/live/session_scene.h"
+
+#include <random>
+
+#include "folder.h"
+#include "live/hands_support.h"
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/scene/frames.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/resolve.h"
+#include "lobe/scene/write_scene.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+const char* const beam = R"({
+  "mesh": "beam.vtu",
+  "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "density": 1000}],
+  "volume_penalty": 1e5,
+  "regions": [{"model": "tensor-mass", "where": {"box": {"min": [0, 0, 0], "max": [0.03, 1, 1]}}}],
+  "boundary": [{"fix": true, "where": {"box": {"min": [0, 0, 0], "max": [0, 1, 1]}}}],
+  "gravity": [0, 0, -1],
+  "tools": [{"type": "cautery", "radius": 0.003, "path": [[0.05, 0.07, -0.01, 0.02], [0.1, 0.07, 0.03, 0.02]]}],
+  "time": {"duration": 9, "damping": 20},
+  "output": {"pictures": [0.1, 8]}
+})";
+
+struct Played {
+  Folder folder;
+  Scene scene;
+  Resolved resolved;
+
+  Played(std::string text = beam) {
+    write_vtu(folder.path / "beam.vtu", box_mesh({0.08, 0.02, 0.02}, 12, 3, 3));
+    scene = read_scene(folder.write("scene.json", text));
+    resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh);
+  }
+};
+
+// Cuts into the beam with a cautery, which splits vertices beside it, takes hold of these by a ray, and of
+// the end, turns and lifts both, cuts once more, and lets the end go.
+template <class Real>
+void act(Session<Real>& session) {
+  Controller hands = session.connect("surgeon");
+  const auto frames = [&](int count) {
+    for (int i = 0; i < count; ++i) REQUIRE(session.step_frame());
+  };
+  hands.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.058, -0.005, 0.012}, .radius = 0.0027});
+  hands.send(turn_on(Kind::burn, true, 2));
+  hands.send(lead_to({0.057, 0.025, 0.011}, 2));
+  frames(25);
+  hands.send(turn_on(Kind::burn, false, 2));
+  hands.send({.kind = Kind::take_at_ray,
+              .hand = 3,
+              .position = {0.061, 0.01, 0.2},
+              .direction = {0, 0, -3},
+              .radius = 0.012});
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.006, 1));
+  frames(3);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Vec3d::UnitX()));
+  for (const HandStatus& hand : session.status()->hands) {
+    if (hand.type == ToolType::cautery) continue;
+    HandCommand lead = lead_to(hand.pose.position + Vec3d(0, 0.002, 0.005), hand.hand);
+    lead.orientation = turn.coeffs();
+    hands.send(lead);
+  }
+  frames(20);
+  hands.send(turn_on(Kind::burn, true, 2));
+  hands.send(lead_to({0.03, 0.01, 0.02}, 2));
+  frames(20);
+  hands.send(ask(Kind::let_go, 1));
+  frames(10);
+}
+
+bool holds_a_copy(const Tools& tools, Index mesh_vertices) {
+  for (const Grasp& grasp : tools.grasps())
+    for (Index v : grasp.vertices)
+      if (v >= mesh_vertices) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("what hands did, written as a scene and read again, is played to the same bits", Real,
+                   float, double) {
+  std::string text = beam;
+  if (std::is_same_v<Real, double>) text.replace(text.find("\"damping\""), 0, "\"precision\": \"double\", ");
+  const Played played(text);
+  const Setup& setup = played.resolved.setup;
+  Session<Real> session(setup);
+  act(session);
+  CHECK(session.world().elements().topology.alive_count() < setup.mesh.tet_count() - 20);
+  CHECK(holds_a_copy(session.world().tools(), setup.mesh.vertex_count()));
+  const Scene kept = session_scene(played.scene, setup, session);
+  CHECK(kept.output.pictures == std::vector<double>{0.1});
+  const Folder other;
+  const Scene again = read_scene(other.write("kept.json", to_json(kept)));
+  const Resolved resolved = resolve(again, read_mesh(mesh_path(again)).mesh);
+  World<Real> world(resolved.setup, 2);
+  const Frames frames = frames_of(again.time);
+  CHECK(frames.length == session.frame());
+  for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
+  CHECK(world.elements().topology.alive_count() == session.world().elements().topology.alive_count());
+  CHECK(same_bits(world, session.world()));
+}
+
+TEST_CASE("a session that a scene cannot tell is refused with what and when") {
+  const Played played;
+  const Setup& setup = played.resolved.setup;
+  Session<float> session(setup);
+  Controller hands = session.connect("surgeon");
+  const auto refusal = [&](const Setup& of = {}) -> std::string {
+    try {
+      session_scene(played.scene, of.mesh.tet_count() > 0 ? of : setup, session);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(refusal() == "session: nothing was simulated yet");
+  step(session, 60);
+  CHECK(refusal() == "");
+  Setup other = setup;
+  other.damping += 1;
+  CHECK(refusal(other) == "session: is of another scene, mesh or version of them");
+  hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(RemoveTets{{100}})});
+  step(session, 1);
+  CHECK(refusal() == "session: tetrahedra were removed at 0.5 s, which a scene cannot tell; a recording can");
+  hands.send(ask_for(Kind::back, 0.2));
+  step(session, 1);
+  CHECK(refusal() == "");
+  hands.send({.kind = Kind::edit,
+              .body_edit = std::make_shared<const Command>(SetForces{{{100, Vec3d(0, 0, 1e20)}}})});
+  session.step_frame();
+  CHECK(refusal().find("session: forces were set at") == 0);
+  Scene in_double = played.scene;
+  in_double.time.precision = Precision::double_precision;
+  CHECK_THROWS_WITH_AS(session_scene(in_double, setup, session),
+                       "session: is in single precision, its scene in double", InputError);
+}
+
+TEST_CASE("a scene tells where hands have got to, without what was undone") {
+  const Played played;
+  const Setup& setup = played.resolved.setup;
+  Session<float> session(setup);
+  Controller hands = session.connect("surgeon");
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.006));
+  hands.send(lead_to({0.08, 0.01, 0.02}));
+  step(session, 100);
+  hands.send(ask_for(Kind::back, 0.3));
+  step(session, 3);
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.012, 2));
+  hands.send(lead_to({0.09, 0.01, 0.01}, 2));
+  step(session, 40);
+  const Scene kept = session_scene(played.scene, setup, session);
+  CHECK(kept.tools.size() == 3);  // with the scene's own
+  World<float> world(resolve(kept, setup.mesh).setup);
+  const Frames frames = frames_of(kept.time);
+  for (int i = 0; i < frames.count; ++i) world.advance(frames.length);
+  CHECK(same_bits(world, session.world()));
+}
+
+TEST_CASE("the grasps of a session can be declared as gestures of automatic regions") {
+  const Played played;
+  const Setup& setup = played.resolved.setup;
+  Session<float> session(setup);
+  Controller hands = session.connect("surgeon");
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.008));
+  step(session, 2);
+  const Vec3d from = session.status()->hands[0].pose.position;
+  hands.send(lead_to(from + Vec3d(0, 0, 0.01)));
+  step(session, 60);
+  hands.send(lead_to(from));
+  step(session, 60);
+  hands.send(take_at({0.06, 0.01, 0.02}, 0.008, 2));  // and holds still
+  step(session, 10);
+  const Scene kept = with_gestures(session_scene(played.scene, setup, session), 0.03);
+  const Scene again = parse_scene(to_json(kept));
+  REQUIRE(again.auto_regions);
+  CHECK(again.auto_regions->tolerance == 0.03);
+  const Resolved resolved = resolve(again, setup.mesh);
+  REQUIRE(resolved.gestures.size() == 1);
+  CHECK(resolved.gestures[0].vertices == session.world().tools().grasp(2)->vertices);
+  CHECK((resolved.gestures[0].displacements[0] - Vec3d(0, 0, 0.01)).norm() < 1e-5);
+}

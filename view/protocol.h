@@ -79,14 +79,14 @@ struct Seen {
   static constexpr const char* name = "seen";
   static constexpr auto fields = std::tuple();
 };
-// A hand takes hold of what is near a point of the surface.
+// A hand takes hold of what is near the point where a ray enters the body.
 struct Take {
   int hand = 0;
-  Vec3d at = Vec3d::Zero();  // [m]
-  double radius = 0;         // [m]
+  Vec3d from = Vec3d::Zero(), along = Vec3d::Zero();  // [m]; of any length but 0
+  double radius = 0;                                  // [m]
   static constexpr const char* name = "take";
-  static constexpr auto fields =
-      std::tuple(Field{"hand", &Take::hand}, Field{"at", &Take::at}, Field{"radius", &Take::radius});
+  static constexpr auto fields = std::tuple(Field{"hand", &Take::hand}, Field{"from", &Take::from},
+                                            Field{"along", &Take::along}, Field{"radius", &Take::radius});
 };
 // A hand brings a cautery to a point and switches it on.
 struct Burn {
@@ -97,7 +97,7 @@ struct Burn {
   static constexpr auto fields =
       std::tuple(Field{"hand", &Burn::hand}, Field{"at", &Burn::at}, Field{"radius", &Burn::radius});
 };
-// What a hand holds is to go there.
+// What a hand holds is to go there: the place where it took hold, or the tip.
 struct Lead {
   int hand = 0;
   Vec3d to = Vec3d::Zero();  // [m]
@@ -143,7 +143,12 @@ struct Control {
   static constexpr const char* name = "control";
   static constexpr auto fields = std::tuple();
 };
-// What the hands have done, as a scene beside a mesh.
+// The one that controls lets another page that has asked have the instruments.
+struct HandOver {
+  static constexpr const char* name = "hand_over";
+  static constexpr auto fields = std::tuple();
+};
+// What the hands have done, as a scene.
 struct Export {
   std::string to;  // name of the files, without folder and extension
   static constexpr const char* name = "export";
@@ -171,6 +176,15 @@ struct PaintAll {
   static constexpr const char* name = "paint_all";
   static constexpr auto fields = std::tuple(Field{"as", &PaintAll::as});
 };
+// The end of a stroke of the brush: what was painted until then is undone at once.
+struct Stroke {
+  static constexpr const char* name = "stroke";
+  static constexpr auto fields = std::tuple();
+};
+struct Undo {
+  static constexpr const char* name = "undo";
+  static constexpr auto fields = std::tuple();
+};
 // The regions that lobe would choose, for an error of the displacement.
 struct Propose {
   double tolerance = 0.02;
@@ -188,8 +202,8 @@ struct Save {
   static constexpr auto fields = std::tuple(Field{"to", &Save::to});
 };
 
-using Any = std::variant<Seen, Take, Burn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control, Export,
-                         Edit, Paint, PaintAll, Propose, Apply, Save>;
+using Any = std::variant<Seen, Take, Burn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control,
+                         HandOver, Export, Edit, Paint, PaintAll, Stroke, Undo, Propose, Apply, Save>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

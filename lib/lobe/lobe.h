@@ -18,6 +18,7 @@
 //   snapshot/     pictures of a running simulation, for other threads
 //   skin/         a fine textured surface that the tetrahedra carry
 //   run/          a scene played, recorded and reported
+//   live/         a session: people hold the body in their hands while it is simulated
 //
 // Glossary (SI units): X rest position [m], x current position [m], u = x − X displacement [m], v velocity
 // [m/s], f force [N] acting ON a vertex, α_j gradient of the barycentric coordinate of vertex j [1/m], F = I
@@ -40,6 +41,7 @@
 #include "lobe/linearity/proposal.h"
 #include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
+#include "lobe/live/session.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/mesh/refine.h"

@@ -90,15 +90,15 @@ TEST_CASE("a recording keeps the degrees of selective masses, also in its file")
   CHECK(replayed.same);
   CHECK(replayed.commands == 8);
   Recording wrong = recorded.recording();
-  std::get<SetMassDegree>(wrong.commands[0].command).degree = 4;
+  std::get<SetMassDegree>(std::get<Command>(wrong.commands[0].command)).degree = 4;
   World<float> third(setup);
   CHECK_THROWS_WITH_AS(replay(wrong, third), doctest::Contains("no degree 4"), InputError);
 }
 
 TEST_CASE("a replay stops where the bits begin to differ") {
   Recording recording = played<float>();
-  std::get<SetRegion>(recording.commands[2].command).tets = {50};
-  std::get<RemoveTets>(recording.commands[1].command).tets.pop_back();
+  std::get<SetRegion>(std::get<Command>(recording.commands[2].command)).tets = {50};
+  std::get<RemoveTets>(std::get<Command>(recording.commands[1].command)).tets.pop_back();
   const Replayed replayed = replayed_on<float>(1, recording);
   CHECK_FALSE(replayed.same);
   CHECK(replayed.commands <= 3);

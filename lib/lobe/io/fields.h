@@ -136,6 +136,26 @@ void get(ByteReader& in, T& x) {
   }
 }
 
+// About how much memory it takes, with what it owns; what it shares counts for nothing. [bytes]
+template <class T>
+std::size_t memory_of(const T& x) {
+  std::size_t bytes = sizeof(T);
+  if constexpr (Fielded<T>) {
+    std::apply([&](auto... member) { ((bytes += memory_of(x.*member) - sizeof(x.*member)), ...); },
+               T::fields);
+  } else if constexpr (Converted<T>) {
+    bytes += memory_of(x.as_kept());
+  } else if constexpr (Dense<T>) {
+    if constexpr (T::SizeAtCompileTime == Eigen::Dynamic) bytes += std::size_t(x.size()) * sizeof(*x.data());
+  } else if constexpr (is_vector<T> || std::is_same_v<T, std::string>) {
+    if constexpr (Plain<typename T::value_type>) return bytes + x.size() * sizeof(typename T::value_type);
+    for (const auto& item : x) bytes += memory_of(item);
+  } else if constexpr (is_variant<T>) {
+    std::visit([&](const auto& own) { bytes += memory_of(own) - sizeof(own); }, x);
+  }
+  return bytes;
+}
+
 template <class T>
 std::uint64_t digest_of_fields(const T& x) {
   ByteWriter out;

@@ -1,5 +1,9 @@
 #include "lobe/run/recording.h"
 
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <span>
 #include <type_traits>
 
 #include "lobe/error.h"
@@ -10,16 +14,73 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 4, "recording of a world"};
+constexpr io::Format format{"loberec ", 5, "recording of a world"};
+
+// What only says what tools are to do in the next frame leaves the state as it is.
+bool is_about_tools(const Command& command) {
+  return std::holds_alternative<TakeHold>(command) || std::holds_alternative<BringCautery>(command) ||
+         std::holds_alternative<Lead>(command) || std::holds_alternative<SwitchCautery>(command) ||
+         std::holds_alternative<LetGo>(command);
+}
+
+// Of eight bytes at a time: a frame of a recording should not cost more to seal than to publish.
+template <class Real>
+std::uint64_t mixed(std::span<const Real> values, std::uint64_t digest) {
+  const auto mix = [&](std::uint64_t word) {
+    digest = (digest ^ word) * 0x9e3779b97f4a7c15u;
+    digest ^= digest >> 32;
+  };
+  const auto* bytes = reinterpret_cast<const char*>(values.data());
+  std::size_t left = values.size_bytes();
+  for (std::uint64_t word = 0; left > 0; word = 0) {
+    const std::size_t taken = std::min(left, sizeof word);
+    std::memcpy(&word, bytes, taken);
+    mix(word);
+    bytes += taken;
+    left -= taken;
+  }
+  return digest;
+}
+
+// The states that a recording goes back to, kept while it is played.
+template <class Real>
+class Returns {
+ public:
+  explicit Returns(const Recording& recording) {
+    for (std::size_t i = 0; i < recording.commands.size(); ++i) {
+      const auto* back = std::get_if<GoBack>(&recording.commands[i].command);
+      if (!back) continue;
+      if (back->entries > i) throw InputError("recording", "goes back to what comes later");
+      kept_[back->entries] = {};
+    }
+  }
+  void keep(std::size_t entries, const World<Real>& world) {
+    if (const auto at = kept_.find(entries); at != kept_.end()) at->second = world.save();
+  }
+  void go_back(const GoBack& back, World<Real>& world) const { world.restore(kept_.at(back.entries)); }
+
+ private:
+  std::map<std::uint64_t, Checkpoint<Real>> kept_;
+};
 
 }  // namespace
+
+std::vector<std::size_t> entries_to_the_end(const Recording& recording) {
+  std::vector<std::size_t> line;
+  for (std::size_t i = 0; i < recording.commands.size(); ++i) {
+    const auto* back = std::get_if<GoBack>(&recording.commands[i].command);
+    if (!back) line.push_back(i);
+    while (back && !line.empty() && line.back() >= back->entries) line.pop_back();
+  }
+  return line;
+}
 
 template <class Real>
 std::uint64_t digest(World<Real>& world) {
   const StateView<Real> state = world.state();
   const auto values = [](const auto& matrix) { return std::span(matrix.data(), std::size_t(matrix.size())); };
-  const std::uint64_t u = io::digest_of(values(state.u)), v = io::digest_of(values(state.v), u);
-  return io::digest_of(std::span(&state.time, 1), v);
+  const std::uint64_t u = mixed(values(state.u), io::digest({})), v = mixed(values(state.v), u);
+  return mixed(std::span(&state.time, 1), v);
 }
 
 template <class Real>
@@ -31,7 +92,8 @@ Recorded<Real>::Recorded(World<Real>& world) : world_(world) {
 template <class Real>
 void Recorded<Real>::apply(const Command& command) {
   world_.apply(command);
-  recording_.commands.push_back({command, digest(world_)});
+  const bool is_same = is_about_tools(command) && !recording_.commands.empty();
+  recording_.commands.push_back({command, is_same ? recording_.commands.back().digest : digest(world_)});
 }
 
 template <class Real>
@@ -42,14 +104,25 @@ Report Recorded<Real>::advance(double duration) {
 }
 
 template <class Real>
+void Recorded<Real>::go_back(const Checkpoint<Real>& checkpoint, std::size_t entries) {
+  world_.restore(checkpoint);
+  recording_.commands.push_back({GoBack{entries}, digest(world_)});
+}
+
+template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world) {
   if (recording.setup != world.fingerprint())
     throw InputError("recording", "is of another scene, mesh or version of them");
   if (recording.in_double != std::is_same_v<Real, double>)
     throw InputError("recording", recording.in_double ? "is in double precision" : "is in single precision");
   Replayed replayed;
+  Returns<Real> returns(recording);
   for (const RecordedCommand& recorded : recording.commands) {
-    world.apply(recorded.command);
+    returns.keep(replayed.commands, world);
+    if (const auto* back = std::get_if<GoBack>(&recorded.command))
+      returns.go_back(*back, world);
+    else
+      world.apply(std::get<Command>(recorded.command));
     replayed.same = digest(world) == recorded.digest;
     if (!replayed.same) break;
     ++replayed.commands;

@@ -1,18 +1,26 @@
 // What was done to a world, command by command, with a digest of the state after each: played again on a world of the same
-// setup, on any number of threads, it must give the same bits.
+// setup, on any number of threads, it must give the same bits. Also that it was put back to an earlier state is an entry: what
+// was done before stays in the record.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "lobe/sim/world.h"
+#include "lobe/sim/checkpoint.h"
 
 namespace lobe {
 
+// The world was put back to what it was after so many entries of its recording; 0: as it began.
+struct GoBack {
+  std::uint64_t entries = 0;
+  static constexpr auto fields = std::tuple(&GoBack::entries);
+};
+
 struct RecordedCommand {
-  Command command;
+  std::variant<Command, GoBack> command;
   std::uint64_t digest = 0;  // of displacements, velocities and time after it
   static constexpr auto fields = std::tuple(&RecordedCommand::command, &RecordedCommand::digest);
 };
@@ -23,6 +31,9 @@ struct Recording {
   std::vector<RecordedCommand> commands;
   static constexpr auto fields = std::tuple(&Recording::setup, &Recording::in_double, &Recording::commands);
 };
+
+// The entries that led to where the world is at the end: without what was undone by going back, and without GoBack.
+std::vector<std::size_t> entries_to_the_end(const Recording& recording);
 
 template <class Real>
 std::uint64_t digest(World<Real>& world);
@@ -35,6 +46,8 @@ class Recorded {
 
   void apply(const Command& command);
   Report advance(double duration);
+  // To a checkpoint of this world, made when the recording had so many entries.
+  void go_back(const Checkpoint<Real>& checkpoint, std::size_t entries);
   const Recording& recording() const { return recording_; }
 
  private:
@@ -49,7 +62,7 @@ struct Replayed {
 };
 
 // Plays a recording on a world as it was when the recording began; throws InputError for one of another setup or
-// precision. Stops at the first command after which the state differs.
+// precision. Stops at the first command after which the state differs. States that it goes back to are kept meanwhile.
 template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world);
 

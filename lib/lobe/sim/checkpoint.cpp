@@ -11,7 +11,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 11,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 12,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -197,19 +197,35 @@ Checkpoint<Real> read_checkpoint(const std::filesystem::path& file) {
 // ---- The last few
 
 template <class Real>
-void CheckpointRing<Real>::keep(const World<Real>& world) {
-  if (most_ == 0 || (!kept_.empty() && world.time() < kept_.back().state.time + apart_)) return;
+void CheckpointRing<Real>::keep(const World<Real>& world, std::size_t mark) {
+  constexpr double just_before = 1e-9;  // times are sums of frames [s]
+  if (most_ == 0) return;
+  if (!kept_.empty() && world.time() < kept_.back().checkpoint.state.time + apart_ - just_before) return;
   if (kept_.size() == most_) kept_.pop_front();
-  kept_.push_back(world.save());
+  Checkpoint<Real> checkpoint = world.save();
+  const std::size_t size = io::memory_of(checkpoint);
+  kept_.push_back({std::move(checkpoint), mark, size});
+  while (kept_.size() > 1 && bytes() > most_bytes_) kept_.pop_front();
+}
+
+template <class Real>
+std::size_t CheckpointRing<Real>::bytes() const {
+  std::size_t sum = 0;
+  for (const Kept& kept : kept_) sum += kept.bytes;
+  return sum;
+}
+
+template <class Real>
+auto CheckpointRing<Real>::latest(double time) -> const Kept* {
+  while (!kept_.empty() && kept_.back().checkpoint.state.time > time) kept_.pop_back();
+  return kept_.empty() ? nullptr : &kept_.back();
 }
 
 template <class Real>
 bool CheckpointRing<Real>::roll_back(World<Real>& world, double seconds) {
-  const double latest = world.time() - seconds;
-  while (!kept_.empty() && kept_.back().state.time > latest) kept_.pop_back();
-  if (kept_.empty()) return false;
-  world.restore(kept_.back());
-  return true;
+  const Kept* kept = latest(world.time() - seconds);
+  if (kept) world.restore(kept->checkpoint);
+  return kept != nullptr;
 }
 
 #define LOBE_INSTANTIATE(Real)                                                           \

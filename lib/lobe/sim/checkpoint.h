@@ -2,6 +2,7 @@
 // that is given it goes on with the same bits, on any number of threads (docs/stability.md).
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <string_view>
@@ -33,10 +34,11 @@ struct Checkpoint {
   std::vector<Term> terms;  // of forces, by their names
 
   bool is_valid() const { return acceleration.allFinite(); }
-  static constexpr auto fields = std::tuple(
-      &Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held, &Checkpoint::tools,
-      &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit,
-      &Checkpoint::mass_degree, &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms);
+  static constexpr auto fields =
+      std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
+                 &Checkpoint::tools, &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling,
+                 &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::mass_degree, &Checkpoint::acceleration,
+                 &Checkpoint::pending, &Checkpoint::terms);
 };
 
 // Of what decides how a world moves: mesh, materials, regions, loads, tools …
@@ -56,17 +58,31 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
 template <class Real>
 class CheckpointRing {
  public:
-  CheckpointRing(std::size_t most, double apart) : most_(most), apart_(apart) {}  // how many, [s]
+  struct Kept {
+    Checkpoint<Real> checkpoint;
+    std::size_t mark = 0;   // of the application: when it was made
+    std::size_t bytes = 0;  // about
+  };
 
-  void keep(const World<Real>& world);  // if the last is old enough
+  // How many, how far apart [s], in how much memory; the last is kept in any case.
+  CheckpointRing(std::size_t most, double apart, std::size_t most_bytes = SIZE_MAX)
+      : most_(most), apart_(apart), most_bytes_(most_bytes) {}
+
+  void keep(const World<Real>& world, std::size_t mark = 0);  // if the last is old enough
+  // The latest checkpoint of this time or before, after those that are later were forgotten; null if there is none.
+  const Kept* latest(double time);
   // To the latest checkpoint that is at least `seconds` old, and forgets those after it; false if there is none.
   bool roll_back(World<Real>& world, double seconds);
+  void clear() { kept_.clear(); }
   std::size_t size() const { return kept_.size(); }
+  std::size_t bytes() const;
+  double earliest() const { return kept_.empty() ? 0 : kept_.front().checkpoint.state.time; }  // [s]
 
  private:
   std::size_t most_;
   double apart_;
-  std::deque<Checkpoint<Real>> kept_;
+  std::size_t most_bytes_;
+  std::deque<Kept> kept_;
 };
 
 }  // namespace lobe

@@ -95,7 +95,7 @@ struct SwitchCautery {
   static constexpr auto fields = std::tuple(&SwitchCautery::tool, &SwitchCautery::on);
 };
 
-// A grasp lets go at the start of the next frame; a cautery is switched off.
+// A grasp lets go at the start of the next frame; a cautery is taken away.
 struct LetGo {
   ToolId tool = 0;
   bool operator==(const LetGo&) const = default;

@@ -24,6 +24,11 @@ void check(ToolId id, const ToolPose& pose) {
     refuse(id, "needs a finite position and a unit quaternion for its orientation");
 }
 
+auto after(const std::vector<PathPoint>& path, double time) {  // the first row of it
+  return std::upper_bound(path.begin(), path.end(), time,
+                          [](double t, const PathPoint& point) { return t < point.time; });
+}
+
 }  // namespace
 
 Tools::Tools(const Setup& setup) {
@@ -61,6 +66,7 @@ Cautery& Tools::live_cautery(ToolId id) {
   const auto at = found(cauteries_, id);
   if (at == cauteries_.end()) refuse(id, "is not there, or no cautery");
   if (!at->is_live) refuse(id, "follows the path of its scene");
+  if (at->is_away) refuse(id, "was taken away");
   return *at;
 }
 
@@ -89,8 +95,12 @@ void Tools::lead(ToolId id, const ToolPose& target) {
 }
 
 void Tools::let_go(ToolId id) {
-  if (!has_grasp(id)) return switch_cautery(id, false);
-  live_grasp(id).release = true;
+  if (has_grasp(id)) {
+    live_grasp(id).release = true;
+  } else {
+    switch_cautery(id, false);
+    live_cautery(id).is_away = true;
+  }
 }
 
 void Tools::switch_cautery(ToolId id, bool on) {
@@ -114,15 +124,20 @@ std::vector<CauterySetup> Tools::cautery_paths() const {
   return paths;
 }
 
-// A row says where a tool is from `time` on only if nothing has said so before.
+// A row says where a tool is from `time` on only if nothing has said so before. Rows that are later are of a frame that did not
+// come about.
 void Tools::begin_frame(double time, double duration) {
   frame_end_ = time + duration;
+  const auto forget_later = [&](std::vector<PathPoint>& path) {
+    while (!path.empty() && path.back().time > time + just_before) path.pop_back();
+  };
   const auto continue_at = [&](std::vector<PathPoint>& path) {
     if (path.back().time < time - just_before)
       path.push_back({time, path.back().position, path.back().orientation});
   };
   for (Grasp& grasp : grasps_) {
     if (!grasp.is_live || grasp.phase == Grasp::Phase::released) continue;
+    forget_later(grasp.path);
     if (grasp.path.empty()) grasp.path.push_back({time, Vec3d::Zero()});
     if (grasp.target || grasp.release) continue_at(grasp.path);
     if (!grasp.target || grasp.release || grasp.phase != Grasp::Phase::holding) continue;
@@ -135,6 +150,7 @@ void Tools::begin_frame(double time, double duration) {
     cautery.position = std::exchange(cautery.target, std::nullopt).value_or(from);
     if (!cautery.is_on) continue;
     std::vector<PathPoint>& stroke = cautery.strokes.back();
+    forget_later(stroke);
     if (stroke.empty()) stroke.push_back({time, from});
     stroke.push_back({frame_end_, cautery.position});
   }
@@ -158,10 +174,9 @@ std::vector<Sweep> Tools::sweeps(double from, double to) const {
       const double begin = std::max(from, path.front().time), end = std::min(to, path.back().time);
       if (begin > end) continue;
       Vec3d tip = path_at(path, begin);
-      for (const PathPoint& point : path) {
-        if (point.time <= begin || point.time >= end) continue;
-        sweeps.push_back({tip, point.position, c.radius});
-        tip = point.position;
+      for (auto point = after(path, begin); point != path.end() && point->time < end; ++point) {
+        sweeps.push_back({tip, point->position, c.radius});
+        tip = point->position;
       }
       sweeps.push_back({tip, path_at(path, end), c.radius});
     }

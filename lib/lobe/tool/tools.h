@@ -50,12 +50,13 @@ struct Cautery {
   std::vector<std::vector<PathPoint>> strokes;
   bool is_live = false;
   bool is_on = false;                // only of live ones
+  bool is_away = false;              // of live ones: taken away, and nowhere since
   Vec3d position = Vec3d::Zero();    // of a live one [m]
   std::optional<Vec3d> target = {};  // at the end of the next frame
 
   static constexpr auto fields =
       std::tuple(&Cautery::id, &Cautery::name, &Cautery::radius, &Cautery::strokes, &Cautery::is_live,
-                 &Cautery::is_on, &Cautery::position, &Cautery::target);
+                 &Cautery::is_on, &Cautery::is_away, &Cautery::position, &Cautery::target);
 };
 
 class Tools {
@@ -213,7 +214,7 @@ std::vector<Tools::Pose> Tools::poses(double time, const HeldVertices& held, Pos
   for (const Cautery& c : cauteries_) {
     const bool burns = !c.strokes.empty() && !c.strokes.back().empty() &&
                        time >= c.strokes.back().front().time && time <= c.strokes.back().back().time;
-    if (c.is_live || burns)
+    if ((c.is_live && !c.is_away) || burns)
       poses.push_back({.name = c.name,
                        .type = ToolType::cautery,
                        .radius = c.radius,

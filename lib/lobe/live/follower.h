@@ -1,0 +1,30 @@
+// A tool that follows a hand: smoothly, and no faster than a hand moves. The paths that it leaves are what the body feels.
+#pragma once
+
+#include "lobe/tool/tools.h"
+
+namespace lobe {
+
+struct HandLimits {
+  double lag = 0.04;       // by how much the tool trails a hand that moves uniformly [s]
+  double top_speed = 0.5;  // of the tool [m/s]
+  double top_turn = 10;    // [rad/s]
+  double force_cap = 20;   // a grasp that is pulled at with more slips off [N]
+};
+
+class Follower {
+ public:
+  Follower() = default;
+  explicit Follower(const Vec3d& position) { now_.position = target_.position = position; }
+
+  void aim(const ToolPose& target) { target_ = target; }
+  // Where the tool is dt [s] later. False: it rests where it should be, as before.
+  bool step(double dt, const HandLimits& limits);
+  const ToolPose& pose() const { return now_; }
+
+ private:
+  ToolPose now_, target_;
+  Vec3d velocity_ = Vec3d::Zero(), spin_ = Vec3d::Zero();  // [m/s], [rad/s]
+};
+
+}  // namespace lobe

@@ -1,0 +1,242 @@
+#include "lobe/live/hands.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/error.h"
+#include "lobe/live/pick.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+using Kind = HandCommand::Kind;
+
+bool is_unit(const Eigen::Vector4d& orientation) { return std::abs(orientation.norm() - 1) < 1e-6; }
+
+void check(const HandCommand& command) {
+  const auto expect = [&](bool is_right, const char* what) {
+    if (!is_right) throw InputError(name(command.kind), what);
+  };
+  expect(command.position.allFinite(), "its position must be three finite numbers [m]");
+  expect(is_unit(command.orientation), "its orientation must be a unit quaternion");
+  const bool takes = command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point;
+  if (takes || command.kind == Kind::bring_cautery)
+    expect(command.radius > 0 && std::isfinite(command.radius), "its radius must be above 0 m, and finite");
+  if (command.kind == Kind::take_at_ray)
+    expect(command.direction.allFinite() && command.direction.norm() > 0,
+           "its direction must be three finite numbers, not all 0");
+}
+
+// About where it took hold, which moves and turns with the hand.
+ToolPose of_tool(const ToolPose& hand, const Vec3d& arm) {
+  return {hand.position + Eigen::Quaterniond(hand.orientation) * arm, hand.orientation};
+}
+
+}  // namespace
+
+template <class Real>
+void Hands<Real>::obey(int controller, const HandCommand& command) {
+  check(command);
+  if (command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point)
+    return take_hold(controller, command);
+  if (command.kind == Kind::bring_cautery) return bring(controller, command);
+  Hand& hand = full_hand(controller, command);
+  if (hand.tool == 0) return;
+  if (command.kind == Kind::lead) return lead(command, hand);
+  if (command.kind == Kind::burn) return burn(command, hand);
+  let_go(hand);
+}
+
+// ---- Taking hold, and letting go
+
+// The vertices are what is recorded; where the ray met the body is of no importance later.
+template <class Real>
+void Hands<Real>::take_hold(int controller, const HandCommand& command) {
+  Hand& hand = empty_hand(controller, command.hand);
+  Vec3d point = command.position;
+  std::optional<RayHit> hit;
+  if (command.kind == Kind::take_at_ray) {
+    const SurfaceMesh& surface = world_.surface().mesh();
+    update_positions(surface, world_.elements().points.view(), world_.displacements(), x_);
+    hit = cast_ray(surface, x_, command.position, command.direction);
+    if (!hit) return say("missed", name_of(controller, command.hand) + ": the ray meets nothing");
+    point = hit->point;
+  }
+  std::vector<Index> vertices = free_within(point, command.radius);
+  if (vertices.empty() && hit) vertices = free_corners(hit->triangle);
+  if (vertices.empty())
+    return say("missed", name_of(controller, command.hand) + ": no vertex that is free lies within " +
+                             rounded(command.radius) + " m of the point");
+  hand.tool = world_.tools().next_id();
+  hand.type = ToolType::grasp;
+  hand.follower = Follower(point);
+  apply_(TakeHold{name_of(controller, command.hand), std::move(vertices)});
+}
+
+template <class Real>
+void Hands<Real>::bring(int controller, const HandCommand& command) {
+  Hand& hand = empty_hand(controller, command.hand);
+  const ToolId tool = world_.tools().next_id();
+  apply_(BringCautery{name_of(controller, command.hand), command.radius, command.position});
+  hand.tool = tool;
+  hand.type = ToolType::cautery;
+  hand.is_led = true;
+  hand.follower = Follower(command.position);
+}
+
+template <class Real>
+void Hands<Real>::let_go(Hand& hand) {
+  if (hand.tool != 0) apply_(LetGo{hand.tool});
+  hand = {.controller = hand.controller, .number = hand.number};
+}
+
+template <class Real>
+int Hands<Real>::lose(int controller) {
+  int full = 0;
+  for (Hand& hand : hands_) {
+    if (hand.controller != controller) continue;
+    full += hand.tool != 0;
+    let_go(hand);
+  }
+  std::erase_if(hands_, [&](const Hand& hand) { return hand.controller == controller; });
+  return full;
+}
+
+template <class Real>
+std::vector<int> Hands<Real>::controllers() const {
+  std::vector<int> all;
+  for (const Hand& hand : hands_)
+    if (std::count(all.begin(), all.end(), hand.controller) == 0) all.push_back(hand.controller);
+  return all;
+}
+
+template <class Real>
+bool Hands<Real>::is_free(Index vertex) const {
+  return !world_.elements().topology.around(vertex).empty() && !world_.held().fixes(vertex);
+}
+
+template <class Real>
+std::vector<Index> Hands<Real>::free_within(const Vec3d& point, double radius) {
+  const auto u = world_.displacements();
+  const auto X = world_.elements().points.view();
+  std::vector<Index> vertices;
+  for (Index v = 0; v < world_.elements().topology.vertex_count(); ++v) {
+    const Vec3d x = X.col(v) + u.col(v).template cast<double>();
+    if ((x - point).squaredNorm() <= radius * radius && is_free(v)) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+template <class Real>
+std::vector<Index> Hands<Real>::free_corners(Index triangle) {
+  const SurfaceMesh& surface = world_.surface().mesh();
+  std::vector<Index> vertices;
+  for (Index corner : surface.triangles[std::size_t(triangle)])
+    if (const Index v = surface.mesh_vertex[std::size_t(corner)]; is_free(v)) vertices.push_back(v);
+  return vertices;
+}
+
+// ---- Leading
+
+template <class Real>
+void Hands<Real>::lead(const HandCommand& command, Hand& hand) {
+  hand.follower.aim({command.position, command.orientation});
+}
+
+template <class Real>
+void Hands<Real>::burn(const HandCommand& command, Hand& hand) {
+  if (hand.type != ToolType::cautery)
+    throw InputError("burn", name_of(hand.controller, hand.number) + " has no cautery");
+  apply_(SwitchCautery{hand.tool, command.on});
+  hand.is_on = command.on;
+}
+
+template <class Real>
+void Hands<Real>::before_frame(double duration) {
+  for (Hand& hand : hands_)
+    if (hand.tool != 0 && hand.is_led && hand.follower.step(duration, limits_))
+      apply_(Lead{hand.tool, of_tool(hand.follower.pose(), hand.arm)});
+}
+
+template <class Real>
+void Hands<Real>::begin_to_lead(Hand& hand) {
+  const Grasp& grasp = *world_.tools().grasp(hand.tool);
+  if (grasp.phase != Grasp::Phase::holding) return;
+  const auto& held = world_.held().all();
+  hand.vertices = static_cast<Index>(
+      std::count_if(held.begin(), held.end(), [&](const auto& item) { return item.holder == hand.tool; }));
+  hand.arm = grasp.centre - hand.follower.pose().position;
+  hand.is_led = true;
+}
+
+template <class Real>
+void Hands<Real>::after_frame() {
+  for (Hand& hand : hands_) {
+    if (hand.tool == 0 || hand.type != ToolType::grasp) continue;
+    if (!hand.is_led) begin_to_lead(hand);
+    const double force = world_.tools().grasp(hand.tool)->force.norm();
+    if (force <= limits_.force_cap) continue;
+    say("slipped", name_of(hand.controller, hand.number) + ": pulled with " + rounded(force) +
+                       " N, more than " + rounded(limits_.force_cap) + " N");
+    let_go(hand);
+  }
+}
+
+// ---- Which
+
+template <class Real>
+auto Hands<Real>::find(int controller, HandNumber number) -> Hand* {
+  const auto at = std::find_if(hands_.begin(), hands_.end(), [&](const Hand& hand) {
+    return hand.controller == controller && hand.number == number;
+  });
+  return at == hands_.end() ? nullptr : &*at;
+}
+
+template <class Real>
+auto Hands<Real>::empty_hand(int controller, HandNumber number) -> Hand& {
+  constexpr std::size_t most = 256;
+  if (Hand* hand = find(controller, number)) {
+    let_go(*hand);
+    return *hand;
+  }
+  if (hands_.size() == most) throw InputError("hand", "there are " + std::to_string(most) + ", and no more");
+  return hands_.emplace_back(Hand{.controller = controller, .number = number});
+}
+
+// A hand that has been emptied, by slipping for example, is sent poses until its controller has noticed.
+template <class Real>
+auto Hands<Real>::full_hand(int controller, const HandCommand& command) -> Hand& {
+  Hand* hand = find(controller, command.hand);
+  if (!hand)
+    throw InputError(name_of(controller, command.hand), "has no tool to " + std::string(name(command.kind)));
+  return *hand;
+}
+
+template <class Real>
+std::string Hands<Real>::name_of(int controller, HandNumber number) const {
+  return "hand " + std::to_string(number) + " of " + controllers_.name(controller);
+}
+
+template <class Real>
+void Hands<Real>::tell(std::vector<HandStatus>& hands) const {
+  hands.clear();
+  for (const Hand& hand : hands_) {
+    if (hand.tool == 0) continue;
+    HandStatus status{
+        .controller = hand.controller, .hand = hand.number, .tool = hand.tool, .type = hand.type};
+    status.holds = hand.type == ToolType::grasp ? hand.is_led : hand.is_on;
+    status.vertices = hand.vertices;
+    status.pose = hand.follower.pose();
+    if (const Grasp* grasp = world_.tools().grasp(hand.tool)) {
+      status.force = -grasp->force;
+      status.torque = -grasp->torque;
+    }
+    hands.push_back(status);
+  }
+}
+
+template class Hands<float>;
+template class Hands<double>;
+
+}  // namespace lobe

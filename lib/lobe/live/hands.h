@@ -1,0 +1,76 @@
+// The hands of all controllers: what they ask for becomes commands of the world.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lobe/linearity/steering.h"
+#include "lobe/live/follower.h"
+#include "lobe/live/hand_queue.h"
+#include "lobe/live/messages.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+template <class Real>
+class Hands {
+ public:
+  Hands(World<Real>& world, Steering apply, const HandQueue& controllers, Messages& messages,
+        const HandLimits& limits)
+      : world_(world),
+        apply_(std::move(apply)),
+        controllers_(controllers),
+        messages_(messages),
+        limits_(limits) {}
+
+  // take_at_ray, take_at_point, bring_cautery, lead, burn, let_go. Throws InputError for what cannot be done, and has then done
+  // nothing.
+  void obey(int controller, const HandCommand& command);
+  int lose(int controller);          // its hands let go; how many held something
+  void forget() { hands_.clear(); }  // the world was put back, and their tools have let go
+
+  void before_frame(double duration);  // leads the tools [s]
+  void after_frame();                  // takes note of what is held, and of what slips
+
+  void tell(std::vector<HandStatus>& hands) const;
+  // The controllers that have hands, each once.
+  std::vector<int> controllers() const;
+
+ private:
+  struct Hand {
+    int controller = 0;
+    HandNumber number = 0;
+    ToolId tool = 0;  // 0: empty
+    ToolType type = ToolType::grasp;
+    bool is_led = false;        // a grasp: it has taken hold
+    bool is_on = false;         // a cautery
+    Vec3d arm = Vec3d::Zero();  // from where it took hold to the centre of what it holds [m]
+    Index vertices = 0;         // that it holds
+    Follower follower = {};
+  };
+
+  void take_hold(int controller, const HandCommand& command);
+  void bring(int controller, const HandCommand& command);
+  void lead(const HandCommand& command, Hand& hand);
+  void burn(const HandCommand& command, Hand& hand);
+  void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
+  void let_go(Hand& hand);
+  Hand* find(int controller, HandNumber number);
+  Hand& empty_hand(int controller, HandNumber number);
+  Hand& full_hand(int controller, const HandCommand& command);
+  std::string name_of(int controller, HandNumber number) const;
+  std::vector<Index> free_within(const Vec3d& point, double radius);
+  std::vector<Index> free_corners(Index triangle);
+  bool is_free(Index vertex) const;
+  void begin_to_lead(Hand& hand);
+
+  World<Real>& world_;
+  Steering apply_;
+  const HandQueue& controllers_;
+  Messages& messages_;
+  HandLimits limits_;
+  std::vector<Hand> hands_;
+  Mat3X<Real> x_;  // of the surface, where a ray is cast
+};
+
+}  // namespace lobe

@@ -1,0 +1,302 @@
+#include "lobe/live/session.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/error.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+using Clock = Pace::Clock;
+using Kind = HandCommand::Kind;
+
+bool is_above_0(double value) { return value > 0 && std::isfinite(value); }
+
+const SessionOptions& checked(const SessionOptions& options) {
+  const auto expect = [](bool is_right, const char* what) {
+    if (!is_right) throw InputError("session", what);
+  };
+  const HandLimits& hand = options.hand;
+  expect(is_above_0(options.frame), "its frames must be longer than 0 s, and finite");
+  expect(is_above_0(options.speed), "its speed must be above 0, and finite");
+  expect(options.queue > 0, "its queue must have room for a command");
+  expect(options.back_every >= 0, "states to go back to must be 0 s apart or more");
+  expect(options.patience >= 0, "its patience must be 0 s or more");
+  expect(
+      is_above_0(hand.lag) && is_above_0(hand.top_speed) && is_above_0(hand.top_turn) && hand.force_cap > 0,
+      "the limits of hands must be above 0");
+  return options;
+}
+
+// A frame whose multiples are exact, up to millions: then times of frames are the same however they are summed, and a scene can
+// say them.
+double with_exact_multiples(double frame) {
+  constexpr int bits = 30;
+  int exponent = 0;
+  const double mantissa = std::frexp(frame, &exponent);
+  return std::ldexp(std::floor(std::ldexp(mantissa, bits)), exponent - bits);
+}
+
+}  // namespace
+
+template <class Real>
+Session<Real>::Session(const Setup& setup, const SessionOptions& options)
+    : options_(checked(options)),
+      frame_(with_exact_multiples(options.frame)),
+      queue_(options.queue),
+      world_(setup, options.threads, options.condensing),
+      pictures_(world_.snapshots()),
+      timeline_(world_, options.back_every, options.back_memory),
+      hands_(
+          world_, [this](const Command& command) { timeline_.apply(command); }, queue_, messages_,
+          options.hand),
+      speed_(options.speed),
+      is_running_(options.running) {
+  publish({});
+}
+
+// ---- A frame
+
+template <class Real>
+bool Session<Real>::step_frame() {
+  take_commands();
+  if (!is_running_ && !steps_once_) {
+    if (was_changed_) publish({});
+    if (was_told_) publish_status();
+    return false;
+  }
+  steps_once_ = false;
+  hands_.before_frame(frame_);
+  const Report report = timeline_.advance(frame_);
+  ++frames_;
+  hands_.after_frame();
+  for (const Condition& condition : report.conditions) say(name(condition.kind), condition.text);
+  if (!report.ok) {
+    say("stands_still", "the simulation cannot go on from here: go back, or restart");
+    stands_still_ = true;
+    set_running(false);
+  }
+  publish(report);
+  return true;
+}
+
+template <class Real>
+void Session<Real>::publish(const Report& report) {
+  world_.publish(report);
+  was_changed_ = false;
+  publish_status();
+}
+
+template <class Real>
+void Session<Real>::publish_status() {
+  was_told_ = false;
+  SessionStatus* status = status_.writable();
+  if (!status) return;
+  if (const auto picture = pictures_.latest()) status->picture = picture->frame;
+  status->time = world_.time();
+  status->is_running = is_running_;
+  status->stands_still = stands_still_;
+  status->speed = speed_;
+  status->real_time_factor = is_running_ ? pace_.factor() : 0;
+  status->frames = frames_;
+  status->frames_late = pace_.frames_late();
+  status->can_go_back = timeline_.can_go_back();
+  status->revision = world_.surface().revision();
+  hands_.tell(status->hands);
+  status->sequences.resize(heard_.size());
+  std::transform(heard_.begin(), heard_.end(), status->sequences.begin(),
+                 [](const Heard& heard) { return heard.sequence; });
+  status->messages = messages_.all();
+  status_.publish();
+}
+
+// ---- Commands
+
+// Everything that those who have gone had sent was sent before.
+template <class Real>
+void Session<Real>::take_commands() {
+  const std::vector<int> gone = queue_.gone();
+  while (const auto sent = queue_.take()) obey(*sent);
+  for (int controller : gone) {
+    if (const int full = hands_.lose(controller); full > 0)
+      say("controller_gone",
+          queue_.name(controller) + ": its " + std::to_string(full) + " tools have let go");
+    heard_[std::size_t(controller)] = {};
+    queue_.forget(controller);
+    was_told_ = true;
+  }
+  if (options_.patience > 0) lose_the_silent();
+}
+
+template <class Real>
+void Session<Real>::lose_the_silent() {
+  const auto patience = std::chrono::duration<double>(options_.patience);
+  for (int controller : hands_.controllers()) {
+    if (Clock::now() - heard_[std::size_t(controller)].at < patience) continue;
+    if (hands_.lose(controller) > 0)
+      say("controller_gone", queue_.name(controller) + ": silent for more than " +
+                                 rounded(options_.patience) + " s, its tools have let go");
+  }
+}
+
+template <class Real>
+void Session<Real>::obey(const HandQueue::Sent& sent) {
+  Heard& heard = heard_[std::size_t(sent.controller)];
+  heard = {std::max(heard.sequence, sent.command.sequence), Clock::now()};
+  was_told_ = true;
+  try {
+    if (sent.command.kind <= Kind::let_go)
+      hands_.obey(sent.controller, sent.command);
+    else
+      control(sent.command);
+  } catch (const InputError& error) {
+    say("refused", queue_.name(sent.controller) + ": " + error.what());
+  }
+}
+
+template <class Real>
+void Session<Real>::control(const HandCommand& command) {
+  switch (command.kind) {
+    case Kind::edit:
+      return edit(command);
+    case Kind::run:
+      return set_running(command.on);
+    case Kind::step:
+      steps_once_ = true;
+      return;
+    case Kind::speed:
+      if (!(command.value >= 0.001 && command.value <= 100))
+        throw InputError("speed", "must be from 0.001 to 100 simulated seconds per second");
+      speed_ = command.value;
+      return pace_.start(Clock::now());
+    case Kind::restart:
+    case Kind::back:
+      return go_back(command);
+    case Kind::alive:
+      return;
+    default:
+      throw InputError("command", "there is none of kind " + std::to_string(int(command.kind)));
+  }
+}
+
+template <class Real>
+void Session<Real>::go_back(const HandCommand& command) {
+  const bool restarts = command.kind == Kind::restart;
+  if (!restarts && !is_above_0(command.value)) throw InputError("back", "must be by more than 0 s");
+  const double from = world_.time();
+  hands_.forget();
+  restarts ? timeline_.restart() : timeline_.go_back(command.value);
+  stands_still_ = false;
+  was_changed_ = true;
+  say("went_back", "from " + rounded(from) + " s to " + rounded(world_.time()) + " s");
+}
+
+template <class Real>
+void Session<Real>::edit(const HandCommand& command) {
+  if (!command.body_edit) throw InputError("edit", "has no command for the body");
+  const bool is_edit = std::visit(
+      []<class Own>(const Own&) {
+        return std::is_same_v<Own, RemoveTets> || std::is_same_v<Own, SetRegion> ||
+               std::is_same_v<Own, Expand> || std::is_same_v<Own, Condense> || std::is_same_v<Own, Renew> ||
+               std::is_same_v<Own, SetMassDegree> || std::is_same_v<Own, SetForces> ||
+               std::is_same_v<Own, SetSprings> || std::is_same_v<Own, MoveSprings>;
+      },
+      *command.body_edit);
+  if (!is_edit) throw InputError("edit", "is not for tools, frames, or what the world does by itself");
+  timeline_.apply(*command.body_edit);
+  was_changed_ = true;
+}
+
+template <class Real>
+void Session<Real>::set_running(bool running) {
+  if (running && !is_running_) {
+    stands_still_ = false;
+    pace_.start(Clock::now());
+  }
+  is_running_ = running;
+}
+
+// ---- Its own thread
+
+template <class Real>
+void Session<Real>::start() {
+  if (is_started()) return;
+  stops_ = false;
+  is_driven_ = true;
+  pace_.start(Clock::now());
+  thread_ = std::thread([this] { run(); });
+}
+
+// Somebody may be waiting for work that the thread has not seen.
+template <class Real>
+void Session<Real>::stop() {
+  if (!is_started()) return;
+  stops_ = true;
+  queue_.wake();
+  thread_.join();
+  while (!asking_.try_lock()) do_work();
+  is_driven_ = false;
+  asking_.unlock();
+}
+
+template <class Real>
+void Session<Real>::run() {
+  while (!stops_) {
+    const std::uint32_t signal = queue_.signal();
+    do_work();
+    if (!step_frame()) {
+      if (!stops_ && !work_.load()) queue_.wait(signal);
+      continue;
+    }
+    const Clock::time_point due = pace_.frame_done(Clock::now(), frame_, speed_);
+    if (options_.paced) wait_until(due);
+  }
+}
+
+// In slow motion what is asked between two frames does not wait for the next one.
+template <class Real>
+void Session<Real>::wait_until(Clock::time_point due) {
+  constexpr std::chrono::milliseconds slice(5);
+  std::uint32_t signal = queue_.signal();
+  const double speed = speed_;
+  for (auto now = Clock::now(); now < due; now = Clock::now()) {
+    std::this_thread::sleep_until(std::min(due, now + slice));
+    if (due - now <= slice || signal == queue_.signal()) continue;
+    signal = queue_.signal();
+    do_work();
+    take_commands();
+    if (stops_ || !is_running_ || speed_ != speed) return;
+    if (was_changed_) publish({});
+    if (was_told_) publish_status();
+  }
+}
+
+template <class Real>
+void Session<Real>::do_work() {
+  const std::function<void()>* work = work_.load(std::memory_order_acquire);
+  if (!work) return;
+  try {
+    (*work)();
+  } catch (...) {
+    work_failed_ = std::current_exception();
+  }
+  work_.store(nullptr, std::memory_order_release);
+  work_.notify_all();
+}
+
+template <class Real>
+void Session<Real>::between_frames(const std::function<void()>& work) {
+  const std::lock_guard lock(asking_);
+  if (!is_driven_) return work();
+  work_.store(&work, std::memory_order_release);
+  queue_.wake();
+  work_.wait(&work, std::memory_order_acquire);
+  if (work_failed_) std::rethrow_exception(std::exchange(work_failed_, nullptr));
+}
+
+template class Session<float>;
+template class Session<double>;
+
+}  // namespace lobe

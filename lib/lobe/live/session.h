@@ -1,0 +1,153 @@
+// A body in the hands of people: it is simulated in frames of one length, which follow the clock, while any thread sends hand
+// commands and looks at pictures (docs/live.md).
+//
+//   Session<float> session(resolved.setup);
+//   Controller mouse = session.connect("mouse");
+//   session.start();  // a thread of its own; or call step_frame() in a loop
+//   mouse.send({.kind = HandCommand::Kind::take_at_ray, .hand = 1, .position = eye, .direction = ray, .radius = 0.01});
+//   mouse.send({.kind = HandCommand::Kind::lead, .hand = 1, .position = there});
+//   const auto picture = session.pictures().latest();
+//
+// Hands act through commands of the world alone (sim/command.h). All of these are recorded: a replay gives the same bits.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "lobe/live/hand_queue.h"
+#include "lobe/live/hands.h"
+#include "lobe/live/pace.h"
+#include "lobe/live/timeline.h"
+
+namespace lobe {
+
+struct SessionOptions {
+  double frame = 1.0 / 120;  // [s], above 0; shortened by up to 2e-9 of it, so that sums of frames are exact
+  int threads = 1;           // of the world
+  double speed = 1;          // simulated seconds per second of the clock
+  bool paced = true;         // false: as fast as it can
+  bool running = true;       // false: it begins paused
+  std::uint32_t queue = 1024;           // hand commands that wait for a frame
+  double back_every = 0.5;              // between two states that can be gone back to [s]
+  std::size_t back_memory = 64u << 20;  // of these states [bytes]
+  double patience = 0;                  // whoever has not sent anything for longer is gone [s]; 0: never
+  HandLimits hand = {};
+  CondensingLog::Progress condensing = {};  // while precomputed regions are condensed
+};
+
+// Somebody who has hands. Where it is destroyed, whatever it is doing, its hands let go. Outlived by its session.
+class Controller {
+ public:
+  Controller(HandQueue& queue, const std::string& name) : queue_(&queue), number_(queue.connect(name)) {}
+  Controller(Controller&& other) noexcept
+      : queue_(std::exchange(other.queue_, nullptr)), number_(other.number_) {}
+  Controller& operator=(Controller&& other) noexcept {
+    std::swap(queue_, other.queue_);
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Controller() {
+    if (queue_) queue_->disconnect(number_);
+  }
+
+  int number() const { return number_; }  // in SessionStatus
+  // False: the queue is full, the command was not taken, and may be sent again. Never waits for the simulation.
+  bool send(const HandCommand& command) { return queue_->send(number_, command); }
+
+ private:
+  HandQueue* queue_;
+  int number_;
+};
+
+template <class Real>
+class Session {
+ public:
+  // Throws InputError for a setup that no world can be built from, and for options that are none.
+  explicit Session(const Setup& setup, const SessionOptions& options = {});
+  ~Session() { stop(); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  // ---- Any thread
+
+  Controller connect(const std::string& name) {
+    return {queue_, name};
+  }  // InputError: more than 64 at a time
+  // A status is made after its picture: what it says to be contained is in every picture that is taken after it.
+  const TripleBuffer<Snapshot<Real>>& pictures() const { return pictures_; }
+  TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }
+  // Does something between two frames, and waits until it is done: for what can be asked of the world, the recording or for a
+  // scene. Throws what it throws. Time stretches meanwhile. Not from within such work, nor by the thread that drives a session
+  // that is not started: that may ask by itself.
+  void between_frames(const std::function<void()>& work);
+
+  // ---- The thread that drives it
+
+  void start();  // a thread of its own, until stop()
+  void stop();
+  bool is_started() const { return thread_.joinable(); }
+  // Does what was asked since the last frame, then simulates one; false: it pauses. Not while started.
+  bool step_frame();
+
+  // ---- Between frames: not while started, but for between_frames()
+
+  World<Real>& world() { return world_; }
+  const World<Real>& world() const { return world_; }
+  const Recording& recording() const { return timeline_.recording(); }
+  double frame() const { return frame_; }  // [s]
+
+ private:
+  struct Heard {
+    std::uint64_t sequence = 0;
+    Pace::Clock::time_point at{};
+  };
+
+  void run();
+  void wait_until(Pace::Clock::time_point due);
+  void take_commands();
+  void obey(const HandQueue::Sent& sent);
+  void control(const HandCommand& command);
+  void edit(const HandCommand& command);
+  void go_back(const HandCommand& command);
+  void set_running(bool running);
+  void lose_the_silent();
+  void do_work();
+  void publish(const Report& report);
+  void publish_status();
+  void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
+
+  const SessionOptions options_;
+  const double frame_;  // [s]
+  HandQueue queue_;
+  World<Real> world_;
+  const TripleBuffer<Snapshot<Real>>& pictures_;
+  Timeline<Real> timeline_;
+  Messages messages_;
+  Hands<Real> hands_;
+  Pace pace_;
+  std::array<Heard, HandQueue::most_controllers> heard_;
+  double speed_;
+  bool is_running_;
+  bool steps_once_ = false, stands_still_ = false;
+  bool was_told_ = false, was_changed_ = false;  // since the last picture: the session something, the body
+  std::int64_t frames_ = 0;
+  TripleBuffer<SessionStatus> status_;
+
+  std::thread thread_;
+  std::atomic<bool> stops_ = false;
+  std::atomic<bool> is_driven_ = false;  // by that thread
+  std::mutex asking_;
+  std::atomic<const std::function<void()>*> work_ = nullptr;
+  std::exception_ptr work_failed_;
+};
+
+extern template class Session<float>;
+extern template class Session<double>;
+
+}  // namespace lobe

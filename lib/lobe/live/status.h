@@ -1,0 +1,56 @@
+// What a session says of itself, for other threads: beside the picture of the world (snapshot/snapshot.h), once per frame.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lobe/live/hand_command.h"
+
+namespace lobe {
+
+// Something that there is to say: a condition of the world (sim/report.h), or one of the session's own:
+//   missed           a ray met nothing, or nothing within the radius can be held: the hand is empty
+//   slipped          a grasp was pulled at with more than the cap: it has let go
+//   controller_gone  its hands have let go
+//   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there: nothing was done
+//   stands_still     no step is stable: the simulation pauses; go back, or restart
+//   went_back        as asked
+struct SessionMessage {
+  std::uint64_t number = 0;  // counted from 1
+  double time = 0;           // simulated, the first time [s]
+  std::string name, text;
+  int times = 1;  // in a row
+};
+
+struct HandStatus {
+  int controller = 0;
+  HandNumber hand = 0;
+  ToolId tool = 0;  // of the world
+  ToolType type = ToolType::grasp;
+  bool holds = false;            // a grasp: it has taken hold; a cautery: it is on
+  Index vertices = 0;            // that a grasp holds
+  ToolPose pose = {};            // of where it took hold, or of the tip
+  Vec3d force = Vec3d::Zero();   // on the tool, by the body, mean over the last frame [N]
+  Vec3d torque = Vec3d::Zero();  // about the grasp's centre [N m]
+};
+
+struct SessionStatus {
+  std::int64_t picture = 0;  // Snapshot::frame of the picture that goes with it
+  double time = 0;           // simulated [s]
+  bool is_running = false;   // false: paused
+  bool stands_still = false;
+  double speed = 1;             // asked for, simulated seconds per second
+  double real_time_factor = 0;  // reached, over the last half second; 0 while paused
+  std::int64_t frames = 0;      // of the session, over all restarts
+  std::int64_t frames_late = 0;
+  double can_go_back = 0;      // [s]
+  std::uint64_t revision = 0;  // of the surface
+  std::vector<HandStatus> hands;
+  // Per controller: the sequence of its last command that this state contains.
+  std::vector<std::uint64_t> sequences;
+  std::shared_ptr<const std::vector<SessionMessage>> messages;  // the last 64, the newest at the end
+};
+
+}  // namespace lobe

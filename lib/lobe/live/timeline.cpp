@@ -1,0 +1,44 @@
+#include "lobe/live/timeline.h"
+
+namespace lobe {
+
+template <class Real>
+Timeline<Real>::Timeline(World<Real>& world, double apart, std::size_t most_bytes)
+    : world_(world), recorded_(world), first_(world.save()), kept_(SIZE_MAX, apart, most_bytes) {}
+
+template <class Real>
+Report Timeline<Real>::advance(double duration) {
+  Report report = recorded_.advance(duration);
+  if (report.ok) kept_.keep(world_, recording().commands.size());
+  return report;
+}
+
+template <class Real>
+void Timeline<Real>::go_back(double seconds) {
+  const auto* kept = kept_.latest(world_.time() - seconds);
+  if (!kept) return restart();
+  recorded_.go_back(kept->checkpoint, kept->mark);
+  let_go_of_all();
+}
+
+template <class Real>
+void Timeline<Real>::restart() {
+  recorded_.go_back(first_, 0);
+  kept_.clear();
+  let_go_of_all();
+}
+
+template <class Real>
+void Timeline<Real>::let_go_of_all() {
+  std::vector<ToolId> tools;
+  for (const Grasp& grasp : world_.tools().grasps())
+    if (grasp.is_live && !grasp.release) tools.push_back(grasp.id);
+  for (const Cautery& cautery : world_.tools().cauteries())
+    if (cautery.is_live && !cautery.is_away) tools.push_back(cautery.id);
+  for (ToolId tool : tools) apply(LetGo{tool});
+}
+
+template class Timeline<float>;
+template class Timeline<double>;
+
+}  // namespace lobe

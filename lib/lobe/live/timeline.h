@@ -1,0 +1,35 @@
+// What is done to the world of a session, on the record: also going back.
+#pragma once
+
+#include "lobe/run/recording.h"
+#include "lobe/sim/checkpoint.h"
+
+namespace lobe {
+
+template <class Real>
+class Timeline {
+ public:
+  // States are kept `apart` [s], the last of them in so much memory; the first is kept in any case.
+  Timeline(World<Real>& world, double apart, std::size_t most_bytes);
+
+  void apply(const Command& command) { recorded_.apply(command); }
+  Report advance(double duration);
+  // To the latest state that was kept at least `seconds` ago; where there is none, to the first. Tools that were in somebody's
+  // hands then are let go, or taken away.
+  void go_back(double seconds);
+  void restart();
+
+  double can_go_back() const { return world_.time() - first_.state.time; }  // [s]
+  std::size_t bytes() const { return kept_.bytes(); }  // of the states in memory, but the first
+  const Recording& recording() const { return recorded_.recording(); }
+
+ private:
+  void let_go_of_all();
+
+  World<Real>& world_;
+  Recorded<Real> recorded_;
+  Checkpoint<Real> first_;
+  CheckpointRing<Real> kept_;
+};
+
+}  // namespace lobe

@@ -1,0 +1,59 @@
+// A body for hands to hold, and hands that are scripted.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "lobe/live/session.h"
+#include "near.h"
+#include "support.h"
+
+namespace lobe::test {
+
+using Kind = HandCommand::Kind;
+
+// A block of 5 cm that stands on z = 0, half of it linear, under gravity.
+inline Setup block() {
+  Setup setup = hybrid_setup(irregular_box(5));
+  setup.damping = 15;
+  setup.gravity = {0, 0, -9.81};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+inline const Vec3d top{0.025, 0.025, 0.05};  // of the block [m]
+
+inline HandCommand take_at(const Vec3d& point, double radius = 0.012, HandNumber hand = 1) {
+  return {.kind = Kind::take_at_point, .hand = hand, .position = point, .radius = radius};
+}
+inline HandCommand lead_to(const Vec3d& point, HandNumber hand = 1) {
+  return {.kind = Kind::lead, .hand = hand, .position = point};
+}
+inline HandCommand ask(Kind kind, HandNumber hand = 1) { return {.kind = kind, .hand = hand}; }
+inline HandCommand ask(Kind kind, double value) { return {.kind = kind, .value = value}; }
+inline HandCommand turn_on(Kind kind, bool on, HandNumber hand = 1) {
+  return {.kind = kind, .on = on, .hand = hand};
+}
+
+template <class Real>
+std::vector<SessionMessage> messages(const Session<Real>& session) {
+  return *session.status()->messages;
+}
+
+template <class Real>
+int times_said(const Session<Real>& session, const std::string& name, const std::string& text = "") {
+  int times = 0;
+  for (const SessionMessage& message : messages(session))
+    if (message.name == name && message.text.find(text) != std::string::npos) times += message.times;
+  return times;
+}
+
+template <class Real>
+bool same_bits(World<Real>& a, World<Real>& b) {
+  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
+}
+
+}  // namespace lobe::test

@@ -36,7 +36,8 @@ std::string_view token_of(std::string_view target) {
 // In a time that does not tell how much of it was right.
 bool same_secret(std::string_view a, std::string_view b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
-  for (std::size_t i = 0; i < a.size(); ++i) difference |= unsigned(a[i] ^ b[i % std::max<std::size_t>(1, b.size())]);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    difference |= unsigned(a[i] ^ b[i % std::max<std::size_t>(1, b.size())]);
   return difference == 0 && !b.empty();
 }
 
@@ -64,20 +65,21 @@ void Connection::read_request() {
   parser_->body_limit(shared_.options.largest_message);
   parser_->header_limit(largest_header);
   http_->expires_after(std::chrono::seconds(30));
-  http::async_read(*http_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-    if (error) return self->end();
-    const Request request = self->parser_->release();
-    if (websocket::is_upgrade(request))
-      self->become_live(request);
-    else
-      self->answer(request);
-  });
+  http::async_read(*http_, buffer_, *parser_,
+                   [self = shared_from_this()](beast::error_code error, std::size_t) {
+                     if (error) return self->end();
+                     const Request request = self->parser_->release();
+                     if (websocket::is_upgrade(request))
+                       self->become_live(request);
+                     else
+                       self->answer(request);
+                   });
 }
 
 void Connection::answer(const Request& request) {
   auto response = std::make_shared<Response>(file(request));
-  response->set(http::field::x_content_type_options, "nosniff");
-  response->set(http::field::content_security_policy,
+  response->set("X-Content-Type-Options", "nosniff");
+  response->set("Content-Security-Policy",
                 "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
                 "media-src 'self' blob:; connect-src 'self' ws: wss:; frame-ancestors 'none'");
   response->set("Referrer-Policy", "no-referrer");
@@ -142,7 +144,8 @@ void Connection::become_live(const Request& request) {
   http_.reset();
   websocket::stream_base::timeout timeout{};
   timeout.handshake_timeout = std::chrono::seconds(30);
-  timeout.idle_timeout = std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(shared_.options.silence));
+  timeout.idle_timeout =
+      std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(shared_.options.silence));
   timeout.keep_alive_pings = true;
   live_->set_option(timeout);
   live_->read_message_max(shared_.options.largest_message);
@@ -190,7 +193,8 @@ void Connection::send(std::string text) {
 
 void Connection::drop(std::string_view why) {
   if (!is_live() || closing_) return;
-  closing_.emplace(websocket::close_code::policy_error, beast::string_view(why.data(), std::min<std::size_t>(why.size(), 120)));
+  closing_.emplace(websocket::close_code::policy_error,
+                   beast::string_view(why.data(), std::min<std::size_t>(why.size(), 120)));
   write_next();
 }
 
@@ -207,16 +211,17 @@ void Connection::write_next() {
   live_->text(is_text);
   live_->binary(!is_text);
   const std::string& next = is_text ? texts_.front() : frame_;
-  live_->async_write(asio::buffer(next), [self = shared_from_this(), is_text](beast::error_code error, std::size_t) {
-    self->is_writing_ = false;
-    if (error) return;  // the reading side ends it
-    if (is_text)
-      self->texts_.pop_front();
-    else
-      self->frame_.clear();
-    self->write_next();
-    self->offer_frame();
-  });
+  live_->async_write(asio::buffer(next),
+                     [self = shared_from_this(), is_text](beast::error_code error, std::size_t) {
+                       self->is_writing_ = false;
+                       if (error) return;  // the reading side ends it
+                       if (is_text)
+                         self->texts_.pop_front();
+                       else
+                         self->frame_.clear();
+                       self->write_next();
+                       self->offer_frame();
+                     });
 }
 
 void Connection::end() {

@@ -10,8 +10,8 @@
 namespace lobe::view {
 
 struct Measured {
-  std::uint64_t number = 0;  // counted from 1
-  double time = 0;           // [s]
+  std::uint64_t number = 0;         // counted from 1
+  double time = 0;                  // [s]
   double elastic = 0, kinetic = 0;  // [J]
   std::string scalar = "none";
   std::uint64_t revision = 0;  // of the surface

@@ -143,8 +143,8 @@ class LiveOf final : public Live {
     const SurfaceMesh& surface = *picture.surface.mesh;
     Mat3X<float> rest(3, surface.vertex_count());
     for (Index v = 0; v < surface.vertex_count(); ++v)
-      rest.col(v) =
-          (picture.surface.x.col(v) - picture.u.col(surface.mesh_vertex[std::size_t(v)])).template cast<float>();
+      rest.col(v) = (picture.surface.x.col(v) - picture.u.col(surface.mesh_vertex[std::size_t(v)]))
+                        .template cast<float>();
     return rest;
   }
 
@@ -153,7 +153,8 @@ class LiveOf final : public Live {
     const auto latest = measured();
     if (latest->number == 0) return;
     status["energy"] = {{"time", latest->time}, {"elastic", latest->elastic}, {"kinetic", latest->kinetic}};
-    if (scalar == "none" || latest->scalar != scalar || latest->revision != revision || told.scalar == latest->number)
+    if (scalar == "none" || latest->scalar != scalar || latest->revision != revision ||
+        told.scalar == latest->number)
       return;
     told.scalar = latest->number;
     write_scalar(scalar, latest->values, out);

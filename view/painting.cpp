@@ -18,7 +18,8 @@ constexpr RegionModel models[] = {RegionModel::tensor_mass, RegionModel::precomp
 constexpr const char* region_names[] = {"tensor-mass", "pre-computed", "non-linear"};
 
 // At most `radius` away; the nearest one where there is none. `of` are columns of points.
-std::vector<Index> within(const Mat3X<double>& points, const std::vector<Index>& of, const Vec3d& at, double radius) {
+std::vector<Index> within(const Mat3X<double>& points, const std::vector<Index>& of, const Vec3d& at,
+                          double radius) {
   std::vector<Index> found;
   Index nearest = -1;
   double least = std::numeric_limits<double>::infinity();
@@ -126,14 +127,16 @@ void Painting::follow_all() { follow(all(mesh_.tet_count())); }
 std::array<double, 3> Painting::shares() const {
   std::array<double, 3> shares{};
   const double whole = std::accumulate(volumes_.begin(), volumes_.end(), 0.0);
-  for (std::size_t t = 0; t < volumes_.size(); ++t) shares[std::size_t(now_.region_of[t])] += volumes_[t] / whole;
+  for (std::size_t t = 0; t < volumes_.size(); ++t)
+    shares[std::size_t(now_.region_of[t])] += volumes_[t] / whole;
   return shares;
 }
 
 // A former label and a model are a label: what selects by former labels can go on doing so.
 int Painting::label(Index tet) const {
   const auto place = std::lower_bound(labels_.begin(), labels_.end(), mesh_.labels[std::size_t(tet)]);
-  return 1 + 3 * static_cast<int>(place - labels_.begin()) + static_cast<int>(now_.region_of[std::size_t(tet)]);
+  return 1 + 3 * static_cast<int>(place - labels_.begin()) +
+         static_cast<int>(now_.region_of[std::size_t(tet)]);
 }
 
 TetMesh Painting::mesh() const {
@@ -210,7 +213,8 @@ void check_file_name(const std::string& name) {
   const bool is_plain = std::all_of(name.begin(), name.end(),
                                     [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
   if (name.empty() || name.size() > 60 || !is_plain)
-    throw InputError("\"" + name + "\"", "a name of letters, digits, _ and -, at most 60 of them, is expected");
+    throw InputError("\"" + name + "\"",
+                     "a name of letters, digits, _ and -, at most 60 of them, is expected");
 }
 
 }  // namespace lobe::view

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "lobe/mesh/surface.h"
 #include "lobe/scene/resolve.h"
 
 namespace lobe::view {
@@ -16,8 +17,9 @@ class Painting {
 
   // ---- Painting; what is done until end_stroke() is undone at once.
 
-  void paint(const Vec3d& at, double radius, RegionModel model);  // tetrahedra by their barycentre, at least one
-  void hold(const Vec3d& at, double radius, bool held);           // vertices of the skin, at least one
+  void paint(const Vec3d& at, double radius,
+             RegionModel model);                         // tetrahedra by their barycentre, at least one
+  void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin, at least one
   void paint_all(RegionModel model);
   void use(const std::vector<RegionModel>& region_of);  // per tetrahedron
   void end_stroke() { is_in_stroke_ = false; }
@@ -27,8 +29,8 @@ class Painting {
   // ---- What there is
 
   const SurfaceMesh& surface() const { return surface_.mesh(); }
-  const Mat3X<float>& rest() const { return rest_; }                          // 3 × #vertices of the surface [m]
-  const std::vector<std::uint8_t>& held() const { return now_.held; }         // per vertex of the mesh
+  const Mat3X<float>& rest() const { return rest_; }                   // 3 × #vertices of the surface [m]
+  const std::vector<std::uint8_t>& held() const { return now_.held; }  // per vertex of the mesh
   const std::vector<RegionModel>& regions() const { return now_.region_of; }  // per tetrahedron
   std::array<double, 3> shares() const;                                       // of the volume, by RegionModel
 
@@ -62,9 +64,9 @@ class Painting {
   std::vector<int> labels_;  // of the mesh as it was, each once, ascending
   Surface surface_;
   Mat3X<float> rest_;
-  std::vector<Index> skin_;       // vertices of the mesh, each once
-  Mat3X<double> barycentres_;     // 3 × #tetrahedra [m]
-  std::vector<double> volumes_;   // of tetrahedra [m³]
+  std::vector<Index> skin_;      // vertices of the mesh, each once
+  Mat3X<double> barycentres_;    // 3 × #tetrahedra [m]
+  std::vector<double> volumes_;  // of tetrahedra [m³]
 };
 
 // A name of a file without folder and extension: letters, digits, "_" and "-", at most 60 of them. Throws InputError.

@@ -14,8 +14,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double largest_number = 1e6;         // of coordinates, seconds …
-constexpr std::size_t longest_text = 100;      // [bytes]
+constexpr double largest_number = 1e6;           // of coordinates, seconds …
+constexpr std::size_t longest_text = 100;        // [bytes]
 constexpr double largest_request_number = 9e15;  // that a double counts exactly
 
 double number_in(const Json& json, const std::string& place, double largest) {
@@ -49,7 +49,8 @@ void read(const Json& json, const std::string& place, std::string& value) {
 
 void read(const Json& json, const std::string& place, Vec3d& value) {
   if (!json.is_array() || json.size() != 3) throw InputError(place, "must be three numbers");
-  for (int k = 0; k < 3; ++k) value[k] = number_in(json[std::size_t(k)], place + "/" + std::to_string(k), largest_number);
+  for (int k = 0; k < 3; ++k)
+    value[k] = number_in(json[std::size_t(k)], place + "/" + std::to_string(k), largest_number);
 }
 
 template <class T>
@@ -74,7 +75,8 @@ request::Any read_request(const Json& json, const std::string& name, std::varian
   const bool is_known = ((name == T::name && (result = read_fields<T>(json), true)) || ...);
   if (is_known) return result;
   const std::string near = nearest_word(name, {T::name...});
-  throw InputError("/do", "\"" + name + "\" is no request" + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+  throw InputError(
+      "/do", "\"" + name + "\" is no request" + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
 }
 
 }  // namespace

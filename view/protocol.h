@@ -22,8 +22,9 @@ constexpr std::uint32_t tag(const char (&name)[5]) {
   return std::uint32_t(std::uint8_t(name[0])) | std::uint32_t(std::uint8_t(name[1])) << 8 |
          std::uint32_t(std::uint8_t(name[2])) << 16 | std::uint32_t(std::uint8_t(name[3])) << 24;
 }
-inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"), scalar_tag = tag("SCAL"),
-                               tools_tag = tag("TOOL"), status_tag = tag("STAT"), paint_tag = tag("PNTS");
+inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"),
+                               scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), status_tag = tag("STAT"),
+                               paint_tag = tag("PNTS");
 
 class BlockWriter {
  public:
@@ -56,8 +57,10 @@ struct Block {
 std::vector<Block> read_blocks(std::string_view message);
 
 // All of the surface but positions: revision, triangles, regions, cut faces, positions at rest.
-void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */, BlockWriter& out);
-void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */, BlockWriter& out);
+void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
+                    BlockWriter& out);
+void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,
+                     BlockWriter& out);
 // One number per vertex in 16 bits of its range, which the block tells.
 void write_scalar(std::string_view name, std::span<const float> values, BlockWriter& out);
 void write_json(std::uint32_t block_tag, const std::string& json, BlockWriter& out);

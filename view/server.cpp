@@ -12,6 +12,9 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 
 struct Server::Parts {
+  Parts(const ServerOptions& options, std::span<const PageFile> page, Service& service)
+      : shared{options, page, service} {}
+
   Shared shared;
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
@@ -32,7 +35,8 @@ void Server::Parts::listen() {
   const std::string place = options.host + ":" + std::to_string(options.port);
   boost::system::error_code error;
   tcp::resolver resolver(context);
-  const auto found = resolver.resolve(options.host, std::to_string(options.port), tcp::resolver::passive, error);
+  const auto found =
+      resolver.resolve(options.host, std::to_string(options.port), tcp::resolver::passive, error);
   if (error || found.empty()) throw InputError(place, "no such address: " + error.message());
   const tcp::endpoint endpoint = *found.begin();
   acceptor.open(endpoint.protocol(), error);
@@ -40,7 +44,8 @@ void Server::Parts::listen() {
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error == asio::error::address_in_use)
-    throw InputError(place, "the port is taken by another program; choose one with --port, or --port 0 for a free one");
+    throw InputError(
+        place, "the port is taken by another program; choose one with --port, or --port 0 for a free one");
   if (error) throw InputError(place, "cannot listen there: " + error.message());
 }
 
@@ -62,7 +67,7 @@ void Server::Parts::greet(tcp::socket socket) {
 }
 
 Server::Server(const ServerOptions& options, std::span<const PageFile> page, Service& service)
-    : parts_(new Parts{.shared = {options, page, service}}) {
+    : parts_(std::make_unique<Parts>(options, page, service)) {
   if (options.token.empty()) throw InputError("token", "is empty: anybody could connect");
   parts_->shared.on_client = [parts = parts_.get()](ClientId client, bool is_open) {
     if (!is_open) return void(parts->connections.erase(client));

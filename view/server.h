@@ -20,7 +20,7 @@ struct ServerOptions {
   std::size_t largest_message = 65536;   // of a client [bytes]; a longer one ends its connection
   std::size_t most_clients = 16;         // at a time, pages that are only being loaded included
   std::size_t most_waiting_texts = 100;  // for one client; one that takes them no faster is let go
-  double silence = 10;                   // after which a client that does not even answer a ping is let go [s]
+  double silence = 10;  // after which a client that does not even answer a ping is let go [s]
 };
 
 // A file of the page, in the program itself.

@@ -84,8 +84,8 @@ void Connection::answer(const Request& request) {
                 "media-src 'self' blob:; connect-src 'self' ws: wss:; frame-ancestors 'none'");
   response->set("Referrer-Policy", "no-referrer");
   response->keep_alive(request.keep_alive());
-  if (request.method() == http::verb::head) response->body().clear();
   response->prepare_payload();
+  if (request.method() == http::verb::head) response->body().clear();
   respond(std::move(response));
 }
 

@@ -165,7 +165,7 @@ struct Edit {
   static constexpr const char* name = "edit";
   static constexpr auto fields = std::tuple(Field{"on", &Edit::on});
 };
-// All that lies within a sphere becomes "nonlinear", "tensor_mass", "precomputed"; or its skin "held", "free".
+// All that lies within a sphere becomes "nonlinear", "tensor-mass", "precomputed"; or its skin "held", "free".
 struct Paint {
   Vec3d at = Vec3d::Zero();  // at rest [m]
   double radius = 0;         // [m]

@@ -11,7 +11,7 @@ namespace {
 using Kind = HandCommand::Kind;
 
 constexpr std::array<std::pair<const char*, RegionModel>, 3> models = {
-    {{"tensor_mass", RegionModel::tensor_mass},
+    {{"tensor-mass", RegionModel::tensor_mass},
      {"precomputed", RegionModel::precomputed},
      {"nonlinear", RegionModel::nonlinear}}};
 
@@ -117,7 +117,7 @@ void Viewer::perform(ClientId, const request::Paint& what) {
   else if (what.as == "held" || what.as == "free")
     painting().hold(what.at, what.radius, what.as == "held");
   else
-    throw InputError("/as", "must be nonlinear, tensor_mass, precomputed, held or free");
+    throw InputError("/as", "must be nonlinear, tensor-mass, precomputed, held or free");
   ++painted_;
 }
 

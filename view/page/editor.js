@@ -11,7 +11,7 @@ const element = id => document.getElementById(id);
 export class Editor {
   constructor(ask) {
     this.ask = ask;
-    this.brush = 'tensor_mass';
+    this.brush = 'tensor-mass';
     this.buttons = brushes.map(brush => this.addBrush(brush));
     const slider = element('brush-radius'), output = element('editor').querySelector('.slider output');
     slider.oninput = () => { output.textContent = `${slider.value} mm`; };

@@ -3,15 +3,52 @@ import * as THREE from './third_party/three-0.187.0/three.module.js';
 import {light, models, heldColour, quantities, rampColours} from './colours.js';
 import {SmoothSurface} from './smooth_surface.js';
 
-const skinColour = light([0.56, 0.17, 0.14]), cutColour = light([0.36, 0.07, 0.06]);
+const skinColour = light([0.50, 0.185, 0.15]), cutColour = light([0.42, 0.085, 0.075]);
+
+// Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the organ.
+const noise = /* glsl */ `
+varying vec3 vRest;
+float hashed(vec3 p) { p = fract(p * 0.3183099 + 0.1); p *= 17.0; return fract(p.x * p.y * p.z * (p.x + p.y + p.z)); }
+float unevenness(vec3 p) {
+  vec3 i = floor(p), f = fract(p);
+  f = f * f * (3.0 - 2.0 * f);
+  return mix(mix(mix(hashed(i), hashed(i + vec3(1, 0, 0)), f.x), mix(hashed(i + vec3(0, 1, 0)), hashed(i + vec3(1, 1, 0)), f.x), f.y),
+    mix(mix(hashed(i + vec3(0, 0, 1)), hashed(i + vec3(1, 0, 1)), f.x), mix(hashed(i + vec3(0, 1, 1)), hashed(i + vec3(1, 1, 1)), f.x), f.y), f.z);
+}
+vec3 bumped(vec3 n, float height) {
+  vec3 sx = dFdx(-vViewPosition), sy = dFdy(-vViewPosition);
+  vec3 r1 = cross(sy, n), r2 = cross(n, sx);
+  float det = dot(sx, r1);
+  vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
+  return normalize(abs(det) * n - gradient);
+}
+`;
+
+function roughen(material, wetness, amount) {
+  material.onBeforeCompile = shader => {
+    shader.vertexShader = shader.vertexShader.replace('#include <common>', '#include <common>\nattribute vec3 rest;\nvarying vec3 vRest;')
+      .replace('#include <begin_vertex>', '#include <begin_vertex>\nvRest = rest;');
+    shader.fragmentShader = shader.fragmentShader.replace('#include <clearcoat_pars_fragment>', '#include <clearcoat_pars_fragment>\n' + noise)
+      .replace('#include <normal_fragment_maps>', `#include <normal_fragment_maps>
+        float grain = unevenness(vRest * 900.0), patches = unevenness(vRest * 260.0);
+        normal = bumped(normal, ${amount} * (grain + 2.0 * patches));
+        diffuseColor.rgb *= 0.86 + 0.16 * grain + 0.14 * patches;`)
+      .replace('#include <clearcoat_normal_fragment_maps>', `#include <clearcoat_normal_fragment_maps>
+        #ifdef USE_CLEARCOAT
+          clearcoatNormal = bumped(clearcoatNormal, ${wetness} * patches);
+        #endif`);
+  };
+}
 
 export class Organ {
   constructor(stage) {
     this.stage = stage;
     this.quantity = 'tissue';
     this.showsMesh = false;
-    this.skin = new THREE.MeshPhysicalMaterial({vertexColors: true, roughness: 0.42, clearcoat: 0.6, clearcoatRoughness: 0.28});
+    this.skin = new THREE.MeshPhysicalMaterial({vertexColors: true, roughness: 0.5, clearcoat: 0.6, clearcoatRoughness: 0.22});
     this.opened = new THREE.MeshStandardMaterial({vertexColors: true, roughness: 0.9, envMapIntensity: 0.4, side: THREE.DoubleSide});
+    roughen(this.skin, '0.00035', '0.00022');
+    roughen(this.opened, '0.0', '0.0009');
     this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), [this.skin, this.opened]);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;
@@ -49,6 +86,7 @@ export class Organ {
     this.normal = new THREE.BufferAttribute(new Float32Array(3 * count), 3).setUsage(THREE.DynamicDrawUsage);
     this.colour = new THREE.BufferAttribute(new Float32Array(3 * count), 3).setUsage(THREE.DynamicDrawUsage);
     geometry.setAttribute('position', this.position).setAttribute('normal', this.normal).setAttribute('color', this.colour);
+    geometry.setAttribute('rest', new THREE.BufferAttribute(this.smooth.interpolate(this.topology.rest, 3), 3));
     geometry.setIndex(new THREE.BufferAttribute(this.smooth.triangles, 1));
     geometry.addGroup(0, skin, 0);
     geometry.addGroup(skin, this.smooth.triangles.length - skin, 1);
@@ -100,7 +138,7 @@ export class Organ {
     this.colour.needsUpdate = true;
     const glossy = this.quantity === 'tissue';
     this.skin.clearcoat = glossy ? 0.6 : 0.12;
-    this.skin.roughness = glossy ? 0.42 : 0.6;
+    this.skin.roughness = glossy ? 0.5 : 0.6;
   }
 
   // Living tissue is of no one colour.

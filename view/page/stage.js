@@ -17,11 +17,11 @@ export class Stage {
   constructor(canvas, software) {
     this.canvas = canvas;
     this.software = software;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !software, powerPreference: 'high-performance', preserveDrawingBuffer: true});
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true, powerPreference: 'high-performance', preserveDrawingBuffer: true});
     this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.05;
     this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = software ? THREE.BasicShadowMap : THREE.PCFShadowMap;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.scene = new THREE.Scene();
     this.scene.background = background;
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
@@ -40,18 +40,20 @@ export class Stage {
   addLights() {
     const maker = new THREE.PMREMGenerator(this.renderer);
     this.scene.environment = maker.fromScene(operatingRoom(), 0.03).texture;
-    this.scene.environmentIntensity = 0.55;
+    this.scene.environmentIntensity = 0.5;
     maker.dispose();
-    this.key = new THREE.DirectionalLight(0xfff3e6, 2.6);
+    this.key = new THREE.DirectionalLight(0xfff1e2, 2.1);
     this.key.castShadow = true;
-    this.key.shadow.mapSize.setScalar(this.software ? 512 : 2048);
+    this.key.shadow.mapSize.setScalar(this.software ? 1024 : 2048);
     this.key.shadow.bias = -0.0006;
     this.key.shadow.normalBias = 0.0015;
+    this.key.shadow.radius = 3;
+    this.key.shadow.intensity = 0.75;
     const fill = new THREE.DirectionalLight(0xbcd8e6, 0.5);
     fill.position.set(-1, 0.6, 0.5);
-    this.scene.add(this.key, this.key.target, fill);
+    this.scene.add(this.key, this.key.target, fill, new THREE.HemisphereLight(0xdfeaf0, 0x53757a, 0.75));
     this.ground = new THREE.Mesh(new THREE.CircleGeometry(1, 64),
-      new THREE.MeshStandardMaterial({color: 0x24464a, roughness: 0.95, envMapIntensity: 0.35}));
+      new THREE.MeshStandardMaterial({color: 0x1b363b, roughness: 0.95, envMapIntensity: 0.3}));
     this.ground.receiveShadow = true;
     this.scene.add(this.ground);
   }

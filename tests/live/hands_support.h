@@ -33,7 +33,7 @@ inline HandCommand lead_to(const Vec3d& point, HandNumber hand = 1) {
   return {.kind = Kind::lead, .hand = hand, .position = point};
 }
 inline HandCommand ask(Kind kind, HandNumber hand = 1) { return {.kind = kind, .hand = hand}; }
-inline HandCommand ask(Kind kind, double value) { return {.kind = kind, .value = value}; }
+inline HandCommand ask_for(Kind kind, double value) { return {.kind = kind, .value = value}; }
 inline HandCommand turn_on(Kind kind, bool on, HandNumber hand = 1) {
   return {.kind = kind, .on = on, .hand = hand};
 }

@@ -58,8 +58,11 @@ std::vector<Gesture> gestures_of_grasps(const Setup& setup) {
         grasp.path.begin(), grasp.path.end(),
         [](const PathPoint& a, const PathPoint& b) { return a.position.norm() < b.position.norm(); });
     if (furthest == grasp.path.end() || furthest->position.isZero(0)) continue;
-    gestures.push_back({grasp.name, grasp.vertices,
-                        std::vector<Vec3d>(grasp.vertices.size(), furthest->position), Vec3d::Zero()});
+    std::vector<Index> vertices = grasp.vertices;
+    std::erase_if(vertices, [&](Index v) { return v >= setup.mesh.vertex_count(); });  // copies
+    if (vertices.empty()) continue;
+    std::vector<Vec3d> displacements(vertices.size(), furthest->position);
+    gestures.push_back({grasp.name, std::move(vertices), std::move(displacements), Vec3d::Zero()});
   }
   return gestures;
 }

@@ -63,7 +63,7 @@ void Hands<Real>::take_hold(int controller, const HandCommand& command) {
     if (!hit) return say("missed", name_of(controller, command.hand) + ": the ray meets nothing");
     point = hit->point;
   }
-  std::vector<Index> vertices = free_within(point, command.radius);
+  std::vector<Index> vertices = free_within(point, command.radius);  // in ascending order
   if (vertices.empty() && hit) vertices = free_corners(hit->triangle);
   if (vertices.empty())
     return say("missed", name_of(controller, command.hand) + ": no vertex that is free lies within " +
@@ -134,6 +134,7 @@ std::vector<Index> Hands<Real>::free_corners(Index triangle) {
   std::vector<Index> vertices;
   for (Index corner : surface.triangles[std::size_t(triangle)])
     if (const Index v = surface.mesh_vertex[std::size_t(corner)]; is_free(v)) vertices.push_back(v);
+  std::sort(vertices.begin(), vertices.end());
   return vertices;
 }
 

@@ -28,7 +28,10 @@ class Watched {
     tolerance_ = scene.auto_regions->tolerance;
     corrects_ = scene.auto_regions->correct;
     std::vector<std::vector<Index>> grasps;
-    for (const GraspSetup& grasp : resolved.setup.grasps) grasps.push_back(grasp.vertices);
+    for (const GraspSetup& grasp : resolved.setup.grasps) {
+      grasps.push_back(grasp.vertices);
+      std::erase_if(grasps.back(), [&](Index v) { return v >= resolved.setup.mesh.vertex_count(); });
+    }
     watch_.emplace(world, grasps, LinearityOptions{tolerance_, corrects_});
   }
 

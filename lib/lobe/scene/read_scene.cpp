@@ -91,6 +91,7 @@ Tool read_tool(const json& entry, const std::string& pointer) {
   read(entry, "name", tool.name);
   read(entry, "radius", tool.radius);
   read(entry, "release", tool.release);
+  read(entry, "copies", tool.copies);
   tool.where = read_where(entry);
   for (const json& row : entry["path"]) {
     if (row.size() != 4 && row.size() != 8)

@@ -32,12 +32,26 @@ bool passes_near(const Tool& tool, const TetMesh& mesh) {
   return false;
 }
 
+// They are numbered after the vertices of the mesh, in the order in which cuts make them.
+void add_copies(Resolution& resolution, const Tool& tool, const std::string& place,
+                std::vector<Index>& vertices) {
+  std::vector<Index> copies = tool.copies;
+  std::sort(copies.begin(), copies.end());
+  const Index count = resolution.mesh().vertex_count();
+  if (!copies.empty() && copies.front() < count)
+    resolution.fail(place, std::to_string(copies.front()) + " is a vertex of the mesh, which has " +
+                               std::to_string(count) + "; copies have higher numbers, others belong to \"where\"");
+  vertices.insert(vertices.end(), copies.begin(), copies.end());
+}
+
 void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& here) {
   Setup& setup = resolution.result.setup;
   const std::size_t before = resolution.faults.size();
-  const auto vertices =
+  auto vertices =
       resolution.selected([&] { return select_vertices(*tool.where, setup.mesh, here + "/where"); });
-  if (vertices.empty() && resolution.faults.size() == before) {
+  if (vertices.empty() && !tool.copies.empty() && resolution.scene.auto_regions)
+    resolution.fail(here + "/where", "must select a vertex of the mesh, beside automatic regions");
+  if (vertices.empty() && tool.copies.empty() && resolution.faults.size() == before) {
     resolution.fail_empty(here + "/where", "vertex");
   }
   std::set<Index> held;
@@ -49,6 +63,7 @@ void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& 
                               counted(vertices.size(), "vertex", "vertices") +
                               " it grasps are held by \"boundary\"");
   }
+  add_copies(resolution, tool, here + "/copies", vertices);
   setup.grasps.push_back({tool.name, vertices, tool.path, tool.release});
 }
 

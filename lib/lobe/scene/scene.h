@@ -107,6 +107,7 @@ struct Tool {
   std::string name;
   ToolType type = ToolType::grasp;
   std::optional<Selector> where;  // grasp: the vertices it takes hold of
+  std::vector<Index> copies;      // grasp: further ones, which cuts make before
   double radius = 0;              // cautery: of its spherical tip [m]
   std::vector<PathPoint> path;    // times strictly increasing; acts from the first to the last
   bool release = false;           // grasp: let go after the last path point (otherwise hold on there)

@@ -108,6 +108,7 @@ ordered_json write(const Tool& tool) {
   if (tool.type == ToolType::grasp) {
     entry["type"] = "grasp";
     add_where(entry, tool.where);
+    if (!tool.copies.empty()) entry["copies"] = tool.copies;
     entry["path"] = path;
     entry["release"] = tool.release;
   } else {

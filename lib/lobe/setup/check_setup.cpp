@@ -131,8 +131,8 @@ void Checker::check_path(const std::string& tool, const std::vector<PathPoint>& 
 void Checker::check_tools() {
   for (const GraspSetup& grasp : setup_.grasps) {
     check_path("grasp \"" + grasp.name + "\"", grasp.path);
-    expect(std::all_of(grasp.vertices.begin(), grasp.vertices.end(), [&](Index v) { return is_vertex(v); }),
-           "grasp \"" + grasp.name + "\" names no vertex of the mesh");
+    expect(std::all_of(grasp.vertices.begin(), grasp.vertices.end(), [](Index v) { return v >= 0; }),
+           "grasp \"" + grasp.name + "\" names a vertex below 0");
   }
   for (const CauterySetup& cautery : setup_.cauteries) {
     check_path("cautery \"" + cautery.name + "\"", cautery.path);

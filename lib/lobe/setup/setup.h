@@ -48,7 +48,7 @@ enum class ToolType : std::uint8_t { grasp, cautery };
 
 struct GraspSetup {
   std::string name;
-  std::vector<Index> vertices;
+  std::vector<Index> vertices;  // of the mesh, or copies that cuts make before; what is not there then is left out
   std::vector<PathPoint> path;  // offsets
   bool release = false;
   static constexpr auto fields = std::tuple(&GraspSetup::vertices, &GraspSetup::path, &GraspSetup::release);

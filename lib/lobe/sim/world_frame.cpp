@@ -250,7 +250,9 @@ void World<Real>::play_tools(double duration, Report& report) {
   const Timed timed(report, Phase::cutting);
   const auto displacement = [&](Index v) -> Vec3d { return state().u.col(v).template cast<double>(); };
   const auto position = [&](Index v) -> Vec3d { return elements().points.col(v) + displacement(v); };
-  const auto exists = [&](Index v) { return !elements().topology.around(v).empty(); };
+  const auto exists = [&](Index v) {
+    return v < elements().topology.vertex_count() && !elements().topology.around(v).empty();
+  };
   HeldVertices now = held();
   if (tools_.update_grasps(time(), now, displacement, position, exists)) {
     catch_up();

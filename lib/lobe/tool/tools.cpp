@@ -151,7 +151,9 @@ void Tools::begin_frame(double time, double duration) {
     if (!cautery.is_on) continue;
     std::vector<PathPoint>& stroke = cautery.strokes.back();
     forget_later(stroke);
-    if (stroke.empty()) stroke.push_back({time, from});
+    // Just after the frame's start: as a path of a scene it would else begin at the end of the frame before.
+    if (stroke.empty())
+      stroke.push_back({std::nextafter(time, std::numeric_limits<double>::infinity()), from});
     stroke.push_back({frame_end_, cautery.position});
   }
 }
@@ -248,7 +250,7 @@ bool Tools::fits(const State& state, Index vertices, const Setup& setup) {
     return false;
   for (const Grasp& grasp : state.grasps) {
     for (Index v : grasp.vertices)
-      if (v < 0 || v >= vertices) return false;
+      if (v < 0 || (grasp.is_live && v >= vertices)) return false;
     if (!is_new(grasp.id) || !is_path(grasp.path) || !grasp.centre.allFinite()) return false;
     if (grasp.path.empty() && (!grasp.is_live || grasp.phase != Grasp::Phase::waiting)) return false;
   }

@@ -1,0 +1,139 @@
+#include "lobe/live/session_scene.h"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "lobe/error.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+[[noreturn]] void refuse(const std::string& why) { throw InputError("session", why); }
+
+// What a scene has no word for.
+const char* edit_name(const Command& command) {
+  if (std::holds_alternative<RemoveTets>(command)) return "tetrahedra were removed";
+  if (std::holds_alternative<SetRegion>(command)) return "a region was changed";
+  if (std::holds_alternative<SetMassDegree>(command)) return "the degree of the masses was changed";
+  if (std::holds_alternative<SetForces>(command)) return "forces were set";
+  if (std::holds_alternative<SetSprings>(command) || std::holds_alternative<MoveSprings>(command))
+    return "springs were set";
+  if (std::holds_alternative<Expand>(command) || std::holds_alternative<Condense>(command) ||
+      std::holds_alternative<Renew>(command))
+    return "a precomputed region was expanded, condensed or renewed";
+  return nullptr;
+}
+
+// How many frames lead to the present; all of the same length.
+template <class Real>
+int frames_of(const Session<Real>& session) {
+  const Recording& recording = session.recording();
+  int frames = 0;
+  for (std::size_t i : entries_to_the_end(recording)) {
+    const Command& command = std::get<Command>(recording.commands[i].command);
+    const std::string at = " at " + rounded(frames * session.frame()) + " s";
+    if (const char* edit = edit_name(command))
+      refuse(edit + at + ", which a scene cannot tell; a recording can");
+    frames += std::holds_alternative<Advance>(command);
+  }
+  if (frames == 0) refuse("nothing was simulated yet");
+  if (frames * session.frame() != session.world().time())
+    refuse("a frame failed, after which no scene gets here; go back to before it");
+  return frames;
+}
+
+Selector all_of(std::vector<Index> vertices) {
+  if (!vertices.empty()) return {SelectVertices{std::move(vertices)}};
+  return {SelectNot{{Selector{SelectAll{}}}}};
+}
+
+void add_tools(const Tools& tools, Index mesh_vertices, Scene& scene) {
+  for (const Grasp& grasp : tools.grasps()) {
+    if (!grasp.is_live || grasp.path.empty()) continue;
+    Tool& tool = scene.tools.emplace_back();
+    tool.name = grasp.name;
+    tool.path = grasp.path;
+    tool.release = grasp.release;
+    const auto copies = std::lower_bound(grasp.vertices.begin(), grasp.vertices.end(), mesh_vertices);
+    tool.where = all_of({grasp.vertices.begin(), copies});
+    tool.copies = {copies, grasp.vertices.end()};
+  }
+  for (const Cautery& cautery : tools.cauteries()) {
+    if (!cautery.is_live) continue;
+    for (const std::vector<PathPoint>& stroke : cautery.strokes) {
+      if (stroke.empty()) continue;
+      Tool& tool = scene.tools.emplace_back();
+      tool.name = cautery.name;
+      tool.type = ToolType::cautery;
+      tool.radius = cautery.radius;
+      tool.path = stroke;
+    }
+  }
+}
+
+// As the session has them: what was measured once may come out otherwise the next time.
+void state_regions(const Setup& setup, Scene& scene) {
+  const auto is_precomputed = [](const Region& region) { return region.model == RegionModel::precomputed; };
+  if (!scene.auto_regions && std::none_of(scene.regions.begin(), scene.regions.end(), is_precomputed)) return;
+  scene.auto_regions.reset();
+  scene.regions.clear();
+  for (const RegionModel model : {RegionModel::tensor_mass, RegionModel::precomputed}) {
+    SelectTetrahedra selected;
+    for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+      if (setup.region_of[std::size_t(t)] == model) selected.tetrahedra.push_back(t);
+    if (selected.tetrahedra.empty()) continue;
+    Region& region = scene.regions.emplace_back();
+    region.name = model == RegionModel::tensor_mass ? "tensor-mass" : "precomputed";
+    region.model = model;
+    region.where = Selector{std::move(selected)};
+    region.always_condensed = model == RegionModel::precomputed;
+    if (region.always_condensed) region.frame = setup.precomputed_frame;
+  }
+}
+
+}  // namespace
+
+template <class Real>
+Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>& session) {
+  if (session.world().fingerprint() != fingerprint(setup))
+    refuse("is of another scene, mesh or version of them");
+  if (scene.in_double() != std::is_same_v<Real, double>)
+    refuse(scene.in_double() ? "is in single precision, its scene in double"
+                             : "is in double precision, its scene in single");
+  if (setup.expandable) refuse("has regions that may be expanded, which a scene cannot tell");
+  const int frames = frames_of(session);
+  Scene kept = scene;
+  kept.mesh = std::filesystem::absolute(mesh_path(scene));
+  if (!scene.condensed_cache.empty())
+    kept.condensed_cache = std::filesystem::absolute(scene.file.parent_path() / scene.condensed_cache);
+  kept.time.frame = session.frame();
+  kept.time.duration = frames * session.frame();
+  std::erase_if(kept.output.pictures, [&](double time) { return time > kept.time.duration; });
+  state_regions(setup, kept);
+  add_tools(session.world().tools(), setup.mesh.vertex_count(), kept);
+  return kept;
+}
+
+Scene with_gestures(Scene scene, double tolerance) {
+  AutoRegions regions;
+  regions.tolerance = tolerance;
+  for (const Tool& tool : scene.tools) {
+    const auto furthest = std::max_element(
+        tool.path.begin(), tool.path.end(),
+        [](const PathPoint& a, const PathPoint& b) { return a.position.norm() < b.position.norm(); });
+    const bool holds_copies_alone =
+        !tool.copies.empty() && std::holds_alternative<SelectNot>(tool.where->value);
+    if (tool.type == ToolType::grasp && !holds_copies_alone && !furthest->position.isZero(0))
+      regions.gestures.push_back({tool.name, *tool.where, false, furthest->position, ""});
+  }
+  scene.regions.clear();
+  scene.auto_regions = regions;
+  return scene;
+}
+
+template Scene session_scene(const Scene&, const Setup&, const Session<float>&);
+template Scene session_scene(const Scene&, const Setup&, const Session<double>&);
+
+}  // namespace lobe

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "gauge.h"
-#include "lobe/live/session.h"
+#include "lobe/live/session_scene.h"
 
 namespace lobe::view {
 namespace {
@@ -39,7 +39,7 @@ template <class Real>
 class LiveOf final : public Live {
  public:
   LiveOf(const Scene& scene, const Resolved& resolved, const LiveOptions& options)
-      : session_(resolved.setup, session_options(options)) {
+      : scene_(scene), setup_(resolved.setup), session_(setup_, session_options(options)) {
     for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
     session_.start();
     gauge_ = std::thread([this] { keep_measuring(); });
@@ -101,7 +101,11 @@ class LiveOf final : public Live {
     wanted_ = scalar;
   }
 
-  void export_scene(const std::filesystem::path& file) override;
+  Scene hands_scene() override {
+    Scene scene;
+    session_.between_frames([&] { scene = session_scene(scene_, setup_, session_); });
+    return scene;
+  }
 
   void write_recording(const std::filesystem::path& file) override {
     session_.between_frames([&] { lobe::write_recording(file, session_.recording()); });
@@ -210,6 +214,8 @@ class LiveOf final : public Live {
                           {"times", message.times}});
   }
 
+  const Scene scene_;
+  const Setup setup_;
   Session<Real> session_;
   std::optional<Controller> controller_;
   std::map<HandNumber, double> radius_;  // of the cautery that it holds, or held [m]
@@ -223,11 +229,6 @@ class LiveOf final : public Live {
   std::shared_ptr<const Measured> measured_ = std::make_shared<const Measured>();
   std::thread gauge_;
 };
-
-template <class Real>
-void LiveOf<Real>::export_scene(const std::filesystem::path& file) {
-  (void)file;
-}
 
 }  // namespace
 

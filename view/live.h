@@ -42,8 +42,9 @@ class Live {
   virtual void write(const std::string& scalar, Told& told, BlockWriter& out, nlohmann::json& status) = 0;
   // Which scalar is found, some times a second.
   virtual void measure(const std::string& scalar) = 0;
-  // What the hands did, as a scene that `lobe run` plays; and for `lobe replay`.
-  virtual void export_scene(const std::filesystem::path& file) = 0;
+  // What the hands did, as a scene that `lobe run` plays; throws InputError where there is none (live/session_scene.h).
+  virtual Scene hands_scene() = 0;
+  // The same for `lobe replay`.
   virtual void write_recording(const std::filesystem::path& file) = 0;
 };
 

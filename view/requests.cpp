@@ -3,6 +3,10 @@
 #include <utility>
 
 #include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/live/session_scene.h"
+#include "lobe/scene/write_scene.h"
 #include "viewer.h"
 
 namespace lobe::view {
@@ -87,9 +91,14 @@ void Viewer::perform(ClientId, const request::HandOver&) {
 
 void Viewer::perform(ClientId, const request::Export& what) {
   check_file_name(what.to);
+  Scene scene = live_->hands_scene();
+  if (has_painted_mesh_) {
+    scene.mesh = what.to + ".vtu";
+    write_vtu(options_.folder / scene.mesh, resolved_.setup.mesh);
+  }
   const std::filesystem::path file = options_.folder / (what.to + ".json");
-  live_->export_scene(file);
-  tell_all("note", "What the hands did is saved: lobe run " + file.string() + " -o out");
+  io::write_file(file, to_json(scene));
+  tell_all("note", "What the hands did is saved. To play it: lobe run " + file.string() + " -o out");
 }
 
 // ---- Painting
@@ -135,10 +144,22 @@ void Viewer::perform(ClientId, const request::Undo&) {
   ++painted_;
 }
 
+// What the hands did so far; where they did nothing, what the scene declares.
+AutoRegions Viewer::wanted_gestures(double tolerance) {
+  AutoRegions wanted = scene_.auto_regions.value_or(AutoRegions{});
+  wanted.tolerance = tolerance;
+  try {
+    const Scene kept = with_gestures(live_->hands_scene(), tolerance);
+    if (kept.auto_regions && !kept.auto_regions->gestures.empty())
+      wanted.gestures = kept.auto_regions->gestures;
+  } catch (const InputError&) {  // a session that no scene tells of
+  }
+  return wanted;
+}
+
 void Viewer::perform(ClientId, const request::Propose& what) {
   Scene scene = painting().scene("proposed.vtu");
-  AutoRegions wanted = scene_.auto_regions.value_or(AutoRegions{});
-  wanted.tolerance = what.tolerance;
+  AutoRegions wanted = wanted_gestures(what.tolerance);
   wanted.correct = false;
   scene.regions.clear();
   scene.auto_regions = wanted;

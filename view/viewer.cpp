@@ -142,6 +142,7 @@ void Viewer::finish_task() {
   scene_ = std::move(task->scene);
   resolved_ = std::move(task->resolved);
   paints_ = false;
+  has_painted_mesh_ = true;
   live_->change_hands(controlling_ != 0);
   measure_what_is_shown();
 }

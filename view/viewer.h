@@ -76,6 +76,7 @@ class Viewer final : public Service {
   void send(const HandCommand& command);
   void begin(const std::function<void(Task&)>& work);
   Painting& painting();
+  AutoRegions wanted_gestures(double tolerance);
 
   void perform(ClientId client, const request::Seen& what);
   void perform(ClientId client, const request::Take& what);
@@ -108,7 +109,8 @@ class Viewer final : public Service {
   std::shared_ptr<Live> live_;
   std::optional<Painting> painting_;
   bool paints_ = false;
-  double number_ = 0;  // of the request that is carried out
+  bool has_painted_mesh_ = false;  // whose labels are in no file
+  double number_ = 0;              // of the request that is carried out
   bool ran_before_painting_ = true;
   std::uint64_t painted_ = 1;  // grows with each change of the painting
   std::optional<Proposal> proposal_;

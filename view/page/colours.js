@@ -1,9 +1,9 @@
 // What colours mean: the models of regions, as in the pictures of lobe-picture, and a ramp for numbers.
 
 export const models = [  // by their number in the protocol
-  {key: 'tensor-mass', name: 'Linear, tensor-mass', note: 'linear, stepped with the rest; can be cut', colour: [0.29, 0.52, 0.75]},
-  {key: 'precomputed', name: 'Linear, pre-computed', note: 'fastest; found once, before the start', colour: [0.40, 0.62, 0.50]},
-  {key: 'nonlinear', name: 'Non-linear', note: 'right for large rotations', colour: [0.66, 0.23, 0.18]},
+  {key: 'tensor-mass', name: 'Linear, tensor-mass', note: 'simpler; can be cut', colour: [0.29, 0.52, 0.75]},
+  {key: 'precomputed', name: 'Linear, pre-computed', note: 'fastest; takes a while to prepare', colour: [0.40, 0.62, 0.50]},
+  {key: 'nonlinear', name: 'Non-linear', note: 'right where tissue turns', colour: [0.66, 0.23, 0.18]},
 ];
 export const heldColour = [0.93, 0.78, 0.35];
 

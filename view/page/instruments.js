@@ -2,7 +2,7 @@
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 const steel = new THREE.MeshStandardMaterial({color: 0xc9d2d6, metalness: 0.9, roughness: 0.28});
-const dark = new THREE.MeshStandardMaterial({color: 0x2b3236, metalness: 0.3, roughness: 0.6});
+const dark = new THREE.MeshStandardMaterial({color: 0x56636a, metalness: 0.25, roughness: 0.5});
 const arrowMaterial = new THREE.MeshBasicMaterial({color: 0xffc46b, depthTest: false, transparent: true, opacity: 0.92, toneMapped: false});
 const millimetresPerNewton = 12;
 
@@ -105,7 +105,7 @@ function cautery(radius) {
     new THREE.MeshStandardMaterial({color: 0xb9a58c, metalness: 0.7, roughness: 0.35, emissive: 0xff5a1a, emissiveIntensity: 0}));
   tip.name = 'tip';
   tip.castShadow = true;
-  group.add(tip, shaftOf(0.4 * radius, 0.5 * radius, 5 * radius, steel), shaftOf(0.9 * radius, 5 * radius, 90 * radius, dark));
+  group.add(tip, shaftOf(0.4 * radius, 0.5 * radius, 5 * radius, steel), shaftOf(0.7 * radius, 5 * radius, 90 * radius, dark));
   return group;
 }
 

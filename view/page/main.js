@@ -200,7 +200,9 @@ class Page {
     this.take(edits ? 'paint' : 'grasp');
     this.hint(edits ? 'Paint on the organ' : '');
     this.editor.note('');
-    for (const id of ['pause', 'single', 'slow']) element(id).parentElement.style.display = edits ? 'none' : '';
+    element('pause').parentElement.style.display = edits ? 'none' : '';
+    for (const plot of document.querySelectorAll('.plot')) plot.hidden = edits;
+    element('export').hidden = edits;
   }
 
   wantedScalar() { return ['von_mises', 'volume_ratio'].includes(this.organ.quantity) ? this.organ.quantity : 'none'; }

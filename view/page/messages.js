@@ -1,6 +1,8 @@
 // What there is to say, for some seconds: conditions of the simulation, and answers of the server.
 
 const seconds = {warn: 8, bad: 12};
+// What the simulation puts right by itself.
+const quiet = /sub_stepped|unravelling|lumped|cache|went_back/;
 const serious = /stands_still|diverged|too_stiff|everything_cut|refused/;
 
 export class Messages {
@@ -12,7 +14,7 @@ export class Messages {
     // What was said before this page came is not news.
     if (this.last === null || newest < this.last) this.last = newest;
     for (const message of messages)
-      if (message.number > this.last) this.add(message.text, serious.test(message.name) ? 'bad' : 'warn');
+      if (message.number > this.last && !quiet.test(message.name)) this.add(message.text, serious.test(message.name) ? 'bad' : 'warn');
     this.last = newest;
   }
 

@@ -47,8 +47,8 @@ export class Organ {
     this.showsMesh = false;
     this.skin = new THREE.MeshPhysicalMaterial({vertexColors: true, roughness: 0.5, clearcoat: 0.6, clearcoatRoughness: 0.22});
     this.opened = new THREE.MeshStandardMaterial({vertexColors: true, roughness: 0.9, envMapIntensity: 0.4, side: THREE.DoubleSide});
-    roughen(this.skin, '0.00035', '0.00022');
-    roughen(this.opened, '0.0', '0.0009');
+    roughen(this.skin, '0.00022', '0.0001');
+    roughen(this.opened, '0.0', '0.0005');
     this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), [this.skin, this.opened]);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;

@@ -7,14 +7,14 @@ export class SmoothSurface {
   /** @param {{triangles: Uint32Array, rest: Float32Array, region: Uint8Array, cut: Uint8Array}} topology
    *  @param {number} levels how often each triangle becomes four */
   constructor(topology, levels) {
-    const start = splitAtCreases(topology.triangles, topology.rest);
+    const start = splitAtCreases(topology);
     this.source = start.source;  // per vertex of the start: the server's
     this.levels = [];
     let triangles = start.triangles, vertices = start.source.length;
     const order = skinFirst(topology.cut);
     triangles = inOrder(triangles, order);
     for (let i = 0; i < levels; ++i) {
-      const finer = subdivide(triangles, vertices);
+      const finer = subdivide(triangles, vertices, start.corners);
       this.levels.push(finer.weights);
       triangles = finer.triangles;
       vertices = finer.vertices;
@@ -76,21 +76,28 @@ function inOrder(triangles, order) {
   return result;
 }
 
-// Corners of triangles that meet across smooth edges share a vertex, others do not.
-function splitAtCreases(triangles, rest) {
-  const normal = faceNormals(triangles, rest);
+// Corners of triangles that meet across smooth edges share a vertex, others do not. Skin is sharp where it is bent, an opened
+// face only at its rim. Where other than two sharp edges meet, a corner stays where it is, on all sides of them.
+function splitAtCreases({triangles, rest, cut}) {
+  const normal = faceNormals(triangles, rest), place = samePlaces(rest), count = rest.length / 3;
   const parent = new Int32Array(triangles.length).map((_, i) => i);
   const root = i => { while (parent[i] !== i) i = parent[i] = parent[parent[i]]; return i; };
-  const count = rest.length / 3, edges = new Map();
+  const edges = new Map();
   for (let i = 0; i < triangles.length; ++i) {
-    const next = i % 3 === 2 ? i - 2 : i + 1, a = triangles[i], b = triangles[next];
-    const key = Math.min(a, b) * count + Math.max(a, b), other = edges.get(key);
-    if (other === undefined) { edges.set(key, [i, next]); continue; }
-    const f = Math.floor(i / 3), g = Math.floor(other[0] / 3);
-    const cosine = normal[3 * f] * normal[3 * g] + normal[3 * f + 1] * normal[3 * g + 1] + normal[3 * f + 2] * normal[3 * g + 2];
-    if (cosine < creaseCosine) continue;
-    for (const [mine, vertex] of [[i, a], [next, b]])
-      parent[root(mine)] = root(triangles[other[0]] === vertex ? other[0] : other[1]);
+    const next = i % 3 === 2 ? i - 2 : i + 1, a = place[triangles[i]], b = place[triangles[next]];
+    const key = Math.min(a, b) * count + Math.max(a, b);
+    if (!edges.has(key)) edges.set(key, []);
+    edges.get(key).push([i, next]);
+  }
+  const sharp = new Uint16Array(count);
+  for (const sides of edges.values()) {
+    if (sides.length === 2 && isSmooth(sides, triangles, normal, cut)) {
+      const [[i, iNext], [j, jNext]] = sides, turned = triangles[i] === triangles[jNext];
+      parent[root(i)] = root(turned ? jNext : j);
+      parent[root(iNext)] = root(turned ? j : jNext);
+    } else {
+      for (const end of sides[0]) ++sharp[place[triangles[end]]];
+    }
   }
   const numbers = new Map(), source = [], result = new Uint32Array(triangles.length);
   for (let i = 0; i < triangles.length; ++i) {
@@ -98,7 +105,26 @@ function splitAtCreases(triangles, rest) {
     if (!numbers.has(r)) { numbers.set(r, source.length); source.push(triangles[i]); }
     result[i] = numbers.get(r);
   }
-  return {triangles: result, source: Uint32Array.from(source)};
+  const corners = source.map(v => sharp[place[v]] !== 0 && sharp[place[v]] !== 2);
+  return {triangles: result, source: Uint32Array.from(source), corners};
+}
+
+function isSmooth([[i, iNext], [j, jNext]], triangles, normal, cut) {
+  const f = Math.floor(i / 3), g = Math.floor(j / 3), here = [triangles[i], triangles[iNext]];
+  if (!here.includes(triangles[j]) || !here.includes(triangles[jNext])) return false;
+  const cosine = normal[3 * f] * normal[3 * g] + normal[3 * f + 1] * normal[3 * g + 1] + normal[3 * f + 2] * normal[3 * g + 2];
+  return cut[f] ? cut[g] === 1 : cosine >= creaseCosine;
+}
+
+// The first vertex at the same place at rest: that of the skin and that of an opened face are two.
+function samePlaces(rest) {
+  const first = new Map(), place = new Uint32Array(rest.length / 3);
+  for (let v = 0; v < place.length; ++v) {
+    const key = `${rest[3 * v]},${rest[3 * v + 1]},${rest[3 * v + 2]}`;
+    if (!first.has(key)) first.set(key, v);
+    place[v] = first.get(key);
+  }
+  return place;
 }
 
 function faceNormals(triangles, x) {
@@ -136,7 +162,7 @@ function findNormals(triangles, x, normals) {
 }
 
 // One level: old vertices move to a mean of their neighbours, each edge gets a vertex, each triangle becomes four.
-function subdivide(triangles, vertices) {
+function subdivide(triangles, vertices, corners) {
   const edges = new Map(), list = [];
   for (let i = 0; i < triangles.length; ++i) {
     const f = 3 * Math.floor(i / 3), a = triangles[i], b = triangles[f + (i + 1) % 3], c = triangles[f + (i + 2) % 3];
@@ -151,7 +177,7 @@ function subdivide(triangles, vertices) {
     if (opposite.length !== 2) { rim[a].push(b); rim[b].push(a); }
   }
   const weights = weightList(vertices + list.length);
-  for (let v = 0; v < vertices; ++v) addOldVertex(weights, v, around[v], rim[v]);
+  for (let v = 0; v < vertices; ++v) addOldVertex(weights, v, around[v], rim[v], corners[v]);
   for (const {a, b, opposite} of list) {
     if (opposite.length === 2) weights.add([a, b, ...opposite], [3 / 8, 3 / 8, 1 / 8, 1 / 8]);
     else weights.add([a, b], [1 / 2, 1 / 2]);
@@ -165,8 +191,10 @@ function subdivide(triangles, vertices) {
   return {triangles: result, vertices: vertices + list.length, weights: weights.done()};
 }
 
-function addOldVertex(weights, v, around, rim) {
-  if (rim.length === 0) {
+function addOldVertex(weights, v, around, rim, isCorner) {
+  if (isCorner) {
+    weights.add([v], [1]);
+  } else if (rim.length === 0) {
     const n = around.length, share = n === 3 ? 3 / 16 : 3 / (8 * n);
     weights.add([v, ...around], [1 - n * share, ...around.map(() => share)]);
   } else if (rim.length === 2) {

@@ -151,8 +151,8 @@ export class Stage {
   /** Fewer pixels where pictures take too long. */
   adapt(milliseconds) {
     this.slow = 0.9 * this.slow + 0.1 * milliseconds;
-    if (this.slow < 22 || this.pixelRatio <= 0.5) return;
-    this.pixelRatio = Math.max(0.5, 0.8 * this.pixelRatio);
+    if (this.slow < 30 || this.pixelRatio <= 0.6) return;
+    this.pixelRatio = Math.max(0.6, 0.85 * this.pixelRatio);
     this.slow = 0;
     this.resize();
   }

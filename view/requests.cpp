@@ -127,21 +127,21 @@ void Viewer::perform(ClientId, const request::Paint& what) {
     painting().hold(what.at, what.radius, what.as == "held");
   else
     throw InputError("/as", "must be nonlinear, tensor-mass, precomputed, held or free");
-  ++painted_;
+  repainted();
 }
 
 void Viewer::perform(ClientId, const request::PaintAll& what) {
   const RegionModel* model = model_of(what.as);
   if (!model) throw InputError("/as", "choose one of the three models: they alone can fill all");
   painting().paint_all(*model);
-  ++painted_;
+  repainted();
 }
 
 void Viewer::perform(ClientId, const request::Stroke&) { painting().end_stroke(); }
 
 void Viewer::perform(ClientId, const request::Undo&) {
   painting().undo();
-  ++painted_;
+  repainted();
 }
 
 // What the hands did so far; where they did nothing, what the scene declares.

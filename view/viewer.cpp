@@ -132,7 +132,7 @@ void Viewer::finish_task() {
   if (!task->live) {
     proposal_ = task->resolved.proposal;
     if (proposal_) painting().use(proposal_->region_of);
-    ++painted_;
+    repainted();
     return;
   }
   {

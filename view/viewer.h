@@ -67,6 +67,10 @@ class Viewer final : public Service {
   void tell(ClientId client, const char* event, const std::string& text);
   void tell_all(const char* event, const std::string& text);
   void changed() { ++version_; }
+  void repainted() {
+    ++painted_;
+    changed();
+  }
   void set_painting(bool on);
   void finish_task();
   void measure_what_is_shown();

@@ -100,6 +100,7 @@ export class Hands {
       if (kind === 'paint') return this.brush.paint(this.organ.restOf(hit));
       this.active.point.copy(hit.point);
     } else {
+      this.showRing(null, null);
       const scale = this.stage.metresPerPixel(this.active.point);
       this.active.point.addScaledVector(this.stage.right(), dx * scale).addScaledVector(this.stage.above(), -dy * scale);
     }

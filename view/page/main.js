@@ -37,7 +37,15 @@ class Page {
     this.connection = new Connection({
       frame: frame => this.receive(frame), event: event => this.hear(event), state: (state, why) => this.connected(state, why)});
     this.listen();
+    this.leaveRoom();
     this.hint('Drag the organ to pull it');
+    addEventListener('resize', () => this.leaveRoom());
+  }
+
+  /** The organ lies between the panels. */
+  leaveRoom() {
+    const width = id => element(id).offsetWidth;
+    this.stage.setMargins(width('editor'), width('panel'));
   }
 
   // ---- From the server
@@ -195,6 +203,7 @@ class Page {
     this.mode = mode;
     const edits = mode === 'edit';
     element('editor').hidden = !edits;
+    this.leaveRoom();
     this.colour(edits ? 'region' : 'tissue');
     this.instruments.update([]);
     this.take(edits ? 'paint' : 'grasp');

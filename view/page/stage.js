@@ -28,6 +28,7 @@ export class Stage {
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
     this.azimuth = -1.25; this.elevation = 0.38; this.distance = 0.6; this.size = 0.2;
+    this.margins = {left: 0, right: 0};  // that panels cover [pixels]
     this.before = [];  // called before each picture
     this.after = [];
     this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
@@ -51,7 +52,7 @@ export class Stage {
     this.key.shadow.intensity = 0.75;
     const fill = new THREE.DirectionalLight(0xbcd8e6, 0.5);
     fill.position.set(-1, 0.6, 0.5);
-    this.scene.add(this.key, this.key.target, fill, new THREE.HemisphereLight(0xdfeaf0, 0x53757a, 0.75));
+    this.scene.add(this.key, this.key.target, fill, new THREE.HemisphereLight(0xdfeaf0, 0x6a7f82, 1.15));
     this.ground = new THREE.Mesh(new THREE.CircleGeometry(1, 64),
       new THREE.MeshStandardMaterial({color: 0x1b363b, roughness: 0.95, envMapIntensity: 0.3}));
     this.ground.receiveShadow = true;
@@ -74,8 +75,18 @@ export class Stage {
     this.home();
   }
 
+  openShare() {
+    const w = this.canvas.clientWidth;
+    return Math.max(0.4, (w - this.margins.left - this.margins.right) / w);
+  }
+
+  setMargins(left, right) {
+    this.margins = {left, right};
+    this.resize();
+  }
+
   home() {
-    const half = Math.tan(this.camera.fov * Math.PI / 360) * Math.min(1, this.camera.aspect * 0.8);
+    const half = Math.tan(this.camera.fov * Math.PI / 360) * Math.min(1, this.camera.aspect * 0.8 * this.openShare());
     this.distance = 0.98 * this.size / half;
     this.azimuth = -1.25; this.elevation = 0.38;
     this.place();
@@ -131,7 +142,9 @@ export class Stage {
     const {clientWidth: w, clientHeight: h} = this.canvas;
     this.renderer.setPixelRatio(this.pixelRatio);
     this.renderer.setSize(w, h, false);
+    const {left, right} = this.margins;
     this.camera.aspect = w / h;
+    this.camera.setViewOffset(w, h, (right - left) / 2, 0, w, h);
     this.place();
   }
 

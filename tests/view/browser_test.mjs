@@ -146,17 +146,17 @@ check(await until(page, () => lobe.organ.cutCount === 0), 'restart: whole again'
 
 await page.keyboard.press('e');
 check(await until(page, () => lobe.mode === 'edit' && lobe.status.edit), 'painting begins');
-await page.click('.brush[data-key=precomputed]');
-const before = await page.evaluate(() => lobe.status.edit.shares[1]);
+await page.click('.brush[data-key=tensor-mass]');
+const [before, linearBefore] = await page.evaluate(() => [lobe.status.edit.shares[0], lobe.organ.shares[0]]);
 await drag(page, at, -30, 10);
 await page.mouse.up();
-check(await until(page, b => lobe.status.edit.shares[1] > b, before), 'a stroke changes the model of tetrahedra');
+check(await until(page, b => lobe.status.edit.shares[0] > b, before), 'a stroke changes the model of tetrahedra');
 await shot(page, 'painted');
 await page.fill('#save-name', 'painted_by_test');
 await page.click('#save');
 check(await until(page, () => /Saved/.test(document.getElementById('editor-note').textContent)), 'the scene is saved');
 await page.click('#apply');
-check(await until(page, () => lobe.mode === 'live' && lobe.organ.shares[1] > 0), 'what was painted is simulated');
+check(await until(page, b => lobe.mode === 'live' && lobe.organ.shares[0] > b, linearBefore), 'what was painted is simulated');
 
 // ---- The server is killed, and comes back
 
@@ -182,6 +182,6 @@ await browser.close();
 server.removeAllListeners('exit');
 server.kill();
 const saved = JSON.parse(readFileSync(path.join(out, 'painted_by_test.json')));
-check(saved.regions.some(region => region.model === 'precomputed'), 'the saved scene has the painted region');
+check(saved.regions.some(region => region.model === 'tensor-mass'), 'the saved scene has the painted region');
 console.log(`${failures} failures, ${seconds()} s`);
 process.exit(failures ? 1 : 0);

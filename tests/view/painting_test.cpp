@@ -12,6 +12,7 @@
 
 using namespace lobe;
 using namespace lobe::view;
+using lobe::test::near;
 
 namespace {
 
@@ -54,7 +55,7 @@ TEST_CASE("what was painted is what the scene comes to, and materials by label s
   const Painted painted;
   Painting painting(painted.scene, painted.resolved);
   painting.paint({0.1, 0.1, 0.05}, 0.04, RegionModel::tensor_mass);
-  painting.paint({0, 0, 0.1}, 0.03, RegionModel::precomputed);
+  painting.paint({0.05, 0.05, 0}, 0.04, RegionModel::precomputed);
   const Setup setup = resolve_again(painting).setup;
   CHECK(setup.region_of == painting.regions());
   CHECK(setup.material_of == painted.resolved.setup.material_of);
@@ -116,7 +117,7 @@ TEST_CASE("a stroke is undone at once") {
 TEST_CASE("a scene is saved beside its mesh, and read back comes to what was painted") {
   const Painted painted;
   Painting painting(painted.scene, painted.resolved);
-  painting.paint({0, 0, 0.1}, 0.04, RegionModel::precomputed);
+  painting.paint({0.05, 0.05, 0}, 0.04, RegionModel::precomputed);
   const auto folder = std::filesystem::temp_directory_path() / "lobe_painting_test";
   std::filesystem::create_directories(folder);
   const Scene scene = read_scene(painting.save(folder, "painted"));

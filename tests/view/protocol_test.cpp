@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "lobe/error.h"
+#include "lobe/fem/body.h"
 #include "lobe/mesh/generators.h"
-#include "near.h"
 
 using namespace lobe;
 using namespace lobe::view;

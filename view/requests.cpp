@@ -89,8 +89,17 @@ void Viewer::perform(ClientId, const request::HandOver&) {
   if (asking_ != 0) hand_control_to(asking_);
 }
 
+// Throws InputError for a name that is none, or of files that somebody else has made.
+void Viewer::claim(const std::string& name) {
+  check_file_name(name);
+  for (const char* extension : {".json", ".vtu"})
+    if (const auto file = options_.folder / (name + extension);
+        !saved_.contains(name) && std::filesystem::exists(file))
+      throw InputError(file.string(), "is there already: choose another name");
+}
+
 void Viewer::perform(ClientId, const request::Export& what) {
-  check_file_name(what.to);
+  claim(what.to);
   Scene scene = live_->hands_scene();
   if (has_painted_mesh_) {
     scene.mesh = what.to + ".vtu";
@@ -98,6 +107,7 @@ void Viewer::perform(ClientId, const request::Export& what) {
   }
   const std::filesystem::path file = options_.folder / (what.to + ".json");
   io::write_file(file, to_json(scene));
+  saved_.insert(what.to);
   tell_all("note", "What the hands did is saved. To play it: lobe run " + file.string() + " -o out");
 }
 
@@ -182,7 +192,9 @@ void Viewer::perform(ClientId, const request::Apply&) {
 }
 
 void Viewer::perform(ClientId, const request::Save& what) {
+  claim(what.to);
   const std::filesystem::path file = painting().save(options_.folder, what.to);
+  saved_.insert(what.to);
   tell_all("note", "Saved. To play it: lobe view " + file.string());
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "live.h"
 #include "painting.h"
@@ -81,6 +82,7 @@ class Viewer final : public Service {
   void begin(const std::function<void(Task&)>& work);
   Painting& painting();
   AutoRegions wanted_gestures(double tolerance);
+  void claim(const std::string& name);
 
   void perform(ClientId client, const request::Seen& what);
   void perform(ClientId client, const request::Take& what);
@@ -114,6 +116,7 @@ class Viewer final : public Service {
   std::optional<Painting> painting_;
   bool paints_ = false;
   bool has_painted_mesh_ = false;  // whose labels are in no file
+  std::set<std::string> saved_;    // names of files that this program has made
   double number_ = 0;              // of the request that is carried out
   bool ran_before_painting_ = true;
   std::uint64_t painted_ = 1;  // grows with each change of the painting

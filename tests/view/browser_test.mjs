@@ -2,7 +2,7 @@
 // MODULES is a folder in which npm has installed playwright-core. Status 77: there is no Chromium, or no playwright-core.
 import {spawn} from 'node:child_process';
 import {createRequire} from 'node:module';
-import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {existsSync, mkdirSync, rmSync, readFileSync, writeFileSync} from 'node:fs';
 import path from 'node:path';
 
 const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
@@ -15,6 +15,7 @@ if (!chromium || !playwright) {
   console.log('skipped: needs Chromium and playwright-core; ./dev test installs them');
   process.exit(77);
 }
+rmSync(out, {recursive: true, force: true});
 mkdirSync(out, {recursive: true});
 
 // ---- The program
@@ -48,11 +49,12 @@ const browser = await playwright.chromium.launch({executablePath: chromium,
 const faults = [];
 async function open(url) {
   const page = await browser.newPage({viewport: {width: 960, height: 640}});
+  page.setDefaultTimeout(60000);
   page.on('pageerror', error => faults.push(error.message));
   await page.goto(url);
   return page;
 }
-const until = (page, condition, argument) => page.waitForFunction(condition, argument, {timeout: 20000, polling: 50}).then(() => true, () => false);
+const until = (page, condition, argument) => page.waitForFunction(condition, argument, {timeout: 60000, polling: 50}).then(() => true, () => false);
 const shot = (page, name) => page.screenshot({path: path.join(out, `${name}.png`)});
 
 // The share of pixels that show tissue: redder than they are green or blue.
@@ -174,7 +176,7 @@ const blindPage = await blind.newPage();
 await blindPage.goto(address);
 check(/enable-unsafe-swiftshader/.test(await blindPage.textContent('#overlay')), 'without WebGL the page says what to do');
 const stranger = await open(address.replace('secret', 'guess'));
-check(await stranger.waitForSelector('text=lacks the key', {timeout: 15000}).then(() => true, () => false), 'without the token the page says what is missing');
+check(await stranger.waitForSelector('text=lacks the key', {timeout: 60000}).then(() => true, () => false), 'without the token the page says what is missing');
 
 check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
 writeFileSync(path.join(out, 'latencies.json'), JSON.stringify(await page.evaluate(() => lobe.connection.latencies)));

@@ -8,7 +8,7 @@ function save(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-const stamp = () => new Date().toISOString().slice(0, 19).replace(/[:T]/g, '-');
+export const stamp = () => new Date().toISOString().slice(0, 19).replace(/[:T]/g, '-');
 
 export function savePicture(canvas) {
   canvas.toBlob(blob => save(blob, `lobe-${stamp()}.png`), 'image/png');

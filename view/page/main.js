@@ -1,5 +1,5 @@
 // The page: what the server says goes to the parts that show it, what the user does goes to the server.
-import {savePicture, Video} from './capture.js';
+import {savePicture, stamp, Video} from './capture.js';
 import {showLegend} from './colours.js';
 import {Connection} from './connection.js';
 import {Editor} from './editor.js';
@@ -182,7 +182,7 @@ class Page {
     click('slow', () => this.ask({do: 'speed', factor: {1: 0.25, 0.25: 0.1}[this.status.speed] ?? 1}));
     click('picture', () => this.savePicture());
     click('video', () => this.video.toggle());
-    click('export', () => this.ask({do: 'export', to: 'my_hands'}));
+    click('export', () => this.ask({do: 'export', to: `hands_${stamp()}`}));
     click('help-button', () => overlayIsShown() ? hideOverlay() : showHelp());
     element('colour').onchange = () => this.colour(element('colour').value);
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);

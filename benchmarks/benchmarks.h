@@ -15,7 +15,7 @@ struct Options {
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
   int threads = 1;      // kernels, realtime: if above 1, timed beside one thread; accuracy: of every run
-  double minutes = 10;  // soak: of wall time
+  double minutes = 10;  // soak: of wall time; live: simulated
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
   std::vector<std::filesystem::path> meshes;  // accuracy, hybrid, realtime: of the one scene, beside its own
 };
@@ -44,6 +44,7 @@ void bench_realtime(const Options& options);
 void bench_hybrid(const Options& options);
 void bench_stress(const Options& options);
 void bench_surface(const Options& options);
+void bench_live(const Options& options);
 void bench_skin(const Options& options);
 void bench_soak(const Options& options);
 

@@ -20,9 +20,9 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& arguments) {
   lobe::bench::Options& options = arguments.options;
-  app.add_option(
-         "NAME", arguments.name,
-         "which benchmark: kernels, cut, realtime, features, hybrid, accuracy, validation, stress or soak")
+  app.add_option("NAME", arguments.name,
+                 "which benchmark: kernels, cut, realtime, features, hybrid, accuracy, validation, surface, "
+                 "skin, live, stress or soak")
       ->required();
   app.add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   app.add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
@@ -33,7 +33,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "kernels, realtime: timed beside one thread; accuracy: of every run")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_option("--minutes", options.minutes, "soak: how long")
+  app.add_option("--minutes", options.minutes, "soak: how long; live: simulated minutes of random hands")
       ->check(CLI::Range(0.01, 1e5))
       ->capture_default_str();
   app.add_option("--scene", options.scenes,

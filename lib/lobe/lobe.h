@@ -41,6 +41,7 @@
 #include "lobe/linearity/proposal.h"
 #include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
+#include "lobe/live/pick.h"
 #include "lobe/live/session_scene.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/quality.h"

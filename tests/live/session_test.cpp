@@ -1,5 +1,9 @@
 #include "lobe/live/session.h"
 
+#include <chrono>
+#include <cmath>
+#include <thread>
+
 #include "live/hands_support.h"
 #include "lobe/error.h"
 
@@ -8,16 +12,22 @@ using namespace lobe::test;
 
 namespace {
 
-constexpr double frame = 1.0 / 120;
+const Vec3d lift(0, 0, 0.01);  // [m]
 
 void step(Session<float>& session, int frames) {
   for (int i = 0; i < frames; ++i) REQUIRE(session.step_frame());
 }
 
-bool replays(const Session<float>& session, const Setup& setup, int threads) {
+bool replays(const Session<float>& session, const Setup& setup, int threads = 1) {
   World<float> world(setup, threads);
   const Replayed replayed = replay(session.recording(), world);
   return replayed.same && replayed.commands == session.recording().commands.size();
+}
+
+void wait_for_frames(const Session<float>& session, std::int64_t frames) {
+  for (int i = 0; i < 10000 && session.status()->frames < frames; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  REQUIRE(session.status()->frames >= frames);
 }
 
 }  // namespace
@@ -27,14 +37,14 @@ TEST_CASE("a hand takes hold, leads and lets go; what it holds follows it") {
   Session<float> session(setup);
   Controller mouse = session.connect("mouse");
   REQUIRE(mouse.send(take_at(top)));
-  REQUIRE(mouse.send(lead_to(top + Vec3d(0, 0, 0.01))));
+  REQUIRE(mouse.send(lead_to(top + lift)));
   step(session, 120);
   const auto status = session.status();
   REQUIRE(status->hands.size() == 1);
   const HandStatus& hand = status->hands[0];
   CHECK(hand.holds);
   CHECK(hand.vertices > 3);
-  CHECK((hand.pose.position - top - Vec3d(0, 0, 0.01)).norm() < 1e-6);
+  CHECK((hand.pose.position - top - lift).norm() < 1e-6);
   CHECK(hand.force.z() < -0.1);
   const auto u = session.world().state().u;
   for (const HeldVertices::Held& item : session.world().held().all())
@@ -44,4 +54,373 @@ TEST_CASE("a hand takes hold, leads and lets go; what it holds follows it") {
   CHECK(session.status()->hands.empty());
   CHECK(messages(session).empty());
   CHECK(replays(session, setup, 2));
+}
+
+TEST_CASE("a ray takes hold where it meets the body as it is now, and says so where it misses") {
+  const Setup setup = block();
+  SessionOptions options;
+  options.hand.force_cap = 1e3;
+  Session<float> session(setup, options);
+  Controller mouse = session.connect("mouse");
+  HandCommand ray{
+      .kind = Kind::take_at_ray, .hand = 1, .position = {0.025, 0.025, 1}, .direction = {0, 0, -1}};
+  ray.radius = 0.012;
+  mouse.send(take_at(top, 0.02, 2));
+  mouse.send(lead_to(top + lift, 2));
+  step(session, 60);
+  mouse.send(ask(Kind::let_go, 2));
+  mouse.send(ray);
+  ray.hand = 3;
+  ray.position.x() = 0.2;
+  mouse.send(ray);
+  step(session, 2);
+  CHECK(times_said(session, "missed", "hand 3 of mouse: the ray meets nothing") == 1);
+  CHECK(messages(session).size() == 1);
+  const auto status = session.status();
+  REQUIRE(status->hands.size() == 1);
+  CHECK(status->hands[0].hand == 1);
+  CHECK(status->hands[0].holds);
+  CHECK(status->hands[0].vertices > 0);
+  CHECK(status->hands[0].pose.position.z() > 0.055);
+  CHECK(replays(session, setup));
+}
+
+TEST_CASE("each malformed command is named, and disturbs neither the body nor other commands") {
+  const Setup setup = block();
+  Session<float> session(setup), undisturbed(setup);
+  Controller mouse = session.connect("mouse"), other = undisturbed.connect("mouse");
+  for (Controller* hands : {&mouse, &other}) {
+    hands->send(take_at(top));
+    hands->send(lead_to(top + lift));
+  }
+  step(session, 10);
+  step(undisturbed, 10);
+  const double nan = std::nan("");
+  const auto edit = [](const Command& command) {
+    return HandCommand{.kind = Kind::edit, .body_edit = std::make_shared<const Command>(command)};
+  };
+  const Index tets = setup.mesh.tet_count();
+  const std::vector<std::pair<HandCommand, std::string>> wrong = {
+      {lead_to(Vec3d(0, nan, 0)), "lead: its position must be three finite numbers"},
+      {{.kind = Kind::lead, .hand = 1, .orientation = {0, 0, 0, 2}}, "lead: its orientation must be a unit"},
+      {{.kind = Kind::lead, .hand = 1, .orientation = {nan, 0, 0, 1}},
+       "lead: its orientation must be a unit"},
+      {lead_to(top, 7), "hand 7 of mouse: has no tool to lead"},
+      {turn_on(Kind::burn, true), "burn: hand 1 of mouse has no cautery"},
+      {take_at(top, nan, 2), "take_at_point: its radius must be above 0"},
+      {take_at(top, -1, 2), "take_at_point: its radius must be above 0"},
+      {{.kind = Kind::take_at_ray, .hand = 2, .radius = 0.01}, "take_at_ray: its direction"},
+      {{.kind = Kind::bring_cautery, .hand = 2, .radius = 0}, "bring_cautery: its radius"},
+      {ask_for(Kind::speed, nan), "speed: must be from 0.001"},
+      {ask_for(Kind::back, -1), "back: must be by more than 0 s"},
+      {ask(Kind(77)), "command: there is none of kind 77"},
+      {ask(Kind::edit), "edit: has no command for the body"},
+      {edit(Advance{1}), "edit: is not for tools, frames"},
+      {edit(LetGo{1}), "edit: is not for tools, frames"},
+      {edit(RemoveTets{{tets}}), "tetrahedron " + std::to_string(tets)},
+      {edit(SetForces{{{0, Vec3d(nan, 0, 0)}}}), "refused"},
+  };
+  for (const auto& [command, text] : wrong) {
+    CAPTURE(text);
+    REQUIRE(mouse.send(command));
+    step(session, 1);
+    step(undisturbed, 1);
+    CHECK(messages(session).back().name == "refused");
+    if (text != "refused") CHECK(messages(session).back().text.find(text) != std::string::npos);
+  }
+  CHECK(times_said(session, "refused") == int(wrong.size()));
+  CHECK(same_bits(session.world(), undisturbed.world()));
+  CHECK(session.status()->hands.size() == 1);
+  CHECK(replays(session, setup));
+}
+
+TEST_CASE("a message that is said again and again is one message") {
+  Session<float> session(block());
+  Controller mouse = session.connect("mouse");
+  mouse.send(ask(Kind::edit));
+  for (int i = 0; i < 500; ++i) {
+    mouse.send(lead_to(Vec3d::Constant(std::nan(""))));
+    step(session, 1);
+  }
+  REQUIRE(messages(session).size() == 2);
+  CHECK(messages(session).back().times == 500);
+  CHECK(messages(session).back().number == 2);
+}
+
+TEST_CASE("where a controller dies in the middle of a drag its tools let go, and nobody else's") {
+  const Setup setup = block();
+  Session<float> session(setup);
+  Controller stays = session.connect("stays");
+  stays.send(take_at({0.045, 0.025, 0.05}, 0.008));
+  {
+    Controller dies = session.connect("dies");
+    dies.send(take_at({0.005, 0.025, 0.05}, 0.008));
+    dies.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.025, 0.025, 0.045}, .radius = 0.004});
+    dies.send(lead_to(Vec3d(0.005, 0.025, 0.05) + lift));
+    step(session, 10);
+    dies.send(turn_on(Kind::burn, true, 2));
+    REQUIRE(session.status()->hands.size() == 3);
+  }
+  step(session, 2);
+  CHECK(times_said(session, "controller_gone", "dies: its 2 tools have let go") == 1);
+  REQUIRE(session.status()->hands.size() == 1);
+  CHECK(session.status()->hands[0].controller == stays.number());
+  const Index alive = session.world().elements().topology.alive_count();
+  step(session, 30);
+  CHECK(session.world().elements().topology.alive_count() == alive);
+  for (const HeldVertices::Held& item : session.world().held().all())
+    CHECK((item.holder == HeldVertices::boundary || item.holder == session.status()->hands[0].tool));
+  CHECK(replays(session, setup));
+}
+
+TEST_CASE("a controller that is silent for longer than the session's patience is gone, and may come back") {
+  SessionOptions options;
+  options.patience = 0.05;
+  Session<float> session(block(), options);
+  Controller mouse = session.connect("mouse");
+  mouse.send(take_at(top));
+  step(session, 2);
+  for (int i = 0; i < 4; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    mouse.send(ask(Kind::alive));
+    step(session, 1);
+  }
+  CHECK(session.status()->hands.size() == 1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  step(session, 1);
+  CHECK(session.status()->hands.empty());
+  CHECK(times_said(session, "controller_gone", "silent for more than 0.05 s") == 1);
+  mouse.send(take_at(top));
+  step(session, 2);
+  CHECK(session.status()->hands.size() == 1);
+}
+
+TEST_CASE("a grasp that is pulled at with more than the cap slips off, which is named") {
+  const Setup setup = block();
+  SessionOptions options;
+  options.hand.force_cap = 1;
+  options.hand.top_speed = 0.01;
+  Session<float> session(setup, options);
+  Controller mouse = session.connect("mouse");
+  mouse.send(take_at(top));
+  mouse.send(lead_to(top + 4 * lift));
+  double strongest = 0;
+  int frames = 0;
+  for (; times_said(session, "slipped") == 0 && frames < 200; ++frames) {
+    step(session, 1);
+    for (const HandStatus& hand : session.status()->hands) strongest = std::max(strongest, hand.force.norm());
+  }
+  CHECK(frames > 5);
+  CHECK(strongest > 0.3);
+  CHECK(strongest <= 1);
+  CHECK(times_said(session, "slipped", "hand 1 of mouse: pulled with") == 1);
+  mouse.send(lead_to(top + 5 * lift));  // it has not noticed yet
+  step(session, 100);
+  CHECK(session.status()->hands.empty());
+  CHECK(messages(session).size() == 1);
+  for (const HeldVertices::Held& item : session.world().held().all())
+    CHECK(item.holder == HeldVertices::boundary);
+  CHECK(replays(session, setup));
+}
+
+TEST_CASE("pausing and single steps do not change the bits") {
+  const Setup setup = block();
+  Session<float> paused(setup), straight(setup);
+  Controller a = paused.connect("a"), b = straight.connect("b");
+  for (Controller* hands : {&a, &b}) {
+    hands->send(take_at(top));
+    hands->send(lead_to(top + lift));
+  }
+  step(paused, 5);
+  a.send(turn_on(Kind::run, false));
+  for (int i = 0; i < 50; ++i) CHECK_FALSE(paused.step_frame());
+  CHECK(paused.world().time() == 5 * paused.frame());
+  CHECK_FALSE(paused.status()->is_running);
+  for (int i = 0; i < 3; ++i) {
+    a.send(ask(Kind::step));
+    CHECK(paused.step_frame());
+    CHECK_FALSE(paused.step_frame());
+  }
+  a.send(turn_on(Kind::run, true));
+  step(paused, 12);
+  step(straight, 20);
+  CHECK(same_bits(paused.world(), straight.world()));
+}
+
+TEST_CASE("what is done while the simulation pauses is seen at once") {
+  Session<float> session(block());
+  Controller mouse = session.connect("mouse");
+  step(session, 3);
+  mouse.send(turn_on(Kind::run, false));
+  session.step_frame();
+  const Index before = session.pictures().latest()->figures.tets;
+  mouse.send({.kind = Kind::edit,
+              .sequence = 41,
+              .body_edit = std::make_shared<const Command>(RemoveTets{{10, 11}})});
+  CHECK_FALSE(session.step_frame());
+  CHECK(session.pictures().latest()->figures.tets == before - 2);
+  const auto status = session.status();
+  CHECK(status->sequences[std::size_t(mouse.number())] == 41);
+  CHECK(status->picture == session.pictures().latest()->frame);
+}
+
+TEST_CASE("restart and back put the body where it was; hands let go, and the whole record is replayed") {
+  const Setup setup = block();
+  SessionOptions options;
+  options.back_every = 0.05;
+  Session<float> session(setup, options), fresh(setup);
+  Controller mouse = session.connect("mouse");
+  const auto hold_and_burn = [&] {
+    mouse.send(take_at(top));
+    mouse.send(lead_to(top + lift));
+    mouse.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.01, -0.01, 0.04}, .radius = 0.005});
+    mouse.send(turn_on(Kind::burn, true, 2));
+    mouse.send(lead_to({0.01, 0.06, 0.04}, 2));
+  };
+  hold_and_burn();
+  step(session, 30);
+  const Index alive = session.world().elements().topology.alive_count();
+  CHECK(alive < setup.mesh.tet_count());
+  mouse.send(ask_for(Kind::back, 0.2));
+  step(session, 1);
+  CHECK(session.world().time() == 7 * session.frame());
+  CHECK(session.status()->can_go_back == session.world().time());
+  CHECK(times_said(session, "went_back") == 1);
+  CHECK(session.status()->hands.empty());
+  CHECK(session.world().elements().topology.alive_count() > alive);
+  step(session, 20);
+  for (const HeldVertices::Held& item : session.world().held().all())
+    CHECK(item.holder == HeldVertices::boundary);
+  hold_and_burn();
+  step(session, 10);
+  mouse.send(ask(Kind::restart));
+  step(session, 25);
+  step(fresh, 25);
+  CHECK(same_bits(session.world(), fresh.world()));
+  CHECK(session.world().elements().topology.alive_count() == setup.mesh.tet_count());
+  hold_and_burn();
+  step(session, 20);
+  mouse.send(ask_for(Kind::back, 1e9));  // further than there is
+  step(session, 1);
+  CHECK(session.world().time() == session.frame());
+  for (int threads : {1, 2}) CHECK(replays(session, setup, threads));
+}
+
+TEST_CASE("states to go back to stay within their memory; with little of it one goes back further") {
+  const Setup setup = block();
+  World<float> world(setup);
+  Timeline<float> timeline(world, 0.01, 200'000);
+  for (int i = 0; i < 100; ++i) {
+    timeline.advance(0.01);
+    CHECK(timeline.bytes() <= 200'000);
+  }
+  CHECK(timeline.bytes() > 100'000);
+  timeline.go_back(0.005);
+  CHECK(world.time() == near(0.99, 1e-9));
+  timeline.go_back(0.9);
+  CHECK(world.time() == 0);
+}
+
+TEST_CASE("readers that keep pictures for ever do not stop the session") {
+  Session<float> session(block());
+  std::vector<TripleBuffer<Snapshot<float>>::View> pictures;
+  std::vector<TripleBuffer<SessionStatus>::View> states;
+  for (int i = 0; i < 12; ++i) {
+    pictures.push_back(session.pictures().latest());
+    states.push_back(session.status());
+    step(session, 1);
+  }
+  CHECK(session.world().time() == 12 * session.frame());
+  const double last = pictures.back()->time;
+  pictures.clear();
+  states.clear();
+  step(session, 1);
+  CHECK(session.pictures().latest()->time == session.world().time());
+  CHECK(last < session.world().time());
+}
+
+TEST_CASE(
+    "where no step is stable the session pauses and says so; going back helps, and all of it is replayed") {
+  const Setup setup = block();
+  SessionOptions options;
+  options.back_every = 0.01;
+  Session<float> session(setup, options);
+  Controller mouse = session.connect("mouse");
+  step(session, 20);
+  const double before = session.world().time();
+  mouse.send(take_at(top));
+  mouse.send({.kind = Kind::edit,
+              .body_edit = std::make_shared<const Command>(SetForces{{{100, Vec3d(0, 0, 1e20)}}})});
+  session.step_frame();
+  CHECK(session.world().time() == before);
+  CHECK(session.status()->stands_still);
+  CHECK_FALSE(session.status()->is_running);
+  CHECK(times_said(session, "diverged") == 1);
+  CHECK(times_said(session, "stands_still") == 1);
+  CHECK_FALSE(session.step_frame());
+  mouse.send(ask_for(Kind::back, 0.05));
+  mouse.send(turn_on(Kind::run, true));
+  step(session, 3);
+  CHECK_FALSE(session.status()->stands_still);
+  CHECK(session.world().time() < before);
+  CHECK(replays(session, setup, 2));
+}
+
+TEST_CASE("a session with a thread of its own follows the clock, obeys while it pauses, and stops") {
+  const Setup setup = block();
+  SessionOptions options;
+  options.running = false;
+  Session<float> session(setup, options);
+  Controller mouse = session.connect("mouse");
+  session.start();
+  CHECK(session.is_started());
+  mouse.send(ask(Kind::step));
+  wait_for_frames(session, 1);
+  mouse.send(turn_on(Kind::run, true));
+  wait_for_frames(session, 60);
+  CHECK(session.status()->real_time_factor > 0);
+  CHECK(session.status()->real_time_factor < 1.2);
+  mouse.send(ask_for(Kind::speed, 0.001));  // 8 s per frame, which nobody has to wait for
+  double time = 0;
+  session.between_frames([&] { time = session.world().time(); });
+  CHECK(time > 0.4);
+  CHECK_THROWS_WITH_AS(session.between_frames([] { throw InputError("work", "went wrong"); }),
+                       "work: went wrong", InputError);
+  mouse.send(turn_on(Kind::run, false));
+  session.between_frames([&] { time = session.world().time(); });
+  session.stop();
+  session.stop();
+  CHECK_FALSE(session.is_started());
+  session.between_frames([&] { time = 0; });
+  CHECK(time == 0);
+  CHECK(replays(session, setup));
+}
+
+TEST_CASE("options that are none are refused") {
+  const auto refused = [](auto&& change) {
+    SessionOptions options;
+    change(options);
+    CHECK_THROWS_AS(Session<float>(block(), options), InputError);
+  };
+  refused([](SessionOptions& o) { o.frame = 0; });
+  refused([](SessionOptions& o) { o.frame = std::nan(""); });
+  refused([](SessionOptions& o) { o.speed = -1; });
+  refused([](SessionOptions& o) { o.queue = 0; });
+  refused([](SessionOptions& o) { o.back_every = -1; });
+  refused([](SessionOptions& o) { o.patience = -1; });
+  refused([](SessionOptions& o) { o.hand.lag = 0; });
+  refused([](SessionOptions& o) { o.hand.force_cap = 0; });
+}
+
+TEST_CASE(
+    "times of frames are exact multiples of one length, which is the one asked for but for a billionth") {
+  const Session<float> session(block());
+  const double length = session.frame();
+  CHECK(std::abs(length * 120 - 1) < 2e-9);
+  double sum = 0;
+  for (int i = 1; i <= 100000; ++i) {
+    sum += length;
+    REQUIRE(sum == i * length);
+    REQUIRE(i * length / i == length);
+  }
 }

@@ -45,7 +45,7 @@ export class Stage {
     maker.dispose();
     this.key = new THREE.DirectionalLight(0xfff1e2, 2.1);
     this.key.castShadow = true;
-    this.key.shadow.mapSize.setScalar(this.software ? 1024 : 2048);
+    this.key.shadow.mapSize.setScalar(this.software ? 512 : 2048);
     this.key.shadow.bias = -0.0006;
     this.key.shadow.normalBias = 0.0015;
     this.key.shadow.radius = 3;

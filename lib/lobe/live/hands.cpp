@@ -111,19 +111,29 @@ std::vector<int> Hands<Real>::controllers() const {
   return all;
 }
 
+// Per vertex: 1 where nobody else can take hold of it. Whoever lets go does so before the next frame, in which others take hold.
 template <class Real>
-bool Hands<Real>::is_free(Index vertex) const {
-  return !world_.elements().topology.around(vertex).empty() && !world_.held().fixes(vertex);
+std::vector<std::uint8_t> Hands<Real>::taken_vertices() const {
+  const Topology& topology = world_.elements().topology;
+  std::vector<std::uint8_t> taken(std::size_t(topology.vertex_count()), 0);
+  for (Index v = 0; v < topology.vertex_count(); ++v) taken[std::size_t(v)] = topology.around(v).empty();
+  for (const HeldVertices::Held& item : world_.held().all()) {
+    const Grasp* grasp = world_.tools().grasp(item.holder);
+    const bool lets_go = grasp && grasp->is_live && grasp->release;
+    if (!lets_go && world_.held().fixes(item.vertex)) taken[std::size_t(item.vertex)] = 1;
+  }
+  return taken;
 }
 
 template <class Real>
 std::vector<Index> Hands<Real>::free_within(const Vec3d& point, double radius) {
   const auto u = world_.displacements();
   const auto X = world_.elements().points.view();
+  const std::vector<std::uint8_t> taken = taken_vertices();
   std::vector<Index> vertices;
-  for (Index v = 0; v < world_.elements().topology.vertex_count(); ++v) {
+  for (Index v = 0; v < static_cast<Index>(taken.size()); ++v) {
     const Vec3d x = X.col(v) + u.col(v).template cast<double>();
-    if ((x - point).squaredNorm() <= radius * radius && is_free(v)) vertices.push_back(v);
+    if (!taken[std::size_t(v)] && (x - point).squaredNorm() <= radius * radius) vertices.push_back(v);
   }
   return vertices;
 }
@@ -131,9 +141,11 @@ std::vector<Index> Hands<Real>::free_within(const Vec3d& point, double radius) {
 template <class Real>
 std::vector<Index> Hands<Real>::free_corners(Index triangle) {
   const SurfaceMesh& surface = world_.surface().mesh();
+  const std::vector<std::uint8_t> taken = taken_vertices();
   std::vector<Index> vertices;
   for (Index corner : surface.triangles[std::size_t(triangle)])
-    if (const Index v = surface.mesh_vertex[std::size_t(corner)]; is_free(v)) vertices.push_back(v);
+    if (const Index v = surface.mesh_vertex[std::size_t(corner)]; !taken[std::size_t(v)])
+      vertices.push_back(v);
   std::sort(vertices.begin(), vertices.end());
   return vertices;
 }

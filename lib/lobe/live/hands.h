@@ -61,7 +61,7 @@ class Hands {
   std::string name_of(int controller, HandNumber number) const;
   std::vector<Index> free_within(const Vec3d& point, double radius);
   std::vector<Index> free_corners(Index triangle);
-  bool is_free(Index vertex) const;
+  std::vector<std::uint8_t> taken_vertices() const;
   void begin_to_lead(Hand& hand);
 
   World<Real>& world_;

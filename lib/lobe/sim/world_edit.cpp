@@ -279,6 +279,8 @@ void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
 
 template <class Real>
 void World<Real>::perform(const SetForces& command) {
+  AppliedForces<Real>().set(command.forces,
+                            elements().topology.vertex_count());  // throws before anything changes
   const std::vector<Index> before = body_.touched_by_terms();
   catch_up();
   applied().set(command.forces, elements().topology.vertex_count());
@@ -288,6 +290,8 @@ void World<Real>::perform(const SetForces& command) {
 template <class Real>
 void World<Real>::perform(const SetSprings& command) {
   if (implicit_) throw InputError("springs", "are available with the explicit integrator only");
+  AppliedForces<Real>().set(command.springs,
+                            elements().topology.vertex_count());  // throws before anything changes
   const std::vector<Index> before = body_.touched_by_terms();
   catch_up();
   applied().set(command.springs, elements().topology.vertex_count());

@@ -1,0 +1,175 @@
+// lobe bench live: what a session costs beside the frames that it simulates, and a replay of minutes of random hands.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iomanip>
+#include <sstream>
+
+#include "benchmarks/benchmarks.h"
+#include "benchmarks/machine.h"
+#include "benchmarks/random_hands.h"
+#include "benchmarks/timing.h"
+#include "lobe/io/atomic_file.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/live/session.h"
+#include "lobe/mesh/refine.h"
+
+namespace lobe::bench {
+namespace {
+
+using Kind = HandCommand::Kind;
+
+struct Row {
+  std::string mesh;
+  Index tets = 0;
+  int frames = 0;
+  double bare_us = 0, session_us = 0;  // per frame, of the same frames: advance() alone, and a session
+  double publish_us = 0, seal_us = 0, keep_us = 0;  // a picture, a digest of the state, a state to go back to
+};
+
+Setup held_liver(const TetMesh& mesh) {
+  Setup setup;
+  setup.mesh = mesh;
+  setup.materials = {{4e4, 1e4, 1000}};
+  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
+  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  setup.damping = 20;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.points(0, v) < -0.02 && mesh.points(1, v) > 0.015)
+      setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+const Vec3d tip{0.082, -0.045, 0.035};  // of the left lobe [m]
+
+// Holds the tip of the left lobe and leads it round and round; a pose every other frame, as from a mouse.
+void drag(Controller& hand, int frame) {
+  if (frame == 0) hand.send({.kind = Kind::take_at_point, .hand = 1, .position = tip, .radius = 0.02});
+  if (frame % 2 != 0) return;
+  const double angle = 0.05 * frame;
+  const Vec3d offset(0.01 * std::cos(angle) - 0.01, 0.01 * std::sin(angle), 0.01 * (1 - std::cos(angle)));
+  hand.send({.kind = Kind::lead, .hand = 1, .position = tip + offset});
+}
+
+// The same frames by a session and by a world alone, in turn; the ratio of the sums.
+void time_frames(const Setup& setup, Row& row) {
+  Session<float> session(setup);
+  Controller hand = session.connect("mouse");
+  World<float> world(setup);
+  std::size_t next = 0;
+  for (int i = 0; i < row.frames; ++i) {
+    drag(hand, i);
+    const Stopwatch in_session(true);
+    session.step_frame();
+    row.session_us += 1e6 * in_session.seconds() / row.frames;
+    const Stopwatch alone(true);
+    for (; next < session.recording().commands.size(); ++next)
+      world.apply(std::get<Command>(session.recording().commands[next].command));
+    row.bare_us += 1e6 * alone.seconds() / row.frames;
+  }
+  if (digest(world) != digest(session.world()))
+    throw WrongResult("live: a session's frames are not the world's");
+}
+
+void time_parts(const Setup& setup, Row& row) {
+  World<float> world(setup);
+  const Report report = world.advance(1.0 / 120);
+  const auto samples = sample_in_turn(
+      {{[&] { world.publish(report); }}, {[&] { digest(world); }}, {[&] { world.save(); }}}, {});
+  row.publish_us = 1e6 * median(samples[0]);
+  row.seal_us = 1e6 * median(samples[1]);
+  row.keep_us = 1e6 * median(samples[2]);
+}
+
+struct RandomPlay {
+  double minutes = 0;  // simulated, on the way to which much was undone
+  long frames = 0, commands = 0, returns = 0;
+  double playing_s = 0, replaying_s = 0;  // processor time
+  double recording_mb = 0;
+};
+
+// Whatever can be done, for so many simulated minutes, by the driver's own thread; then all of it again.
+RandomPlay play_random_hands(const Setup& setup, double minutes) {
+  Session<float> session(setup);
+  const Box box = bounding_box(setup.mesh);
+  RandomHandsOptions options{.low = box.min, .high = box.max, .removable = {}};
+  for (Index t = 0; t < setup.mesh.tet_count(); t += 97) options.removable.push_back(t);
+  RandomHands hands(1, std::move(options));
+  Controller hand = session.connect("random");
+  RandomPlay played;
+  const Stopwatch playing(true);
+  for (; double(played.frames) * session.frame() < 60 * minutes; ++played.frames) {
+    if (hands.dice(2000) == 0) hand = session.connect("somebody else");
+    for (int i = hands.dice(3); i > 0; --i) hand.send(hands.next());
+    hand.send({.kind = Kind::run, .on = true});
+    session.step_frame();
+  }
+  played.playing_s = playing.seconds();
+  played.minutes = double(played.frames) * session.frame() / 60;
+  const Recording& recording = session.recording();
+  played.commands = long(recording.commands.size());
+  played.recording_mb = 1e-6 * double(recording.commands.capacity() * sizeof(RecordedCommand));
+  for (const RecordedCommand& one : recording.commands)
+    played.returns += std::holds_alternative<GoBack>(one.command);
+  const Stopwatch replaying(true);
+  World<float> world(setup);
+  const Replayed replayed = replay(recording, world);
+  played.replaying_s = replaying.seconds();
+  if (!replayed.same || digest(world) != digest(session.world()))
+    throw WrongResult("live: command " + std::to_string(replayed.commands) + " of " +
+                      std::to_string(played.commands) + " gives other bits when it is replayed");
+  return played;
+}
+
+void print(const Row& r) {
+  std::printf("%-20s %8d %7d %9.1f %10.1f %9.2f %10.1f %7.1f %7.1f\n", r.mesh.c_str(), r.tets, r.frames,
+              r.bare_us, r.session_us, 100 * (r.session_us / r.bare_us - 1), r.publish_us, r.seal_us,
+              r.keep_us);
+  std::fflush(stdout);
+}
+
+std::string csv(const std::vector<Row>& rows, const RandomPlay& played) {
+  std::ostringstream out;
+  out << "mesh,tets,frames,bare_us,session_us,overhead,publish_us,seal_us,keep_us,random_minutes,random_"
+         "commands,"
+         "random_returns,playing_s,replaying_s,recording_mb\n"
+      << std::setprecision(4);
+  for (const Row& r : rows)
+    out << r.mesh << ',' << r.tets << ',' << r.frames << ',' << r.bare_us << ',' << r.session_us << ','
+        << r.session_us / r.bare_us - 1 << ',' << r.publish_us << ',' << r.seal_us << ',' << r.keep_us
+        << ",,,,,,\n";
+  out << "liver_2k,,,,,,,,," << played.minutes << ',' << played.commands << ',' << played.returns << ','
+      << played.playing_s << ',' << played.replaying_s << ',' << played.recording_mb << '\n';
+  return out.str();
+}
+
+}  // namespace
+
+void bench_live(const Options& options) {
+  begin_results(options.output, "live");
+  std::printf("\n%-20s %8s %7s %9s %10s %9s %10s %7s %7s\n", "mesh", "tets", "frames", "bare us",
+              "session us", "adds %", "publish us", "seal us", "keep us");
+  const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
+  std::vector<Row> rows;
+  const auto run = [&](const std::string& name, const TetMesh& mesh, int frames) {
+    Row& row = rows.emplace_back(Row{.mesh = name, .tets = mesh.tet_count()});
+    row.frames = options.quick ? frames / 10 : frames;
+    const Setup setup = held_liver(mesh);
+    time_frames(setup, row);
+    time_parts(setup, row);
+    print(row);
+  };
+  run("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh, 2400);
+  run("liver_10k", read_mesh(meshes / "liver_10k.vtu").mesh, 1200);
+  if (!options.quick) run("liver_10k refined", refine(read_mesh(meshes / "liver_10k.vtu").mesh).mesh, 60);
+  const double minutes = options.quick ? 0.1 : options.minutes;
+  const RandomPlay played = play_random_hands(held_liver(read_mesh(meshes / "liver_2k.vtu").mesh), minutes);
+  std::printf(
+      "\nrandom hands, liver_2k: %.1f simulated minutes, %ld frames, %ld commands, back %ld times, record of "
+      "%.1f MB\nplayed in %.1f s, replayed bit for bit in %.1f s\n",
+      played.minutes, played.frames, played.commands, played.returns, played.recording_mb, played.playing_s,
+      played.replaying_s);
+  io::write_file(options.output / "live.csv", csv(rows, played));
+}
+
+}  // namespace lobe::bench

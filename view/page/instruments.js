@@ -4,7 +4,7 @@ import * as THREE from './third_party/three-0.187.0/three.module.js';
 const steel = new THREE.MeshStandardMaterial({color: 0xc9d2d6, metalness: 0.9, roughness: 0.28});
 const dark = new THREE.MeshStandardMaterial({color: 0x56636a, metalness: 0.25, roughness: 0.5});
 const arrowMaterial = new THREE.MeshBasicMaterial({color: 0xffc46b, depthTest: false, transparent: true, opacity: 0.92, toneMapped: false});
-const millimetresPerNewton = 12;
+const millimetresPerNewton = 6;
 
 export class Instruments {
   constructor(stage, labels) {

@@ -1,7 +1,7 @@
 // Where the organ lies: renderer, light, camera. It draws when something has changed, and not otherwise.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
-const background = new THREE.Color(0x161d21), plainBackground = new THREE.Color(0x1c2c30);
+const background = new THREE.Color(0x161d21), plainBackground = new THREE.Color(0x203338);
 
 /** What draws here, in words; null where there is no WebGL. */
 export function graphics() {
@@ -41,7 +41,7 @@ export class Stage {
   addLights() {
     const maker = new THREE.PMREMGenerator(this.renderer);
     this.scene.environment = maker.fromScene(operatingRoom(), 0.03).texture;
-    this.scene.environmentIntensity = 0.5;
+    this.scene.environmentIntensity = 0.6;
     maker.dispose();
     this.key = new THREE.DirectionalLight(0xfff1e2, 2.1);
     this.key.castShadow = true;
@@ -201,6 +201,6 @@ function operatingRoom() {
   lamp(0xfff4e8, 14, 2.2, 2.2, [1.5, -1.5, 4]);
   lamp(0xffffff, 6, 1.2, 3.5, [-4, -1, 1.8]);
   lamp(0xdfeefa, 3, 4, 1.2, [2, 4, 1.5]);
-  lamp(0x335055, 1, 12, 12, [0, 0, -4]);
+  lamp(0x5f7f82, 1.6, 12, 12, [0, 0, -4]);
   return room;
 }

@@ -1,7 +1,10 @@
-// lobe bench live: what a session costs beside the frames that it simulates, and a replay of minutes of random hands.
+// lobe bench live: what a session costs beside the frames that it simulates, and a replay of minutes of
+// random hands.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iomanip>
 #include <sstream>
 
@@ -24,6 +27,7 @@ struct Row {
   Index tets = 0;
   int frames = 0;
   double bare_us = 0, session_us = 0;  // per frame, of the same frames: advance() alone, and a session
+  double ratio = 1;                    // of the two
   double publish_us = 0, seal_us = 0, keep_us = 0;  // a picture, a digest of the state, a state to go back to
 };
 
@@ -51,24 +55,42 @@ void drag(Controller& hand, int frame) {
   hand.send({.kind = Kind::lead, .hand = 1, .position = tip + offset});
 }
 
-// The same frames by a session and by a world alone, in turn; the ratio of the sums.
+double timed_us(const std::function<void()>& work) {
+  const Stopwatch watch(true);
+  work();
+  return 1e6 * watch.seconds();
+}
+
+// The same frames by a session and by a world alone, turn and turn about; medians over blocks of as many
+// frames as there are between two states to go back to.
 void time_frames(const Setup& setup, Row& row) {
+  constexpr int block = 60;
   Session<float> session(setup);
   Controller hand = session.connect("mouse");
   World<float> world(setup);
   std::size_t next = 0;
-  for (int i = 0; i < row.frames; ++i) {
-    drag(hand, i);
-    const Stopwatch in_session(true);
-    session.step_frame();
-    row.session_us += 1e6 * in_session.seconds() / row.frames;
-    const Stopwatch alone(true);
+  std::vector<double> in_session, alone;
+  const auto play_alone = [&] {
     for (; next < session.recording().commands.size(); ++next)
       world.apply(std::get<Command>(session.recording().commands[next].command));
-    row.bare_us += 1e6 * alone.seconds() / row.frames;
+  };
+  for (int i = 0; i < row.frames; ++i) {
+    if (i % block == 0) {
+      in_session.push_back(0);
+      alone.push_back(0);
+    }
+    drag(hand, i);
+    in_session.back() += timed_us([&] { session.step_frame(); }) / block;
+    alone.back() += timed_us(play_alone) / block;
   }
   if (digest(world) != digest(session.world()))
     throw WrongResult("live: a session's frames are not the world's");
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < alone.size(); ++i) ratios.push_back(in_session[i] / alone[i]);
+  for (auto* all : {&in_session, &alone, &ratios}) std::sort(all->begin(), all->end());
+  row.bare_us = median(alone);
+  row.session_us = median(in_session);
+  row.ratio = median(ratios);
 }
 
 void time_parts(const Setup& setup, Row& row) {
@@ -123,8 +145,7 @@ RandomPlay play_random_hands(const Setup& setup, double minutes) {
 
 void print(const Row& r) {
   std::printf("%-20s %8d %7d %9.1f %10.1f %9.2f %10.1f %7.1f %7.1f\n", r.mesh.c_str(), r.tets, r.frames,
-              r.bare_us, r.session_us, 100 * (r.session_us / r.bare_us - 1), r.publish_us, r.seal_us,
-              r.keep_us);
+              r.bare_us, r.session_us, 100 * (r.ratio - 1), r.publish_us, r.seal_us, r.keep_us);
   std::fflush(stdout);
 }
 
@@ -136,9 +157,8 @@ std::string csv(const std::vector<Row>& rows, const RandomPlay& played) {
       << std::setprecision(4);
   for (const Row& r : rows)
     out << r.mesh << ',' << r.tets << ',' << r.frames << ',' << r.bare_us << ',' << r.session_us << ','
-        << r.session_us / r.bare_us - 1 << ',' << r.publish_us << ',' << r.seal_us << ',' << r.keep_us
-        << ",,,,,,\n";
-  out << "liver_2k,,,,,,,,," << played.minutes << ',' << played.commands << ',' << played.returns << ','
+        << r.ratio - 1 << ',' << r.publish_us << ',' << r.seal_us << ',' << r.keep_us << ",0,0,0,0,0,0\n";
+  out << "liver_2k,0,0,0,0,0,0,0,0," << played.minutes << ',' << played.commands << ',' << played.returns << ','
       << played.playing_s << ',' << played.replaying_s << ',' << played.recording_mb << '\n';
   return out.str();
 }
@@ -153,7 +173,7 @@ void bench_live(const Options& options) {
   std::vector<Row> rows;
   const auto run = [&](const std::string& name, const TetMesh& mesh, int frames) {
     Row& row = rows.emplace_back(Row{.mesh = name, .tets = mesh.tet_count()});
-    row.frames = options.quick ? frames / 10 : frames;
+    row.frames = options.quick ? std::max(60, frames / 10) : frames;
     const Setup setup = held_liver(mesh);
     time_frames(setup, row);
     time_parts(setup, row);

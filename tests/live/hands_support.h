@@ -51,6 +51,18 @@ int times_said(const Session<Real>& session, const std::string& name, const std:
   return times;
 }
 
+inline const Vec3d lift{0, 0, 0.01};  // of what is held [m]
+
+inline void step(Session<float>& session, int frames) {
+  for (int i = 0; i < frames; ++i) REQUIRE(session.step_frame());
+}
+
+inline bool replays(const Session<float>& session, const Setup& setup, int threads = 1) {
+  World<float> world(setup, threads);
+  const Replayed replayed = replay(session.recording(), world);
+  return replayed.same && replayed.commands == session.recording().commands.size();
+}
+
 template <class Real>
 bool same_bits(World<Real>& a, World<Real>& b) {
   return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;

@@ -41,8 +41,8 @@ struct Played {
   }
 };
 
-// Cuts into the beam with a cautery, which splits vertices beside it, takes hold of these by a ray, and of the end, turns and lifts
-// both, cuts once more, and lets the end go.
+// Cuts into the beam with a cautery, which splits vertices beside it, takes hold of these by a ray, and of
+// the end, turns and lifts both, cuts once more, and lets the end go.
 template <class Real>
 void act(Session<Real>& session) {
   Controller hands = session.connect("surgeon");
@@ -106,4 +106,84 @@ TEST_CASE_TEMPLATE("what hands did, written as a scene and read again, is played
   for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
   CHECK(world.elements().topology.alive_count() == session.world().elements().topology.alive_count());
   CHECK(same_bits(world, session.world()));
+}
+
+TEST_CASE("a session that a scene cannot tell is refused with what and when") {
+  const Played played;
+  const Setup& setup = played.resolved.setup;
+  Session<float> session(setup);
+  Controller hands = session.connect("surgeon");
+  const auto refusal = [&](const Setup& of = {}) -> std::string {
+    try {
+      session_scene(played.scene, of.mesh.tet_count() > 0 ? of : setup, session);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(refusal() == "session: nothing was simulated yet");
+  step(session, 60);
+  CHECK(refusal() == "");
+  Setup other = setup;
+  other.damping += 1;
+  CHECK(refusal(other) == "session: is of another scene, mesh or version of them");
+  hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(RemoveTets{{100}})});
+  step(session, 1);
+  CHECK(refusal() == "session: tetrahedra were removed at 0.5 s, which a scene cannot tell; a recording can");
+  hands.send(ask_for(Kind::back, 0.2));
+  step(session, 1);
+  CHECK(refusal() == "");
+  hands.send({.kind = Kind::edit,
+              .body_edit = std::make_shared<const Command>(SetForces{{{100, Vec3d(0, 0, 1e20)}}})});
+  session.step_frame();
+  CHECK(refusal().find("session: forces were set at") == 0);
+  Scene in_double = played.scene;
+  in_double.time.precision = Precision::double_precision;
+  CHECK_THROWS_WITH_AS(session_scene(in_double, setup, session),
+                       "session: is in single precision, its scene in double", InputError);
+}
+
+TEST_CASE("a scene tells where hands have got to, without what was undone") {
+  const Played played;
+  const Setup& setup = played.resolved.setup;
+  Session<float> session(setup);
+  Controller hands = session.connect("surgeon");
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.006));
+  hands.send(lead_to({0.08, 0.01, 0.02}));
+  step(session, 100);
+  hands.send(ask_for(Kind::back, 0.3));
+  step(session, 3);
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.012, 2));
+  hands.send(lead_to({0.09, 0.01, 0.01}, 2));
+  step(session, 40);
+  const Scene kept = session_scene(played.scene, setup, session);
+  CHECK(kept.tools.size() == 3);  // with the scene's own
+  World<float> world(resolve(kept, setup.mesh).setup);
+  const Frames frames = frames_of(kept.time);
+  for (int i = 0; i < frames.count; ++i) world.advance(frames.length);
+  CHECK(same_bits(world, session.world()));
+}
+
+TEST_CASE("the grasps of a session can be declared as gestures of automatic regions") {
+  const Played played;
+  const Setup& setup = played.resolved.setup;
+  Session<float> session(setup);
+  Controller hands = session.connect("surgeon");
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.008));
+  step(session, 2);
+  const Vec3d from = session.status()->hands[0].pose.position;
+  hands.send(lead_to(from + Vec3d(0, 0, 0.01)));
+  step(session, 60);
+  hands.send(lead_to(from));
+  step(session, 60);
+  hands.send(take_at({0.06, 0.01, 0.02}, 0.008, 2));  // and holds still
+  step(session, 10);
+  const Scene kept = with_gestures(session_scene(played.scene, setup, session), 0.03);
+  const Scene again = parse_scene(to_json(kept));
+  REQUIRE(again.auto_regions);
+  CHECK(again.auto_regions->tolerance == 0.03);
+  const Resolved resolved = resolve(again, setup.mesh);
+  REQUIRE(resolved.gestures.size() == 1);
+  CHECK(resolved.gestures[0].vertices == session.world().tools().grasp(2)->vertices);
+  CHECK((resolved.gestures[0].displacements[0] - Vec3d(0, 0, 0.01)).norm() < 1e-5);
 }

@@ -10,6 +10,8 @@
 #include "lobe/error.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/write_scene.h"
+#include "lobe/sim/world.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -283,6 +285,29 @@ TEST_CASE("tools are resolved, and doubtful ones pointed out") {
         "/tools/0: 1 of the 2 vertices it grasps are held by \"boundary\"\n"
         "/tools/0/path: ends at 1.5 s, after the run's duration of 1 s\n"
         "/tools/1/path: never comes within its radius of the mesh's bounding box");
+}
+
+TEST_CASE("a grasp may name copies, which cuts make, beside vertices of the mesh or alone") {
+  const Scene read = scene(R"({"tools": [
+    {"type": "grasp", "where": {"vertices": [4, 7]}, "copies": [22, 20], "path": [[0, 0, 0, 0]]},
+    {"type": "grasp", "where": {"not": {"all": true}}, "copies": [31], "path": [[0, 0, 0, 0], [1, 0, 0, 0.1]]}]})");
+  const Setup setup = resolve(parse_scene(to_json(read)), bar()).setup;
+  REQUIRE(setup.grasps.size() == 2);
+  CHECK(setup.grasps[0].vertices == std::vector<Index>{4, 7, 20, 22});
+  CHECK(setup.grasps[1].vertices == std::vector<Index>{31});
+  CHECK(gestures_of_grasps(setup).empty());
+  World<float> world(setup);  // nothing is cut, so that they are not there
+  world.advance(0.001);
+  CHECK(world.held().all().size() == setup.prescribed.size() + 2);
+  CHECK(
+      faults(
+          R"({"tools": [{"type": "grasp", "where": {"all": true}, "copies": [19], "path": [[0, 0, 0, 0]]}]})") ==
+      "/tools/0/copies: 19 is a vertex of the mesh, which has 20; copies have higher numbers, others belong "
+      "to "
+      "\"where\"");
+  CHECK(faults(R"({"regions": {"auto": {}}, "tools": [
+          {"type": "grasp", "where": {"not": {"all": true}}, "copies": [31], "path": [[0, 0, 0, 0]]}]})") ==
+        "/tools/0/where: must select a vertex of the mesh, beside automatic regions");
 }
 
 TEST_CASE("a cautery that only passes through between two points is near") {

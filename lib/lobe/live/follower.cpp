@@ -5,8 +5,8 @@
 namespace lobe {
 namespace {
 
-// Of a critically damped spring, x'' = ω² (target − x) − 2 ω x', solved exactly over dt: by how much x moves. It trails a target
-// that moves uniformly by 2/ω.
+// Of a critically damped spring, x'' = ω² (target − x) − 2 ω x', solved exactly over dt: by how much x moves.
+// It trails a target that moves uniformly by 2/ω.
 Vec3d way(const Vec3d& gap, Vec3d& velocity, double dt, double lag, double top) {
   const double omega = 2 / lag, decay = std::exp(-omega * dt);
   const Vec3d slope = velocity - omega * gap;

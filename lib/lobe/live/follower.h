@@ -1,4 +1,5 @@
-// A tool that follows a hand: smoothly, and no faster than a hand moves. The paths that it leaves are what the body feels.
+// A tool that follows a hand: smoothly, and no faster than a hand moves. The paths that it leaves are what
+// the body feels.
 #pragma once
 
 #include "lobe/tool/tools.h"

@@ -1,5 +1,5 @@
-// What hands and their controllers ask of a session, as values of a fixed size. The session turns them into commands of the world
-// (sim/command.h), which are what is recorded.
+// What hands and their controllers ask of a session, as values of a fixed size. The session turns them into
+// commands of the world (sim/command.h), which are what is recorded.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,21 @@
 
 namespace lobe {
 
-// A hand holds one tool at a time. Its number is chosen by the controller; those of two controllers are different hands.
+// A hand holds one tool at a time. Its number is chosen by the controller; those of two controllers are
+// different hands.
 using HandNumber = std::uint32_t;
 
 struct HandCommand {
   enum class Kind : std::uint8_t {
-    take_at_ray,  // holds what lies within `radius` of where the ray from `position` along `direction` enters the body
+    // Holds what lies within `radius` of where the ray from `position` along `direction` enters the body.
+    take_at_ray,
     take_at_point,  // holds what lies within `radius` of `position`
     bring_cautery,  // with a tip of `radius`, off, to `position`
     lead,           // the hand is to go to `position`, turned by `orientation` since it took hold
     burn,           // the cautery on or off, as `on` says
     let_go,         // of what the hand holds; a cautery is taken away
-    edit,  // the body, by `body_edit`: RemoveTets, SetRegion, SetForces, … but no tool's command, and not Advance
+    // Edits the body, by `body_edit`: RemoveTets, SetRegion, SetForces, … but no tool's command, nor Advance.
+    edit,
     run,      // as `on` says; false: the simulation pauses
     step,     // one frame, while paused
     speed,    // `value` simulated seconds per second of the clock, 0.001 … 100

@@ -1,5 +1,5 @@
-// The one door through which any thread sends hand commands to the thread of a session. Senders may wait for each other, for as
-// long as it takes to copy a command; the session waits for nobody.
+// The one door through which any thread sends hand commands to the thread of a session. Senders may wait for
+// each other, for as long as it takes to copy a command; the session waits for nobody.
 #pragma once
 
 #include <array>
@@ -25,8 +25,9 @@ class HandQueue {
   // Its number; throws InputError where there are too many.
   int connect(const std::string& name);
   void disconnect(int controller);  // what it sent before is still done
-  // False where the queue is full, with nothing queued: the session has not taken a command for a long time. A newer pose of a
-  // hand takes the place of one that is queued, if that is the last that was asked of the hand.
+  // False where the queue is full, with nothing queued: the session has not taken a command for a long time.
+  // A newer pose of a hand takes the place of one that is queued, if that is the last that was asked of the
+  // hand.
   bool send(int controller, const HandCommand& command);
 
   // ---- The thread of the session
@@ -36,8 +37,8 @@ class HandQueue {
     HandCommand command;
   };
   std::optional<Sent> take() { return ring_.take(); }
-  // Those that have gone since it was last asked: everything that they sent can be taken now. Their numbers are used again
-  // after forget().
+  // Those that have gone since it was last asked: everything that they sent can be taken now. Their numbers
+  // are used again after forget().
   std::vector<int> gone() const;
   void forget(int controller);
   std::string name(int controller) const;

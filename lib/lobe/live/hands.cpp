@@ -111,7 +111,8 @@ std::vector<int> Hands<Real>::controllers() const {
   return all;
 }
 
-// Per vertex: 1 where nobody else can take hold of it. Whoever lets go does so before the next frame, in which others take hold.
+// Per vertex: 1 where nobody else can take hold of it. Whoever lets go does so before the next frame, in
+// which others take hold.
 template <class Real>
 std::vector<std::uint8_t> Hands<Real>::taken_vertices() const {
   const Topology& topology = world_.elements().topology;

@@ -23,8 +23,8 @@ class Hands {
         messages_(messages),
         limits_(limits) {}
 
-  // take_at_ray, take_at_point, bring_cautery, lead, burn, let_go. Throws InputError for what cannot be done, and has then done
-  // nothing.
+  // take_at_ray, take_at_point, bring_cautery, lead, burn, let_go. Throws InputError for what cannot be done,
+  // and has then done nothing.
   void obey(int controller, const HandCommand& command);
   int lose(int controller);          // its hands let go; how many held something
   void forget() { hands_.clear(); }  // the world was put back, and their tools have let go

@@ -1,5 +1,5 @@
-// Simulated time against the clock: when the next frame is due, how far behind a session is, and how fast it really is. Nothing of
-// it enters the simulation.
+// Simulated time against the clock: when the next frame is due, how far behind a session is, and how fast it
+// really is. Nothing of it enters the simulation.
 #pragma once
 
 #include <chrono>
@@ -14,8 +14,8 @@ class Pace {
 
   // Frames are due from now on; after a pause, and where the speed has changed.
   void start(Clock::time_point now);
-  // A frame of so many simulated seconds has ended; it should have taken length / speed. When the next should begin: where the
-  // session is more than 0.1 s late, at once, and time has stretched.
+  // A frame of so many simulated seconds has ended; it should have taken length / speed. When the next should
+  // begin: where the session is more than 0.1 s late, at once, and time has stretched.
   Clock::time_point frame_done(Clock::time_point now, double length, double speed);
 
   std::int64_t frames_late() const { return late_; }

@@ -1,9 +1,9 @@
-// A bounded queue from one thread that puts to one that takes, without a lock: neither ever waits. A value that nobody has
-// taken yet can be replaced by a newer one in its place.
+// A bounded queue from one thread that puts to one that takes, without a lock: neither ever waits. A value
+// that nobody has taken yet can be replaced by a newer one in its place.
 //
-// Each place holds two values and one atomic word that says which of them counts, or that it was taken. Replacing writes to the
-// other of the two and then exchanges the word, which fails if the value was taken meanwhile; so the two threads never touch
-// the same value.
+// Each place holds two values and one atomic word that says which of them counts, or that it was taken.
+// Replacing writes to the other of the two and then exchanges the word, which fails if the value was taken
+// meanwhile; so the two threads never touch the same value.
 #pragma once
 
 #include <array>
@@ -37,7 +37,8 @@ class Ring {
     return number;
   }
 
-  // False if it was taken before: nothing has changed. `number` is what put() gave for one of the last size() values.
+  // False if it was taken before: nothing has changed. `number` is what put() gave for one of the last size()
+  // values.
   bool replace(std::uint64_t number, T value) {
     Place& place = places_[number % size_];
     std::uint8_t which = place.which.load(std::memory_order_relaxed);

@@ -1,14 +1,16 @@
-// A body in the hands of people: it is simulated in frames of one length, which follow the clock, while any thread sends hand
-// commands and looks at pictures (docs/live.md).
+// A body in the hands of people: it is simulated in frames of one length, which follow the clock, while any
+// thread sends hand commands and looks at pictures (docs/live.md).
 //
 //   Session<float> session(resolved.setup);
 //   Controller mouse = session.connect("mouse");
 //   session.start();  // a thread of its own; or call step_frame() in a loop
-//   mouse.send({.kind = HandCommand::Kind::take_at_ray, .hand = 1, .position = eye, .direction = ray, .radius = 0.01});
+//   mouse.send({.kind = HandCommand::Kind::take_at_ray, .hand = 1,
+//               .position = eye, .direction = ray, .radius = 0.01});
 //   mouse.send({.kind = HandCommand::Kind::lead, .hand = 1, .position = there});
 //   const auto picture = session.pictures().latest();
 //
-// Hands act through commands of the world alone (sim/command.h). All of these are recorded: a replay gives the same bits.
+// Hands act through commands of the world alone (sim/command.h). All of these are recorded: a replay gives
+// the same bits.
 #pragma once
 
 #include <array>
@@ -41,7 +43,8 @@ struct SessionOptions {
   CondensingLog::Progress condensing = {};  // while precomputed regions are condensed
 };
 
-// Somebody who has hands. Where it is destroyed, whatever it is doing, its hands let go. Outlived by its session.
+// Somebody who has hands. Where it is destroyed, whatever it is doing, its hands let go. Outlived by its
+// session.
 class Controller {
  public:
   Controller(HandQueue& queue, const std::string& name) : queue_(&queue), number_(queue.connect(name)) {}
@@ -57,7 +60,8 @@ class Controller {
   }
 
   int number() const { return number_; }  // in SessionStatus
-  // False: the queue is full, the command was not taken, and may be sent again. Never waits for the simulation.
+  // False: the queue is full, the command was not taken, and may be sent again. Never waits for the
+  // simulation.
   bool send(const HandCommand& command) { return queue_->send(number_, command); }
 
  private:
@@ -79,12 +83,13 @@ class Session {
   Controller connect(const std::string& name) {
     return {queue_, name};
   }  // InputError: more than 64 at a time
-  // A status is made after its picture: what it says to be contained is in every picture that is taken after it.
+  // A status is made after its picture: what it says to be contained is in every picture that is taken after
+  // it.
   const TripleBuffer<Snapshot<Real>>& pictures() const { return pictures_; }
   TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }
-  // Does something between two frames, and waits until it is done: for what can be asked of the world, the recording or for a
-  // scene. Throws what it throws. Time stretches meanwhile. Not from within such work, nor by the thread that drives a session
-  // that is not started: that may ask by itself.
+  // Does something between two frames, and waits until it is done: for what can be asked of the world, the
+  // recording or for a scene. Throws what it throws. Time stretches meanwhile. Not from within such work, nor
+  // by the thread that drives a session that is not started: that may ask by itself.
   void between_frames(const std::function<void()>& work);
 
   // ---- The thread that drives it

@@ -1,4 +1,5 @@
-// What a session says of itself, for other threads: beside the picture of the world (snapshot/snapshot.h), once per frame.
+// What a session says of itself, for other threads: beside the picture of the world (snapshot/snapshot.h),
+// once per frame.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ namespace lobe {
 //   missed           a ray met nothing, or nothing within the radius can be held: the hand is empty
 //   slipped          a grasp was pulled at with more than the cap: it has let go
 //   controller_gone  its hands have let go
-//   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there: nothing was done
+//   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there:
+//                    nothing was done
 //   stands_still     no step is stable: the simulation pauses; go back, or restart
 //   went_back        as asked
 struct SessionMessage {

@@ -14,8 +14,8 @@ class Timeline {
 
   void apply(const Command& command) { recorded_.apply(command); }
   Report advance(double duration);
-  // To the latest state that was kept at least `seconds` ago; where there is none, to the first. Tools that were in somebody's
-  // hands then are let go, or taken away.
+  // To the latest state that was kept at least `seconds` ago; where there is none, to the first. Tools that
+  // were in somebody's hands then are let go, or taken away.
   void go_back(double seconds);
   void restart();
 

@@ -1,0 +1,89 @@
+// The thread of a session: it follows the clock, and does between frames what others wait for.
+#include <algorithm>
+
+#include "lobe/live/session.h"
+
+namespace lobe {
+
+using Clock = Pace::Clock;
+
+template <class Real>
+void Session<Real>::start() {
+  if (is_started()) return;
+  stops_ = false;
+  is_driven_ = true;
+  pace_.start(Clock::now());
+  thread_ = std::thread([this] { run(); });
+}
+
+// Somebody may be waiting for work that the thread has not seen.
+template <class Real>
+void Session<Real>::stop() {
+  if (!is_started()) return;
+  stops_ = true;
+  queue_.wake();
+  thread_.join();
+  while (!asking_.try_lock()) do_work();
+  is_driven_ = false;
+  asking_.unlock();
+}
+
+template <class Real>
+void Session<Real>::run() {
+  while (!stops_) {
+    const std::uint32_t signal = queue_.signal();
+    do_work();
+    if (!step_frame()) {
+      if (!stops_ && !work_.load()) queue_.wait(signal);
+      continue;
+    }
+    const Clock::time_point due = pace_.frame_done(Clock::now(), frame_, speed_);
+    if (options_.paced) wait_until(due);
+  }
+}
+
+// In slow motion what is asked between two frames does not wait for the next one.
+template <class Real>
+void Session<Real>::wait_until(Clock::time_point due) {
+  constexpr std::chrono::milliseconds slice(5);
+  std::uint32_t signal = queue_.signal();
+  const double speed = speed_;
+  for (auto now = Clock::now(); now < due; now = Clock::now()) {
+    std::this_thread::sleep_until(std::min(due, now + slice));
+    if (due - now <= slice || signal == queue_.signal()) continue;
+    signal = queue_.signal();
+    do_work();
+    take_commands();
+    if (stops_ || !is_running_ || speed_ != speed) return;
+    if (was_changed_) publish({});
+    if (was_told_) publish_status();
+  }
+}
+
+template <class Real>
+void Session<Real>::do_work() {
+  const std::function<void()>* work = work_.load(std::memory_order_acquire);
+  if (!work) return;
+  try {
+    (*work)();
+  } catch (...) {
+    work_failed_ = std::current_exception();
+  }
+  work_.store(nullptr, std::memory_order_release);
+  work_.notify_all();
+}
+
+template <class Real>
+void Session<Real>::between_frames(const std::function<void()>& work) {
+  const std::lock_guard lock(asking_);
+  if (!is_driven_) return work();
+  work_.store(&work, std::memory_order_release);
+  queue_.wake();
+  work_.wait(&work, std::memory_order_acquire);
+  if (work_failed_) std::rethrow_exception(std::exchange(work_failed_, nullptr));
+}
+
+template class Session<float>;
+template class Session<double>;
+
+}  // namespace lobe

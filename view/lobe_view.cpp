@@ -28,11 +28,10 @@ struct Options {
   bool no_open = false;
 };
 
-std::atomic<view::Server*> running_server = nullptr;
+std::atomic<bool> is_asked_to_end = false;
+static_assert(std::atomic<bool>::is_always_lock_free);  // as a signal handler wants it
 
-extern "C" void end_server(int) {
-  if (view::Server* server = running_server.load()) server->stop();
-}
+extern "C" void ask_to_end(int) { is_asked_to_end = true; }
 
 std::string random_token() {
   std::random_device device;
@@ -137,18 +136,15 @@ int serve(Options& options) {
   std::fflush(stdout);
   if (!options.no_open) open_browser(address);
 
-  running_server = &server;
-  std::signal(SIGINT, end_server);
-  std::signal(SIGTERM, end_server);
-  std::atomic<bool> ends = false;
+  std::signal(SIGINT, ask_to_end);
+  std::signal(SIGTERM, ask_to_end);
   std::thread waker([&] {
-    for (std::uint64_t known = 0; !ends; std::this_thread::sleep_for(std::chrono::milliseconds(3)))
+    for (std::uint64_t known = 0; !is_asked_to_end; std::this_thread::sleep_for(std::chrono::milliseconds(3)))
       if (const std::uint64_t news = viewer->news(); std::exchange(known, news) != news) server.wake();
+    server.stop();
   });
   server.run();
-  ends = true;
   waker.join();
-  running_server = nullptr;
   if (!options.record.empty()) {
     viewer->write_recording(options.record);
     std::printf("recorded in %s\n", options.record.c_str());

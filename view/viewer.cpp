@@ -112,8 +112,12 @@ void Viewer::measure_what_is_shown() {
 
 void Viewer::begin(const std::function<void(Task&)>& work) {
   if (is_preparing()) throw InputError("/do", "something else is being prepared: wait for it");
-  task_ = std::make_shared<Task>();
-  std::thread([task = task_, work] {
+  const auto begun = std::make_shared<Task>();
+  {
+    const std::lock_guard lock(changing_);
+    task_ = begun;
+  }
+  std::thread([task = begun, work] {
     try {
       work(*task);
     } catch (const std::exception& error) {
@@ -125,7 +129,11 @@ void Viewer::begin(const std::function<void(Task&)>& work) {
 
 void Viewer::finish_task() {
   if (!task_ || !task_->is_done) return;
-  const std::shared_ptr<Task> task = std::move(task_);
+  std::shared_ptr<Task> task;
+  {
+    const std::lock_guard lock(changing_);
+    task = std::move(task_);
+  }
   changed();
   if (!task->trouble.empty()) return tell_all("error", task->trouble);
   for (const std::string& warning : task->resolved.warnings) tell_all("note", warning);

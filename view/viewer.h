@@ -111,7 +111,7 @@ class Viewer final : public Service {
   Scene scene_;
   Resolved resolved_;
   Server* server_ = nullptr;
-  mutable std::mutex changing_;  // of live_, for news()
+  mutable std::mutex changing_;  // of live_ and task_, for news()
   std::shared_ptr<Live> live_;
   std::optional<Painting> painting_;
   bool paints_ = false;

@@ -116,7 +116,6 @@ await drag(page, {x: at.x - 60, y: at.y + 10}, -30, 20);
 check(await until(page, () => lobe.organ.cutCount > 0), 'the cautery leaves cut faces');
 await shot(page, 'burning');
 await page.mouse.up();
-const tets = await page.evaluate(() => lobe.status.tets);
 
 // ---- A spectator, and hand-over
 
@@ -125,16 +124,20 @@ check(await until(other, () => window.lobe?.frames > 1 && lobe.organ.x), 'a seco
 check(await other.evaluate(() => !lobe.status.controls && lobe.organ.cutCount > 0), 'it sees what was burnt, and does not control');
 await drag(other, at, 10, -10);
 await other.mouse.up();
+const [time, picture] = await page.evaluate(() => [lobe.status.time, lobe.frames]);
 await other.evaluate(() => lobe.ask({do: 'restart'}));
-await other.waitForTimeout(300);
-check(await page.evaluate(t => lobe.status.tets === t, tets), 'what a spectator asks for is not done');
+check(await until(other, () => /another page/.test(document.getElementById('messages').textContent)), 'a spectator that asks for something is told why not');
+check(await until(page, n => lobe.frames > n, picture) && await page.evaluate(t => lobe.status.time >= t && lobe.organ.cutCount > 0, time), 'and nothing is done');
 await page.keyboard.press('h');
 await page.evaluate(() => lobe.ask({do: 'pause', on: false}));
 await other.click('#banner button');
 check(await until(page, () => !document.getElementById('banner').hidden), 'the page that controls is asked');
 await page.click('#banner button');
 check(await until(other, () => lobe.status.controls) && await until(page, () => !lobe.status.controls), 'and hands over');
+await drag(other, at, 15, -15);
+check(await until(page, () => lobe.instruments.shown.size === 1), 'the first page sees the instrument of the other');
 await other.close();
+check(await until(page, () => lobe.instruments.shown.size === 0 && lobe.force === 0), 'a page that dies in the middle of a drag lets go');
 check(await until(page, () => lobe.status.clients === 1), 'the server notices that a page is gone');
 await page.click('#banner button');
 check(await until(page, () => lobe.status.controls), 'the other takes over');

@@ -1,4 +1,5 @@
-// What is found of a running simulation some times a second, between two frames: its energies, and a field on its surface.
+// What is found of a running simulation some times a second, between two frames: its energies, and a field on
+// its surface.
 #pragma once
 
 #include <memory>

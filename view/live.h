@@ -1,4 +1,5 @@
-// A session (lobe/live/) as the viewer needs it, in either precision: one page's hands, and what pages want to see.
+// A session (lobe/live/) as the viewer needs it, in either precision: one page's hands, and what pages want
+// to see.
 #pragma once
 
 #include <filesystem>
@@ -42,7 +43,8 @@ class Live {
   virtual void write(const std::string& scalar, Told& told, BlockWriter& out, nlohmann::json& status) = 0;
   // Which scalar is found, some times a second.
   virtual void measure(const std::string& scalar) = 0;
-  // What the hands did, as a scene that `lobe run` plays; throws InputError where there is none (live/session_scene.h).
+  // What the hands did, as a scene that `lobe run` plays; throws InputError where there is none
+  // (live/session_scene.h).
   virtual Scene hands_scene() = 0;
   // The same for `lobe replay`.
   virtual void write_recording(const std::filesystem::path& file) = 0;

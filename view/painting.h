@@ -1,4 +1,5 @@
-// What is painted on a body at rest: the model of each tetrahedron and which vertices are held; as a scene, with the labels
+// What is painted on a body at rest: the model of each tetrahedron and which vertices are held; as a scene,
+// with the labels
 // of its regions in the mesh.
 #pragma once
 
@@ -34,11 +35,13 @@ class Painting {
   const std::vector<RegionModel>& regions() const { return now_.region_of; }  // per tetrahedron
   std::array<double, 3> shares() const;                                       // of the volume, by RegionModel
 
-  // The scene as it was, but for its regions, which are those labels of mesh(), and for what is fixed, where that was painted.
+  // The scene as it was, but for its regions, which are those labels of mesh(), and for what is fixed, where
+  // that was painted.
   // `mesh` is the file that mesh() will be in.
   Scene scene(const std::filesystem::path& mesh) const;
   TetMesh mesh() const;
-  // Both as files `name`.json and `name`.vtu; returns the first. Throws InputError for a name that is none, or what cannot
+  // Both as files `name`.json and `name`.vtu; returns the first. Throws InputError for a name that is none,
+  // or what cannot
   // be written.
   std::filesystem::path save(const std::filesystem::path& folder, const std::string& name) const;
 
@@ -69,7 +72,8 @@ class Painting {
   std::vector<double> volumes_;  // of tetrahedra [m³]
 };
 
-// A name of a file without folder and extension: letters, digits, "_" and "-", at most 60 of them. Throws InputError.
+// A name of a file without folder and extension: letters, digits, "_" and "-", at most 60 of them. Throws
+// InputError.
 void check_file_name(const std::string& name);
 
 }  // namespace lobe::view

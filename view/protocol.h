@@ -15,7 +15,8 @@
 namespace lobe::view {
 static_assert(std::endian::native == std::endian::little, "blocks are written as they stand in memory");
 
-// ---- Out: blocks [tag u32][size u32][bytes], little-endian, each filled up to a multiple of four bytes. A reader skips those
+// ---- Out: blocks [tag u32][size u32][bytes], little-endian, each filled up to a multiple of four bytes. A
+// reader skips those
 // whose tag it does not know.
 
 constexpr std::uint32_t tag(const char (&name)[5]) {
@@ -165,7 +166,8 @@ struct Edit {
   static constexpr const char* name = "edit";
   static constexpr auto fields = std::tuple(Field{"on", &Edit::on});
 };
-// All that lies within a sphere becomes "nonlinear", "tensor-mass", "precomputed"; or its skin "held", "free".
+// All that lies within a sphere becomes "nonlinear", "tensor-mass", "precomputed"; or its skin "held",
+// "free".
 struct Paint {
   Vec3d at = Vec3d::Zero();  // at rest [m]
   double radius = 0;         // [m]
@@ -216,7 +218,8 @@ struct Request {
   request::Any what;
 };
 
-// Throws InputError for anything but an object {"do": one of the names above, its fields, "number" if wanted}, with finite
+// Throws InputError for anything but an object {"do": one of the names above, its fields, "number" if
+// wanted}, with finite
 // numbers of a sensible size.
 Request parse_request(std::string_view json);
 

@@ -1,8 +1,11 @@
-// The network side of `lobe view`: the files of the page by HTTP, and a WebSocket that carries frames out and commands in, on
+// The network side of `lobe view`: the files of the page by HTTP, and a WebSocket that carries frames out and
+// commands in, on
 // one port. It knows nothing of organs: what is said is the service's.
 //
-// A client gets one frame at a time: the next one is asked for when it has acknowledged the last, so that a slow link
-// carries the latest state and nothing piles up. Everything but Server::wake() and stop() happens on the thread that runs it.
+// A client gets one frame at a time: the next one is asked for when it has acknowledged the last, so that a
+// slow link
+// carries the latest state and nothing piles up. Everything but Server::wake() and stop() happens on the
+// thread that runs it.
 #pragma once
 
 #include <cstddef>
@@ -69,8 +72,10 @@ class Server {
   std::unique_ptr<Parts> parts_;
 };
 
-// Whether a WebSocket may be opened by a page from `origin` with the header `Host`: a page of another site may not, whatever
-// address it has found us by, nor may one by a name that was bent to this machine (DNS rebinding), where we listen on
+// Whether a WebSocket may be opened by a page from `origin` with the header `Host`: a page of another site
+// may not, whatever
+// address it has found us by, nor may one by a name that was bent to this machine (DNS rebinding), where we
+// listen on
 // this machine alone.
 bool may_connect(std::string_view origin, std::string_view host, bool this_machine_alone);
 

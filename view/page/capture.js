@@ -15,15 +15,25 @@ export function savePicture(canvas) {
 }
 
 export class Video {
-  constructor(canvas, onChange) { this.canvas = canvas; this.onChange = onChange; }
+  constructor(canvas, onChange) {
+    this.canvas = canvas;
+    this.onChange = onChange;
+  }
 
-  toggle() { this.recorder ? this.recorder.stop() : this.start(); }
+  toggle() {
+    this.recorder ? this.recorder.stop() : this.start();
+  }
 
   start() {
     if (!window.MediaRecorder) return this.onChange(false, 'This browser cannot record videos.');
-    const type = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'].find(t => MediaRecorder.isTypeSupported(t));
+    const type = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'].find(t =>
+      MediaRecorder.isTypeSupported(t),
+    );
     const pieces = [];
-    this.recorder = new MediaRecorder(this.canvas.captureStream(30), {mimeType: type, videoBitsPerSecond: 12e6});
+    this.recorder = new MediaRecorder(this.canvas.captureStream(30), {
+      mimeType: type,
+      videoBitsPerSecond: 12e6,
+    });
     this.recorder.ondataavailable = event => pieces.push(event.data);
     this.recorder.onstop = () => {
       this.recorder = null;

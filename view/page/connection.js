@@ -6,8 +6,8 @@ export class Connection {
   constructor(handlers) {
     this.handlers = handlers;
     this.number = 0;
-    this.asked = new Map();  // when each request that no frame knows of yet was made [ms]
-    this.latencies = [];     // from a request to the picture that knows of it [ms]
+    this.asked = new Map(); // when each request that no frame knows of yet was made [ms]
+    this.latencies = []; // from a request to the picture that knows of it [ms]
     this.wait = 300;
     this.open();
   }
@@ -42,7 +42,8 @@ export class Connection {
   /** The frame is about to be on the screen. */
   seen(frame) {
     this.send({do: 'seen'});
-    const now = performance.now(), last = frame.status?.seen ?? 0;
+    const now = performance.now(),
+      last = frame.status?.seen ?? 0;
     for (const [number, since] of this.asked) {
       if (number > last) break;
       this.asked.delete(number);

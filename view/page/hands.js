@@ -1,7 +1,8 @@
 // What mouse, pen or finger do on the canvas: left on the organ acts, anything else moves the camera.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
-const grasp = {kind: 'grasp', radius: 0.012}, cauteryRadius = 0.0055;  // [m]
+const grasp = {kind: 'grasp', radius: 0.012},
+  cauteryRadius = 0.0055; // [m]
 
 export class Hands {
   constructor(stage, organ, ask) {
@@ -9,12 +10,12 @@ export class Hands {
     this.organ = organ;
     this.ask = ask;
     this.kind = 'grasp';
-    this.may = false;        // this page controls
-    this.held = new Map();   // hands that were left where they are: number → point
-    this.active = null;      // {hand, kind, point, offset}
-    this.camera = null;      // 'turn' or 'shift'
+    this.may = false; // this page controls
+    this.held = new Map(); // hands that were left where they are: number → point
+    this.active = null; // {hand, kind, point, offset}
+    this.camera = null; // 'turn' or 'shift'
     this.onFirst = () => {};
-    this.brush = null;       // of the editor: {paint(point), end()}
+    this.brush = null; // of the editor: {paint(point), end()}
     const canvas = stage.canvas;
     canvas.addEventListener('pointerdown', event => this.down(event));
     canvas.addEventListener('pointermove', event => this.move(event));
@@ -36,7 +37,13 @@ export class Hands {
     this.stage.invalidate();
   }
 
-  reach() { return this.kind === 'cautery' ? cauteryRadius : this.kind === 'paint' ? this.brush.radius() : grasp.radius; }
+  reach() {
+    return this.kind === 'cautery'
+      ? cauteryRadius
+      : this.kind === 'paint'
+        ? this.brush.radius()
+        : grasp.radius;
+  }
 
   down(event) {
     this.stage.canvas.focus();
@@ -62,7 +69,14 @@ export class Hands {
     this.active = {hand, kind: this.kind, point: hit.point.clone()};
     this.stage.canvas.classList.add('holding');
     if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
-    else this.ask({do: 'take', hand, from: ray.origin.toArray(), along: ray.direction.toArray(), radius: grasp.radius});
+    else
+      this.ask({
+        do: 'take',
+        hand,
+        from: ray.origin.toArray(),
+        along: ray.direction.toArray(),
+        radius: grasp.radius,
+      });
   }
 
   freeHand() {
@@ -84,7 +98,8 @@ export class Hands {
   }
 
   move(event) {
-    const dx = event.offsetX - (this.last?.x ?? event.offsetX), dy = event.offsetY - (this.last?.y ?? event.offsetY);
+    const dx = event.offsetX - (this.last?.x ?? event.offsetX),
+      dy = event.offsetY - (this.last?.y ?? event.offsetY);
     this.last = {x: event.offsetX, y: event.offsetY};
     if (this.camera) return this.camera === 'turn' ? this.stage.turn(dx, dy) : this.stage.shift(dx, dy);
     if (this.active) return this.drag(event, dx, dy);
@@ -102,7 +117,9 @@ export class Hands {
     } else {
       this.showRing(null, null);
       const scale = this.stage.metresPerPixel(this.active.point);
-      this.active.point.addScaledVector(this.stage.right(), dx * scale).addScaledVector(this.stage.above(), -dy * scale);
+      this.active.point
+        .addScaledVector(this.stage.right(), dx * scale)
+        .addScaledVector(this.stage.above(), -dy * scale);
     }
     this.lead();
   }
@@ -126,9 +143,16 @@ export class Hands {
   }
 
   up(event) {
-    if (this.camera) { this.camera = null; return; }
+    if (this.camera) {
+      this.camera = null;
+      return;
+    }
     if (!this.active) return;
-    if (this.active.kind === 'paint') { this.brush.end(); this.active = null; return; }
+    if (this.active.kind === 'paint') {
+      this.brush.end();
+      this.active = null;
+      return;
+    }
     if (event.shiftKey && this.active.kind === 'grasp') this.keep();
     else this.letGo();
   }
@@ -181,8 +205,16 @@ export class Hands {
 }
 
 function makeRing() {
-  const ring = new THREE.Mesh(new THREE.RingGeometry(0.94, 1, 64),
-    new THREE.MeshBasicMaterial({color: 0xffffff, transparent: true, opacity: 0.55, depthTest: false, toneMapped: false}));
+  const ring = new THREE.Mesh(
+    new THREE.RingGeometry(0.94, 1, 64),
+    new THREE.MeshBasicMaterial({
+      color: 0xffffff,
+      transparent: true,
+      opacity: 0.55,
+      depthTest: false,
+      toneMapped: false,
+    }),
+  );
   ring.renderOrder = 20;
   ring.visible = false;
   return ring;

@@ -25,8 +25,14 @@ class Page {
     this.hands.brush = this.editor;
     this.messages = new Messages(element('messages'));
     this.forcePlot = new Plot(element('force-plot'), [{label: 'force', colour: '#ffc46b'}], 0);
-    this.energyPlot = new Plot(element('energy-plot'),
-      [{label: 'elastic', colour: '#6fc3b4'}, {label: 'kinetic', colour: '#d98cb3'}], 3);
+    this.energyPlot = new Plot(
+      element('energy-plot'),
+      [
+        {label: 'elastic', colour: '#6fc3b4'},
+        {label: 'kinetic', colour: '#d98cb3'},
+      ],
+      3,
+    );
     this.video = new Video(element('stage'), (on, why) => {
       element('video').classList.toggle('on', on);
       if (why) this.messages.add(why, 'warn');
@@ -35,7 +41,10 @@ class Page {
     this.mode = 'live';
     this.stage.before.push(() => this.showFrame());
     this.connection = new Connection({
-      frame: frame => this.receive(frame), event: event => this.hear(event), state: (state, why) => this.connected(state, why)});
+      frame: frame => this.receive(frame),
+      event: event => this.hear(event),
+      state: (state, why) => this.connected(state, why),
+    });
     this.listen();
     this.leaveRoom();
     this.hint('Drag the organ to pull it');
@@ -63,7 +72,8 @@ class Page {
     if (!frame) return;
     this.frame = null;
     if (frame.topology) this.takeTopology(frame.topology);
-    if (frame.positions && frame.positions.revision === this.organ.revision) this.organ.move(frame.positions.x);
+    if (frame.positions && frame.positions.revision === this.organ.revision)
+      this.organ.move(frame.positions.x);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
     if (frame.tools) this.instruments.update(frame.tools);
@@ -84,7 +94,10 @@ class Page {
   takeStatus(status, tools) {
     const before = this.status;
     this.status = status;
-    if (status.scene !== before.scene) { element('scene-name').textContent = status.scene; document.title = `${status.scene} · lobe`; }
+    if (status.scene !== before.scene) {
+      element('scene-name').textContent = status.scene;
+      document.title = `${status.scene} · lobe`;
+    }
     this.showFigures(status);
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
@@ -107,7 +120,13 @@ class Page {
   showFigures(status) {
     const factor = element('factor');
     const live = status.mode === 'live';
-    factor.textContent = !live ? 'painting' : status.stands_still ? 'stands still' : status.running ? `${status.factor.toFixed(2)} × real time` : 'paused';
+    factor.textContent = !live
+      ? 'painting'
+      : status.stands_still
+        ? 'stands still'
+        : status.running
+          ? `${status.factor.toFixed(2)} × real time`
+          : 'paused';
     factor.classList.toggle('slow', live && status.running && status.factor < 0.9 * status.speed);
     element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
     element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
@@ -128,16 +147,28 @@ class Page {
     if (this.hands.may && !status.controls) this.hands.forget();
     this.hands.may = status.controls;
     for (const button of document.querySelectorAll('#dock button, #editor button'))
-      if (!['picture', 'video', 'help-button'].includes(button.id)) button.toggleAttribute('data-foreign', !status.controls);
+      if (!['picture', 'video', 'help-button'].includes(button.id))
+        button.toggleAttribute('data-foreign', !status.controls);
     if (status.controls) return this.banner(null);
-    this.banner('You are watching; another page holds the instruments.', 'Take over', () => this.connection.ask({do: 'control'}));
+    this.banner('You are watching; another page holds the instruments.', 'Take over', () =>
+      this.connection.ask({do: 'control'}),
+    );
   }
 
   hear(event) {
     if (event.event === 'asked')
-      this.banner('Another page asks for the instruments.', 'Hand over', () => { this.ask({do: 'hand_over'}); this.banner(null); });
-    if (event.event === 'error') { this.messages.add(event.text, 'bad'); if (this.mode === 'edit') this.editor.note(event.text); }
-    if (event.event === 'note') { this.messages.add(event.text); if (this.mode === 'edit') this.editor.note(event.text); }
+      this.banner('Another page asks for the instruments.', 'Hand over', () => {
+        this.ask({do: 'hand_over'});
+        this.banner(null);
+      });
+    if (event.event === 'error') {
+      this.messages.add(event.text, 'bad');
+      if (this.mode === 'edit') this.editor.note(event.text);
+    }
+    if (event.event === 'note') {
+      this.messages.add(event.text);
+      if (this.mode === 'edit') this.editor.note(event.text);
+    }
   }
 
   connected(state, why) {
@@ -152,8 +183,10 @@ class Page {
     this.hands.may = false;
     this.hands.forget();
     this.instruments.update([]);
-    if (state === 'lost') this.banner(why ? `The connection has ended: ${why}` : 'The connection is lost; trying again …');
-    if (state === 'refused' && (this.refusals = (this.refusals ?? 0) + 1) > 2 && !this.organ.topology) showRefused();
+    if (state === 'lost')
+      this.banner(why ? `The connection has ended: ${why}` : 'The connection is lost; trying again …');
+    if (state === 'refused' && (this.refusals = (this.refusals ?? 0) + 1) > 2 && !this.organ.topology)
+      showRefused();
   }
 
   banner(text, action, act) {
@@ -162,28 +195,40 @@ class Page {
     if (!text) return;
     banner.textContent = text;
     if (!action) return;
-    const button = Object.assign(document.createElement('button'), {className: 'plain', textContent: action, onclick: act});
+    const button = Object.assign(document.createElement('button'), {
+      className: 'plain',
+      textContent: action,
+      onclick: act,
+    });
     banner.append(button);
   }
 
-  hint(text) { element('hint').textContent = text; element('hint').style.opacity = text ? 1 : 0; }
+  hint(text) {
+    element('hint').textContent = text;
+    element('hint').style.opacity = text ? 1 : 0;
+  }
 
   // ---- From the user
 
   listen() {
-    const click = (id, act) => { element(id).onclick = act; };
+    const click = (id, act) => {
+      element(id).onclick = act;
+    };
     click('tool-grasp', () => this.take('grasp'));
     click('tool-cautery', () => this.take('cautery'));
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
     click('single', () => this.ask({do: 'step'}));
     click('back', () => this.ask({do: 'back', seconds: 1}));
-    click('restart', () => { this.hands.forget(); this.ask({do: 'restart'}); });
+    click('restart', () => {
+      this.hands.forget();
+      this.ask({do: 'restart'});
+    });
     click('slow', () => this.ask({do: 'speed', factor: {1: 0.25, 0.25: 0.1}[this.status.speed] ?? 1}));
     click('picture', () => this.savePicture());
     click('video', () => this.video.toggle());
     click('export', () => this.ask({do: 'export', to: `hands_${stamp()}`}));
-    click('help-button', () => overlayIsShown() ? hideOverlay() : showHelp());
+    click('help-button', () => (overlayIsShown() ? hideOverlay() : showHelp()));
     element('colour').onchange = () => this.colour(element('colour').value);
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
     this.hands.onFirst = () => this.hint('');
@@ -192,7 +237,11 @@ class Page {
   }
 
   take(tool) {
-    for (const [id, name] of [['tool-grasp', 'grasp'], ['tool-cautery', 'cautery'], ['tool-paint', 'paint']])
+    for (const [id, name] of [
+      ['tool-grasp', 'grasp'],
+      ['tool-cautery', 'cautery'],
+      ['tool-paint', 'paint'],
+    ])
       element(id).setAttribute('aria-checked', String(name === tool));
     const paints = tool === 'paint';
     if (paints !== (this.mode === 'edit') && this.status.mode) this.ask({do: 'edit', on: paints});
@@ -214,7 +263,9 @@ class Page {
     element('export').hidden = edits;
   }
 
-  wantedScalar() { return ['von_mises', 'volume_ratio'].includes(this.organ.quantity) ? this.organ.quantity : 'none'; }
+  wantedScalar() {
+    return ['von_mises', 'volume_ratio'].includes(this.organ.quantity) ? this.organ.quantity : 'none';
+  }
 
   colour(quantity) {
     element('colour').value = quantity;

@@ -6,7 +6,10 @@ const quiet = /sub_stepped|unravelling|lumped|cache|went_back/;
 const serious = /stands_still|diverged|too_stiff|everything_cut|refused/;
 
 export class Messages {
-  constructor(element) { this.element = element; this.last = null; }
+  constructor(element) {
+    this.element = element;
+    this.last = null;
+  }
 
   /** @param {{number: number, name: string, text: string, times: number}[]} messages the newest at the end */
   take(messages) {
@@ -14,11 +17,14 @@ export class Messages {
     // What was said before this page came is not news.
     if (this.last === null || newest < this.last) this.last = newest;
     for (const message of messages)
-      if (message.number > this.last && !quiet.test(message.name)) this.add(message.text, serious.test(message.name) ? 'bad' : 'warn');
+      if (message.number > this.last && !quiet.test(message.name))
+        this.add(message.text, serious.test(message.name) ? 'bad' : 'warn');
     this.last = newest;
   }
 
-  forget() { this.last = null; }
+  forget() {
+    this.last = null;
+  }
 
   add(text, kind = '') {
     const [first] = this.element.children;

@@ -7,7 +7,9 @@ function show(html) {
   overlay.hidden = false;
 }
 
-export const hideOverlay = () => { overlay.hidden = true; };
+export const hideOverlay = () => {
+  overlay.hidden = true;
+};
 export const overlayIsShown = () => !overlay.hidden;
 
 export function showHelp() {
@@ -22,9 +24,15 @@ export function showHelp() {
     ['B · R', 'back by a second · restart'],
     ['M · P · V', 'mesh · picture · video'],
   ];
-  show('<h1>Hands on the organ</h1><dl>' + rows.map(([key, what]) => `<dt><b>${key}</b></dt><dd>${what}</dd>`).join('') + '</dl>');
+  show(
+    '<h1>Hands on the organ</h1><dl>' +
+      rows.map(([key, what]) => `<dt><b>${key}</b></dt><dd>${what}</dd>`).join('') +
+      '</dl>',
+  );
 }
-overlay.addEventListener('click', event => { if (event.target === overlay && overlay.dataset.lasting !== '1') hideOverlay(); });
+overlay.addEventListener('click', event => {
+  if (event.target === overlay && overlay.dataset.lasting !== '1') hideOverlay();
+});
 
 export function showNoGraphics() {
   overlay.dataset.lasting = '1';

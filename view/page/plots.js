@@ -8,19 +8,42 @@ export class Plot {
   constructor(element, series, digits) {
     this.data = [[], ...series.map(() => [])];
     this.element = element;
-    const axis = {stroke: '#8fa1a8', font: '11px system-ui', grid: {stroke: 'rgba(255,255,255,.06)', width: 1}, ticks: {show: false}};
-    this.plot = new uPlot({
-      width: 208, height: 84, cursor: {show: false}, legend: {show: false}, padding: [6, 4, 0, 0],
-      scales: {x: {time: false}, y: {range: (_, low, high) => [Math.min(0, low), Math.max(high * 1.1, 10 ** -digits * 4)]}},
-      axes: [{...axis, size: 20, values: (_, ticks) => ticks.map(t => `${t}`)}, {...axis, size: 38}],
-      series: [{}, ...series.map(s => ({label: s.label, stroke: s.colour, width: 1.6, points: {show: false}}))],
-    }, this.data, element);
+    const axis = {
+      stroke: '#8fa1a8',
+      font: '11px system-ui',
+      grid: {stroke: 'rgba(255,255,255,.06)', width: 1},
+      ticks: {show: false},
+    };
+    this.plot = new uPlot(
+      {
+        width: 208,
+        height: 84,
+        cursor: {show: false},
+        legend: {show: false},
+        padding: [6, 4, 0, 0],
+        scales: {
+          x: {time: false},
+          y: {range: (_, low, high) => [Math.min(0, low), Math.max(high * 1.1, 10 ** -digits * 4)]},
+        },
+        axes: [
+          {...axis, size: 20, values: (_, ticks) => ticks.map(t => `${t}`)},
+          {...axis, size: 38},
+        ],
+        series: [
+          {},
+          ...series.map(s => ({label: s.label, stroke: s.colour, width: 1.6, points: {show: false}})),
+        ],
+      },
+      this.data,
+      element,
+    );
     this.drawn = 0;
   }
 
   add(time, values) {
-    const times = this.data[0], last = times[times.length - 1];
-    if (last !== undefined && time < last) this.clear();   // restarted, or gone back
+    const times = this.data[0],
+      last = times[times.length - 1];
+    if (last !== undefined && time < last) this.clear(); // restarted, or gone back
     if (time === last) return;
     times.push(time);
     values.forEach((value, i) => this.data[i + 1].push(value));
@@ -34,5 +57,7 @@ export class Plot {
     this.plot.setScale('x', {min: Math.max(0, time - seconds), max: Math.max(seconds, time)});
   }
 
-  clear() { for (const column of this.data) column.length = 0; }
+  clear() {
+    for (const column of this.data) column.length = 0;
+  }
 }

@@ -21,8 +21,13 @@ const readJson = (buffer, at, size) => JSON.parse(text.decode(new Uint8Array(buf
 
 const readers = {
   TOPO(frame, buffer, at, size, view) {
-    const revision = view.getUint32(at, true), vertices = view.getUint32(at + 4, true), triangles = view.getUint32(at + 8, true);
-    const corners = at + 12, rest = corners + 12 * triangles, region = rest + 12 * vertices, cut = region + triangles;
+    const revision = view.getUint32(at, true),
+      vertices = view.getUint32(at + 4, true),
+      triangles = view.getUint32(at + 8, true);
+    const corners = at + 12,
+      rest = corners + 12 * triangles,
+      region = rest + 12 * vertices,
+      cut = region + triangles;
     frame.topology = {
       revision,
       triangles: new Uint32Array(buffer, corners, 3 * triangles),
@@ -32,16 +37,26 @@ const readers = {
     };
   },
   POSN(frame, buffer, at, size, view) {
-    frame.positions = {revision: view.getUint32(at, true), x: new Float32Array(buffer, at + 4, (size - 4) / 4)};
+    frame.positions = {
+      revision: view.getUint32(at, true),
+      x: new Float32Array(buffer, at + 4, (size - 4) / 4),
+    };
   },
   SCAL(frame, buffer, at, size, view) {
     frame.scalar = {
       name: text.decode(new Uint8Array(buffer, at, 16)).replace(/\0+$/, ''),
-      low: view.getFloat32(at + 16, true), high: view.getFloat32(at + 20, true),
+      low: view.getFloat32(at + 16, true),
+      high: view.getFloat32(at + 20, true),
       steps: new Uint16Array(buffer, at + 24, (size - 24) / 2),
     };
   },
-  PNTS(frame, buffer, at, size) { frame.held = new Uint8Array(buffer, at, size); },
-  TOOL(frame, buffer, at, size) { frame.tools = readJson(buffer, at, size); },
-  STAT(frame, buffer, at, size) { frame.status = readJson(buffer, at, size); },
+  PNTS(frame, buffer, at, size) {
+    frame.held = new Uint8Array(buffer, at, size);
+  },
+  TOOL(frame, buffer, at, size) {
+    frame.tools = readJson(buffer, at, size);
+  },
+  STAT(frame, buffer, at, size) {
+    frame.status = readJson(buffer, at, size);
+  },
 };

@@ -1,16 +1,17 @@
 // A finer, smoother surface than that of the tetrahedra: Loop's subdivision, whose weights are found once per topology. Rims of
 // cuts and sharp edges stay sharp: there both sides have vertices of their own, which follow the same curve.
 
-const creaseCosine = Math.cos(50 * Math.PI / 180);
+import {splitAtCreases} from './creases.js';
 
 export class SmoothSurface {
   /** @param {{triangles: Uint32Array, rest: Float32Array, region: Uint8Array, cut: Uint8Array}} topology
    *  @param {number} levels how often each triangle becomes four */
   constructor(topology, levels) {
     const start = splitAtCreases(topology);
-    this.source = start.source;  // per vertex of the start: the server's
+    this.source = start.source; // per vertex of the start: the server's
     this.levels = [];
-    let triangles = start.triangles, vertices = start.source.length;
+    let triangles = start.triangles,
+      vertices = start.source.length;
     const order = skinFirst(topology.cut);
     triangles = inOrder(triangles, order);
     for (let i = 0; i < levels; ++i) {
@@ -22,7 +23,7 @@ export class SmoothSurface {
     this.triangles = triangles;
     this.vertexCount = vertices;
     this.parts = 4 ** levels;
-    this.order = order;  // per control triangle: the server's
+    this.order = order; // per control triangle: the server's
     this.skinCount = topology.cut.length - topology.cut.reduce((sum, c) => sum + c, 0);
     this.scratch = [new Float32Array(3 * start.source.length)];
     for (const weights of this.levels) this.scratch.push(new Float32Array(3 * weights.rows));
@@ -50,7 +51,8 @@ export class SmoothSurface {
 
   /** From colours per triangle of the server to colours per vertex: means around each. */
   spread(colourOf) {
-    const sum = new Float32Array(3 * this.vertexCount), count = new Float32Array(this.vertexCount);
+    const sum = new Float32Array(3 * this.vertexCount),
+      count = new Float32Array(this.vertexCount);
     for (let t = 0; t < this.order.length; ++t) {
       const colour = colourOf(this.order[t]);
       for (let i = 3 * t * this.parts; i < 3 * (t + 1) * this.parts; ++i) {
@@ -65,7 +67,8 @@ export class SmoothSurface {
 }
 
 function skinFirst(cut) {
-  const skin = [], opened = [];
+  const skin = [],
+    opened = [];
   for (let t = 0; t < cut.length; ++t) (cut[t] ? opened : skin).push(t);
   return skin.concat(opened);
 }
@@ -76,105 +79,66 @@ function inOrder(triangles, order) {
   return result;
 }
 
-// Corners of triangles that meet across smooth edges share a vertex, others do not. Skin is sharp where it is bent, an opened
-// face only at its rim. Where other than two sharp edges meet, a corner stays where it is, on all sides of them.
-function splitAtCreases({triangles, rest, cut}) {
-  const normal = faceNormals(triangles, rest), place = samePlaces(rest), count = rest.length / 3;
-  const parent = new Int32Array(triangles.length).map((_, i) => i);
-  const root = i => { while (parent[i] !== i) i = parent[i] = parent[parent[i]]; return i; };
-  const edges = new Map();
-  for (let i = 0; i < triangles.length; ++i) {
-    const next = i % 3 === 2 ? i - 2 : i + 1, a = place[triangles[i]], b = place[triangles[next]];
-    const key = Math.min(a, b) * count + Math.max(a, b);
-    if (!edges.has(key)) edges.set(key, []);
-    edges.get(key).push([i, next]);
-  }
-  const sharp = new Uint16Array(count);
-  for (const sides of edges.values()) {
-    if (sides.length === 2 && isSmooth(sides, triangles, normal, cut)) {
-      const [[i, iNext], [j, jNext]] = sides, turned = triangles[i] === triangles[jNext];
-      parent[root(i)] = root(turned ? jNext : j);
-      parent[root(iNext)] = root(turned ? j : jNext);
-    } else {
-      for (const end of sides[0]) ++sharp[place[triangles[end]]];
-    }
-  }
-  const numbers = new Map(), source = [], result = new Uint32Array(triangles.length);
-  for (let i = 0; i < triangles.length; ++i) {
-    const r = root(i);
-    if (!numbers.has(r)) { numbers.set(r, source.length); source.push(triangles[i]); }
-    result[i] = numbers.get(r);
-  }
-  const corners = source.map(v => sharp[place[v]] !== 0 && sharp[place[v]] !== 2);
-  return {triangles: result, source: Uint32Array.from(source), corners};
-}
-
-function isSmooth([[i, iNext], [j, jNext]], triangles, normal, cut) {
-  const f = Math.floor(i / 3), g = Math.floor(j / 3), here = [triangles[i], triangles[iNext]];
-  if (!here.includes(triangles[j]) || !here.includes(triangles[jNext])) return false;
-  const cosine = normal[3 * f] * normal[3 * g] + normal[3 * f + 1] * normal[3 * g + 1] + normal[3 * f + 2] * normal[3 * g + 2];
-  return cut[f] ? cut[g] === 1 : cosine >= creaseCosine;
-}
-
-// The first vertex at the same place at rest: that of the skin and that of an opened face are two.
-function samePlaces(rest) {
-  const first = new Map(), place = new Uint32Array(rest.length / 3);
-  for (let v = 0; v < place.length; ++v) {
-    const key = `${rest[3 * v]},${rest[3 * v + 1]},${rest[3 * v + 2]}`;
-    if (!first.has(key)) first.set(key, v);
-    place[v] = first.get(key);
-  }
-  return place;
-}
-
-function faceNormals(triangles, x) {
-  const result = new Float32Array(triangles.length);
-  for (let i = 0; i < triangles.length; i += 3) {
-    const [nx, ny, nz] = twiceArea(x, triangles[i], triangles[i + 1], triangles[i + 2]);
-    const length = Math.hypot(nx, ny, nz) || 1;
-    result.set([nx / length, ny / length, nz / length], i);
-  }
-  return result;
-}
-
-function twiceArea(x, a, b, c) {
-  a *= 3; b *= 3; c *= 3;
-  const ux = x[b] - x[a], uy = x[b + 1] - x[a + 1], uz = x[b + 2] - x[a + 2];
-  const vx = x[c] - x[a], vy = x[c + 1] - x[a + 1], vz = x[c + 2] - x[a + 2];
-  return [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
-}
-
 function findNormals(triangles, x, normals) {
   normals.fill(0);
   for (let i = 0; i < triangles.length; i += 3) {
-    const a = 3 * triangles[i], b = 3 * triangles[i + 1], c = 3 * triangles[i + 2];
-    const ux = x[b] - x[a], uy = x[b + 1] - x[a + 1], uz = x[b + 2] - x[a + 2];
-    const vx = x[c] - x[a], vy = x[c + 1] - x[a + 1], vz = x[c + 2] - x[a + 2];
-    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    normals[a] += nx; normals[a + 1] += ny; normals[a + 2] += nz;
-    normals[b] += nx; normals[b + 1] += ny; normals[b + 2] += nz;
-    normals[c] += nx; normals[c + 1] += ny; normals[c + 2] += nz;
+    const a = 3 * triangles[i],
+      b = 3 * triangles[i + 1],
+      c = 3 * triangles[i + 2];
+    const ux = x[b] - x[a],
+      uy = x[b + 1] - x[a + 1],
+      uz = x[b + 2] - x[a + 2];
+    const vx = x[c] - x[a],
+      vy = x[c + 1] - x[a + 1],
+      vz = x[c + 2] - x[a + 2];
+    const nx = uy * vz - uz * vy,
+      ny = uz * vx - ux * vz,
+      nz = ux * vy - uy * vx;
+    normals[a] += nx;
+    normals[a + 1] += ny;
+    normals[a + 2] += nz;
+    normals[b] += nx;
+    normals[b + 1] += ny;
+    normals[b + 2] += nz;
+    normals[c] += nx;
+    normals[c + 1] += ny;
+    normals[c + 2] += nz;
   }
   for (let i = 0; i < normals.length; i += 3) {
     const length = Math.hypot(normals[i], normals[i + 1], normals[i + 2]) || 1;
-    normals[i] /= length; normals[i + 1] /= length; normals[i + 2] /= length;
+    normals[i] /= length;
+    normals[i + 1] /= length;
+    normals[i + 2] /= length;
   }
 }
 
 // One level: old vertices move to a mean of their neighbours, each edge gets a vertex, each triangle becomes four.
 function subdivide(triangles, vertices, corners) {
-  const edges = new Map(), list = [];
+  const edges = new Map(),
+    list = [];
   for (let i = 0; i < triangles.length; ++i) {
-    const f = 3 * Math.floor(i / 3), a = triangles[i], b = triangles[f + (i + 1) % 3], c = triangles[f + (i + 2) % 3];
+    const f = 3 * Math.floor(i / 3),
+      a = triangles[i],
+      b = triangles[f + ((i + 1) % 3)],
+      c = triangles[f + ((i + 2) % 3)];
     const key = Math.min(a, b) * vertices + Math.max(a, b);
     let edge = edges.get(key);
-    if (!edge) { edge = {a, b, opposite: [], number: vertices + list.length}; edges.set(key, edge); list.push(edge); }
+    if (!edge) {
+      edge = {a, b, opposite: [], number: vertices + list.length};
+      edges.set(key, edge);
+      list.push(edge);
+    }
     edge.opposite.push(c);
   }
-  const around = Array.from({length: vertices}, () => []), rim = Array.from({length: vertices}, () => []);
+  const around = Array.from({length: vertices}, () => []),
+    rim = Array.from({length: vertices}, () => []);
   for (const {a, b, opposite} of list) {
-    around[a].push(b); around[b].push(a);
-    if (opposite.length !== 2) { rim[a].push(b); rim[b].push(a); }
+    around[a].push(b);
+    around[b].push(a);
+    if (opposite.length !== 2) {
+      rim[a].push(b);
+      rim[b].push(a);
+    }
   }
   const weights = weightList(vertices + list.length);
   for (let v = 0; v < vertices; ++v) addOldVertex(weights, v, around[v], rim[v], corners[v]);
@@ -185,7 +149,10 @@ function subdivide(triangles, vertices, corners) {
   const result = new Uint32Array(4 * triangles.length);
   const middle = (a, b) => edges.get(Math.min(a, b) * vertices + Math.max(a, b)).number;
   for (let i = 0; i < triangles.length; i += 3) {
-    const [a, b, c] = triangles.subarray(i, i + 3), ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    const [a, b, c] = triangles.subarray(i, i + 3),
+      ab = middle(a, b),
+      bc = middle(b, c),
+      ca = middle(c, a);
     result.set([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], 4 * i);
   }
   return {triangles: result, vertices: vertices + list.length, weights: weights.done()};
@@ -195,7 +162,8 @@ function addOldVertex(weights, v, around, rim, isCorner) {
   if (isCorner) {
     weights.add([v], [1]);
   } else if (rim.length === 0) {
-    const n = around.length, share = n === 3 ? 3 / 16 : 3 / (8 * n);
+    const n = around.length,
+      share = n === 3 ? 3 / 16 : 3 / (8 * n);
     weights.add([v, ...around], [1 - n * share, ...around.map(() => share)]);
   } else if (rim.length === 2) {
     weights.add([v, ...rim], [3 / 4, 1 / 8, 1 / 8]);
@@ -205,10 +173,21 @@ function addOldVertex(weights, v, around, rim, isCorner) {
 }
 
 function weightList(rows) {
-  const begin = [0], columns = [], values = [];
+  const begin = [0],
+    columns = [],
+    values = [];
   return {
-    add(indices, shares) { columns.push(...indices); values.push(...shares); begin.push(columns.length); },
-    done: () => ({rows, begin: Uint32Array.from(begin), columns: Uint32Array.from(columns), values: Float32Array.from(values)}),
+    add(indices, shares) {
+      columns.push(...indices);
+      values.push(...shares);
+      begin.push(columns.length);
+    },
+    done: () => ({
+      rows,
+      begin: Uint32Array.from(begin),
+      columns: Uint32Array.from(columns),
+      values: Float32Array.from(values),
+    }),
   };
 }
 
@@ -224,11 +203,18 @@ function apply({rows, begin, columns, values}, from, to, size) {
 
 function applyToPoints(rows, begin, columns, values, from, to) {
   for (let row = 0; row < rows; ++row) {
-    let x = 0, y = 0, z = 0;
+    let x = 0,
+      y = 0,
+      z = 0;
     for (let i = begin[row]; i < begin[row + 1]; ++i) {
-      const w = values[i], c = 3 * columns[i];
-      x += w * from[c]; y += w * from[c + 1]; z += w * from[c + 2];
+      const w = values[i],
+        c = 3 * columns[i];
+      x += w * from[c];
+      y += w * from[c + 1];
+      z += w * from[c + 2];
     }
-    to[3 * row] = x; to[3 * row + 1] = y; to[3 * row + 2] = z;
+    to[3 * row] = x;
+    to[3 * row + 1] = y;
+    to[3 * row + 2] = z;
   }
 }

@@ -1,7 +1,8 @@
 // Where the organ lies: renderer, light, camera. It draws when something has changed, and not otherwise.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
-const background = new THREE.Color(0x161d21), plainBackground = new THREE.Color(0x203338);
+const background = new THREE.Color(0x161d21),
+  plainBackground = new THREE.Color(0x203338);
 
 /** What draws here, in words; null where there is no WebGL. */
 export function graphics() {
@@ -17,7 +18,12 @@ export class Stage {
   constructor(canvas, software) {
     this.canvas = canvas;
     this.software = software;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !software, powerPreference: 'high-performance', preserveDrawingBuffer: true});
+    this.renderer = new THREE.WebGLRenderer({
+      canvas,
+      antialias: !software,
+      powerPreference: 'high-performance',
+      preserveDrawingBuffer: true,
+    });
     this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.05;
     this.renderer.shadowMap.enabled = true;
@@ -27,9 +33,12 @@ export class Stage {
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
-    this.azimuth = -1.25; this.elevation = 0.38; this.distance = 0.6; this.size = 0.2;
-    this.margins = {left: 0, right: 0};  // that panels cover [pixels]
-    this.before = [];  // called before each picture
+    this.azimuth = -1.25;
+    this.elevation = 0.38;
+    this.distance = 0.6;
+    this.size = 0.2;
+    this.margins = {left: 0, right: 0}; // that panels cover [pixels]
+    this.before = []; // called before each picture
     this.after = [];
     this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
     this.slow = 0;
@@ -53,25 +62,40 @@ export class Stage {
     const fill = new THREE.DirectionalLight(0xbcd8e6, 0.5);
     fill.position.set(-1, 0.6, 0.5);
     this.scene.add(this.key, this.key.target, fill, new THREE.HemisphereLight(0xdfeaf0, 0x6a7f82, 1.15));
-    this.ground = new THREE.Mesh(new THREE.CircleGeometry(1, 64),
+    this.ground = new THREE.Mesh(
+      new THREE.CircleGeometry(1, 64),
       // Without a graphics card every pixel costs: there only the shadow is drawn.
-      this.software ? new THREE.ShadowMaterial({opacity: 0.45}) : new THREE.MeshLambertMaterial({color: 0x1d3a3f}));
+      this.software
+        ? new THREE.ShadowMaterial({opacity: 0.45})
+        : new THREE.MeshLambertMaterial({color: 0x1d3a3f}),
+    );
     this.ground.receiveShadow = true;
     this.scene.add(this.ground);
   }
 
   /** Looks at a box of points [m]. */
   lookAt(points) {
-    const box = new THREE.Box3().setFromArray(points), sphere = box.getBoundingSphere(new THREE.Sphere());
+    const box = new THREE.Box3().setFromArray(points),
+      sphere = box.getBoundingSphere(new THREE.Sphere());
     this.target.copy(sphere.center);
     this.size = sphere.radius;
     this.ground.position.set(sphere.center.x, sphere.center.y, box.min.z - 0.12 * this.size);
     this.ground.scale.setScalar((this.software ? 2 : 30) * this.size);
     if (!this.software) this.scene.fog = new THREE.Fog(background, 5 * this.size, 14 * this.size);
-    const light = this.key.shadow.camera, reach = 1.7 * this.size;
-    this.key.position.copy(sphere.center).add(new THREE.Vector3(0.9, -0.8, 2.4).multiplyScalar(2 * this.size));
+    const light = this.key.shadow.camera,
+      reach = 1.7 * this.size;
+    this.key.position
+      .copy(sphere.center)
+      .add(new THREE.Vector3(0.9, -0.8, 2.4).multiplyScalar(2 * this.size));
     this.key.target.position.copy(sphere.center);
-    Object.assign(light, {left: -reach, right: reach, top: reach, bottom: -reach, near: this.size, far: 10 * this.size});
+    Object.assign(light, {
+      left: -reach,
+      right: reach,
+      top: reach,
+      bottom: -reach,
+      near: this.size,
+      far: 10 * this.size,
+    });
     light.updateProjectionMatrix();
     this.home();
   }
@@ -87,9 +111,11 @@ export class Stage {
   }
 
   home() {
-    const half = Math.tan(this.camera.fov * Math.PI / 360) * Math.min(1, this.camera.aspect * 0.8 * this.openShare());
-    this.distance = 0.98 * this.size / half;
-    this.azimuth = -1.25; this.elevation = 0.38;
+    const half =
+      Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1, this.camera.aspect * 0.8 * this.openShare());
+    this.distance = (0.98 * this.size) / half;
+    this.azimuth = -1.25;
+    this.elevation = 0.38;
     this.place();
   }
 
@@ -97,16 +123,23 @@ export class Stage {
     this.elevation = Math.max(-1.5, Math.min(1.5, this.elevation));
     this.distance = Math.max(0.5 * this.size, Math.min(12 * this.size, this.distance));
     const c = Math.cos(this.elevation);
-    this.camera.position.set(Math.cos(this.azimuth) * c, Math.sin(this.azimuth) * c, Math.sin(this.elevation))
-      .multiplyScalar(this.distance).add(this.target);
-    this.camera.near = 0.05 * this.distance; this.camera.far = 40 * this.size + this.distance;
+    this.camera.position
+      .set(Math.cos(this.azimuth) * c, Math.sin(this.azimuth) * c, Math.sin(this.elevation))
+      .multiplyScalar(this.distance)
+      .add(this.target);
+    this.camera.near = 0.05 * this.distance;
+    this.camera.far = 40 * this.size + this.distance;
     this.camera.lookAt(this.target);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
     this.invalidate();
   }
 
-  turn(dx, dy) { this.azimuth -= 0.006 * dx; this.elevation += 0.006 * dy; this.place(); }
+  turn(dx, dy) {
+    this.azimuth -= 0.006 * dx;
+    this.elevation += 0.006 * dy;
+    this.place();
+  }
 
   shift(dx, dy) {
     const scale = this.metresPerPixel(this.target);
@@ -114,19 +147,33 @@ export class Stage {
     this.place();
   }
 
-  zoom(factor) { this.distance *= factor; this.place(); }
+  zoom(factor) {
+    this.distance *= factor;
+    this.place();
+  }
 
-  right() { return new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0); }
-  above() { return new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1); }
-  forward() { return this.camera.getWorldDirection(new THREE.Vector3()); }
-  depth(point) { return point.clone().sub(this.camera.position).dot(this.forward()); }
+  right() {
+    return new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0);
+  }
+  above() {
+    return new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1);
+  }
+  forward() {
+    return this.camera.getWorldDirection(new THREE.Vector3());
+  }
+  depth(point) {
+    return point.clone().sub(this.camera.position).dot(this.forward());
+  }
   metresPerPixel(point) {
-    return 2 * this.depth(point) * Math.tan(this.camera.fov * Math.PI / 360) / this.canvas.clientHeight;
+    return (2 * this.depth(point) * Math.tan((this.camera.fov * Math.PI) / 360)) / this.canvas.clientHeight;
   }
 
   /** The ray through a place of the window. */
   ray(x, y) {
-    const at = new THREE.Vector2(2 * x / this.canvas.clientWidth - 1, 1 - 2 * y / this.canvas.clientHeight);
+    const at = new THREE.Vector2(
+      (2 * x) / this.canvas.clientWidth - 1,
+      1 - (2 * y) / this.canvas.clientHeight,
+    );
     const caster = new THREE.Raycaster();
     caster.setFromCamera(at, this.camera);
     return caster.ray;
@@ -136,7 +183,7 @@ export class Stage {
   project(point) {
     if (this.depth(point) <= 0) return null;
     const p = point.clone().project(this.camera);
-    return {x: (p.x + 1) / 2 * this.canvas.clientWidth, y: (1 - p.y) / 2 * this.canvas.clientHeight};
+    return {x: ((p.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - p.y) / 2) * this.canvas.clientHeight};
   }
 
   resize() {
@@ -164,7 +211,8 @@ export class Stage {
   /** How long the graphics card, or what stands in for it, takes for a picture. */
   time() {
     if (this.fence) return;
-    const gl = this.renderer.getContext(), start = performance.now();
+    const gl = this.renderer.getContext(),
+      start = performance.now();
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     const look = () => {
@@ -192,8 +240,13 @@ function operatingRoom() {
   const room = new THREE.Scene();
   room.background = new THREE.Color(0x0b0f11);
   const lamp = (color, strength, width, height, position) => {
-    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(width, height),
-      new THREE.MeshBasicMaterial({color: new THREE.Color(color).multiplyScalar(strength), side: THREE.DoubleSide}));
+    const mesh = new THREE.Mesh(
+      new THREE.PlaneGeometry(width, height),
+      new THREE.MeshBasicMaterial({
+        color: new THREE.Color(color).multiplyScalar(strength),
+        side: THREE.DoubleSide,
+      }),
+    );
     mesh.position.set(...position);
     mesh.lookAt(0, 0, 0);
     room.add(mesh);

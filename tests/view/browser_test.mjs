@@ -25,6 +25,7 @@ mkdirSync(out, {recursive: true});
 // ---- The program
 
 let server;
+process.on('exit', () => server?.kill('SIGKILL'));
 async function start(port) {
   server = spawn(program, [
     scene,

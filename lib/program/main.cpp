@@ -35,6 +35,7 @@ std::optional<int> run_other_program(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "mesh") return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING");
   if (command == "bench") return forward("lobe-bench", argv + 2, argv + argc, "LOBE_BENCHMARKS");
+  if (command == "view") return forward("lobe-view", argv + 2, argv + argc, "LOBE_VIEW");
   return {};
 }
 
@@ -92,6 +93,7 @@ int main(int argc, char** argv) {
   SceneOptions options;
   app.add_subcommand("mesh", "From a surface to a mesh: runs lobe-mesh");
   app.add_subcommand("bench", "Measure speed, accuracy and correctness: runs lobe-bench");
+  app.add_subcommand("view", "Hold the organ in your hands, in a page: runs lobe-view");
   add_info(app, info_options, action);
   CLI::App* check_command =
       add_scene_command(app, "check", "Validate a scene and print what will be run", options, action, check);

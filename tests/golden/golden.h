@@ -25,7 +25,8 @@ struct GoldenRun {
 std::vector<GoldenRun> shipped_scenes();  // those of data/scenes
 std::vector<GoldenRun> option_scenes();   // small bodies, one for each option and what goes with it
 
-// Of displacements, velocities and time. What the digests of recordings are made by may change; this does not.
+// Of displacements, velocities and time. What the digests of recordings are made by may change; this does
+// not.
 template <class Real>
 std::uint64_t golden_digest(World<Real>& world) {
   const StateView<Real> state = world.state();

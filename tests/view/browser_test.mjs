@@ -1,0 +1,276 @@
+// The page in a headless Chromium, as a user would use it. Usage: node browser_test.mjs LOBE_VIEW SCENE MODULES OUT
+// MODULES is a folder in which npm has installed playwright-core. Status 77: there is no Chromium, or no playwright-core.
+import {spawn} from 'node:child_process';
+import {createRequire} from 'node:module';
+import {existsSync, mkdirSync, rmSync, readFileSync, writeFileSync} from 'node:fs';
+import path from 'node:path';
+
+const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
+const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(
+  existsSync,
+);
+let playwright;
+try {
+  playwright = createRequire(path.join(modules, 'node_modules', 'x.js'))('playwright-core');
+} catch {
+  /* said below */
+}
+if (!chromium || !playwright) {
+  console.log('skipped: needs Chromium and playwright-core; ./dev test installs them');
+  process.exit(77);
+}
+rmSync(out, {recursive: true, force: true});
+mkdirSync(out, {recursive: true});
+
+// ---- The program
+
+let server;
+process.on('exit', () => server?.kill('SIGKILL'));
+async function start(port) {
+  server = spawn(program, [
+    scene,
+    '--port',
+    String(port),
+    '--token',
+    'secret',
+    '--no-open',
+    '--save-to',
+    out,
+  ]);
+  return new Promise((resolve, reject) => {
+    server.stdout.on('data', data => {
+      const found = /http:\/\/\S+/.exec(String(data));
+      if (found) resolve(found[0]);
+    });
+    server.stderr.on('data', data => process.stderr.write(data));
+    server.on('exit', code => reject(new Error(`lobe-view ended with ${code}`)));
+  });
+}
+const ended = () =>
+  new Promise(resolve => {
+    server.on('exit', resolve);
+    server.kill('SIGKILL');
+  });
+
+// ---- What is checked
+
+let failures = 0;
+const started = Date.now();
+const seconds = () => ((Date.now() - started) / 1e3).toFixed(1);
+function check(condition, what) {
+  console.log(`${condition ? 'ok    ' : 'FAILED'} ${what} (${seconds()} s)`);
+  if (!condition) ++failures;
+}
+const address = await start(0);
+const browser = await playwright.chromium.launch({
+  executablePath: chromium,
+  args: ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox'],
+});
+const faults = [];
+async function open(url) {
+  const page = await browser.newPage({viewport: {width: 960, height: 640}});
+  page.setDefaultTimeout(60000);
+  page.on('pageerror', error => faults.push(error.message));
+  await page.goto(url);
+  return page;
+}
+const until = (page, condition, argument) =>
+  page.waitForFunction(condition, argument, {timeout: 60000, polling: 50}).then(
+    () => true,
+    () => false,
+  );
+const shot = (page, name) => page.screenshot({path: path.join(out, `${name}.png`)});
+
+// The share of pixels that show tissue: redder than they are green or blue.
+const redShare = page =>
+  page.evaluate(() => {
+    lobe.stage.renderer.render(lobe.stage.scene, lobe.stage.camera);
+    const from = lobe.stage.canvas,
+      canvas = new OffscreenCanvas(from.width, from.height),
+      context = canvas.getContext('2d');
+    context.drawImage(from, 0, 0);
+    const {data} = context.getImageData(0, 0, canvas.width, canvas.height);
+    let red = 0;
+    for (let i = 0; i < data.length; i += 4)
+      red += data[i] > 1.3 * data[i + 1] && data[i] > 1.3 * data[i + 2] && data[i] > 25;
+    return red / (data.length / 4);
+  });
+
+// Where on the window a point of the organ's surface is that is free and faces the viewer: its rightmost third.
+const grip = page =>
+  page.evaluate(() => {
+    const {stage, organ} = lobe,
+      w = stage.canvas.clientWidth,
+      h = stage.canvas.clientHeight;
+    for (let x = w - 1; x > w / 3; x -= 4)
+      for (let y = 60; y < h - 80; y += 4)
+        if (organ.hit(stage.ray(x, y)) && organ.hit(stage.ray(x - 50, y))) return {x: x - 50, y};
+    return null;
+  });
+const largestMove = page =>
+  page.evaluate(() => {
+    const {
+      x,
+      topology: {rest},
+    } = lobe.organ;
+    let most = 0;
+    for (let i = 0; i < rest.length; i += 3)
+      most = Math.max(most, Math.hypot(x[i] - rest[i], x[i + 1] - rest[i + 1], x[i + 2] - rest[i + 2]));
+    return most;
+  });
+async function drag(page, from, dx, dy) {
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 8; ++i) await page.mouse.move(from.x + (dx * i) / 8, from.y + (dy * i) / 8);
+}
+
+// ---- It opens
+
+const page = await open(address);
+check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens and shows frames');
+const share = await redShare(page);
+check(share > 0.1, `the organ covers more than a tenth of the pixels: ${(100 * share).toFixed(1)} %`);
+check(await page.evaluate(() => lobe.status.controls), 'the first page controls');
+await shot(page, 'opened');
+
+// ---- Pull
+
+const at = await grip(page);
+await drag(page, at, 20, -30);
+check(await until(page, () => lobe.force > 0.05), 'a drag shows a force');
+const moved = await largestMove(page);
+check(moved > 1e-3, `and moves the organ, by ${(1e3 * moved).toFixed(1)} mm`);
+check(/[1-9]/.test(await page.textContent('#force')), 'the panel shows newtons');
+await shot(page, 'pulled');
+await page.mouse.up();
+check(await until(page, () => lobe.force === 0), 'it lets go');
+
+// ---- Burn
+
+await page.keyboard.press('c');
+await drag(page, {x: at.x - 60, y: at.y + 10}, -30, 20);
+check(await until(page, () => lobe.organ.cutCount > 0), 'the cautery leaves cut faces');
+await shot(page, 'burning');
+await page.mouse.up();
+
+// ---- A spectator, and hand-over
+
+const other = await open(address);
+check(await until(other, () => window.lobe?.frames > 1 && lobe.organ.x), 'a second page watches');
+check(
+  await other.evaluate(() => !lobe.status.controls && lobe.organ.cutCount > 0),
+  'it sees what was burnt, and does not control',
+);
+await drag(other, at, 10, -10);
+await other.mouse.up();
+const [time, picture] = await page.evaluate(() => [lobe.status.time, lobe.frames]);
+await other.evaluate(() => lobe.ask({do: 'restart'}));
+check(
+  await until(other, () => /another page/.test(document.getElementById('messages').textContent)),
+  'a spectator that asks for something is told why not',
+);
+check(
+  (await until(page, n => lobe.frames > n, picture)) &&
+    (await page.evaluate(t => lobe.status.time >= t && lobe.organ.cutCount > 0, time)),
+  'and nothing is done',
+);
+await page.keyboard.press('h');
+await page.evaluate(() => lobe.ask({do: 'pause', on: false}));
+await other.click('#banner button');
+check(await until(page, () => !document.getElementById('banner').hidden), 'the page that controls is asked');
+await page.click('#banner button');
+check(
+  (await until(other, () => lobe.status.controls)) && (await until(page, () => !lobe.status.controls)),
+  'and hands over',
+);
+await drag(other, at, 15, -15);
+check(
+  await until(page, () => lobe.instruments.shown.size === 1),
+  'the first page sees the instrument of the other',
+);
+await other.close();
+check(
+  await until(page, () => lobe.instruments.shown.size === 0 && lobe.force === 0),
+  'a page that dies in the middle of a drag lets go',
+);
+check(await until(page, () => lobe.status.clients === 1), 'the server notices that a page is gone');
+await page.click('#banner button');
+check(await until(page, () => lobe.status.controls), 'the other takes over');
+
+// ---- Restart
+
+await page.keyboard.press('r');
+check(await until(page, () => lobe.organ.cutCount === 0), 'restart: whole again');
+
+// ---- Painting
+
+await page.keyboard.press('e');
+check(await until(page, () => lobe.mode === 'edit' && lobe.status.edit), 'painting begins');
+await page.click('.brush[data-key=tensor-mass]');
+const [before, linearBefore] = await page.evaluate(() => [lobe.status.edit.shares[0], lobe.organ.shares[0]]);
+await drag(page, at, -30, 10);
+await page.mouse.up();
+check(
+  await until(page, b => lobe.status.edit.shares[0] > b, before),
+  'a stroke changes the model of tetrahedra',
+);
+await shot(page, 'painted');
+await page.fill('#save-name', 'painted_by_test');
+await page.click('#save');
+check(
+  await until(page, () => /Saved/.test(document.getElementById('editor-note').textContent)),
+  'the scene is saved',
+);
+await page.click('#apply');
+check(
+  await until(page, b => lobe.mode === 'live' && lobe.organ.shares[0] > b, linearBefore),
+  'what was painted is simulated',
+);
+
+// ---- The server is killed, and comes back
+
+await ended();
+check(
+  await until(page, () => /lost/.test(document.getElementById('banner').textContent)),
+  'the page says that the server is gone',
+);
+const frames = await page.evaluate(() => lobe.frames);
+await start(new URL(address).port);
+check(await until(page, n => lobe.frames > n && lobe.status.controls, frames), 'and goes on when it is back');
+
+// ---- Without WebGL, without the token
+
+const blind = await browser.newContext();
+await blind.addInitScript(() => {
+  HTMLCanvasElement.prototype.getContext = () => null;
+});
+const blindPage = await blind.newPage();
+await blindPage.goto(address);
+check(
+  /enable-unsafe-swiftshader/.test(await blindPage.textContent('#overlay')),
+  'without WebGL the page says what to do',
+);
+const stranger = await open(address.replace('secret', 'guess'));
+check(
+  await stranger.waitForSelector('text=lacks the key', {timeout: 60000}).then(
+    () => true,
+    () => false,
+  ),
+  'without the token the page says what is missing',
+);
+
+check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
+writeFileSync(
+  path.join(out, 'latencies.json'),
+  JSON.stringify(await page.evaluate(() => lobe.connection.latencies)),
+);
+await browser.close();
+server.removeAllListeners('exit');
+server.kill();
+const saved = JSON.parse(readFileSync(path.join(out, 'painted_by_test.json')));
+check(
+  saved.regions.some(region => region.model === 'tensor-mass'),
+  'the saved scene has the painted region',
+);
+console.log(`${failures} failures, ${seconds()} s`);
+process.exit(failures ? 1 : 0);

@@ -1,0 +1,135 @@
+#include "painting.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/mesh/generators.h"
+#include "lobe/scene/read_scene.h"
+#include "near.h"
+
+using namespace lobe;
+using namespace lobe::view;
+using lobe::test::near;
+
+namespace {
+
+// A box of 0.1 m whose lower half has the label 5, where the material is another one, and whose bottom is
+// fixed.
+struct Painted {
+  TetMesh mesh = box_mesh({0.1, 0.1, 0.1}, 4, 4, 4);
+  Scene scene = parse_scene(R"({
+    "name": "box", "mesh": "box.vtu",
+    "materials": [{"name": "soft", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1000},
+                  {"name": "firm", "lame_lambda": 8e4, "lame_mu": 2e4, "density": 1000, "where": {"label": 5}}],
+    "regions": [{"name": "all", "model": "nonlinear"}],
+    "boundary": [{"fix": true, "where": {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1], "side": "below"}}}],
+    "time": {"duration": 1}})");
+  Resolved resolved;
+
+  Painted() {
+    mesh.labels.assign(std::size_t(mesh.tet_count()), 0);
+    for (Index t = 0; t < mesh.tet_count(); ++t)
+      if (barycentre(mesh, t).z() < 0.05) mesh.labels[std::size_t(t)] = 5;
+    resolved = resolve(scene, mesh);
+  }
+};
+
+Resolved resolve_again(const Painting& painting) {
+  return resolve(painting.scene("box.vtu"), painting.mesh());
+}
+
+}  // namespace
+
+TEST_CASE("a scene that nobody painted on comes to the same setup") {
+  const Painted painted;
+  const Painting painting(painted.scene, painted.resolved);
+  const Setup setup = resolve_again(painting).setup;
+  CHECK(setup.region_of == painted.resolved.setup.region_of);
+  CHECK(setup.material_of == painted.resolved.setup.material_of);
+  CHECK(setup.prescribed.size() == painted.resolved.setup.prescribed.size());
+}
+
+TEST_CASE("what was painted is what the scene comes to, and materials by label stay where they were") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint({0.1, 0.1, 0.05}, 0.04, RegionModel::tensor_mass);
+  painting.paint({0.05, 0.05, 0}, 0.04, RegionModel::precomputed);
+  const Setup setup = resolve_again(painting).setup;
+  CHECK(setup.region_of == painting.regions());
+  CHECK(setup.material_of == painted.resolved.setup.material_of);
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Vec3d centre = barycentre(setup.mesh, t);
+    if ((centre - Vec3d(0.1, 0.1, 0.05)).norm() < 0.04)
+      CHECK(setup.region_of[std::size_t(t)] == RegionModel::tensor_mass);
+  }
+  const auto shares = painting.shares();
+  CHECK(shares[0] > 0);
+  CHECK(shares[1] > 0);
+  CHECK(shares[0] + shares[1] + shares[2] == near(1, 1e-12));
+}
+
+TEST_CASE("the surface shows what was painted") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint({0.1, 0.1, 0.1}, 0.03, RegionModel::precomputed);
+  const SurfaceMesh& surface = painting.surface();
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+    CHECK(surface.region[i] == painting.regions()[std::size_t(surface.owner[i].tet)]);
+}
+
+TEST_CASE("a brush smaller than a tetrahedron paints the nearest") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint({0.05, 0.05, 0.1}, 1e-6, RegionModel::tensor_mass);
+  CHECK(std::count(painting.regions().begin(), painting.regions().end(), RegionModel::tensor_mass) == 1);
+}
+
+TEST_CASE("what is held can be painted, on the skin alone") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.hold({0.05, 0.05, 0}, 1, false);
+  painting.hold({0.05, 0.05, 0.1}, 0.052, true);
+  const Setup setup = resolve_again(painting).setup;
+  REQUIRE(!setup.prescribed.empty());
+  for (const PrescribedVertex& item : setup.prescribed)
+    CHECK(setup.mesh.points(2, item.vertex) == near(0.1, 1e-12));
+}
+
+TEST_CASE("a stroke is undone at once") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  CHECK_FALSE(painting.can_undo());
+  painting.paint({0, 0, 0}, 0.03, RegionModel::tensor_mass);
+  painting.paint({0.05, 0, 0}, 0.03, RegionModel::tensor_mass);
+  painting.end_stroke();
+  const std::vector<RegionModel> first = painting.regions();
+  painting.paint_all(RegionModel::precomputed);
+  CHECK(painting.shares()[1] == near(1, 1e-12));
+  painting.undo();
+  CHECK(painting.regions() == first);
+  painting.undo();
+  CHECK(painting.regions() == painted.resolved.setup.region_of);
+  CHECK_FALSE(painting.can_undo());
+}
+
+TEST_CASE("a scene is saved beside its mesh, and read back comes to what was painted") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint({0.05, 0.05, 0}, 0.04, RegionModel::precomputed);
+  const auto folder = std::filesystem::temp_directory_path() / "lobe_painting_test";
+  std::filesystem::create_directories(folder);
+  const Scene scene = read_scene(painting.save(folder, "painted"));
+  const Resolved again = resolve(scene, read_mesh(mesh_path(scene)).mesh);
+  CHECK(again.setup.region_of == painting.regions());
+  CHECK(again.setup.material_of == painted.resolved.setup.material_of);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("a name that leads to another folder is refused") {
+  for (const char* name : {"", "../organ", "a/b", "a b", "a.json"})
+    CHECK_THROWS_AS(check_file_name(name), InputError);
+  CHECK_NOTHROW(check_file_name("my_organ-2"));
+}

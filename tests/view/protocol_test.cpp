@@ -1,0 +1,96 @@
+#include "protocol.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+#include "lobe/error.h"
+#include "lobe/fem/body.h"
+#include "lobe/mesh/generators.h"
+
+using namespace lobe;
+using namespace lobe::view;
+
+namespace {
+
+template <class T>
+T at(std::string_view bytes, std::size_t offset) {
+  T value;
+  REQUIRE(offset + sizeof value <= bytes.size());
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+}  // namespace
+
+TEST_CASE("blocks are read as they were written, the content without what fills it up") {
+  BlockWriter out;
+  write_json(status_tag, "{}", out);
+  write_json(tools_tag, "", out);
+  write_json(tag("NEW!"), "12345", out);
+  const std::string message = out.take();
+  CHECK(message.size() == 8 + 4 + 8 + 8 + 8);
+  const std::vector<Block> blocks = read_blocks(message);
+  REQUIRE(blocks.size() == 3);
+  CHECK(blocks[0].tag == status_tag);
+  CHECK(blocks[0].bytes == "{}");
+  CHECK(blocks[1].bytes.empty());
+  CHECK(blocks[2].bytes == "12345");
+}
+
+TEST_CASE("what is cut off is no sequence of blocks") {
+  BlockWriter out;
+  write_json(status_tag, "{\"time\": 1}", out);
+  const std::string message = out.take();
+  for (std::size_t size = 1; size < message.size(); ++size)
+    CHECK_THROWS_AS(read_blocks(message.substr(0, size)), InputError);
+  CHECK(read_blocks("").empty());
+}
+
+TEST_CASE("the topology block has triangles, rest positions, regions and cut faces in this order") {
+  const TetMesh mesh = box_mesh({1, 1, 1}, 1, 1, 1);
+  const std::vector<RegionModel> regions(std::size_t(mesh.tet_count()), RegionModel::precomputed);
+  const Surface surface(Topology(mesh), regions);
+  Mat3X<float> rest(3, surface.mesh().vertex_count());
+  for (Index v = 0; v < rest.cols(); ++v)
+    rest.col(v) = mesh.points.col(surface.mesh().mesh_vertex[std::size_t(v)]).cast<float>();
+  BlockWriter out;
+  write_topology(surface.mesh(), rest, out);
+  const std::string message = out.take();
+  const std::vector<Block> blocks = read_blocks(message);
+  REQUIRE(blocks.size() == 1);
+  const std::string_view bytes = blocks[0].bytes;
+  CHECK(blocks[0].tag == topology_tag);
+  CHECK(at<std::uint32_t>(bytes, 4) == 8);   // vertices of a cube
+  CHECK(at<std::uint32_t>(bytes, 8) == 12);  // triangles of its faces
+  CHECK(at<int>(bytes, 12) == surface.mesh().triangles[0][0]);
+  const std::size_t rest_at = 12 + 12 * 12, region_at = rest_at + 8 * 12;
+  CHECK(at<float>(bytes, rest_at) == rest(0, 0));
+  CHECK(at<std::uint8_t>(bytes, region_at) == 1);
+  CHECK(at<std::uint8_t>(bytes, region_at + 12) == 0);
+  CHECK(bytes.size() == region_at + 12 + 12);
+}
+
+TEST_CASE("a scalar comes back to within half a step of its range") {
+  const std::vector<float> values = {-1.5f, 0.25f, 7, 3};
+  BlockWriter out;
+  write_scalar("von_mises", values, out);
+  const std::string message = out.take();
+  const std::string_view bytes = read_blocks(message)[0].bytes;
+  CHECK(std::string(bytes.data()) == "von_mises");
+  const float low = at<float>(bytes, 16), high = at<float>(bytes, 20);
+  CHECK(low == -1.5f);
+  CHECK(high == 7.0f);
+  const double step = (high - low) / 65535.0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    CHECK(std::abs(low + step * at<std::uint16_t>(bytes, 24 + 2 * i) - values[i]) <= 0.51 * step);
+}
+
+TEST_CASE("a scalar that is the same everywhere, or nowhere, has a range") {
+  for (const std::vector<float>& values : {std::vector<float>{}, std::vector<float>{2, 2}}) {
+    BlockWriter out;
+    write_scalar("volume_ratio", values, out);
+    const std::string message = out.take();
+    CHECK(read_blocks(message)[0].bytes.size() == 24 + 2 * values.size());
+  }
+}

@@ -1,0 +1,38 @@
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include "server.h"
+
+namespace lobe::view {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return result;
+}
+
+// "localhost:8080" → "localhost", "[::1]:8080" → "[::1]"
+std::string without_port(const std::string& host) {
+  const std::size_t bracket = host.find(']');
+  const std::size_t colon = host.find(':', bracket == std::string::npos ? 0 : bracket);
+  return host.substr(0, colon);
+}
+
+}  // namespace
+
+bool is_loopback(std::string_view host) {
+  const std::string name = lower(host);
+  return name == "localhost" || name == "::1" || name == "[::1]" || name.starts_with("127.");
+}
+
+bool may_connect(std::string_view origin, std::string_view host, bool this_machine_alone) {
+  const std::string asked = lower(host), from = lower(origin);
+  if (asked.empty()) return false;
+  if (this_machine_alone && !is_loopback(without_port(asked))) return false;
+  return from == "http://" + asked || from == "https://" + asked;
+}
+
+}  // namespace lobe::view

@@ -1,0 +1,67 @@
+// One connection of a client: HTTP requests for files of the page, until one asks to become the WebSocket.
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server.h"
+
+namespace lobe::view {
+
+// What the connections share.
+struct Shared {
+  ServerOptions options;
+  std::span<const PageFile> page;
+  Service& service;
+  std::function<void(ClientId, bool is_open)> on_client = {};
+};
+
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(boost::asio::ip::tcp::socket socket, ClientId id, Shared& shared);
+
+  void start() { read_request(); }
+  void close();  // at once, without a word
+
+  bool is_live() const { return live_ && is_open_; }
+  void acknowledged();
+  void offer_frame();  // sends the next frame, if the last was acknowledged and there is one
+  void send(std::string text);
+  void drop(std::string_view why);
+
+ private:
+  using Request = boost::beast::http::request<boost::beast::http::string_body>;
+  using Response = boost::beast::http::response<boost::beast::http::string_body>;
+  using WebSocket = boost::beast::websocket::stream<boost::beast::tcp_stream>;
+
+  void read_request();
+  void answer(const Request& request);
+  void respond(std::shared_ptr<Response> response);
+  Response file(const Request& request) const;
+  std::string refusal(const Request& request) const;
+  void become_live(const Request& request);
+  void read_message();
+  void write_next();
+  void end();
+
+  Shared& shared_;
+  const ClientId id_;
+  boost::beast::flat_buffer buffer_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
+  std::optional<boost::beast::tcp_stream> http_;  // until it becomes live
+  std::optional<WebSocket> live_;
+  bool is_open_ = false;  // the service knows of it
+  std::deque<std::string> texts_;
+  std::string frame_;  // that waits to be written, or is
+  bool is_writing_ = false, is_frame_seen_ = true;
+  std::optional<boost::beast::websocket::close_reason> closing_;
+};
+
+}  // namespace lobe::view

@@ -1,0 +1,240 @@
+#include "live.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "gauge.h"
+#include "lobe/live/session_scene.h"
+
+namespace lobe::view {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::chrono::milliseconds between_measurements(125);
+
+std::atomic<std::uint64_t> sessions_so_far = 0;
+
+Json array(const Vec3d& p) { return {p[0], p[1], p[2]}; }
+Json array(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
+
+SessionOptions session_options(const LiveOptions& options) {
+  SessionOptions result;
+  result.frame = options.frame;
+  result.speed = options.speed;
+  result.threads = options.threads;
+  result.running = options.running;
+  result.condensing = options.condensing;
+  return result;
+}
+
+template <class Real>
+class LiveOf final : public Live {
+ public:
+  LiveOf(const Scene& scene, const Resolved& resolved, const LiveOptions& options)
+      : scene_(scene), setup_(resolved.setup), session_(setup_, session_options(options)) {
+    for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
+    session_.start();
+    gauge_ = std::thread([this] { keep_measuring(); });
+  }
+
+  ~LiveOf() override {
+    {
+      const std::lock_guard lock(mutex_);
+      ends_ = true;
+    }
+    changed_.notify_all();
+    gauge_.join();
+    controller_.reset();
+    session_.stop();
+  }
+
+  void change_hands(bool somebody) override {
+    controller_.reset();
+    if (somebody) controller_.emplace(session_.connect("page"));
+  }
+
+  bool send(HandCommand command) override {
+    if (!controller_) return true;
+    if (command.kind == HandCommand::Kind::bring_cautery) radius_[command.hand] = command.radius;
+    return controller_->send(command);
+  }
+
+  std::uint64_t news() const override {
+    const auto status = session_.status();
+    if (!status) return 0;
+    std::uint64_t hash = 14695981039346656037u;
+    const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
+    mix(std::uint64_t(status->picture));
+    mix(std::uint64_t(status->is_running) + 2 * std::uint64_t(status->stands_still));
+    mix(std::uint64_t(1000 * status->speed));
+    mix(status->messages->empty() ? 0 : status->messages->back().number);
+    mix(last_seen(*status));
+    mix(measured()->number);
+    return hash;
+  }
+
+  void write(const std::string& scalar, Told& told, BlockWriter& out, Json& status) override {
+    const auto session = session_.status();  // before the picture: what it tells is in that
+    const auto picture = session_.pictures().latest();
+    if (!session || !picture) return;
+    const SurfaceMesh& surface = *picture->surface.mesh;
+    if (const std::uint64_t stamp = first_stamp_ + surface.revision; told.topology != stamp) {
+      told.topology = stamp;
+      write_topology(surface, rest_of(*picture), out);
+    }
+    write_positions(surface, picture->surface.x.template cast<float>(), out);
+    write_measured(scalar, surface.revision, told, out, status);
+    write_json(tools_tag, tools(*session, *picture).dump(), out);
+    add_figures(*session, *picture, status);
+  }
+
+  void measure(const std::string& scalar) override {
+    const std::lock_guard lock(mutex_);
+    wanted_ = scalar;
+  }
+
+  Scene hands_scene() override {
+    Scene scene;
+    session_.between_frames([&] { scene = session_scene(scene_, setup_, session_); });
+    return scene;
+  }
+
+  void write_recording(const std::filesystem::path& file) override {
+    session_.between_frames([&] { lobe::write_recording(file, session_.recording()); });
+  }
+
+ private:
+  // Energies and fields are found by the thread of the session, between frames; this one waits for them.
+  void keep_measuring() {
+    std::unique_lock lock(mutex_);
+    while (!changed_.wait_for(lock, between_measurements, [&] { return ends_; })) {
+      const std::string scalar = wanted_;
+      const auto next = std::make_shared<Measured>();
+      next->number = measured_->number;
+      const double before = measured_->time;
+      const bool is_same = measured_->scalar == scalar;
+      lock.unlock();
+      session_.between_frames([&] {
+        if (session_.world().time() != before || !is_same) {
+          view::measure(session_.world(), scalar, *next);
+          ++next->number;
+        }
+      });
+      lock.lock();
+      if (next->number != measured_->number) measured_ = next;
+    }
+  }
+
+  std::shared_ptr<const Measured> measured() const {
+    const std::lock_guard lock(mutex_);
+    return measured_;
+  }
+
+  std::uint64_t last_seen(const SessionStatus& status) const {
+    const auto number = controller_ ? std::size_t(controller_->number()) : status.sequences.size();
+    return number < status.sequences.size() ? status.sequences[number] : 0;
+  }
+
+  static Mat3X<float> rest_of(const Snapshot<Real>& picture) {
+    const SurfaceMesh& surface = *picture.surface.mesh;
+    Mat3X<float> rest(3, surface.vertex_count());
+    for (Index v = 0; v < surface.vertex_count(); ++v)
+      rest.col(v) = (picture.surface.x.col(v) - picture.u.col(surface.mesh_vertex[std::size_t(v)]))
+                        .template cast<float>();
+    return rest;
+  }
+
+  void write_measured(const std::string& scalar, std::uint64_t revision, Told& told, BlockWriter& out,
+                      Json& status) const {
+    const auto latest = measured();
+    if (latest->number == 0) return;
+    status["energy"] = {{"time", latest->time}, {"elastic", latest->elastic}, {"kinetic", latest->kinetic}};
+    if (scalar == "none" || latest->scalar != scalar || latest->revision != revision ||
+        told.scalar == latest->number)
+      return;
+    told.scalar = latest->number;
+    write_scalar(scalar, latest->values, out);
+  }
+
+  Json tools(const SessionStatus& status, const Snapshot<Real>& picture) const {
+    Json list = Json::array();
+    for (const HandStatus& hand : status.hands) {
+      if (hand.tool == 0) continue;
+      const bool is_grasp = hand.type == ToolType::grasp;
+      if (is_grasp && !hand.holds) continue;
+      const auto radius = radius_.find(hand.hand);
+      list.push_back({{"tool", hand.tool},
+                      {"hand", hand.hand},
+                      {"type", is_grasp ? "grasp" : "cautery"},
+                      {"on", hand.holds},
+                      {"position", array(hand.pose.position)},
+                      {"orientation", array(hand.pose.orientation)},
+                      {"force", array(hand.force)},
+                      {"radius", radius == radius_.end() ? 0.0 : radius->second}});
+    }
+    int number = -1;  // of the scene's own, which no hand leads
+    for (const ToolSnapshot& tool : picture.tools)
+      if (scene_tools_.contains(tool.name))
+        list.push_back({{"tool", number--},
+                        {"type", tool.type},
+                        {"on", true},
+                        {"position", array(tool.position)},
+                        {"orientation", array(Eigen::Vector4d(tool.orientation.coeffs()))},
+                        {"force", array(tool.force)}});
+    return list;
+  }
+
+  void add_figures(const SessionStatus& session, const Snapshot<Real>& picture, Json& status) const {
+    status["picture"] = picture.frame;
+    status["time"] = picture.time;
+    status["running"] = session.is_running;
+    status["stands_still"] = session.stands_still;
+    status["speed"] = session.speed;
+    status["factor"] = session.real_time_factor;
+    status["late"] = session.frames_late;
+    status["can_go_back"] = session.can_go_back;
+    status["steps"] = picture.figures.steps;
+    status["step"] = picture.figures.time_step;
+    status["tets"] = picture.figures.tets;
+    status["seen"] = last_seen(session);
+    Json& messages = status["messages"] = Json::array();
+    for (const SessionMessage& message : *session.messages)
+      messages.push_back({{"number", message.number},
+                          {"name", message.name},
+                          {"text", message.text},
+                          {"time", message.time},
+                          {"times", message.times}});
+  }
+
+  const Scene scene_;
+  const Setup setup_;
+  Session<Real> session_;
+  std::optional<Controller> controller_;
+  std::map<HandNumber, double> radius_;  // of the cautery that it holds, or held [m]
+  std::set<std::string> scene_tools_;
+  const std::uint64_t first_stamp_ = ++sessions_so_far << 32;  // two sessions have no revision in common
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ends_ = false;
+  std::string wanted_ = "none";
+  std::shared_ptr<const Measured> measured_ = std::make_shared<const Measured>();
+  std::thread gauge_;
+};
+
+}  // namespace
+
+std::unique_ptr<Live> start_live(const Scene& scene, const Resolved& resolved, const LiveOptions& options) {
+  if (scene.in_double()) return std::make_unique<LiveOf<double>>(scene, resolved, options);
+  return std::make_unique<LiveOf<float>>(scene, resolved, options);
+}
+
+}  // namespace lobe::view

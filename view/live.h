@@ -1,0 +1,56 @@
+// A session (lobe/live/) as the viewer needs it, in either precision: one page's hands, and what pages want
+// to see.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "lobe/live/hand_command.h"
+#include "lobe/scene/resolve.h"
+#include "protocol.h"
+
+namespace lobe::view {
+
+struct LiveOptions {
+  double frame = 1.0 / 120;  // [s]
+  double speed = 1;          // simulated seconds per second
+  int threads = 1;
+  bool running = true;
+  std::function<void(double fraction)> condensing = {};
+};
+
+// What a page has been told.
+struct Told {
+  std::uint64_t topology = 0;  // stamp(), 0: none
+  std::uint64_t news = 0;
+  std::uint64_t scalar = 0;
+};
+
+class Live {
+ public:
+  virtual ~Live() = default;
+
+  // Somebody else has the hands from now on, or nobody: what was held is let go.
+  virtual void change_hands(bool somebody) = 0;
+  // False: the simulation has not taken a command for a long time.
+  virtual bool send(HandCommand command) = 0;
+  // Changes when there is something to tell.
+  virtual std::uint64_t news() const = 0;
+  // A frame of what is new; into `status`: figures. `scalar`: "none", "von_mises", "volume_ratio".
+  virtual void write(const std::string& scalar, Told& told, BlockWriter& out, nlohmann::json& status) = 0;
+  // Which scalar is found, some times a second.
+  virtual void measure(const std::string& scalar) = 0;
+  // What the hands did, as a scene that `lobe run` plays; throws InputError where there is none
+  // (live/session_scene.h).
+  virtual Scene hands_scene() = 0;
+  // The same for `lobe replay`.
+  virtual void write_recording(const std::filesystem::path& file) = 0;
+};
+
+// Condenses what is to be precomputed, so that it may take seconds.
+std::unique_ptr<Live> start_live(const Scene& scene, const Resolved& resolved, const LiveOptions& options);
+
+}  // namespace lobe::view

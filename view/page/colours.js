@@ -1,0 +1,79 @@
+// What colours mean: the models of regions, as in the pictures of lobe-picture, and a ramp for numbers.
+
+export const models = [
+  // by their number in the protocol
+  {key: 'tensor-mass', name: 'Linear, tensor-mass', note: 'simpler; can be cut', colour: [0.29, 0.52, 0.75]},
+  {
+    key: 'precomputed',
+    name: 'Linear, pre-computed',
+    note: 'fastest; takes a while to prepare',
+    colour: [0.4, 0.62, 0.5],
+  },
+  {key: 'nonlinear', name: 'Non-linear', note: 'right where tissue turns', colour: [0.66, 0.23, 0.18]},
+];
+export const heldColour = [0.93, 0.78, 0.35];
+
+const viridis = [
+  [0.267, 0.005, 0.329],
+  [0.279, 0.175, 0.483],
+  [0.23, 0.322, 0.546],
+  [0.173, 0.449, 0.558],
+  [0.128, 0.567, 0.551],
+  [0.158, 0.684, 0.502],
+  [0.369, 0.789, 0.383],
+  [0.678, 0.864, 0.19],
+  [0.993, 0.906, 0.144],
+];
+
+export const css = colour => `rgb(${colour.map(c => Math.round(255 * c)).join(' ')})`;
+const linear = c => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+/** What a shader wants: light, not what is written in a picture. */
+export const light = colour => colour.map(linear);
+
+const table = new Float32Array(3 * 256);
+for (let i = 0; i < 256; ++i) {
+  const at = (i / 255) * 8,
+    k = Math.min(7, Math.floor(at)),
+    share = at - k;
+  for (let c = 0; c < 3; ++c)
+    table[3 * i + c] = linear((1 - share) * viridis[k][c] + share * viridis[k + 1][c]);
+}
+
+/** Colours of numbers between low and high, into `out`. */
+export function rampColours(values, low, high, out) {
+  const scale = high > low ? 255 / (high - low) : 0;
+  for (let v = 0; v < values.length; ++v) {
+    const i = 3 * Math.max(0, Math.min(255, Math.round((values[v] - low) * scale)));
+    out[3 * v] = table[i];
+    out[3 * v + 1] = table[i + 1];
+    out[3 * v + 2] = table[i + 2];
+  }
+}
+
+export const quantities = {
+  tissue: {name: 'Tissue'},
+  region: {name: 'Region'},
+  displacement: {name: 'Displacement', unit: 'mm', factor: 1e3, least: 0, span: 0.005},
+  von_mises: {name: 'Von Mises stress', unit: 'kPa', factor: 1e-3, least: 0, span: 500},
+  volume_ratio: {name: 'Volume ratio', unit: '', factor: 1, span: 0.02},
+};
+
+export function showLegend(element, quantity, range, shares) {
+  if (quantity === 'tissue') return element.replaceChildren();
+  if (quantity === 'region') {
+    element.innerHTML =
+      '<div class="swatches">' +
+      models
+        .map((model, i) =>
+          shares[i] > 0 ? `<div><i style="background:${css(model.colour)}"></i>${model.name}</div>` : '',
+        )
+        .join('') +
+      '</div>';
+    return;
+  }
+  const {unit, factor} = quantities[quantity],
+    digits = value => (value * factor).toPrecision(3);
+  element.innerHTML =
+    `<div class="ramp" style="background:linear-gradient(90deg, ${viridis.map(css).join(', ')})"></div>` +
+    `<div class="ticks"><span>${digits(range[0])}</span><span>${unit}</span><span>${digits(range[1])}</span></div>`;
+}

@@ -1,0 +1,221 @@
+// What mouse, pen or finger do on the canvas: left on the organ acts, anything else moves the camera.
+import * as THREE from './third_party/three-0.187.0/three.module.js';
+
+const grasp = {kind: 'grasp', radius: 0.012},
+  cauteryRadius = 0.0055; // [m]
+
+export class Hands {
+  constructor(stage, organ, ask) {
+    this.stage = stage;
+    this.organ = organ;
+    this.ask = ask;
+    this.kind = 'grasp';
+    this.may = false; // this page controls
+    this.held = new Map(); // hands that were left where they are: number → point
+    this.active = null; // {hand, kind, point, offset}
+    this.camera = null; // 'turn' or 'shift'
+    this.onFirst = () => {};
+    this.brush = null; // of the editor: {paint(point), end()}
+    const canvas = stage.canvas;
+    canvas.addEventListener('pointerdown', event => this.down(event));
+    canvas.addEventListener('pointermove', event => this.move(event));
+    canvas.addEventListener('pointerup', event => this.up(event));
+    canvas.addEventListener('pointercancel', event => this.up(event));
+    canvas.addEventListener('contextmenu', event => event.preventDefault());
+    canvas.addEventListener('dblclick', () => this.releaseHeld());
+    canvas.addEventListener('wheel', event => this.wheel(event), {passive: false});
+    this.ring = makeRing();
+    stage.scene.add(this.ring);
+  }
+
+  setKind(kind) {
+    this.letGo();
+    this.kind = kind;
+    this.ring.visible = false;
+    this.stage.canvas.classList.toggle('cautery', kind === 'cautery');
+    this.stage.canvas.classList.toggle('paint', kind === 'paint');
+    this.stage.invalidate();
+  }
+
+  reach() {
+    return this.kind === 'cautery'
+      ? cauteryRadius
+      : this.kind === 'paint'
+        ? this.brush.radius()
+        : grasp.radius;
+  }
+
+  down(event) {
+    this.stage.canvas.focus();
+    this.stage.canvas.setPointerCapture(event.pointerId);
+    this.last = {x: event.offsetX, y: event.offsetY};
+    if (event.button === 0 && this.may && !event.altKey) {
+      const ray = this.stage.ray(event.offsetX, event.offsetY);
+      if (this.kind !== 'paint' && this.takeHeld(event)) return;
+      const hit = this.organ.hit(ray);
+      if (hit) return this.begin(hit, ray);
+    }
+    this.camera = event.button === 1 || (event.button === 2 && event.shiftKey) ? 'shift' : 'turn';
+  }
+
+  begin(hit, ray) {
+    this.onFirst();
+    if (this.kind === 'paint') {
+      this.active = {kind: 'paint'};
+      return this.brush.paint(this.organ.restOf(hit));
+    }
+    const hand = this.freeHand();
+    if (hand < 0) return;
+    this.active = {hand, kind: this.kind, point: hit.point.clone()};
+    this.stage.canvas.classList.add('holding');
+    if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
+    else
+      this.ask({
+        do: 'take',
+        hand,
+        from: ray.origin.toArray(),
+        along: ray.direction.toArray(),
+        radius: grasp.radius,
+      });
+  }
+
+  freeHand() {
+    for (let hand = 0; hand < 8; ++hand) if (!this.held.has(hand)) return hand;
+    return -1;
+  }
+
+  /** A hand that was left holding, under the pointer. */
+  takeHeld(event) {
+    for (const [hand, point] of this.held) {
+      const at = this.stage.project(point);
+      if (!at || Math.hypot(at.x - event.offsetX, at.y - event.offsetY) > 24) continue;
+      this.held.delete(hand);
+      this.active = {hand, kind: 'grasp', point: point.clone()};
+      this.stage.canvas.classList.add('holding');
+      return true;
+    }
+    return false;
+  }
+
+  move(event) {
+    const dx = event.offsetX - (this.last?.x ?? event.offsetX),
+      dy = event.offsetY - (this.last?.y ?? event.offsetY);
+    this.last = {x: event.offsetX, y: event.offsetY};
+    if (this.camera) return this.camera === 'turn' ? this.stage.turn(dx, dy) : this.stage.shift(dx, dy);
+    if (this.active) return this.drag(event, dx, dy);
+    this.hover(event);
+  }
+
+  drag(event, dx, dy) {
+    const {kind} = this.active;
+    if (kind === 'paint' || kind === 'cautery') {
+      const hit = this.organ.hit(this.stage.ray(event.offsetX, event.offsetY));
+      if (!hit) return;
+      this.showRing(hit.point, hit);
+      if (kind === 'paint') return this.brush.paint(this.organ.restOf(hit));
+      this.active.point.copy(hit.point);
+    } else {
+      this.showRing(null, null);
+      const scale = this.stage.metresPerPixel(this.active.point);
+      this.active.point
+        .addScaledVector(this.stage.right(), dx * scale)
+        .addScaledVector(this.stage.above(), -dy * scale);
+    }
+    this.lead();
+  }
+
+  // At most one pose per picture: the newest is the one that counts.
+  lead() {
+    if (this.isLeading) return;
+    this.isLeading = true;
+    requestAnimationFrame(() => {
+      this.isLeading = false;
+      if (this.active?.point) this.ask({do: 'lead', hand: this.active.hand, to: this.active.point.toArray()});
+    });
+  }
+
+  wheel(event) {
+    event.preventDefault();
+    const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
+    if (!this.active?.point) return this.stage.zoom(1.12 ** notches);
+    this.active.point.addScaledVector(this.stage.forward(), -0.004 * notches);
+    this.lead();
+  }
+
+  up(event) {
+    if (this.camera) {
+      this.camera = null;
+      return;
+    }
+    if (!this.active) return;
+    if (this.active.kind === 'paint') {
+      this.brush.end();
+      this.active = null;
+      return;
+    }
+    if (event.shiftKey && this.active.kind === 'grasp') this.keep();
+    else this.letGo();
+  }
+
+  /** The hand goes on holding where it is. */
+  keep() {
+    if (this.active?.kind !== 'grasp') return;
+    this.held.set(this.active.hand, this.active.point);
+    this.active = null;
+    this.stage.canvas.classList.remove('holding');
+  }
+
+  letGo() {
+    this.stage.canvas.classList.remove('holding');
+    if (this.active?.point) this.ask({do: 'let_go', hand: this.active.hand});
+    this.active = null;
+  }
+
+  releaseHeld() {
+    for (const hand of this.held.keys()) this.ask({do: 'let_go', hand});
+    this.held.clear();
+    this.letGo();
+  }
+
+  /** The server has let go of everything. */
+  forget() {
+    this.held.clear();
+    this.active = null;
+    this.camera = null;
+    this.stage.canvas.classList.remove('holding');
+  }
+
+  hover(event) {
+    const hit = this.may ? this.organ.hit(this.stage.ray(event.offsetX, event.offsetY)) : null;
+    this.stage.canvas.classList.toggle('away', !hit && this.kind === 'grasp');
+    this.showRing(hit?.point, hit);
+  }
+
+  showRing(point, hit) {
+    const visible = Boolean(hit);
+    if (!visible && !this.ring.visible) return;
+    this.ring.visible = visible;
+    if (visible) {
+      this.ring.position.copy(point).addScaledVector(this.stage.forward(), -0.004);
+      this.ring.quaternion.copy(this.stage.camera.quaternion);
+      this.ring.scale.setScalar(this.reach());
+    }
+    this.stage.invalidate();
+  }
+}
+
+function makeRing() {
+  const ring = new THREE.Mesh(
+    new THREE.RingGeometry(0.94, 1, 64),
+    new THREE.MeshBasicMaterial({
+      color: 0xffffff,
+      transparent: true,
+      opacity: 0.55,
+      depthTest: false,
+      toneMapped: false,
+    }),
+  );
+  ring.renderOrder = 20;
+  ring.visible = false;
+  return ring;
+}

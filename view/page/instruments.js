@@ -1,0 +1,162 @@
+// Instruments where they are, and the force on them as an arrow with its newtons.
+import * as THREE from './third_party/three-0.187.0/three.module.js';
+
+const steel = new THREE.MeshStandardMaterial({color: 0xc9d2d6, metalness: 0.9, roughness: 0.28});
+const dark = new THREE.MeshStandardMaterial({color: 0x56636a, metalness: 0.25, roughness: 0.5});
+const arrowMaterial = new THREE.MeshBasicMaterial({
+  color: 0xffc46b,
+  depthTest: false,
+  transparent: true,
+  opacity: 0.92,
+  toneMapped: false,
+});
+const millimetresPerNewton = 6;
+
+export class Instruments {
+  constructor(stage, labels) {
+    this.stage = stage;
+    this.labels = labels;
+    this.shown = new Map(); // by tool
+    stage.after.push(() => this.placeLabels());
+  }
+
+  /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[], radius: number, on: boolean}[]} tools */
+  update(tools) {
+    const present = new Set();
+    for (const tool of tools) {
+      present.add(tool.tool);
+      let item = this.shown.get(tool.tool);
+      if (!item || item.type !== tool.type) item = this.make(tool);
+      this.place(item, tool);
+    }
+    for (const [id, item] of this.shown) if (!present.has(id)) this.remove(id, item);
+  }
+
+  make(tool) {
+    const body = tool.type === 'cautery' ? cautery(tool.radius || 0.005) : forceps(this.stage.size);
+    const arrow = makeArrow(),
+      label = document.createElement('span');
+    this.stage.scene.add(body, arrow);
+    this.labels.append(label);
+    // The shaft leads to where the surgeon stands.
+    const shaft = this.stage
+      .above()
+      .multiplyScalar(1.1)
+      .addScaledVector(this.stage.right(), 0.55 - 0.35 * (this.shown.size % 3))
+      .addScaledVector(this.stage.forward(), -0.7)
+      .normalize();
+    const item = {
+      type: tool.type,
+      body,
+      arrow,
+      label,
+      rest: new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), shaft),
+    };
+    this.shown.set(tool.tool, item);
+    return item;
+  }
+
+  remove(id, item) {
+    this.stage.scene.remove(item.body, item.arrow);
+    item.body.traverse(part => part.geometry?.dispose());
+    item.label.remove();
+    this.shown.delete(id);
+    this.stage.invalidate();
+  }
+
+  place(item, tool) {
+    item.body.position.fromArray(tool.position);
+    item.body.quaternion.fromArray(tool.orientation ?? [0, 0, 0, 1]).multiply(item.rest);
+    const tip = item.body.getObjectByName('tip');
+    if (tip) tip.material.emissiveIntensity = tool.on ? 2.2 : 0;
+    const force = new THREE.Vector3(...tool.force),
+      size = force.length();
+    item.at = new THREE.Vector3(...tool.position);
+    item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : 'burning';
+    item.label.hidden = tool.type !== 'grasp' && !tool.on;
+    item.arrow.visible = size > 0.02;
+    if (!item.arrow.visible) return;
+    const length = Math.min(
+      1.2 * this.stage.size,
+      size * millimetresPerNewton * 1e-3 + 0.08 * this.stage.size,
+    );
+    item.arrow.position.copy(item.at);
+    item.arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), force.divideScalar(size));
+    const thickness = 0.022 * this.stage.size;
+    item.arrow.children[0].scale.set(thickness, length, thickness);
+    item.arrow.children[1].position.y = length;
+    item.arrow.children[1].scale.setScalar(thickness);
+  }
+
+  placeLabels() {
+    for (const item of this.shown.values()) {
+      const at = this.stage.project(item.at);
+      item.label.style.visibility = at ? 'visible' : 'hidden';
+      if (at)
+        item.label.style.transform = `translate(${Math.round(at.x + 16)}px, ${Math.round(at.y + 10)}px)`;
+    }
+  }
+}
+
+const shaftOf = (radius, from, to, material) => {
+  const mesh = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, to - from, 20), material);
+  mesh.rotation.x = Math.PI / 2;
+  mesh.position.z = (from + to) / 2;
+  mesh.castShadow = true;
+  return mesh;
+};
+
+function forceps(size) {
+  const group = new THREE.Group(),
+    r = 0.024 * size,
+    jaw = 0.17 * size;
+  for (const side of [-1, 1]) {
+    const blade = new THREE.Mesh(new THREE.CapsuleGeometry(0.5 * r, jaw, 4, 12), steel);
+    blade.rotation.x = Math.PI / 2;
+    blade.rotation.z = -side * 0.16;
+    blade.scale.set(1, 1, 0.7);
+    blade.position.set(side * 0.55 * r, 0, 0.5 * jaw);
+    blade.castShadow = true;
+    group.add(blade);
+  }
+  group.add(
+    shaftOf(1.15 * r, jaw, jaw + 0.28 * size, steel),
+    shaftOf(1.5 * r, jaw + 0.28 * size, jaw + 5 * size, dark),
+  );
+  return group;
+}
+
+function cautery(radius) {
+  const group = new THREE.Group();
+  const tip = new THREE.Mesh(
+    new THREE.SphereGeometry(radius, 24, 16),
+    new THREE.MeshStandardMaterial({
+      color: 0xb9a58c,
+      metalness: 0.7,
+      roughness: 0.35,
+      emissive: 0xff5a1a,
+      emissiveIntensity: 0,
+    }),
+  );
+  tip.name = 'tip';
+  tip.castShadow = true;
+  group.add(
+    tip,
+    shaftOf(0.4 * radius, 0.5 * radius, 5 * radius, steel),
+    shaftOf(0.7 * radius, 5 * radius, 90 * radius, dark),
+  );
+  return group;
+}
+
+function makeArrow() {
+  const group = new THREE.Group();
+  const shaft = new THREE.Mesh(
+    new THREE.CylinderGeometry(0.35, 0.35, 1, 16).translate(0, 0.5, 0),
+    arrowMaterial,
+  );
+  const head = new THREE.Mesh(new THREE.ConeGeometry(1.1, 2.8, 20).translate(0, 1.2, 0), arrowMaterial);
+  group.add(shaft, head);
+  group.renderOrder = 10;
+  shaft.renderOrder = head.renderOrder = 10;
+  return group;
+}

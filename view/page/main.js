@@ -1,0 +1,289 @@
+// The page: what the server says goes to the parts that show it, what the user does goes to the server.
+import {savePicture, stamp, Video} from './capture.js';
+import {showLegend} from './colours.js';
+import {Connection} from './connection.js';
+import {Editor} from './editor.js';
+import {Hands} from './hands.js';
+import {Instruments} from './instruments.js';
+import {Organ} from './organ.js';
+import {hideOverlay, overlayIsShown, showHelp, showNoGraphics, showRefused} from './overlay.js';
+import {Plot} from './plots.js';
+import {graphics, Stage} from './stage.js';
+import {listenToKeys} from './keys.js';
+import {Messages} from './messages.js';
+
+const element = id => document.getElementById(id);
+
+class Page {
+  constructor(software) {
+    this.stage = new Stage(element('stage'), software);
+    this.organ = new Organ(this.stage);
+    this.instruments = new Instruments(this.stage, element('labels'));
+    this.ask = request => this.connection.ask(request);
+    this.hands = new Hands(this.stage, this.organ, this.ask);
+    this.editor = new Editor(this.ask);
+    this.hands.brush = this.editor;
+    this.messages = new Messages(element('messages'));
+    this.forcePlot = new Plot(element('force-plot'), [{label: 'force', colour: '#ffc46b'}], 0);
+    this.energyPlot = new Plot(
+      element('energy-plot'),
+      [
+        {label: 'elastic', colour: '#6fc3b4'},
+        {label: 'kinetic', colour: '#d98cb3'},
+      ],
+      3,
+    );
+    this.video = new Video(element('stage'), (on, why) => {
+      element('video').classList.toggle('on', on);
+      if (why) this.messages.add(why, 'warn');
+    });
+    this.status = {};
+    this.mode = 'live';
+    this.stage.before.push(() => this.showFrame());
+    this.connection = new Connection({
+      frame: frame => this.receive(frame),
+      event: event => this.hear(event),
+      state: (state, why) => this.connected(state, why),
+    });
+    this.listen();
+    this.leaveRoom();
+    this.hint('Drag the organ to pull it');
+    addEventListener('resize', () => this.leaveRoom());
+  }
+
+  /** The organ lies between the panels. */
+  leaveRoom() {
+    const width = id => element(id).offsetWidth;
+    this.stage.setMargins(width('editor'), width('panel'));
+  }
+
+  // ---- From the server
+
+  // A picture is drawn where the browser draws; the server sends the next one when this was.
+  receive(frame) {
+    this.frame = frame;
+    this.stage.invalidate();
+    // A page in the background draws nothing, and wants to go on hearing.
+    if (document.hidden) setTimeout(() => this.showFrame(), 200);
+  }
+
+  showFrame() {
+    const frame = this.frame;
+    if (!frame) return;
+    this.frame = null;
+    if (frame.topology) this.takeTopology(frame.topology);
+    if (frame.positions && frame.positions.revision === this.organ.revision)
+      this.organ.move(frame.positions.x);
+    if (frame.scalar) this.organ.setScalar(frame.scalar);
+    if (frame.held) this.organ.setHeld(frame.held);
+    if (frame.tools) this.instruments.update(frame.tools);
+    if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
+    this.frames = (this.frames ?? 0) + 1;
+    this.connection.seen(frame);
+  }
+
+  takeTopology(topology) {
+    this.organ.held = null;
+    const first = !this.organ.topology;
+    if (first) this.stage.lookAt(topology.rest);
+    this.organ.x = null;
+    this.organ.setTopology(topology);
+    this.showLegend();
+  }
+
+  takeStatus(status, tools) {
+    const before = this.status;
+    this.status = status;
+    if (status.scene !== before.scene) {
+      element('scene-name').textContent = status.scene;
+      document.title = `${status.scene} · lobe`;
+    }
+    this.showFigures(status);
+    if (status.mode !== this.mode) this.changeMode(status.mode);
+    if (status.edit) this.editor.update(status.edit);
+    if (status.controls !== this.hands.may || status.clients !== before.clients) this.showControl(status);
+    this.messages.take(status.messages ?? []);
+    const force = tools.reduce((sum, tool) => sum + Math.hypot(...tool.force), 0);
+    this.force = force;
+    element('force').textContent = `${force.toFixed(2)} N`;
+    if (status.mode === 'live') {
+      this.forcePlot.add(status.time, [force]);
+      if (status.energy) {
+        const [elastic, kinetic] = [status.energy.elastic * 1e3, status.energy.kinetic * 1e3];
+        this.energyPlot.add(status.energy.time, [elastic, kinetic]);
+        element('energy').textContent = `${(elastic + kinetic).toFixed(1)} mJ`;
+      }
+    }
+    if (performance.now() - (this.legendAt ?? 0) > 200) this.showLegend();
+  }
+
+  showFigures(status) {
+    const factor = element('factor');
+    const live = status.mode === 'live';
+    factor.textContent = !live
+      ? 'painting'
+      : status.stands_still
+        ? 'stands still'
+        : status.running
+          ? `${status.factor.toFixed(2)} × real time`
+          : 'paused';
+    factor.classList.toggle('slow', live && status.running && status.factor < 0.9 * status.speed);
+    element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
+    element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
+    element('tets').textContent = `${status.tets.toLocaleString('en')} tetrahedra`;
+    element('pause').classList.toggle('on', !status.running);
+    element('single').disabled = status.running;
+    element('slow').textContent = `${status.speed}×`;
+    element('slow').classList.toggle('on', status.speed !== 1);
+    element('back').disabled = !(status.can_go_back > 0);
+  }
+
+  showLegend() {
+    this.legendAt = performance.now();
+    showLegend(element('legend'), this.organ.quantity, this.organ.range, this.organ.shares);
+  }
+
+  showControl(status) {
+    if (this.hands.may && !status.controls) this.hands.forget();
+    this.hands.may = status.controls;
+    for (const button of document.querySelectorAll('#dock button, #editor button'))
+      if (!['picture', 'video', 'help-button'].includes(button.id))
+        button.toggleAttribute('data-foreign', !status.controls);
+    if (status.controls) return this.banner(null);
+    this.banner('You are watching; another page holds the instruments.', 'Take over', () =>
+      this.connection.ask({do: 'control'}),
+    );
+  }
+
+  hear(event) {
+    if (event.event === 'asked')
+      this.banner('Another page asks for the instruments.', 'Hand over', () => {
+        this.ask({do: 'hand_over'});
+        this.banner(null);
+      });
+    if (event.event === 'error') {
+      this.messages.add(event.text, 'bad');
+      if (this.mode === 'edit') this.editor.note(event.text);
+    }
+    if (event.event === 'note') {
+      this.messages.add(event.text);
+      if (this.mode === 'edit') this.editor.note(event.text);
+    }
+  }
+
+  connected(state, why) {
+    if (state === 'open') {
+      hideOverlay();
+      this.frame = null;
+      this.hands.forget();
+      this.messages.forget();
+      this.ask({do: 'show', what: this.wantedScalar()});
+      return this.banner(null);
+    }
+    this.hands.may = false;
+    this.hands.forget();
+    this.instruments.update([]);
+    if (state === 'lost')
+      this.banner(why ? `The connection has ended: ${why}` : 'The connection is lost; trying again …');
+    if (state === 'refused' && (this.refusals = (this.refusals ?? 0) + 1) > 2 && !this.organ.topology)
+      showRefused();
+  }
+
+  banner(text, action, act) {
+    const banner = element('banner');
+    banner.hidden = !text;
+    if (!text) return;
+    banner.textContent = text;
+    if (!action) return;
+    const button = Object.assign(document.createElement('button'), {
+      className: 'plain',
+      textContent: action,
+      onclick: act,
+    });
+    banner.append(button);
+  }
+
+  hint(text) {
+    element('hint').textContent = text;
+    element('hint').style.opacity = text ? 1 : 0;
+  }
+
+  // ---- From the user
+
+  listen() {
+    const click = (id, act) => {
+      element(id).onclick = act;
+    };
+    click('tool-grasp', () => this.take('grasp'));
+    click('tool-cautery', () => this.take('cautery'));
+    click('tool-paint', () => this.take('paint'));
+    click('pause', () => this.ask({do: 'pause', on: this.status.running}));
+    click('single', () => this.ask({do: 'step'}));
+    click('back', () => this.ask({do: 'back', seconds: 1}));
+    click('restart', () => {
+      this.hands.forget();
+      this.ask({do: 'restart'});
+    });
+    click('slow', () => this.ask({do: 'speed', factor: {1: 0.25, 0.25: 0.1}[this.status.speed] ?? 1}));
+    click('picture', () => this.savePicture());
+    click('video', () => this.video.toggle());
+    click('export', () => this.ask({do: 'export', to: `hands_${stamp()}`}));
+    click('help-button', () => (overlayIsShown() ? hideOverlay() : showHelp()));
+    element('colour').onchange = () => this.colour(element('colour').value);
+    element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
+    this.hands.onFirst = () => this.hint('');
+    this.take('grasp');
+    listenToKeys(this);
+  }
+
+  take(tool) {
+    for (const [id, name] of [
+      ['tool-grasp', 'grasp'],
+      ['tool-cautery', 'cautery'],
+      ['tool-paint', 'paint'],
+    ])
+      element(id).setAttribute('aria-checked', String(name === tool));
+    const paints = tool === 'paint';
+    if (paints !== (this.mode === 'edit') && this.status.mode) this.ask({do: 'edit', on: paints});
+    if (!paints || this.mode === 'edit') this.hands.setKind(tool);
+  }
+
+  changeMode(mode) {
+    this.mode = mode;
+    const edits = mode === 'edit';
+    element('editor').hidden = !edits;
+    this.leaveRoom();
+    this.colour(edits ? 'region' : 'tissue');
+    this.instruments.update([]);
+    this.take(edits ? 'paint' : 'grasp');
+    this.hint(edits ? 'Paint on the organ' : '');
+    this.editor.note('');
+    element('pause').parentElement.style.display = edits ? 'none' : '';
+    for (const plot of document.querySelectorAll('.plot')) plot.hidden = edits;
+    element('export').hidden = edits;
+  }
+
+  wantedScalar() {
+    return ['von_mises', 'volume_ratio'].includes(this.organ.quantity) ? this.organ.quantity : 'none';
+  }
+
+  colour(quantity) {
+    element('colour').value = quantity;
+    this.organ.show(quantity);
+    if (quantity === 'displacement' && this.organ.x) this.organ.move(this.organ.x);
+    this.ask({do: 'show', what: this.wantedScalar()});
+    this.showLegend();
+  }
+
+  savePicture() {
+    this.stage.renderer.render(this.stage.scene, this.stage.camera);
+    savePicture(element('stage'));
+  }
+}
+
+const drawing = graphics();
+if (!drawing) {
+  showNoGraphics();
+} else {
+  window.lobe = new Page(drawing.software);
+}

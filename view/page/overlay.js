@@ -1,0 +1,55 @@
+// What covers the page: help, and why there is nothing to see.
+
+const overlay = document.getElementById('overlay');
+
+function show(html) {
+  overlay.innerHTML = `<div class="card">${html}</div>`;
+  overlay.hidden = false;
+}
+
+export const hideOverlay = () => {
+  overlay.hidden = true;
+};
+export const overlayIsShown = () => !overlay.hidden;
+
+export function showHelp() {
+  const rows = [
+    ['Left drag on the organ', 'pull it; with the cautery, burn along; with the brush, paint'],
+    ['Wheel while pulling', 'nearer and farther'],
+    ['Shift while letting go, or H', 'this instrument stays where it is: take a second one; drag it later'],
+    ['Double click, or Esc', 'all instruments let go'],
+    ['Right drag · wheel · middle drag', 'turn · zoom · shift the camera; Home: as at the start'],
+    ['G · C · E', 'grasp · cautery · paint regions'],
+    ['Space · . · S', 'pause · one frame · slow motion'],
+    ['B · R', 'back by a second · restart'],
+    ['M · P · V', 'mesh · picture · video'],
+  ];
+  show(
+    '<h1>Hands on the organ</h1><dl>' +
+      rows.map(([key, what]) => `<dt><b>${key}</b></dt><dd>${what}</dd>`).join('') +
+      '</dl>',
+  );
+}
+overlay.addEventListener('click', event => {
+  if (event.target === overlay && overlay.dataset.lasting !== '1') hideOverlay();
+});
+
+export function showNoGraphics() {
+  overlay.dataset.lasting = '1';
+  show(`<h1>This browser draws no 3D (WebGL 2)</h1>
+    <p>The simulation runs; only its picture is missing. One of these helps:</p>
+    <p><b>On a machine with a graphics card:</b> switch on “Use graphics acceleration when available” in the browser's
+    settings, and start it again.</p>
+    <p><b>On a machine without one</b> (a virtual machine, say): Chrome and Chromium from version 139 on draw without a
+    graphics card only if asked:</p>
+    <p><code>chromium --enable-unsafe-swiftshader</code></p>
+    <p>Firefox does so by itself. Or open this page from your own machine:<br>
+    <code>ssh -L ${location.port || 80}:localhost:${location.port || 80} this-machine</code></p>`);
+}
+
+export function showRefused() {
+  show(`<h1>Waiting for the simulation</h1>
+    <p>It may have ended: <code>lobe view SCENE.json</code> starts it again, and this page goes on by itself.</p>
+    <p>If it runs, this address lacks the key to it: open the whole address that it has printed, with
+    <code>?token=…</code>.</p>`);
+}

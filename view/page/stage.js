@@ -1,0 +1,259 @@
+// Where the organ lies: renderer, light, camera. It draws when something has changed, and not otherwise.
+import * as THREE from './third_party/three-0.187.0/three.module.js';
+
+const background = new THREE.Color(0x161d21),
+  plainBackground = new THREE.Color(0x203338);
+
+/** What draws here, in words; null where there is no WebGL. */
+export function graphics() {
+  const context = document.createElement('canvas').getContext('webgl2');
+  if (!context) return null;
+  const info = context.getExtension('WEBGL_debug_renderer_info');
+  const name = String(context.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : context.RENDERER));
+  context.getExtension('WEBGL_lose_context')?.loseContext();
+  return {name, software: /swiftshader|llvmpipe|software/i.test(name)};
+}
+
+export class Stage {
+  constructor(canvas, software) {
+    this.canvas = canvas;
+    this.software = software;
+    this.renderer = new THREE.WebGLRenderer({
+      canvas,
+      antialias: !software,
+      powerPreference: 'high-performance',
+      preserveDrawingBuffer: true,
+    });
+    this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
+    this.renderer.toneMappingExposure = 1.05;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.scene = new THREE.Scene();
+    this.scene.background = software ? plainBackground : background;
+    this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
+    this.camera.up.set(0, 0, 1);
+    this.target = new THREE.Vector3();
+    this.azimuth = -1.25;
+    this.elevation = 0.38;
+    this.distance = 0.6;
+    this.size = 0.2;
+    this.margins = {left: 0, right: 0}; // that panels cover [pixels]
+    this.before = []; // called before each picture
+    this.after = [];
+    this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
+    this.slow = 0;
+    this.addLights();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+  }
+
+  addLights() {
+    const maker = new THREE.PMREMGenerator(this.renderer);
+    this.scene.environment = maker.fromScene(operatingRoom(), 0.03).texture;
+    this.scene.environmentIntensity = 0.6;
+    maker.dispose();
+    this.key = new THREE.DirectionalLight(0xfff1e2, 2.1);
+    this.key.castShadow = true;
+    this.key.shadow.mapSize.setScalar(this.software ? 512 : 2048);
+    this.key.shadow.bias = -0.0006;
+    this.key.shadow.normalBias = 0.0015;
+    this.key.shadow.radius = 3;
+    this.key.shadow.intensity = 0.75;
+    const fill = new THREE.DirectionalLight(0xbcd8e6, 0.5);
+    fill.position.set(-1, 0.6, 0.5);
+    this.scene.add(this.key, this.key.target, fill, new THREE.HemisphereLight(0xdfeaf0, 0x6a7f82, 1.15));
+    this.ground = new THREE.Mesh(
+      new THREE.CircleGeometry(1, 64),
+      // Without a graphics card every pixel costs: there only the shadow is drawn.
+      this.software
+        ? new THREE.ShadowMaterial({opacity: 0.45})
+        : new THREE.MeshLambertMaterial({color: 0x1d3a3f}),
+    );
+    this.ground.receiveShadow = true;
+    this.scene.add(this.ground);
+  }
+
+  /** Looks at a box of points [m]. */
+  lookAt(points) {
+    const box = new THREE.Box3().setFromArray(points),
+      sphere = box.getBoundingSphere(new THREE.Sphere());
+    this.target.copy(sphere.center);
+    this.size = sphere.radius;
+    this.ground.position.set(sphere.center.x, sphere.center.y, box.min.z - 0.12 * this.size);
+    this.ground.scale.setScalar((this.software ? 2 : 30) * this.size);
+    if (!this.software) this.scene.fog = new THREE.Fog(background, 5 * this.size, 14 * this.size);
+    const light = this.key.shadow.camera,
+      reach = 1.7 * this.size;
+    this.key.position
+      .copy(sphere.center)
+      .add(new THREE.Vector3(0.9, -0.8, 2.4).multiplyScalar(2 * this.size));
+    this.key.target.position.copy(sphere.center);
+    Object.assign(light, {
+      left: -reach,
+      right: reach,
+      top: reach,
+      bottom: -reach,
+      near: this.size,
+      far: 10 * this.size,
+    });
+    light.updateProjectionMatrix();
+    this.home();
+  }
+
+  openShare() {
+    const w = this.canvas.clientWidth;
+    return Math.max(0.4, (w - this.margins.left - this.margins.right) / w);
+  }
+
+  setMargins(left, right) {
+    this.margins = {left, right};
+    this.resize();
+  }
+
+  home() {
+    const half =
+      Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1, this.camera.aspect * 0.8 * this.openShare());
+    this.distance = (0.98 * this.size) / half;
+    this.azimuth = -1.25;
+    this.elevation = 0.38;
+    this.place();
+  }
+
+  place() {
+    this.elevation = Math.max(-1.5, Math.min(1.5, this.elevation));
+    this.distance = Math.max(0.5 * this.size, Math.min(12 * this.size, this.distance));
+    const c = Math.cos(this.elevation);
+    this.camera.position
+      .set(Math.cos(this.azimuth) * c, Math.sin(this.azimuth) * c, Math.sin(this.elevation))
+      .multiplyScalar(this.distance)
+      .add(this.target);
+    this.camera.near = 0.05 * this.distance;
+    this.camera.far = 40 * this.size + this.distance;
+    this.camera.lookAt(this.target);
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+    this.invalidate();
+  }
+
+  turn(dx, dy) {
+    this.azimuth -= 0.006 * dx;
+    this.elevation += 0.006 * dy;
+    this.place();
+  }
+
+  shift(dx, dy) {
+    const scale = this.metresPerPixel(this.target);
+    this.target.addScaledVector(this.right(), -dx * scale).addScaledVector(this.above(), dy * scale);
+    this.place();
+  }
+
+  zoom(factor) {
+    this.distance *= factor;
+    this.place();
+  }
+
+  right() {
+    return new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0);
+  }
+  above() {
+    return new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1);
+  }
+  forward() {
+    return this.camera.getWorldDirection(new THREE.Vector3());
+  }
+  depth(point) {
+    return point.clone().sub(this.camera.position).dot(this.forward());
+  }
+  metresPerPixel(point) {
+    return (2 * this.depth(point) * Math.tan((this.camera.fov * Math.PI) / 360)) / this.canvas.clientHeight;
+  }
+
+  /** The ray through a place of the window. */
+  ray(x, y) {
+    const at = new THREE.Vector2(
+      (2 * x) / this.canvas.clientWidth - 1,
+      1 - (2 * y) / this.canvas.clientHeight,
+    );
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(at, this.camera);
+    return caster.ray;
+  }
+
+  /** Where a point is in the window [pixels]; null behind the camera. */
+  project(point) {
+    if (this.depth(point) <= 0) return null;
+    const p = point.clone().project(this.camera);
+    return {x: ((p.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - p.y) / 2) * this.canvas.clientHeight};
+  }
+
+  resize() {
+    const {clientWidth: w, clientHeight: h} = this.canvas;
+    this.renderer.setPixelRatio(this.pixelRatio);
+    this.renderer.setSize(w, h, false);
+    const {left, right} = this.margins;
+    this.camera.aspect = w / h;
+    this.camera.setViewOffset(w, h, (right - left) / 2, 0, w, h);
+    this.place();
+  }
+
+  invalidate() {
+    if (this.wanted) return;
+    this.wanted = true;
+    requestAnimationFrame(() => {
+      this.wanted = false;
+      for (const f of this.before) f();
+      this.renderer.render(this.scene, this.camera);
+      for (const f of this.after) f();
+      this.time();
+    });
+  }
+
+  /** How long the graphics card, or what stands in for it, takes for a picture. */
+  time() {
+    if (this.fence) return;
+    const gl = this.renderer.getContext(),
+      start = performance.now();
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => {
+      const done = !this.fence || gl.getSyncParameter(this.fence, gl.SYNC_STATUS) === gl.SIGNALED;
+      if (!done && performance.now() - start < 1000) return setTimeout(look, 4);
+      gl.deleteSync(this.fence);
+      this.fence = null;
+      this.adapt(performance.now() - start);
+    };
+    setTimeout(look, 4);
+  }
+
+  /** Fewer pixels where pictures take too long. */
+  adapt(milliseconds) {
+    this.slow = 0.9 * this.slow + 0.1 * milliseconds;
+    if (this.slow < 30 || this.pixelRatio <= 0.6) return;
+    this.pixelRatio = Math.max(0.6, 0.85 * this.pixelRatio);
+    this.slow = 0;
+    this.resize();
+  }
+}
+
+// Lamps and walls that wet tissue reflects.
+function operatingRoom() {
+  const room = new THREE.Scene();
+  room.background = new THREE.Color(0x0b0f11);
+  const lamp = (color, strength, width, height, position) => {
+    const mesh = new THREE.Mesh(
+      new THREE.PlaneGeometry(width, height),
+      new THREE.MeshBasicMaterial({
+        color: new THREE.Color(color).multiplyScalar(strength),
+        side: THREE.DoubleSide,
+      }),
+    );
+    mesh.position.set(...position);
+    mesh.lookAt(0, 0, 0);
+    room.add(mesh);
+  };
+  lamp(0xfff4e8, 14, 2.2, 2.2, [1.5, -1.5, 4]);
+  lamp(0xffffff, 6, 1.2, 3.5, [-4, -1, 1.8]);
+  lamp(0xdfeefa, 3, 4, 1.2, [2, 4, 1.5]);
+  lamp(0x5f7f82, 1.6, 12, 12, [0, 0, -4]);
+  return room;
+}

@@ -1,0 +1,226 @@
+// What is said over the socket (docs/live_protocol.md): frames out as blocks of bytes, requests in as JSON.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <variant>
+#include <vector>
+
+#include "lobe/snapshot/snapshot.h"
+
+namespace lobe::view {
+static_assert(std::endian::native == std::endian::little, "blocks are written as they stand in memory");
+
+// ---- Out: blocks [tag u32][size u32][bytes], little-endian, each filled up to a multiple of four bytes. A
+// reader skips those
+// whose tag it does not know.
+
+constexpr std::uint32_t tag(const char (&name)[5]) {
+  return std::uint32_t(std::uint8_t(name[0])) | std::uint32_t(std::uint8_t(name[1])) << 8 |
+         std::uint32_t(std::uint8_t(name[2])) << 16 | std::uint32_t(std::uint8_t(name[3])) << 24;
+}
+inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"),
+                               scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), status_tag = tag("STAT"),
+                               paint_tag = tag("PNTS");
+
+class BlockWriter {
+ public:
+  void begin(std::uint32_t block_tag);
+  template <class T>
+  void put(const T& value) {
+    put(std::span<const T>(&value, 1));
+  }
+  template <class T>
+  void put(std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  }
+  void put_text(std::string_view text) { bytes_.append(text); }
+  void end();
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  void fill_up() { bytes_.resize((bytes_.size() + 3) / 4 * 4, '\0'); }
+
+  std::string bytes_;
+  std::size_t begin_ = 0;
+};
+
+struct Block {
+  std::uint32_t tag = 0;
+  std::string_view bytes;
+};
+// Throws InputError for what is no sequence of blocks.
+std::vector<Block> read_blocks(std::string_view message);
+
+// All of the surface but positions: revision, triangles, regions, cut faces, positions at rest.
+void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
+                    BlockWriter& out);
+void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,
+                     BlockWriter& out);
+// One number per vertex in 16 bits of its range, which the block tells.
+void write_scalar(std::string_view name, std::span<const float> values, BlockWriter& out);
+void write_json(std::uint32_t block_tag, const std::string& json, BlockWriter& out);
+
+// ---- In
+
+namespace request {
+
+template <class T, class Value>
+struct Field {
+  const char* key;
+  Value T::*value;
+};
+template <class T, class Value>
+Field(const char*, Value T::*) -> Field<T, Value>;
+
+// The last frame has been seen: the next one may come.
+struct Seen {
+  static constexpr const char* name = "seen";
+  static constexpr auto fields = std::tuple();
+};
+// A hand takes hold of what is near the point where a ray enters the body.
+struct Take {
+  int hand = 0;
+  Vec3d from = Vec3d::Zero(), along = Vec3d::Zero();  // [m]; of any length but 0
+  double radius = 0;                                  // [m]
+  static constexpr const char* name = "take";
+  static constexpr auto fields = std::tuple(Field{"hand", &Take::hand}, Field{"from", &Take::from},
+                                            Field{"along", &Take::along}, Field{"radius", &Take::radius});
+};
+// A hand brings a cautery to a point and switches it on.
+struct Burn {
+  int hand = 0;
+  Vec3d at = Vec3d::Zero();  // [m]
+  double radius = 0;         // of its tip [m]
+  static constexpr const char* name = "burn";
+  static constexpr auto fields =
+      std::tuple(Field{"hand", &Burn::hand}, Field{"at", &Burn::at}, Field{"radius", &Burn::radius});
+};
+// What a hand holds is to go there: the place where it took hold, or the tip.
+struct Lead {
+  int hand = 0;
+  Vec3d to = Vec3d::Zero();  // [m]
+  static constexpr const char* name = "lead";
+  static constexpr auto fields = std::tuple(Field{"hand", &Lead::hand}, Field{"to", &Lead::to});
+};
+struct LetGo {
+  int hand = 0;
+  static constexpr const char* name = "let_go";
+  static constexpr auto fields = std::tuple(Field{"hand", &LetGo::hand});
+};
+struct Pause {
+  bool on = false;
+  static constexpr const char* name = "pause";
+  static constexpr auto fields = std::tuple(Field{"on", &Pause::on});
+};
+struct Step {
+  static constexpr const char* name = "step";
+  static constexpr auto fields = std::tuple();
+};
+struct Speed {
+  double factor = 1;  // simulated seconds per second
+  static constexpr const char* name = "speed";
+  static constexpr auto fields = std::tuple(Field{"factor", &Speed::factor});
+};
+struct Restart {
+  static constexpr const char* name = "restart";
+  static constexpr auto fields = std::tuple();
+};
+struct Back {
+  double seconds = 1;
+  static constexpr const char* name = "back";
+  static constexpr auto fields = std::tuple(Field{"seconds", &Back::seconds});
+};
+// Which scalar the frames of this client are to have: "none", "von_mises", "volume_ratio".
+struct Show {
+  std::string what;
+  static constexpr const char* name = "show";
+  static constexpr auto fields = std::tuple(Field{"what", &Show::what});
+};
+// This client wants to be the one that controls.
+struct Control {
+  static constexpr const char* name = "control";
+  static constexpr auto fields = std::tuple();
+};
+// The one that controls lets another page that has asked have the instruments.
+struct HandOver {
+  static constexpr const char* name = "hand_over";
+  static constexpr auto fields = std::tuple();
+};
+// What the hands have done, as a scene.
+struct Export {
+  std::string to;  // name of the files, without folder and extension
+  static constexpr const char* name = "export";
+  static constexpr auto fields = std::tuple(Field{"to", &Export::to});
+};
+
+// ---- Painting: the body lies at rest meanwhile.
+
+struct Edit {
+  bool on = false;
+  static constexpr const char* name = "edit";
+  static constexpr auto fields = std::tuple(Field{"on", &Edit::on});
+};
+// All that lies within a sphere becomes "nonlinear", "tensor-mass", "precomputed"; or its skin "held",
+// "free".
+struct Paint {
+  Vec3d at = Vec3d::Zero();  // at rest [m]
+  double radius = 0;         // [m]
+  std::string as;
+  static constexpr const char* name = "paint";
+  static constexpr auto fields =
+      std::tuple(Field{"at", &Paint::at}, Field{"radius", &Paint::radius}, Field{"as", &Paint::as});
+};
+struct PaintAll {
+  std::string as;
+  static constexpr const char* name = "paint_all";
+  static constexpr auto fields = std::tuple(Field{"as", &PaintAll::as});
+};
+// The end of a stroke of the brush: what was painted until then is undone at once.
+struct Stroke {
+  static constexpr const char* name = "stroke";
+  static constexpr auto fields = std::tuple();
+};
+struct Undo {
+  static constexpr const char* name = "undo";
+  static constexpr auto fields = std::tuple();
+};
+// The regions that lobe would choose, for an error of the displacement.
+struct Propose {
+  double tolerance = 0.02;
+  static constexpr const char* name = "propose";
+  static constexpr auto fields = std::tuple(Field{"tolerance", &Propose::tolerance});
+};
+// Simulates what has been painted.
+struct Apply {
+  static constexpr const char* name = "apply";
+  static constexpr auto fields = std::tuple();
+};
+struct Save {
+  std::string to;  // as in Export
+  static constexpr const char* name = "save";
+  static constexpr auto fields = std::tuple(Field{"to", &Save::to});
+};
+
+using Any = std::variant<Seen, Take, Burn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control,
+                         HandOver, Export, Edit, Paint, PaintAll, Stroke, Undo, Propose, Apply, Save>;
+}  // namespace request
+
+inline constexpr int hand_count = 8;
+
+struct Request {
+  double number = 0;  // that the client gave it: frames tell the last one that they know of
+  request::Any what;
+};
+
+// Throws InputError for anything but an object {"do": one of the names above, its fields, "number" if
+// wanted}, with finite
+// numbers of a sensible size.
+Request parse_request(std::string_view json);
+
+}  // namespace lobe::view

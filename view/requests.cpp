@@ -1,0 +1,201 @@
+// What the viewer does when it is asked.
+#include <array>
+#include <utility>
+
+#include "lobe/error.h"
+#include "lobe/io/atomic_file.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/live/session_scene.h"
+#include "lobe/scene/write_scene.h"
+#include "viewer.h"
+
+namespace lobe::view {
+namespace {
+
+using Kind = HandCommand::Kind;
+
+constexpr std::array<std::pair<const char*, RegionModel>, 3> models = {
+    {{"tensor-mass", RegionModel::tensor_mass},
+     {"precomputed", RegionModel::precomputed},
+     {"nonlinear", RegionModel::nonlinear}}};
+
+const RegionModel* model_of(const std::string& word) {
+  for (const auto& [name, model] : models)
+    if (word == name) return &model;
+  return nullptr;
+}
+
+void check_radius(double radius) {
+  constexpr double largest = 1;  // [m]
+  if (!(radius > 0) || radius > largest) throw InputError("/radius", "must be above 0 and at most 1 m");
+}
+
+}  // namespace
+
+void Viewer::perform(ClientId client, const request::Seen&) {
+  if (server_) server_->acknowledged(client);
+}
+
+// ---- Hands
+
+void Viewer::perform(ClientId, const request::Take& what) {
+  check_radius(what.radius);
+  send({.kind = Kind::take_at_ray,
+        .hand = static_cast<HandNumber>(what.hand),
+        .position = what.from,
+        .direction = what.along,
+        .radius = what.radius});
+}
+
+void Viewer::perform(ClientId, const request::Burn& what) {
+  check_radius(what.radius);
+  const auto hand = static_cast<HandNumber>(what.hand);
+  send({.kind = Kind::bring_cautery, .hand = hand, .position = what.at, .radius = what.radius});
+  send({.kind = Kind::burn, .on = true, .hand = hand});
+}
+
+void Viewer::perform(ClientId, const request::Lead& what) {
+  send({.kind = Kind::lead, .hand = static_cast<HandNumber>(what.hand), .position = what.to});
+}
+
+void Viewer::perform(ClientId, const request::LetGo& what) {
+  send({.kind = Kind::let_go, .hand = static_cast<HandNumber>(what.hand)});
+}
+
+// ---- Time
+
+void Viewer::perform(ClientId, const request::Pause& what) { send({.kind = Kind::run, .on = !what.on}); }
+void Viewer::perform(ClientId, const request::Step&) { send({.kind = Kind::step}); }
+void Viewer::perform(ClientId, const request::Speed& what) {
+  send({.kind = Kind::speed, .value = what.factor});
+}
+void Viewer::perform(ClientId, const request::Restart&) { send({.kind = Kind::restart}); }
+void Viewer::perform(ClientId, const request::Back& what) {
+  send({.kind = Kind::back, .value = what.seconds});
+}
+
+// ---- Pages
+
+void Viewer::perform(ClientId client, const request::Show& what) {
+  if (what.what != "none" && what.what != "von_mises" && what.what != "volume_ratio")
+    throw InputError("/what", "must be none, von_mises or volume_ratio");
+  clients_[client].scalar = what.what;
+  measure_what_is_shown();
+}
+
+void Viewer::perform(ClientId client, const request::Control&) { ask_for_control(client); }
+
+void Viewer::perform(ClientId, const request::HandOver&) {
+  if (asking_ != 0) hand_control_to(asking_);
+}
+
+// Throws InputError for a name that is none, or of files that somebody else has made.
+void Viewer::claim(const std::string& name) {
+  check_file_name(name);
+  for (const char* extension : {".json", ".vtu"})
+    if (const auto file = options_.folder / (name + extension);
+        !saved_.contains(name) && std::filesystem::exists(file))
+      throw InputError(file.string(), "is there already: choose another name");
+}
+
+void Viewer::perform(ClientId, const request::Export& what) {
+  claim(what.to);
+  Scene scene = live_->hands_scene();
+  if (has_painted_mesh_) {
+    scene.mesh = what.to + ".vtu";
+    write_vtu(options_.folder / scene.mesh, resolved_.setup.mesh);
+  }
+  const std::filesystem::path file = options_.folder / (what.to + ".json");
+  io::write_file(file, to_json(scene));
+  saved_.insert(what.to);
+  tell_all("note", "What the hands did is saved. To play it: lobe run " + file.string() + " -o out");
+}
+
+// ---- Painting
+
+Painting& Viewer::painting() {
+  if (!painting_) painting_.emplace(scene_, resolved_);
+  return *painting_;
+}
+
+void Viewer::perform(ClientId, const request::Edit& what) { set_painting(what.on); }
+
+// The simulation rests meanwhile.
+void Viewer::set_painting(bool on) {
+  if (on == paints_) return;
+  if (on) painting();
+  paints_ = on;
+  send({.kind = Kind::run, .on = !on});
+  changed();
+}
+
+void Viewer::perform(ClientId, const request::Paint& what) {
+  check_radius(what.radius);
+  if (const RegionModel* model = model_of(what.as))
+    painting().paint(what.at, what.radius, *model);
+  else if (what.as == "held" || what.as == "free")
+    painting().hold(what.at, what.radius, what.as == "held");
+  else
+    throw InputError("/as", "must be nonlinear, tensor-mass, precomputed, held or free");
+  repainted();
+}
+
+void Viewer::perform(ClientId, const request::PaintAll& what) {
+  const RegionModel* model = model_of(what.as);
+  if (!model) throw InputError("/as", "choose one of the three models: they alone can fill all");
+  painting().paint_all(*model);
+  repainted();
+}
+
+void Viewer::perform(ClientId, const request::Stroke&) { painting().end_stroke(); }
+
+void Viewer::perform(ClientId, const request::Undo&) {
+  painting().undo();
+  repainted();
+}
+
+// What the hands did so far; where they did nothing, what the scene declares.
+AutoRegions Viewer::wanted_gestures(double tolerance) {
+  AutoRegions wanted = scene_.auto_regions.value_or(AutoRegions{});
+  wanted.tolerance = tolerance;
+  try {
+    const Scene kept = with_gestures(live_->hands_scene(), tolerance);
+    if (kept.auto_regions && !kept.auto_regions->gestures.empty())
+      wanted.gestures = kept.auto_regions->gestures;
+  } catch (const InputError&) {  // a session that no scene tells of
+  }
+  return wanted;
+}
+
+void Viewer::perform(ClientId, const request::Propose& what) {
+  Scene scene = painting().scene("proposed.vtu");
+  AutoRegions wanted = wanted_gestures(what.tolerance);
+  wanted.correct = false;
+  scene.regions.clear();
+  scene.auto_regions = wanted;
+  begin([scene, mesh = painting().mesh()](Task& task) {
+    task.resolved = resolve(scene, mesh);
+    lobe::propose(scene, task.resolved, [&](double fraction) { task.fraction = fraction; });
+  });
+}
+
+void Viewer::perform(ClientId, const request::Apply&) {
+  begin([scene = painting().scene("painted.vtu"), mesh = painting().mesh(),
+         options = options_.live](Task& task) {
+    task.scene = scene;
+    task.resolved = resolve(scene, mesh);
+    LiveOptions live = options;
+    live.running = true;
+    live.condensing = [&](double fraction) { task.fraction = fraction; };
+    task.live = start_live(scene, task.resolved, live);
+  });
+}
+
+void Viewer::perform(ClientId, const request::Save& what) {
+  claim(what.to);
+  const std::filesystem::path file = painting().save(options_.folder, what.to);
+  saved_.insert(what.to);
+  tell_all("note", "Saved. To play it: lobe view " + file.string());
+}
+
+}  // namespace lobe::view

@@ -1,0 +1,115 @@
+#include "server.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <map>
+
+#include "connection.h"
+#include "lobe/error.h"
+
+namespace lobe::view {
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+struct Server::Parts {
+  Parts(const ServerOptions& options, std::span<const PageFile> page, Service& service)
+      : shared{options, page, service} {}
+
+  Shared shared;
+  asio::io_context context{1};
+  tcp::acceptor acceptor{context};
+  std::map<ClientId, std::shared_ptr<Connection>> connections;
+  ClientId next = 1;
+
+  void listen();
+  void accept();
+  void greet(tcp::socket socket);
+  std::shared_ptr<Connection> find(ClientId client) const {
+    const auto found = connections.find(client);
+    return found == connections.end() ? nullptr : found->second;
+  }
+};
+
+void Server::Parts::listen() {
+  const ServerOptions& options = shared.options;
+  const std::string place = options.host + ":" + std::to_string(options.port);
+  boost::system::error_code error;
+  tcp::resolver resolver(context);
+  const auto found =
+      resolver.resolve(options.host, std::to_string(options.port), tcp::resolver::passive, error);
+  if (error || found.empty()) throw InputError(place, "no such address: " + error.message());
+  const tcp::endpoint endpoint = *found.begin();
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error == asio::error::address_in_use)
+    throw InputError(
+        place, "the port is taken by another program; choose one with --port, or --port 0 for a free one");
+  if (error) throw InputError(place, "cannot listen there: " + error.message());
+}
+
+void Server::Parts::accept() {
+  acceptor.async_accept([this](boost::system::error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    if (!error) greet(std::move(socket));
+    accept();
+  });
+}
+
+// A browser opens several connections for the files of one page.
+void Server::Parts::greet(tcp::socket socket) {
+  constexpr std::size_t connections_per_page = 8;
+  if (connections.size() >= connections_per_page * shared.options.most_clients) return;  // which closes it
+  const ClientId id = next++;
+  connections[id] = std::make_shared<Connection>(std::move(socket), id, shared);
+  connections[id]->start();
+}
+
+Server::Server(const ServerOptions& options, std::span<const PageFile> page, Service& service)
+    : parts_(std::make_unique<Parts>(options, page, service)) {
+  if (options.token.empty()) throw InputError("token", "is empty: anybody could connect");
+  parts_->shared.on_client = [parts = parts_.get()](ClientId client, bool is_open) {
+    if (!is_open) return void(parts->connections.erase(client));
+    std::size_t live = 0;
+    for (const auto& [id, connection] : parts->connections) live += connection->is_live();
+    if (live > parts->shared.options.most_clients)
+      asio::post(parts->context, [parts, client] {
+        if (const auto connection = parts->find(client)) connection->drop("too many pages are open");
+      });
+  };
+  parts_->listen();
+  parts_->accept();
+}
+
+Server::~Server() {
+  const auto connections = parts_->connections;
+  for (const auto& [id, connection] : connections) connection->close();
+}
+
+int Server::port() const { return parts_->acceptor.local_endpoint().port(); }
+
+void Server::run() { parts_->context.run(); }
+
+void Server::wake() {
+  asio::post(parts_->context, [parts = parts_.get()] {
+    const auto connections = parts->connections;
+    for (const auto& [id, connection] : connections) connection->offer_frame();
+  });
+}
+
+void Server::stop() { parts_->context.stop(); }
+
+void Server::acknowledged(ClientId client) {
+  if (const auto connection = parts_->find(client)) connection->acknowledged();
+}
+
+void Server::send(ClientId client, std::string text) {
+  if (const auto connection = parts_->find(client)) connection->send(std::move(text));
+}
+
+void Server::drop(ClientId client, std::string_view why) {
+  if (const auto connection = parts_->find(client)) connection->drop(why);
+}
+
+}  // namespace lobe::view

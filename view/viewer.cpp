@@ -1,0 +1,228 @@
+#include "viewer.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <variant>
+
+#include "lobe/error.h"
+
+namespace lobe::view {
+
+using Json = nlohmann::json;
+
+Viewer::Viewer(Scene scene, Resolved resolved, const ViewerOptions& options)
+    : options_(options),
+      scene_(std::move(scene)),
+      resolved_(std::move(resolved)),
+      live_(start_live(scene_, resolved_, options.live)) {
+  if (resolved_.proposal) proposal_ = resolved_.proposal;
+}
+
+Viewer::~Viewer() = default;
+
+std::uint64_t Viewer::news() const {
+  const std::lock_guard lock(changing_);
+  const std::uint64_t task = task_ ? std::uint64_t(100 * task_->fraction) + task_->is_done : 0;
+  return live_->news() ^ (version_ << 20) ^ (task << 50);
+}
+
+// ---- Who controls
+
+void Viewer::opened(ClientId client) {
+  clients_[client] = {};
+  if (controlling_ == 0) hand_control_to(client);
+  changed();
+}
+
+void Viewer::closed(ClientId client) {
+  clients_.erase(client);
+  if (asking_ == client) asking_ = 0;
+  if (controlling_ == client) hand_control_to(clients_.contains(asking_) ? asking_ : 0);
+  measure_what_is_shown();
+  changed();
+}
+
+// Whatever the former one held is let go.
+void Viewer::hand_control_to(ClientId client) {
+  controlling_ = client;
+  asking_ = 0;
+  live_->change_hands(client != 0);
+  changed();
+}
+
+// At once from a page that does nothing; from one that does, when it hands over.
+void Viewer::ask_for_control(ClientId client) {
+  constexpr std::chrono::seconds idle(3);
+  if (controlling_ == client) return;
+  if (controlling_ == 0 || Clock::now() - last_act_ > idle) return hand_control_to(client);
+  asking_ = client;
+  tell(controlling_, "asked", "");
+  tell(client, "note", "the page that holds the instruments was asked for them");
+}
+
+void Viewer::tell(ClientId client, const char* event, const std::string& text) {
+  if (server_)
+    server_->send(
+        client, Json{{"event", event}, {"text", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void Viewer::tell_all(const char* event, const std::string& text) {
+  for (const auto& [client, state] : clients_) tell(client, event, text);
+}
+
+// ---- Requests
+
+bool Viewer::needs_control(const request::Any& what) const {
+  return !std::holds_alternative<request::Seen>(what) && !std::holds_alternative<request::Show>(what) &&
+         !std::holds_alternative<request::Control>(what);
+}
+
+void Viewer::received(ClientId client, std::string_view text) {
+  try {
+    const Request request = parse_request(text);
+    if (needs_control(request.what)) {
+      if (client != controlling_)
+        throw InputError("/do", "another page holds the instruments: take over first");
+      last_act_ = Clock::now();
+    }
+    clients_[client].number = number_ = request.number;
+    std::visit([&](const auto& what) { perform(client, what); }, request.what);
+  } catch (const InputError& error) {
+    tell(client, "error", error.what());
+  }
+}
+
+void Viewer::send(const HandCommand& command) {
+  HandCommand numbered = command;
+  numbered.sequence = static_cast<std::uint64_t>(std::max(0.0, number_));
+  if (!live_->send(numbered))
+    throw InputError("/do", "the simulation takes no commands at present: try again");
+}
+
+// The one that controls has what it wants to see measured; others see it as well, if they want the same.
+void Viewer::measure_what_is_shown() {
+  std::string wanted = "none";
+  for (const auto& [client, state] : clients_)
+    if (state.scalar != "none" && (wanted == "none" || client == controlling_)) wanted = state.scalar;
+  live_->measure(wanted);
+}
+
+// ---- Work of other threads
+
+void Viewer::begin(const std::function<void(Task&)>& work) {
+  if (is_preparing()) throw InputError("/do", "something else is being prepared: wait for it");
+  const auto begun = std::make_shared<Task>();
+  {
+    const std::lock_guard lock(changing_);
+    task_ = begun;
+  }
+  std::thread([task = begun, work] {
+    try {
+      work(*task);
+    } catch (const std::exception& error) {
+      task->trouble = error.what();
+    }
+    task->is_done = true;
+  }).detach();
+}
+
+void Viewer::finish_task() {
+  if (!task_ || !task_->is_done) return;
+  std::shared_ptr<Task> task;
+  {
+    const std::lock_guard lock(changing_);
+    task = std::move(task_);
+  }
+  changed();
+  if (!task->trouble.empty()) return tell_all("error", task->trouble);
+  for (const std::string& warning : task->resolved.warnings) tell_all("note", warning);
+  if (!task->live) {
+    proposal_ = task->resolved.proposal;
+    if (proposal_) painting().use(proposal_->region_of);
+    repainted();
+    return;
+  }
+  {
+    const std::lock_guard lock(changing_);
+    live_ = task->live;
+  }
+  scene_ = std::move(task->scene);
+  resolved_ = std::move(task->resolved);
+  paints_ = false;
+  has_painted_mesh_ = true;
+  live_->change_hands(controlling_ != 0);
+  measure_what_is_shown();
+}
+
+// ---- Frames
+
+std::string Viewer::next_frame(ClientId id) {
+  finish_task();
+  Client& client = clients_[id];
+  const std::uint64_t latest = news() ^ (painted_ << 40) ^ (paints_ ? 1 : 0);
+  if (client.told.news == latest) return {};
+  client.told.news = latest;
+  return paints_ ? painting_frame(client) : live_frame(client, id == controlling_);
+}
+
+std::string Viewer::live_frame(Client& client, bool controls) {
+  BlockWriter out;
+  Json status;
+  live_->write(client.scalar, client.told, out, status);
+  status["mode"] = "live";
+  add_session(status, client, controls);
+  write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
+  return out.take();
+}
+
+void Viewer::add_session(Json& status, const Client& client, bool controls) const {
+  if (!status.contains("seen") || !controls) status["seen"] = controls ? client.number : 0;
+  status["scene"] = scene_.name;
+  status["controls"] = controls;
+  status["clients"] = clients_.size();
+}
+
+std::string Viewer::painting_frame(Client& client) {
+  Painting& painting = *painting_;
+  BlockWriter out;
+  if (client.painted != painted_ || client.told.topology != 0) {
+    write_topology(painting.surface(), painting.rest(), out);
+    write_positions(painting.surface(), painting.rest(), out);
+    std::vector<std::uint8_t> held;
+    for (const Index v : painting.surface().mesh_vertex) held.push_back(painting.held()[std::size_t(v)]);
+    out.begin(paint_tag);
+    out.put(std::span<const std::uint8_t>(held));
+    out.end();
+    client.painted = painted_;
+    client.told.topology = 0;
+  }
+  const auto& held = painting.held();
+  Json edit{{"shares", painting.shares()},
+            {"held", std::count(held.begin(), held.end(), 1)},
+            {"can_undo", painting.can_undo()},
+            {"busy", is_preparing() ? Json(task_->fraction.load()) : Json()},
+            {"proposal", nullptr}};
+  if (proposal_) {
+    Json gestures = Json::array();
+    for (const GestureOutcome& gesture : proposal_->gestures)
+      gestures.push_back(
+          {{"name", gesture.name}, {"error", gesture.measured}, {"predicted", gesture.predicted}});
+    edit["proposal"] = {{"speedup", proposal_->measured_speedup},
+                        {"predicted_speedup", proposal_->predicted_speedup},
+                        {"linear", proposal_->linear_share},
+                        {"gestures", gestures},
+                        {"notes", proposal_->notes}};
+  }
+  const bool controls = controlling_ != 0 && &client == &clients_[controlling_];
+  Json status{
+      {"mode", "edit"},       {"edit", edit},       {"time", 0},   {"running", false},
+      {"speed", 1},           {"can_go_back", 0.0}, {"factor", 0}, {"tets", resolved_.setup.mesh.tet_count()},
+      {"stands_still", false}};
+  write_json(tools_tag, "[]", out);
+  add_session(status, client, controls);
+  write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
+  return out.take();
+}
+
+}  // namespace lobe::view

@@ -1,0 +1,131 @@
+// What `lobe view` serves: one simulation or one painting, to any number of pages, of which one controls.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+
+#include "live.h"
+#include "painting.h"
+#include "server.h"
+
+namespace lobe::view {
+
+struct ViewerOptions {
+  LiveOptions live;
+  std::filesystem::path folder = ".";  // where scenes are saved
+};
+
+class Viewer final : public Service {
+ public:
+  // `mesh` has passed prepare(), and `resolved` is of both.
+  Viewer(Scene scene, Resolved resolved, const ViewerOptions& options);
+  ~Viewer() override;
+
+  // ---- The thread of the server
+
+  void set_server(Server& server) { server_ = &server; }
+  void opened(ClientId client) override;
+  void closed(ClientId client) override;
+  void received(ClientId client, std::string_view text) override;
+  std::string next_frame(ClientId client) override;
+
+  // ---- Any thread
+
+  // Changes when there may be something new for somebody.
+  std::uint64_t news() const;
+
+  // ---- After the server
+
+  void write_recording(const std::filesystem::path& file) { live_->write_recording(file); }
+  bool is_preparing() const { return task_ && !task_->is_done; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Client {
+    Told told;
+    std::string scalar = "none";
+    std::uint64_t painted = 0;
+    double number = 0;  // of its last request
+  };
+  // A thread that prepares something: a simulation of what was painted, or a proposal of regions.
+  struct Task {
+    std::atomic<double> fraction{0};
+    std::atomic<bool> is_done{false};
+    std::string trouble;  // none: it has come to its end
+    std::shared_ptr<Live> live;
+    Scene scene;
+    Resolved resolved;
+  };
+
+  bool needs_control(const request::Any& what) const;
+  void hand_control_to(ClientId client);
+  void ask_for_control(ClientId client);
+  void tell(ClientId client, const char* event, const std::string& text);
+  void tell_all(const char* event, const std::string& text);
+  void changed() { ++version_; }
+  void repainted() {
+    ++painted_;
+    changed();
+  }
+  void set_painting(bool on);
+  void finish_task();
+  void measure_what_is_shown();
+  std::string painting_frame(Client& client);
+  std::string live_frame(Client& client, bool controls);
+  void add_session(nlohmann::json& status, const Client& client, bool controls) const;
+  void send(const HandCommand& command);
+  void begin(const std::function<void(Task&)>& work);
+  Painting& painting();
+  AutoRegions wanted_gestures(double tolerance);
+  void claim(const std::string& name);
+
+  void perform(ClientId client, const request::Seen& what);
+  void perform(ClientId client, const request::Take& what);
+  void perform(ClientId client, const request::Burn& what);
+  void perform(ClientId client, const request::Lead& what);
+  void perform(ClientId client, const request::LetGo& what);
+  void perform(ClientId client, const request::Pause& what);
+  void perform(ClientId client, const request::Step& what);
+  void perform(ClientId client, const request::Speed& what);
+  void perform(ClientId client, const request::Restart& what);
+  void perform(ClientId client, const request::Back& what);
+  void perform(ClientId client, const request::Show& what);
+  void perform(ClientId client, const request::Control& what);
+  void perform(ClientId client, const request::HandOver& what);
+  void perform(ClientId client, const request::Export& what);
+  void perform(ClientId client, const request::Edit& what);
+  void perform(ClientId client, const request::Paint& what);
+  void perform(ClientId client, const request::PaintAll& what);
+  void perform(ClientId client, const request::Stroke& what);
+  void perform(ClientId client, const request::Undo& what);
+  void perform(ClientId client, const request::Propose& what);
+  void perform(ClientId client, const request::Apply& what);
+  void perform(ClientId client, const request::Save& what);
+
+  const ViewerOptions options_;
+  Scene scene_;
+  Resolved resolved_;
+  Server* server_ = nullptr;
+  mutable std::mutex changing_;  // of live_ and task_, for news()
+  std::shared_ptr<Live> live_;
+  std::optional<Painting> painting_;
+  bool paints_ = false;
+  bool has_painted_mesh_ = false;  // whose labels are in no file
+  std::set<std::string> saved_;    // names of files that this program has made
+  double number_ = 0;              // of the request that is carried out
+  bool ran_before_painting_ = true;
+  std::uint64_t painted_ = 1;  // grows with each change of the painting
+  std::optional<Proposal> proposal_;
+  std::shared_ptr<Task> task_;
+  std::map<ClientId, Client> clients_;
+  ClientId controlling_ = 0, asking_ = 0;
+  Clock::time_point last_act_{};
+  std::atomic<std::uint64_t> version_ = 1;
+};
+
+}  // namespace lobe::view

@@ -25,7 +25,8 @@ std::string without_port(const std::string& host) {
 
 bool is_loopback(std::string_view host) {
   const std::string name = lower(host);
-  return name == "localhost" || name == "::1" || name == "[::1]" || name.starts_with("127.");
+  const bool is_number = name.find_first_not_of("0123456789.") == std::string::npos;  // not 127.example.org
+  return name == "localhost" || name == "::1" || name == "[::1]" || (is_number && name.starts_with("127."));
 }
 
 bool may_connect(std::string_view origin, std::string_view host, bool this_machine_alone) {

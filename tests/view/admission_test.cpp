@@ -22,11 +22,13 @@ TEST_CASE("the page of another site may not connect") {
 TEST_CASE("a name that was bent to this machine is refused, unless others may use it") {
   CHECK_FALSE(may_connect("http://evil.example:8080", "evil.example:8080", true));
   CHECK_FALSE(may_connect("http://localhost.evil.example", "localhost.evil.example", true));
+  CHECK_FALSE(may_connect("http://127.evil.example", "127.evil.example", true));
   CHECK_FALSE(may_connect("http://", "", true));
   CHECK(may_connect("http://simulator.hospital:8080", "simulator.hospital:8080", false));
 }
 
 TEST_CASE("addresses of this machine alone are told from others") {
   for (const char* host : {"localhost", "127.0.0.1", "127.1.2.3", "::1"}) CHECK(is_loopback(host));
-  for (const char* host : {"0.0.0.0", "::", "192.168.0.1", "example.org", ""}) CHECK_FALSE(is_loopback(host));
+  for (const char* host : {"0.0.0.0", "::", "192.168.0.1", "127.example.org", "example.org", ""})
+    CHECK_FALSE(is_loopback(host));
 }

@@ -20,12 +20,11 @@ std::vector<std::vector<Index>> parts_of_region(const Elements& elements) {
     std::vector<Index>& part = parts.emplace_back(1, first);
     found[first] = 1;
     for (std::size_t at = 0; at < part.size(); ++at)
-      for (int face = 0; face < 4; ++face) {
-        const Index other = elements.topology.neighbour(part[at], face);
-        if (other < 0 || found[other] || !is_member(elements, other)) continue;
+      elements.topology.for_neighbours(part[at], [&](int, Index other) {
+        if (found[other] || !is_member(elements, other)) return;
         found[other] = 1;
         part.push_back(other);
-      }
+      });
   }
   return parts;
 }
@@ -63,11 +62,10 @@ class Anchors {
   }
   bool shares_a_face(const std::vector<Index>& part) const {
     return std::any_of(part.begin(), part.end(), [&](Index t) {
-      for (int face = 0; face < 4; ++face) {
-        const Index other = elements_.topology.neighbour(t, face);
-        if (other >= 0 && !is_member(elements_, other)) return true;
-      }
-      return false;
+      bool shares = false;
+      elements_.topology.for_neighbours(
+          t, [&](int, Index other) { shares = shares || !is_member(elements_, other); });
+      return shares;
     });
   }
   bool is_shared(Index v) const {

@@ -9,7 +9,7 @@ void PrecomputedRegion<Real>::prepare_frame(const Elements& elements) {
   Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);  // volume of the region around each
   for (Eigen::Index i = 0; i < count; ++i)
     for (Index t : elements.topology.around(vertices_[std::size_t(i)]))
-      if (member_[t]) weights[i] += signed_volume(elements.corner_points(t)) / 4;
+      if (member_[t]) weights[i] += elements.volume(t) / 4;
   rest_ = elements.points.view()(Eigen::all, vertices_);
   frame_ = RigidFrame(rest_, std::move(weights));
   forces_.resize(3, count);

@@ -33,6 +33,7 @@ Part region_part(const Elements& elements, RegionModel model) {
     for (int c = 0; c < 4; ++c)
       body.mesh.tets(c, Eigen::Index(i)) = target[elements.topology.tets()(c, tets[i])];
     body.material_of.push_back(elements.material_of[tets[i]]);
+    if (!elements.shares.empty()) body.shares.push_back(elements.shares[tets[i]]);
   }
   body.mesh.labels.assign(tets.size(), 0);
   body.region_of.assign(tets.size(), model);

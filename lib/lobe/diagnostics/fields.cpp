@@ -75,7 +75,8 @@ double current_volume(const Elements& elements, const Mat3X<double>& u) {
   double volume = 0;
   for (Index t = 0; t < elements.topology.tet_count(); ++t)
     if (elements.topology.alive(t))
-      volume += signed_volume(elements.corner_points(t) + corner_displacements(elements, t, u));
+      volume += elements.share_of(t) *
+                signed_volume(elements.corner_points(t) + corner_displacements(elements, t, u));
   return volume;
 }
 

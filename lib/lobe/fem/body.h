@@ -45,12 +45,14 @@ struct Body {
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;  // per tetrahedron: which of the materials
   std::vector<RegionModel> region_of;      // per tetrahedron
+  // Per tetrahedron: φ, the share of its volume that is filled, above 0 and at most 1. None: all are full.
+  std::vector<double> shares = {};
   RegionFrame precomputed_frame = RegionFrame::fixed;
   double volume_penalty = 0;  // κ [Pa], of the non-linear region
   double guard_below = 0;     // J₀ of fem/guard.h, of the non-linear region, 0…1; 0: no guard
 
   static constexpr auto fields =
-      std::tuple(&Body::mesh, &Body::materials, &Body::material_of, &Body::region_of,
+      std::tuple(&Body::mesh, &Body::materials, &Body::material_of, &Body::region_of, &Body::shares,
                  &Body::precomputed_frame, &Body::volume_penalty, &Body::guard_below);
 };
 

@@ -10,6 +10,7 @@ Elements::Elements(const Body& body)
       materials(body.materials),
       material_of(body.material_of),
       region_of(body.region_of),
+      shares(body.shares),
       precomputed_frame(body.precomputed_frame),
       volume_penalty(body.volume_penalty),
       guard_below(body.guard_below) {
@@ -31,7 +32,7 @@ Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double 
 double lumped_mass(const Elements& elements, Index vertex) {
   double mass = 0;
   for (Index t : elements.topology.around(vertex))
-    mass += elements.elastic_of(t).density * signed_volume(elements.corner_points(t)) / 4;
+    mass += elements.elastic_of(t).density * elements.volume(t) / 4;
   return mass;
 }
 

@@ -20,6 +20,7 @@ struct Elements {
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;
   std::vector<RegionModel> region_of;
+  std::vector<double> shares;  // φ; none if all tetrahedra are full
   RegionFrame precomputed_frame = RegionFrame::fixed;
   double volume_penalty = 0;  // κ [Pa], of the non-linear region
   double guard_below = 0;     // J₀, of the non-linear region
@@ -29,7 +30,15 @@ struct Elements {
     for (int c = 0; c < 4; ++c) X.col(c) = points.col(topology.tets()(c, tet));
     return X;
   }
-  Shape shape_of(Index tet) const { return shape(corner_points(tet)); }
+  // φ: a tetrahedron that a blade has cut stands where it stood, in two or more copies that share its volume.
+  // All that is an integral over a tetrahedron has it for a factor; what is of a point in it has not.
+  double share_of(Index tet) const { return shares.empty() ? 1 : shares[tet]; }
+  double volume(Index tet) const { return share_of(tet) * signed_volume(corner_points(tet)); }  // [m³]
+  Shape shape_of(Index tet) const {
+    Shape own = shape(corner_points(tet));
+    own.volume *= share_of(tet);
+    return own;
+  }
   int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
 };

@@ -35,8 +35,7 @@ class Means {
     for (Index t : zones_.tets[std::size_t(zone)])
       if (counts_[std::size_t(t)])
         for (Index v : elements_.topology.corners(t))
-          weights(axis, v) +=
-              signed_volume(elements_.corner_points(t)) / (4 * zones_.volume[std::size_t(zone)]);
+          weights(axis, v) += elements_.volume(t) / (4 * zones_.volume[std::size_t(zone)]);
     return weights;
   }
 

@@ -200,7 +200,7 @@ class Proposer {
     proposal_.measured_speedup = nonlinear / best.cost;
     double linear = 0, all = 0;
     for (Index t = 0; t < setup_.mesh.tet_count(); ++t) {
-      const double volume = signed_volume(elements_.corner_points(t));
+      const double volume = elements_.volume(t);
       all += volume;
       if (best.region_of[t] != RegionModel::nonlinear) linear += volume;
     }

@@ -28,7 +28,7 @@ bool is_linear(const Elements& elements, Index tet) {
 std::vector<double> tet_volumes(const Elements& elements) {  // 0 where there is none any more
   std::vector<double> volume(std::size_t(elements.topology.tet_count()), 0);
   for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    if (elements.topology.alive(t)) volume[std::size_t(t)] = signed_volume(elements.corner_points(t));
+    if (elements.topology.alive(t)) volume[std::size_t(t)] = elements.volume(t);
   return volume;
 }
 

@@ -34,7 +34,7 @@ Zones::Zones(const Elements& elements, Index count) : of(std::size_t(elements.to
     double& sum = volume.emplace_back(0);
     for (Index t : tets[z]) {
       of[std::size_t(t)] = static_cast<Index>(z);
-      sum += signed_volume(elements.corner_points(t));
+      sum += elements.volume(t);
     }
   }
 }

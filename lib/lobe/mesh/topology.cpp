@@ -13,6 +13,7 @@ namespace {
 struct FaceKey {
   std::array<Index, 3> vertices;  // ascending
   Index code;
+  bool is_odd;  // the order of its corners, seen from outside
   bool operator<(const FaceKey& other) const { return vertices < other.vertices; }
 };
 
@@ -22,7 +23,9 @@ std::vector<FaceKey> sorted_faces(const Tets& tets) {
   for (Index t = 0; t < tets.cols(); ++t)
     for (int f = 0; f < 4; ++f) {
       const int* c = face_corners[f];
-      FaceKey key{{tets(c[0], t), tets(c[1], t), tets(c[2], t)}, 4 * t + f};
+      FaceKey key{{tets(c[0], t), tets(c[1], t), tets(c[2], t)}, 4 * t + f, false};
+      const auto& v = key.vertices;
+      key.is_odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);
       std::sort(key.vertices.begin(), key.vertices.end());
       faces.push_back(key);
     }
@@ -54,10 +57,11 @@ Topology::Topology(const TetMesh& mesh)
   for (Index t = 0; t < mesh.tet_count(); ++t)
     for (int c = 0; c < 4; ++c) around_.append(tets_(c, t), t);
   const std::vector<FaceKey> faces = sorted_faces(tets_);
-  for (std::size_t i = 0; i + 1 < faces.size(); ++i)
-    if (faces[i].vertices == faces[i + 1].vertices) {
-      neighbours_.data()[faces[i].code] = faces[i + 1].code / 4;
-      neighbours_.data()[faces[i + 1].code] = faces[i].code / 4;
+  for (std::size_t i = 0; i < faces.size(); ++i)  // copies share a face with others on the same side of it
+    for (std::size_t j = i + 1; j < faces.size() && faces[i].vertices == faces[j].vertices; ++j) {
+      if (faces[i].is_odd == faces[j].is_odd) continue;
+      add_neighbour(faces[i].code / 4, faces[i].code % 4, faces[j].code / 4);
+      add_neighbour(faces[j].code / 4, faces[j].code % 4, faces[i].code / 4);
     }
   for (Index code = 0; code < 4 * mesh.tet_count(); ++code)
     if (neighbours_.data()[code] < 0) open_face(code);
@@ -82,19 +86,61 @@ void Topology::close_face(Index code) {
   boundary_.pop_back();
 }
 
+// Across a face which is not known to be on the boundary.
+void Topology::add_neighbour(Index tet, int face, Index other) {
+  if (neighbours_(face, tet) < 0) {
+    neighbours_(face, tet) = other;
+    return;
+  }
+  stars_are_whole_ = false;  // what is beside a corner is no ring any more
+  while (more_.vertex_count() < tet_count()) more_.add_vertex();
+  more_.append(tet, {face, other});
+}
+
+// One of several takes the place of the first.
+void Topology::forget_neighbour(Index tet, Index other) {
+  std::array<std::vector<Index>, 4> left;
+  std::array<bool, 4> had{};
+  for_neighbours(tet, [&](int face, Index own) {
+    if (own == other)
+      had[face] = true;
+    else
+      left[face].push_back(own);
+  });
+  for (int f = 0; f < 4; ++f)
+    if (had[f]) set_neighbours(tet, f, left[f]);
+}
+
+void Topology::set_neighbours(Index tet, int face, const std::vector<Index>& others) {
+  if (neighbours_(face, tet) < 0) close_face(4 * tet + face);
+  neighbours_(face, tet) = -1;
+  if (has_more(tet))
+    for (std::size_t i = more_[tet].size(); i-- > 0;)
+      if (more_[tet][i].face == face) more_.erase(tet, &more_[tet][i]);
+  for (Index other : others) add_neighbour(tet, face, other);
+  if (others.empty()) open_face(4 * tet + face);
+}
+
 void Topology::unlink(Index tet) {
   --alive_count_;
+  const bool is_shared = has_more(tet);
+  if (is_shared)
+    for (const Across& more : std::vector<Across>(more_[tet].begin(), more_[tet].end()))
+      forget_neighbour(more.tet, tet);
   for (int f = 0; f < 4; ++f) {
     around_.erase_value(tets_(f, tet), tet);
     const Index other = neighbours_(f, tet);
     if (other < 0) {
       close_face(4 * tet + f);
+    } else if (has_more(other)) {
+      forget_neighbour(other, tet);
     } else {
       for (int g = 0; g < 4; ++g)
         if (neighbours_(g, other) == tet) open_face(4 * other + g);
     }
     neighbours_(f, tet) = -1;
   }
+  if (is_shared) more_.clear(tet);
 }
 
 // The tetrahedra that are left beside each part of the removed ones that hangs together by faces, one part
@@ -106,13 +152,12 @@ std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vec
     part.assign(1, first);
     found_by_[first] = first;
     for (std::size_t at = 0; at < part.size(); ++at)
-      for (Index other : neighbours_.col(part[at])) {
-        if (other < 0) continue;
+      for_neighbours(part[at], [&](int, Index other) {
         if (alive(other)) rims.push_back(other);
-        if (alive(other) || found_by_[other] >= 0) continue;
+        if (alive(other) || found_by_[other] >= 0) return;
         found_by_[other] = first;
         part.push_back(other);
-      }
+      });
     ends.push_back(static_cast<Index>(rims.size()));
   }
   for (Index t : removed) found_by_[t] = -1;
@@ -138,8 +183,7 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
   std::vector<std::vector<Index>> apart;
   for (std::size_t at = 0; searches > 1; ++at) {
     const Index own = root(found_by_[queue[at]]);
-    for (Index other : neighbours_.col(queue[at])) {
-      if (other < 0) continue;
+    for_neighbours(queue[at], [&](int, Index other) {
       if (found_by_[other] < 0) {
         found_by_[other] = own;
         ++open[own];
@@ -149,7 +193,7 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
         open[own] += open[met];
         --searches;
       }
-    }
+    });
     if (--open[own] > 0 || searches == 1) continue;
     std::vector<Index>& piece = apart.emplace_back();
     std::copy_if(queue.begin(), queue.end(), std::back_inserter(piece),
@@ -255,15 +299,14 @@ Index Topology::parts_around(Index v) {
     while (!front_.empty() && reached < star.size()) {
       const Index t = star[front_.back()];
       front_.pop_back();
-      for (int f = 0; f < 4; ++f) {
-        const Index other = neighbours_(f, t);
-        if (other < 0 || tets_(f, t) == v) continue;
+      for_neighbours(t, [&](int f, Index other) {
+        if (tets_(f, t) == v) return;
         const Index at = found_by_[other];
-        if (part_of_[at] >= 0) continue;
+        if (part_of_[at] >= 0) return;
         part_of_[at] = parts;
         ++reached;
         front_.push_back(at);
-      }
+      });
     }
     ++parts;
   }
@@ -302,12 +345,11 @@ std::vector<std::vector<Index>> Topology::pieces() const {
     std::vector<Index>& piece = pieces.emplace_back(1, first);
     seen[first] = 1;
     for (std::size_t at = 0; at < piece.size(); ++at)
-      for (int f = 0; f < 4; ++f) {
-        const Index other = neighbours_(f, piece[at]);
-        if (other < 0 || seen[other]) continue;
+      for_neighbours(piece[at], [&](int, Index other) {
+        if (seen[other]) return;
         seen[other] = 1;
         piece.push_back(other);
-      }
+      });
   }
   return pieces;
 }

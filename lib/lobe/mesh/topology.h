@@ -19,16 +19,46 @@ struct VertexSplit {
   std::vector<Index> tets;  // those that now have the copy for a corner
 };
 
-// One edit of the mesh, in this order: tetrahedra removed, then vertices split.
+// A tetrahedron that a blade has cut stands where it stood, once for each part that has vertices of its own:
+// the copies share its volume (Elements::share_of).
+struct TetCopy {
+  Index tet = 0;
+  Index copy = 0;  // a new tetrahedron, numbered after all others
+};
+struct TetShare {
+  Index tet = 0;
+  double share = 1;
+};
+
+// One edit of the mesh, in this order: tetrahedra removed, tetrahedra copied, then vertices split.
 struct MeshEdit {
   std::vector<Index> removed;
+  std::vector<TetCopy> copies;
+  std::vector<TetShare> shares;  // of all that have another share than before
   std::vector<VertexSplit> splits;
   // One of the tetrahedra that are left beside each part of the removed ones that hung together.
   std::vector<Index> beside;
   // The pieces of all that came apart, but for the piece of beside[0]; none if nothing did.
   std::vector<std::vector<Index>> cut_off;
 
-  bool empty() const { return removed.empty() && splits.empty(); }
+  bool empty() const { return removed.empty() && copies.empty() && splits.empty(); }
+};
+
+// What a blade has done to the tetrahedra that it met, for Topology::divide().
+struct TetDivision {
+  std::vector<Index> vertices;  // that are split: each gives one new vertex, numbered after all others
+  struct Part {
+    Index tet;  // itself, or a new one: these are numbered after all others, in this order
+    Index of;   // which was divided
+    Eigen::Vector4i corners;
+    double share;
+  };
+  std::vector<Part> parts;  // all of each tetrahedron that was divided or has new corners
+  struct Neighbours {
+    Index tet;
+    std::array<std::vector<Index>, 4> across;  // each face
+  };
+  std::vector<Neighbours> neighbours;  // of the parts, and of all beside them
 };
 
 class Topology {
@@ -50,7 +80,12 @@ class Topology {
 
   // Alive tetrahedra that have v for a corner; a vertex without any is an orphan and stays where it is.
   std::span<const Index> around(Index v) const { return around_[v]; }
-  // Across the face opposite to a corner; −1 on the boundary.
+  Index parent(Index tet) const {  // the tetrahedron of the mesh at the start that it is, or is a copy of
+    const Index copy = tet - (tet_count() - tet_copy_count());
+    return copy < 0 ? tet : parents_[copy];
+  }
+  Index tet_copy_count() const { return static_cast<Index>(parents_.size()); }
+  // Across the face opposite to a corner, the first if there are several; −1 on the boundary.
   Index neighbour(Index tet, int face) const { return std::max(neighbours_(face, tet), -1); }
   // The boundary as codes 4 × tetrahedron + corner opposite to the face, in no particular order.
   const std::vector<Index>& boundary_faces() const { return boundary_; }
@@ -62,6 +97,19 @@ class Topology {
   // pieces are all found.
   MeshEdit remove(std::span<const Index> tets);
 
+  // Gives the parts of tetrahedra that a blade has cut numbers and neighbours. O(what is told of).
+  MeshEdit divide(const TetDivision& division);
+
+  // Calls visit(face, other) for all that a tetrahedron hangs together with: one across each face, or several
+  // where copies share it.
+  template <class Visit>
+  void for_neighbours(Index tet, Visit&& visit) const {
+    for (int f = 0; f < 4; ++f)
+      if (neighbours_(f, tet) >= 0) visit(f, neighbours_(f, tet));
+    if (!has_more(tet)) return;
+    for (const Across& more : more_[tet]) visit(more.face, more.tet);
+  }
+
   // Calls visit(t) for all that hangs together with a tetrahedron by faces, breadth first, until it returns
   // true; returns whether it did. O(#tetrahedra visited).
   template <class Visit>
@@ -71,11 +119,11 @@ class Topology {
     bool found = false;
     for (std::size_t at = 0; at < queue.size() && !found; ++at) {
       found = visit(queue[at]);
-      for (Index other : neighbours_.col(queue[at])) {
-        if (other < 0 || found_by_[other] >= 0) continue;
+      for_neighbours(queue[at], [&](int, Index other) {
+        if (found_by_[other] >= 0) return;
         found_by_[other] = tet;
         queue.push_back(other);
-      }
+      });
     }
     for (Index t : queue) found_by_[t] = -1;
     return found;
@@ -86,6 +134,16 @@ class Topology {
   std::vector<std::vector<Index>> pieces() const;
 
  private:
+  struct Across {
+    int face;
+    Index tet;
+  };
+  bool has_more(Index tet) const { return tet < more_.vertex_count() && !more_[tet].empty(); }
+  void forget_neighbour(Index tet, Index other);
+  void set_neighbours(Index tet, int face, const std::vector<Index>& others);
+  void add_neighbour(Index tet, int face, Index other);
+  void take_corners(Index tet, const Eigen::Vector4i& corners);
+  void split_vertices(const TetDivision& division, MeshEdit& edit);
   std::vector<Index> rims_of(const std::vector<Index>& removed, std::vector<Index>& ends);
   std::vector<std::vector<Index>> pieces_apart(std::span<const Index> tets, Index& left);
   void find_cut_off(const std::vector<Index>& rims, const std::vector<Index>& ends, MeshEdit& edit);
@@ -98,12 +156,14 @@ class Topology {
   std::array<bool, 4> stays_whole(const Eigen::Vector4i& corners, const Eigen::Vector4i& beside) const;
 
   Tets tets_;
-  Tets neighbours_;  // per face: the other tetrahedron; on the boundary −1 − its place in boundary_
+  Tets neighbours_;  // per face: the first other tetrahedron; on the boundary −1 − its place in boundary_
+  VertexLists<Across> more_;  // per tetrahedron, further ones across its faces; no lists until there is one
   bool stars_are_whole_ = true;  // the tetrahedra around each vertex hang together by faces
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;
   std::vector<Index> origins_;          // of the copies
+  std::vector<Index> parents_;          // of copied tetrahedra
   std::vector<Index> found_by_;         // scratch of a search: per tetrahedron, −1 outside of it
   std::vector<Index> part_of_, front_;  // scratch of parts_around()
   std::vector<Index> boundary_;

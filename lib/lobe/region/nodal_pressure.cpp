@@ -66,7 +66,7 @@ Index PressureNodes::node_at(Index vertex, std::uint16_t material, double lambda
 // accumulates.
 void PressureNodes::refresh(const Elements& elements, Index node) {
   volume_[node] = 0;
-  for (Index t : tets_of_[node]) volume_[node] += signed_volume(elements.corner_points(t)) / 4;
+  for (Index t : tets_of_[node]) volume_[node] += elements.volume(t) / 4;
   if (!tets_of_[node].empty()) {
     scale_[node] = lambda_[node] / (4 * volume_[node]);
     return;

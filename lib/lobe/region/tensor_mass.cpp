@@ -24,7 +24,8 @@ Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {
     return (X.col(face[1]) - X.col(face[0])).cross(X.col(face[2]) - X.col(face[0]));
   };
   const Vec3d a = doubled_area(own), b = doubled_area(other);
-  const double per_36_volumes = 1 / (6 * a.dot(X.col(face_corners[own][0]) - X.col(own)));
+  const double per_36_volumes =
+      elements.share_of(tet) / (6 * a.dot(X.col(face_corners[own][0]) - X.col(own)));
   return hooke_block<double>(a, b, elastic.lambda * per_36_volumes, elastic.mu * per_36_volumes);
 }
 

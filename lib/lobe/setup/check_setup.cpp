@@ -41,6 +41,10 @@ void Checker::check_mesh() {
   expect(tets > 0, "the mesh has no tetrahedron");
   expect(setup_.material_of.size() == tets && setup_.region_of.size() == tets && mesh.labels.size() == tets,
          "materials, regions and labels must have one entry per tetrahedron");
+  expect(setup_.shares.empty() || setup_.shares.size() == tets,
+         "shares of volume must have one entry per tetrahedron, or none at all");
+  expect(std::all_of(setup_.shares.begin(), setup_.shares.end(), [](double x) { return x > 0 && x <= 1; }),
+         "a share of volume must be above 0 and at most 1");
   expect(mesh.points.allFinite(), "a vertex position is not finite");
   for (Index t = 0; t < mesh.tet_count(); ++t) {
     const auto v = mesh.tets.col(t);

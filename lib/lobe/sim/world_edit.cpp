@@ -207,9 +207,11 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   setup.mesh = c.mesh;
   setup.material_of.clear();
   setup.region_of.clear();
+  setup.shares.clear();
   for (Index t : c.tet_source) {
     setup.material_of.push_back(own.material_of[t]);
     setup.region_of.push_back(own.region_of[t]);
+    if (!own.shares.empty()) setup.shares.push_back(own.shares[t]);
   }
   setup.prescribed.clear();
   for (const HeldVertices::Held& item : held().all()) {

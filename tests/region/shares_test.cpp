@@ -1,0 +1,117 @@
+// Copies of tetrahedra that share their volume, as a blade leaves them.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "lobe/diagnostics/fields.h"
+#include "lobe/sim/world.h"
+#include "near.h"
+#include "support.h"
+#include "world_support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// Each tetrahedron twice on the same vertices, of a random share of its volume and the rest.
+Setup doubled(Setup setup) {
+  const Index count = setup.mesh.tet_count();
+  const Tets tets = setup.mesh.tets;
+  setup.mesh.tets.resize(4, 2 * count);
+  setup.mesh.tets << tets, tets;
+  setup.mesh.labels.resize(std::size_t(2 * count), 0);
+  for (auto twice : {&setup.material_of}) twice->insert(twice->end(), twice->begin(), twice->end());
+  setup.region_of.insert(setup.region_of.end(), setup.region_of.begin(), setup.region_of.end());
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0.01, 0.99);
+  for (Index t = 0; t < count; ++t) setup.shares.push_back(share(random));
+  for (Index t = 0; t < count; ++t) setup.shares.push_back(1 - setup.shares[std::size_t(t)]);
+  return setup;
+}
+
+Setup clamped(Setup setup) {
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) < 0.005) setup.prescribed.push_back({v});
+  setup.gravity = {0, 0, -9.81};
+  return setup;
+}
+
+double difference(const Mat3X<double>& a, const Mat3X<double>& b) { return (a - b).norm() / b.norm(); }
+
+void check_that_doubled_is_the_same(const Setup& plain) {
+  const Mat3X<double> u = random_displacement(plain.mesh.vertex_count(), 1e-3);
+  World<double> one = world_at(plain, u), two = world_at(doubled(plain), u);
+  CHECK(difference(two.forces(), one.forces()) < 1e-12);
+  CHECK(difference(two.state().u, one.state().u) < 1e-12);
+  for (std::size_t v = 0; v < one.mass().size(); ++v)
+    CHECK(std::abs(two.mass()[v] - one.mass()[v]) <= 1e-12 * one.mass()[v]);
+  CHECK(two.energies().total() == near(one.energies().total(), 1e-12));
+  CHECK(current_volume(two.elements(), u) == near(current_volume(one.elements(), u), 1e-12));
+  if (plain.integrator == Integrator::central_difference)
+    CHECK(two.time_step_limit() == near(one.time_step_limit(), 1e-12));
+  one.advance(0.01);
+  two.advance(0.01);
+  CHECK(difference(two.state().u, one.state().u) < 1e-10);  // of many steps
+}
+
+}  // namespace
+
+TEST_CASE("a non-linear body of doubled tetrahedra that share their volume is the plain one") {
+  Setup setup = clamped(setup_of(irregular_box()));
+  setup.volume_penalty = 1e5;
+  setup.guard_below = 0.3;
+  check_that_doubled_is_the_same(setup);
+}
+
+TEST_CASE("so it is with the stored evaluator") {
+  Setup setup = clamped(setup_of(irregular_box()));
+  setup.evaluator = Evaluator::stored;
+  check_that_doubled_is_the_same(setup);
+}
+
+TEST_CASE("so it is with nodal pressure") {
+  check_that_doubled_is_the_same(clamped(averaged(hybrid_setup(irregular_box()))));
+}
+
+TEST_CASE("so it is with tensor-mass regions") {
+  check_that_doubled_is_the_same(clamped(hybrid_setup(irregular_box())));
+  check_that_doubled_is_the_same(clamped(setup_of(irregular_box(), RegionModel::tensor_mass)));
+}
+
+TEST_CASE("so it is with precomputed regions, in a fixed frame and in one that turns along") {
+  Setup setup = clamped(setup_of(irregular_box(4)));
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    if ((tet_points(setup.mesh, t).row(0).array() < 0.025).all())
+      setup.region_of[std::size_t(t)] = RegionModel::precomputed;
+  check_that_doubled_is_the_same(setup);
+  setup.precomputed_frame = RegionFrame::corotated;
+  check_that_doubled_is_the_same(setup);
+}
+
+TEST_CASE("so it is with selective masses, and with masses that are scaled") {
+  Setup setup = clamped(hybrid_setup(irregular_box()));
+  setup.selective_mass = 2;
+  check_that_doubled_is_the_same(setup);
+  setup.selective_mass = 1;
+  setup.mass_scaling = 0.05;
+  check_that_doubled_is_the_same(setup);
+}
+
+TEST_CASE("so it is with implicit dynamics") {
+  Setup setup = clamped(averaged(hybrid_setup(irregular_box())));
+  setup.integrator = Integrator::generalised_alpha;
+  setup.implicit_step = 2e-3;
+  check_that_doubled_is_the_same(setup);
+}
+
+TEST_CASE("a share that is not above 0 and at most 1 is refused") {
+  Setup setup = setup_of(irregular_box(1));
+  setup.shares.assign(std::size_t(setup.mesh.tet_count()), 1);
+  for (const double wrong : {0.0, -0.5, 1.5, std::nan("")}) {
+    setup.shares[0] = wrong;
+    CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("a share of volume must be above 0"));
+  }
+  setup.shares.resize(1);
+  CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("one entry per tetrahedron, or none"));
+}

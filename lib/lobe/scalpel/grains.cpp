@@ -1,0 +1,169 @@
+#include "lobe/scalpel/grains.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "lobe/sort_unique.h"
+
+namespace lobe {
+namespace {
+
+int place_of(const Eigen::Vector4i& points, Index point) {
+  for (int k = 0; k < 4; ++k)
+    if (points[k] == point) return k;
+  return -1;
+}
+
+}  // namespace
+
+Grains::Grains(const Elements& elements) {
+  const Topology& topology = elements.topology;
+  for (Index v = 0; v < topology.vertex_count(); ++v) {
+    points_.push_back(elements.points.col(v));
+    around_.add_vertex();
+  }
+  shortest_.assign(points_.size(), std::numeric_limits<double>::infinity());
+  on_.assign(points_.size(), 0);
+  double sum = 0;
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    of_element_.add_vertex();
+    if (!topology.alive(t)) continue;
+    of_element_.append(t, count());
+    const Eigen::Vector4i corners = topology.corners(t);
+    for (Index v : corners) around_.append(v, count());
+    grains_.push_back({corners, t, 1, 0});
+    for (const auto& edge : edge_corners) {
+      const Index a = corners[edge[0]], b = corners[edge[1]];
+      const double length = (point(a) - point(b)).norm();
+      for (Index v : {a, b}) shortest_[std::size_t(v)] = std::min(shortest_[std::size_t(v)], length);
+      sum += length;
+    }
+  }
+  mean_edge_ = count() > 0 ? sum / (6.0 * count()) : 0;
+}
+
+Index Grains::neighbour(Index grain, int face) const {
+  const Grain& own = (*this)[grain];
+  if (own.open >> face & 1) return -1;
+  const int* c = face_corners[face];
+  const Index p = own.points[c[0]], q = own.points[c[1]], r = own.points[c[2]];
+  for (Index other : around_[p]) {
+    if (other == grain) continue;
+    const Eigen::Vector4i& points = (*this)[other].points;
+    const int at_p = place_of(points, p), at_q = place_of(points, q), at_r = place_of(points, r);
+    if (at_q < 0 || at_r < 0 || is_open(other, 6 - at_p - at_q - at_r)) continue;
+    return other;
+  }
+  return -1;
+}
+
+void Grains::forget_stroke(int stroke) {
+  for (std::uint32_t& on : on_) on &= ~(1u << stroke);
+}
+
+// A stays at its end, b goes to the new point; a copy does the opposite. The face between the two is new.
+void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
+  const Index other = count();
+  grains_.push_back((*this)[grain]);
+  Grain &near_a = grains_[std::size_t(grain)], &near_b = grains_.back();
+  const int at_a = place_of(near_a.points, a), at_b = place_of(near_a.points, b);
+  near_a.points[at_b] = near_b.points[at_a] = point;
+  near_a.share *= share;
+  near_b.share *= 1 - share;
+  near_a.open &= std::uint8_t(~(1 << at_a));
+  near_b.open &= std::uint8_t(~(1 << at_b));
+  around_.erase_value(b, grain);
+  around_.append(point, grain);
+  for (Index p : near_b.points) around_.append(p, other);
+  of_element_.append(near_b.element, other);
+}
+
+void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t strokes) {
+  const Index first = point_count();
+  for (const Incision::Bisection& edge : edges) {
+    const auto a = std::size_t(edge.a), b = std::size_t(edge.b);
+    points_.push_back((1 - edge.share) * points_[a] + edge.share * points_[b]);
+    shortest_.push_back(std::min(shortest_[a], shortest_[b]));
+    on_.push_back((on_[a] & on_[b]) | strokes);
+    around_.add_vertex();
+  }
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto [a, b, share] = edges[i];
+    const std::vector<Index> star(around_[a].begin(), around_[a].end());
+    for (Index grain : star)
+      if (place_of((*this)[grain].points, b) >= 0) bisect(grain, a, b, first + static_cast<Index>(i), share);
+  }
+}
+
+std::vector<Index> Grains::open(const std::vector<Index>& faces) {
+  std::vector<Index> points, elements;
+  for (Index code : faces) {
+    const Index grain = code / 4, other = neighbour(grain, code % 4);
+    elements.push_back((*this)[grain].element);
+    Grain& own = grains_[std::size_t(grain)];
+    own.open |= std::uint8_t(1 << code % 4);
+    for (int c : face_corners[code % 4]) points.push_back(own.points[c]);
+    if (other < 0) continue;
+    elements.push_back((*this)[other].element);
+    for (int f = 0; f < 4; ++f)
+      if (place_of(own.points, (*this)[other].points[f]) < 0)
+        grains_[std::size_t(other)].open |= std::uint8_t(1 << f);
+  }
+  sort_unique(points);
+  for (Index p : points) split_if_apart(p);
+  sort_unique(elements);
+  return elements;
+}
+
+// The grains around a point that hang together by faces which have it for a corner. The largest part keeps
+// the point, the first of several.
+void Grains::split_if_apart(Index point) {
+  std::vector<Index> left(around_[point].begin(), around_[point].end());
+  std::sort(left.begin(), left.end());
+  std::vector<std::vector<Index>> parts;
+  while (!left.empty()) {
+    std::vector<Index>& part = parts.emplace_back(1, left.front());
+    left.erase(left.begin());
+    for (std::size_t at = 0; at < part.size(); ++at)
+      for (int f = 0; f < 4; ++f) {
+        if ((*this)[part[at]].points[f] == point) continue;
+        const Index other = neighbour(part[at], f);
+        const auto found = std::lower_bound(left.begin(), left.end(), other);
+        if (other < 0 || found == left.end() || *found != other) continue;
+        part.push_back(other);
+        left.erase(found);
+      }
+  }
+  const auto keeps = std::max_element(parts.begin(), parts.end(),
+                                      [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  std::swap(*keeps, parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const Index copy = point_count();
+    points_.push_back(Vec3d(this->point(point)));
+    shortest_.push_back(shortest_edge(point));
+    on_.push_back(std::uint32_t(on_[std::size_t(point)]));
+    around_.add_vertex();
+    for (Index grain : parts[i]) {
+      Eigen::Vector4i& own = grains_[std::size_t(grain)].points;
+      own[place_of(own, point)] = copy;
+      around_.erase_value(point, grain);
+      around_.append(copy, grain);
+    }
+  }
+}
+
+void Grains::forget(const std::vector<Index>& elements) {
+  for (Index t : elements) {
+    for (Index grain : of(t))
+      for (Index p : (*this)[grain].points) around_.erase_value(p, grain);
+    of_element_.clear(t);
+  }
+}
+
+std::size_t Grains::bytes() const {
+  return grains_.capacity() * sizeof(Grain) + points_.capacity() * sizeof(Vec3d) +
+         shortest_.capacity() * sizeof(double) + on_.capacity() * sizeof(std::uint32_t) +
+         (around_.items().size() + of_element_.items().size()) * sizeof(Index);
+}
+
+}  // namespace lobe

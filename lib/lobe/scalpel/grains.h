@@ -1,0 +1,95 @@
+// What blades have made of the body at rest: the tetrahedra that they met, refined so that what was cut runs
+// along faces, and these faces open. This is geometry alone: grains may be as flat as they like. The
+// simulation has whole tetrahedra, each with the share of its volume that its grains fill (fem/elements.h).
+//
+// A grain is a tetrahedron of four points. An edge that a blade has crossed is bisected in all grains around
+// it, in the order of the new points' numbers: grains on both sides of a face divide it alike. An open face
+// parts the grains beside it; where the grains around a point no longer hang together by faces, the point is
+// there once for each of their parts.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "lobe/fem/elements.h"
+#include "lobe/scalpel/sheet.h"
+
+namespace lobe {
+
+// What a step of a blade has done, in numbers of points and grains: the same grains that are told to repeat
+// it are the same afterwards, whatever the state of the body.
+struct Incision {
+  struct Bisection {
+    Index a = 0, b = 0;  // the ends of the edge
+    double share = 0;    // the new point is there from a to b
+    bool operator==(const Bisection&) const = default;
+    static constexpr auto fields = std::tuple(&Bisection::a, &Bisection::b, &Bisection::share);
+  };
+  std::vector<Bisection> bisections;
+  std::vector<Index> opened;  // faces as codes 4 × grain + corner opposite to the face, one of both sides
+
+  bool empty() const { return bisections.empty() && opened.empty(); }
+  bool operator==(const Incision&) const = default;
+  static constexpr auto fields = std::tuple(&Incision::bisections, &Incision::opened);
+};
+
+class Grains {
+ public:
+  struct Grain {
+    Eigen::Vector4i points;
+    Index element;          // the tetrahedron of the simulation that it is part of
+    double share = 1;       // of its parent's volume
+    std::uint8_t open = 0;  // one bit per face
+  };
+
+  // One per tetrahedron that is there, in their order. O(#tets).
+  explicit Grains(const Elements& elements);
+
+  Index count() const { return static_cast<Index>(grains_.size()); }
+  const Grain& operator[](Index grain) const { return grains_[std::size_t(grain)]; }
+  Index point_count() const { return static_cast<Index>(points_.size()); }
+  const Vec3d& point(Index p) const { return points_[std::size_t(p)]; }  // at rest [m]
+  std::span<const Index> around(Index point) const { return around_[point]; }
+  std::span<const Index> of(Index element) const { return of_element_[element]; }
+  bool is_open(Index grain, int face) const { return grains_[std::size_t(grain)].open >> face & 1; }
+  // The grain that it hangs together with across a face; −1: it is open, or on the boundary.
+  Index neighbour(Index grain, int face) const;
+  double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
+  double shortest_edge(Index p) const { return shortest_[std::size_t(p)]; }  // of the mesh, near a point [m]
+
+  // Points that lie on the sheet of a stroke that goes on; there are 32 at a time.
+  static constexpr int most_strokes = 32;
+  bool is_on(Index point, int stroke) const { return on_[std::size_t(point)] >> stroke & 1; }
+  void put_on(Index point, int stroke) { on_[std::size_t(point)] |= 1u << stroke; }
+  void forget_stroke(int stroke);
+  const std::vector<std::uint32_t>& on() const { return on_; }
+  void set_on(std::vector<std::uint32_t> on) { on_ = std::move(on); }
+
+  // ---- Edits
+
+  // New points lie on the sheets that both ends of their edge lie on, and on those of `strokes`, as bits.
+  void bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t strokes = 0);
+  // Both sides of each face, and splits points where grains come apart. Returns the tetrahedra beside them.
+  std::vector<Index> open(const std::vector<Index>& faces);
+  // What has come apart in and around these tetrahedra, as the simulation sees it; the grains go over to its
+  // parts.
+  TetDivision divide(const Topology& topology, const std::vector<Index>& opened);
+  void forget(const std::vector<Index>& elements);  // which are removed
+
+  std::size_t bytes() const;
+
+ private:
+  void bisect(Index grain, Index a, Index b, Index point, double share);
+  void split_if_apart(Index point);
+
+  std::vector<Grain> grains_;
+  std::vector<Vec3d> points_;
+  std::vector<double> shortest_;
+  std::vector<std::uint32_t> on_;
+  VertexLists<Index> around_;      // of points
+  VertexLists<Index> of_element_;  // of tetrahedra of the simulation
+  double mean_edge_ = 0;
+};
+
+}  // namespace lobe

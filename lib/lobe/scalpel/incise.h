@@ -1,0 +1,36 @@
+// One step of a blade through grains: which edges it crosses, and which faces it opens.
+#pragma once
+
+#include "lobe/scalpel/grains.h"
+
+namespace lobe {
+
+struct Blade {
+  int stroke = 0;     // 0 … Grains::most_strokes − 1
+  double snap = 0.1;  // a point nearer than this share of its shortest edge lies on the sheet
+};
+
+// Where the tetrahedra of the simulation are: an affine map of each.
+struct Placement {
+  Vec3d start, image;     // of corner 0, at rest and now [m]
+  Mat3<double> gradient;  // F
+  Vec3d operator()(const Vec3d& X) const { return image + gradient * (X - start); }
+};
+using Placements = std::function<Placement(Index element)>;
+
+struct Incised {
+  Incision incision;
+  std::vector<Index> opened;  // the tetrahedra beside the faces that were opened
+  double area = 0;            // of these faces, at rest [m²]
+  Index refused = 0;          // edges that were not bisected, of tetrahedra with the most grains already
+};
+
+// Cuts where the sheet meets these tetrahedra: all that are within reach of it. Faces open where all three
+// points lie on the stroke's sheet, and their middle near what it has swept last: `swept`, of which `sheet`
+// is one.
+Incised incise(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
+               const std::vector<Index>& elements, const Placements& placement);
+
+inline constexpr Index most_grains = 256;  // of a tetrahedron
+
+}  // namespace lobe

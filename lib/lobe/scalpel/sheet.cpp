@@ -1,0 +1,63 @@
+#include "lobe/scalpel/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lobe/cut/distance.h"
+#include "lobe/scalpel/orientation.h"
+
+namespace lobe {
+namespace {
+
+bool separates(const std::array<Vec3d, 3>& t, const Vec3d& p, const Vec3d& q) {
+  return (orientation(t[0], t[1], t[2], p) < 0) != (orientation(t[0], t[1], t[2], q) < 0);
+}
+
+bool is_pierced(const std::array<Vec3d, 3>& t, const Vec3d& p, const Vec3d& q) {
+  const int side = side_of_line(t[0], t[1], p, q);
+  return side == side_of_line(t[1], t[2], p, q) && side == side_of_line(t[2], t[0], p, q);
+}
+
+double share_at(const std::array<Vec3d, 3>& t, const Vec3d& p, const Vec3d& q) {
+  const Vec3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
+  const double at_p = std::abs(normal.dot(p - t[0])), at_q = std::abs(normal.dot(q - t[0]));
+  return at_p + at_q > 0 ? at_p / (at_p + at_q) : 0.5;
+}
+
+}  // namespace
+
+Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  for (std::size_t i = 0; i + 1 < from.size(); ++i)
+    for (const std::array<Vec3d, 3>& t : {std::array<Vec3d, 3>{from[i], from[i + 1], to[i + 1]},
+                                          std::array<Vec3d, 3>{from[i], to[i + 1], to[i]}}) {
+      Triangle& own = triangles_.emplace_back(Triangle{t, {}});
+      for (const Vec3d& corner : t) own.box.extend(corner);
+      box_.extend(own.box);
+    }
+}
+
+double Sheet::distance(const Vec3d& p) const {
+  double square = std::numeric_limits<double>::infinity();
+  for (const Triangle& t : triangles_) {
+    if (t.box.squaredExteriorDistance(p) >= square) continue;
+    const Vec3d nearest = nearest_on_triangle(p, t.corners[0], t.corners[1], t.corners[2]);
+    square = std::min(square, (p - nearest).squaredNorm());
+  }
+  return std::sqrt(square);
+}
+
+std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
+  Eigen::AlignedBox3d edge(p.cwiseMin(q), p.cwiseMax(q));
+  std::optional<double> first;
+  int count = 0;
+  for (const Triangle& t : triangles_) {
+    if (!t.box.intersects(edge) || !separates(t.corners, p, q) || !is_pierced(t.corners, p, q)) continue;
+    const double share = share_at(t.corners, p, q);
+    first = first ? std::min(*first, share) : share;
+    ++count;
+  }
+  return count % 2 == 1 ? first : std::nullopt;
+}
+
+}  // namespace lobe

@@ -223,10 +223,11 @@ TEST_CASE("a selector is one of eleven, with sensible values") {
 
 TEST_CASE("tools need their type's keys and paths that go forward") {
   check({
-      {R"({"tools": [{"path": [[0, 0, 0, 0]]}]})", "/tools/0: needs \"type\": \"grasp\" or \"cautery\""},
+      {R"({"tools": [{"path": [[0, 0, 0, 0]]}]})",
+       "/tools/0: needs \"type\": \"grasp\", \"cautery\" or \"scalpel\""},
       {R"({"tools": [{"type": "gasp"}]})",
-       "/tools/0/type: \"gasp\", must be \"grasp\" or \"cautery\"; did you mean \"grasp\"?"},
-      {R"({"tools": [{"type": 1}]})", "/tools/0/type: 1, must be \"grasp\" or \"cautery\""},
+       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\" or \"scalpel\"; did you mean \"grasp\"?"},
+      {R"({"tools": [{"type": 1}]})", "/tools/0/type: 1, must be \"grasp\", \"cautery\" or \"scalpel\""},
       {R"({"tools": [7]})", "/tools/0: 7, must be an object"},
       {R"({"tools": [{"type": "grasp", "where": {"all": true}}]})", "/tools/0: needs \"path\""},
       {R"({"tools": [{"type": "cautery", "path": [[0, 0, 0, 0]]}]})", "/tools/0: needs \"radius\""},

@@ -86,7 +86,7 @@ TEST_CASE("boundary conditions are read") {
 
 TEST_CASE("tools, time and output are read") {
   const Scene scene = parse_scene(full_scene, "dir/liver.json");
-  REQUIRE(scene.tools.size() == 2);
+  REQUIRE(scene.tools.size() == 3);
   CHECK(scene.tools[0].type == ToolType::grasp);
   CHECK(scene.tools[0].release);
   CHECK(scene.tools[0].path.at(1).time == 1);
@@ -94,6 +94,10 @@ TEST_CASE("tools, time and output are read") {
   CHECK(scene.tools[1].type == ToolType::cautery);
   CHECK(scene.tools[1].name == "cautery");
   CHECK(scene.tools[1].radius == 0.006);
+  CHECK(scene.tools[2].type == ToolType::scalpel);
+  CHECK(scene.tools[2].snap == 0.2);
+  CHECK(scene.tools[2].path.at(1).position == Vec3d(0.03, 0.05, 0));
+  CHECK(scene.tools[2].heels == std::vector<Vec3d>{{0.04, -0.05, 0.1}, {0.04, 0.05, 0.1}});
   CHECK(scene.name == "liver");
   CHECK(mesh_path(scene) == std::filesystem::path("dir/meshes/liver.vtu"));
   CHECK(scene.volume_penalty == 1e5);

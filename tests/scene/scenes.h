@@ -34,7 +34,8 @@ inline const std::string full_scene = R"({
   "tools": [
     {"name": "grasper", "type": "grasp", "where": {"sphere": {"center": [0.1, 0, 0], "radius": 0.01}},
      "path": [[0.0, 0, 0, 0], [1.0, 0, 0.05, 0.02]], "release": true},
-    {"type": "cautery", "radius": 0.006, "path": [[0.5, 0.03, -0.05, 0], [1.5, 0.03, 0.05, 0]]}
+    {"type": "cautery", "radius": 0.006, "path": [[0.5, 0.03, -0.05, 0], [1.5, 0.03, 0.05, 0]]},
+    {"type": "scalpel", "snap": 0.2, "path": [[0.5, 0.03, -0.05, 0, 0.04, -0.05, 0.1], [1.5, 0.03, 0.05, 0, 0.04, 0.05, 0.1]]}
   ],
   "loose_pieces": "vanish",
   "evaluator": "stored",

@@ -12,6 +12,7 @@ constexpr double group_size = 200;  // tetrahedra on average
 
 // Cells of a grid over the body at rest; a tetrahedron belongs to the cell of its first vertex.
 void TetGroups::form(const Topology& topology, const Mat3X<double>& points) {
+  group_of_.clear();
   Eigen::AlignedBox3d body;
   for (Index v = 0; v < topology.vertex_count(); ++v) body.extend(points.col(v));
   const double cells = std::max(1.0, topology.alive_count() / group_size);
@@ -28,20 +29,44 @@ void TetGroups::form(const Topology& topology, const Mat3X<double>& points) {
   for (Index t = 0; t < topology.tet_count(); ++t) ++begin[cell_of(t) + 1];
   for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
   for (std::size_t i = 0; i + 1 < begin.size(); ++i)
-    if (begin[i] < begin[i + 1]) groups_.push_back({begin[i], begin[i + 1], -1, {}});
+    if (begin[i] < begin[i + 1]) groups_.push_back({begin[i], begin[i + 1], -1, {}, {}});
   order_.resize(std::size_t(topology.tet_count()));
   for (Index t = 0; t < topology.tet_count(); ++t) order_[begin[cell_of(t)]++] = t;
+}
+
+void TetGroups::add_copy(Index tet, Index copy) {
+  if (groups_.empty()) return;
+  if (group_of_.empty()) {
+    group_of_.resize(order_.size());
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      for (Index i = groups_[g].begin; i < groups_[g].end; ++i) group_of_[order_[i]] = static_cast<Index>(g);
+  }
+  group_of_.resize(std::size_t(copy) + 1);
+  group_of_[copy] = group_of_[tet];
+  groups_[group_of_[tet]].copies.push_back(copy);
+  groups_[group_of_[tet]].path = -1;
 }
 
 template <class Real>
 std::vector<Index> TetGroups::touched(const Topology& topology, const Mat3X<double>& points,
                                       const Mat3X<Real>& u, const Sweep& sweep) {
+  return find(topology, points, u, box_of(sweep), [&](const Mat34<double>& x) { return touches(sweep, x); });
+}
+
+template <class Real>
+std::vector<Index> TetGroups::meeting(const Topology& topology, const Mat3X<double>& points,
+                                      const Mat3X<Real>& u, const Eigen::AlignedBox3d& box) {
+  return find(topology, points, u, box, [](const Mat34<double>&) { return true; });
+}
+
+template <class Real, class Meets>
+std::vector<Index> TetGroups::find(const Topology& topology, const Mat3X<double>& points,
+                                   const Mat3X<Real>& u, const Eigen::AlignedBox3d& reached, Meets&& meets) {
   if (groups_.empty()) {
     form(topology, points);
     path_ = 0;
     reach_ = double(u.leftCols(topology.vertex_count()).colwise().norm().maxCoeff());
   }
-  const Eigen::AlignedBox3d reached = box_of(sweep);
   const auto corners_of = [&](Index t) -> Mat34<double> {
     const Eigen::Vector4i v = topology.corners(t);
     return points(Eigen::all, v) + u(Eigen::all, v).template cast<double>();
@@ -54,14 +79,15 @@ std::vector<Index> TetGroups::touched(const Topology& topology, const Mat3X<doub
       continue;
     group.path = path_;
     group.box.setEmpty();
-    for (Index i = group.begin; i < group.end; ++i) {
-      const Index t = order_[i];
-      if (!topology.alive(t)) continue;
+    const auto look_at = [&](Index t) {
+      if (!topology.alive(t)) return;
       const Mat34<double> x = corners_of(t);
       const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
       group.box.extend(box);
-      if (box.intersects(reached) && touches(sweep, x)) touched.push_back(t);
-    }
+      if (box.intersects(reached) && meets(x)) touched.push_back(t);
+    };
+    for (Index i = group.begin; i < group.end; ++i) look_at(order_[i]);
+    for (Index t : group.copies) look_at(t);
   }
   std::sort(touched.begin(), touched.end());
   return touched;
@@ -71,5 +97,9 @@ template std::vector<Index> TetGroups::touched(const Topology&, const Mat3X<doub
                                                const Sweep&);
 template std::vector<Index> TetGroups::touched(const Topology&, const Mat3X<double>&, const Mat3X<double>&,
                                                const Sweep&);
+template std::vector<Index> TetGroups::meeting(const Topology&, const Mat3X<double>&, const Mat3X<float>&,
+                                               const Eigen::AlignedBox3d&);
+template std::vector<Index> TetGroups::meeting(const Topology&, const Mat3X<double>&, const Mat3X<double>&,
+                                               const Eigen::AlignedBox3d&);
 
 }  // namespace lobe

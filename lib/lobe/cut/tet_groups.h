@@ -18,6 +18,12 @@ class TetGroups {
   // It is not known how far they have moved.
   void forget() { groups_.clear(); }
 
+  // A copy of a tetrahedron has been added.
+  void add_copy(Index tet, Index copy);
+  // The tetrahedra that meet a box, in ascending order.
+  template <class Real>
+  std::vector<Index> meeting(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
+                             const Eigen::AlignedBox3d& box);
   // The same as touched_tets() of all, in the deformed body of rest positions and displacements [m].
   template <class Real>
   std::vector<Index> touched(const Topology& topology,
@@ -30,10 +36,15 @@ class TetGroups {
     Index begin, end;         // of order_
     double path = -1;         // path_ when the box was found; −1: never
     Eigen::AlignedBox3d box;  // of the alive tetrahedra
+    std::vector<Index> copies = {};
   };
   void form(const Topology& topology, const Mat3X<double>& points);
+  template <class Real, class Meets>
+  std::vector<Index> find(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
+                          const Eigen::AlignedBox3d& reached, Meets&& meets);
 
   std::vector<Index> order_;
+  std::vector<Index> group_of_;  // per tetrahedron; none before there is a copy
   std::vector<Group> groups_;
   double path_ = 0;   // no vertex has come further since the groups were formed [m]
   double reach_ = 0;  // largest displacement then [m]

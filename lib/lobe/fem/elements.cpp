@@ -18,6 +18,19 @@ Elements::Elements(const Body& body)
   if (std::any_of(given.begin(), given.end(), [](int label) { return label != 0; })) labels = given;
 }
 
+void Elements::follow(const MeshEdit& edit) {
+  points.extend(topology.vertex_count());
+  for (const VertexSplit& split : edit.splits) points.col(split.copy) = points.col(split.vertex);
+  for (const TetCopy& own : edit.copies) {
+    if (!labels.empty()) labels.push_back(labels[own.tet]);
+    material_of.push_back(material_of[own.tet]);
+    region_of.push_back(region_of[own.tet]);
+  }
+  if (edit.shares.empty()) return;
+  shares.resize(std::size_t(topology.tet_count()), 1);
+  for (const TetShare& own : edit.shares) shares[own.tet] = own.share;
+}
+
 Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
                           double pressure) {
   return {.lambda = elastic.element_lambda(),

@@ -39,6 +39,8 @@ struct Elements {
     own.volume *= share_of(tet);
     return own;
   }
+  // The topology has made copies, or divided volumes anew.
+  void follow(const MeshEdit& edit);
   int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
 };

@@ -15,6 +15,7 @@ namespace {
 // What a scene has no word for.
 const char* edit_name(const Command& command) {
   if (std::holds_alternative<RemoveTets>(command)) return "tetrahedra were removed";
+  if (std::holds_alternative<Incise>(command)) return "an incision was made";
   if (std::holds_alternative<SetRegion>(command)) return "a region was changed";
   if (std::holds_alternative<SetMassDegree>(command)) return "the degree of the masses was changed";
   if (std::holds_alternative<SetForces>(command)) return "forces were set";
@@ -59,6 +60,18 @@ void add_tools(const Tools& tools, Index mesh_vertices, Scene& scene) {
     const auto copies = std::lower_bound(grasp.vertices.begin(), grasp.vertices.end(), mesh_vertices);
     tool.where = all_of({grasp.vertices.begin(), copies});
     tool.copies = {copies, grasp.vertices.end()};
+  }
+  for (const Scalpel& scalpel : tools.scalpels()) {
+    if (!scalpel.is_live) continue;
+    for (const Scalpel::Stroke& stroke : scalpel.strokes) {
+      if (stroke.tips.empty()) continue;
+      Tool& tool = scene.tools.emplace_back();
+      tool.name = scalpel.name;
+      tool.type = ToolType::scalpel;
+      tool.snap = scalpel.snap;
+      tool.path = stroke.tips;
+      tool.heels = stroke.heels;
+    }
   }
   for (const Cautery& cautery : tools.cauteries()) {
     if (!cautery.is_live) continue;

@@ -39,6 +39,8 @@ void Timeline<Real>::let_go_of_all() {
     if (grasp.is_live && !grasp.release) tools.push_back(grasp.id);
   for (const Cautery& cautery : world_.tools().cauteries())
     if (cautery.is_live && !cautery.is_away) tools.push_back(cautery.id);
+  for (const Scalpel& scalpel : world_.tools().scalpels())
+    if (scalpel.is_live && !scalpel.is_away) tools.push_back(scalpel.id);
   for (ToolId tool : tools) apply(LetGo{tool});
 }
 

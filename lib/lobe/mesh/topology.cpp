@@ -244,9 +244,10 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
   for (Index t : edit.removed) {
     const Eigen::Vector4i beside = neighbours_.col(t);
     unlink(t);
-    const std::array<bool, 4> whole = stays_whole(tets_.col(t), beside);
+    std::array<bool, 4> whole{};
+    if (stars_are_whole_) whole = stays_whole(tets_.col(t), beside);
     for (int c = 0; c < 4; ++c)
-      if (!whole[c] || !stars_are_whole_) touched.push_back(tets_(c, t));
+      if (!whole[c]) touched.push_back(tets_(c, t));
   }
   find_cut_off(rims, ends, edit);
   sort_unique(touched);

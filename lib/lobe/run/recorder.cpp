@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "lobe/diagnostics/fields.h"
+#include "lobe/diagnostics/grain_frame.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/text.h"
 
@@ -20,8 +21,7 @@ std::string numbered(const char* format, std::size_t number) {
 
 nlohmann::ordered_json tool_json(const Tools::Pose& pose, const Mat3X<double>& x) {
   const auto array = [](const Vec3d& p) { return nlohmann::ordered_json{p[0], p[1], p[2]}; };
-  nlohmann::ordered_json tool{{"type", pose.type == ToolType::grasp ? "grasp" : "cautery"},
-                              {"position", array(pose.position)}};
+  nlohmann::ordered_json tool{{"type", name(pose.type)}, {"position", array(pose.position)}};
   if (pose.radius > 0) tool["radius"] = pose.radius;
   for (Index v : pose.vertices) tool["points"].push_back(array(x.col(v)));
   return tool;
@@ -38,8 +38,12 @@ void Recorder::record(World<Real>& world, bool last) {
   // A run that ended early stands where it was recorded last, perhaps with more cuts.
   if (!frames_.empty() && frames_.back().first == world.time()) frames_.pop_back();
   const std::string frame = numbered("frame_%04zu.vtu", frames_.size());
-  write_frame(directory_ / frame, world.elements(), world.state().u.template cast<double>(),
-              world.state().v.template cast<double>());
+  const Mat3X<double> u = world.state().u.template cast<double>(),
+                      v = world.state().v.template cast<double>();
+  if (const Grains* grains = world.grains())
+    write_grain_frame(directory_ / frame, world.elements(), *grains, u, v);
+  else
+    write_frame(directory_ / frame, world.elements(), u, v);
   frames_.emplace_back(world.time(), frame);
   if (frame_due) next_frame_ = output_.every * (std::floor((world.time() + just_before) / output_.every) + 1);
   const bool something_left = world.elements().topology.alive_count() > 0;  // an empty mesh cannot be drawn

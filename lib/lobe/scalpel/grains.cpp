@@ -57,6 +57,26 @@ Index Grains::neighbour(Index grain, int face) const {
   return -1;
 }
 
+bool Grains::can_bisect(const std::vector<Incision::Bisection>& edges) const {
+  const auto is_point = [&](Index p) { return p >= 0 && p < point_count(); };
+  return std::all_of(edges.begin(), edges.end(), [&](const Incision::Bisection& edge) {
+    return is_point(edge.a) && is_point(edge.b) && edge.a != edge.b && edge.share > 0 && edge.share < 1;
+  });
+}
+
+bool Grains::can_open(const std::vector<Index>& faces) const {
+  return std::all_of(faces.begin(), faces.end(), [&](Index code) { return code >= 0 && code / 4 < count(); });
+}
+
+bool Grains::fills(Index vertex, const Elements& elements) const {
+  const Vec3d X = elements.points.col(vertex);
+  for (Index t : elements.topology.around(vertex))
+    for (Index grain : of(t))
+      for (Index p : (*this)[grain].points)
+        if (point(p) == X) return true;
+  return false;
+}
+
 void Grains::forget_stroke(int stroke) {
   for (std::uint32_t& on : on_) on &= ~(1u << stroke);
 }
@@ -134,6 +154,7 @@ void Grains::split_if_apart(Index point) {
         left.erase(found);
       }
   }
+  if (parts.size() < 2) return;
   const auto keeps = std::max_element(parts.begin(), parts.end(),
                                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
   std::swap(*keeps, parts.front());
@@ -153,11 +174,17 @@ void Grains::split_if_apart(Index point) {
 }
 
 void Grains::forget(const std::vector<Index>& elements) {
+  std::vector<Index> points;
   for (Index t : elements) {
     for (Index grain : of(t))
-      for (Index p : (*this)[grain].points) around_.erase_value(p, grain);
+      for (Index p : (*this)[grain].points) {
+        around_.erase_value(p, grain);
+        points.push_back(p);
+      }
     of_element_.clear(t);
   }
+  sort_unique(points);
+  for (Index p : points) split_if_apart(p);
 }
 
 std::size_t Grains::bytes() const {

@@ -66,7 +66,15 @@ class Grains {
   const std::vector<std::uint32_t>& on() const { return on_; }
   void set_on(std::vector<std::uint32_t> on) { on_ = std::move(on); }
 
+  // Whether a vertex of the simulation lies in the material of tetrahedra around it, and is not only a corner
+  // of tetrahedra of which there is a part elsewhere.
+  bool fills(Index vertex, const Elements& elements) const;
+
   // ---- Edits
+
+  // Whether these can be edges and faces of now; for what is read back.
+  bool can_bisect(const std::vector<Incision::Bisection>& edges) const;
+  bool can_open(const std::vector<Index>& faces) const;
 
   // New points lie on the sheets that both ends of their edge lie on, and on those of `strokes`, as bits.
   void bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t strokes = 0);

@@ -98,12 +98,14 @@ ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
   for (const Tool& tool : scene.tools) {
     const bool grasp = tool.type == ToolType::grasp;
     ordered_json entry = {{"name", tool.name},
-                          {"type", grasp ? "grasp" : "cautery"},
+                          {"type", name(tool.type)},
                           {"from_s", tool.path.front().time},
                           {"to_s", tool.path.back().time}};
     if (grasp) {
       entry["vertices"] = setup.grasps[grasps++].vertices.size();
       entry["release"] = tool.release;
+    } else if (tool.type == ToolType::scalpel) {
+      entry["snap"] = tool.snap;
     } else {
       entry["radius_m"] = tool.radius;
     }
@@ -199,6 +201,8 @@ void print_tools(std::ostream& out, const ordered_json& tools) {
     if (tool.contains("vertices")) {
       out << tool["vertices"] << " vertices" << (tool["release"].get<bool>() ? ", then released" : "")
           << "\n";
+    } else if (tool.contains("snap")) {
+      out << "snap " << rounded(tool["snap"]) << "\n";
     } else {
       out << "radius " << rounded(tool["radius_m"]) << " m\n";
     }

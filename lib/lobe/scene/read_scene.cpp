@@ -86,14 +86,19 @@ Boundary read_boundary(const json& entry, const std::string& pointer) {
 Tool read_tool(const json& entry, const std::string& pointer) {
   Tool tool;
   tool.name = entry["type"];
-  tool.type = tool.name == "grasp" ? ToolType::grasp : ToolType::cautery;
+  tool.type = tool.name == "grasp"     ? ToolType::grasp
+              : tool.name == "scalpel" ? ToolType::scalpel
+                                       : ToolType::cautery;
   read(entry, "name", tool.name);
   read(entry, "radius", tool.radius);
   read(entry, "release", tool.release);
+  read(entry, "snap", tool.snap);
   read(entry, "copies", tool.copies);
   tool.where = read_where(entry);
   for (const json& row : entry["path"]) {
-    if (row.size() != 4 && row.size() != 8)
+    const bool is_blade = tool.type == ToolType::scalpel && row.size() == 7;  // the schema asks for 7
+    if (is_blade) tool.heels.push_back({row[4].get<double>(), row[5].get<double>(), row[6].get<double>()});
+    if (!is_blade && row.size() != 4 && row.size() != 8)
       throw InputError(pointer + "/path/" + std::to_string(tool.path.size()),
                        "a row has 4 numbers, or 8 with a quaternion, not " + std::to_string(row.size()));
     PathPoint& point = tool.path.emplace_back();

@@ -34,6 +34,9 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
                        [](const Material& material) { return material.nodal_pressure > 0; });
     case Option::automatic:
       return place_if(scene.auto_regions.has_value(), "/regions/auto");
+    case Option::scalpel:
+      return places_in(scene.tools, "/tools", "type",
+                       [](const Tool& tool) { return tool.type == ToolType::scalpel; });
     case Option::stored:
       return place_if(scene.evaluator == Evaluator::stored, "/evaluator");
     case Option::sleep:

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "lobe/scene/resolve_parts.h"
@@ -20,6 +21,15 @@ bool meets_box(const Vec3d& a, const Vec3d& b, const Vec3d& low, const Vec3d& hi
     leave = std::min(leave, std::max(s, t));
   }
   return enter <= leave;
+}
+
+double mean_edge(const TetMesh& mesh) {  // [m]
+  double sum = 0;
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    const Mat34<double> x = tet_points(mesh, t);
+    for (const auto& edge : edge_corners) sum += (x.col(edge[0]) - x.col(edge[1])).norm();
+  }
+  return sum / (6.0 * mesh.tet_count());
 }
 
 bool passes_near(const Tool& tool, const TetMesh& mesh) {
@@ -68,6 +78,24 @@ void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& 
   setup.grasps.push_back({tool.name, vertices, tool.path, tool.release});
 }
 
+void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string& here) {
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+  for (std::size_t i = 0; i < tool.path.size(); ++i) {
+    const double length = (tool.heels[i] - tool.path[i].position).norm();
+    if (length == 0) resolution.fail(here + "/path/" + std::to_string(i), "tip and heel are the same point");
+    shortest = std::min(shortest, length);
+    longest = std::max(longest, length);
+  }
+  resolution.result.setup.scalpels.push_back({tool.name, tool.snap, tool.path, tool.heels});
+  if (longest > 1.05 * shortest)
+    resolution.warn(here + "/path", "the blade's length varies between " + rounded(shortest) + " m and " +
+                                        rounded(longest) + " m: it may turn too far from row to row");
+  const double edge = mean_edge(resolution.mesh());
+  if (longest < edge)
+    resolution.warn(here + "/path", "the blade is shorter than the mesh's mean edge, " + rounded(edge) +
+                                        " m: it cuts nothing");
+}
+
 }  // namespace
 
 void resolve_tools(Resolution& resolution) {
@@ -77,6 +105,8 @@ void resolve_tools(Resolution& resolution) {
     const std::string here = "/tools/" + std::to_string(i);
     if (tool.type == ToolType::grasp) {
       resolve_grasp(resolution, tool, here);
+    } else if (tool.type == ToolType::scalpel) {
+      resolve_scalpel(resolution, tool, here);
     } else {
       resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path});
       if (!passes_near(tool, resolution.mesh())) {

@@ -110,6 +110,10 @@ ordered_json write(const Tool& tool) {
     if (!tool.copies.empty()) entry["copies"] = tool.copies;
     entry["path"] = path;
     entry["release"] = tool.release;
+  } else if (tool.type == ToolType::scalpel) {
+    for (std::size_t i = 0; i < path.size(); ++i)
+      path[i].insert(path[i].end(), {tool.heels[i][0], tool.heels[i][1], tool.heels[i][2]});
+    entry.update({{"type", "scalpel"}, {"path", path}, {"snap", tool.snap}});
   } else {
     entry.update({{"type", "cautery"}, {"radius", tool.radius}, {"path", path}});
   }

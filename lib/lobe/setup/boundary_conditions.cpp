@@ -38,9 +38,10 @@ Vec3d DeadLoads::at(const Elements& elements, Index vertex) const {
   if (elements.topology.around(vertex).empty()) return force;
   if (of_tet_.vertex_count() > 0)
     for (Index t : elements.topology.around(vertex))
-      for (Index i : of_tet_[t]) {
+      for (Index i : of_tet_[elements.topology.parent(t)]) {
         const Eigen::Vector3i face = elements.topology.face(4 * t + face_loads_[i].face);
-        if ((face.array() == vertex).any()) force += face_loads_[i].traction * face_area(elements, face) / 3;
+        if ((face.array() == vertex).any())
+          force += elements.share_of(t) * face_loads_[i].traction * face_area(elements, face) / 3;
       }
   if (vertex < of_vertex_.vertex_count())
     for (Index i : of_vertex_[vertex]) force += vertex_loads_[i].force;
@@ -117,6 +118,12 @@ void HeldVertices::release(int holder) {
   for (const Held& item : items_)
     if (item.holder == holder) held_[item.vertex] = 0;
   std::erase_if(items_, [&](const Held& item) { return item.holder == holder; });
+}
+
+void HeldVertices::free(Index vertex) {
+  if (!holds(vertex)) return;
+  held_[vertex] = 0;
+  std::erase_if(items_, [&](const Held& item) { return item.vertex == vertex; });
 }
 
 void HeldVertices::split(Index vertex, Index copy) {

@@ -9,7 +9,8 @@
 namespace lobe {
 
 // Consistent nodal forces of the dead loads: a third of t A on each vertex of a face, in rest area; vertex
-// loads as they are. Loads on faces of removed tetrahedra are gone.
+// loads as they are. Copies of a tetrahedron share its load as its volume. Loads on faces of removed
+// tetrahedra are gone.
 class DeadLoads {
  public:
   DeadLoads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
@@ -67,6 +68,7 @@ class HeldVertices {
 
   void hold(const Held& item);
   void release(int holder);
+  void free(Index vertex);
   void split(Index vertex, Index copy);  // the copy is held as the vertex is
 
  private:

@@ -126,6 +126,15 @@ void Checker::check_tools() {
     expect(std::isfinite(cautery.radius) && cautery.radius > 0,
            "cautery \"" + cautery.name + "\" needs a radius above 0");
   }
+  for (const ScalpelSetup& scalpel : setup_.scalpels) {
+    const std::string name = "scalpel \"" + scalpel.name + "\"";
+    check_path(name, scalpel.path);
+    expect(scalpel.heels.size() == scalpel.path.size(), name + " needs a heel in each row of its path");
+    expect(scalpel.snap >= least_snap && scalpel.snap <= most_snap, name + ": snap must be in [0.02, 0.3]");
+    for (std::size_t i = 0; i < std::min(scalpel.heels.size(), scalpel.path.size()); ++i)
+      expect(scalpel.heels[i].allFinite() && scalpel.heels[i] != scalpel.path[i].position,
+             name + ": row " + std::to_string(i) + " has a blade without length, or one that is not finite");
+  }
 }
 
 void Checker::check_exclusions(Options used) {

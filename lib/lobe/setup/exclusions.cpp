@@ -18,6 +18,10 @@ constexpr Exclusion table[] = {
     {Option::single_precision, Option::implicit, "its iterations need more digits", "use double precision"},
     {Option::mass_scaling, Option::precomputed, "a precomputed region's interior has no mass to add to",
      "use \"tensor-mass\", or \"selective_mass\""},
+    {Option::precomputed, Option::scalpel, "a condensed region knows no copies of tetrahedra",
+     "use \"tensor-mass\""},
+    {Option::automatic, Option::scalpel, "zones are chosen for the tetrahedra at the start",
+     "leave one of them out"},
     {Option::nodal_pressure, Option::stored, "the stored polynomial is each tetrahedron's own",
      "use \"direct\""},
     {Option::sleep, Option::nodal_pressure, "the pressure of a patch depends on its neighbours",
@@ -59,6 +63,8 @@ const char* name(Option option) {
       return "\"mass_scaling\"";
     case Option::force_terms:
       return "a force term or springs";
+    case Option::scalpel:
+      return "\"type\": \"scalpel\"";
     case Option::implicit:
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:
@@ -83,6 +89,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
   used.add(Option::mass_scaling, setup.mass_scaling > 0);
+  used.add(Option::scalpel, !setup.scalpels.empty());
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;
 }

@@ -26,11 +26,12 @@ enum class Option : std::uint8_t {
   selective_mass,
   mass_scaling,
   force_terms,  // World::add(), springs
+  scalpel,
   implicit,
   single_precision,
   static_solution
 };
-inline constexpr std::size_t option_count = 13;
+inline constexpr std::size_t option_count = 14;
 const char* name(Option option);  // as a scene says it: "model": "precomputed"
 
 class Options {  // a set of them

@@ -44,7 +44,12 @@ struct PathPoint {
   static constexpr auto fields = std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation);
 };
 
-enum class ToolType : std::uint8_t { grasp, cautery };
+enum class ToolType : std::uint8_t { grasp, cautery, scalpel };
+
+inline const char* name(ToolType type) {
+  constexpr const char* names[] = {"grasp", "cautery", "scalpel"};
+  return names[static_cast<int>(type)];
+}
 
 struct GraspSetup {
   std::string name;
@@ -61,6 +66,15 @@ struct CauterySetup {
   std::vector<PathPoint> path;  // positions of the tip
   static constexpr auto fields = std::tuple(&CauterySetup::radius, &CauterySetup::path);
 };
+
+struct ScalpelSetup {
+  std::string name;
+  double snap = 0.1;            // a vertex nearer to the cut than this share of its shortest edge lies on it
+  std::vector<PathPoint> path;  // positions of the tip
+  std::vector<Vec3d> heels;     // the other end of the cutting edge, in each row of the path [m]
+  static constexpr auto fields = std::tuple(&ScalpelSetup::snap, &ScalpelSetup::path, &ScalpelSetup::heels);
+};
+inline constexpr double least_snap = 0.02, most_snap = 0.3;
 
 inline constexpr int highest_mass_degree = 16;  // of selective mass scaling
 
@@ -93,6 +107,7 @@ struct Setup : Body {
   bool expandable = false;  // precomputed regions may be non-linear for a while (command Expand)
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
+  std::vector<ScalpelSetup> scalpels;
   std::filesystem::path
       condensed_cache;  // folder that keeps condensed regions (condensed_cache.h); none: it does not
 
@@ -103,7 +118,7 @@ struct Setup : Body {
                  &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
                  &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator, &Setup::implicit_step,
                  &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp, &Setup::sleep, &Setup::expandable,
-                 &Setup::grasps, &Setup::cauteries));
+                 &Setup::grasps, &Setup::cauteries, &Setup::scalpels));
 };
 
 }  // namespace lobe

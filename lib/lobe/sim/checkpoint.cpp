@@ -11,7 +11,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 12,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 13,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -29,6 +29,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.state = {body_.motion.u.view(), body_.motion.v.view(), time(), body_.motion.behind};
   c.held = held();
   c.tools = tools_.state();
+  if (blades_) c.blades = blades_->state();
   c.pieces = pieces_.state();
   c.sleep = body_.sleep.state();
   c.unravelling = unravelling_.state();
@@ -87,6 +88,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   unravelling_.set_state(c.unravelling);
   body_.model.held = c.held;
   tools_.set_state(c.tools);
+  if (blades_) blades_->set_state(c.blades);
   pieces_.set_state(c.pieces);
   pending_ = c.pending;
   load_terms(c);
@@ -102,10 +104,12 @@ Setup World<Real>::initial_setup() const {
   const Topology& now = elements().topology;
   Setup setup = setup_;
   setup.mesh.points = elements().points.view().leftCols(now.vertex_count() - now.copy_count());
-  setup.mesh.tets = now.tets().unaryExpr([&](Index v) { return now.origin(v); });
+  const Index tets = now.tet_count() - now.tet_copy_count();
+  setup.mesh.tets = now.tets().leftCols(tets).unaryExpr([&](Index v) { return now.origin(v); });
   setup.mesh.labels = elements().labels;
-  setup.mesh.labels.resize(std::size_t(now.tet_count()), 0);
+  setup.mesh.labels.resize(std::size_t(tets), 0);
   setup.material_of = elements().material_of;
+  setup.material_of.resize(std::size_t(tets));
   return setup;
 }
 
@@ -132,6 +136,8 @@ void World<Real>::repeat(const Command& command) {
   if (const auto* removal = std::get_if<RemoveTets>(&command)) {
     check_tets(removal->tets);
     cut(removal->tets);
+  } else if (const auto* incise = std::get_if<Incise>(&command)) {
+    repeat_incision(*incise);
   } else if (const auto* change = std::get_if<SetRegion>(&command)) {
     check_tets(change->tets);
     change_region(change->tets, change->model);
@@ -157,7 +163,8 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
   bool fits =
       std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices &&
       c.state.v.cols() == vertices && (piece_of.empty() || piece_of.size() == tets) &&
-      Tools::fits(c.tools, vertices, setup_) && c.sleep.asleep.size() == body_.sleep.state().asleep.size() &&
+      Tools::fits(c.tools, vertices, setup_) && Blades::fits(c.blades, grains()) &&
+      c.sleep.asleep.size() == body_.sleep.state().asleep.size() &&
       c.sleep.restless_till.size() == c.sleep.asleep.size() && c.ratios.own.size() == std::size_t(vertices) &&
       (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
   fits = fits && is_known(0);

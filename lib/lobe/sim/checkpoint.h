@@ -19,6 +19,7 @@ struct Checkpoint {
   std::vector<Command> history;
   HeldVertices held;
   Tools::State tools;
+  Blades::State blades;
   Pieces::State pieces;
   Sleep::State sleep;
   Unravelling::State unravelling;
@@ -36,9 +37,9 @@ struct Checkpoint {
   bool is_valid() const { return acceleration.allFinite(); }
   static constexpr auto fields =
       std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
-                 &Checkpoint::tools, &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling,
-                 &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::mass_degree, &Checkpoint::acceleration,
-                 &Checkpoint::pending, &Checkpoint::terms);
+                 &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
+                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::mass_degree,
+                 &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms);
 };
 
 // Of what decides how a world moves: mesh, materials, regions, loads, tools …

@@ -83,14 +83,24 @@ struct BringCautery {
       std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position);
 };
 
+// Brings a scalpel, which does not cut yet, to a pose; its id is tools().next_id() before.
+struct BringScalpel {
+  std::string name;
+  BladePose pose;
+  double snap = 0.1;  // setup/setup.h
+  bool operator==(const BringScalpel&) const = default;
+  static constexpr auto fields = std::tuple(&BringScalpel::name, &BringScalpel::pose, &BringScalpel::snap);
+};
+
 // A tool is to be there at the end of the next frame; on its way it moves uniformly.
 struct Lead {
   ToolId tool = 0;
-  ToolPose target;  // of its centre; a cautery has no orientation
+  ToolPose target;  // of its centre, of a scalpel of its tip; a cautery has no orientation
   bool operator==(const Lead&) const = default;
   static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
 };
 
+// Or a scalpel, which cuts while it is on.
 struct SwitchCautery {
   ToolId tool = 0;
   bool on = false;
@@ -103,6 +113,14 @@ struct LetGo {
   ToolId tool = 0;
   bool operator==(const LetGo&) const = default;
   static constexpr auto fields = std::tuple(&LetGo::tool);
+};
+
+// What a blade has done in one step, by numbers of grains. World makes it; the first, which is empty, says
+// where the grains were made.
+struct Incise {
+  Incision incision;
+  bool operator==(const Incise&) const = default;
+  static constexpr auto fields = std::tuple(&Incise::incision);
 };
 
 // External forces on vertices, in place of those that there were.
@@ -163,7 +181,7 @@ struct Superseded {
 };
 
 using Command = std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Renew, SetMassDegree, TakeHold,
-                             BringCautery, Lead, SwitchCautery, LetGo, SetForces, SetSprings, MoveSprings,
-                             Hold, BeginRefresh, EndRefresh, Superseded>;
+                             BringCautery, BringScalpel, Lead, SwitchCautery, LetGo, Incise, SetForces,
+                             SetSprings, MoveSprings, Hold, BeginRefresh, EndRefresh, Superseded>;
 
 }  // namespace lobe

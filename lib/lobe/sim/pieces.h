@@ -25,6 +25,10 @@ class Pieces {
   // one is left of its body. Every piece is a body of its own from then on, so that a later cut has to judge
   // no others than those that it cuts.
   std::vector<std::vector<Index>> loosened_by(Model& model, const MeshEdit& edit);
+  void follow(const MeshEdit& edit) {  // copies belong to the piece of what they are copies of
+    if (state_.piece_of.empty()) return;
+    for (const TetCopy& own : edit.copies) state_.piece_of.push_back(state_.piece_of[own.tet]);
+  }
   // The same after somebody took hold or let go.
   std::vector<std::vector<Index>> loosened(Model& model) {
     return judge(model, model.elements.topology.pieces());

@@ -84,8 +84,8 @@ RebuildDifference compare_with_rebuilt(World<Real>& world) {
   d.interior = relative(d.interior, scale);
   const double omega = fresh.step_limit().highest_vertex(fresh.body()).omega;
   d.frequency = relative(std::abs(world.step_limit().highest_vertex(world.body()).omega - omega), omega);
-  d.same_boundary =
-      boundary(world.elements().topology, &c.vertex_target) == boundary(fresh.elements().topology, nullptr);
+  d.same_boundary = world.grains() || boundary(world.elements().topology, &c.vertex_target) ==
+                                          boundary(fresh.elements().topology, nullptr);
   for (Index t = 0; t < fresh.elements().topology.tet_count(); ++t)
     d.same_regions =
         d.same_regions && fresh.elements().region_of[t] == world.elements().region_of[c.tet_source[t]];

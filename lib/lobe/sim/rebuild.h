@@ -7,10 +7,10 @@ namespace lobe {
 
 struct RebuildDifference {  // relative, largest over vertices
   double mass = 0;
-  double force = 0;      // internal and external forces at the same displacements
-  double interior = 0;   // displacements of a precomputed region in equilibrium
-  double frequency = 0;  // vertex estimate of ω_max, from which the time step follows
-  bool same_boundary = true;
+  double force = 0;           // internal and external forces at the same displacements
+  double interior = 0;        // displacements of a precomputed region in equilibrium
+  double frequency = 0;       // vertex estimate of ω_max, from which the time step follows
+  bool same_boundary = true;  // not compared where a blade has cut: it lies between grains
   bool same_regions = true;
   double largest() const;  // infinite if boundary or regions differ
 };

@@ -22,6 +22,8 @@ const char* name(Condition::Kind kind) {
       return "unravelling";
     case Condition::Kind::lumped:
       return "lumped";
+    case Condition::Kind::scalpel:
+      return "scalpel";
     case Condition::Kind::lost_force:
       return "lost_force";
   }

@@ -25,6 +25,7 @@ struct Condition {
                   // nothing to do, but for what the text says
     lumped,  // selective masses wait, or act again: while tetrahedra are crushed masses are lumped, and steps
              // shorter; nothing to do
+    scalpel,    // a blade could not cut all that it met: as the text says
     lost_force  // a force term acts on the interior of a precomputed region: as the text says
   };
   Kind kind;
@@ -46,6 +47,8 @@ struct Report {
   Index limiting_vertex = -1;  // whose stiffness it follows; one of those where there are several
   int reruns = 0;              // of frames, with smaller steps
   Index tets_removed = 0;
+  Index tets_copied = 0;                                 // by blades
+  double cut_area = 0;                                   // that they have opened, at rest [m²]
   long long patches_evaluated = 0, patches_skipped = 0;  // in all evaluations; skipped: asleep
   double smallest_volume_ratio = 1;  // of det F over the non-linear region, at the start of the frame
   std::array<double, phase_count> seconds{};  // of wall time per phase

@@ -253,7 +253,7 @@ void World<Real>::publish(const Report& report) {
   published_->surfaces.copy(*surface_, elements().points.view(), now.u, snapshot->surface);
   snapshot->tools.clear();
   for (const Tools::Pose& pose : tool_poses(*this))
-    snapshot->tools.push_back({pose.name, pose.type == ToolType::grasp ? "grasp" : "cautery", pose.position,
+    snapshot->tools.push_back({pose.name, name(pose.type), pose.position,
                                Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque});
   snapshot->figures = {report.ok,
                        report.steps,

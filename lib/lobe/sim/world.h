@@ -65,6 +65,7 @@ class World {
   // Whether tetrahedra that stayed crushed are linear until they have come back.
   bool is_unravelling() const { return unravelling_.is_on(); }
   const Tools& tools() const { return tools_; }
+  const Grains* grains() const { return blades_ ? &blades_->grains : nullptr; }  // null: no blade has cut
   // The parts, for those that measure a world: none of them is to be changed.
   Dynamics<Real>& body() { return body_; }
   const Dynamics<Real>& body() const { return body_; }
@@ -117,7 +118,11 @@ class World {
   void perform(const TakeHold& command);
   void perform(const BringCautery& command);
   void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
-  void perform(const SwitchCautery& command) { tools_.switch_cautery(command.tool, command.on); }
+  void perform(const BringScalpel& command) {
+    tools_.add(Scalpel{.name = command.name, .snap = command.snap, .strokes = {}, .pose = command.pose});
+  }
+  void perform(const SwitchCautery& command) { tools_.turn_on(command.tool, command.on); }
+  void perform(const Incise& command);
   void perform(const LetGo& command) { tools_.let_go(command.tool); }
   void perform(const SetForces& command);
   void perform(const SetSprings& command);
@@ -127,6 +132,11 @@ class World {
   void perform(const EndRefresh&);
   void perform(const Superseded& command) { history_.push_back(command); }
 
+  Blades& blades();
+  typename Blades::BodyNow body_now();
+  void incise(const BladeMove& move, Report& report);
+  MeshEdit divide(const std::vector<Index>& opened);
+  void hold_what_is_filled(const MeshEdit& edit);
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);
   RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);
@@ -168,6 +178,7 @@ class World {
   void check_fits(const Checkpoint<Real>& checkpoint) const;
   void check_repeats(const Command& command) const;
   void repeat(const Command& command);
+  MeshEdit repeat_incision(const Incise& command);
   void take(const Checkpoint<Real>& checkpoint);
   void load_terms(const Checkpoint<Real>& checkpoint);
 
@@ -183,6 +194,7 @@ class World {
   Unravelling unravelling_;
   Pieces pieces_;
   Tools tools_;
+  std::unique_ptr<Blades> blades_;              // none until a blade cuts
   std::unique_ptr<ImplicitDynamics> implicit_;  // none: central differences
   double longest_move_;                         // a step that moves a vertex further is trouble [m]
   std::vector<Condition> pending_;              // found by edits, handed out with the next report

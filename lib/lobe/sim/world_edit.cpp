@@ -20,6 +20,7 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
     edit.entered.insert(edit.entered.end(), split.tets.begin(), split.tets.end());
     edit.vertices.push_back(split.vertex);
   }
+  for (const TetShare& own : cut.shares) edit.entered.push_back(own.tet);
   for (Index v = vertices_before; v < topology.vertex_count(); ++v) edit.vertices.push_back(v);
   sort_unique(edit.entered);
   edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
@@ -27,6 +28,19 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
     for (Index v : topology.corners(t)) edit.vertices.push_back(v);
   sort_unique(edit.vertices);
   return edit;
+}
+
+Index first_copy(const Topology& topology) { return topology.tet_count() - topology.tet_copy_count(); }
+
+// Loads on faces of tetrahedra that are left, and of their copies.
+std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const Topology& topology,
+                                     const CompactMesh& c) {
+  std::vector<FaceLoad> found;
+  for (const FaceLoad& load : loads)
+    for (Index t = load.tet; t < topology.tet_count(); t = std::max(t + 1, first_copy(topology)))
+      if (topology.parent(t) == load.tet && c.tet_target[t] >= 0)
+        found.push_back({c.tet_target[t], load.face, load.traction});
+  return found;
 }
 
 }  // namespace
@@ -58,6 +72,7 @@ MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
   state();
   MeshEdit edit = body_.model.elements.topology.remove(tets);
   if (edit.empty()) return edit;
+  if (blades_) blades_->grains.forget(edit.removed);
   follow(edit);
   history_.push_back(RemoveTets{edit.removed});
   return edit;
@@ -68,19 +83,24 @@ void World<Real>::follow(const MeshEdit& edit) {
   Elements& elements = body_.model.elements;
   Motion<Real>& motion = body_.motion;
   const Index before = motion.u.count();
-  elements.points.extend(elements.topology.vertex_count());
+  elements.follow(edit);
+  pieces_.follow(edit);
+  tools_.add_copies(edit.copies);
   motion.extend(elements.topology.vertex_count());
   for (const VertexSplit& split : edit.splits) {
     lobe_assert(split.copy >= before && split.copy < motion.u.count(),
                 "a copy of a vertex is not a new vertex");
-    elements.points.col(split.copy) = elements.points.col(split.vertex);
     motion.u.col(split.copy) = motion.u.col(split.vertex);
     motion.v.col(split.copy) = motion.v.col(split.vertex);
     body_.model.held.split(split.vertex, split.copy);
     body_.inertia.copy(split.vertex, split.copy);
   }
+  if (!edit.shares.empty()) hold_what_is_filled(edit);
   limit_.follow(body_, edit);
-  if (surface_) surface_->follow(elements.topology, edit, elements.region_of);
+  if (surface_ && !edit.copies.empty())
+    surface_->rebuild(elements.topology, elements.region_of);
+  else if (surface_)
+    surface_->follow(elements.topology, edit, elements.region_of);
   for (const CutObserver& observer : cut_observers_) observer(elements.topology, edit);
   for (const auto& term : body_.terms) term->follow(elements.topology, edit);
   follow(region_edit_of(edit, elements.topology, before));
@@ -220,12 +240,12 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
     if (c.vertex_target[item.vertex] >= 0)
       setup.prescribed.push_back({c.vertex_target[item.vertex], goal, item.axes});
   }
-  std::erase_if(setup.face_loads, [&](const FaceLoad& load) { return c.tet_target[load.tet] < 0; });
-  for (FaceLoad& load : setup.face_loads) load.tet = c.tet_target[load.tet];
+  setup.face_loads = loads_of_parts(setup_.face_loads, own.topology, c);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];
   setup.grasps.clear();
   setup.cauteries.clear();
+  setup.scalpels.clear();
   return setup;
 }
 

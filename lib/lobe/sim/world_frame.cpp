@@ -266,6 +266,8 @@ void World<Real>::play_tools(double duration, Report& report) {
   }
   for (const Sweep& sweep : tools_.sweeps(time(), time() + duration))
     report.tets_removed += remove_tets(touched(sweep));
+  for (const BladeMove& move : tools_.blade_moves(time(), time() + duration)) incise(move, report);
+  if (blades_) blades_->end_strokes();
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
 }

@@ -178,7 +178,8 @@ template <class Real>
 void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit) {
   const Elements& elements = body.model.elements;
   const bool is_local =
-      !body.regions.any_condensed() && !any_nodal_pressure(elements.materials) && body.terms.empty() &&
+      edit.shares.empty() && !body.regions.any_condensed() && !any_nodal_pressure(elements.materials) &&
+      body.terms.empty() &&
       std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
   known_ = is_known(body) && is_local ? Known::followed : Known::nothing;
   if (known_ == Known::nothing) return;

@@ -41,6 +41,12 @@ Tools::Tools(const Setup& setup) {
   for (const CauterySetup& cautery : setup.cauteries)
     cauteries_.push_back(
         {.id = next_++, .name = cautery.name, .radius = cautery.radius, .strokes = {cautery.path}});
+  for (const ScalpelSetup& scalpel : setup.scalpels)
+    scalpels_.push_back({.id = next_++,
+                         .name = scalpel.name,
+                         .snap = scalpel.snap,
+                         .strokes = {{scalpel.path, scalpel.heels}},
+                         .pose = {}});
   placed_.resize(std::size_t(next_));
 }
 
@@ -86,10 +92,31 @@ void Tools::add(Cautery cautery) {
   cauteries_.push_back(std::move(cautery));
 }
 
+Scalpel* Tools::live_scalpel(ToolId id) {
+  const auto at = found(scalpels_, id);
+  if (at == scalpels_.end()) return nullptr;
+  if (!at->is_live) refuse(id, "follows the path of its scene");
+  if (at->is_away) refuse(id, "was taken away");
+  return &*at;
+}
+
+void Tools::add(Scalpel scalpel) {
+  if (!scalpel.pose.tip.allFinite() || !scalpel.pose.heel.allFinite() ||
+      scalpel.pose.tip == scalpel.pose.heel || !(scalpel.snap >= least_snap && scalpel.snap <= most_snap))
+    refuse(next_, "needs a tip and a heel that are finite and not the same, and a snap of 0.02 to 0.3");
+  scalpel.id = next_++;
+  scalpel.is_live = true;
+  scalpel.blade = scalpel.pose.heel - scalpel.pose.tip;
+  placed_.resize(std::size_t(next_));
+  scalpels_.push_back(std::move(scalpel));
+}
+
 void Tools::lead(ToolId id, const ToolPose& target) {
   check(id, target);
   if (has_grasp(id))
     live_grasp(id).target = target;
+  else if (Scalpel* scalpel = live_scalpel(id))
+    scalpel->target = target;
   else
     live_cautery(id).target = target.position;
 }
@@ -98,12 +125,18 @@ void Tools::let_go(ToolId id) {
   if (has_grasp(id)) {
     live_grasp(id).release = true;
   } else {
-    switch_cautery(id, false);
-    live_cautery(id).is_away = true;
+    turn_on(id, false);
+    Scalpel* scalpel = live_scalpel(id);
+    (scalpel ? scalpel->is_away : live_cautery(id).is_away) = true;
   }
 }
 
-void Tools::switch_cautery(ToolId id, bool on) {
+void Tools::turn_on(ToolId id, bool on) {
+  if (Scalpel* scalpel = live_scalpel(id)) {
+    if (on && !scalpel->is_on) scalpel->strokes.emplace_back();
+    scalpel->is_on = on;
+    return;
+  }
   Cautery& cautery = live_cautery(id);
   if (on && !cautery.is_on) cautery.strokes.emplace_back();
   cautery.is_on = on;
@@ -121,6 +154,14 @@ std::vector<CauterySetup> Tools::cautery_paths() const {
   for (const Cautery& cautery : cauteries_)
     for (const std::vector<PathPoint>& stroke : cautery.strokes)
       if (!stroke.empty()) paths.push_back({cautery.name, cautery.radius, stroke});
+  return paths;
+}
+
+std::vector<ScalpelSetup> Tools::scalpel_paths() const {
+  std::vector<ScalpelSetup> paths;
+  for (const Scalpel& scalpel : scalpels_)
+    for (const Scalpel::Stroke& stroke : scalpel.strokes)
+      if (!stroke.tips.empty()) paths.push_back({scalpel.name, scalpel.snap, stroke.tips, stroke.heels});
   return paths;
 }
 
@@ -156,6 +197,57 @@ void Tools::begin_frame(double time, double duration) {
       stroke.push_back({std::nextafter(time, std::numeric_limits<double>::infinity()), from});
     stroke.push_back({frame_end_, cautery.position});
   }
+  continue_strokes(time);
+}
+
+void Tools::continue_strokes(double time) {
+  for (Scalpel& scalpel : scalpels_) {
+    if (!scalpel.is_live) continue;
+    const BladePose from = scalpel.pose;
+    if (const auto target = std::exchange(scalpel.target, std::nullopt))
+      scalpel.pose = {target->position,
+                      target->position + Eigen::Quaterniond(target->orientation) * scalpel.blade};
+    if (!scalpel.is_on) continue;
+    auto& [tips, heels] = scalpel.strokes.back();
+    while (!tips.empty() && tips.back().time > time + just_before) tips.pop_back();
+    heels.resize(tips.size());
+    if (tips.empty()) {
+      tips.push_back({std::nextafter(time, std::numeric_limits<double>::infinity()), from.tip});
+      heels.push_back(from.heel);
+    }
+    tips.push_back({frame_end_, scalpel.pose.tip});
+    heels.push_back(scalpel.pose.heel);
+  }
+}
+
+BladePose pose_at(const Scalpel::Stroke& stroke, double time) {
+  const auto next = after(stroke.tips, time);
+  const auto at = static_cast<std::size_t>(next - stroke.tips.begin());
+  if (at == 0) return {stroke.tips.front().position, stroke.heels.front()};
+  if (next == stroke.tips.end()) return {stroke.tips.back().position, stroke.heels.back()};
+  const double share = (time - stroke.tips[at - 1].time) / (next->time - stroke.tips[at - 1].time);
+  return {stroke.tips[at - 1].position + share * (next->position - stroke.tips[at - 1].position),
+          stroke.heels[at - 1] + share * (stroke.heels[at] - stroke.heels[at - 1])};
+}
+
+std::vector<BladeMove> Tools::blade_moves(double from, double to) const {
+  std::vector<BladeMove> moves;
+  for (const Scalpel& scalpel : scalpels_)
+    for (std::size_t i = 0; i < scalpel.strokes.size(); ++i) {
+      const auto& [tips, heels] = scalpel.strokes[i];
+      if (tips.empty()) continue;
+      const double begin = std::max(from, tips.front().time), end = std::min(to, tips.back().time);
+      if (begin > end) continue;
+      BladeMove move{scalpel.id, static_cast<int>(i), scalpel.snap, pose_at(scalpel.strokes[i], begin), {}};
+      for (auto row = after(tips, begin); row != tips.end() && row->time < end; ++row) {
+        move.to = {row->position, heels[std::size_t(row - tips.begin())]};
+        moves.push_back(move);
+        move.from = move.to;
+      }
+      move.to = pose_at(scalpel.strokes[i], end);
+      moves.push_back(move);
+    }
+  return moves;
 }
 
 double Tools::next_grasp_change(double time) const {
@@ -227,6 +319,7 @@ void Tools::end_forces(double duration) {
 void Tools::set_state(const State& state) {
   grasps_ = state.grasps;
   cauteries_ = state.cauteries;
+  scalpels_ = state.scalpels;
   next_ = state.next;
   placed_.assign(std::size_t(next_), {});
 }
@@ -246,7 +339,8 @@ bool Tools::fits(const State& state, Index vertices, const Setup& setup) {
   };
   if (state.next < 1 || state.next > 1'000'000 ||
       of_scene(state.grasps) != std::ptrdiff_t(setup.grasps.size()) ||
-      of_scene(state.cauteries) != std::ptrdiff_t(setup.cauteries.size()))
+      of_scene(state.cauteries) != std::ptrdiff_t(setup.cauteries.size()) ||
+      of_scene(state.scalpels) != std::ptrdiff_t(setup.scalpels.size()))
     return false;
   for (const Grasp& grasp : state.grasps) {
     for (Index v : grasp.vertices)
@@ -259,6 +353,15 @@ bool Tools::fits(const State& state, Index vertices, const Setup& setup) {
     if (!is_new(cautery.id) || !(cautery.radius > 0) || !cautery.position.allFinite()) return false;
     if (cautery.is_on && cautery.strokes.empty()) return false;
     if (!std::all_of(cautery.strokes.begin(), cautery.strokes.end(), is_path)) return false;
+  }
+  last = 0;
+  for (const Scalpel& scalpel : state.scalpels) {
+    if (!is_new(scalpel.id) || (scalpel.is_on && scalpel.strokes.empty())) return false;
+    for (const Scalpel::Stroke& stroke : scalpel.strokes)
+      if (!is_path(stroke.tips) || stroke.heels.size() != stroke.tips.size() ||
+          !std::all_of(stroke.heels.begin(), stroke.heels.end(),
+                       [](const Vec3d& x) { return x.allFinite(); }))
+        return false;
   }
   return true;
 }

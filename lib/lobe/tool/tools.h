@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lobe/cut/tet_groups.h"
+#include "lobe/scalpel/blades.h"
 #include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
@@ -59,6 +60,31 @@ struct Cautery {
                  &Cautery::is_on, &Cautery::is_away, &Cautery::position, &Cautery::target);
 };
 
+struct Scalpel {
+  // From when it begins to cut to when it stops: positions of the tip, and of the heel in each row [m].
+  struct Stroke {
+    std::vector<PathPoint> tips;
+    std::vector<Vec3d> heels;
+    static constexpr auto fields = std::tuple(&Stroke::tips, &Stroke::heels);
+  };
+  ToolId id = 0;
+  std::string name;
+  double snap = 0.1;
+  std::vector<Stroke> strokes;  // the last is the present one
+  bool is_live = false;
+  bool is_on = false;                   // only of live ones: it cuts
+  bool is_away = false;                 // of live ones: taken away, and nowhere since
+  BladePose pose;                       // of a live one
+  Vec3d blade = Vec3d::Zero();          // of a live one: from tip to heel when it was brought [m]
+  std::optional<ToolPose> target = {};  // at the end of the next frame, turned since it was brought
+
+  static constexpr auto fields =
+      std::tuple(&Scalpel::id, &Scalpel::name, &Scalpel::snap, &Scalpel::strokes, &Scalpel::is_live,
+                 &Scalpel::is_on, &Scalpel::is_away, &Scalpel::pose, &Scalpel::blade, &Scalpel::target);
+};
+
+BladePose pose_at(const Scalpel::Stroke& stroke, double time);
+
 class Tools {
  public:
   explicit Tools(const Setup& setup);
@@ -68,18 +94,21 @@ class Tools {
   ToolId next_id() const { return next_; }
   void add(Grasp grasp);                         // which takes hold at the start of the next frame
   void add(Cautery cautery);                     // off
+  void add(Scalpel scalpel);                     // off
   void lead(ToolId id, const ToolPose& target);  // to be there at the end of the next frame
-  void let_go(ToolId id);                        // at the start of the next frame; a cautery is taken away
-  void switch_cautery(ToolId id, bool on);
+  void let_go(ToolId id);            // at the start of the next frame; a cautery or a scalpel is taken away
+  void turn_on(ToolId id, bool on);  // a cautery burns, a scalpel cuts
 
   const std::vector<Grasp>& grasps() const { return grasps_; }
   const std::vector<Cautery>& cauteries() const { return cauteries_; }
+  const std::vector<Scalpel>& scalpels() const { return scalpels_; }
   const Grasp* grasp(ToolId id) const;  // null if there is none
   const Cautery* cautery(ToolId id) const;
 
   // What has been done so far, as the tools of a setup.
   std::vector<GraspSetup> grasp_paths() const;
   std::vector<CauterySetup> cautery_paths() const;
+  std::vector<ScalpelSetup> scalpel_paths() const;
 
   // ---- A frame
 
@@ -94,6 +123,17 @@ class Tools {
   double next_grasp_change(double time) const;
   // What the cauteries sweep between two times.
   std::vector<Sweep> sweeps(double from, double to) const;
+  // How blades move between two times.
+  std::vector<BladeMove> blade_moves(double from, double to) const;
+  // The tetrahedra that meet a box, in ascending order.
+  template <class Real>
+  std::vector<Index> meeting(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
+                             const Eigen::AlignedBox3d& box) {
+    return groups_.meeting(topology, points, u, box);
+  }
+  void add_copies(const std::vector<TetCopy>& copies) {
+    for (const TetCopy& own : copies) groups_.add_copy(own.tet, own.copy);
+  }
   // The tetrahedra that a sweep touches, in ascending order.
   template <class Real>
   std::vector<Index> touched(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
@@ -124,10 +164,12 @@ class Tools {
   struct State {
     std::vector<Grasp> grasps;
     std::vector<Cautery> cauteries;
+    std::vector<Scalpel> scalpels;
     ToolId next = 1;
-    static constexpr auto fields = std::tuple(&State::grasps, &State::cauteries, &State::next);
+    static constexpr auto fields =
+        std::tuple(&State::grasps, &State::cauteries, &State::scalpels, &State::next);
   };
-  State state() const { return {grasps_, cauteries_, next_}; }
+  State state() const { return {grasps_, cauteries_, scalpels_, next_}; }
   void set_state(const State& state);
   // Whether it can be one of a world of this setup, with so many vertices now.
   static bool fits(const State& state, Index vertices, const Setup& setup);
@@ -141,6 +183,7 @@ class Tools {
     std::vector<Index> vertices;                          // held
     Eigen::Vector4d orientation{0, 0, 0, 1};              // unit quaternion x, y, z, w
     Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();  // on the body, means over the last frame [N], [N m]
+    std::optional<Vec3d> heel = {};                       // of a scalpel, whose tip is its position [m]
   };
   template <class Position>
   std::vector<Pose> poses(double time, const HeldVertices& held, Position&& position_of) const;
@@ -155,10 +198,13 @@ class Tools {
 
   Grasp& live_grasp(ToolId id);
   Cautery& live_cautery(ToolId id);
+  Scalpel* live_scalpel(ToolId id);  // null: it is another tool
+  void continue_strokes(double time);
   bool has_grasp(ToolId id) const { return grasp(id) != nullptr; }
 
   std::vector<Grasp> grasps_;
   std::vector<Cautery> cauteries_;
+  std::vector<Scalpel> scalpels_;
   ToolId next_ = 1;
   double frame_end_ = 0;        // [s]
   std::vector<Placed> placed_;  // by id
@@ -222,6 +268,14 @@ std::vector<Tools::Pose> Tools::poses(double time, const HeldVertices& held, Pos
                        .radius = c.radius,
                        .position = c.is_live ? c.position : path_at(c.strokes.back(), time),
                        .vertices = {}});
+  }
+  for (const Scalpel& s : scalpels_) {
+    const bool cuts = !s.strokes.empty() && !s.strokes.back().tips.empty() &&
+                      time >= s.strokes.back().tips.front().time && time <= s.strokes.back().tips.back().time;
+    if (!(s.is_live && !s.is_away) && !cuts) continue;
+    const BladePose pose = s.is_live ? s.pose : pose_at(s.strokes.back(), time);
+    poses.push_back(
+        {.name = s.name, .type = ToolType::scalpel, .position = pose.tip, .vertices = {}, .heel = pose.heel});
   }
   return poses;
 }

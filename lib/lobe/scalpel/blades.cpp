@@ -1,0 +1,173 @@
+#include "lobe/scalpel/blades.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace lobe {
+namespace {
+
+constexpr std::size_t most_rows = 12;
+constexpr double least_way = 0.01;  // of an edge: a blade that has moved less waits until it has
+
+// A station is moved off its place by 1e-7 of an edge, never twice alike: a mesh and a path that are in line
+// with each other would else meet in ties at every turn.
+Vec3d off_line(int row, std::size_t station) {
+  const auto part = [](double x) { return x - std::floor(x) - 0.5; };
+  const double n = 64.0 * row + double(station) + 1;
+  return {part(n * 0.8191725133961645), part(n * 0.6710436067037893), part(n * 0.5497004779019703)};
+}
+
+}  // namespace
+
+int Blades::steps(const BladeMove& move) const {
+  const double way = std::max((move.to.tip - move.from.tip).norm(), (move.to.heel - move.from.heel).norm());
+  return static_cast<int>(std::clamp(std::ceil(way / (grains.mean_edge() / 2)), 1.0, 1000.0));
+}
+
+BladePose Blades::start_of(const BladeMove& move, const BodyNow& body) const {
+  for (const Stroke& stroke : strokes_) {
+    if (stroke.tool != move.tool || stroke.number != move.stroke) continue;
+    const std::vector<Vec3d> places = places_of(stroke.rows.back(), body);
+    return {places.front(), places.back()};
+  }
+  return move.from;
+}
+
+std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
+  Stroke* stroke = stroke_of(step, body);
+  if (!stroke) return std::nullopt;
+  stroke->goes_on = true;
+  std::vector<std::vector<Vec3d>> places;
+  for (const Row& row : stroke->rows) places.push_back(places_of(row, body));
+  Row now = row_at(step.to, *stroke, stroke->rows.back().size(), body);
+  std::vector<Vec3d> there;
+  for (const Station& station : now) there.push_back(station.place);
+  double way = 0;  // beyond that of the tissue
+  for (std::size_t i = 0; i < there.size(); ++i) way = std::max(way, (there[i] - places.back()[i]).norm());
+  if (way < least_way * grains.mean_edge()) return Incised{};
+  places.push_back(there);
+  std::vector<Sheet> swept;
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
+  Eigen::AlignedBox3d box = swept.back().box();
+  const Vec3d reach = Vec3d::Constant(2 * step.snap * grains.mean_edge());
+  box = {box.min() - reach, box.max() + reach};
+  Incised incised =
+      incise(grains, {stroke->bit, step.snap}, swept.back(), swept, body.tets_in(box), body.placement);
+  const std::vector<Vec3d> before = places.size() > 2 ? places[places.size() - 3] : std::vector<Vec3d>{};
+  keep(std::move(now), before, *stroke);
+  return incised;
+}
+
+Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
+  std::uint32_t taken = 0;
+  for (Stroke& stroke : strokes_) {
+    if (stroke.tool == step.tool && stroke.number == step.stroke) return &stroke;
+    taken |= 1u << stroke.bit;
+  }
+  if (taken == ~0u) return nullptr;
+  Stroke& stroke = strokes_.emplace_back();
+  stroke.tool = step.tool;
+  stroke.number = step.stroke;
+  while (taken >> stroke.bit & 1) ++stroke.bit;
+  const double length = (step.from.heel - step.from.tip).norm();
+  const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
+  stroke.rows = {row_at(step.from, stroke, count, body)};
+  return &stroke;
+}
+
+void Blades::end_strokes() {
+  for (const Stroke& stroke : strokes_)
+    if (!stroke.goes_on) grains.forget_stroke(stroke.bit);
+  std::erase_if(strokes_, [](const Stroke& stroke) { return !stroke.goes_on; });
+  for (Stroke& stroke : strokes_) stroke.goes_on = false;
+}
+
+Blades::Row Blades::row_at(const BladePose& pose, Stroke& stroke, std::size_t count,
+                           const BodyNow& body) const {
+  Row row(count);
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = double(i) / double(count - 1);
+    row[i].place = (1 - share) * pose.tip + share * pose.heel +
+                   1e-7 * grains.mean_edge() * off_line(stroke.rows_made, i);
+    box.extend(row[i].place);
+  }
+  ++stroke.rows_made;
+  const std::vector<Index> tets = body.tets_in(box);
+  for (Station& station : row) find_in_body(station, tets, body);
+  return row;
+}
+
+// The first grain that it is in.
+void Blades::find_in_body(Station& station, const std::vector<Index>& tets, const BodyNow& body) const {
+  constexpr double flat = 1e-3, rounding = 1e-9;
+  for (Index t : tets) {
+    const Placement placement = body.placement(t);
+    if (placement.gradient.determinant() < flat) continue;
+    const Vec3d rest = placement.start + placement.gradient.inverse() * (station.place - placement.image);
+    for (Index grain : grains.of(t)) {
+      const Eigen::Vector4i& p = grains[grain].points;
+      Mat3<double> edges;
+      for (int k = 0; k < 3; ++k) edges.col(k) = grains.point(p[k + 1]) - grains.point(p[0]);
+      const Vec3d inner = edges.inverse() * (rest - grains.point(p[0]));
+      if (!(inner.minCoeff() >= -rounding) || !(inner.sum() <= 1 + rounding)) continue;
+      station.grain = grain;
+      station.rest = rest;
+      return;
+    }
+  }
+}
+
+// A station that has not moved is exactly where it was: sheets of a body at rest have their rows in common.
+// One outside the body goes with the nearest within, so that the edge stays a line.
+std::vector<Vec3d> Blades::places_of(const Row& row, const BodyNow& body) const {
+  std::vector<Vec3d> places, moves(row.size(), Vec3d::Zero());
+  std::vector<std::size_t> inside;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (row[i].grain < 0 || grains.of(grains[row[i].grain].element).empty()) continue;
+    inside.push_back(i);
+    const Vec3d move = body.placement(grains[row[i].grain].element)(row[i].rest) - row[i].place;
+    if (move.norm() > 1e-9 * grains.mean_edge()) moves[i] = move;
+  }
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const auto far = [&](std::size_t other) { return other > i ? other - i : i - other; };
+    const auto nearest = std::min_element(inside.begin(), inside.end(),
+                                          [&](std::size_t a, std::size_t c) { return far(a) < far(c); });
+    places.push_back(row[i].place + (nearest == inside.end() ? Vec3d::Zero() : moves[*nearest]));
+  }
+  return places;
+}
+
+// Rows that would stand nearer to each other than a quarter of an edge tell nothing more of what was swept.
+void Blades::keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const {
+  double apart = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) apart = std::max(apart, (row[i].place - before[i]).norm());
+  if (!before.empty() && apart < grains.mean_edge() / 4)
+    stroke.rows.back() = std::move(row);
+  else
+    stroke.rows.push_back(std::move(row));
+  if (stroke.rows.size() > most_rows) stroke.rows.erase(stroke.rows.begin());
+}
+
+void Blades::set_state(const State& state) {
+  grains.set_on(state.on);
+  strokes_ = state.strokes;
+}
+
+bool Blades::fits(const State& state, const Grains* grains) {
+  if (!grains) return state.on.empty() && state.strokes.empty();
+  const auto is_station = [&](const Station& s) {
+    return s.grain >= -1 && s.grain < grains->count() && s.rest.allFinite() && s.place.allFinite();
+  };
+  for (const Stroke& stroke : state.strokes) {
+    if (stroke.bit < 0 || stroke.bit >= Grains::most_strokes || stroke.rows.empty()) return false;
+    for (const Row& row : stroke.rows)
+      if (row.size() < 2 || row.size() != stroke.rows.front().size() ||
+          !std::all_of(row.begin(), row.end(), is_station))
+        return false;
+  }
+  return Index(state.on.size()) == grains->point_count();
+}
+
+}  // namespace lobe

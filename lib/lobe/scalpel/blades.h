@@ -1,0 +1,77 @@
+// Blades on their way through a body that moves. The edge of a blade is a row of points. Where they are in
+// the body, they are kept as places in the material until the next step, and the sheet runs from where these
+// have come to: tissue that moves across a blade is cut, and tissue that moves along with it is not.
+#pragma once
+
+#include "lobe/scalpel/incise.h"
+
+namespace lobe {
+
+struct BladePose {
+  Vec3d tip = Vec3d::Zero(), heel = Vec3d::Zero();  // [m]
+  bool operator==(const BladePose&) const = default;
+  static constexpr auto fields = std::tuple(&BladePose::tip, &BladePose::heel);
+};
+
+// Part of a stroke: a blade's way from when it began to cut to when it stopped.
+struct BladeMove {
+  int tool = 0, stroke = 0;
+  double snap = 0.1;
+  BladePose from, to;
+};
+
+class Blades {
+ public:
+  explicit Blades(const Elements& elements) : grains(elements) {}
+
+  // The body as it is now.
+  struct BodyNow {
+    Placements placement;
+    std::function<std::vector<Index>(const Eigen::AlignedBox3d&)> tets_in;  // that meet a box [m]
+  };
+
+  // Where the edge is that a move goes on from: the tissue may have carried it along.
+  BladePose start_of(const BladeMove& move, const BodyNow& body) const;
+  // Into so many steps a move is to be divided: none is longer than half an edge.
+  int steps(const BladeMove& move) const;
+  // One step; the caller divides what has been opened. Nothing where 32 others are on their way.
+  std::optional<Incised> cut(const BladeMove& step, const BodyNow& body);
+  // Strokes that did not go on since this was asked last are over.
+  void end_strokes();
+
+  Grains grains;
+
+  struct Station {                // of an edge
+    Index grain = -1;             // −1: outside the body
+    Vec3d rest = Vec3d::Zero();   // in the grain [m]
+    Vec3d place = Vec3d::Zero();  // when it was found [m]
+    static constexpr auto fields = std::tuple(&Station::grain, &Station::rest, &Station::place);
+  };
+  using Row = std::vector<Station>;
+  struct Stroke {
+    int tool = 0, number = 0, bit = 0, rows_made = 0;
+    bool goes_on = true;
+    std::vector<Row> rows;  // the last few that the edge has left behind, the present one last
+    static constexpr auto fields = std::tuple(&Stroke::tool, &Stroke::number, &Stroke::bit,
+                                              &Stroke::rows_made, &Stroke::goes_on, &Stroke::rows);
+  };
+  struct State {  // with the grains, all that a later step depends on
+    std::vector<std::uint32_t> on;
+    std::vector<Stroke> strokes;
+    static constexpr auto fields = std::tuple(&State::on, &State::strokes);
+  };
+  State state() const { return {grains.on(), strokes_}; }
+  void set_state(const State& state);
+  static bool fits(const State& state, const Grains* grains);  // null: there are none
+
+ private:
+  Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
+  Row row_at(const BladePose& pose, Stroke& stroke, std::size_t count, const BodyNow& body) const;
+  void find_in_body(Station& station, const std::vector<Index>& tets, const BodyNow& body) const;
+  std::vector<Vec3d> places_of(const Row& row, const BodyNow& body) const;
+  void keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const;
+
+  std::vector<Stroke> strokes_;
+};
+
+}  // namespace lobe

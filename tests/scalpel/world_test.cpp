@@ -1,0 +1,320 @@
+// Blades in a world.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "folder.h"
+#include "knife.h"
+#include "lobe/diagnostics/grain_frame.h"
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/sim/checkpoint.h"
+#include "lobe/sim/rebuild.h"
+#include "lobe/sim/validate.h"
+#include "near.h"
+#include "world_support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+const Vec3d middle = Vec3d::Constant(0.05);
+TetMesh block() { return irregular_box(5, 0.02); }
+
+// What strokes through the body at rest have done: grains have the same numbers in every world of the mesh.
+std::vector<Incision> incisions_of(const TetMesh& mesh, int strokes) {
+  Knife knife(mesh);
+  std::vector<Incision> made;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < strokes; ++i) {
+    knife.begin();
+    const Vec3d n = Vec3d(normal(random), normal(random), normal(random)).normalized(),
+                along = n.unitOrthogonal(), edge = n.cross(along);
+    const auto row = [&](double x) {
+      return std::vector<Vec3d>{middle + x * along - 0.2 * edge, middle + x * along + 0.2 * edge};
+    };
+    for (int k = 0; k < 4; ++k) {
+      const double from = -0.1 + 0.03 * k;  // not all the way
+      made.push_back(knife.sweep(row(from), row(from + 0.03)).incision);
+    }
+  }
+  return made;
+}
+
+template <class Real>
+World<Real> moving_world(const Setup& setup, double size = 1e-3) {
+  World<Real> world(setup);
+  State<Real> state = world.state();
+  state.u = random_displacement<Real>(setup.mesh.vertex_count(), size);
+  state.v = random_displacement<Real>(setup.mesh.vertex_count(), 0.1, 8);
+  world.set_state(state);
+  return world;
+}
+
+void cut(World<double>& world, const std::vector<Incision>& incisions) {
+  for (const Incision& incision : incisions)
+    if (!incision.empty()) world.apply(Incise{incision});
+}
+
+// Sums over the copies of each vertex at the start, 3 × #vertices.
+Mat3X<double> at_origins(const World<double>& world, const Mat3X<double>& values) {
+  const Topology& topology = world.elements().topology;
+  Mat3X<double> sums = Mat3X<double>::Zero(3, topology.vertex_count() - topology.copy_count());
+  for (Index v = 0; v < topology.vertex_count(); ++v) sums.col(topology.origin(v)) += values.col(v);
+  return sums;
+}
+
+struct Whole {
+  double elastic, kinetic, mass;
+  Vec3d momentum, angular_momentum;
+  Mat3X<double> forces;
+};
+
+Whole whole_of(World<double>& world) {
+  const Energies e = world.energies();
+  Whole whole{e.elastic_linear + e.elastic_nonlinear, e.kinetic, 0, Vec3d::Zero(), Vec3d::Zero(), {}};
+  const StateView<double> state = world.state();
+  for (Index v = 0; v < world.elements().topology.vertex_count(); ++v) {
+    const Vec3d p = world.mass()[std::size_t(v)] * state.v.col(v);
+    whole.mass += world.mass()[std::size_t(v)];
+    whole.momentum += p;
+    whole.angular_momentum += Vec3d(world.elements().points.col(v) + state.u.col(v)).cross(p);
+  }
+  whole.forces = at_origins(world, world.forces());
+  return whole;
+}
+
+void check_that_a_cut_changes_nothing_at_once(const Setup& setup) {
+  World<double> world = moving_world<double>(setup);
+  const Whole before = whole_of(world);
+  cut(world, incisions_of(setup.mesh, 3));
+  CHECK(world.elements().topology.tet_copy_count() > 50);
+  const Whole after = whole_of(world);
+  CHECK(after.elastic == near(before.elastic, 1e-12));
+  CHECK(after.kinetic == near(before.kinetic, 1e-12));
+  CHECK(after.mass == near(before.mass, 1e-12));
+  CHECK((after.momentum - before.momentum).norm() < 1e-12 * before.momentum.norm());
+  CHECK((after.angular_momentum - before.angular_momentum).norm() < 1e-12 * before.angular_momentum.norm());
+  CHECK((after.forces - before.forces).norm() < 1e-12 * before.forces.norm());
+}
+
+void check_that_it_equals_one_built_afresh(const Setup& setup) {
+  World<double> world = moving_world<double>(setup);
+  cut(world, incisions_of(setup.mesh, 3));
+  validate(world);
+  CHECK(compare_with_rebuilt(world).largest() < 1e-12);
+  std::vector<Index> tets;
+  for (Index t = 0; t < world.elements().topology.tet_count(); t += 9) tets.push_back(t);
+  world.remove_tets(tets);
+  validate(world);
+  CHECK(compare_with_rebuilt(world).largest() < 1e-12);
+  std::vector<Index> others;
+  for (Index t = 1; t < world.elements().topology.tet_count(); t += 5)
+    if (world.elements().topology.alive(t)) others.push_back(t);
+  world.apply(SetRegion{others, RegionModel::tensor_mass});
+  CHECK(compare_with_rebuilt(world).largest() < 1e-12);
+}
+
+// A bar along x, held where x is least, and a blade that falls through its middle.
+Setup bar_and_blade(double speed = 0.2) {
+  Setup setup = setup_of(box_mesh({0.12, 0.03, 0.03}, 12, 3, 3));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v});
+  setup.materials = {{8e5, 2e5, 1000}};
+  setup.gravity = {0, 0, -9.81};
+  setup.damping = 5;
+  const double depth = 0.08;
+  setup.scalpels.push_back(
+      {"blade",
+       0.1,
+       {{0.03, {0.063, -0.02, 0.05}}, {0.03 + depth / speed, {0.07, -0.02, 0.05 - depth}}},
+       {{0.063, 0.05, 0.05}, {0.07, 0.05, 0.05 - depth}}});
+  return setup;
+}
+
+template <class Real>
+Mat3X<Real> after_run(const Setup& setup, int threads, int frames = 18) {
+  World<Real> world(setup, threads);
+  for (int i = 0; i < frames; ++i) CHECK(world.advance(1.0 / 30).ok);
+  return world.state().u;
+}
+
+}  // namespace
+
+TEST_CASE("energies, momenta, masses and forces are the same before and after a cut") {
+  check_that_a_cut_changes_nothing_at_once(setup_of(block()));
+  check_that_a_cut_changes_nothing_at_once(hybrid_setup(block()));
+  check_that_a_cut_changes_nothing_at_once(setup_of(block(), RegionModel::tensor_mass));
+}
+
+TEST_CASE("a cut body equals one built afresh, also after removals and changes of region") {
+  check_that_it_equals_one_built_afresh(setup_of(block()));
+  check_that_it_equals_one_built_afresh(hybrid_setup(block()));
+  check_that_it_equals_one_built_afresh(setup_of(block(), RegionModel::tensor_mass));
+  check_that_it_equals_one_built_afresh(averaged(hybrid_setup(block())));
+  Setup stored = setup_of(block());
+  stored.evaluator = Evaluator::stored;
+  check_that_it_equals_one_built_afresh(stored);
+}
+
+TEST_CASE("a blade through a hanging bar cuts its end off, which falls with all its mass") {
+  const Setup setup = bar_and_blade();
+  World<double> world(setup);
+  double area = 0;
+  bool came_loose = false;
+  for (int i = 0; i < 24; ++i) {
+    const Report report = world.advance(1.0 / 30);
+    CHECK(report.ok);
+    CHECK(report.tets_removed == 0);
+    area += report.cut_area;
+    for (const Condition& c : report.conditions) came_loose = came_loose || c.kind == Condition::Kind::pieces;
+  }
+  validate(world);
+  CHECK(came_loose);
+  CHECK(area > 0.9 * 0.03 * 0.03);                        // more where the end hangs aslant before it is off
+  CHECK(world.elements().topology.pieces().size() >= 2);  // the blade meets what falls once more
+  double mass = 0;
+  for (const double own : world.mass()) mass += own;
+  CHECK(mass == near(1000 * total_volume(setup.mesh), 1e-12));
+  const Mat3X<double> u = world.state().u;
+  double lowest = 0;
+  for (Index v = 0; v < u.cols(); ++v) lowest = std::min(lowest, u(2, v));
+  CHECK(lowest < -0.05);
+}
+
+TEST_CASE("a blade through a bar at rest opens its cross section") {
+  Setup setup = bar_and_blade();
+  setup.gravity.setZero();
+  World<double> world(setup);
+  double area = 0;
+  for (int i = 0; i < 18; ++i) area += world.advance(1.0 / 30).cut_area;
+  CHECK(area == near(0.03 * 0.03 * std::hypot(0.08, 0.007) / 0.08, 0.02));
+  CHECK(world.elements().topology.pieces().size() == 2);
+}
+
+TEST_CASE("the bits are the same on any number of threads") {
+  const Setup setup = bar_and_blade();
+  const Mat3X<float> one = after_run<float>(setup, 1);
+  CHECK(after_run<float>(setup, 2) == one);
+  CHECK(after_run<float>(setup, 3) == one);
+}
+
+TEST_CASE("a world goes on with the same bits from a checkpoint within a stroke") {
+  const Setup setup = bar_and_blade();
+  World<float> world(setup);
+  for (int i = 0; i < 8; ++i) world.advance(1.0 / 30);
+  CHECK(world.grains());
+  const auto checkpoint = world.save();
+  World<float> other(setup);
+  other.restore(checkpoint);
+  for (int i = 0; i < 10; ++i) {
+    world.advance(1.0 / 30);
+    other.advance(1.0 / 30);
+  }
+  CHECK(world.state().u == other.state().u);
+  CHECK(world.elements().topology.tets() == other.elements().topology.tets());
+  world.restore(checkpoint);
+  for (int i = 0; i < 10; ++i) world.advance(1.0 / 30);
+  CHECK(world.state().u == other.state().u);
+}
+
+TEST_CASE("a scalpel in a hand cuts as the path of a scene that it leaves behind") {
+  Setup setup = bar_and_blade();
+  const ScalpelSetup blade = setup.scalpels[0];
+  setup.scalpels.clear();
+  World<float> hand(setup);
+  const Vec3d tip = blade.path[0].position;
+  const ToolId id = hand.tools().next_id();
+  hand.apply(BringScalpel{"blade", {tip, blade.heels[0]}, 0.1});
+  hand.apply(SwitchCautery{id, true});
+  for (int i = 0; i < 14; ++i) {
+    hand.apply(Lead{id, {tip - Vec3d(0, 0, 0.006 * (i + 1))}});
+    hand.advance(1.0 / 30);
+  }
+  hand.apply(LetGo{id});
+  for (int i = 0; i < 3; ++i) hand.advance(1.0 / 30);
+  CHECK(hand.elements().topology.pieces().size() == 2);
+  setup.scalpels = hand.tools().scalpel_paths();
+  CHECK(after_run<float>(setup, 1, 17) == hand.state().u);
+}
+
+TEST_CASE("a blade that moves with the tissue opens nothing, and one at rest cuts tissue that moves") {
+  Setup setup = setup_of(block());
+  for (const bool moves_along : {true, false}) {
+    World<double> world(setup);
+    State<double> state = world.state();
+    state.v.row(0).setConstant(0.5);
+    world.set_state(state);
+    const Vec3d tip(0.05, 0.051, -0.1), heel = tip + Vec3d(0, 0, 0.3);
+    const ToolId id = world.tools().next_id();
+    world.apply(BringScalpel{"blade", {tip, heel}, 0.1});
+    world.apply(SwitchCautery{id, true});
+    double area = 0;
+    for (int i = 0; i < 10; ++i) {
+      // Tools go ahead of the body: what a frame sweeps is cut at its start.
+      if (moves_along) world.apply(Lead{id, {tip + Vec3d(0.5 * i / 30, 0, 0)}});
+      area += world.advance(1.0 / 30).cut_area;
+    }
+    if (moves_along)
+      CHECK(area == 0);
+    else
+      CHECK(area > 0.004);  // of 0.005 that lie behind it
+  }
+}
+
+TEST_CASE("a frame of a cut body has grains for cells, which fill it and do not overlap where it is open") {
+  Setup setup = bar_and_blade();
+  setup.gravity.setZero();
+  World<double> world(setup);
+  for (int i = 0; i < 18; ++i) world.advance(1.0 / 30);
+  const Folder folder;
+  write_grain_frame(folder.path / "frame.vtu", world.elements(), *world.grains(), world.state().u,
+                    world.state().v);
+  const MeshFile frame = read_mesh(folder.path / "frame.vtu");
+  CHECK(frame.mesh.tet_count() == world.grains()->count());
+  CHECK(total_volume(frame.mesh) == near(total_volume(setup.mesh), 1e-12));
+  CHECK(Topology(frame.mesh).pieces().size() == 2);
+}
+
+TEST_CASE("half a cut is pulled open, and its tip stays whole") {
+  Setup setup = bar_and_blade(0.4);
+  setup.scalpels[0].path[1].position.z() = setup.scalpels[0].heels[1].z() = 0.014;
+  World<double> world(setup);
+  for (int i = 0; i < 20; ++i) CHECK(world.advance(1.0 / 30).ok);
+  CHECK(world.elements().topology.copy_count() > 0);
+  CHECK(world.elements().topology.pieces().size() == 1);
+}
+
+TEST_CASE("only the vertex that lies in the tissue stays held") {
+  Setup setup = setup_of(box_mesh(Vec3d::Constant(0.1), 5, 5, 5));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) == 0) setup.prescribed.push_back({v});
+  World<double> world(setup);
+  Knife knife(setup.mesh);
+  knife.begin();
+  const auto row = [](double x) { return std::vector<Vec3d>{{x, -0.1, 0.008}, {x, 0.2, 0.008}}; };
+  const Incised incised = knife.sweep(row(-0.1), row(0.2));
+  cut(world, {incised.incision});
+  CHECK(world.elements().topology.pieces().size() == 2);
+  CHECK(world.held().all().size() == 36);
+  for (const HeldVertices::Held& item : world.held().all()) {
+    const auto around = world.elements().topology.around(item.vertex);
+    for (Index t : around)
+      for (Index grain : world.grains()->of(t))
+        for (Index p : (*world.grains())[grain].points) CHECK(world.grains()->point(p).z() < 0.008 + 1e-9);
+  }
+}
+
+TEST_CASE("a blade that is no blade, and one beside precomputed regions, are refused") {
+  Setup setup = bar_and_blade();
+  setup.scalpels[0].heels[0] = setup.scalpels[0].path[0].position;
+  CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("row 0 has a blade without length"));
+  setup = bar_and_blade();
+  setup.scalpels[0].snap = 0.5;
+  CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("snap must be in [0.02, 0.3]"));
+  setup = bar_and_blade();
+  setup.region_of.assign(setup.region_of.size(), RegionModel::precomputed);
+  CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("does not go with \"type\": \"scalpel\""));
+}

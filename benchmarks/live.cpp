@@ -22,7 +22,7 @@ namespace {
 
 using Kind = HandCommand::Kind;
 
-struct Row {
+struct LiveRow {
   std::string mesh;
   Index tets = 0;
   int frames = 0;
@@ -63,7 +63,7 @@ double timed_us(const std::function<void()>& work) {
 
 // The same frames by a session and by a world alone, turn and turn about; medians over blocks of as many
 // frames as there are between two states to go back to.
-void time_frames(const Setup& setup, Row& row) {
+void time_frames(const Setup& setup, LiveRow& row) {
   constexpr int block = 60;
   Session<float> session(setup);
   Controller hand = session.connect("mouse");
@@ -93,7 +93,7 @@ void time_frames(const Setup& setup, Row& row) {
   row.ratio = median(ratios);
 }
 
-void time_parts(const Setup& setup, Row& row) {
+void time_parts(const Setup& setup, LiveRow& row) {
   World<float> world(setup);
   const Report report = world.advance(1.0 / 120);
   const auto samples = sample_in_turn(
@@ -143,18 +143,18 @@ RandomPlay play_random_hands(const Setup& setup, double minutes) {
   return played;
 }
 
-void print(const Row& r) {
+void print(const LiveRow& r) {
   std::printf("%-20s %8d %7d %9.1f %10.1f %9.2f %10.1f %7.1f %7.1f\n", r.mesh.c_str(), r.tets, r.frames,
               r.bare_us, r.session_us, 100 * (r.ratio - 1), r.publish_us, r.seal_us, r.keep_us);
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows, const RandomPlay& played) {
+std::string csv(const std::vector<LiveRow>& rows, const RandomPlay& played) {
   std::ostringstream out;
   out << "mesh,tets,frames,bare_us,session_us,overhead,publish_us,seal_us,keep_us,"
          "random_minutes,random_commands,random_returns,playing_s,replaying_s,recording_mb\n"
       << std::setprecision(4);
-  for (const Row& r : rows)
+  for (const LiveRow& r : rows)
     out << r.mesh << ',' << r.tets << ',' << r.frames << ',' << r.bare_us << ',' << r.session_us << ','
         << r.ratio - 1 << ',' << r.publish_us << ',' << r.seal_us << ',' << r.keep_us << ",0,0,0,0,0,0\n";
   out << "liver_2k,0,0,0,0,0,0,0,0," << played.minutes << ',' << played.commands << ',' << played.returns
@@ -169,9 +169,9 @@ void bench_live(const Options& options) {
   std::printf("\n%-20s %8s %7s %9s %10s %9s %10s %7s %7s\n", "mesh", "tets", "frames", "bare us",
               "session us", "adds %", "publish us", "seal us", "keep us");
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
-  std::vector<Row> rows;
+  std::vector<LiveRow> rows;
   const auto run = [&](const std::string& name, const TetMesh& mesh, int frames) {
-    Row& row = rows.emplace_back(Row{.mesh = name, .tets = mesh.tet_count()});
+    LiveRow& row = rows.emplace_back(LiveRow{.mesh = name, .tets = mesh.tet_count()});
     row.frames = options.quick ? std::max(60, frames / 10) : frames;
     const Setup setup = held_liver(mesh);
     time_frames(setup, row);

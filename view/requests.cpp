@@ -14,13 +14,13 @@ namespace {
 
 using Kind = HandCommand::Kind;
 
-constexpr std::array<std::pair<const char*, RegionModel>, 3> models = {
+constexpr std::array<std::pair<const char*, RegionModel>, 3> names_of_models = {
     {{"tensor-mass", RegionModel::tensor_mass},
      {"precomputed", RegionModel::precomputed},
      {"nonlinear", RegionModel::nonlinear}}};
 
 const RegionModel* model_of(const std::string& word) {
-  for (const auto& [name, model] : models)
+  for (const auto& [name, model] : names_of_models)
     if (word == name) return &model;
   return nullptr;
 }

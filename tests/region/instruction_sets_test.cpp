@@ -16,7 +16,7 @@ using namespace lobe::test;
 namespace {
 
 template <class Real, class Region>
-Mat3X<Real> forces(const Setup& setup, Region region) {
+Mat3X<Real> forces_in(const Setup& setup, Region region) {
   const Elements elements(setup);
   RegionEdit edit;
   edit.entered.resize(std::size_t(setup.mesh.tet_count()));
@@ -34,11 +34,11 @@ Mat3X<Real> forces(const Setup& setup, Region region) {
 // region(set) makes one that runs on a set of instructions.
 template <class Real, class Make>
 void check_same_bits(const Setup& setup, Make&& region) {
-  const Mat3X<Real> expected = forces<Real>(setup, region(InstructionSet::baseline));
+  const Mat3X<Real> expected = forces_in<Real>(setup, region(InstructionSet::baseline));
   CHECK(expected.norm() > 0);
   for (InstructionSet set : available_instruction_sets()) {
     CAPTURE(name(set));
-    CHECK((forces<Real>(setup, region(set)).array() == expected.array()).all());
+    CHECK((forces_in<Real>(setup, region(set)).array() == expected.array()).all());
   }
 }
 

@@ -21,10 +21,10 @@ std::string message(const std::string& text) {
 
 // A small good scene with some of its keys replaced.
 std::string with(const std::string& patch) {
-  auto scene =
+  auto document =
       nlohmann::json::parse(R"({"mesh": "a.vtu", "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4}]})");
-  scene.update(nlohmann::json::parse(patch));
-  return scene.dump();
+  document.update(nlohmann::json::parse(patch));
+  return document.dump();
 }
 
 struct Case {

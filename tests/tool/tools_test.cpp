@@ -9,6 +9,7 @@
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "near.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -50,11 +51,6 @@ void act(Hands& hands, const Setup& setup, int i) {
   if (i == 8) hands.apply(SwitchCautery{cautery, false});
   if (i == 10) hands.apply(Lead{grasp, {Vec3d(0.055, 0.03, 0.025)}});
   if (i == 12) hands.apply(LetGo{grasp});
-}
-
-template <class Real>
-bool same_bits(World<Real>& a, World<Real>& b) {
-  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
 }
 
 }  // namespace

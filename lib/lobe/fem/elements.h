@@ -31,6 +31,9 @@ struct Elements {
   }
   Shape shape_of(Index tet) const { return shape(corner_points(tet)); }
   int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
+  bool is_in(RegionModel model, Index tet) const {  // the tetrahedron is alive and of that model
+    return topology.alive(tet) && region_of[tet] == model;
+  }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
 };
 

@@ -146,7 +146,4 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
   return smallest_of(ratios_, u);
 }
 
-template class Patches<float>;
-template class Patches<double>;
-
 }  // namespace lobe

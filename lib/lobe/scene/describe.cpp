@@ -11,12 +11,12 @@
 #include "lobe/scene/suspicions.h"
 #include "lobe/text.h"
 
+#include "lobe/scene/json_text.h"
+
 namespace lobe {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json vector(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
   std::map<std::string, Index> labels;
@@ -26,8 +26,8 @@ ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
           {"tetrahedra", mesh.tet_count()},
           {"labels", labels},
           {"volume_m3", total_volume(mesh)},
-          {"box_min_m", vector(bounding_box(mesh).min)},
-          {"box_max_m", vector(bounding_box(mesh).max)}};
+          {"box_min_m", vector_json(bounding_box(mesh).min)},
+          {"box_max_m", vector_json(bounding_box(mesh).max)}};
 }
 
 ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
@@ -85,11 +85,11 @@ ordered_json summarise_loads(const Setup& setup) {
     const Elastic& m = setup.materials[setup.material_of[static_cast<std::size_t>(t)]];
     mass += m.density * signed_volume(tet_points(setup.mesh, t));
   }
-  return {{"force_N", vector(forces)},
+  return {{"force_N", vector_json(forces)},
           {"loaded_area_m2", area},
-          {"traction_force_N", vector(tractions)},
+          {"traction_force_N", vector_json(tractions)},
           {"mass_kg", mass},
-          {"weight_N", vector(mass * setup.gravity)}};
+          {"weight_N", vector_json(mass * setup.gravity)}};
 }
 
 ordered_json summarise_tools(const Scene& scene, const Setup& setup) {

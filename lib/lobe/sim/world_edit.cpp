@@ -227,7 +227,4 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   return setup;
 }
 
-template class World<float>;
-template class World<double>;
-
 }  // namespace lobe

@@ -64,7 +64,7 @@ bool Unravelling::have_come_back(const Dynamics<Real>& body) const {
   const Elements& elements = body.model.elements;
   const double safe = (1 + elements.guard_below) / 2;
   return std::all_of(state_.tets.begin(), state_.tets.end(), [&](Index t) {
-    return !elements.topology.alive(t) || elements.region_of[t] != RegionModel::tensor_mass ||
+    return !elements.is_in(RegionModel::tensor_mass, t) ||
            volume_ratio_of(elements, t, body.motion.u.padded()) > safe;
   });
 }

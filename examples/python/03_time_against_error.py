@@ -1,4 +1,4 @@
-"""From a surface to a plot of run time against error: which tolerance for linear regions pays in a scene of one's own?
+"""From a surface to a plot of run time against error: which tolerance for linear regions pays?
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/03_time_against_error.py [SURFACE [PLOT.png]]
 """

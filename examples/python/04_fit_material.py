@@ -1,4 +1,4 @@
-"""Fits λ and μ to forces that were measured at a beam's end in two pulls, here made by lobe itself with noise of 1 %.
+"""Fits λ and μ to forces that were measured at a beam's end in three pulls, here made by lobe with 1 % of noise.
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/04_fit_material.py
 """
@@ -26,8 +26,8 @@ def energy(material, pull):
 def forces(material):
     """Along each pull, on the end [N]: the derivative of the energy, by central differences."""
     h = 0.01
-    return np.array([(energy(material, (1 + h) * pull) - energy(material, (1 - h) * pull)) / (2 * h * np.linalg.norm(pull))
-                     for pull in pulls])
+    gains = [energy(material, (1 + h) * pull) - energy(material, (1 - h) * pull) for pull in pulls]
+    return np.array(gains) / (2 * h * np.linalg.norm(pulls, axis=1))
 
 
 true = np.array([4e4, 1e4])  # [Pa]

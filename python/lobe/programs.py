@@ -34,7 +34,8 @@ def _run(*arguments):
 def mesh(surface, *, edge, **options):
     """Tetrahedra inside a surface: a file, or a pair of points (n, 3) [m] and triangles (t, 3).
 
-    edge: length of edges asked for [m]. Further options are those of `lobe mesh`: repair="wrap" is --repair wrap.
+    edge: length of edges asked for [m]. Further options are those of `lobe mesh`: repair="wrap" is
+    --repair wrap.
     """
     with tempfile.TemporaryDirectory() as folder:
         if not isinstance(surface, (str, os.PathLike)):
@@ -55,7 +56,7 @@ def mesh(surface, *, edge, **options):
 
 
 def view(scene, *, port=None):
-    """Opens the page in which the scene's organ is held. scene: a file, or a Scene. Returns the process of the server."""
+    """Opens the page in which the organ of a scene (a file, or a Scene) is held. Returns the server's process."""
     folder = None
     if isinstance(scene, Scene):
         folder = tempfile.mkdtemp(prefix="lobe_view_")

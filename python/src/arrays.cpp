@@ -27,7 +27,8 @@ py::array_t<double, py::array::c_style | py::array::forcecast> numbers(const py:
                                                                        const std::string& place) {
   const char kind = array.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u')
-    throw InputError(place, "an array of " + std::string(py::str(array.dtype())) + ", must be of real numbers");
+    throw InputError(place,
+                     "an array of " + std::string(py::str(array.dtype())) + ", must be of real numbers");
   return array;
 }
 
@@ -44,15 +45,18 @@ Mat3X<double> columns3(const py::handle& value, const std::string& place) {
 Eigen::MatrixXi integers(const py::handle& value, const std::string& place, int columns) {
   const py::array array = array_of(value, place);
   if (array.ndim() != 2 || array.shape(1) != columns)
-    throw InputError(place, "an array of shape " + shape_of(array) + ", must be (n, " + std::to_string(columns) + ")");
+    throw InputError(
+        place, "an array of shape " + shape_of(array) + ", must be (n, " + std::to_string(columns) + ")");
   if (const char kind = array.dtype().kind(); kind != 'i' && kind != 'u')
-    throw InputError(place, "an array of " + std::string(py::str(array.dtype())) + ", must be of whole numbers");
+    throw InputError(place,
+                     "an array of " + std::string(py::str(array.dtype())) + ", must be of whole numbers");
   const py::array_t<long long, py::array::c_style | py::array::forcecast> of = array;
   Eigen::MatrixXi result(columns, of.shape(0));
   for (py::ssize_t i = 0; i < of.size(); ++i) {
     const long long index = of.data()[i];
     if (index < 0 || index > std::numeric_limits<Index>::max())
-      throw InputError(place, std::to_string(index) + " in row " + std::to_string(i / columns) + " is no index");
+      throw InputError(place,
+                       std::to_string(index) + " in row " + std::to_string(i / columns) + " is no index");
     result(i) = static_cast<int>(index);
   }
   return result;
@@ -64,7 +68,8 @@ std::vector<Index> indices(const py::handle& value, const std::string& place, In
   if (array.ndim() != 1) throw InputError(place, "an array of shape " + shape_of(array) + ", must be (n,)");
   if (array.dtype().kind() == 'b') {
     if (array.shape(0) != count)
-      throw InputError(place, "a mask of " + std::to_string(array.shape(0)) + ", must be of " + std::to_string(count));
+      throw InputError(
+          place, "a mask of " + std::to_string(array.shape(0)) + ", must be of " + std::to_string(count));
     const py::array_t<bool, py::array::c_style | py::array::forcecast> mask = array;
     for (Index i = 0; i < count; ++i)
       if (mask.data()[i]) result.push_back(i);

@@ -1,5 +1,5 @@
-// Between numpy's arrays and those of the library. Rows of numpy are columns here, so that (n, 3) of C order and 3 × n of
-// Eigen are the same bytes.
+// Between numpy's arrays and those of the library. Rows of numpy are columns here, so that (n, 3) of C order
+// and 3 × n of Eigen are the same bytes.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -14,9 +14,10 @@ namespace lobe::python {
 
 namespace py = pybind11;
 
-// Copies of what a caller gives. All throw InputError, at `place`, for another shape or for what is not numbers.
-Mat3X<double> columns3(const py::handle& array, const std::string& place);       // (n, 3)
-Eigen::MatrixXi integers(const py::handle& array, const std::string& place,      // (n, columns), transposed
+// Copies of what a caller gives. All throw InputError, at `place`, for another shape or for what is not
+// numbers.
+Mat3X<double> columns3(const py::handle& array, const std::string& place);   // (n, 3)
+Eigen::MatrixXi integers(const py::handle& array, const std::string& place,  // (n, columns), transposed
                          int columns);
 // Indices below `count`: whole numbers, or a mask of `count` booleans.
 std::vector<Index> indices(const py::handle& array, const std::string& place, Index count);
@@ -38,6 +39,8 @@ template <class Real>
 py::array copied(const Mat3X<Real>& columns) {  // (n, 3)
   return py::array(py::dtype::of<Real>(), {columns.cols(), py::ssize_t{3}}, columns.data());
 }
-inline py::array copied(const Vec3d& v) { return py::array(py::dtype::of<double>(), {py::ssize_t{3}}, v.data()); }
+inline py::array copied(const Vec3d& v) {
+  return py::array(py::dtype::of<double>(), {py::ssize_t{3}}, v.data());
+}
 
 }  // namespace lobe::python

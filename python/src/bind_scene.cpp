@@ -27,14 +27,17 @@ std::optional<std::vector<RegionModel>> models_of(const py::object& regions, Ind
   if (regions.is_none()) return {};
   std::vector<RegionModel> models;
   const py::array array = py::array::ensure(regions);
-  if (!array || array.ndim() != 1 || array.shape(0) != tets || (array.dtype().kind() != 'u' && array.dtype().kind() != 'i'))
-    throw InputError("regions", "must be a whole number for each of the " + std::to_string(tets) + " tetrahedra");
-  for (Index code : indices(array, "regions", Index(region_model_names.size()))) models.push_back(RegionModel(code));
+  if (!array || array.ndim() != 1 || array.shape(0) != tets ||
+      (array.dtype().kind() != 'u' && array.dtype().kind() != 'i'))
+    throw InputError("regions",
+                     "must be a whole number for each of the " + std::to_string(tets) + " tetrahedra");
+  for (Index code : indices(array, "regions", Index(region_model_names.size())))
+    models.push_back(RegionModel(code));
   return models;
 }
 
-std::shared_ptr<PyScene> scene_of(const py::object& document, std::shared_ptr<TetMesh> mesh, const py::object& regions,
-                                  const std::filesystem::path& folder) {
+std::shared_ptr<PyScene> scene_of(const py::object& document, std::shared_ptr<TetMesh> mesh,
+                                  const py::object& regions, const std::filesystem::path& folder) {
   std::string text;
   if (py::isinstance<py::str>(document)) {
     text = document.cast<std::string>();
@@ -69,35 +72,44 @@ const Resolved& PyScene::resolved() const {
 }
 
 void bind_scene(py::module_& module) {
-  py::class_<PyScene, std::shared_ptr<PyScene>>(module, "Scene", "What is simulated (docs/scene.md). It does not change.")
+  py::class_<PyScene, std::shared_ptr<PyScene>>(module, "Scene",
+                                                "What is simulated (docs/scene.md). It does not change.")
       .def(py::init(&scene_of), py::arg("document"), py::arg("mesh") = py::none(), py::kw_only(),
            py::arg("regions") = py::none(), py::arg("folder") = ".",
-           "document: a dictionary, in which numpy arrays may stand for lists, or JSON text. mesh: in place of the\n"
-           "file that the document names. regions: (m,) codes of models per tetrahedron (0 tensor-mass, 1 precomputed,\n"
-           "2 nonlinear), in place of the document's. folder: what relative paths are relative to. Raises InputError\n"
+           "document: a dictionary, in which numpy arrays may stand for lists, or JSON text. mesh: in place "
+           "of the\n"
+           "file that the document names. regions: (m,) codes of models per tetrahedron (0 tensor-mass, 1 "
+           "precomputed,\n"
+           "2 nonlinear), in place of the document's. folder: what relative paths are relative to. Raises "
+           "InputError\n"
            "with all faults.")
       .def_property_readonly(
-          "mesh",
-          [](const PyScene& self) { return std::make_shared<TetMesh>(self.resolved().setup.mesh); }, "A copy of its mesh.")
+          "mesh", [](const PyScene& self) { return std::make_shared<TetMesh>(self.resolved().setup.mesh); },
+          "A copy of its mesh.")
       .def_property_readonly(
           "regions",
           [](py::object self) {
             const std::vector<RegionModel>& models = self.cast<PyScene&>().resolved().setup.region_of;
-            return read_only(reinterpret_cast<const std::uint8_t*>(models.data()), {py::ssize_t(models.size())}, self);
+            return read_only(reinterpret_cast<const std::uint8_t*>(models.data()),
+                             {py::ssize_t(models.size())}, self);
           },
           "(m,) uint8, code of the model of each tetrahedron, read-only")
       .def_property_readonly(
           "warnings", [](const PyScene& self) { return self.resolved().warnings; }, "Lines of text.")
       .def(
           "check",
-          [](const PyScene& self) { return json().attr("loads")(describe_json(self.scene(), self.resolved())); },
+          [](const PyScene& self) {
+            return json().attr("loads")(describe_json(self.scene(), self.resolved()));
+          },
           "What will be run, as `lobe check --json` prints it: a dictionary. Raises InputError.")
       .def(
           "to_dict", [](const PyScene& self) { return json().attr("loads")(to_json(self.scene())); },
           "The scene as it was understood, with all its defaults.");
   module.def(
       "read_scene",
-      [](const std::filesystem::path& file) { return std::make_shared<PyScene>(read_scene(file), nullptr, std::nullopt); },
+      [](const std::filesystem::path& file) {
+        return std::make_shared<PyScene>(read_scene(file), nullptr, std::nullopt);
+      },
       py::arg("file"), "Raises InputError with all faults.");
   module.def(
       "run",
@@ -116,8 +128,10 @@ void bind_scene(py::module_& module) {
         return report;
       },
       py::arg("scene"), py::arg("folder"), py::arg("threads") = 1,
-      "Plays the scene as `lobe run` does, with everything written to the folder; returns its report, a dictionary.");
-  module.attr("region_models") = py::make_tuple(region_model_names[0], region_model_names[1], region_model_names[2]);
+      "Plays the scene as `lobe run` does, with everything written to the folder; returns its report, a "
+      "dictionary.");
+  module.attr("region_models") =
+      py::make_tuple(region_model_names[0], region_model_names[1], region_model_names[2]);
 }
 
 }  // namespace lobe::python

@@ -29,7 +29,8 @@ py::list tools_of(const PySnapshot& snapshot) {
       entry["name"] = tool.name;
       entry["type"] = tool.type;
       entry["position"] = copied(tool.position);
-      entry["orientation"] = py::array(py::dtype::of<double>(), {py::ssize_t{4}}, tool.orientation.coeffs().data());
+      entry["orientation"] =
+          py::array(py::dtype::of<double>(), {py::ssize_t{4}}, tool.orientation.coeffs().data());
       entry["force"] = copied(tool.force);
       entry["torque"] = copied(tool.torque);
       tools.append(entry);
@@ -40,9 +41,13 @@ py::list tools_of(const PySnapshot& snapshot) {
 
 void bind_surface(py::module_& module) {
   py::class_<PySurface, std::shared_ptr<PySurface>>(
-      module, "Surface", "The boundary of the body in a snapshot; a vertex where a cut meets the skin is two of its own.")
+      module, "Surface",
+      "The boundary of the body in a snapshot; a vertex where a cut meets the skin is two of its own.")
       .def_property_readonly(
-          "x", [](py::object self) { return of(self.cast<PySurface&>(), [&](const auto& s) { return read_only(s.x, self); }); },
+          "x",
+          [](py::object self) {
+            return of(self.cast<PySurface&>(), [&](const auto& s) { return read_only(s.x, self); });
+          },
           "(k, 3) current positions [m], read-only")
       .def_property_readonly(
           "normals",
@@ -54,14 +59,16 @@ void bind_surface(py::module_& module) {
           "triangles",
           [](py::object self) {
             const auto& triangles = mesh_of(self.cast<PySurface&>()).triangles;
-            return read_only(reinterpret_cast<const int*>(triangles.data()), {py::ssize_t(triangles.size()), 3}, self);
+            return read_only(reinterpret_cast<const int*>(triangles.data()),
+                             {py::ssize_t(triangles.size()), 3}, self);
           },
           "(t, 3) int32, vertices of this surface, counter-clockwise seen from outside, read-only")
       .def_property_readonly(
           "region",
           [](py::object self) {
             const auto& region = mesh_of(self.cast<PySurface&>()).region;
-            return read_only(reinterpret_cast<const std::uint8_t*>(region.data()), {py::ssize_t(region.size())}, self);
+            return read_only(reinterpret_cast<const std::uint8_t*>(region.data()),
+                             {py::ssize_t(region.size())}, self);
           },
           "(t,) uint8, code of the model of each triangle's tetrahedron, read-only")
       .def_property_readonly(
@@ -90,18 +97,27 @@ void bind_snapshot(py::module_& module) {
   bind_surface(module);
   py::class_<PySnapshot, std::shared_ptr<PySnapshot>>(
       module, "Snapshot", "A moment of a world. It owns its arrays, which outlive cuts and the world.")
-      .def_property_readonly("time", [](const PySnapshot& self) { return of(self, [](const auto& s) { return s.time; }); },
-                             "[s]")
       .def_property_readonly(
-          "u", [](py::object self) { return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.u, self); }); },
+          "time", [](const PySnapshot& self) { return of(self, [](const auto& s) { return s.time; }); },
+          "[s]")
+      .def_property_readonly(
+          "u",
+          [](py::object self) {
+            return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.u, self); });
+          },
           "(n, 3) displacements [m], float32 or float64 as the world, read-only")
       .def_property_readonly(
-          "v", [](py::object self) { return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.v, self); }); },
+          "v",
+          [](py::object self) {
+            return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.v, self); });
+          },
           "(n, 3) velocities [m/s], read-only")
-      .def_property_readonly("surface", [](std::shared_ptr<PySnapshot> self) { return PySurface{std::move(self)}; })
-      .def_property_readonly("tools", &tools_of,
-                             "A dictionary each: name, type, position [m], orientation (x, y, z, w), force [N] and torque\n"
-                             "[N m] on the tool, by the body.");
+      .def_property_readonly("surface",
+                             [](std::shared_ptr<PySnapshot> self) { return PySurface{std::move(self)}; })
+      .def_property_readonly(
+          "tools", &tools_of,
+          "A dictionary each: name, type, position [m], orientation (x, y, z, w), force [N] and torque\n"
+          "[N m] on the tool, by the body.");
 }
 
 }  // namespace lobe::python

@@ -21,7 +21,8 @@ Difference compare(const TetMesh& mesh, const py::object& a, const py::object& b
   return compare_displacements(mesh, first, second);
 }
 
-Proposal proposal(const PyScene& scene, double tolerance, bool precomputed, bool tensor_mass, const py::list& gestures) {
+Proposal proposal(const PyScene& scene, double tolerance, bool precomputed, bool tensor_mass,
+                  const py::list& gestures) {
   const Resolved& resolved = scene.resolved();
   ProposalOptions options;
   options.tolerance = tolerance;
@@ -40,12 +41,14 @@ Proposal proposal(const PyScene& scene, double tolerance, bool precomputed, bool
     if (!entry.contains("vertices") || entry.contains("displacement") == entry.contains("force"))
       throw InputError(place, "must have vertices, and either displacement or force");
     Gesture gesture;
-    gesture.name = entry.contains("name") ? py::str(entry["name"]).cast<std::string>() : "gesture " + std::to_string(i + 1);
+    gesture.name = entry.contains("name") ? py::str(entry["name"]).cast<std::string>()
+                                          : "gesture " + std::to_string(i + 1);
     gesture.vertices = indices(entry["vertices"], place + "/vertices", resolved.setup.mesh.vertex_count());
     if (entry.contains("force"))
       gesture.force = vector3(entry["force"], place + "/force");
     else
-      gesture.displacements.assign(gesture.vertices.size(), vector3(entry["displacement"], place + "/displacement"));
+      gesture.displacements.assign(gesture.vertices.size(),
+                                   vector3(entry["displacement"], place + "/displacement"));
     wanted.push_back(std::move(gesture));
   }
   if (wanted.empty()) wanted = resolved.gestures;
@@ -54,7 +57,8 @@ Proposal proposal(const PyScene& scene, double tolerance, bool precomputed, bool
 }
 
 void bind_results(py::module_& module) {
-  py::class_<StaticResult, std::shared_ptr<StaticResult>>(module, "StaticResult", "Equilibrium, or as far as it was found.")
+  py::class_<StaticResult, std::shared_ptr<StaticResult>>(module, "StaticResult",
+                                                          "Equilibrium, or as far as it was found.")
       .def_readonly("converged", &StaticResult::converged)
       .def_readonly("reason", &StaticResult::reason, "Why it did not converge, with the remedy.")
       .def_readonly("load_fraction", &StaticResult::load_fraction, "1: all of the loads")
@@ -80,7 +84,8 @@ void bind_results(py::module_& module) {
           "regions",
           [](py::object self) {
             const auto& models = self.cast<Proposal&>().region_of;
-            return read_only(reinterpret_cast<const std::uint8_t*>(models.data()), {py::ssize_t(models.size())}, self);
+            return read_only(reinterpret_cast<const std::uint8_t*>(models.data()),
+                             {py::ssize_t(models.size())}, self);
           },
           "(m,) uint8, for Scene(…, regions=…), read-only")
       .def_readonly("linear_share", &Proposal::linear_share, "of the volume")
@@ -95,14 +100,17 @@ void bind_results(py::module_& module) {
 void bind_solve(py::module_& module) {
   bind_results(module);
   module.def("solve", &solve, py::arg("scene"), py::arg("tolerance") = 1e-10,
-             "Static equilibrium under the scene's loads; tools are ignored. tolerance: of the residual, relative to the\n"
+             "Static equilibrium under the scene's loads; tools are ignored. tolerance: of the residual, "
+             "relative to the\n"
              "loads and reactions.");
   module.def("compare", &compare, py::arg("mesh"), py::arg("a"), py::arg("b"),
              "Of two displacement fields (n, 3) [m] on one mesh; b is the reference.");
   module.def("propose_regions", &proposal, py::arg("scene"), py::arg("tolerance") = 0.02, py::kw_only(),
              py::arg("precomputed") = true, py::arg("tensor_mass") = true, py::arg("gestures") = py::list(),
-             "Chooses linear regions that keep the displacement within the tolerance (relative, L2) of the non-linear body\n"
-             "for each gesture: dictionaries of name, vertices (indices or mask), and displacement [m] or force in all [N].\n"
+             "Chooses linear regions that keep the displacement within the tolerance (relative, L2) of the "
+             "non-linear body\n"
+             "for each gesture: dictionaries of name, vertices (indices or mask), and displacement [m] or "
+             "force in all [N].\n"
              "None: those of the scene, else pulls at five places. Takes seconds to minutes.");
 }
 

@@ -10,10 +10,10 @@ namespace {
 // lobe.InputError, a ValueError: `place` of the first fault, and all of them as pairs (place, message).
 void bind_errors(py::module_& module) {
   static const py::handle type = [&] {
-    py::object made = py::reinterpret_steal<py::object>(
-        PyErr_NewExceptionWithDoc("lobe.InputError",
-                                  "Bad input. place: where the first fault is; faults: all of them, (place, message) each.",
-                                  PyExc_ValueError, nullptr));
+    py::object made = py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(
+        "lobe.InputError",
+        "Bad input. place: where the first fault is; faults: all of them, (place, message) each.",
+        PyExc_ValueError, nullptr));
     made.attr("place") = "";
     made.attr("faults") = py::tuple();
     module.add_object("InputError", made);

@@ -49,7 +49,8 @@ class WorldOf : public PyWorld {
 
 }  // namespace
 
-std::shared_ptr<PyWorld> make_world(const PyScene& scene, int threads, const std::optional<std::string>& precision) {
+std::shared_ptr<PyWorld> make_world(const PyScene& scene, int threads,
+                                    const std::optional<std::string>& precision) {
   if (threads < 1) throw InputError("threads", std::to_string(threads) + ", must be 1 or more");
   if (precision && *precision != "single" && *precision != "double")
     throw InputError("precision", "\"" + *precision + "\", must be \"single\" or \"double\"");

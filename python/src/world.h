@@ -44,6 +44,7 @@ class PyWorld {
   std::mutex mutex_;
 };
 
-std::shared_ptr<PyWorld> make_world(const PyScene& scene, int threads, const std::optional<std::string>& precision);
+std::shared_ptr<PyWorld> make_world(const PyScene& scene, int threads,
+                                    const std::optional<std::string>& precision);
 
 }  // namespace lobe::python

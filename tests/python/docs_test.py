@@ -8,7 +8,8 @@ PAGE = pathlib.Path(__file__).parents[2] / "docs" / "python.md"
 
 def test_snippets():
     text = PAGE.read_text(encoding="utf-8")
-    snippets = [(text[: m.start()].count("\n") + 2, m.group(1)) for m in re.finditer(r"```python\n(.*?)```", text, re.S)]
+    found = re.finditer(r"```python\n(.*?)```", text, re.S)
+    snippets = [(text[: m.start()].count("\n") + 2, m.group(1)) for m in found]
     assert len(snippets) >= 6
     names = {}
     for line, code in snippets:

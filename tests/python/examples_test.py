@@ -23,7 +23,8 @@ EXAMPLES = pathlib.Path(__file__).parents[2] / "examples" / "python"
 )
 def test_example(name, printed, tmp_path):
     environment = dict(os.environ, MPLBACKEND="Agg", PYTHONIOENCODING="utf-8")
-    done = subprocess.run([sys.executable, EXAMPLES / name], capture_output=True, encoding="utf-8", cwd=tmp_path, env=environment)
+    done = subprocess.run([sys.executable, EXAMPLES / name], capture_output=True, encoding="utf-8", cwd=tmp_path,
+                          env=environment)
     assert done.returncode == 0, done.stderr
     assert re.search(printed, done.stdout), done.stdout
     if name.startswith("03"):

@@ -32,6 +32,7 @@ SessionOptions session_options(const LiveOptions& options) {
   result.threads = options.threads;
   result.running = options.running;
   result.condensing = options.condensing;
+  result.published = options.published;
   return result;
 }
 

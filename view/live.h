@@ -20,6 +20,7 @@ struct LiveOptions {
   int threads = 1;
   bool running = true;
   std::function<void(double fraction)> condensing = {};
+  std::function<void()> published = {};  // there is a new picture; by the thread of the simulation
 };
 
 // What a page has been told.

@@ -181,7 +181,7 @@ void Viewer::perform(ClientId, const request::Propose& what) {
 
 void Viewer::perform(ClientId, const request::Apply&) {
   begin([scene = painting().scene("painted.vtu"), mesh = painting().mesh(),
-         options = options_.live](Task& task) {
+         options = live_options()](Task& task) {
     task.scene = scene;
     task.resolved = resolve(scene, mesh);
     LiveOptions live = options;

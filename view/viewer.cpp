@@ -15,11 +15,27 @@ Viewer::Viewer(Scene scene, Resolved resolved, const ViewerOptions& options)
     : options_(options),
       scene_(std::move(scene)),
       resolved_(std::move(resolved)),
-      live_(start_live(scene_, resolved_, options.live)) {
+      live_(start_live(scene_, resolved_, live_options())) {
   if (resolved_.proposal) proposal_ = resolved_.proposal;
 }
 
 Viewer::~Viewer() = default;
+
+void Viewer::set_server(Server* server) {
+  const std::lock_guard lock(waking_);
+  server_ = server;
+}
+
+void Viewer::wake() const {
+  const std::lock_guard lock(waking_);
+  if (server_) server_->wake();
+}
+
+LiveOptions Viewer::live_options() const {
+  LiveOptions options = options_.live;
+  options.published = [this] { wake(); };
+  return options;
+}
 
 std::uint64_t Viewer::news() const {
   const std::lock_guard lock(changing_);

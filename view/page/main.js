@@ -19,7 +19,7 @@ class Page {
     this.stage = new Stage(element('stage'), software);
     this.organ = new Organ(this.stage);
     this.instruments = new Instruments(this.stage, element('labels'));
-    this.ask = request => this.connection.ask(request);
+    this.ask = (request, since) => this.connection.ask(request, since);
     this.hands = new Hands(this.stage, this.organ, this.ask);
     this.editor = new Editor(this.ask);
     this.hands.brush = this.editor;
@@ -61,8 +61,9 @@ class Page {
 
   // A picture is drawn where the browser draws; the server sends the next one when this was.
   receive(frame) {
-    this.frame = frame;
-    this.stage.invalidate();
+    // What is left out between two pictures was older; a surface and what is no longer told stay.
+    this.frame = frame.topology ? frame : {...this.frame, ...frame};
+    this.stage.wake();
     // A page in the background draws nothing, and wants to go on hearing.
     if (document.hidden) setTimeout(() => this.showFrame(), 200);
   }
@@ -79,7 +80,7 @@ class Page {
     if (frame.tools) this.instruments.update(frame.tools);
     if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
     this.frames = (this.frames ?? 0) + 1;
-    this.connection.seen(frame);
+    this.connection.shown(frame);
   }
 
   takeTopology(topology) {
@@ -94,30 +95,30 @@ class Page {
   takeStatus(status, tools) {
     const before = this.status;
     this.status = status;
+    this.force = tools.reduce((sum, tool) => sum + Math.hypot(...tool.force), 0);
     if (status.scene !== before.scene) {
       element('scene-name').textContent = status.scene;
       document.title = `${status.scene} · lobe`;
     }
-    this.showFigures(status);
+    if (status.mode !== before.mode || performance.now() - (this.figuresAt ?? 0) > 120) this.showFigures(status);
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
     if (status.controls !== this.hands.may || status.clients !== before.clients) this.showControl(status);
     this.messages.take(status.messages ?? []);
-    const force = tools.reduce((sum, tool) => sum + Math.hypot(...tool.force), 0);
-    this.force = force;
-    element('force').textContent = `${force.toFixed(2)} N`;
     if (status.mode === 'live') {
-      this.forcePlot.add(status.time, [force]);
-      if (status.energy) {
-        const [elastic, kinetic] = [status.energy.elastic * 1e3, status.energy.kinetic * 1e3];
-        this.energyPlot.add(status.energy.time, [elastic, kinetic]);
-        element('energy').textContent = `${(elastic + kinetic).toFixed(1)} mJ`;
-      }
+      this.forcePlot.add(status.time, [this.force]);
+      const {energy} = status;
+      if (energy) this.energyPlot.add(energy.time, [energy.elastic * 1e3, energy.kinetic * 1e3]);
     }
     if (performance.now() - (this.legendAt ?? 0) > 200) this.showLegend();
   }
 
+  // A few times a second, as they can be read; each change has the whole page drawn.
   showFigures(status) {
+    this.figuresAt = performance.now();
+    element('force').textContent = `${this.force.toFixed(2)} N`;
+    const {energy} = status;
+    if (energy) element('energy').textContent = `${(1e3 * (energy.elastic + energy.kinetic)).toFixed(1)} mJ`;
     const factor = element('factor');
     const live = status.mode === 'live';
     factor.textContent = !live
@@ -270,14 +271,13 @@ class Page {
   colour(quantity) {
     element('colour').value = quantity;
     this.organ.show(quantity);
-    if (quantity === 'displacement' && this.organ.x) this.organ.move(this.organ.x);
+    if (quantity === 'displacement' && this.organ.x) this.organ.showDisplacement(this.organ.x);
     this.ask({do: 'show', what: this.wantedScalar()});
     this.showLegend();
   }
 
   savePicture() {
-    this.stage.renderer.render(this.stage.scene, this.stage.camera);
-    savePicture(element('stage'));
+    this.stage.drawFine(savePicture);
   }
 }
 

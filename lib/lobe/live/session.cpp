@@ -112,6 +112,7 @@ void Session<Real>::publish_status() {
                  [](const Heard& heard) { return heard.sequence; });
   status->messages = messages_.all();
   status_.publish();
+  if (options_.published) options_.published();
 }
 
 // ---- Commands

@@ -41,6 +41,7 @@ struct SessionOptions {
   double patience = 0;                  // whoever has not sent anything for longer is gone [s]; 0: never
   HandLimits hand = {};
   CondensingLog::Progress condensing = {};  // while precomputed regions are condensed
+  std::function<void()> published = {};  // after each picture and status, by the session's thread: no waiting
 };
 
 // Somebody who has hands. Where it is destroyed, whatever it is doing, its hands let go. Outlived by its

@@ -1,4 +1,5 @@
 // What the viewer does when it is asked.
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -77,8 +78,9 @@ void Viewer::perform(ClientId, const request::Back& what) {
 // ---- Pages
 
 void Viewer::perform(ClientId client, const request::Show& what) {
-  if (what.what != "none" && what.what != "von_mises" && what.what != "volume_ratio")
-    throw InputError("/what", "must be none, von_mises or volume_ratio");
+  static constexpr std::array known = {"none", "von_mises", "volume_ratio", "linear_error"};
+  if (std::find(known.begin(), known.end(), what.what) == known.end())
+    throw InputError("/what", "must be none, von_mises, volume_ratio or linear_error");
   clients_[client].scalar = what.what;
   measure_what_is_shown();
 }
@@ -137,6 +139,17 @@ void Viewer::perform(ClientId, const request::Paint& what) {
     painting().hold(what.at, what.radius, what.as == "held");
   else
     throw InputError("/as", "must be nonlinear, tensor-mass, precomputed, held or free");
+  repainted();
+}
+
+void Viewer::perform(ClientId, const request::PaintMaterial& what) {
+  check_radius(what.radius);
+  painting().paint_material(what.at, what.radius, what.material);
+  repainted();
+}
+
+void Viewer::perform(ClientId, const request::NewMaterial& what) {
+  painting().add_material(what.title, what.young);
   repainted();
 }
 

@@ -77,6 +77,8 @@ class Viewer final : public Service {
   void finish_task();
   void measure_what_is_shown();
   std::string painting_frame(Client& client);
+  void write_painting(BlockWriter& out) const;
+  nlohmann::json painting_status() const;
   std::string live_frame(Client& client, bool controls);
   void add_session(nlohmann::json& status, const Client& client, bool controls) const;
   void send(const HandCommand& command);
@@ -101,6 +103,8 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Export& what);
   void perform(ClientId client, const request::Edit& what);
   void perform(ClientId client, const request::Paint& what);
+  void perform(ClientId client, const request::PaintMaterial& what);
+  void perform(ClientId client, const request::NewMaterial& what);
   void perform(ClientId client, const request::PaintAll& what);
   void perform(ClientId client, const request::Stroke& what);
   void perform(ClientId client, const request::Undo& what);

@@ -1,5 +1,5 @@
-// The socket: connects, connects again when the server comes back, numbers what is asked, and tells how long it
-// took to be seen.
+// The socket: connects, connects again when the server comes back, numbers what is asked, and tells how long
+// it took to be seen.
 import {readFrame} from './protocol.js';
 
 const shortest = 6; // between two frames [ms]

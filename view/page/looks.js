@@ -1,8 +1,9 @@
-// What the organ is made of, for the eye. `fine`: wet tissue with shadows, for graphics cards. `quick`: the same
-// light, found once on a sphere and looked up by the direction of the normal; for what stands in for a card.
+// What the organ is made of, for the eye. `fine`: wet tissue with shadows, for graphics cards. `quick`: the
+// same light, found once on a sphere and looked up by the normal; for what stands in for a card.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
-// Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the organ.
+// Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the
+// organ.
 const noise = /* glsl */ `
 varying vec3 vRest;
 float hashed(vec3 p) {

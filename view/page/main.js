@@ -23,6 +23,7 @@ class Page {
     this.hands = new Hands(this.stage, this.organ, this.ask);
     this.editor = new Editor(this.ask);
     this.hands.brush = this.editor;
+    this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
     this.messages = new Messages(element('messages'));
     this.forcePlot = new Plot(element('force-plot'), [{label: 'force', colour: '#ffc46b'}], 0);
     this.energyPlot = new Plot(
@@ -77,6 +78,7 @@ class Page {
       this.organ.move(frame.positions.x);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
+    if (frame.materials) this.organ.setMaterials(frame.materials);
     if (frame.tools) this.instruments.update(frame.tools);
     if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
     this.frames = (this.frames ?? 0) + 1;
@@ -100,7 +102,8 @@ class Page {
       element('scene-name').textContent = status.scene;
       document.title = `${status.scene} · lobe`;
     }
-    if (status.mode !== before.mode || performance.now() - (this.figuresAt ?? 0) > 120) this.showFigures(status);
+    const isDue = performance.now() - (this.figuresAt ?? 0) > 120;
+    if (isDue || status.mode !== before.mode) this.showFigures(status);
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
     if (status.controls !== this.hands.may || status.clients !== before.clients) this.showControl(status);
@@ -131,6 +134,8 @@ class Page {
     factor.classList.toggle('slow', live && status.running && status.factor < 0.9 * status.speed);
     element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
     element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
+    element('step').title =
+      `The smallest time step of the last frame; ${status.again ?? 0} frames were run again with smaller ones`;
     element('tets').textContent = `${status.tets.toLocaleString('en')} tetrahedra`;
     element('pause').classList.toggle('on', !status.running);
     element('single').disabled = status.running;
@@ -141,7 +146,8 @@ class Page {
 
   showLegend() {
     this.legendAt = performance.now();
-    showLegend(element('legend'), this.organ.quantity, this.organ.range, this.organ.shares);
+    const {quantity, range, shares} = this.organ;
+    showLegend(element('legend'), quantity, range, shares, this.status.linear_error);
   }
 
   showControl(status) {
@@ -254,7 +260,7 @@ class Page {
     const edits = mode === 'edit';
     element('editor').hidden = !edits;
     this.leaveRoom();
-    this.colour(edits ? 'region' : 'tissue');
+    this.colour(edits ? this.editor.shows() : 'tissue');
     this.instruments.update([]);
     this.take(edits ? 'paint' : 'grasp');
     this.hint(edits ? 'Paint on the organ' : '');
@@ -265,7 +271,8 @@ class Page {
   }
 
   wantedScalar() {
-    return ['von_mises', 'volume_ratio'].includes(this.organ.quantity) ? this.organ.quantity : 'none';
+    const {quantity} = this.organ;
+    return ['von_mises', 'volume_ratio', 'linear_error'].includes(quantity) ? quantity : 'none';
   }
 
   colour(quantity) {

@@ -1,6 +1,6 @@
 // The organ as it is drawn: its skin wet, what was cut open matt and dark.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
-import {light, models, heldColour, quantities, rampColours} from './colours.js';
+import {heldColour, light, materialColours, models, quantities, rampColours} from './colours.js';
 import {fineLook, quickLook} from './looks.js';
 import {SmoothSurface} from './smooth_surface.js';
 
@@ -147,6 +147,11 @@ export class Organ {
     this.fixedColours();
   }
 
+  setMaterials(materials) {
+    this.materials = materials;
+    if (this.quantity === 'material') this.fixedColours();
+  }
+
   /** Colours that stay while nothing is cut or painted. */
   fixedColours() {
     if (!this.smooth) return;
@@ -155,11 +160,15 @@ export class Organ {
       colours = models.map(model => light(model.colour));
     const fresh = colour => colour.map((c, k) => 0.6 * c + 0.4 * cutColour[k]);
     const lighter = colours.map(fresh);
-    const values = this.smooth.spread(t =>
-      byRegion ? (cut[t] ? lighter : colours)[region[t]] : cut[t] ? cutColour : skinColour,
-    );
+    const ofMaterials = this.quantity === 'material' && this.materials?.length === region.length,
+      tints = materialColours.map(light);
+    const values = this.smooth.spread(t => {
+      if (ofMaterials) return tints[this.materials[t] % tints.length];
+      if (byRegion) return (cut[t] ? lighter : colours)[region[t]];
+      return cut[t] ? cutColour : skinColour;
+    });
     if (this.quantity === 'tissue') this.mottle(values);
-    if (byRegion && this.held) this.tint(values);
+    if ((byRegion || ofMaterials) && this.held) this.tint(values);
     this.colour.array.set(values);
     this.colour.needsUpdate = true;
     this.look.shine(this.quantity === 'tissue');

@@ -117,9 +117,12 @@ int Painting::add_material(const std::string& name, double young) {
   return static_cast<int>(scene_.materials.size()) - 1;
 }
 
+// What is let free is so below the skin, too.
 void Painting::hold(const Vec3d& at, double radius, bool held) {
   begin();
-  for (const Index v : within(mesh_.points, skin_, at, radius)) now_.held[std::size_t(v)] = held ? 1 : 0;
+  const std::vector<Index> reached = held ? within(mesh_.points, skin_, at, radius)
+                                          : within(mesh_.points, all(mesh_.vertex_count()), at, radius);
+  for (const Index v : reached) now_.held[std::size_t(v)] = held ? 1 : 0;
 }
 
 void Painting::paint_all(RegionModel model) {

@@ -23,7 +23,7 @@ class Painting {
   // Like the first one, but for its stiffness; its number. Throws InputError for a name that is taken, a
   // modulus that is none, and for one too many.
   int add_material(const std::string& name, double young /* [Pa] */);
-  void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin, at least one
+  void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin; free: all
   void paint_all(RegionModel model);
   void use(const std::vector<RegionModel>& region_of);  // per tetrahedron
   void end_stroke() { is_in_stroke_ = false; }

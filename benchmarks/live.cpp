@@ -10,7 +10,7 @@
 
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/machine.h"
-#include "benchmarks/random_hands.h"
+#include "benchmarks/random_session.h"
 #include "benchmarks/timing.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
@@ -106,40 +106,43 @@ void time_parts(const Setup& setup, LiveRow& row) {
 struct RandomPlay {
   double minutes = 0;  // simulated, on the way to which much was undone
   long frames = 0, commands = 0, returns = 0;
-  double playing_s = 0, replaying_s = 0;  // processor time
+  double playing_s = 0, replaying_s = 0;  // wall time of all threads and delays; processor time on one thread
   double recording_mb = 0;
 };
 
-// Whatever can be done, for so many simulated minutes, by the driver's own thread; then all of it again.
+void check_replay(const Setup& setup, const RandomSession& session, int threads) {
+  World<float> world(setup, threads);
+  const Replayed replayed = replay(session.recording, world);
+  if (!replayed.same || digest(world) != session.last)
+    throw WrongResult("live: command " + std::to_string(replayed.commands) + " of " +
+                      std::to_string(session.recording.commands.size()) +
+                      " gives other bits when it is replayed on " + std::to_string(threads) + " threads");
+}
+
+// Whatever can be done, for so many simulated minutes, by several threads with random delays; then all of it
+// again, on one thread and on two.
 RandomPlay play_random_hands(const Setup& setup, double minutes) {
-  Session<float> session(setup);
   const Box box = bounding_box(setup.mesh);
-  RandomHandsOptions options{.low = box.min, .high = box.max, .removable = {}};
-  for (Index t = 0; t < setup.mesh.tet_count(); t += 97) options.removable.push_back(t);
-  RandomHands hands(1, std::move(options));
-  Controller hand = session.connect("random");
+  RandomSessionOptions options;
+  options.hands = {.low = box.min, .high = box.max, .removable = {}};
+  for (Index t = 0; t < setup.mesh.tet_count(); t += 97) options.hands.removable.push_back(t);
+  options.threads = 2;
+  options.seconds = 60 * minutes;
   RandomPlay played;
-  const Stopwatch playing(true);
-  for (; double(played.frames) * session.frame() < 60 * minutes; ++played.frames) {
-    if (hands.dice(2000) == 0) hand = session.connect("somebody else");
-    for (int i = hands.dice(3); i > 0; --i) hand.send(hands.next());
-    hand.send({.kind = Kind::run, .on = true});
-    session.step_frame();
-  }
+  const Stopwatch playing(false);
+  const RandomSession session = play_at_random(setup, options);
   played.playing_s = playing.seconds();
-  played.minutes = double(played.frames) * session.frame() / 60;
-  const Recording& recording = session.recording();
-  played.commands = long(recording.commands.size());
-  played.recording_mb = 1e-6 * double(recording.commands.capacity() * sizeof(RecordedCommand));
-  for (const RecordedCommand& one : recording.commands)
+  if (session.faults > 0) throw WrongResult("live: a picture was torn");
+  played.frames = session.frames;
+  played.minutes = double(session.frames) / 120 / 60;
+  played.commands = long(session.recording.commands.size());
+  played.recording_mb = 1e-6 * double(session.recording.commands.capacity() * sizeof(RecordedCommand));
+  for (const RecordedCommand& one : session.recording.commands)
     played.returns += std::holds_alternative<GoBack>(one.command);
   const Stopwatch replaying(true);
-  World<float> world(setup);
-  const Replayed replayed = replay(recording, world);
+  check_replay(setup, session, 1);
   played.replaying_s = replaying.seconds();
-  if (!replayed.same || digest(world) != digest(session.world()))
-    throw WrongResult("live: command " + std::to_string(replayed.commands) + " of " +
-                      std::to_string(played.commands) + " gives other bits when it is replayed");
+  check_replay(setup, session, 2);
   return played;
 }
 
@@ -185,7 +188,7 @@ void bench_live(const Options& options) {
   const RandomPlay played = play_random_hands(held_liver(read_mesh(meshes / "liver_2k.vtu").mesh), minutes);
   std::printf(
       "\nrandom hands, liver_2k: %.1f simulated minutes, %ld frames, %ld commands, back %ld times, record of "
-      "%.1f MB\nplayed in %.1f s, replayed bit for bit in %.1f s\n",
+      "%.1f MB\nplayed in %.1f s, replayed bit for bit on one thread in %.1f s, and on two\n",
       played.minutes, played.frames, played.commands, played.returns, played.recording_mb, played.playing_s,
       played.replaying_s);
   io::write_file(options.output / "live.csv", csv(rows, played));

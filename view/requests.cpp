@@ -1,4 +1,5 @@
 // What the viewer does when it is asked.
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -77,8 +78,9 @@ void Viewer::perform(ClientId, const request::Back& what) {
 // ---- Pages
 
 void Viewer::perform(ClientId client, const request::Show& what) {
-  if (what.what != "none" && what.what != "von_mises" && what.what != "volume_ratio")
-    throw InputError("/what", "must be none, von_mises or volume_ratio");
+  static constexpr std::array known = {"none", "von_mises", "volume_ratio", "linear_error"};
+  if (std::find(known.begin(), known.end(), what.what) == known.end())
+    throw InputError("/what", "must be none, von_mises, volume_ratio or linear_error");
   clients_[client].scalar = what.what;
   measure_what_is_shown();
 }
@@ -140,6 +142,17 @@ void Viewer::perform(ClientId, const request::Paint& what) {
   repainted();
 }
 
+void Viewer::perform(ClientId, const request::PaintMaterial& what) {
+  check_radius(what.radius);
+  painting().paint_material(what.at, what.radius, what.material);
+  repainted();
+}
+
+void Viewer::perform(ClientId, const request::NewMaterial& what) {
+  painting().add_material(what.title, what.young);
+  repainted();
+}
+
 void Viewer::perform(ClientId, const request::PaintAll& what) {
   const RegionModel* model = model_of(what.as);
   if (!model) throw InputError("/as", "choose one of the three models: they alone can fill all");
@@ -181,7 +194,7 @@ void Viewer::perform(ClientId, const request::Propose& what) {
 
 void Viewer::perform(ClientId, const request::Apply&) {
   begin([scene = painting().scene("painted.vtu"), mesh = painting().mesh(),
-         options = options_.live](Task& task) {
+         options = live_options()](Task& task) {
     task.scene = scene;
     task.resolved = resolve(scene, mesh);
     LiveOptions live = options;

@@ -7,6 +7,7 @@
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
+#include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_scene.h"
 #include "near.h"
 
@@ -69,6 +70,41 @@ TEST_CASE("what was painted is what the scene comes to, and materials by label s
   CHECK(shares[0] > 0);
   CHECK(shares[1] > 0);
   CHECK(shares[0] + shares[1] + shares[2] == near(1, 1e-12));
+}
+
+TEST_CASE("materials are painted, and a new one has the stiffness that it was given") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  const int hard = painting.add_material("hard", 1e5);
+  CHECK(hard == 2);
+  CHECK_THROWS_AS(painting.add_material("hard", 1e4), InputError);
+  CHECK_THROWS_AS(painting.add_material("none", 0), InputError);
+  CHECK_THROWS_AS(painting.paint_material({0, 0, 0}, 0.01, 3), InputError);
+  painting.paint_material({0.1, 0.1, 0.1}, 0.06, hard);
+  painting.paint({0.1, 0.1, 0.05}, 0.05, RegionModel::tensor_mass);
+  const std::vector<double> shares = painting.material_shares();
+  CHECK(shares[2] > 0);
+  CHECK(shares[0] + shares[1] + shares[2] == near(1, 1e-12));
+  const Setup setup = resolve_again(painting).setup;
+  CHECK(setup.region_of == painting.regions());
+  for (std::size_t t = 0; t < setup.material_of.size(); ++t)
+    CHECK(int(setup.material_of[t]) == painting.material_of()[t]);
+  const Elastic& material = setup.materials[2];
+  CHECK(young_modulus(material.lambda, material.mu) == near(1e5, 1e-12));
+  CHECK(poisson_ratio(material.lambda, material.mu) == near(0.4, 1e-12));
+  painting.undo();
+  painting.undo();
+  CHECK(painting.material_shares()[2] == 0);
+}
+
+TEST_CASE("a material that nothing is left of is not in the scene") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint_material({0.05, 0.05, 0.05}, 1, 1);
+  const Scene scene = painting.scene("box.vtu");
+  REQUIRE(scene.materials.size() == 1);
+  CHECK(scene.materials[0].name == "firm");
+  CHECK(resolve_again(painting).setup.materials[0].lambda == 8e4);
 }
 
 TEST_CASE("the surface shows what was painted") {

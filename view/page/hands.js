@@ -121,16 +121,17 @@ export class Hands {
         .addScaledVector(this.stage.right(), dx * scale)
         .addScaledVector(this.stage.above(), -dy * scale);
     }
-    this.lead();
+    this.lead(event.timeStamp);
   }
 
   // At most one pose per picture: the newest is the one that counts.
-  lead() {
+  lead(since) {
     if (this.isLeading) return;
     this.isLeading = true;
     requestAnimationFrame(() => {
       this.isLeading = false;
-      if (this.active?.point) this.ask({do: 'lead', hand: this.active.hand, to: this.active.point.toArray()});
+      const {point, hand} = this.active ?? {};
+      if (point) this.ask({do: 'lead', hand, to: point.toArray()}, since);
     });
   }
 
@@ -139,7 +140,7 @@ export class Hands {
     const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
     if (!this.active?.point) return this.stage.zoom(1.12 ** notches);
     this.active.point.addScaledVector(this.stage.forward(), -0.004 * notches);
-    this.lead();
+    this.lead(event.timeStamp);
   }
 
   up(event) {

@@ -20,7 +20,8 @@ export class Instruments {
     stage.after.push(() => this.placeLabels());
   }
 
-  /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[], radius: number, on: boolean}[]} tools */
+  /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[],
+   *   radius: number, on: boolean}[]} tools */
   update(tools) {
     const present = new Set();
     for (const tool of tools) {
@@ -65,14 +66,22 @@ export class Instruments {
   }
 
   place(item, tool) {
+    const place = [tool.on, ...tool.position, ...(tool.orientation ?? [])],
+      force = new THREE.Vector3(...tool.force),
+      size = force.length();
+    if (item.was?.every((value, k) => value === place[k]) && force.distanceTo(item.force) < 0.01) return;
+    item.was = place;
+    item.force = force.clone();
+    this.stage.invalidate();
     item.body.position.fromArray(tool.position);
     item.body.quaternion.fromArray(tool.orientation ?? [0, 0, 0, 1]).multiply(item.rest);
     const tip = item.body.getObjectByName('tip');
     if (tip) tip.material.emissiveIntensity = tool.on ? 2.2 : 0;
-    const force = new THREE.Vector3(...tool.force),
-      size = force.length();
     item.at = new THREE.Vector3(...tool.position);
-    item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : 'burning';
+    if (performance.now() - (item.writtenAt ?? 0) > 120) {
+      item.writtenAt = performance.now();
+      item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : 'burning';
+    }
     item.label.hidden = tool.type !== 'grasp' && !tool.on;
     item.arrow.visible = size > 0.02;
     if (!item.arrow.visible) return;

@@ -70,6 +70,21 @@ TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms 
                         [](InstructionSet set) { return TensorMassRegion<Real>(set); });
 }
 
+TEST_CASE("every instruction set gives the same bits with fibres and of a neo-Hookean body") {
+  Setup fibrous = setup_of(irregular_box(3)), neo = fibrous;
+  fibrous.materials[0].fibre = {3e3, 8e3, 5e4};
+  fibrous.mesh.fibres = random_displacement(fibrous.mesh.tet_count(), 1).colwise().normalized();
+  neo.materials[0].law = MaterialLaw::neo_hookean;
+  for (const auto& [kappa, below] : {std::pair{0.0, 0.0}, {0.0, 0.8}, {1e5, 0.0}, {1e5, 0.8}}) {
+    for (Setup setup : {fibrous, neo, averaged(fibrous)}) {
+      setup.volume_penalty = kappa;
+      setup.guard_below = below;
+      check_nonlinear<float>(setup);
+      check_nonlinear<double>(setup);
+    }
+  }
+}
+
 TEST_CASE("LOBE_INSTRUCTION_SET chooses the set, and what the processor does not have is refused") {
   REQUIRE(std::getenv("LOBE_INSTRUCTION_SET") == nullptr);
   CHECK(chosen_instruction_set() == available_instruction_sets().back());

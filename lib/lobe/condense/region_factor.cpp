@@ -34,6 +34,7 @@ Part region_part(const Elements& elements, RegionModel model) {
       body.mesh.tets(c, Eigen::Index(i)) = target[elements.topology.tets()(c, tets[i])];
     body.material_of.push_back(elements.material_of[tets[i]]);
   }
+  if (elements.fibres.cols() > 0) body.mesh.fibres = elements.fibres(Eigen::all, tets);
   body.mesh.labels.assign(tets.size(), 0);
   body.region_of.assign(tets.size(), model);
   body.materials = elements.materials;

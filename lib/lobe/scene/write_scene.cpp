@@ -58,12 +58,33 @@ void add_where(ordered_json& entry, const std::optional<Selector>& where) {
   if (where) entry["where"] = selector(*where);
 }
 
+struct FibreWriter {
+  ordered_json operator()(const FibreDirection& f) const { return {{"direction", vector_json(f.direction)}}; }
+  ordered_json operator()(const FibreArray&) const { return {{"array", "fibre"}}; }
+  ordered_json operator()(const FibreHarmonic& f) const {
+    return {{"harmonic", {{"from", selector(f.from)}, {"to", selector(f.to)}}}};
+  }
+  ordered_json operator()(const FibreAround& f) const {
+    return {{"axis", {{"point", vector_json(f.point)}, {"direction", vector_json(f.axis)}}}};
+  }
+};
+
 ordered_json write(const Material& material) {
-  ordered_json entry = {{"name", material.name},
-                        {"lame_lambda", material.lame_lambda},
-                        {"lame_mu", material.lame_mu},
-                        {"density", material.density},
-                        {"nodal_pressure", material.nodal_pressure}};
+  ordered_json entry = {{"name", material.name}};
+  if (const auto& constants = material.transverse) {
+    entry["young_modulus_along"] = constants->young_along;
+    entry["young_modulus_across"] = constants->young_across;
+    entry["poisson_ratio_along"] = constants->poisson_along;
+    entry["poisson_ratio_across"] = constants->poisson_across;
+    entry["shear_modulus_along"] = constants->shear_along;
+  } else {
+    entry["lame_lambda"] = material.lame_lambda;
+    entry["lame_mu"] = material.lame_mu;
+  }
+  entry["density"] = material.density;
+  entry["nodal_pressure"] = material.nodal_pressure;
+  entry["law"] = material.law == MaterialLaw::neo_hookean ? "neo-hookean" : "svk";
+  if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);
   add_where(entry, material.where);
   return entry;
 }

@@ -21,6 +21,7 @@ enum class Option : std::uint8_t {
   expandable,  // Setup::expandable
   automatic,   // regions that are chosen by their estimated error
   nodal_pressure,
+  neo_hookean,
   stored,
   sleep,
   selective_mass,
@@ -30,7 +31,7 @@ enum class Option : std::uint8_t {
   single_precision,
   static_solution
 };
-inline constexpr std::size_t option_count = 13;
+inline constexpr std::size_t option_count = 14;
 const char* name(Option option);  // as a scene says it: "model": "precomputed"
 
 class Options {  // a set of them

@@ -105,6 +105,7 @@ Setup World<Real>::initial_setup() const {
   setup.mesh.tets = now.tets().unaryExpr([&](Index v) { return now.origin(v); });
   setup.mesh.labels = elements().labels;
   setup.mesh.labels.resize(std::size_t(now.tet_count()), 0);
+  setup.mesh.fibres = elements().fibres;
   setup.material_of = elements().material_of;
   return setup;
 }

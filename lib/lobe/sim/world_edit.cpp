@@ -205,6 +205,7 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   c = compact(own.topology, own.points.view(), own.labels);
   Setup setup = setup_;
   setup.mesh = c.mesh;
+  if (own.fibres.cols() > 0) setup.mesh.fibres = own.fibres(Eigen::all, c.tet_source);
   setup.material_of.clear();
   setup.region_of.clear();
   for (Index t : c.tet_source) {

@@ -44,7 +44,8 @@ bool is_led(const HeldVertices& held) {
 
 Unravelling::Unravelling(const Elements& elements, double diagonal) {
   double slowest = std::numeric_limits<double>::infinity();  // [m²/s²]
-  for (const Elastic& e : elements.materials) slowest = std::min(slowest, e.mu / e.density);
+  for (const Elastic& e : elements.materials)
+    slowest = std::min(slowest, (e.mu + std::min(0.0, e.fibre.shear)) / e.density);
   patience_ = 16 * diagonal / std::sqrt(slowest);
 }
 

@@ -135,7 +135,8 @@ class Page {
     element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
     element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
     element('step').title =
-      `The smallest time step of the last frame; ${status.again ?? 0} frames were run again with smaller ones`;
+      'The smallest time step of the last frame; ' +
+      `${status.again ?? 0} frames were run again with smaller ones`;
     element('tets').textContent = `${status.tets.toLocaleString('en')} tetrahedra`;
     element('pause').classList.toggle('on', !status.running);
     element('single').disabled = status.running;

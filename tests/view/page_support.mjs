@@ -75,3 +75,19 @@ export async function drag(page, from, dx, dy) {
   await page.mouse.down();
   for (let i = 1; i <= 8; ++i) await page.mouse.move(from.x + (dx * i) / 8, from.y + (dy * i) / 8);
 }
+
+export class Checks {
+  failures = 0;
+  started = Date.now();
+  seconds = () => ((Date.now() - this.started) / 1e3).toFixed(1);
+
+  check = (condition, what) => {
+    console.log(`${condition ? 'ok    ' : 'FAILED'} ${what} (${this.seconds()} s)`);
+    if (!condition) ++this.failures;
+  };
+
+  finish = () => {
+    console.log(`${this.failures} failures, ${this.seconds()} s`);
+    process.exit(this.failures ? 1 : 0);
+  };
+}

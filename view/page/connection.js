@@ -3,6 +3,7 @@
 import {readFrame} from './protocol.js';
 
 const shortest = 6; // between two frames [ms]
+const share = 0.2; // of the time that a picture takes: a frame may be as old as that
 
 export class Connection {
   /** @param {{frame: Function, event: Function, state: Function}} handlers */
@@ -12,6 +13,7 @@ export class Connection {
     this.asked = new Map(); // requests that no picture knows of yet: number → {hand, asked} [ms]
     this.trips = []; // of requests, from the hand to the picture that knows of it [ms]
     this.acknowledged = 0; // when [ms]
+    this.drawing = 0; // what a picture takes [ms]
     this.wait = 300;
     this.open();
   }
@@ -43,7 +45,8 @@ export class Connection {
     frame.received = performance.now();
     this.handlers.frame(frame);
     // Not when it is drawn: until then a later one may come.
-    const wait = document.hidden ? 200 : this.acknowledged + shortest - frame.received;
+    const pause = document.hidden ? 200 : Math.max(shortest, share * this.drawing);
+    const wait = this.acknowledged + pause - frame.received;
     if (wait > 0) setTimeout(() => this.acknowledge(), wait);
     else this.acknowledge();
   }
@@ -53,8 +56,9 @@ export class Connection {
     this.send({do: 'seen'});
   }
 
-  /** The frame is about to be on the screen. */
-  shown(frame) {
+  /** The frame is about to be on the screen, which takes so long. */
+  shown(frame, drawing) {
+    this.drawing = drawing;
     const now = performance.now(),
       last = frame.status?.seen ?? 0;
     for (const [number, {hand, asked}] of this.asked) {

@@ -60,6 +60,7 @@ async function play(page, at) {
   }
   const wall = performance.now() - began,
     after = processorTime();
+  if (!(await page.evaluate(() => lobe.force > 0))) throw new Error('the hand holds nothing');
   const end = await page.evaluate(() => ({
     trips: lobe.connection.trips,
     time: lobe.status.time,

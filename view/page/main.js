@@ -41,6 +41,7 @@ class Page {
     this.status = {};
     this.mode = 'live';
     this.stage.before.push(() => this.showFrame());
+    this.stage.drawn.push(() => this.connection.drawn());
     this.connection = new Connection({
       frame: frame => this.receive(frame),
       event: event => this.hear(event),

@@ -40,6 +40,7 @@ export class Stage {
     this.margins = {left: 0, right: 0}; // that panels cover [pixels]
     this.before = []; // called when the browser draws next, whether or not there is a new picture
     this.after = []; // called after each picture
+    this.drawn = []; // called when the graphics card has finished it
     this.mostPixels = this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
     this.slow = 0; // what a picture takes, a mean [ms]
     this.pictures = 0;
@@ -256,6 +257,7 @@ export class Stage {
     gl.deleteSync(this.fence);
     this.fence = null;
     this.adapt(took);
+    for (const f of this.drawn) f();
     if (this.isAwake) {
       this.isAwake = false;
       this.wake();

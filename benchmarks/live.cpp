@@ -29,6 +29,7 @@ struct LiveRow {
   double bare_us = 0, session_us = 0;  // per frame, of the same frames: advance() alone, and a session
   double ratio = 1;                    // of the two
   double publish_us = 0, seal_us = 0, keep_us = 0;  // a picture, a digest of the state, a state to go back to
+  double answer_p50_ms = 0, answer_p95_ms = 0;      // from a command to the picture that knows of it
 };
 
 Setup held_liver(const TetMesh& mesh) {
@@ -103,6 +104,25 @@ void time_parts(const Setup& setup, LiveRow& row) {
   row.keep_us = 1e6 * median(samples[2]);
 }
 
+// At real time, with frames of 1/120 s: what a hand waits for, without any network or page.
+void time_answers(const Setup& setup, int count, LiveRow& row) {
+  Session<float> session(setup);
+  Controller hand = session.connect("mouse");
+  session.start();
+  std::vector<double> answers;
+  for (int i = 1; i <= count; ++i) {
+    const Stopwatch watch(false);
+    hand.send({.kind = Kind::alive, .sequence = std::uint64_t(i)});
+    while (session.status()->sequences[std::size_t(hand.number())] < std::uint64_t(i))
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    answers.push_back(1e3 * watch.seconds());
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));  // never at the same place of a frame
+  }
+  std::sort(answers.begin(), answers.end());
+  row.answer_p50_ms = median(answers);
+  row.answer_p95_ms = answers[answers.size() * 95 / 100];
+}
+
 struct RandomPlay {
   double minutes = 0;  // simulated, on the way to which much was undone
   long frames = 0, commands = 0, returns = 0;
@@ -147,20 +167,23 @@ RandomPlay play_random_hands(const Setup& setup, double minutes) {
 }
 
 void print(const LiveRow& r) {
-  std::printf("%-20s %8d %7d %9.1f %10.1f %9.2f %10.1f %7.1f %7.1f\n", r.mesh.c_str(), r.tets, r.frames,
-              r.bare_us, r.session_us, 100 * (r.ratio - 1), r.publish_us, r.seal_us, r.keep_us);
+  std::printf("%-20s %8d %7d %9.1f %10.1f %9.2f %10.1f %7.1f %7.1f %8.1f %8.1f\n", r.mesh.c_str(), r.tets,
+              r.frames, r.bare_us, r.session_us, 100 * (r.ratio - 1), r.publish_us, r.seal_us, r.keep_us,
+              r.answer_p50_ms, r.answer_p95_ms);
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<LiveRow>& rows, const RandomPlay& played) {
   std::ostringstream out;
-  out << "mesh,tets,frames,bare_us,session_us,overhead,publish_us,seal_us,keep_us,"
+  out << "mesh,tets,frames,bare_us,session_us,overhead,publish_us,seal_us,keep_us,answer_p50_ms,answer_p95_"
+         "ms,"
          "random_minutes,random_commands,random_returns,playing_s,replaying_s,recording_mb\n"
       << std::setprecision(4);
   for (const LiveRow& r : rows)
     out << r.mesh << ',' << r.tets << ',' << r.frames << ',' << r.bare_us << ',' << r.session_us << ','
-        << r.ratio - 1 << ',' << r.publish_us << ',' << r.seal_us << ',' << r.keep_us << ",0,0,0,0,0,0\n";
-  out << "liver_2k,0,0,0,0,0,0,0,0," << played.minutes << ',' << played.commands << ',' << played.returns
+        << r.ratio - 1 << ',' << r.publish_us << ',' << r.seal_us << ',' << r.keep_us << ','
+        << r.answer_p50_ms << ',' << r.answer_p95_ms << ",0,0,0,0,0,0\n";
+  out << "liver_2k,0,0,0,0,0,0,0,0,0,0," << played.minutes << ',' << played.commands << ',' << played.returns
       << ',' << played.playing_s << ',' << played.replaying_s << ',' << played.recording_mb << '\n';
   return out.str();
 }
@@ -169,8 +192,8 @@ std::string csv(const std::vector<LiveRow>& rows, const RandomPlay& played) {
 
 void bench_live(const Options& options) {
   begin_results(options.output, "live");
-  std::printf("\n%-20s %8s %7s %9s %10s %9s %10s %7s %7s\n", "mesh", "tets", "frames", "bare us",
-              "session us", "adds %", "publish us", "seal us", "keep us");
+  std::printf("\n%-20s %8s %7s %9s %10s %9s %10s %7s %7s %8s %8s\n", "mesh", "tets", "frames", "bare us",
+              "session us", "adds %", "publish us", "seal us", "keep us", "p50 ms", "p95 ms");
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
   std::vector<LiveRow> rows;
   const auto run = [&](const std::string& name, const TetMesh& mesh, int frames) {
@@ -179,6 +202,7 @@ void bench_live(const Options& options) {
     const Setup setup = held_liver(mesh);
     time_frames(setup, row);
     time_parts(setup, row);
+    if (row.bare_us < 1e6 / 120) time_answers(setup, options.quick ? 50 : 500, row);
     print(row);
   };
   run("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh, 2400);

@@ -1,5 +1,5 @@
-// How long it takes from the hand to the picture, and what the page costs: a drag of some seconds in a headless
-// Chromium without a graphics card. Usage: node page.mjs LOBE_VIEW SCENE MODULES OUT.csv [SECONDS]
+// How long it takes from the hand to the picture, and what the page costs: a drag of some seconds in a
+// headless Chromium without a graphics card. Usage: node page.mjs LOBE_VIEW SCENE MODULES OUT.csv [SECONDS]
 // MODULES is a folder in which npm has installed playwright-core.
 import {readdirSync, readFileSync, writeFileSync} from 'node:fs';
 import path from 'node:path';
@@ -60,6 +60,7 @@ async function play(page, at) {
   }
   const wall = performance.now() - began,
     after = processorTime();
+  if (!(await page.evaluate(() => lobe.force > 0))) throw new Error('the hand holds nothing');
   const end = await page.evaluate(() => ({
     trips: lobe.connection.trips,
     time: lobe.status.time,
@@ -104,7 +105,8 @@ for (const [name, args] of Object.entries(browsers)) {
   const browser = await findBrowser(modules).launch(args);
   const page = await browser.newPage({viewport: {width: 960, height: 640}});
   await page.goto(await server.start(scene));
-  if (!(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x))) throw new Error('the page shows nothing');
+  if (!(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x)))
+    throw new Error('the page shows nothing');
   rows.push(row(name, await play(page, await grip(page))));
   await browser.close();
   await server.kill();

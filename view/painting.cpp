@@ -59,7 +59,8 @@ Painting::Painting(Scene scene, const Resolved& resolved)
       topology_(mesh_),
       now_{resolved.setup.region_of,
            {resolved.setup.material_of.begin(), resolved.setup.material_of.end()},
-           fixed_vertices(scene_, mesh_)},
+           fixed_vertices(scene_, mesh_),
+           resolved.setup.precomputed_frame},
       held_at_first_(now_.held),
       material_at_first_(now_.material_of),
       labels_(distinct(mesh_.labels)),
@@ -141,6 +142,13 @@ void Painting::use(const std::vector<RegionModel>& region_of) {
   end_stroke();
 }
 
+void Painting::set_frame(RegionFrame frame) {
+  end_stroke();
+  begin();
+  now_.frame = frame;
+  end_stroke();
+}
+
 void Painting::undo() {
   end_stroke();
   if (past_.empty()) return;
@@ -150,6 +158,55 @@ void Painting::undo() {
 }
 
 void Painting::follow_all() { follow(all(mesh_.tet_count())); }
+
+std::vector<std::vector<Index>> Painting::precomputed_parts() const {
+  const auto is_precomputed = [&](Index t) {
+    return now_.region_of[std::size_t(t)] == RegionModel::precomputed;
+  };
+  std::vector<std::vector<Index>> parts;
+  std::vector<char> found(std::size_t(mesh_.tet_count()), 0);
+  for (Index first = 0; first < mesh_.tet_count(); ++first) {
+    if (found[std::size_t(first)] || !is_precomputed(first)) continue;
+    std::vector<Index>& part = parts.emplace_back(1, first);
+    found[std::size_t(first)] = 1;
+    for (std::size_t at = 0; at < part.size(); ++at)
+      for (int face = 0; face < 4; ++face) {
+        const Index other = topology_.neighbour(part[at], face);
+        if (other < 0 || found[std::size_t(other)] || !is_precomputed(other)) continue;
+        found[std::size_t(other)] = 1;
+        part.push_back(other);
+      }
+  }
+  return parts;
+}
+
+std::vector<Index> Painting::unheld() const {
+  const std::vector<std::vector<Index>> parts = precomputed_parts();
+  const auto largest = std::max_element(parts.begin(), parts.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  const auto is_held = [&](Index t) {
+    const Eigen::Vector4i corners = topology_.corners(t);
+    return std::any_of(corners.begin(), corners.end(),
+                       [&](Index v) { return now_.held[std::size_t(v)] != 0; });
+  };
+  std::vector<Index> tets;
+  for (auto part = parts.begin(); part != parts.end(); ++part)
+    if (now_.frame == RegionFrame::corotated ? part != largest
+                                             : std::none_of(part->begin(), part->end(), is_held))
+      tets.insert(tets.end(), part->begin(), part->end());
+  return tets;
+}
+
+bool Painting::can_turn() const {
+  const std::vector<std::vector<Index>> parts = precomputed_parts();
+  return parts.size() == 1 && Index(parts[0].size()) < mesh_.tet_count();
+}
+
+double Painting::share_of(const std::vector<Index>& tets) const {
+  double sum = 0;
+  for (const Index t : tets) sum += volumes_[std::size_t(t)];
+  return sum / std::accumulate(volumes_.begin(), volumes_.end(), 0.0);
+}
 
 std::vector<double> Painting::material_shares() const {
   std::vector<double> shares(materials().size(), 0);

@@ -26,6 +26,8 @@ class Painting {
   void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin; free: all
   void paint_all(RegionModel model);
   void use(const std::vector<RegionModel>& region_of);  // per tetrahedron
+  // Whether precomputed parts follow a rigid motion of their own (condense/rigid_frame.h).
+  void set_frame(RegionFrame frame);
   void end_stroke() { is_in_stroke_ = false; }
   bool can_undo() const { return !past_.empty(); }
   void undo();
@@ -38,6 +40,11 @@ class Painting {
   const std::vector<RegionModel>& regions() const { return now_.region_of; }  // per tetrahedron
   std::array<double, 3> shares() const;                                       // of the volume, by RegionModel
   const std::vector<Material>& materials() const { return scene_.materials; }
+  // Precomputed tetrahedra of parts, together by faces, that nothing anchors: none of their vertices is held;
+  // or, in a moving frame, all but the largest part. No world can be built of these.
+  std::vector<Index> unheld() const;
+  bool can_turn() const;  // there is one precomputed part alone, beside others: it may have a moving frame
+  double share_of(const std::vector<Index>& tets) const;                    // of the volume
   std::vector<double> material_shares() const;                              // of the volume
   const std::vector<int>& material_of() const { return now_.material_of; }  // per tetrahedron
 
@@ -54,9 +61,11 @@ class Painting {
     std::vector<RegionModel> region_of;
     std::vector<int> material_of;
     std::vector<std::uint8_t> held;
+    RegionFrame frame = RegionFrame::fixed;  // of precomputed parts
   };
 
   void begin();
+  std::vector<std::vector<Index>> precomputed_parts() const;
   void follow(const std::vector<Index>& tets) { surface_.follow_regions(tets, now_.region_of); }
   void follow_all();
   int label(Index tet) const;

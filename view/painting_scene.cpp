@@ -69,13 +69,12 @@ void Painting::relabel(Selector& selector) const {
 }
 
 void Painting::add_regions(Scene& scene) const {
-  const RegionFrame frame = scene.regions.empty() ? RegionFrame::fixed : scene.regions.front().frame;
   scene.regions.clear();
   for (const RegionModel model : models) {
     Selector where = labelled([&](std::size_t t) { return now_.region_of[t] == model; });
     if (std::get<SelectLabel>(where.value).labels.empty()) continue;
     Region region{.name = region_names[std::size_t(model)], .model = model, .where = {}, .pointer = {}};
-    if (model == RegionModel::precomputed) region.frame = frame;
+    if (model == RegionModel::precomputed) region.frame = now_.frame;
     region.where = std::move(where);
     scene.regions.push_back(std::move(region));
   }

@@ -185,6 +185,12 @@ struct PaintMaterial {
       std::tuple(Field{"at", &PaintMaterial::at}, Field{"radius", &PaintMaterial::radius},
                  Field{"material", &PaintMaterial::material});
 };
+// What is precomputed and held nowhere becomes "tensor-mass" or "nonlinear", or turns by itself: "turning".
+struct Mend {
+  std::string as;
+  static constexpr const char* name = "mend";
+  static constexpr auto fields = std::tuple(Field{"as", &Mend::as});
+};
 // A further material: the first one, but for its stiffness.
 struct NewMaterial {
   std::string title;
@@ -225,8 +231,8 @@ struct Save {
 };
 
 using Any = std::variant<Seen, Take, Burn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control,
-                         HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, PaintAll, Stroke, Undo,
-                         Propose, Apply, Save>;
+                         HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll, Stroke,
+                         Undo, Propose, Apply, Save>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

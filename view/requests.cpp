@@ -153,6 +153,21 @@ void Viewer::perform(ClientId, const request::NewMaterial& what) {
   repainted();
 }
 
+void Viewer::perform(ClientId, const request::Mend& what) {
+  const RegionModel* model = model_of(what.as);
+  if (what.as == "turning") {
+    if (!painting().can_turn()) throw InputError("/as", "one pre-computed part alone can turn by itself");
+    painting().set_frame(RegionFrame::corotated);
+  } else if (model && *model != RegionModel::precomputed) {
+    std::vector<RegionModel> regions = painting().regions();
+    for (const Index t : painting().unheld()) regions[std::size_t(t)] = *model;
+    painting().use(regions);
+  } else {
+    throw InputError("/as", "must be tensor-mass, nonlinear or turning");
+  }
+  repainted();
+}
+
 void Viewer::perform(ClientId, const request::PaintAll& what) {
   const RegionModel* model = model_of(what.as);
   if (!model) throw InputError("/as", "choose one of the three models: they alone can fill all");

@@ -254,6 +254,8 @@ Json Viewer::painting_status() const {
             {"can_undo", painting_->can_undo()},
             {"busy", is_preparing() ? Json(task_->fraction.load()) : Json()},
             {"proposal", nullptr}};
+  if (const std::vector<Index> unheld = painting_->unheld(); !unheld.empty())
+    edit["unheld"] = {{"share", painting_->share_of(unheld)}, {"can_turn", painting_->can_turn()}};
   if (!proposal_) return edit;
   Json gestures = Json::array();
   for (const GestureOutcome& gesture : proposal_->gestures)

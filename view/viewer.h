@@ -105,6 +105,7 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Paint& what);
   void perform(ClientId client, const request::PaintMaterial& what);
   void perform(ClientId client, const request::NewMaterial& what);
+  void perform(ClientId client, const request::Mend& what);
   void perform(ClientId client, const request::PaintAll& what);
   void perform(ClientId client, const request::Stroke& what);
   void perform(ClientId client, const request::Undo& what);

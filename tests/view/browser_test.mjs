@@ -2,7 +2,7 @@
 // Usage: node browser_test.mjs LOBE_VIEW SCENE MODULES OUT
 import {mkdirSync, readFileSync, rmSync} from 'node:fs';
 import path from 'node:path';
-import {drag, findBrowser, grip, Server, until} from './page_support.mjs';
+import {Checks, drag, findBrowser, grip, Server, until} from './page_support.mjs';
 
 const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
 const browserToLaunch = findBrowser(modules);
@@ -11,13 +11,7 @@ mkdirSync(out, {recursive: true});
 
 // ---- What is checked
 
-let failures = 0;
-const started = Date.now();
-const seconds = () => ((Date.now() - started) / 1e3).toFixed(1);
-function check(condition, what) {
-  console.log(`${condition ? 'ok    ' : 'FAILED'} ${what} (${seconds()} s)`);
-  if (!condition) ++failures;
-}
+const {check, finish} = new Checks();
 const server = new Server(program, '--save-to', out);
 const address = await server.start(scene);
 const browser = await browserToLaunch.launch();
@@ -200,5 +194,4 @@ check(
   saved.regions.some(region => region.model === 'tensor-mass'),
   'the saved scene has the painted region',
 );
-console.log(`${failures} failures, ${seconds()} s`);
-process.exit(failures ? 1 : 0);
+finish();

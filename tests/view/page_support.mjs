@@ -59,14 +59,21 @@ export const until = (page, condition, argument) =>
     () => false,
   );
 
-// Where on the window a point of the organ's surface is that is free and faces the viewer: in its right part.
+// Where on the window a point of the organ's surface is that is free and faces the viewer: 50 pixels from its
+// right end.
 export const grip = page =>
   page.evaluate(() => {
     const {stage, organ} = lobe,
-      {clientWidth: w, clientHeight: h} = stage.canvas;
-    for (let x = w - 1; x > w / 3; x -= 4)
-      for (let y = 60; y < h - 80; y += 4)
-        if (organ.hit(stage.ray(x, y)) && organ.hit(stage.ray(x - 50, y))) return {x: x - 50, y};
+      {array} = organ.position,
+      point = stage.target.clone();
+    let end = {x: -1, y: 0};
+    for (let i = 0; i < array.length; i += 3) {
+      const place = stage.project(point.fromArray(array, i));
+      if (place && place.x > end.x) end = place;
+    }
+    for (let dy = 0; dy < 60; dy += 4)
+      for (const y of [end.y + dy, end.y - dy])
+        if (organ.hit(stage.ray(end.x - 50, y))) return {x: Math.round(end.x - 50), y: Math.round(y)};
     return null;
   });
 
@@ -74,4 +81,20 @@ export async function drag(page, from, dx, dy) {
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
   for (let i = 1; i <= 8; ++i) await page.mouse.move(from.x + (dx * i) / 8, from.y + (dy * i) / 8);
+}
+
+export class Checks {
+  failures = 0;
+  started = Date.now();
+  seconds = () => ((Date.now() - this.started) / 1e3).toFixed(1);
+
+  check = (condition, what) => {
+    console.log(`${condition ? 'ok    ' : 'FAILED'} ${what} (${this.seconds()} s)`);
+    if (!condition) ++this.failures;
+  };
+
+  finish = () => {
+    console.log(`${this.failures} failures, ${this.seconds()} s`);
+    process.exit(this.failures ? 1 : 0);
+  };
 }

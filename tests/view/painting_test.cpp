@@ -9,6 +9,7 @@
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/sim/world.h"
 #include "near.h"
 
 using namespace lobe;
@@ -149,6 +150,25 @@ TEST_CASE("a stroke is undone at once") {
   painting.undo();
   CHECK(painting.regions() == painted.resolved.setup.region_of);
   CHECK_FALSE(painting.can_undo());
+}
+
+TEST_CASE("precomputed parts that are held nowhere are found, and are those that no world can be built of") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint_all(RegionModel::nonlinear);
+  CHECK(painting.unheld().empty());
+  painting.paint({0.05, 0.05, 0.1}, 0.03, RegionModel::precomputed);
+  const double share = painting.share_of(painting.unheld());
+  CHECK(share == near(painting.shares()[1], 1e-12));
+  CHECK_THROWS_AS(World<float>(resolve_again(painting).setup), InputError);
+  CHECK(painting.can_turn());
+  painting.set_frame(RegionFrame::corotated);
+  CHECK(painting.unheld().empty());
+  CHECK_NOTHROW(World<float>(resolve_again(painting).setup));
+  painting.undo();
+  painting.hold({0.05, 0.05, 0.1}, 0.03, true);
+  CHECK(painting.unheld().empty());
+  CHECK_NOTHROW(World<float>(resolve_again(painting).setup));
 }
 
 TEST_CASE("a scene is saved beside its mesh, and read back comes to what was painted") {

@@ -24,7 +24,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-const char* const block = R"({
+const char* const block_scene = R"({
   "name": "block", "mesh": "block.vtu",
   "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "density": 1000}],
   "regions": [{"model": "tensor-mass", "where": {"box": {"min": [0, 0, 0], "max": [1, 1, 0.02]}}}],
@@ -38,7 +38,7 @@ struct Viewed {
 
   Viewed() {
     write_vtu(folder.path / "block.vtu", box_mesh({0.06, 0.06, 0.06}, 6, 6, 6));
-    const Scene scene = read_scene(folder.write("block.json", block));
+    const Scene scene = read_scene(folder.write("block.json", block_scene));
     viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), ViewerOptions{{}, folder.path});
   }
 

@@ -3,6 +3,7 @@
 import {readFrame} from './protocol.js';
 
 const shortest = 6; // between two frames [ms]
+const share = 0.2; // of the time that a picture takes: a frame may be as old as that
 
 export class Connection {
   /** @param {{frame: Function, event: Function, state: Function}} handlers */
@@ -10,8 +11,10 @@ export class Connection {
     this.handlers = handlers;
     this.number = 0;
     this.asked = new Map(); // requests that no picture knows of yet: number → {hand, asked} [ms]
-    this.trips = []; // of requests, from the hand to the picture that knows of it [ms]
+    this.underWay = []; // requests that the picture which is being drawn knows of
+    this.trips = []; // of requests, from the hand to the finished picture that knows of it [ms]
     this.acknowledged = 0; // when [ms]
+    this.drawing = 0; // what a picture takes [ms]
     this.wait = 300;
     this.open();
   }
@@ -43,7 +46,8 @@ export class Connection {
     frame.received = performance.now();
     this.handlers.frame(frame);
     // Not when it is drawn: until then a later one may come.
-    const wait = document.hidden ? 200 : this.acknowledged + shortest - frame.received;
+    const pause = document.hidden ? 200 : Math.max(shortest, share * this.drawing);
+    const wait = this.acknowledged + pause - frame.received;
     if (wait > 0) setTimeout(() => this.acknowledge(), wait);
     else this.acknowledge();
   }
@@ -53,15 +57,24 @@ export class Connection {
     this.send({do: 'seen'});
   }
 
-  /** The frame is about to be on the screen. */
-  shown(frame) {
-    const now = performance.now(),
-      last = frame.status?.seen ?? 0;
+  /** The frame is about to be drawn, which takes so long. */
+  shown(frame, drawing) {
+    this.drawing = drawing;
+    this.underWay = []; // what changed nothing is never drawn
+    const last = frame.status?.seen ?? 0;
     for (const [number, {hand, asked}] of this.asked) {
       if (number > last) break;
       this.asked.delete(number);
-      this.trips.push({hand: asked - hand, server: frame.received - asked, draw: now - frame.received});
+      this.underWay.push({hand, asked, received: frame.received});
     }
+  }
+
+  /** The picture of the last frame that was shown is finished. */
+  drawn() {
+    const now = performance.now();
+    for (const {hand, asked, received} of this.underWay)
+      this.trips.push({hand: asked - hand, server: received - asked, draw: now - received});
+    this.underWay = [];
     if (this.trips.length > 2000) this.trips.splice(0, 1000);
   }
 

@@ -29,6 +29,8 @@ export class Editor {
         young: 1e3 * Number(element('material-young').value),
       });
     element('undo').onclick = () => this.ask({do: 'undo'});
+    element('mend-tensor').onclick = () => this.ask({do: 'mend', as: 'tensor-mass'});
+    element('mend-turning').onclick = () => this.ask({do: 'mend', as: 'turning'});
     element('propose').onclick = () => this.ask({do: 'propose', tolerance: 0.02});
     element('apply').onclick = () => {
       this.note('Preparing the simulation …');
@@ -114,8 +116,21 @@ export class Editor {
       if (brush.key === 'held') share.textContent = state.held;
     }
     element('propose').disabled = element('apply').disabled = state.busy !== null && state.busy !== undefined;
+    this.showUnheld(state.unheld);
     element('undo').disabled = !state.can_undo;
     this.showProposal(state);
+  }
+
+  /** A pre-computed part that nothing holds cannot be simulated: why, and what helps. */
+  showUnheld(unheld) {
+    element('unheld').hidden = !unheld;
+    if (!unheld) return;
+    element('apply').disabled = true;
+    element('unheld').querySelector('p').textContent =
+      `A pre-computed part, ${Math.max(1, Math.round(100 * unheld.share))} % of the body, is held nowhere. ` +
+      'Its stiffness is computed for how it lies now: if it turned, it would grow. Hold some of its skin (the ' +
+      'brush Held), or change it:';
+    element('mend-turning').hidden = !unheld.can_turn;
   }
 
   showProposal({busy, proposal}) {

@@ -24,8 +24,7 @@ export function listenToKeys(page) {
   };
   addEventListener('keydown', event => {
     const isField = /^(text|number|)$/.test(event.target.type ?? 'none');
-    if (event.ctrlKey || event.metaKey || event.altKey || isField)
-      return;
+    if (event.ctrlKey || event.metaKey || event.altKey || isField) return;
     const act = actions[event.key.toLowerCase()];
     if (!act || (event.repeat && event.key !== '.')) return;
     event.preventDefault();

@@ -41,6 +41,7 @@ class Page {
     this.status = {};
     this.mode = 'live';
     this.stage.before.push(() => this.showFrame());
+    this.stage.drawn.push(() => this.connection.drawn());
     this.connection = new Connection({
       frame: frame => this.receive(frame),
       event: event => this.hear(event),
@@ -82,7 +83,7 @@ class Page {
     if (frame.tools) this.instruments.update(frame.tools);
     if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
     this.frames = (this.frames ?? 0) + 1;
-    this.connection.shown(frame);
+    this.connection.shown(frame, this.stage.slow);
   }
 
   takeTopology(topology) {
@@ -102,13 +103,14 @@ class Page {
       element('scene-name').textContent = status.scene;
       document.title = `${status.scene} · lobe`;
     }
-    const isDue = performance.now() - (this.figuresAt ?? 0) > 120;
+    const isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
     if (isDue || status.mode !== before.mode) this.showFigures(status);
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
     if (status.controls !== this.hands.may || status.clients !== before.clients) this.showControl(status);
     this.messages.take(status.messages ?? []);
     if (status.mode === 'live') {
+      this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
       this.forcePlot.add(status.time, [this.force]);
       const {energy} = status;
       if (energy) this.energyPlot.add(energy.time, [energy.elastic * 1e3, energy.kinetic * 1e3]);
@@ -135,7 +137,8 @@ class Page {
     element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
     element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
     element('step').title =
-      `The smallest time step of the last frame; ${status.again ?? 0} frames were run again with smaller ones`;
+      'The smallest time step of the last frame; ' +
+      `${status.again ?? 0} frames were run again with smaller ones`;
     element('tets').textContent = `${status.tets.toLocaleString('en')} tetrahedra`;
     element('pause').classList.toggle('on', !status.running);
     element('single').disabled = status.running;

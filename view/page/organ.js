@@ -27,7 +27,7 @@ export class Organ {
     );
     this.shadow.matrixAutoUpdate = this.shadow.frustumCulled = false;
     stage.scene.add(this.mesh, this.lines, this.shadow);
-    stage.onLook = () => this.dress();
+    stage.onLook.push(() => this.dress());
     this.dress();
     this.range = [0, 1];
     this.cutCount = 0;

@@ -1,6 +1,6 @@
 // A finer, smoother surface than that of the tetrahedra: Loop's subdivision, whose weights are found once per
-// topology. Rims of cuts and sharp edges stay sharp: there both sides have vertices of their own, which follow
-// the same curve.
+// topology. Rims of cuts and sharp edges stay sharp: there both sides have vertices of their own, which
+// follow the same curve.
 
 import {splitAtCreases} from './creases.js';
 

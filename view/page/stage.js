@@ -29,7 +29,7 @@ export class Stage {
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.scene = new THREE.Scene();
     this.look = software ? 'quick' : 'fine'; // which looks.js knows
-    this.onLook = () => {};
+    this.onLook = []; // called when it has changed
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
@@ -40,6 +40,7 @@ export class Stage {
     this.margins = {left: 0, right: 0}; // that panels cover [pixels]
     this.before = []; // called when the browser draws next, whether or not there is a new picture
     this.after = []; // called after each picture
+    this.drawn = []; // called when the graphics card has finished it
     this.mostPixels = this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
     this.slow = 0; // what a picture takes, a mean [ms]
     this.pictures = 0;
@@ -82,7 +83,7 @@ export class Stage {
     this.renderer.shadowMap.enabled = this.key.castShadow = this.ground.visible = fine;
     this.scene.background = fine ? background : plainBackground;
     this.scene.fog = fine ? new THREE.Fog(background, 5 * this.size, 14 * this.size) : null;
-    this.onLook();
+    for (const f of this.onLook) f();
     this.invalidate();
   }
 
@@ -227,9 +228,9 @@ export class Stage {
   wake() {
     if (this.isAwake) return;
     this.isAwake = true;
+    if (this.fence) return; // then watch() goes on
     requestAnimationFrame(() => {
       this.isAwake = false;
-      if (this.fence && !this.isDrawn()) return this.wake();
       for (const f of this.before) f();
       if (!this.isOld) return;
       this.draw();
@@ -256,6 +257,11 @@ export class Stage {
     gl.deleteSync(this.fence);
     this.fence = null;
     this.adapt(took);
+    for (const f of this.drawn) f();
+    if (this.isAwake) {
+      this.isAwake = false;
+      this.wake();
+    }
     return true;
   }
 
@@ -263,7 +269,12 @@ export class Stage {
   watch() {
     setTimeout(() => {
       if (this.fence && !this.isDrawn()) this.watch();
-    }, 4);
+    }, 3);
+  }
+
+  /** How often what is beside the picture may change: the more it costs, the less often [ms]. */
+  betweenFigures() {
+    return Math.max(120, 5 * this.slow);
   }
 
   /** Fewer pixels where pictures take too long, then the quick look; more where there is time again. */

@@ -10,7 +10,7 @@ namespace {
 
 // Two plots per scene: total error, model error. Colours are models; full points single, hollow ones double
 // precision; the larger the point, the finer the mesh; squares the Pareto front.
-constexpr const char* plot_script = R"gp(set datafile separator ','
+constexpr const char* accuracy_plot_script = R"gp(set datafile separator ','
 set logscale xy
 set format y '%g'
 set grid xtics ytics mytics
@@ -88,7 +88,7 @@ std::string accuracy_csv(const std::vector<AccuracyRow>& rows) {
 
 std::string accuracy_plot(const std::vector<AccuracyRow>& rows) {
   return "scenes = '" + unique_words(rows, &AccuracyRow::scene) + "'\nmodels = '" +
-         unique_words(rows, &AccuracyRow::model) + "'\n" + plot_script;
+         unique_words(rows, &AccuracyRow::model) + "'\n" + accuracy_plot_script;
 }
 
 }  // namespace lobe::bench

@@ -18,7 +18,7 @@
 namespace lobe::bench {
 namespace {
 
-struct Row {
+struct CutRow {
   const char* region;
   Index tets = 0, batch = 0, removed = 0;
   double us_per_tet = 0;
@@ -62,8 +62,8 @@ void give(RegionModel model, Setup& setup) {
   }
 }
 
-Row measure(const char* name, const Setup& setup, Index batch) {
-  Row row{name, setup.mesh.tet_count(), batch};
+CutRow measure(const char* name, const Setup& setup, Index batch) {
+  CutRow row{name, setup.mesh.tet_count(), batch};
   World<float> world(setup);
   double limit = 0;  // [s]
   const std::vector<Index> order = channel(setup.mesh, std::clamp<Index>(row.tets / 20, 1, 2000));
@@ -95,23 +95,23 @@ Row measure(const char* name, const Setup& setup, Index batch) {
 }
 
 // The shortest of some.
-Row measure(const char* name, const Setup& setup, Index batch, int times) {
-  Row best = measure(name, setup, batch);
+CutRow measure(const char* name, const Setup& setup, Index batch, int times) {
+  CutRow best = measure(name, setup, batch);
   for (int i = 1; i < times; ++i)
-    if (const Row row = measure(name, setup, batch); row.us_per_tet < best.us_per_tet) best = row;
+    if (const CutRow row = measure(name, setup, batch); row.us_per_tet < best.us_per_tet) best = row;
   return best;
 }
 
-void print(const Row& r) {
+void print(const CutRow& r) {
   std::printf("%-17s %8d %6d %8d %11.2f %12.0f %10.1e\n", r.region, r.tets, r.batch, r.removed, r.us_per_tet,
               r.rebuild_us, r.error);
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<CutRow>& rows) {
   std::ostringstream out;
   out << "region,tets,batch,us_per_tet,rebuild_us,error,removed\n" << std::setprecision(5);
-  for (const Row& r : rows)
+  for (const CutRow& r : rows)
     out << r.region << ',' << r.tets << ',' << r.batch << ',' << r.us_per_tet << ',' << r.rebuild_us << ','
         << r.error << ',' << r.removed << '\n';
   return out.str();
@@ -121,7 +121,7 @@ std::string csv(const std::vector<Row>& rows) {
 // this size the cross-section of a cube is no interface to condense to.
 constexpr int most_in_batches = 20000;
 
-constexpr const char* plot_script = R"(set terminal pngcairo size 900,560 font 'sans,11'
+constexpr const char* cut_plot = R"(set terminal pngcairo size 900,560 font 'sans,11'
 set output 'cut.png'
 set datafile separator ','
 set datafile missing NaN
@@ -149,7 +149,7 @@ void bench_cut(const Options& options) {
   begin_results(options.output, "cut");
   std::printf("\n%-17s %8s %6s %8s %11s %12s %10s\n", "region", "tets", "batch", "removed", "us/tet",
               "rebuild us", "error");
-  std::vector<Row> rows;
+  std::vector<CutRow> rows;
   const auto cut = [&](const char* name, Setup& setup, RegionModel model,
                        std::initializer_list<Index> batches) {
     give(model, setup);
@@ -167,7 +167,7 @@ void bench_cut(const Options& options) {
   Setup liver = liver_setup();
   cut("precomputed liver", liver, RegionModel::precomputed, {10, 100});
   io::write_file(options.output / "cut.csv", csv(rows));
-  io::write_file(options.output / "cut.gp", plot_script);
+  io::write_file(options.output / "cut.gp", cut_plot);
 }
 
 }  // namespace lobe::bench

@@ -98,7 +98,7 @@ const std::vector<Feature>& features() {
   return list;
 }
 
-struct Row {
+struct FeatureRow {
   const Feature* feature;
   Index tets = 0;
   double off = 0, on = 0;  // ns per tetrahedron and plain step
@@ -108,7 +108,7 @@ struct Row {
 constexpr int steps_per_frame = 50;
 
 // Frames of the same duration for both, so that longer steps show.
-Row measure(const Feature& feature, const Setup& plain, const Sampling& sampling) {
+FeatureRow measure(const Feature& feature, const Setup& plain, const Sampling& sampling) {
   Setup setup = plain;
   feature.ask(setup);
   const auto off = std::make_shared<World<float>>(plain), on = std::make_shared<World<float>>(setup);
@@ -121,20 +121,20 @@ Row measure(const Feature& feature, const Setup& plain, const Sampling& sampling
           relative_spread(samples[1])};
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<FeatureRow>& rows) {
   std::ostringstream out;
   out << "feature,tets,off_ns_per_tet,on_ns_per_tet,ratio,spread\n" << std::setprecision(4);
-  for (const Row& r : rows)
+  for (const FeatureRow& r : rows)
     out << r.feature->name << ',' << r.tets << ',' << r.off << ',' << r.on << ',' << r.on / r.off << ','
         << r.spread << '\n';
   return out.str();
 }
 
-std::string markdown(const std::vector<Row>& rows, const std::string& machine) {
+std::string markdown(const std::vector<FeatureRow>& rows, const std::string& machine) {
   std::ostringstream out;
   out << machine << "\n\n| feature | what | off | on | on / off | spread |\n|---|---|---|---|---|---|\n"
       << std::fixed << std::setprecision(2);
-  for (const Row& r : rows)
+  for (const FeatureRow& r : rows)
     out << "| " << r.feature->name << " | " << r.feature->what << " | " << r.off << " | " << r.on << " | "
         << std::setprecision(3) << r.on / r.off << " | " << r.spread << std::setprecision(2) << " |\n";
   return out.str();
@@ -147,9 +147,9 @@ void bench_features(const Options& options) {
   const Sampling sampling = options.quick ? Sampling{5, 0.01} : Sampling{};
   const std::string machine = begin_results(options.output, "features");
   std::printf("\n%-20s %10s %10s %8s %8s\n", "feature", "off ns/tet", "on ns/tet", "on/off", "spread");
-  std::vector<Row> rows;
+  std::vector<FeatureRow> rows;
   for (const Feature& feature : features()) {
-    const Row& r = rows.emplace_back(measure(feature, plain, sampling));
+    const FeatureRow& r = rows.emplace_back(measure(feature, plain, sampling));
     std::printf("%-20s %10.2f %10.2f %8.3f %8.3f\n", feature.name, r.off, r.on, r.on / r.off, r.spread);
     std::fflush(stdout);
   }

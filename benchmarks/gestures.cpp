@@ -21,7 +21,7 @@
 namespace lobe::bench {
 namespace {
 
-struct Row {
+struct GestureRow {
   std::string scene, regions;
   Index tets = 0;
   double tolerance = 0;
@@ -209,7 +209,7 @@ std::vector<std::unique_ptr<Player>> players_of(std::vector<Making>& list, doubl
   return players;
 }
 
-std::vector<Row> play(const Scene& scene, const Resolved& resolved, double tolerance) {
+std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, double tolerance) {
   const std::vector<Gesture> gestures =
       resolved.gestures.empty() ? usual_gestures(resolved.setup) : resolved.gestures;
   const std::vector<Trial> trials = solve_trials(resolved.setup, gestures);
@@ -217,7 +217,7 @@ std::vector<Row> play(const Scene& scene, const Resolved& resolved, double toler
   const std::vector<std::unique_ptr<Player>> players = players_of(list, tolerance);
   const std::vector<double> mass = players[0]->world().mass();
   const int frames = static_cast<int>(std::lround(scene.time.duration / scene.time.frame));
-  std::vector<Row> rows(list.size());
+  std::vector<GestureRow> rows(list.size());
   double largest = 0;
   for (int i = 0; i < frames; ++i) {
     for (const auto& player : players) player->advance(scene.time.frame);
@@ -247,7 +247,7 @@ std::vector<Row> play(const Scene& scene, const Resolved& resolved, double toler
   return rows;
 }
 
-void print(const Row& r) {
+void print(const GestureRow& r) {
   std::printf("%-16s %7d %6.3f %-24s %7.2f %9.4f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d %8.2f\n",
               r.scene.c_str(), r.tets, r.tolerance, r.regions.c_str(), r.linear_share, r.static_error,
               r.speedup, r.worst_frame, r.mean_error, r.largest_error, r.estimated, r.watching, r.moved,
@@ -255,12 +255,12 @@ void print(const Row& r) {
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<GestureRow>& rows) {
   std::ostringstream out;
   out << "scene,tets,regions,linear_share,speedup,worst_frame,mean_error,largest_error,estimated_error,"
          "watching,moved,expanded,tolerance,static_error\n"
       << std::setprecision(4);
-  for (const Row& r : rows)
+  for (const GestureRow& r : rows)
     out << r.scene << ',' << r.tets << ',' << r.regions << ',' << r.linear_share << ',' << r.speedup << ','
         << r.worst_frame << ',' << r.mean_error << ',' << r.largest_error << ',' << r.estimated << ','
         << r.watching << ',' << r.moved << ',' << r.expanded << ',' << r.tolerance << ',' << r.static_error
@@ -268,7 +268,7 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
-constexpr const char* plot_script = R"(set terminal pngcairo noenhanced size 900,560 font 'sans,11'
+constexpr const char* gestures_plot = R"(set terminal pngcairo noenhanced size 900,560 font 'sans,11'
 set output 'gestures.png'
 set yrange [*:*]
 set datafile separator ','
@@ -297,7 +297,7 @@ std::string bench_gestures(const Options& options) {
     for (const char* name : {"liver_declared.json", "liver_undeclared.json"})
       scenes.push_back(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / name);
   if (options.quick) scenes.resize(1);
-  std::vector<Row> all;
+  std::vector<GestureRow> all;
   std::string names, own;
   for (const std::filesystem::path& path : scenes) {
     const Scene scene = read_scene(path);
@@ -310,7 +310,7 @@ std::string bench_gestures(const Options& options) {
       const bool is_own = mesh == meshes.front();
       if (is_own) own += std::to_string(resolved.setup.mesh.tet_count()) + " ";
       for (double tolerance : options.quick || !is_own ? std::vector{0.02} : std::vector{0.01, 0.02, 0.05})
-        for (Row row : play(scene, resolved, tolerance)) {
+        for (GestureRow row : play(scene, resolved, tolerance)) {
           row.scene = path.stem().string();
           print(row);
           all.push_back(row);
@@ -319,7 +319,7 @@ std::string bench_gestures(const Options& options) {
   }
   if (all.empty()) return "";
   io::write_file(options.output / "gestures.csv", csv(all));
-  return "scenes = \"" + names + "\"\nown = \"" + own + "\"\n" + plot_script;
+  return "scenes = \"" + names + "\"\nown = \"" + own + "\"\n" + gestures_plot;
 }
 
 }  // namespace lobe::bench

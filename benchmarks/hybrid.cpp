@@ -22,7 +22,7 @@
 namespace lobe::bench {
 namespace {
 
-struct Row {
+struct HybridRow {
   std::string organ;
   Index tets = 0;
   double linear_fraction = 0;  // of the volume
@@ -78,7 +78,7 @@ Setup with_linear(Setup setup, RegionModel model) {
   return setup;
 }
 
-void find_errors(const Setup& hybrid, const Mat3X<double>& exact, Row& row) {
+void find_errors(const Setup& hybrid, const Mat3X<double>& exact, HybridRow& row) {
   const Mat3X<double> difference = equilibrium(hybrid) - exact;
   std::vector<char> is_free(std::size_t(exact.cols()), 0);
   for (Index t = 0; t < hybrid.mesh.tet_count(); ++t)
@@ -126,7 +126,7 @@ std::unique_ptr<World<float>> moving_world(const Setup& setup, double& seconds) 
 }
 
 // The condensed forces must be those of the tensor-mass hybrid in the same equilibrium of the interior.
-void check(World<float>& condensed, World<float>& tensor_mass, const Row& row) {
+void check(World<float>& condensed, World<float>& tensor_mass, const HybridRow& row) {
   tensor_mass.set_state(condensed.state());
   const Mat3X<float> expected = tensor_mass.forces(), found = condensed.forces();
   double difference = 0;
@@ -141,10 +141,11 @@ void check(World<float>& condensed, World<float>& tensor_mass, const Row& row) {
   throw WrongResult(message.str());
 }
 
-void time_rows(const Setup& hybrid, std::vector<Row>& rows, const Sampling& sampling) {
+void time_rows(const Setup& hybrid, std::vector<HybridRow>& rows, const Sampling& sampling) {
   double seconds = 0;
   std::vector<std::unique_ptr<World<float>>> worlds;
-  for (Row& row : rows) worlds.push_back(moving_world(with_linear(hybrid, row.representation), row.set_up_s));
+  for (HybridRow& row : rows)
+    worlds.push_back(moving_world(with_linear(hybrid, row.representation), row.set_up_s));
   check(*worlds[0], *worlds[1], rows[0]);
   worlds.push_back(moving_world(with_linear(reference_setup(hybrid), RegionModel::nonlinear), seconds));
   Setup turning = with_linear(hybrid, RegionModel::precomputed);
@@ -167,11 +168,11 @@ void time_rows(const Setup& hybrid, std::vector<Row>& rows, const Sampling& samp
   }
 }
 
-const char* name_of(const Row& row) {
+const char* name_of(const HybridRow& row) {
   return row.representation == RegionModel::precomputed ? "precomputed" : "tensor-mass";
 }
 
-void print(const Row& r) {
+void print(const HybridRow& r) {
   std::printf("%-8s %7d %7.2f %-12s %6d %9.2f %9.2f %8.2f %9.2f %10.2e %10.2e %10.2e %10.2e %8.2f\n",
               r.organ.c_str(), r.tets, r.linear_fraction, name_of(r), r.interface.vertices, r.step_us,
               r.svk_step_us, r.svk_step_us / r.step_us, r.frame_step_us, r.error_l2, r.error_free,
@@ -179,13 +180,13 @@ void print(const Row& r) {
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<HybridRow>& rows) {
   std::ostringstream out;
   out << "organ,tets,linear_fraction,representation,step_us,svk_step_us,speedup,error_l2,error_free,error_"
          "max,"
          "interface_vertices,pays,set_up_s,error_transient,frame_step_us\n"
       << std::setprecision(4);
-  for (const Row& r : rows)
+  for (const HybridRow& r : rows)
     out << r.organ << ',' << r.tets << ',' << r.linear_fraction << ',' << name_of(r) << ',' << r.step_us
         << ',' << r.svk_step_us << ',' << r.svk_step_us / r.step_us << ',' << r.error_l2 << ','
         << r.error_free << ',' << r.error_max << ',' << r.interface.vertices << ',' << r.pays << ','
@@ -193,7 +194,7 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
-constexpr const char* plot_script = R"(set terminal pngcairo size 900,560 font 'sans,11'
+constexpr const char* hybrid_plot = R"(set terminal pngcairo size 900,560 font 'sans,11'
 set output 'hybrid.png'
 set datafile separator ','
 set datafile missing NaN
@@ -218,7 +219,7 @@ void bench_hybrid(const Options& options) {
   std::printf("\n%-8s %7s %7s %-12s %6s %9s %9s %8s %9s %10s %10s %10s %10s %8s\n", "organ", "tets", "linear",
               "represented", "shared", "step us", "svk us", "speed-up", "frame us", "error l2", "error free",
               "error max", "transient", "set up s");
-  std::vector<Row> all;
+  std::vector<HybridRow> all;
   for (const Case& organ : make_organs(options)) {
     if (organ.scene.auto_regions) continue;  // played below
     for (const TetMesh& mesh : organ.meshes) {
@@ -227,21 +228,21 @@ void bench_hybrid(const Options& options) {
       const Mat3X<double> exact = equilibrium(setup);
       for (double fraction : {0.6, 0.8, 0.9}) {
         Setup hybrid = setup;
-        Row row{organ.name, mesh.tet_count()};
+        HybridRow row{organ.name, mesh.tet_count()};
         row.linear_fraction = make_linear_to_a_neck(hybrid, score, fraction);
         find_errors(hybrid, exact, row);
         row.interface = interface_size(Elements(with_linear(hybrid, RegionModel::precomputed)));
-        std::vector<Row> rows(2, row);
+        std::vector<HybridRow> rows(2, row);
         rows[1].representation = RegionModel::tensor_mass;
         rows[0].error_transient = transient_error(gesture, hybrid, organ.scene.time);
         time_rows(hybrid, rows, sampling);
-        for (const Row& r : rows) print(r);
+        for (const HybridRow& r : rows) print(r);
         all.insert(all.end(), rows.begin(), rows.end());
       }
     }
   }
   if (!all.empty()) io::write_file(options.output / "hybrid.csv", csv(all));
-  io::write_file(options.output / "hybrid.gp", (all.empty() ? "" : plot_script) + bench_gestures(options));
+  io::write_file(options.output / "hybrid.gp", (all.empty() ? "" : hybrid_plot) + bench_gestures(options));
 }
 
 }  // namespace lobe::bench

@@ -99,6 +99,25 @@ void add_svk(std::vector<Kernel>& kernels, const SpecimenPointer& specimen, cons
 }
 
 template <class Real>
+void add_other_laws(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
+                    const std::vector<int>& threads) {
+  Elements elements(specimen->setup);
+  const RegionEdit edit = everything(elements);
+  elements.materials[0].fibre = fibre_moduli;
+  elements.fibres = fibre_direction.replicate(1, elements.topology.tet_count());
+  const auto fibrous = std::make_shared<NonlinearRegion<Real>>();
+  fibrous->follow(elements, edit);
+  add_region<Real>(kernels, "svk_fibre", specimen, threads, fibrous, block_bytes<Real> + 3 * sizeof(Real),
+                   specimen->svk_fibre);
+  elements.materials[0].fibre = {};
+  elements.materials[0].law = MaterialLaw::neo_hookean;
+  const auto neo_hookean = std::make_shared<NonlinearRegion<Real>>();
+  neo_hookean->follow(elements, edit);
+  add_region<Real>(kernels, "neo_hookean", specimen, threads, neo_hookean, block_bytes<Real>,
+                   specimen->neo_hookean);
+}
+
+template <class Real>
 void add_tensor_mass(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
                      const std::vector<int>& threads) {
   Elements elements(specimen->setup);
@@ -206,18 +225,23 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   for (PrescribedVertex& held : setup.prescribed) held.displacement = u.col(held.vertex);
   setup.ramp = 0;  // held where the displacement has them
   reference = reference_tets(setup);
-  svk = linear = svk_nodal_pressure = Mat3X<double>::Zero(3, n);
+  svk = linear = svk_nodal_pressure = neo_hookean = Mat3X<double>::Zero(3, n);
   add_reference_forces(reference, u, svk);
   add_reference_linear_forces(reference, u, linear);
   add_reference_nodal_pressure_forces(reference, u, svk_nodal_pressure);
   svk_volume = svk;
   add_reference_volume_forces(reference, setup.mesh.points + u, volume_penalty, svk_volume);
+  svk_fibre = svk;
+  add_reference_fibre_forces(reference, u, fibre_moduli, fibre_direction, svk_fibre);
+  add_reference_neo_hookean_forces(reference, u, neo_hookean);
 }
 
 std::vector<Kernel> make_kernels(const SpecimenPointer& specimen, const std::vector<int>& threads) {
   std::vector<Kernel> kernels{reference_kernel(specimen)};
   add_svk<float>(kernels, specimen, threads);
   add_svk<double>(kernels, specimen, threads);
+  add_other_laws<float>(kernels, specimen, threads);
+  add_other_laws<double>(kernels, specimen, threads);
   add_tensor_mass<float>(kernels, specimen, threads);
   add_tensor_mass<double>(kernels, specimen, threads);
   add_step<float>(kernels, specimen, threads);

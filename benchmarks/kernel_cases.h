@@ -30,8 +30,13 @@ struct Specimen {
   Setup setup;
   Mat3X<double> u;  // [m]
   std::vector<ReferenceTet> reference;
-  Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure;  // forces by the reference kernel [N]
+  // Forces by the reference kernel [N].
+  Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure, svk_fibre, neo_hookean;
 };
+
+// Of svk_fibre: one direction everywhere.
+inline constexpr FibreModuli<double> fibre_moduli{3e3, 8e3, 5e4};
+inline const Vec3d fibre_direction = Vec3d(1, 2, 2) / 3;
 
 inline constexpr double volume_penalty = 1e5;  // κ of svk_volume [Pa]
 

@@ -15,7 +15,7 @@
 namespace lobe::bench {
 namespace {
 
-struct Row {
+struct KernelRow {
   Kernel kernel;
   std::string mesh;
   double deviation = 0;
@@ -28,11 +28,11 @@ struct Row {
   double gflop_per_s() const { return kernel.flops_per_tet / ns_per_tet; }
 };
 
-std::vector<Row> checked_rows(const std::shared_ptr<const Specimen>& specimen,
-                              const std::vector<int>& threads) {
-  std::vector<Row> rows;
+std::vector<KernelRow> checked_rows(const std::shared_ptr<const Specimen>& specimen,
+                                    const std::vector<int>& threads) {
+  std::vector<KernelRow> rows;
   for (Kernel& kernel : make_kernels(specimen, threads)) {
-    Row row{std::move(kernel), specimen->mesh, 0, specimen->setup.mesh.tet_count()};
+    KernelRow row{std::move(kernel), specimen->mesh, 0, specimen->setup.mesh.tet_count()};
     row.deviation = deviation(row.kernel);
     if (!(row.deviation <= allowed_deviation(row.kernel))) {
       std::ostringstream message;
@@ -47,9 +47,9 @@ std::vector<Row> checked_rows(const std::shared_ptr<const Specimen>& specimen,
   return rows;
 }
 
-void time_rows(std::vector<Row>& rows, const Sampling& sampling) {
+void time_rows(std::vector<KernelRow>& rows, const Sampling& sampling) {
   std::vector<Timed> functions;
-  for (const Row& row : rows) functions.push_back({row.kernel.evaluate, row.kernel.threads == 1});
+  for (const KernelRow& row : rows) functions.push_back({row.kernel.evaluate, row.kernel.threads == 1});
   const std::vector<std::vector<double>> samples = sample_in_turn(functions, sampling);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].ns_per_tet = 1e9 * median(samples[i]) / rows[i].tets;
@@ -58,27 +58,27 @@ void time_rows(std::vector<Row>& rows, const Sampling& sampling) {
   }
 }
 
-void print(const std::vector<Row>& rows) {
+void print(const std::vector<KernelRow>& rows) {
   std::printf("\n%-8s %-18s %-9s %7s %8s %8s %7s %10s %6s %8s %10s %7s\n", "mesh", "kernel", "precision",
               "threads", "tets", "ns/tet", "ratio", "bytes/tet", "GB/s", "Gflop/s", "deviation", "spread");
-  for (const Row& r : rows)
+  for (const KernelRow& r : rows)
     std::printf("%-8s %-18s %-9s %7d %8d %8.2f %7.3f %10.1f %6.1f %8.1f %10.1e %5.0f %%\n", r.mesh.c_str(),
                 r.kernel.name.c_str(), r.kernel.precision.c_str(), r.kernel.threads, r.tets, r.ns_per_tet,
                 r.ratio, r.kernel.bytes_per_tet, r.gb_per_s(), r.gflop_per_s(), r.deviation, 100 * r.spread);
-  for (const Row& r : rows)
+  for (const KernelRow& r : rows)
     if (r.kernel.world_bytes_per_tet > 0)
       std::printf("a world takes %.0f bytes per tetrahedron (%s, %d threads)\n", r.kernel.world_bytes_per_tet,
                   r.kernel.precision.c_str(), r.kernel.threads);
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<KernelRow>& rows) {
   std::ostringstream out;
   out << "kernel,precision,threads,tets,ns_per_tet,ratio,bytes_per_tet,deviation,spread,mesh,flops_per_tet,"
          "gb_per_s,"
          "gflop_per_s,world_bytes_per_tet\n"
       << std::setprecision(5);
-  for (const Row& r : rows)
+  for (const KernelRow& r : rows)
     out << r.kernel.name << ',' << r.kernel.precision << ',' << r.kernel.threads << ',' << r.tets << ','
         << r.ns_per_tet << ',' << r.ratio << ',' << r.kernel.bytes_per_tet << ',' << r.deviation << ','
         << r.spread << ',' << r.mesh << ',' << r.kernel.flops_per_tet << ',' << r.gb_per_s() << ','
@@ -87,11 +87,11 @@ std::string csv(const std::vector<Row>& rows) {
 }
 
 // For reading: a line per kernel, a column per size, "ns (ratio)".
-std::string markdown(const std::vector<Row>& rows, const std::string& machine) {
+std::string markdown(const std::vector<KernelRow>& rows, const std::string& machine) {
   std::map<std::string, std::map<std::string, std::string>> table;
   std::vector<std::string> order;
   std::vector<std::string> bodies;  // columns, in order
-  for (const Row& r : rows) {
+  for (const KernelRow& r : rows) {
     const std::string name =
         "| `" + r.kernel.name + "` | " + r.kernel.precision + " | " + std::to_string(r.kernel.threads) + " |";
     if (!table.contains(name)) order.push_back(name);
@@ -117,7 +117,7 @@ std::string markdown(const std::vector<Row>& rows, const std::string& machine) {
 }
 
 // Cost against size on one thread: a colour per kernel, double precision dashed.
-constexpr const char* plot_script = R"(set terminal pngcairo size 1000,620 font 'sans,11'
+constexpr const char* kernels_plot = R"(set terminal pngcairo size 1000,620 font 'sans,11'
 set output 'kernels.png'
 set datafile separator ','
 set datafile missing NaN
@@ -135,7 +135,7 @@ set linetype 3 lc '#20a0d0'
 set linetype 4 lc '#2e8b30'
 set linetype 5 lc '#e08000'
 set linetype 6 lc '#8040a0'
-kernels = 'svk svk_stored svk_volume svk_guard tensor_mass step svk_nodal_pressure'
+kernels = 'svk svk_stored svk_volume svk_guard tensor_mass step svk_nodal_pressure svk_fibre neo_hookean'
 plot 'kernels.csv' using 4:(series('reference', 'double')) with linespoints lw 2 lc 'black' dt 2 title 'reference, double', \
   '' using 4:(of('shuffled', 'svk', 'single')) with linespoints lw 1 lc 1 pt 1 title 'svk, single, shuffled', \
   for [i=1:words(kernels)] '' using 4:(series(word(kernels, i), 'single')) with linespoints lw 2 lc i pt 7 \
@@ -177,12 +177,12 @@ void bench_kernels(const Options& options) {
 
   const std::string machine = begin_results(options.output, "kernels") + "; " + roofline_line();
   std::printf("%s\n", roofline_line().c_str());
-  std::vector<Row> all;
+  std::vector<KernelRow> all;
   for (const std::function<Specimen()>& body : bodies(options)) {
-    std::vector<Row> rows = checked_rows(std::make_shared<Specimen>(body()), threads);
+    std::vector<KernelRow> rows = checked_rows(std::make_shared<Specimen>(body()), threads);
     time_rows(rows, sampling);
     print(rows);
-    for (Row& row : rows) {
+    for (KernelRow& row : rows) {
       row.kernel.evaluate = {};  // lets go of its data
       row.kernel.forces = {};
       row.kernel.expected = {};
@@ -191,7 +191,7 @@ void bench_kernels(const Options& options) {
   }
   io::write_file(options.output / "kernels.csv", csv(all));
   io::write_file(options.output / "kernels.md", markdown(all, machine));
-  io::write_file(options.output / "kernels.gp", plot_script);
+  io::write_file(options.output / "kernels.gp", kernels_plot);
 }
 
 }  // namespace lobe::bench

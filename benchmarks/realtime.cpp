@@ -22,7 +22,7 @@
 namespace lobe::bench {
 namespace {
 
-struct Row {
+struct RealtimeRow {
   std::string organ;
   Index tets = 0;
   int threads = 1;
@@ -75,8 +75,8 @@ double local_gain(World<float>& world) {
   return tets / evaluations;
 }
 
-Row row_of_mesh(const std::string& organ, const Setup& setup) {
-  Row row{organ, setup.mesh.tet_count()};
+RealtimeRow row_of_mesh(const std::string& organ, const Setup& setup) {
+  RealtimeRow row{organ, setup.mesh.tet_count()};
   World<float> world(setup);
   row.wave_step = wave_step(setup);
   row.limit = world.time_step_limit();
@@ -89,7 +89,8 @@ Row row_of_mesh(const std::string& organ, const Setup& setup) {
 
 // Every run does the same work in each frame, to the bit: the fastest of a frame is what it takes while
 // nobody else asks for the processor.
-void play_some_times(const Setup& setup, const Schedule& schedule, const Way& way, int times, Row& row) {
+void play_some_times(const Setup& setup, const Schedule& schedule, const Way& way, int times,
+                     RealtimeRow& row) {
   std::vector<Played> runs;
   for (int i = 0; i < times; ++i) runs.push_back(play(setup, schedule, way));
   std::vector<double> fastest = runs[0].frames;
@@ -101,7 +102,7 @@ void play_some_times(const Setup& setup, const Schedule& schedule, const Way& wa
   row.played = runs[runs.size() / 2];
 }
 
-void print(const Row& r) {
+void print(const RealtimeRow& r) {
   std::printf("%-16s %8d %7d %8.0f %8.0f %6.2f %8.2f %8.2f %8.0f %10.2f %11.2f  %s\n", r.organ.c_str(),
               r.tets, r.threads, 1e6 * r.wave_step, 1e6 * r.limit, r.limit / r.wave_step, r.scaled_gain,
               r.local_gain, 1e6 * r.played.dt, 1 / r.played.wall_per_s, 1 / r.undisturbed,
@@ -109,12 +110,12 @@ void print(const Row& r) {
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<RealtimeRow>& rows) {
   std::ostringstream out;
   out << "organ,tets,threads,wave_step_us,limit_us,limit_gain,mass_scaling_gain,local_step_gain,dt_us,"
          "wall_s_per_s,real_time_factor,undisturbed_factor,status\n"
       << std::setprecision(4);
-  for (const Row& r : rows)
+  for (const RealtimeRow& r : rows)
     out << r.organ << ',' << r.tets << ',' << r.threads << ',' << 1e6 * r.wave_step << ',' << 1e6 * r.limit
         << ',' << r.limit / r.wave_step << ',' << r.scaled_gain << ',' << r.local_gain << ','
         << 1e6 * r.played.dt << ',' << r.played.wall_per_s << ',' << 1 / r.played.wall_per_s << ','
@@ -122,7 +123,7 @@ std::string csv(const std::vector<Row>& rows) {
   return out.str();
 }
 
-void print_resting(const Row& row, const Resting& resting) {
+void print_resting(const RealtimeRow& row, const Resting& resting) {
   for (int part = 0; part < 2; ++part) {
     const Resting::Part& p = resting.parts[std::size_t(part)];
     std::printf("%-16s %8d %-8s %10.3f %10.3f %8.1f %8.3f %10.1e\n", row.organ.c_str(), row.tets,
@@ -131,7 +132,7 @@ void print_resting(const Row& row, const Resting& resting) {
   std::fflush(stdout);
 }
 
-std::string resting_csv(const std::vector<std::pair<Row, Resting>>& all) {
+std::string resting_csv(const std::vector<std::pair<RealtimeRow, Resting>>& all) {
   std::ostringstream out;
   out << "organ,tets,part,tolerance_m,awake_s_per_s,asleep_s_per_s,gain,share_asleep,error\n"
       << std::setprecision(4);
@@ -163,14 +164,14 @@ void bench_realtime(const Options& options) {
   begin_results(options.output, "realtime");
   std::printf("\n%-16s %8s %7s %8s %8s %6s %8s %8s %8s %10s %11s  %s\n", "organ", "tets", "threads", "h/c us",
               "limit us", "gain", "+1.5% m", "local", "step us", "real time", "undisturbed", "status");
-  std::vector<Row> rows;
-  std::vector<std::pair<Row, Resting>> resting;
+  std::vector<RealtimeRow> rows;
+  std::vector<std::pair<RealtimeRow, Resting>> resting;
   for (const Case& organ : organs(options))
     for (const TetMesh& mesh : organ.meshes) {
       const Setup setup = reference_setup(resolve(organ.scene, mesh).setup);
       Time time = organ.scene.time;
       time.duration = std::min(time.duration, options.quick ? 0.2 : 2.0);
-      Row row = row_of_mesh(organ.name, setup);
+      RealtimeRow row = row_of_mesh(organ.name, setup);
       for (int n : threads) {
         row.threads = n;
         play_some_times(setup, schedule_of(time, 1),

@@ -98,4 +98,29 @@ void add_reference_nodal_pressure_forces(const std::vector<ReferenceTet>& tets, 
   }
 }
 
+void add_reference_fibre_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                const FibreModuli<double>& fibre, const Vec3d& a, Mat3X<double>& f) {
+  const Mat3<double> I = Mat3<double>::Identity(), A = a * a.transpose();
+  for (const ReferenceTet& tet : tets) {
+    const Mat3<double> F = deformation(tet, u);
+    const Mat3<double> E = 0.5 * (F.transpose() * F - I);
+    const double along = a.dot(E * a);
+    const Mat3<double> S = fibre.coupling * (along * I + E.trace() * A) + 2 * fibre.shear * (A * E + E * A) +
+                           fibre.stretch * along * A;
+    const Mat34<double> g = tet.V * (F * S) * tet.alpha;
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= g.col(j);
+  }
+}
+
+void add_reference_neo_hookean_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                      Mat3X<double>& f) {
+  for (const ReferenceTet& tet : tets) {
+    const Mat3<double> F = deformation(tet, u);
+    const Mat3<double> cofactor = F.determinant() * F.inverse().transpose();
+    const Mat3<double> P = tet.mu * (F - cofactor) + (tet.lambda + tet.mu) * (F.determinant() - 1) * cofactor;
+    const Mat34<double> g = tet.V * P * tet.alpha;
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= g.col(j);
+  }
+}
+
 }  // namespace lobe::bench

@@ -45,4 +45,11 @@ void add_reference_volume_forces(const std::vector<ReferenceTet>& tets,
 void add_reference_nodal_pressure_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                          Mat3X<double>& f);
 
+// What a fibre adds to SVK, S = ε (I₄ I + tr(E) A) + 2η (A E + E A) + β I₄ A with A = a⊗a, and the forces of
+// a neo-Hookean body, P = μ (F − cof F) + (λ + μ)(det F − 1) cof F. Only to check.
+void add_reference_fibre_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                const FibreModuli<double>& fibre, const Vec3d& a, Mat3X<double>& f);
+void add_reference_neo_hookean_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                      Mat3X<double>& f);
+
 }  // namespace lobe::bench

@@ -15,9 +15,9 @@
 namespace lobe::bench {
 namespace {
 
-constexpr Index batch = 10;  // tetrahedra of one cut
+constexpr Index tets_per_cut = 10;  // tetrahedra of one cut
 
-struct Row {
+struct SkinRow {
   std::string mesh;
   Index tets = 0, vertices = 0, triangles = 0;
   double build_ms = 0;
@@ -37,7 +37,7 @@ void check(Skin& skin, const TexturedSurface& surface, const TetMesh& mesh) {
   if (!(error < 1e-6 * X.cwiseAbs().maxCoeff())) throw WrongResult("the skin does not follow affine motion");
 }
 
-void time_frame(Skin& skin, const TetMesh& mesh, Row& row) {
+void time_frame(Skin& skin, const TetMesh& mesh, SkinRow& row) {
   const Mat3X<float> u = 0.01F * Mat3X<float>::Random(3, mesh.vertex_count());
   const Mat3X<double> u_double = u.cast<double>();
   Mat3X<float> x, normals, x_copy, normals_copy;
@@ -54,8 +54,8 @@ void time_frame(Skin& skin, const TetMesh& mesh, Row& row) {
   row.copy_ns = per_vertex * median(samples[2]);
 }
 
-Row measure(const std::string& name, const TetMesh& mesh, int finer, int cuts) {
-  Row row{name, mesh.tet_count()};
+SkinRow measure(const std::string& name, const TetMesh& mesh, int finer, int cuts) {
+  SkinRow row{name, mesh.tet_count()};
   TetMesh fine = mesh;
   for (int i = 0; i < finer; ++i) fine = refine(fine).mesh;
   const TexturedSurface surface = textured_boundary(fine);
@@ -72,7 +72,7 @@ Row measure(const std::string& name, const TetMesh& mesh, int finer, int cuts) {
     std::vector<Index> pit;
     topology.visit_piece(faces[std::size_t(cut) * faces.size() / std::size_t(cuts)] / 4, [&](Index t) {
       pit.push_back(t);
-      return Index(pit.size()) == batch;
+      return Index(pit.size()) == tets_per_cut;
     });
     const MeshEdit edit = topology.remove(pit);
     const Stopwatch following(true);
@@ -82,17 +82,17 @@ Row measure(const std::string& name, const TetMesh& mesh, int finer, int cuts) {
   return row;
 }
 
-void print(const Row& r) {
+void print(const SkinRow& r) {
   std::printf("%-20s %8d %9d %9d %9.0f %9.2f %9.2f %8.2f %9.1f\n", r.mesh.c_str(), r.tets, r.vertices,
               r.triangles, r.build_ms, r.update_ns, r.update_double_ns, r.copy_ns, r.follow_us);
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<SkinRow>& rows) {
   std::ostringstream out;
   out << "mesh,tets,vertices,triangles,build_ms,update_ns,update_double_ns,copy_ns,follow_us\n"
       << std::setprecision(4);
-  for (const Row& r : rows)
+  for (const SkinRow& r : rows)
     out << r.mesh << ',' << r.tets << ',' << r.vertices << ',' << r.triangles << ',' << r.build_ms << ','
         << r.update_ns << ',' << r.update_double_ns << ',' << r.copy_ns << ',' << r.follow_us << '\n';
   return out.str();
@@ -105,7 +105,7 @@ void bench_skin(const Options& options) {
   std::printf("\n%-20s %8s %9s %9s %9s %9s %9s %8s %9s\n", "mesh", "tets", "vertices", "triangles",
               "build ms", "update ns", "double ns", "copy ns", "follow us");
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
-  std::vector<Row> rows;
+  std::vector<SkinRow> rows;
   const int cuts = options.quick ? 10 : 50;
   print(rows.emplace_back(measure("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh, 2, cuts)));
   print(rows.emplace_back(measure("liver_10k", read_mesh(meshes / "liver_10k.vtu").mesh, 1, cuts)));

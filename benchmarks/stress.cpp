@@ -15,12 +15,12 @@ namespace {
 using stress::Plan;
 using stress::Verdict;
 
-struct Row {
+struct StressRow {
   const Plan* plan;
   Verdict verdict;
 };
 
-const char* precision(const Row& r) { return r.verdict.in_double ? "double" : "single"; }
+const char* precision(const StressRow& r) { return r.verdict.in_double ? "double" : "single"; }
 double growth(const Verdict& v) { return v.energy_early > 0 ? v.energy_late / v.energy_early : NAN; }
 
 void print_header() {
@@ -28,7 +28,7 @@ void print_header() {
               "min det F", "max det F", "energy x", "momentum", "steps", "reruns", "step s", "verdict");
 }
 
-void print(const Row& r) {
+void print(const StressRow& r) {
   const Verdict& v = r.verdict;
   std::printf("%-44s %-12s %-14s %-6s %9.3g %9.3g %9.3g %9.1e %8ld %6d %10.2e  %s%s\n", r.plan->name.c_str(),
               r.plan->body.c_str(), r.plan->model.c_str(), precision(r), v.smallest_ratio, v.largest_ratio,
@@ -42,12 +42,12 @@ std::string quoted(std::string text) {
   return '"' + text + '"';
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<StressRow>& rows) {
   std::ostringstream out;
   out << "case,body,model,precision,must,passed,smallest_det_F,largest_det_F,last_det_F,energy_start_J,"
          "energy_early_J,energy_late_J,momentum_drift,cut_error,farthest,steps,reruns,unravelling_s,"
          "smallest_step_s,largest_step_s,limited_by,seconds,why\n";
-  for (const Row& r : rows) {
+  for (const StressRow& r : rows) {
     const Verdict& v = r.verdict;
     out << quoted(r.plan->name) << ',' << r.plan->body << ',' << r.plan->model << ',' << precision(r) << ','
         << quoted(name(r.plan->must)) << ',' << (v.passed ? "yes" : "no");
@@ -63,19 +63,19 @@ std::string csv(const std::vector<Row>& rows) {
 
 // One line per case and body: the worst figures of all models and precisions, how many passed, and in how
 // many a tangle was unravelled.
-std::string markdown(const std::vector<Row>& rows) {
+std::string markdown(const std::vector<StressRow>& rows) {
   std::ostringstream out;
   out << "\n| case | body | must | passed | smallest det F | largest det F | reruns | unravelled | shortest "
          "step [s] | what failed |\n"
          "|---|---|---|---|---|---|---|---|---|---|\n";
-  std::vector<const Row*> left;
-  for (const Row& r : rows) left.push_back(&r);
+  std::vector<const StressRow*> left;
+  for (const StressRow& r : rows) left.push_back(&r);
   while (!left.empty()) {
     const Plan& plan = *left.front()->plan;
     int count = 0, passed = 0, reruns = 0, unravelled = 0;
     double smallest = INFINITY, largest = 0, step = INFINITY;
     std::string failed;
-    std::erase_if(left, [&](const Row* r) {
+    std::erase_if(left, [&](const StressRow* r) {
       if (r->plan->name != plan.name || r->plan->body != plan.body) return false;
       const Verdict& v = r->verdict;
       ++count;
@@ -102,7 +102,7 @@ void bench_stress(const Options& options) {
   const std::string machine = begin_results(options.output, "stress");
   const std::vector<Plan> plans = stress::all_plans(options.quick);
   print_header();
-  std::vector<Row> rows;
+  std::vector<StressRow> rows;
   std::size_t failed = 0;
   for (const Plan& plan : plans)
     for (const bool in_double : {false, true}) {

@@ -17,9 +17,9 @@
 namespace lobe::bench {
 namespace {
 
-constexpr Index batch = 10;  // tetrahedra of one cut
+constexpr Index tets_per_edit = 10;  // tetrahedra of one cut
 
-struct Row {
+struct SurfaceRow {
   std::string mesh;
   Index tets = 0, triangles = 0, cuts = 0;
   double remove_us = 0, follow_us = 0, rebuild_us = 0;  // per cut
@@ -39,7 +39,7 @@ std::vector<std::vector<Index>> pits(const Topology& topology, Index count) {
     std::vector<Index> pit;
     probe.visit_piece(first, [&](Index t) {
       if (!taken[t]) pit.push_back(t);
-      return Index(pit.size()) == batch;
+      return Index(pit.size()) == tets_per_edit;
     });
     for (Index t : pit) taken[t] = 1;
     all.push_back(std::move(pit));
@@ -65,7 +65,7 @@ void check(const Surface& surface, const Topology& topology, const TetMesh& mesh
     throw WrongResult("the surface that followed cuts is not the one built afresh");
 }
 
-void time_frame(const SurfaceMesh& surface, const TetMesh& mesh, Index mesh_vertices, Row& row) {
+void time_frame(const SurfaceMesh& surface, const TetMesh& mesh, Index mesh_vertices, SurfaceRow& row) {
   Mat3X<double> X = Mat3X<double>::Zero(3, mesh_vertices);
   X.leftCols(mesh.vertex_count()) = mesh.points;
   const Mat3X<float> u = Mat3X<float>::Zero(3, mesh_vertices);
@@ -80,8 +80,8 @@ void time_frame(const SurfaceMesh& surface, const TetMesh& mesh, Index mesh_vert
   row.reference_ns = per_vertex * median(samples[2]);
 }
 
-Row measure(const std::string& name, const TetMesh& mesh, Index cuts) {
-  Row row{name, mesh.tet_count()};
+SurfaceRow measure(const std::string& name, const TetMesh& mesh, Index cuts) {
+  SurfaceRow row{name, mesh.tet_count()};
   row.cuts = cuts;
   const std::vector<RegionModel> regions(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
   Topology topology(mesh);
@@ -107,19 +107,19 @@ Row measure(const std::string& name, const TetMesh& mesh, Index cuts) {
   return row;
 }
 
-void print(const Row& r) {
+void print(const SurfaceRow& r) {
   std::printf("%-20s %8d %9d %5d %9.2f %9.2f %10.0f %8.1f %12.2f %10.2f %7.2f\n", r.mesh.c_str(), r.tets,
               r.triangles, r.cuts, r.remove_us, r.follow_us, r.rebuild_us, r.changed_triangles,
               r.positions_ns, r.normals_ns, r.reference_ns);
   std::fflush(stdout);
 }
 
-std::string csv(const std::vector<Row>& rows) {
+std::string csv(const std::vector<SurfaceRow>& rows) {
   std::ostringstream out;
   out << "mesh,tets,triangles,cuts,remove_us,follow_us,rebuild_us,changed_triangles,positions_ns,normals_ns,"
          "copy_ns\n"
       << std::setprecision(4);
-  for (const Row& r : rows)
+  for (const SurfaceRow& r : rows)
     out << r.mesh << ',' << r.tets << ',' << r.triangles << ',' << r.cuts << ',' << r.remove_us << ','
         << r.follow_us << ',' << r.rebuild_us << ',' << r.changed_triangles << ',' << r.positions_ns << ','
         << r.normals_ns << ',' << r.reference_ns << '\n';
@@ -133,7 +133,7 @@ void bench_surface(const Options& options) {
   std::printf("\n%-20s %8s %9s %5s %9s %9s %10s %8s %12s %10s %7s\n", "mesh", "tets", "triangles", "cuts",
               "remove us", "follow us", "rebuild us", "changed", "positions ns", "normals ns", "copy ns");
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
-  std::vector<Row> rows;
+  std::vector<SurfaceRow> rows;
   const auto run = [&](const std::string& name, TetMesh mesh, int refined) {
     for (int i = 0; i < refined; ++i) mesh = refine(mesh).mesh;
     print(rows.emplace_back(measure(name, mesh, options.quick ? 20 : 100)));

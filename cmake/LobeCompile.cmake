@@ -43,6 +43,12 @@ elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSI
   # The same bug as above: a precompiled header of the system counts as one of ours, whose warnings are shown.
   target_compile_options(lobe_compile INTERFACE -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
 endif()
+# Files of a target that are compiled as one unit, so that headers are read and their templates made once for all of them:
+# their names without linkage must differ. The headers' own includes are checked by the presets without it.
+set(CMAKE_UNITY_BUILD ${LOBE_UNITY})
+if(LOBE_UNITY)
+  target_compile_options(lobe_compile INTERFACE -Wno-shadow)  # of a name in another file
+endif()
 function(lobe_precompile target)  # further headers…
   target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <future>
     <limits> <map> <memory> <numeric> <optional> <span> <sstream> <string> <vector> <Eigen/Geometry> <Eigen/LU>

@@ -12,6 +12,11 @@
 namespace lobe::test {
 
 template <class Real>
+bool same_bits(World<Real>& a, World<Real>& b) {
+  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
+}
+
+template <class Real>
 World<Real> world_at(const Setup& setup, const Mat3X<Real>& u, int threads = 1) {
   World<Real> world(setup, threads);
   State<Real> state = world.state();

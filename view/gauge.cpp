@@ -1,26 +1,21 @@
 #include "gauge.h"
 
+#include <utility>
+
 #include "lobe/diagnostics/fields.h"
 
 namespace lobe::view {
 namespace {
 
-// Means over the triangles around each vertex, of the tetrahedra behind them.
-template <class Real>
-void find_field(World<Real>& world, bool is_stress, std::vector<float>& values) {
-  const SurfaceMesh& surface = world.surface().mesh();
-  const Elements& elements = world.elements();
-  const Mat3X<double> u = world.displacements().template cast<double>();
+// Means over the triangles around each vertex, of what there is of the tetrahedra behind them.
+template <class OfTet>
+void spread(const SurfaceMesh& surface, const OfTet& of_tet, std::vector<float>& values) {
   std::vector<float> triangles_at(std::size_t(surface.vertex_count()), 0);
   values.assign(triangles_at.size(), 0);
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-    const Index tet = surface.owner[i].tet;
-    const Eigen::Vector4i corners = elements.topology.corners(tet);
-    Mat34<double> of_corners;
-    for (int c = 0; c < 4; ++c) of_corners.col(c) = u.col(corners[c]);
-    const TetFields fields = tet_fields(elements, tet, of_corners, 0);
+    const auto value = static_cast<float>(of_tet(surface.owner[i].tet));
     for (const int v : surface.triangles[i]) {
-      values[std::size_t(v)] += static_cast<float>(is_stress ? fields.von_mises : fields.volume_ratio);
+      values[std::size_t(v)] += value;
       triangles_at[std::size_t(v)] += 1;
     }
   }
@@ -31,20 +26,65 @@ void find_field(World<Real>& world, bool is_stress, std::vector<float>& values) 
 }  // namespace
 
 template <class Real>
-void measure(World<Real>& world, const std::string& scalar, Measured& measured) {
+std::vector<double> Gauge<Real>::pressures(const World<Real>& world, const Mat3X<double>& u) {
+  const Elements& elements = world.elements();
+  if (!any_nodal_pressure(elements.materials))
+    return std::vector<double>(std::size_t(elements.topology.tet_count()), 0);
+  const std::uint64_t restored = world.body().model.revisions.restored;
+  const bool is_restored = std::exchange(nodes_restored_, restored) != restored;
+  if (std::exchange(nodes_edits_, world.history().size()) != world.history().size() || is_restored)
+    nodes_ = PressureNodes(elements);
+  return tet_pressures(elements, nodes_, u);
+}
+
+template <class Real>
+void Gauge<Real>::find_stress(World<Real>& world, bool is_stress, std::vector<float>& values) {
+  const Elements& elements = world.elements();
+  const Mat3X<double> u = world.displacements().template cast<double>();
+  const std::vector<double> pressure = pressures(world, u);
+  const auto of_tet = [&](Index tet) {
+    const Eigen::Vector4i corners = elements.topology.corners(tet);
+    Mat34<double> of_corners;
+    for (int c = 0; c < 4; ++c) of_corners.col(c) = u.col(corners[c]);
+    const TetFields fields = tet_fields(elements, tet, of_corners, pressure[std::size_t(tet)]);
+    return is_stress ? fields.von_mises : fields.volume_ratio;
+  };
+  spread(world.surface().mesh(), of_tet, values);
+}
+
+// What hands hold counts as free, so that beside it the estimate is too high.
+template <class Real>
+void Gauge<Real>::find_error(World<Real>& world, Measured& measured) {
+  if (!watch_)
+    watch_ = std::make_unique<LinearityWatch<Real>>(world, std::vector<std::vector<Index>>{},
+                                                    LinearityOptions{.on_exceeded = {}});
+  measured.linear_error = watch_->look(world).error;
+  const Mat3X<double>& errors = watch_->zone_errors();
+  const std::vector<Index>& zone_of = watch_->zones().of;
+  const auto of_tet = [&](Index tet) {
+    return errors.size() > 0 ? errors.col(zone_of[std::size_t(tet)]).norm() : 0;
+  };
+  spread(world.surface().mesh(), of_tet, measured.values);
+}
+
+template <class Real>
+void Gauge<Real>::measure(World<Real>& world, const std::string& scalar, Measured& measured) {
   const Energies energies = world.energies();
   measured.time = world.time();
   measured.elastic = energies.elastic_linear + energies.elastic_nonlinear;
   measured.kinetic = energies.kinetic;
+  measured.linear_error = -1;
   measured.scalar = scalar;
   measured.revision = world.surface().revision();
   if (scalar == "none")
     measured.values.clear();
+  else if (scalar == "linear_error")
+    find_error(world, measured);
   else
-    find_field(world, scalar == "von_mises", measured.values);
+    find_stress(world, scalar == "von_mises", measured.values);
 }
 
-template void measure(World<float>&, const std::string&, Measured&);
-template void measure(World<double>&, const std::string&, Measured&);
+template class Gauge<float>;
+template class Gauge<double>;
 
 }  // namespace lobe::view

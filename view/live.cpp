@@ -32,6 +32,7 @@ SessionOptions session_options(const LiveOptions& options) {
   result.threads = options.threads;
   result.running = options.running;
   result.condensing = options.condensing;
+  result.published = options.published;
   return result;
 }
 
@@ -42,7 +43,7 @@ class LiveOf final : public Live {
       : scene_(scene), setup_(resolved.setup), session_(setup_, session_options(options)) {
     for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
     session_.start();
-    gauge_ = std::thread([this] { keep_measuring(); });
+    measuring_ = std::thread([this] { keep_measuring(); });
   }
 
   ~LiveOf() override {
@@ -51,7 +52,7 @@ class LiveOf final : public Live {
       ends_ = true;
     }
     changed_.notify_all();
-    gauge_.join();
+    measuring_.join();
     controller_.reset();
     session_.stop();
   }
@@ -124,7 +125,7 @@ class LiveOf final : public Live {
       lock.unlock();
       session_.between_frames([&] {
         if (session_.world().time() != before || !is_same) {
-          view::measure(session_.world(), scalar, *next);
+          gauge_.measure(session_.world(), scalar, *next);
           ++next->number;
         }
       });
@@ -157,6 +158,7 @@ class LiveOf final : public Live {
     const auto latest = measured();
     if (latest->number == 0) return;
     status["energy"] = {{"time", latest->time}, {"elastic", latest->elastic}, {"kinetic", latest->kinetic}};
+    if (latest->linear_error >= 0) status["linear_error"] = latest->linear_error;
     if (scalar == "none" || latest->scalar != scalar || latest->revision != revision ||
         told.scalar == latest->number)
       return;
@@ -200,6 +202,7 @@ class LiveOf final : public Live {
     status["speed"] = session.speed;
     status["factor"] = session.real_time_factor;
     status["late"] = session.frames_late;
+    status["again"] = session.frames_again;
     status["can_go_back"] = session.can_go_back;
     status["steps"] = picture.figures.steps;
     status["step"] = picture.figures.time_step;
@@ -227,7 +230,8 @@ class LiveOf final : public Live {
   bool ends_ = false;
   std::string wanted_ = "none";
   std::shared_ptr<const Measured> measured_ = std::make_shared<const Measured>();
-  std::thread gauge_;
+  Gauge<Real> gauge_;  // of the thread of the session, between frames
+  std::thread measuring_;
 };
 
 }  // namespace

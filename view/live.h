@@ -20,6 +20,7 @@ struct LiveOptions {
   int threads = 1;
   bool running = true;
   std::function<void(double fraction)> condensing = {};
+  std::function<void()> published = {};  // there is a new picture; by the thread of the simulation
 };
 
 // What a page has been told.
@@ -39,7 +40,7 @@ class Live {
   virtual bool send(HandCommand command) = 0;
   // Changes when there is something to tell.
   virtual std::uint64_t news() const = 0;
-  // A frame of what is new; into `status`: figures. `scalar`: "none", "von_mises", "volume_ratio".
+  // A frame of what is new; into `status`: figures. `scalar`: as in gauge.h.
   virtual void write(const std::string& scalar, Told& told, BlockWriter& out, nlohmann::json& status) = 0;
   // Which scalar is found, some times a second.
   virtual void measure(const std::string& scalar) = 0;

@@ -130,7 +130,7 @@ int serve(Options& options) {
     viewer = std::make_unique<view::Viewer>(std::move(scene), std::move(resolved), viewer_options);
   }
   view::Server server(options.server, view::page_files(), *viewer);
-  viewer->set_server(server);
+  viewer->set_server(&server);
   const std::string address = address_of(options, server.port());
   std::printf("%s\nCtrl+C ends it.\n", address.c_str());
   std::fflush(stdout);
@@ -139,12 +139,14 @@ int serve(Options& options) {
   std::signal(SIGINT, ask_to_end);
   std::signal(SIGTERM, ask_to_end);
   std::thread waker([&] {
-    for (std::uint64_t known = 0; !is_asked_to_end; std::this_thread::sleep_for(std::chrono::milliseconds(3)))
+    for (std::uint64_t known = 0; !is_asked_to_end;
+         std::this_thread::sleep_for(std::chrono::milliseconds(20)))
       if (const std::uint64_t news = viewer->news(); std::exchange(known, news) != news) server.wake();
     server.stop();
   });
   server.run();
   waker.join();
+  viewer->set_server(nullptr);
   if (!options.record.empty()) {
     viewer->write_recording(options.record);
     std::printf("recorded in %s\n", options.record.c_str());

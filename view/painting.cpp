@@ -1,21 +1,17 @@
 #include "painting.h"
 
 #include <algorithm>
-#include <cctype>
 #include <numeric>
 
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
-#include "lobe/io/mesh_io.h"
+#include "lobe/scene/material_constants.h"
 #include "lobe/scene/select.h"
-#include "lobe/scene/write_scene.h"
 
 namespace lobe::view {
 namespace {
 
 constexpr std::size_t most_undone = 100;
-constexpr RegionModel models[] = {RegionModel::tensor_mass, RegionModel::precomputed, RegionModel::nonlinear};
-constexpr const char* region_names[] = {"tensor-mass", "pre-computed", "non-linear"};
+constexpr std::size_t most_materials = 8;
 
 // At most `radius` away; the nearest one where there is none. `of` are columns of points.
 std::vector<Index> within(const Mat3X<double>& points, const std::vector<Index>& of, const Vec3d& at,
@@ -61,8 +57,12 @@ Painting::Painting(Scene scene, const Resolved& resolved)
     : scene_(std::move(scene)),
       mesh_(resolved.setup.mesh),
       topology_(mesh_),
-      now_{resolved.setup.region_of, fixed_vertices(scene_, mesh_)},
+      now_{resolved.setup.region_of,
+           {resolved.setup.material_of.begin(), resolved.setup.material_of.end()},
+           fixed_vertices(scene_, mesh_),
+           resolved.setup.precomputed_frame},
       held_at_first_(now_.held),
+      material_at_first_(now_.material_of),
       labels_(distinct(mesh_.labels)),
       surface_(topology_, now_.region_of) {
   const SurfaceMesh& surface = surface_.mesh();
@@ -93,9 +93,37 @@ void Painting::paint(const Vec3d& at, double radius, RegionModel model) {
   follow(tets);
 }
 
+void Painting::paint_material(const Vec3d& at, double radius, int material) {
+  if (material < 0 || std::size_t(material) >= materials().size())
+    throw InputError("/material", "there are " + std::to_string(materials().size()) + ", counted from 0");
+  begin();
+  for (const Index t : within(barycentres_, all(mesh_.tet_count()), at, radius))
+    now_.material_of[std::size_t(t)] = material;
+}
+
+int Painting::add_material(const std::string& name, double young) {
+  constexpr double softest = 1, stiffest = 1e9;  // [Pa]
+  if (!(young >= softest && young <= stiffest)) throw InputError("/young", "must be from 1 to 1e9 Pa");
+  if (name.empty()) throw InputError("/name", "a material needs a name");
+  for (const Material& material : materials())
+    if (material.name == name) throw InputError("/name", "there is a material \"" + name + "\" already");
+  if (materials().size() >= most_materials)
+    throw InputError("/name", "8 materials are as many as can be painted");
+  Material material = materials().front();
+  const double factor = young / young_modulus(material.lame_lambda, material.lame_mu);
+  material.name = name;
+  material.lame_lambda *= factor;
+  material.lame_mu *= factor;
+  scene_.materials.push_back(material);
+  return static_cast<int>(scene_.materials.size()) - 1;
+}
+
+// What is let free is so below the skin, too.
 void Painting::hold(const Vec3d& at, double radius, bool held) {
   begin();
-  for (const Index v : within(mesh_.points, skin_, at, radius)) now_.held[std::size_t(v)] = held ? 1 : 0;
+  const std::vector<Index> reached = held ? within(mesh_.points, skin_, at, radius)
+                                          : within(mesh_.points, all(mesh_.vertex_count()), at, radius);
+  for (const Index v : reached) now_.held[std::size_t(v)] = held ? 1 : 0;
 }
 
 void Painting::paint_all(RegionModel model) {
@@ -114,6 +142,13 @@ void Painting::use(const std::vector<RegionModel>& region_of) {
   end_stroke();
 }
 
+void Painting::set_frame(RegionFrame frame) {
+  end_stroke();
+  begin();
+  now_.frame = frame;
+  end_stroke();
+}
+
 void Painting::undo() {
   end_stroke();
   if (past_.empty()) return;
@@ -124,97 +159,69 @@ void Painting::undo() {
 
 void Painting::follow_all() { follow(all(mesh_.tet_count())); }
 
+std::vector<std::vector<Index>> Painting::precomputed_parts() const {
+  const auto is_precomputed = [&](Index t) {
+    return now_.region_of[std::size_t(t)] == RegionModel::precomputed;
+  };
+  std::vector<std::vector<Index>> parts;
+  std::vector<char> found(std::size_t(mesh_.tet_count()), 0);
+  for (Index first = 0; first < mesh_.tet_count(); ++first) {
+    if (found[std::size_t(first)] || !is_precomputed(first)) continue;
+    std::vector<Index>& part = parts.emplace_back(1, first);
+    found[std::size_t(first)] = 1;
+    for (std::size_t at = 0; at < part.size(); ++at)
+      for (int face = 0; face < 4; ++face) {
+        const Index other = topology_.neighbour(part[at], face);
+        if (other < 0 || found[std::size_t(other)] || !is_precomputed(other)) continue;
+        found[std::size_t(other)] = 1;
+        part.push_back(other);
+      }
+  }
+  return parts;
+}
+
+std::vector<Index> Painting::unheld() const {
+  const std::vector<std::vector<Index>> parts = precomputed_parts();
+  const auto largest = std::max_element(parts.begin(), parts.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  const auto is_held = [&](Index t) {
+    const Eigen::Vector4i corners = topology_.corners(t);
+    return std::any_of(corners.begin(), corners.end(),
+                       [&](Index v) { return now_.held[std::size_t(v)] != 0; });
+  };
+  std::vector<Index> tets;
+  for (auto part = parts.begin(); part != parts.end(); ++part)
+    if (now_.frame == RegionFrame::corotated ? part != largest
+                                             : std::none_of(part->begin(), part->end(), is_held))
+      tets.insert(tets.end(), part->begin(), part->end());
+  return tets;
+}
+
+bool Painting::can_turn() const {
+  const std::vector<std::vector<Index>> parts = precomputed_parts();
+  return parts.size() == 1 && Index(parts[0].size()) < mesh_.tet_count();
+}
+
+double Painting::share_of(const std::vector<Index>& tets) const {
+  double sum = 0;
+  for (const Index t : tets) sum += volumes_[std::size_t(t)];
+  return sum / std::accumulate(volumes_.begin(), volumes_.end(), 0.0);
+}
+
+std::vector<double> Painting::material_shares() const {
+  std::vector<double> shares(materials().size(), 0);
+  const double whole = std::accumulate(volumes_.begin(), volumes_.end(), 0.0);
+  for (std::size_t t = 0; t < volumes_.size(); ++t)
+    shares[std::size_t(now_.material_of[t])] += volumes_[t] / whole;
+  return shares;
+}
+
 std::array<double, 3> Painting::shares() const {
   std::array<double, 3> shares{};
   const double whole = std::accumulate(volumes_.begin(), volumes_.end(), 0.0);
   for (std::size_t t = 0; t < volumes_.size(); ++t)
     shares[std::size_t(now_.region_of[t])] += volumes_[t] / whole;
   return shares;
-}
-
-// A former label and a model are a label: what selects by former labels can go on doing so.
-int Painting::label(Index tet) const {
-  const auto place = std::lower_bound(labels_.begin(), labels_.end(), mesh_.labels[std::size_t(tet)]);
-  return 1 + 3 * static_cast<int>(place - labels_.begin()) +
-         static_cast<int>(now_.region_of[std::size_t(tet)]);
-}
-
-TetMesh Painting::mesh() const {
-  TetMesh mesh = mesh_;
-  for (Index t = 0; t < mesh.tet_count(); ++t) mesh.labels[std::size_t(t)] = label(t);
-  return mesh;
-}
-
-void Painting::relabel(Selector& selector) const {
-  const auto all_of = [&](std::vector<Selector>& parts) {
-    for (Selector& part : parts) relabel(part);
-  };
-  if (auto* by_label = std::get_if<SelectLabel>(&selector.value)) {
-    std::vector<int> labels;
-    for (const int former : by_label->labels) {
-      const auto place = std::lower_bound(labels_.begin(), labels_.end(), former);
-      if (place == labels_.end() || *place != former) continue;
-      for (int model = 0; model < 3; ++model)
-        labels.push_back(1 + 3 * static_cast<int>(place - labels_.begin()) + model);
-    }
-    by_label->labels = labels;
-  } else if (auto* any = std::get_if<SelectAnyOf>(&selector.value)) {
-    all_of(any->parts);
-  } else if (auto* every = std::get_if<SelectAllOf>(&selector.value)) {
-    all_of(every->parts);
-  } else if (auto* inverted = std::get_if<SelectNot>(&selector.value)) {
-    all_of(inverted->part);
-  }
-}
-
-Scene Painting::scene(const std::filesystem::path& mesh) const {
-  Scene scene = scene_;
-  scene.mesh = mesh;
-  if (!scene.condensed_cache.empty())
-    scene.condensed_cache = std::filesystem::absolute(scene_.file).parent_path() / scene.condensed_cache;
-  scene.auto_regions.reset();
-  const RegionFrame frame = scene.regions.empty() ? RegionFrame::fixed : scene.regions.front().frame;
-  scene.regions.clear();
-  for (const RegionModel model : models) {
-    std::vector<int> labels;
-    for (Index t = 0; t < mesh_.tet_count(); ++t)
-      if (now_.region_of[std::size_t(t)] == model) labels.push_back(label(t));
-    if (labels.empty()) continue;
-    Region region{.name = region_names[std::size_t(model)], .model = model, .where = {}, .pointer = {}};
-    if (model == RegionModel::precomputed) region.frame = frame;
-    region.where = Selector{SelectLabel{distinct(std::move(labels))}};
-    scene.regions.push_back(std::move(region));
-  }
-  for (Material& material : scene.materials)
-    if (material.where) relabel(*material.where);
-  for (Boundary& entry : scene.boundary) relabel(entry.where);
-  for (Tool& tool : scene.tools)
-    if (tool.where) relabel(*tool.where);
-  if (now_.held == held_at_first_) return scene;
-  std::erase_if(scene.boundary, [](const Boundary& entry) { return entry.kind == Boundary::Kind::fix; });
-  SelectVertices vertices;
-  for (Index v = 0; v < mesh_.vertex_count(); ++v)
-    if (now_.held[std::size_t(v)]) vertices.vertices.push_back(v);
-  if (!vertices.vertices.empty())
-    scene.boundary.insert(scene.boundary.begin(),
-                          Boundary{.where = Selector{std::move(vertices)}, .pointer = {}});
-  return scene;
-}
-
-std::filesystem::path Painting::save(const std::filesystem::path& folder, const std::string& name) const {
-  check_file_name(name);
-  const std::filesystem::path file = folder / (name + ".json"), mesh_file = folder / (name + ".vtu");
-  write_vtu(mesh_file, mesh());
-  io::write_file(file, to_json(scene(mesh_file.filename())));
-  return file;
-}
-
-void check_file_name(const std::string& name) {
-  const bool is_plain = std::all_of(name.begin(), name.end(),
-                                    [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
-  if (name.empty() || name.size() > 60 || !is_plain)
-    throw InputError("\"" + name + "\"",
-                     "a name of letters, digits, _ and -, at most 60 of them, is expected");
 }
 
 }  // namespace lobe::view

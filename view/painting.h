@@ -1,6 +1,5 @@
-// What is painted on a body at rest: the model of each tetrahedron and which vertices are held; as a scene,
-// with the labels
-// of its regions in the mesh.
+// What is painted on a body at rest: the model and the material of each tetrahedron, and which vertices are
+// held; as a scene, with the labels of its regions and materials in the mesh.
 #pragma once
 
 #include <filesystem>
@@ -18,11 +17,17 @@ class Painting {
 
   // ---- Painting; what is done until end_stroke() is undone at once.
 
-  void paint(const Vec3d& at, double radius,
-             RegionModel model);                         // tetrahedra by their barycentre, at least one
-  void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin, at least one
+  // Tetrahedra by their barycentre, at least one; a material by its number in materials().
+  void paint(const Vec3d& at, double radius, RegionModel model);
+  void paint_material(const Vec3d& at, double radius, int material);
+  // Like the first one, but for its stiffness; its number. Throws InputError for a name that is taken, a
+  // modulus that is none, and for one too many.
+  int add_material(const std::string& name, double young /* [Pa] */);
+  void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin; free: all
   void paint_all(RegionModel model);
   void use(const std::vector<RegionModel>& region_of);  // per tetrahedron
+  // Whether precomputed parts follow a rigid motion of their own (condense/rigid_frame.h).
+  void set_frame(RegionFrame frame);
   void end_stroke() { is_in_stroke_ = false; }
   bool can_undo() const { return !past_.empty(); }
   void undo();
@@ -34,34 +39,50 @@ class Painting {
   const std::vector<std::uint8_t>& held() const { return now_.held; }  // per vertex of the mesh
   const std::vector<RegionModel>& regions() const { return now_.region_of; }  // per tetrahedron
   std::array<double, 3> shares() const;                                       // of the volume, by RegionModel
+  const std::vector<Material>& materials() const { return scene_.materials; }
+  // Precomputed tetrahedra of parts, together by faces, that nothing anchors: none of their vertices is held;
+  // or, in a moving frame, all but the largest part. No world can be built of these.
+  std::vector<Index> unheld() const;
+  bool can_turn() const;  // there is one precomputed part alone, beside others: it may have a moving frame
+  double share_of(const std::vector<Index>& tets) const;                    // of the volume
+  std::vector<double> material_shares() const;                              // of the volume
+  const std::vector<int>& material_of() const { return now_.material_of; }  // per tetrahedron
 
-  // The scene as it was, but for its regions, which are those labels of mesh(), and for what is fixed, where
-  // that was painted.
-  // `mesh` is the file that mesh() will be in.
+  // The scene as it was, but for its regions, which are labels of mesh(), and for materials and for what is
+  // fixed, where those were painted. `mesh` is the file that mesh() will be in.
   Scene scene(const std::filesystem::path& mesh) const;
   TetMesh mesh() const;
   // Both as files `name`.json and `name`.vtu; returns the first. Throws InputError for a name that is none,
-  // or what cannot
-  // be written.
+  // or what cannot be written.
   std::filesystem::path save(const std::filesystem::path& folder, const std::string& name) const;
 
  private:
   struct State {
     std::vector<RegionModel> region_of;
+    std::vector<int> material_of;
     std::vector<std::uint8_t> held;
+    RegionFrame frame = RegionFrame::fixed;  // of precomputed parts
   };
 
   void begin();
+  std::vector<std::vector<Index>> precomputed_parts() const;
   void follow(const std::vector<Index>& tets) { surface_.follow_regions(tets, now_.region_of); }
   void follow_all();
   int label(Index tet) const;
+  int label(std::size_t place, int material, RegionModel model) const;
+  template <class Choice>
+  Selector labelled(const Choice& is_chosen) const;
   void relabel(Selector& selector) const;
+  void add_regions(Scene& scene) const;
+  void set_materials(Scene& scene) const;
+  void set_fixed(Scene& scene) const;
 
   Scene scene_;
   TetMesh mesh_;
   Topology topology_;
   State now_;
   std::vector<std::uint8_t> held_at_first_;
+  std::vector<int> material_at_first_;
   std::vector<State> past_;
   bool is_in_stroke_ = false;
   std::vector<int> labels_;  // of the mesh as it was, each once, ascending

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double largest_number = 1e6;           // of coordinates, seconds …
+constexpr double largest_number = 1e9;           // of coordinates, seconds, moduli …
 constexpr std::size_t longest_text = 100;        // [bytes]
 constexpr double largest_request_number = 9e15;  // that a double counts exactly
 

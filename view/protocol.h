@@ -16,8 +16,7 @@ namespace lobe::view {
 static_assert(std::endian::native == std::endian::little, "blocks are written as they stand in memory");
 
 // ---- Out: blocks [tag u32][size u32][bytes], little-endian, each filled up to a multiple of four bytes. A
-// reader skips those
-// whose tag it does not know.
+// reader skips those whose tag it does not know.
 
 constexpr std::uint32_t tag(const char (&name)[5]) {
   return std::uint32_t(std::uint8_t(name[0])) | std::uint32_t(std::uint8_t(name[1])) << 8 |
@@ -25,7 +24,7 @@ constexpr std::uint32_t tag(const char (&name)[5]) {
 }
 inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"),
                                scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), status_tag = tag("STAT"),
-                               paint_tag = tag("PNTS");
+                               paint_tag = tag("PNTS"), materials_tag = tag("MATS");
 
 class BlockWriter {
  public:
@@ -136,7 +135,8 @@ struct Back {
   static constexpr const char* name = "back";
   static constexpr auto fields = std::tuple(Field{"seconds", &Back::seconds});
 };
-// Which scalar the frames of this client are to have: "none", "von_mises", "volume_ratio".
+// Which scalar the frames of this client are to have: "none", "von_mises", "volume_ratio",
+// "linear_error".
 struct Show {
   std::string what;
   static constexpr const char* name = "show";
@@ -176,6 +176,29 @@ struct Paint {
   static constexpr auto fields =
       std::tuple(Field{"at", &Paint::at}, Field{"radius", &Paint::radius}, Field{"as", &Paint::as});
 };
+struct PaintMaterial {
+  Vec3d at = Vec3d::Zero();  // at rest [m]
+  double radius = 0;         // [m]
+  int material = 0;          // by its number
+  static constexpr const char* name = "paint_material";
+  static constexpr auto fields =
+      std::tuple(Field{"at", &PaintMaterial::at}, Field{"radius", &PaintMaterial::radius},
+                 Field{"material", &PaintMaterial::material});
+};
+// What is precomputed and held nowhere becomes "tensor-mass" or "nonlinear", or turns by itself: "turning".
+struct Mend {
+  std::string as;
+  static constexpr const char* name = "mend";
+  static constexpr auto fields = std::tuple(Field{"as", &Mend::as});
+};
+// A further material: the first one, but for its stiffness.
+struct NewMaterial {
+  std::string title;
+  double young = 0;  // [Pa]
+  static constexpr const char* name = "new_material";
+  static constexpr auto fields =
+      std::tuple(Field{"name", &NewMaterial::title}, Field{"young", &NewMaterial::young});
+};
 struct PaintAll {
   std::string as;
   static constexpr const char* name = "paint_all";
@@ -208,7 +231,8 @@ struct Save {
 };
 
 using Any = std::variant<Seen, Take, Burn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control,
-                         HandOver, Export, Edit, Paint, PaintAll, Stroke, Undo, Propose, Apply, Save>;
+                         HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll, Stroke,
+                         Undo, Propose, Apply, Save>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;
@@ -219,8 +243,7 @@ struct Request {
 };
 
 // Throws InputError for anything but an object {"do": one of the names above, its fields, "number" if
-// wanted}, with finite
-// numbers of a sensible size.
+// wanted}, with finite numbers of a sensible size.
 Request parse_request(std::string_view json);
 
 }  // namespace lobe::view

@@ -1,4 +1,5 @@
 // What the viewer does when it is asked.
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -14,13 +15,13 @@ namespace {
 
 using Kind = HandCommand::Kind;
 
-constexpr std::array<std::pair<const char*, RegionModel>, 3> models = {
+constexpr std::array<std::pair<const char*, RegionModel>, 3> names_of_models = {
     {{"tensor-mass", RegionModel::tensor_mass},
      {"precomputed", RegionModel::precomputed},
      {"nonlinear", RegionModel::nonlinear}}};
 
 const RegionModel* model_of(const std::string& word) {
-  for (const auto& [name, model] : models)
+  for (const auto& [name, model] : names_of_models)
     if (word == name) return &model;
   return nullptr;
 }
@@ -77,8 +78,9 @@ void Viewer::perform(ClientId, const request::Back& what) {
 // ---- Pages
 
 void Viewer::perform(ClientId client, const request::Show& what) {
-  if (what.what != "none" && what.what != "von_mises" && what.what != "volume_ratio")
-    throw InputError("/what", "must be none, von_mises or volume_ratio");
+  static constexpr std::array known = {"none", "von_mises", "volume_ratio", "linear_error"};
+  if (std::find(known.begin(), known.end(), what.what) == known.end())
+    throw InputError("/what", "must be none, von_mises, volume_ratio or linear_error");
   clients_[client].scalar = what.what;
   measure_what_is_shown();
 }
@@ -140,6 +142,32 @@ void Viewer::perform(ClientId, const request::Paint& what) {
   repainted();
 }
 
+void Viewer::perform(ClientId, const request::PaintMaterial& what) {
+  check_radius(what.radius);
+  painting().paint_material(what.at, what.radius, what.material);
+  repainted();
+}
+
+void Viewer::perform(ClientId, const request::NewMaterial& what) {
+  painting().add_material(what.title, what.young);
+  repainted();
+}
+
+void Viewer::perform(ClientId, const request::Mend& what) {
+  const RegionModel* model = model_of(what.as);
+  if (what.as == "turning") {
+    if (!painting().can_turn()) throw InputError("/as", "one pre-computed part alone can turn by itself");
+    painting().set_frame(RegionFrame::corotated);
+  } else if (model && *model != RegionModel::precomputed) {
+    std::vector<RegionModel> regions = painting().regions();
+    for (const Index t : painting().unheld()) regions[std::size_t(t)] = *model;
+    painting().use(regions);
+  } else {
+    throw InputError("/as", "must be tensor-mass, nonlinear or turning");
+  }
+  repainted();
+}
+
 void Viewer::perform(ClientId, const request::PaintAll& what) {
   const RegionModel* model = model_of(what.as);
   if (!model) throw InputError("/as", "choose one of the three models: they alone can fill all");
@@ -181,7 +209,7 @@ void Viewer::perform(ClientId, const request::Propose& what) {
 
 void Viewer::perform(ClientId, const request::Apply&) {
   begin([scene = painting().scene("painted.vtu"), mesh = painting().mesh(),
-         options = options_.live](Task& task) {
+         options = live_options()](Task& task) {
     task.scene = scene;
     task.resolved = resolve(scene, mesh);
     LiveOptions live = options;

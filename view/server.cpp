@@ -1,5 +1,6 @@
 #include "server.h"
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <map>
@@ -20,6 +21,7 @@ struct Server::Parts {
   tcp::acceptor acceptor{context};
   std::map<ClientId, std::shared_ptr<Connection>> connections;
   ClientId next = 1;
+  std::atomic<bool> is_woken = false;  // and has not looked yet
 
   void listen();
   void accept();
@@ -92,7 +94,9 @@ int Server::port() const { return parts_->acceptor.local_endpoint().port(); }
 void Server::run() { parts_->context.run(); }
 
 void Server::wake() {
+  if (parts_->is_woken.exchange(true)) return;
   asio::post(parts_->context, [parts = parts_.get()] {
+    parts->is_woken = false;
     const auto connections = parts->connections;
     for (const auto& [id, connection] : connections) connection->offer_frame();
   });

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "lobe/error.h"
+#include "lobe/scene/material_constants.h"
 
 namespace lobe::view {
 
@@ -15,11 +16,27 @@ Viewer::Viewer(Scene scene, Resolved resolved, const ViewerOptions& options)
     : options_(options),
       scene_(std::move(scene)),
       resolved_(std::move(resolved)),
-      live_(start_live(scene_, resolved_, options.live)) {
+      live_(start_live(scene_, resolved_, live_options())) {
   if (resolved_.proposal) proposal_ = resolved_.proposal;
 }
 
 Viewer::~Viewer() = default;
+
+void Viewer::set_server(Server* server) {
+  const std::lock_guard lock(waking_);
+  server_ = server;
+}
+
+void Viewer::wake() const {
+  const std::lock_guard lock(waking_);
+  if (server_) server_->wake();
+}
+
+LiveOptions Viewer::live_options() const {
+  LiveOptions options = options_.live;
+  options.published = [this] { wake(); };
+  return options;
+}
 
 std::uint64_t Viewer::news() const {
   const std::lock_guard lock(changing_);
@@ -184,45 +201,72 @@ void Viewer::add_session(Json& status, const Client& client, bool controls) cons
 }
 
 std::string Viewer::painting_frame(Client& client) {
-  Painting& painting = *painting_;
   BlockWriter out;
   if (client.painted != painted_ || client.told.topology != 0) {
-    write_topology(painting.surface(), painting.rest(), out);
-    write_positions(painting.surface(), painting.rest(), out);
-    std::vector<std::uint8_t> held;
-    for (const Index v : painting.surface().mesh_vertex) held.push_back(painting.held()[std::size_t(v)]);
-    out.begin(paint_tag);
-    out.put(std::span<const std::uint8_t>(held));
-    out.end();
+    write_painting(out);
     client.painted = painted_;
     client.told.topology = 0;
   }
-  const auto& held = painting.held();
-  Json edit{{"shares", painting.shares()},
-            {"held", std::count(held.begin(), held.end(), 1)},
-            {"can_undo", painting.can_undo()},
-            {"busy", is_preparing() ? Json(task_->fraction.load()) : Json()},
-            {"proposal", nullptr}};
-  if (proposal_) {
-    Json gestures = Json::array();
-    for (const GestureOutcome& gesture : proposal_->gestures)
-      gestures.push_back(
-          {{"name", gesture.name}, {"error", gesture.measured}, {"predicted", gesture.predicted}});
-    edit["proposal"] = {{"speedup", proposal_->measured_speedup},
-                        {"predicted_speedup", proposal_->predicted_speedup},
-                        {"linear", proposal_->linear_share},
-                        {"gestures", gestures},
-                        {"notes", proposal_->notes}};
-  }
   const bool controls = controlling_ != 0 && &client == &clients_[controlling_];
-  Json status{
-      {"mode", "edit"},       {"edit", edit},       {"time", 0},   {"running", false},
-      {"speed", 1},           {"can_go_back", 0.0}, {"factor", 0}, {"tets", resolved_.setup.mesh.tet_count()},
-      {"stands_still", false}};
+  Json status{{"mode", "edit"},
+              {"edit", painting_status()},
+              {"time", 0},
+              {"running", false},
+              {"speed", 1},
+              {"can_go_back", 0.0},
+              {"factor", 0},
+              {"tets", resolved_.setup.mesh.tet_count()},
+              {"stands_still", false}};
   write_json(tools_tag, "[]", out);
   add_session(status, client, controls);
   write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
   return out.take();
+}
+
+void Viewer::write_painting(BlockWriter& out) const {
+  const SurfaceMesh& surface = painting_->surface();
+  write_topology(surface, painting_->rest(), out);
+  write_positions(surface, painting_->rest(), out);
+  std::vector<std::uint8_t> held, materials;
+  for (const Index v : surface.mesh_vertex) held.push_back(painting_->held()[std::size_t(v)]);
+  for (const auto& owner : surface.owner)
+    materials.push_back(static_cast<std::uint8_t>(painting_->material_of()[std::size_t(owner.tet)]));
+  out.begin(paint_tag);
+  out.put(std::span<const std::uint8_t>(held));
+  out.end();
+  out.begin(materials_tag);
+  out.put(std::span<const std::uint8_t>(materials));
+  out.end();
+}
+
+Json Viewer::painting_status() const {
+  const auto& held = painting_->held();
+  const std::vector<double> shares = painting_->material_shares();
+  Json materials = Json::array();
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const Material& material = painting_->materials()[i];
+    const double young = young_modulus(material.lame_lambda, material.lame_mu);
+    materials.push_back({{"name", material.name}, {"young", young}, {"share", shares[i]}});
+  }
+  Json edit{{"shares", painting_->shares()},
+            {"held", std::count(held.begin(), held.end(), 1)},
+            {"materials", materials},
+            {"can_undo", painting_->can_undo()},
+            {"busy", is_preparing() ? Json(task_->fraction.load()) : Json()},
+            {"proposal", nullptr}};
+  if (const std::vector<Index> unheld = painting_->unheld(); !unheld.empty())
+    edit["unheld"] = {{"share", painting_->share_of(unheld)}, {"can_turn", painting_->can_turn()}};
+  if (!proposal_) return edit;
+  Json gestures = Json::array();
+  for (const GestureOutcome& gesture : proposal_->gestures)
+    gestures.push_back(
+        {{"name", gesture.name}, {"error", gesture.measured}, {"predicted", gesture.predicted}});
+  edit["proposal"] = {{"speedup", proposal_->measured_speedup},
+                      {"predicted_speedup", proposal_->predicted_speedup},
+                      {"linear", proposal_->linear_share},
+                      {"gestures", gestures},
+                      {"notes", proposal_->notes}};
+  return edit;
 }
 
 }  // namespace lobe::view

@@ -28,7 +28,8 @@ class Viewer final : public Service {
 
   // ---- The thread of the server
 
-  void set_server(Server& server) { server_ = &server; }
+  // Null: it is gone.
+  void set_server(Server* server);
   void opened(ClientId client) override;
   void closed(ClientId client) override;
   void received(ClientId client, std::string_view text) override;
@@ -36,7 +37,7 @@ class Viewer final : public Service {
 
   // ---- Any thread
 
-  // Changes when there may be something new for somebody.
+  // Changes when there may be something new for somebody. Of a picture the server is told at once.
   std::uint64_t news() const;
 
   // ---- After the server
@@ -76,6 +77,8 @@ class Viewer final : public Service {
   void finish_task();
   void measure_what_is_shown();
   std::string painting_frame(Client& client);
+  void write_painting(BlockWriter& out) const;
+  nlohmann::json painting_status() const;
   std::string live_frame(Client& client, bool controls);
   void add_session(nlohmann::json& status, const Client& client, bool controls) const;
   void send(const HandCommand& command);
@@ -100,6 +103,9 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Export& what);
   void perform(ClientId client, const request::Edit& what);
   void perform(ClientId client, const request::Paint& what);
+  void perform(ClientId client, const request::PaintMaterial& what);
+  void perform(ClientId client, const request::NewMaterial& what);
+  void perform(ClientId client, const request::Mend& what);
   void perform(ClientId client, const request::PaintAll& what);
   void perform(ClientId client, const request::Stroke& what);
   void perform(ClientId client, const request::Undo& what);
@@ -107,10 +113,14 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Apply& what);
   void perform(ClientId client, const request::Save& what);
 
+  void wake() const;
+  LiveOptions live_options() const;
+
   const ViewerOptions options_;
   Scene scene_;
   Resolved resolved_;
   Server* server_ = nullptr;
+  mutable std::mutex waking_;    // of server_, for wake()
   mutable std::mutex changing_;  // of live_ and task_, for news()
   std::shared_ptr<Live> live_;
   std::optional<Painting> painting_;

@@ -77,10 +77,10 @@ struct Problem {
   bool traction_top = false;  // P N on the upper end in place of displacements
 };
 
-constexpr double cylinder_length = 3, box_length = 2;
+constexpr double manufactured_cylinder_length = 3, box_length = 2;
 
 Errors solve(const Problem& problem, int cells) {
-  const double length = problem.cylinder ? cylinder_length : box_length;
+  const double length = problem.cylinder ? manufactured_cylinder_length : box_length;
   const TetMesh mesh = problem.cylinder ? cylinder_mesh(1, length, cells, 3 * cells)
                                         : jittered(box_mesh({1, 1, length}, cells, cells, 2 * cells),
                                                    1.0 / cells, 0.15, 5, false);

@@ -20,9 +20,14 @@ const char* name(InstructionSet set) {
 }
 
 std::vector<InstructionSet> available_instruction_sets() {
-  std::vector<InstructionSet> sets{InstructionSet::baseline};
-#ifdef LOBE_X86_KERNELS
+  std::vector<InstructionSet> sets;
+#ifdef LOBE_HAS_BASELINE
+  sets.push_back(InstructionSet::baseline);
+#endif
+#ifdef LOBE_HAS_AVX2
   if (__builtin_cpu_supports("avx2")) sets.push_back(InstructionSet::avx2);
+#endif
+#ifdef LOBE_HAS_AVX512
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
     sets.push_back(InstructionSet::avx512);
@@ -32,6 +37,9 @@ std::vector<InstructionSet> available_instruction_sets() {
 
 InstructionSet chosen_instruction_set() {
   const std::vector<InstructionSet> sets = available_instruction_sets();
+  if (sets.empty())
+    throw InputError("processor",
+                     "this program was compiled for another processor alone (LOBE_NATIVE_KERNELS)");
   const char* wanted = std::getenv("LOBE_INSTRUCTION_SET");
   if (!wanted) return sets.back();
   std::string there;
@@ -40,7 +48,8 @@ InstructionSet chosen_instruction_set() {
     there += std::string(there.empty() ? "" : ", ") + name(set);
   }
   throw InputError("LOBE_INSTRUCTION_SET",
-                   "\"" + std::string(wanted) + "\" is not among what this processor has: " + there);
+                   "\"" + std::string(wanted) +
+                       "\" is not among the sets that this processor and this program have: " + there);
 }
 
 }  // namespace lobe

@@ -10,11 +10,11 @@ enum class InstructionSet { baseline, avx2, avx512 };  // baseline: what the who
 
 const char* name(InstructionSet set);
 
-// Those that this processor has, the widest last.
+// Those that this processor has and that were compiled, the widest last.
 std::vector<InstructionSet> available_instruction_sets();
 
-// The widest, or that which the environment variable LOBE_INSTRUCTION_SET names. Throws InputError if the
-// processor does not have it.
+// The widest of them, or that which the environment variable LOBE_INSTRUCTION_SET names. Throws InputError if it
+// is not available.
 InstructionSet chosen_instruction_set();
 
 }  // namespace lobe

@@ -16,12 +16,12 @@ namespace {
 using LabelDomain = CGAL::Labeled_mesh_domain_3<Kernel>;
 
 // Starts the refinement from points of every piece of every interface that is as large as an edge.
-class Domain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomain> {
+class ImageDomain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomain> {
   using Base = CGAL::Mesh_domain_with_polyline_features_3<LabelDomain>;
 
  public:
-  Domain(const Model& model, const Sizing& sizing, const CGAL::Bbox_3& box, double error_bound,
-         CGAL::Random& random)
+  ImageDomain(const Model& model, const Sizing& sizing, const CGAL::Bbox_3& box, double error_bound,
+              CGAL::Random& random)
       : Base(
             [&model](const Point& p) {
               return model.image_region({p.x(), p.y(), p.z()}) + 1;
@@ -41,7 +41,7 @@ class Domain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomain> {
       }
       return out;
     }
-    const Domain& domain;
+    const ImageDomain& domain;
   };
   Construct_initial_points construct_initial_points_object() const { return {*this}; }
 
@@ -74,7 +74,7 @@ CGAL::Bbox_3 box_of(const Model& model, double margin) {
 
 // Lines where regions meet become lines of edges; too short ones would ask for tiny edges and are left to
 // chance.
-void add_junctions(Domain& domain, const Model& model, double edge) {
+void add_junctions(ImageDomain& domain, const Model& model, double edge) {
   constexpr double shortest = 3;  // edges
   std::vector<std::vector<Point>> lines;
   for (const Mat3X<double>& line : model.junctions) {
@@ -96,7 +96,7 @@ TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run) {
     const CGAL::Bbox_3 box = box_of(model, edge);
     const double radius =
         std::hypot(box.xmax() - box.xmin(), box.ymax() - box.ymin(), box.zmax() - box.zmin()) / 2;
-    Counted<Domain> domain(model, run.sizing, box, error_bound * edge / radius, random);
+    Counted<ImageDomain> domain(model, run.sizing, box, error_bound * edge / radius, random);
     add_junctions(domain, model, edge);
     return refine(domain, run, CGAL::parameters::non_manifold());
   });

@@ -12,10 +12,10 @@
 namespace lobe::meshing {
 namespace {
 
-constexpr double aim = 0.95;       // of the accepted error
-constexpr double farthest = 0.25;  // edges from the surface
-constexpr double flattest = 0.3;   // volume of a tetrahedron after a move, of that before
-constexpr int most_rounds = 20;
+constexpr double aim = 0.95;                // of the accepted error
+constexpr double farthest = 0.25;           // edges from the surface
+constexpr double smallest_remaining = 0.3;  // volume of a tetrahedron after a move, of that before
+constexpr int most_passes = 20;
 
 class VolumeMatch {
  public:
@@ -140,7 +140,7 @@ bool VolumeMatch::keeps_shape(Index v, const Vec3d& x) const {
     const double before = signed_volume(corners);
     for (int k = 0; k < 4; ++k)
       if (mesh_.tets(k, t) == v) corners.col(k) = x;
-    return signed_volume(corners) > flattest * before;
+    return signed_volume(corners) > smallest_remaining * before;
   });
 }
 
@@ -158,7 +158,7 @@ void VolumeMatch::move(Index v, const Vec3d& shift) {
 
 void VolumeMatch::run() {
   double last = largest_volume_error(mesh_, goals_);
-  for (int round = 0; round < most_rounds && last > accepted_volume_error; ++round) {
+  for (int round = 0; round < most_passes && last > accepted_volume_error; ++round) {
     find_gradients();
     const Eigen::VectorXd p = pressures();
     const Mat3X<double> before = mesh_.points;

@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "bench_results.h"
 #include "benchmarks/accuracy_error.h"
 #include "benchmarks/accuracy_models.h"
 #include "folder.h"
@@ -55,13 +56,6 @@ const AccuracyRow& row_of(const Accuracy& accuracy, const std::string& model, co
       return row;
   FAIL("no row of " << model);
   return accuracy.rows.front();
-}
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  return cells;
 }
 
 Mat3X<double> affine(const TetMesh& mesh, const Mat3<double>& F) {
@@ -140,18 +134,18 @@ TEST_CASE("the table has the columns that docs/benchmarks.md explains, and no nu
   CHECK(line.starts_with(
       "model,precision,tets,dt_s,wall_s_per_s,error_model,error_total,scene,safety,pareto,"));
   const std::string docs = bytes_of(LOBE_DATA_DIR "/../docs/benchmarks.md");
-  for (const std::string& column : split(line))
+  for (const std::string& column : cells_of(line))
     CHECK_MESSAGE(docs.find('`' + column + '`') != docs.npos, column);
-  const std::size_t columns = split(line).size();
+  const std::size_t columns = cells_of(line).size();
   REQUIRE(std::getline(csv, line));
-  CHECK(split(line).size() == columns);
-  CHECK(split(line)[5] == "0.25");
-  CHECK(split(line)[6] == "");  // no total
+  CHECK(cells_of(line).size() == columns);
+  CHECK(cells_of(line)[5] == "0.25");
+  CHECK(cells_of(line)[6] == "");  // no total
   REQUIRE(std::getline(csv, line));
-  CHECK(split(line).size() == columns);
+  CHECK(cells_of(line).size() == columns);
   CHECK(line.find("77") == line.npos);
   CHECK(line.ends_with(",diverged at 0.1 s"));
-  for (std::size_t empty : {3, 4, 5, 6}) CHECK(split(line)[empty] == "");
+  for (std::size_t empty : {3, 4, 5, 6}) CHECK(cells_of(line)[empty] == "");
 }
 
 TEST_CASE("a run that diverges says so; as a reference it is refused") {
@@ -327,7 +321,7 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
   std::string line;
   int rows = 0, front = 0;
   for (std::getline(csv, line); std::getline(csv, line); ++rows) {
-    const auto cells = split(line);
+    const auto cells = cells_of(line);
     sizes.insert(cells[2]);
     scenes.insert(cells[7]);
     front += cells[9] == "1";

@@ -14,6 +14,13 @@ using Record = std::map<std::string, std::string>;  // a row of a table, by colu
 
 inline double number(const Record& row, const char* column) { return std::stod(row.at(column)); }
 
+inline std::vector<std::string> cells_of(const std::string& line) {  // of a line of comma-separated values
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
 // Of `lobe bench NAME ARGUMENTS`.
 class BenchResults {
  public:
@@ -39,13 +46,6 @@ class BenchResults {
   }
 
  private:
-  static std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells;
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-    return cells;
-  }
-
   Folder folder_;
 };
 

@@ -10,6 +10,7 @@
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "near.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -30,11 +31,6 @@ std::vector<Spring> springs_to_rest(World<double>& world, double omega) {
   for (Index v = 0; v < static_cast<Index>(world.mass().size()); ++v)
     springs.push_back({v, world.mass()[std::size_t(v)] * omega * omega, world.elements().points.col(v)});
   return springs;
-}
-
-template <class Real>
-bool same_bits(World<Real>& a, World<Real>& b) {
-  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
-# cmake -DINCLUDE=prefix/include -P reachable_headers.cmake: every header that is installed is reached from lobe/lobe.h, or
-# is one of those that a user asks for by name.
+# cmake -DINCLUDE=prefix/include -DSEPARATE=list -P reachable_headers.cmake: every header that is installed is reached
+# from lobe/lobe.h, or is one of those in SEPARATE, that a user asks for by name.
 cmake_minimum_required(VERSION 3.25)
-set(separate numerics/simd.h)  # vectors of numbers, for kernels of one's own
+set(separate ${SEPARATE})
 set(left lobe/lobe.h)
 set(reached)
 while(left)

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "lobe/fem/elements.h"
 #include "lobe/fem/hooke.h"
 #include "lobe/fem/svk.h"
 #include "near.h"
@@ -12,6 +13,7 @@ using namespace lobe::test;
 namespace {
 
 constexpr double lambda = 4e4, mu = 1e4;
+const Law<double> isotropic = linear_law(Elastic{lambda, mu});
 
 Mat34<double> rest() {
   Mat34<double> X;
@@ -51,20 +53,20 @@ double polynomial(const Shape& s, const Mat34<double>& u, double factor_of_B, do
 }
 
 // Forces of one tetrahedron from its stored terms.
-Mat34<double> stored_forces(const Shape& s, const Mat34<double>& u) {
+Mat34<double> stored_forces(const Shape& s, const Mat34<double>& u, const Law<double>& law = isotropic) {
   Mat34<double> f = Mat34<double>::Zero();
   const auto at = [&](int i) -> Vec3d { return u.col(i); };
   for (int i = 0; i < 4; ++i) {
-    const VertexTerms terms = vertex_terms(s, lambda, mu, i);
+    const VertexTerms terms = vertex_terms(s, law, i);
     f.col(i) += vertex_force(terms.values.data(), at(i));
     for (int j = i + 1; j < 4; ++j) {
-      const EdgeTerms edge = edge_terms(s, lambda, mu, i, j);
+      const EdgeTerms edge = edge_terms(s, law, i, j);
       Vec3d fi, fj, fk;
       edge_forces(edge.values.data(), at(i), at(j), fi, fj);
       f.col(i) += fi;
       f.col(j) += fj;
       for (int k = j + 1; k < 4; ++k) {
-        const TriangleTerms triangle = triangle_terms(s, lambda, mu, i, j, k);
+        const TriangleTerms triangle = triangle_terms(s, law, i, j, k);
         triangle_forces(triangle.values.data(), at(i), at(j), at(k), fi, fj, fk);
         f.col(i) += fi;
         f.col(j) += fj;
@@ -72,7 +74,7 @@ Mat34<double> stored_forces(const Shape& s, const Mat34<double>& u) {
       }
     }
   }
-  const TetTerms tet = tet_terms(s, lambda, mu, 0, 1, 2, 3);
+  const TetTerms tet = tet_terms(s, law, 0, 1, 2, 3);
   Vec3d f0, f1, f2, f3;
   tet_term_forces(tet.values.data(), at(0), at(1), at(2), at(3), f0, f1, f2, f3);
   f.col(0) += f0;
@@ -112,4 +114,18 @@ TEST_CASE("stored terms give the closed-form force, which is minus the slope of 
     minus(i) -= h;
     CHECK(direct(i) == near(-(closed_form(s, plus) - closed_form(s, minus)) / (2 * h), 1e-6));
   }
+}
+
+TEST_CASE("the stored terms of a law with a fibre give its closed-form force") {
+  const Shape s = shape(rest());
+  Law<double> law = isotropic;
+  law.terms.fibre = true;
+  law.fibre = {3e3, 8e3, 5e4};
+  law.direction = Vec3d(2, -1, 0.5).normalized();
+  const Mat3<double> alpha = s.gradients.rightCols<3>();
+  const Mat34<double> u = displaced(),
+                      expected = corner_forces<double>(
+                          s.volume * law_stress(law, displacement_gradient(u, alpha)), alpha);
+  CHECK((stored_forces(s, u, law) - expected).norm() < 1e-13 * expected.norm());
+  CHECK((stored_forces(s, u) - expected).norm() > 0.1 * expected.norm());
 }

@@ -21,7 +21,7 @@ Setup lifted_liver(int degree) {
   return setup;
 }
 
-double norm(World<double>& world, const Mat3X<double>& u) {
+double mass_norm(World<double>& world, const Mat3X<double>& u) {
   double sum = 0;
   for (Index v = 0; v < u.cols(); ++v) sum += world.mass()[std::size_t(v)] * u.col(v).squaredNorm();
   return std::sqrt(sum);
@@ -40,8 +40,8 @@ TEST_CASE("in every frame of a pull and a release the error is below the toleran
     exact_steps += exact.advance(1.0 / 30).steps;
     steps += world.advance(1.0 / 30).steps;
     const MassReport seen = watch.look(world);
-    largest = std::max(largest, norm(exact, exact.state().u));
-    const double error = norm(exact, world.state().u - exact.state().u) / largest;
+    largest = std::max(largest, mass_norm(exact, exact.state().u));
+    const double error = mass_norm(exact, world.state().u - exact.state().u) / largest;
     CAPTURE(world.time());
     CHECK(error < tolerance);
     CHECK(seen.error >= 0);
@@ -67,8 +67,9 @@ TEST_CASE("without a watch the same masses are wrong by more than 5 % after the 
   while (world.time() < 0.8) {
     exact.advance(1.0 / 30);
     world.advance(1.0 / 30);
-    largest = std::max(largest, norm(exact, exact.state().u));
-    if (world.time() > 0.5) worst = std::max(worst, norm(exact, world.state().u - exact.state().u) / largest);
+    largest = std::max(largest, mass_norm(exact, exact.state().u));
+    if (world.time() > 0.5)
+      worst = std::max(worst, mass_norm(exact, world.state().u - exact.state().u) / largest);
   }
   CHECK(worst > 0.05);
 }

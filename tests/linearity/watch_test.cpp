@@ -21,7 +21,7 @@ Setup grasped_liver(const Vec3d& to, RegionModel model) {
   return setup;
 }
 
-double norm(World<double>& world, const Mat3X<double>& u) {
+double lumped_mass_norm(World<double>& world, const Mat3X<double>& u) {
   double sum = 0;
   for (Index v = 0; v < u.cols(); ++v) sum += lumped_mass(world.elements(), v) * u.col(v).squaredNorm();
   return std::sqrt(sum);
@@ -45,9 +45,9 @@ Played play(const Vec3d& to, LinearityOptions options, double seconds = 0.6) {
     const LinearityReport report = watch.look(world);
     played.estimated = report.error;
     played.moved += report.to_nonlinear;
-    largest = std::max(largest, norm(exact, exact.state().u));
+    largest = std::max(largest, lumped_mass_norm(exact, exact.state().u));
   }
-  played.measured = norm(exact, world.state().u - exact.state().u) / largest;
+  played.measured = lumped_mass_norm(exact, world.state().u - exact.state().u) / largest;
   return played;
 }
 
@@ -141,8 +141,8 @@ Followed follow(bool correct) {
     reference.advance(0.02);
     world.advance(0.02);
     followed.expanded += watch.look(world).is_expanded;
-    largest = std::max(largest, norm(reference, reference.state().u));
-    const double error = norm(reference, world.state().u - reference.state().u) / largest;
+    largest = std::max(largest, lumped_mass_norm(reference, reference.state().u));
+    const double error = lumped_mass_norm(reference, world.state().u - reference.state().u) / largest;
     followed.mean += error;
     followed.largest = std::max(followed.largest, error);
     ++followed.frames;

@@ -9,6 +9,7 @@
 #include "lobe/live/session.h"
 #include "near.h"
 #include "support.h"
+#include "world_support.h"
 
 namespace lobe::test {
 
@@ -61,11 +62,6 @@ inline bool replays(const Session<float>& session, const Setup& setup, int threa
   World<float> world(setup, threads);
   const Replayed replayed = replay(session.recording(), world);
   return replayed.same && replayed.commands == session.recording().commands.size();
-}
-
-template <class Real>
-bool same_bits(World<Real>& a, World<Real>& b) {
-  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
 }
 
 }  // namespace lobe::test

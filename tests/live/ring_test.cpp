@@ -16,7 +16,7 @@ using Kind = HandCommand::Kind;
 HandCommand pose(HandNumber hand, double x) {
   return {.kind = Kind::lead, .hand = hand, .position = Vec3d(x, 0, 0)};
 }
-HandCommand ask(Kind kind, HandNumber hand = 1) { return {.kind = kind, .hand = hand}; }
+HandCommand asked(Kind kind, HandNumber hand = 1) { return {.kind = kind, .hand = hand}; }
 
 }  // namespace
 
@@ -75,8 +75,8 @@ TEST_CASE("a newer pose of a hand takes the place of the queued one; nothing els
   for (int i = 0; i < 1000; ++i) REQUIRE(queue.send(mouse, pose(1, i)));
   REQUIRE(queue.send(mouse, pose(2, -1)));
   REQUIRE(queue.send(mouse, pose(1, 1000)));
-  REQUIRE(queue.send(mouse, ask(Kind::let_go)));
-  REQUIRE(queue.send(mouse, ask(Kind::take_at_point)));
+  REQUIRE(queue.send(mouse, asked(Kind::let_go)));
+  REQUIRE(queue.send(mouse, asked(Kind::take_at_point)));
   REQUIRE(queue.send(mouse, pose(1, 1001)));
   REQUIRE(queue.send(mouse, pose(1, 1002)));
   const auto next = [&] { return queue.take()->command; };
@@ -91,11 +91,11 @@ TEST_CASE("a newer pose of a hand takes the place of the queued one; nothing els
 TEST_CASE("a full queue says so to the sender, and has lost nothing") {
   HandQueue queue(4);
   const int mouse = queue.connect("mouse");
-  for (int i = 0; i < 4; ++i) REQUIRE(queue.send(mouse, ask(Kind::burn, HandNumber(i))));
-  CHECK_FALSE(queue.send(mouse, ask(Kind::let_go)));
+  for (int i = 0; i < 4; ++i) REQUIRE(queue.send(mouse, asked(Kind::burn, HandNumber(i))));
+  CHECK_FALSE(queue.send(mouse, asked(Kind::let_go)));
   CHECK_FALSE(queue.send(mouse, pose(1, 0)));
   for (HandNumber i = 0; i < 4; ++i) CHECK(queue.take()->command.hand == i);
-  CHECK(queue.send(mouse, ask(Kind::let_go)));
+  CHECK(queue.send(mouse, asked(Kind::let_go)));
 }
 
 TEST_CASE("poses of the same hand number of two controllers are two hands") {

@@ -143,6 +143,56 @@ TEST_CASE("a session that a scene cannot tell is refused with what and when") {
                        "session: is in single precision, its scene in double", InputError);
 }
 
+TEST_CASE("each edit that a scene has no word for is refused by its name") {
+  const Played played;
+  const Setup& setup = played.resolved.setup;
+  const auto refusal = [&](const Command& edit) -> std::string {
+    Session<float> session(setup);
+    Controller hands = session.connect("surgeon");
+    step(session, 12);
+    hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(edit)});
+    step(session, 1);
+    try {
+      session_scene(played.scene, setup, session);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return times_said(session, "refused") > 0 ? "was not done" : "";
+  };
+  const std::string end = " at 0.1 s, which a scene cannot tell; a recording can";
+  CHECK(refusal(SetRegion{{100}, RegionModel::tensor_mass}) == "session: a region was changed" + end);
+  CHECK(refusal(SetSprings{{{100, 10, Vec3d::Zero()}}}) == "session: springs were set" + end);
+  CHECK(refusal(SetForces{{{100, Vec3d(0, 0, 1e-3)}}}) == "session: forces were set" + end);
+  CHECK(refusal(Expand{}) == "was not done");  // in a setup that is not expandable
+}
+
+TEST_CASE("a session whose regions may be expanded, or in which a frame failed, is refused") {
+  const Played played;
+  Setup expandable = played.resolved.setup;
+  expandable.expandable = true;
+  Session<float> session(expandable);
+  step(session, 1);
+  CHECK_THROWS_WITH_AS(session_scene(played.scene, expandable, session),
+                       "session: has regions that may be expanded, which a scene cannot tell", InputError);
+  std::string text = beam;
+  text.replace(text.find("-1]"), 2, "-1e20");
+  const Played falling(text);
+  Session<float> failing(falling.resolved.setup);
+  failing.step_frame();
+  REQUIRE(times_said(failing, "stands_still") == 1);
+  CHECK_THROWS_WITH_AS(session_scene(falling.scene, falling.resolved.setup, failing),
+                       "session: a frame failed, after which no scene gets here; go back to before it",
+                       InputError);
+}
+
+TEST_CASE("a session in double precision is none of a scene in single") {
+  const Played played;
+  Session<double> session(played.resolved.setup);
+  REQUIRE(session.step_frame());
+  CHECK_THROWS_WITH_AS(session_scene(played.scene, played.resolved.setup, session),
+                       "session: is in double precision, its scene in single", InputError);
+}
+
 TEST_CASE("a scene tells where hands have got to, without what was undone") {
   const Played played;
   const Setup& setup = played.resolved.setup;
@@ -162,6 +212,17 @@ TEST_CASE("a scene tells where hands have got to, without what was undone") {
   const Frames frames = frames_of(kept.time);
   for (int i = 0; i < frames.count; ++i) world.advance(frames.length);
   CHECK(same_bits(world, session.world()));
+}
+
+TEST_CASE("what hands burnt declares no gesture") {
+  const Played played;
+  Session<float> session(played.resolved.setup);
+  act(session);
+  const Scene kept = with_gestures(session_scene(played.scene, played.resolved.setup, session), 0.02);
+  REQUIRE(kept.auto_regions);
+  CHECK(kept.regions.empty());
+  CHECK(kept.auto_regions->gestures.size() == 2);  // of two grasps and three strokes of a cautery
+  for (const SceneGesture& gesture : kept.auto_regions->gestures) CHECK(gesture.value.norm() > 0);
 }
 
 TEST_CASE("the grasps of a session can be declared as gestures of automatic regions") {

@@ -16,7 +16,7 @@ using namespace lobe::test;
 namespace {
 
 template <class Real, class Region>
-Mat3X<Real> forces(const Setup& setup, Region region) {
+Mat3X<Real> forces_in(const Setup& setup, Region region) {
   const Elements elements(setup);
   RegionEdit edit;
   edit.entered.resize(std::size_t(setup.mesh.tet_count()));
@@ -34,11 +34,11 @@ Mat3X<Real> forces(const Setup& setup, Region region) {
 // region(set) makes one that runs on a set of instructions.
 template <class Real, class Make>
 void check_same_bits(const Setup& setup, Make&& region) {
-  const Mat3X<Real> expected = forces<Real>(setup, region(InstructionSet::baseline));
+  const Mat3X<Real> expected = forces_in<Real>(setup, region(InstructionSet::baseline));
   CHECK(expected.norm() > 0);
   for (InstructionSet set : available_instruction_sets()) {
     CAPTURE(name(set));
-    CHECK((forces<Real>(setup, region(set)).array() == expected.array()).all());
+    CHECK((forces_in<Real>(setup, region(set)).array() == expected.array()).all());
   }
 }
 
@@ -68,6 +68,21 @@ TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms 
   check_nonlinear<Real>(setup_of(mesh), Evaluator::stored);
   check_same_bits<Real>(setup_of(mesh, RegionModel::tensor_mass),
                         [](InstructionSet set) { return TensorMassRegion<Real>(set); });
+}
+
+TEST_CASE("every instruction set gives the same bits with fibres and of a neo-Hookean body") {
+  Setup fibrous = setup_of(irregular_box(3)), neo = fibrous;
+  fibrous.materials[0].fibre = {3e3, 8e3, 5e4};
+  fibrous.mesh.fibres = random_displacement(fibrous.mesh.tet_count(), 1).colwise().normalized();
+  neo.materials[0].law = MaterialLaw::neo_hookean;
+  for (const auto& [kappa, below] : {std::pair{0.0, 0.0}, {0.0, 0.8}, {1e5, 0.0}, {1e5, 0.8}}) {
+    for (Setup setup : {fibrous, neo, averaged(fibrous)}) {
+      setup.volume_penalty = kappa;
+      setup.guard_below = below;
+      check_nonlinear<float>(setup);
+      check_nonlinear<double>(setup);
+    }
+  }
 }
 
 TEST_CASE("LOBE_INSTRUCTION_SET chooses the set, and what the processor does not have is refused") {

@@ -21,10 +21,10 @@ std::string message(const std::string& text) {
 
 // A small good scene with some of its keys replaced.
 std::string with(const std::string& patch) {
-  auto scene =
+  auto document =
       nlohmann::json::parse(R"({"mesh": "a.vtu", "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4}]})");
-  scene.update(nlohmann::json::parse(patch));
-  return scene.dump();
+  document.update(nlohmann::json::parse(patch));
+  return document.dump();
 }
 
 struct Case {
@@ -120,11 +120,11 @@ TEST_CASE("materials are one of two pairs, and stable") {
       {R"({"materials": [{"poisson_ratio": 0.1}]})",
        "/materials/0: \"poisson_ratio\" needs \"young_modulus\" beside it"},
       {R"({"materials": [{}]})",
-       "/materials/0: needs exactly one of \"lame_lambda\" with \"lame_mu\" or \"young_modulus\" with "
-       "\"poisson_ratio\""},
+       "/materials/0: needs exactly one of \"lame_lambda\" with \"lame_mu\", \"young_modulus\" with "
+       "\"poisson_ratio\" or \"young_modulus_along\""},
       {R"({"materials": [{"lame_lambda": 1, "lame_mu": 1, "young_modulus": 1}]})",
-       "/materials/0: needs exactly one of \"lame_lambda\" with \"lame_mu\" or \"young_modulus\" with "
-       "\"poisson_ratio\", has 2"},
+       "/materials/0: needs exactly one of \"lame_lambda\" with \"lame_mu\", \"young_modulus\" with "
+       "\"poisson_ratio\" or \"young_modulus_along\", has 2"},
       {R"({"materials": [{"lame_lambda": -2, "lame_mu": 3}]})",
        "/materials/0/lame_lambda: -2, must be above -2/3 lame_mu = -2 (unstable material)"},
       {R"({"materials": [{"lame_lambda": 1, "lame_mu": 0}]})", "/materials/0/lame_mu: 0, must be above 0"},

@@ -29,6 +29,9 @@ void ask_for(Setup& setup, Option option) {
     case Option::nodal_pressure:
       setup.materials[0].nodal_pressure = 1;
       break;
+    case Option::neo_hookean:
+      setup.materials[0].law = MaterialLaw::neo_hookean;
+      break;
     case Option::stored:
       setup.evaluator = Evaluator::stored;
       break;

@@ -11,6 +11,7 @@
 #include "lobe/io/sealed_file.h"
 #include "near.h"
 #include "support.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -46,11 +47,6 @@ Setup stretched_block(RegionModel lowest) {
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     if (barycentre(setup.mesh, t).z() < 0.01) setup.region_of[t] = lowest;
   return setup;
-}
-
-template <class Real>
-bool same_bits(World<Real>& a, World<Real>& b) {
-  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ using namespace lobe::test;
 
 namespace {
 
-Setup beam(RegionModel model) {
+Setup reference_beam(RegionModel model) {
   const TetMesh mesh = read_mesh(LOBE_DATA_DIR "/reference_solutions/beam_coarse.msh").mesh;
   Setup setup = setup_of(mesh, model);
   for (Index v = 0; v < mesh.vertex_count(); ++v)
@@ -35,7 +35,7 @@ void pull_end(Setup& setup, const Vec3d& traction) {
 }  // namespace
 
 TEST_CASE("the static solution is where the damped motion comes to rest, in a hybrid with the volume term") {
-  Setup setup = beam(RegionModel::nonlinear);
+  Setup setup = reference_beam(RegionModel::nonlinear);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     if (barycentre(setup.mesh, t).x() < 0.04) setup.region_of[t] = RegionModel::tensor_mass;
   setup.volume_penalty = 1e5;
@@ -67,7 +67,7 @@ TEST_CASE("a body of which everything is given has its equilibrium at once") {
 }
 
 TEST_CASE("a load beyond double precision has no equilibrium") {
-  Setup setup = beam(RegionModel::nonlinear);
+  Setup setup = reference_beam(RegionModel::nonlinear);
   setup.gravity = {0, 0, 1e308};
   const StaticResult result = solve_static(setup);
   CHECK_FALSE(result.converged);

@@ -8,13 +8,14 @@
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/world.h"
 #include "support.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
 
 namespace {
 
-constexpr double frame = 0.02;  // [s]
+constexpr double frame_length = 0.02;  // [s]
 
 // Half linear, half non-linear; its upper end is held, its weight acts from the start.
 Setup hanging_bar(double tolerance) {
@@ -61,16 +62,11 @@ double largest_difference(World<Real>& a, World<Real>& b) {  // [m]
   return largest;
 }
 
-template <class Real>
-bool same_bits(World<Real>& a, World<Real>& b) {
-  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
-}
-
 // Until everything sleeps.
 template <class Real>
 void settle(World<Real>& world) {
   for (int i = 0; i < 300 && world.body().sleep.count() < world.elements().topology.vertex_count(); ++i)
-    world.advance(frame);
+    world.advance(frame_length);
   REQUIRE(world.body().sleep.count() == world.elements().topology.vertex_count());
 }
 
@@ -84,8 +80,8 @@ TEST_CASE_TEMPLATE("a run whose parts sleep stays within 1e-3 of the full one th
   int fully_asleep = 0, partly = 0, awake = 0;
   for (int i = 0; i < 170; ++i) {
     if (i == 75) CHECK(full.remove_tets(tets) == run.remove_tets(tets));
-    CHECK(full.advance(frame).patches_skipped == 0);
-    const Report report = run.advance(frame);
+    CHECK(full.advance(frame_length).patches_skipped == 0);
+    const Report report = run.advance(frame_length);
     REQUIRE(report.ok);
     (report.patches_evaluated == 0 ? fully_asleep : report.patches_skipped > 0 ? partly : awake) += 1;
     CHECK(largest_difference(run, full) < tolerance);
@@ -104,8 +100,8 @@ TEST_CASE("a slow pull is followed within the tolerance") {
   World<double> run(setup);
   int partly = 0;
   for (int i = 0; i < 200; ++i) {
-    full.advance(frame);
-    run.advance(frame);
+    full.advance(frame_length);
+    run.advance(frame_length);
     if (i > 75) partly += run.body().sleep.count() > 0;
     CHECK(largest_difference(run, full) < setup.sleep);
   }
@@ -117,12 +113,12 @@ TEST_CASE("a body at rest is not evaluated at all, and a cut wakes what is besid
   setup.gravity.setZero();
   World<float> world(setup);
   settle(world);
-  const Report rest = world.advance(frame);
+  const Report rest = world.advance(frame_length);
   CHECK(rest.steps > 5);
   CHECK(rest.patches_evaluated == 0);
   CHECK(rest.patches_skipped > rest.steps);
   CHECK(world.remove_tets(notch(setup)) > 0);
-  const Report cut = world.advance(frame);
+  const Report cut = world.advance(frame_length);
   CHECK(world.body().sleep.count() > 0);
   CHECK(world.body().sleep.count() < world.elements().topology.vertex_count());
   CHECK(cut.patches_evaluated > cut.steps);
@@ -131,7 +127,7 @@ TEST_CASE("a body at rest is not evaluated at all, and a cut wakes what is besid
 
 TEST_CASE_TEMPLATE("forces that are kept equal those found anew, to the bit", Real, float, double) {
   World<Real> world(pulled_bar(2e-5));
-  for (int i = 0; i < 300 && world.body().sleep.count() == 0; ++i) world.advance(frame);
+  for (int i = 0; i < 300 && world.body().sleep.count() == 0; ++i) world.advance(frame_length);
   REQUIRE(world.body().sleep.count() > 0);
   for (int i = 0; i < 10; ++i) {
     world.step(0.2 * world.time_step_limit());
@@ -148,9 +144,9 @@ TEST_CASE("who sleeps depends neither on threads nor on a checkpoint in between"
   const Folder folder;
   bool mixed = false;
   for (int i = 0; i < 90; ++i) {
-    one.advance(frame);
-    two.advance(frame);
-    seven.advance(frame);
+    one.advance(frame_length);
+    two.advance(frame_length);
+    seven.advance(frame_length);
     REQUIRE(same_bits(one, two));
     REQUIRE(same_bits(one, seven));
     if (mixed || one.body().sleep.count() == 0) continue;
@@ -168,7 +164,7 @@ TEST_CASE("who sleeps wakes when the state is set or a tool moves what it holds"
   Setup setup = hanging_bar(2e-5);
   grasp_lower_end(setup, {{0.0, {0, 0, 0}}, {3.99, {0, 0, 0}}, {4.2, {0, 0, 0.01}}});
   World<double> world(setup);
-  while (world.time() < 3.9) world.advance(frame);
+  while (world.time() < 3.9) world.advance(frame_length);
   CHECK(world.body().sleep.count() == setup.mesh.vertex_count());
   const State<double> rest = world.state();
   State<double> moved = rest;
@@ -180,8 +176,8 @@ TEST_CASE("who sleeps wakes when the state is set or a tool moves what it holds"
   awake.set_state(moved);
   CHECK(Mat3X<double>(world.forces()) == Mat3X<double>(awake.forces()));
   world.set_state(rest);
-  while (world.time() < 3.99) world.advance(frame);
-  while (world.time() < 4.1) world.advance(frame);
+  while (world.time() < 3.99) world.advance(frame_length);
+  while (world.time() < 4.1) world.advance(frame_length);
   CHECK(world.body().sleep.count() == 0);
   CHECK(world.state().v.norm() > 0);
 }
@@ -194,7 +190,7 @@ TEST_CASE("a body whose vertices are partly held, or on a precomputed region, sl
   World<float> world(setup);
   Report report;
   for (int i = 0; i < 200 && (report.steps == 0 || report.patches_evaluated > 0); ++i)
-    report = world.advance(frame);
+    report = world.advance(frame_length);
   CHECK(report.patches_evaluated == 0);
   CHECK(world.state().v.isZero(0));
 }

@@ -12,6 +12,7 @@
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "squeezed_bar.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -110,11 +111,6 @@ void throw_it(World<Real>& world) {
   state.v = Vec3<Real>(-20, 0, 0).replicate(1, state.v.cols());
   for (const HeldVertices::Held& item : world.held().all()) state.v.col(item.vertex).setZero();
   world.set_state(state);
-}
-
-template <class Real>
-bool same_bits(World<Real>& a, World<Real>& b) {
-  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
 }
 
 }  // namespace

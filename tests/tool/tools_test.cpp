@@ -9,6 +9,7 @@
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "near.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -50,11 +51,6 @@ void act(Hands& hands, const Setup& setup, int i) {
   if (i == 8) hands.apply(SwitchCautery{cautery, false});
   if (i == 10) hands.apply(Lead{grasp, {Vec3d(0.055, 0.03, 0.025)}});
   if (i == 12) hands.apply(LetGo{grasp});
-}
-
-template <class Real>
-bool same_bits(World<Real>& a, World<Real>& b) {
-  return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
 }
 
 }  // namespace
@@ -148,6 +144,49 @@ TEST_CASE("at rest the force of a grasp is its reaction, and its torque keeps th
   }
   CHECK(force.norm() < 1e-6 * reaction.norm());
   CHECK(torque.norm() < 1e-6 * 0.05 * reaction.norm());
+}
+
+TEST_CASE("with the implicit integrator too a grasp at rest feels its reaction") {
+  Setup setup = body(RegionModel::nonlinear);
+  setup.damping = 60;
+  setup.integrator = Integrator::generalised_alpha;
+  World<double> world(setup);
+  world.apply(TakeHold{"hand", far_end(setup)});
+  world.advance(frame);
+  world.apply(Lead{1, {world.tools().grasp(1)->centre + Vec3d(0.004, 0.002, 0)}});
+  for (int i = 0; i < 300; ++i) world.advance(frame);
+  const Vec3d reaction = world.body().reaction(1);
+  CHECK(reaction.norm() > 0.01);
+  CHECK((world.tools().grasp(1)->force - reaction).norm() < 1e-6 * reaction.norm());
+}
+
+TEST_CASE("where a grasp takes hold or lets go within a frame, forces are means over the whole of it") {
+  Setup setup = body();
+  const std::vector<Index> end = far_end(setup);
+  const auto push = [](double from, double to) {
+    return std::vector<PathPoint>{{from, Vec3d::Zero()}, {to, Vec3d(0.001, 0, 0)}};
+  };
+  setup.grasps.push_back({"first", {end[0]}, push(0, frame / 2), true});
+  setup.grasps.push_back({"second", {end[1]}, push(frame / 2, frame), false});
+  World<double> whole(setup), halves(setup);
+  whole.advance(frame);
+  Vec3d force[2] = {Vec3d::Zero(), Vec3d::Zero()}, torque[2] = {Vec3d::Zero(), Vec3d::Zero()};
+  for (int half = 0; half < 2; ++half) {
+    halves.advance(frame / 2);
+    for (ToolId id : {1, 2}) {
+      force[id - 1] += halves.tools().grasp(id)->force / 2;
+      torque[id - 1] += halves.tools().grasp(id)->torque / 2;
+    }
+  }
+  CHECK(same_bits(whole, halves));
+  for (ToolId id : {1, 2}) {
+    const Grasp& grasp = *whole.tools().grasp(id);
+    CHECK(grasp.force.norm() > 1e-4);
+    CHECK((grasp.force - force[id - 1]).norm() < 1e-12 * grasp.force.norm());
+    CHECK((grasp.torque - torque[id - 1]).norm() < 1e-12 * grasp.force.norm());
+  }
+  whole.advance(frame);
+  CHECK(whole.tools().grasp(1)->force.norm() == 0);
 }
 
 TEST_CASE("a tool that is let go leaves the body to itself") {

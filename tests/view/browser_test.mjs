@@ -1,71 +1,20 @@
-// The page in a headless Chromium, as a user would use it. Usage: node browser_test.mjs LOBE_VIEW SCENE MODULES OUT
-// MODULES is a folder in which npm has installed playwright-core. Status 77: there is no Chromium, or no playwright-core.
-import {spawn} from 'node:child_process';
-import {createRequire} from 'node:module';
-import {existsSync, mkdirSync, rmSync, readFileSync, writeFileSync} from 'node:fs';
+// The page in a headless Chromium, as a user would use it: pull, burn, watch, paint, lose the server.
+// Usage: node browser_test.mjs LOBE_VIEW SCENE MODULES OUT
+import {mkdirSync, readFileSync, rmSync} from 'node:fs';
 import path from 'node:path';
+import {Checks, drag, findBrowser, grip, Server, until} from './page_support.mjs';
 
 const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
-const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(
-  existsSync,
-);
-let playwright;
-try {
-  playwright = createRequire(path.join(modules, 'node_modules', 'x.js'))('playwright-core');
-} catch {
-  /* said below */
-}
-if (!chromium || !playwright) {
-  console.log('skipped: needs Chromium and playwright-core; ./dev test installs them');
-  process.exit(77);
-}
+const browserToLaunch = findBrowser(modules);
 rmSync(out, {recursive: true, force: true});
 mkdirSync(out, {recursive: true});
 
-// ---- The program
-
-let server;
-process.on('exit', () => server?.kill('SIGKILL'));
-async function start(port) {
-  server = spawn(program, [
-    scene,
-    '--port',
-    String(port),
-    '--token',
-    'secret',
-    '--no-open',
-    '--save-to',
-    out,
-  ]);
-  return new Promise((resolve, reject) => {
-    server.stdout.on('data', data => {
-      const found = /http:\/\/\S+/.exec(String(data));
-      if (found) resolve(found[0]);
-    });
-    server.stderr.on('data', data => process.stderr.write(data));
-    server.on('exit', code => reject(new Error(`lobe-view ended with ${code}`)));
-  });
-}
-const ended = () =>
-  new Promise(resolve => {
-    server.on('exit', resolve);
-    server.kill('SIGKILL');
-  });
-
 // ---- What is checked
 
-let failures = 0;
-const started = Date.now();
-const seconds = () => ((Date.now() - started) / 1e3).toFixed(1);
-function check(condition, what) {
-  console.log(`${condition ? 'ok    ' : 'FAILED'} ${what} (${seconds()} s)`);
-  if (!condition) ++failures;
-}
-const address = await start(0);
-const browser = await playwright.chromium.launch({
-  executablePath: chromium,
-  args: ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox'],
-});
+const {check, finish} = new Checks();
+const server = new Server(program, '--save-to', out);
+const address = await server.start(scene);
+const browser = await browserToLaunch.launch();
 const faults = [];
 async function open(url) {
   const page = await browser.newPage({viewport: {width: 960, height: 640}});
@@ -74,17 +23,12 @@ async function open(url) {
   await page.goto(url);
   return page;
 }
-const until = (page, condition, argument) =>
-  page.waitForFunction(condition, argument, {timeout: 60000, polling: 50}).then(
-    () => true,
-    () => false,
-  );
 const shot = (page, name) => page.screenshot({path: path.join(out, `${name}.png`)});
 
 // The share of pixels that show tissue: redder than they are green or blue.
 const redShare = page =>
   page.evaluate(() => {
-    lobe.stage.renderer.render(lobe.stage.scene, lobe.stage.camera);
+    lobe.stage.draw();
     const from = lobe.stage.canvas,
       canvas = new OffscreenCanvas(from.width, from.height),
       context = canvas.getContext('2d');
@@ -96,17 +40,6 @@ const redShare = page =>
     return red / (data.length / 4);
   });
 
-// Where on the window a point of the organ's surface is that is free and faces the viewer: its rightmost third.
-const grip = page =>
-  page.evaluate(() => {
-    const {stage, organ} = lobe,
-      w = stage.canvas.clientWidth,
-      h = stage.canvas.clientHeight;
-    for (let x = w - 1; x > w / 3; x -= 4)
-      for (let y = 60; y < h - 80; y += 4)
-        if (organ.hit(stage.ray(x, y)) && organ.hit(stage.ray(x - 50, y))) return {x: x - 50, y};
-    return null;
-  });
 const largestMove = page =>
   page.evaluate(() => {
     const {
@@ -118,12 +51,6 @@ const largestMove = page =>
       most = Math.max(most, Math.hypot(x[i] - rest[i], x[i + 1] - rest[i + 1], x[i + 2] - rest[i + 2]));
     return most;
   });
-async function drag(page, from, dx, dy) {
-  await page.mouse.move(from.x, from.y);
-  await page.mouse.down();
-  for (let i = 1; i <= 8; ++i) await page.mouse.move(from.x + (dx * i) / 8, from.y + (dy * i) / 8);
-}
-
 // ---- It opens
 
 const page = await open(address);
@@ -229,13 +156,13 @@ check(
 
 // ---- The server is killed, and comes back
 
-await ended();
+await server.kill();
 check(
   await until(page, () => /lost/.test(document.getElementById('banner').textContent)),
   'the page says that the server is gone',
 );
 const frames = await page.evaluate(() => lobe.frames);
-await start(new URL(address).port);
+await server.start(scene, new URL(address).port);
 check(await until(page, n => lobe.frames > n && lobe.status.controls, frames), 'and goes on when it is back');
 
 // ---- Without WebGL, without the token
@@ -260,17 +187,11 @@ check(
 );
 
 check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
-writeFileSync(
-  path.join(out, 'latencies.json'),
-  JSON.stringify(await page.evaluate(() => lobe.connection.latencies)),
-);
 await browser.close();
-server.removeAllListeners('exit');
-server.kill();
+await server.kill();
 const saved = JSON.parse(readFileSync(path.join(out, 'painted_by_test.json')));
 check(
   saved.regions.some(region => region.model === 'tensor-mass'),
   'the saved scene has the painted region',
 );
-console.log(`${failures} failures, ${seconds()} s`);
-process.exit(failures ? 1 : 0);
+finish();

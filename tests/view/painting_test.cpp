@@ -7,7 +7,9 @@
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
+#include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/sim/world.h"
 #include "near.h"
 
 using namespace lobe;
@@ -71,6 +73,41 @@ TEST_CASE("what was painted is what the scene comes to, and materials by label s
   CHECK(shares[0] + shares[1] + shares[2] == near(1, 1e-12));
 }
 
+TEST_CASE("materials are painted, and a new one has the stiffness that it was given") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  const int hard = painting.add_material("hard", 1e5);
+  CHECK(hard == 2);
+  CHECK_THROWS_AS(painting.add_material("hard", 1e4), InputError);
+  CHECK_THROWS_AS(painting.add_material("none", 0), InputError);
+  CHECK_THROWS_AS(painting.paint_material({0, 0, 0}, 0.01, 3), InputError);
+  painting.paint_material({0.1, 0.1, 0.1}, 0.06, hard);
+  painting.paint({0.1, 0.1, 0.05}, 0.05, RegionModel::tensor_mass);
+  const std::vector<double> shares = painting.material_shares();
+  CHECK(shares[2] > 0);
+  CHECK(shares[0] + shares[1] + shares[2] == near(1, 1e-12));
+  const Setup setup = resolve_again(painting).setup;
+  CHECK(setup.region_of == painting.regions());
+  for (std::size_t t = 0; t < setup.material_of.size(); ++t)
+    CHECK(int(setup.material_of[t]) == painting.material_of()[t]);
+  const Elastic& material = setup.materials[2];
+  CHECK(young_modulus(material.lambda, material.mu) == near(1e5, 1e-12));
+  CHECK(poisson_ratio(material.lambda, material.mu) == near(0.4, 1e-12));
+  painting.undo();
+  painting.undo();
+  CHECK(painting.material_shares()[2] == 0);
+}
+
+TEST_CASE("a material that nothing is left of is not in the scene") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint_material({0.05, 0.05, 0.05}, 1, 1);
+  const Scene scene = painting.scene("box.vtu");
+  REQUIRE(scene.materials.size() == 1);
+  CHECK(scene.materials[0].name == "firm");
+  CHECK(resolve_again(painting).setup.materials[0].lambda == 8e4);
+}
+
 TEST_CASE("the surface shows what was painted") {
   const Painted painted;
   Painting painting(painted.scene, painted.resolved);
@@ -113,6 +150,25 @@ TEST_CASE("a stroke is undone at once") {
   painting.undo();
   CHECK(painting.regions() == painted.resolved.setup.region_of);
   CHECK_FALSE(painting.can_undo());
+}
+
+TEST_CASE("precomputed parts that are held nowhere are found, and are those that no world can be built of") {
+  const Painted painted;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint_all(RegionModel::nonlinear);
+  CHECK(painting.unheld().empty());
+  painting.paint({0.05, 0.05, 0.1}, 0.03, RegionModel::precomputed);
+  const double share = painting.share_of(painting.unheld());
+  CHECK(share == near(painting.shares()[1], 1e-12));
+  CHECK_THROWS_AS(World<float>(resolve_again(painting).setup), InputError);
+  CHECK(painting.can_turn());
+  painting.set_frame(RegionFrame::corotated);
+  CHECK(painting.unheld().empty());
+  CHECK_NOTHROW(World<float>(resolve_again(painting).setup));
+  painting.undo();
+  painting.hold({0.05, 0.05, 0.1}, 0.03, true);
+  CHECK(painting.unheld().empty());
+  CHECK_NOTHROW(World<float>(resolve_again(painting).setup));
 }
 
 TEST_CASE("a scene is saved beside its mesh, and read back comes to what was painted") {

@@ -11,6 +11,17 @@ export const models = [
   },
   {key: 'nonlinear', name: 'Non-linear', note: 'right where tissue turns', colour: [0.66, 0.23, 0.18]},
 ];
+/** Of materials, by their number. */
+export const materialColours = [
+  [0.72, 0.45, 0.36],
+  [0.35, 0.56, 0.72],
+  [0.55, 0.66, 0.35],
+  [0.76, 0.62, 0.3],
+  [0.58, 0.42, 0.68],
+  [0.3, 0.62, 0.58],
+  [0.75, 0.4, 0.55],
+  [0.5, 0.5, 0.5],
+];
 export const heldColour = [0.93, 0.78, 0.35];
 
 const viridis = [
@@ -56,10 +67,12 @@ export const quantities = {
   displacement: {name: 'Displacement', unit: 'mm', factor: 1e3, least: 0, span: 0.005},
   von_mises: {name: 'Von Mises stress', unit: 'kPa', factor: 1e-3, least: 0, span: 500},
   volume_ratio: {name: 'Volume ratio', unit: '', factor: 1, span: 0.02},
+  linear_error: {name: 'Error of linear regions', unit: 'mm', factor: 1e3, least: 0, span: 0.0005},
 };
 
-export function showLegend(element, quantity, range, shares) {
-  if (quantity === 'tissue') return element.replaceChildren();
+/** @param {number} [linearError] estimated, of the largest displacement */
+export function showLegend(element, quantity, range, shares, linearError) {
+  if (quantity === 'tissue' || quantity === 'material') return element.replaceChildren();
   if (quantity === 'region') {
     element.innerHTML =
       '<div class="swatches">' +
@@ -75,5 +88,15 @@ export function showLegend(element, quantity, range, shares) {
     digits = value => (value * factor).toPrecision(3);
   element.innerHTML =
     `<div class="ramp" style="background:linear-gradient(90deg, ${viridis.map(css).join(', ')})"></div>` +
-    `<div class="ticks"><span>${digits(range[0])}</span><span>${unit}</span><span>${digits(range[1])}</span></div>`;
+    `<div class="ticks"><span>${digits(range[0])}</span><span>${unit}</span>` +
+    `<span>${digits(range[1])}</span></div>`;
+  if (quantity === 'linear_error') element.append(linearErrorInWords(shares, linearError));
+}
+
+function linearErrorInWords(shares, error) {
+  const words = document.createElement('p');
+  if (shares[0] + shares[1] === 0) words.textContent = 'No region is linear: there is no such error.';
+  else if (error === undefined) words.textContent = 'Being estimated …';
+  else words.textContent = `Estimated: ${(100 * error).toPrecision(2)} % of the displacement.`;
+  return words;
 }

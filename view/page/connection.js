@@ -1,13 +1,20 @@
-// The socket: connects, connects again when the server comes back, numbers what is asked, and tells how long it took to be seen.
+// The socket: connects, connects again when the server comes back, numbers what is asked, and tells how long
+// it took to be seen.
 import {readFrame} from './protocol.js';
+
+const shortest = 6; // between two frames [ms]
+const share = 0.2; // of the time that a picture takes: a frame may be as old as that
 
 export class Connection {
   /** @param {{frame: Function, event: Function, state: Function}} handlers */
   constructor(handlers) {
     this.handlers = handlers;
     this.number = 0;
-    this.asked = new Map(); // when each request that no frame knows of yet was made [ms]
-    this.latencies = []; // from a request to the picture that knows of it [ms]
+    this.asked = new Map(); // requests that no picture knows of yet: number → {hand, asked} [ms]
+    this.underWay = []; // requests that the picture which is being drawn knows of
+    this.trips = []; // of requests, from the hand to the finished picture that knows of it [ms]
+    this.acknowledged = 0; // when [ms]
+    this.drawing = 0; // what a picture takes [ms]
     this.wait = 300;
     this.open();
   }
@@ -36,25 +43,46 @@ export class Connection {
   receive(data) {
     if (typeof data === 'string') return this.handlers.event(JSON.parse(data));
     const frame = readFrame(data);
+    frame.received = performance.now();
     this.handlers.frame(frame);
+    // Not when it is drawn: until then a later one may come.
+    const pause = document.hidden ? 200 : Math.max(shortest, share * this.drawing);
+    const wait = this.acknowledged + pause - frame.received;
+    if (wait > 0) setTimeout(() => this.acknowledge(), wait);
+    else this.acknowledge();
   }
 
-  /** The frame is about to be on the screen. */
-  seen(frame) {
+  acknowledge() {
+    this.acknowledged = performance.now();
     this.send({do: 'seen'});
-    const now = performance.now(),
-      last = frame.status?.seen ?? 0;
-    for (const [number, since] of this.asked) {
+  }
+
+  /** The frame is about to be drawn, which takes so long. */
+  shown(frame, drawing) {
+    this.drawing = drawing;
+    this.underWay = []; // what changed nothing is never drawn
+    const last = frame.status?.seen ?? 0;
+    for (const [number, {hand, asked}] of this.asked) {
       if (number > last) break;
       this.asked.delete(number);
-      this.latencies.push(now - since);
+      this.underWay.push({hand, asked, received: frame.received});
     }
-    if (this.latencies.length > 2000) this.latencies.splice(0, 1000);
   }
 
-  ask(request) {
+  /** The picture of the last frame that was shown is finished. */
+  drawn() {
+    const now = performance.now();
+    for (const {hand, asked, received} of this.underWay)
+      this.trips.push({hand: asked - hand, server: received - asked, draw: now - received});
+    this.underWay = [];
+    if (this.trips.length > 2000) this.trips.splice(0, 1000);
+  }
+
+  /** @param {number} hand when the hand did what leads to it [ms] */
+  ask(request, hand = performance.now()) {
     this.number += 1;
-    if (this.send({...request, number: this.number})) this.asked.set(this.number, performance.now());
+    if (this.send({...request, number: this.number}))
+      this.asked.set(this.number, {hand, asked: performance.now()});
   }
 
   send(request) {

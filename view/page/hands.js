@@ -2,7 +2,8 @@
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 const grasp = {kind: 'grasp', radius: 0.012},
-  cauteryRadius = 0.0055; // [m]
+  cauteryRadius = 0.0055, // [m]
+  betweenPoses = 7; // [ms]
 
 export class Hands {
   constructor(stage, organ, ask) {
@@ -19,6 +20,8 @@ export class Hands {
     const canvas = stage.canvas;
     canvas.addEventListener('pointerdown', event => this.down(event));
     canvas.addEventListener('pointermove', event => this.move(event));
+    // Where there are such events, a pull need not wait for the next picture to be drawn.
+    canvas.addEventListener('pointerrawupdate', event => this.active?.kind === 'grasp' && this.move(event));
     canvas.addEventListener('pointerup', event => this.up(event));
     canvas.addEventListener('pointercancel', event => this.up(event));
     canvas.addEventListener('contextmenu', event => event.preventDefault());
@@ -121,17 +124,22 @@ export class Hands {
         .addScaledVector(this.stage.right(), dx * scale)
         .addScaledVector(this.stage.above(), -dy * scale);
     }
-    this.lead();
+    this.lead(event.timeStamp);
   }
 
-  // At most one pose per picture: the newest is the one that counts.
-  lead() {
+  // No more often than the simulation listens: the newest pose is the one that counts.
+  lead(since) {
     if (this.isLeading) return;
     this.isLeading = true;
-    requestAnimationFrame(() => {
+    const send = () => {
       this.isLeading = false;
-      if (this.active?.point) this.ask({do: 'lead', hand: this.active.hand, to: this.active.point.toArray()});
-    });
+      this.ledAt = performance.now();
+      const {point, hand} = this.active ?? {};
+      if (point) this.ask({do: 'lead', hand, to: point.toArray()}, since);
+    };
+    const wait = (this.ledAt ?? 0) + betweenPoses - performance.now();
+    if (wait > 0) setTimeout(send, wait);
+    else send();
   }
 
   wheel(event) {
@@ -139,7 +147,7 @@ export class Hands {
     const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
     if (!this.active?.point) return this.stage.zoom(1.12 ** notches);
     this.active.point.addScaledVector(this.stage.forward(), -0.004 * notches);
-    this.lead();
+    this.lead(event.timeStamp);
   }
 
   up(event) {

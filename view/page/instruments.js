@@ -1,8 +1,13 @@
 // Instruments where they are, and the force on them as an arrow with its newtons.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
-const steel = new THREE.MeshStandardMaterial({color: 0xc9d2d6, metalness: 0.9, roughness: 0.28});
-const dark = new THREE.MeshStandardMaterial({color: 0x56636a, metalness: 0.25, roughness: 0.5});
+// Of each material there is one per look of the stage (looks.js).
+const metal = (color, options) => ({
+  fine: new THREE.MeshStandardMaterial({color, ...options}),
+  quick: new THREE.MeshLambertMaterial({color}),
+});
+const steel = metal(0xc9d2d6, {metalness: 0.9, roughness: 0.28});
+const dark = metal(0x56636a, {metalness: 0.25, roughness: 0.5});
 const arrowMaterial = new THREE.MeshBasicMaterial({
   color: 0xffc46b,
   depthTest: false,
@@ -18,9 +23,19 @@ export class Instruments {
     this.labels = labels;
     this.shown = new Map(); // by tool
     stage.after.push(() => this.placeLabels());
+    stage.onLook.push(() => {
+      for (const {body} of this.shown.values()) this.dress(body);
+    });
   }
 
-  /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[], radius: number, on: boolean}[]} tools */
+  dress(body) {
+    body.traverse(part => {
+      if (part.userData.looks) part.material = part.userData.looks[this.stage.look];
+    });
+  }
+
+  /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[],
+   *   radius: number, on: boolean}[]} tools */
   update(tools) {
     const present = new Set();
     for (const tool of tools) {
@@ -34,6 +49,7 @@ export class Instruments {
 
   make(tool) {
     const body = tool.type === 'cautery' ? cautery(tool.radius || 0.005) : forceps(this.stage.size);
+    this.dress(body);
     const arrow = makeArrow(),
       label = document.createElement('span');
     this.stage.scene.add(body, arrow);
@@ -65,14 +81,22 @@ export class Instruments {
   }
 
   place(item, tool) {
+    const place = [tool.on, ...tool.position, ...(tool.orientation ?? [])],
+      force = new THREE.Vector3(...tool.force),
+      size = force.length();
+    if (item.was?.every((value, k) => value === place[k]) && force.distanceTo(item.force) < 0.01) return;
+    item.was = place;
+    item.force = force.clone();
+    this.stage.invalidate();
     item.body.position.fromArray(tool.position);
     item.body.quaternion.fromArray(tool.orientation ?? [0, 0, 0, 1]).multiply(item.rest);
     const tip = item.body.getObjectByName('tip');
-    if (tip) tip.material.emissiveIntensity = tool.on ? 2.2 : 0;
-    const force = new THREE.Vector3(...tool.force),
-      size = force.length();
+    for (const look of Object.values(tip?.userData.looks ?? {})) look.emissiveIntensity = tool.on ? 2.2 : 0;
     item.at = new THREE.Vector3(...tool.position);
-    item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : 'burning';
+    if (performance.now() - (item.writtenAt ?? 0) > this.stage.betweenFigures()) {
+      item.writtenAt = performance.now();
+      item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : 'burning';
+    }
     item.label.hidden = tool.type !== 'grasp' && !tool.on;
     item.arrow.visible = size > 0.02;
     if (!item.arrow.visible) return;
@@ -98,8 +122,13 @@ export class Instruments {
   }
 }
 
-const shaftOf = (radius, from, to, material) => {
-  const mesh = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, to - from, 20), material);
+const partOf = (geometry, looks) => {
+  const mesh = new THREE.Mesh(geometry);
+  mesh.userData.looks = looks;
+  return mesh;
+};
+const shaftOf = (radius, from, to, looks) => {
+  const mesh = partOf(new THREE.CylinderGeometry(radius, radius, to - from, 20), looks);
   mesh.rotation.x = Math.PI / 2;
   mesh.position.z = (from + to) / 2;
   mesh.castShadow = true;
@@ -111,7 +140,7 @@ function forceps(size) {
     r = 0.024 * size,
     jaw = 0.17 * size;
   for (const side of [-1, 1]) {
-    const blade = new THREE.Mesh(new THREE.CapsuleGeometry(0.5 * r, jaw, 4, 12), steel);
+    const blade = partOf(new THREE.CapsuleGeometry(0.5 * r, jaw, 4, 12), steel);
     blade.rotation.x = Math.PI / 2;
     blade.rotation.z = -side * 0.16;
     blade.scale.set(1, 1, 0.7);
@@ -128,16 +157,9 @@ function forceps(size) {
 
 function cautery(radius) {
   const group = new THREE.Group();
-  const tip = new THREE.Mesh(
-    new THREE.SphereGeometry(radius, 24, 16),
-    new THREE.MeshStandardMaterial({
-      color: 0xb9a58c,
-      metalness: 0.7,
-      roughness: 0.35,
-      emissive: 0xff5a1a,
-      emissiveIntensity: 0,
-    }),
-  );
+  const looks = metal(0xb9a58c, {metalness: 0.7, roughness: 0.35});
+  for (const look of Object.values(looks)) look.emissive.set(0xff5a1a);
+  const tip = partOf(new THREE.SphereGeometry(radius, 24, 16), looks);
   tip.name = 'tip';
   tip.castShadow = true;
   group.add(

@@ -23,8 +23,8 @@ export function listenToKeys(page) {
     },
   };
   addEventListener('keydown', event => {
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(text|)$/.test(event.target.type ?? 'none'))
-      return;
+    const isField = /^(text|number|)$/.test(event.target.type ?? 'none');
+    if (event.ctrlKey || event.metaKey || event.altKey || isField) return;
     const act = actions[event.key.toLowerCase()];
     if (!act || (event.repeat && event.key !== '.')) return;
     event.preventDefault();

@@ -19,10 +19,11 @@ class Page {
     this.stage = new Stage(element('stage'), software);
     this.organ = new Organ(this.stage);
     this.instruments = new Instruments(this.stage, element('labels'));
-    this.ask = request => this.connection.ask(request);
+    this.ask = (request, since) => this.connection.ask(request, since);
     this.hands = new Hands(this.stage, this.organ, this.ask);
     this.editor = new Editor(this.ask);
     this.hands.brush = this.editor;
+    this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
     this.messages = new Messages(element('messages'));
     this.forcePlot = new Plot(element('force-plot'), [{label: 'force', colour: '#ffc46b'}], 0);
     this.energyPlot = new Plot(
@@ -40,6 +41,7 @@ class Page {
     this.status = {};
     this.mode = 'live';
     this.stage.before.push(() => this.showFrame());
+    this.stage.drawn.push(() => this.connection.drawn());
     this.connection = new Connection({
       frame: frame => this.receive(frame),
       event: event => this.hear(event),
@@ -61,8 +63,9 @@ class Page {
 
   // A picture is drawn where the browser draws; the server sends the next one when this was.
   receive(frame) {
-    this.frame = frame;
-    this.stage.invalidate();
+    // What is left out between two pictures was older; a surface and what is no longer told stay.
+    this.frame = frame.topology ? frame : {...this.frame, ...frame};
+    this.stage.wake();
     // A page in the background draws nothing, and wants to go on hearing.
     if (document.hidden) setTimeout(() => this.showFrame(), 200);
   }
@@ -76,10 +79,11 @@ class Page {
       this.organ.move(frame.positions.x);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
+    if (frame.materials) this.organ.setMaterials(frame.materials);
     if (frame.tools) this.instruments.update(frame.tools);
     if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
     this.frames = (this.frames ?? 0) + 1;
-    this.connection.seen(frame);
+    this.connection.shown(frame, this.stage.slow);
   }
 
   takeTopology(topology) {
@@ -94,30 +98,32 @@ class Page {
   takeStatus(status, tools) {
     const before = this.status;
     this.status = status;
+    this.force = tools.reduce((sum, tool) => sum + Math.hypot(...tool.force), 0);
     if (status.scene !== before.scene) {
       element('scene-name').textContent = status.scene;
       document.title = `${status.scene} · lobe`;
     }
-    this.showFigures(status);
+    const isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
+    if (isDue || status.mode !== before.mode) this.showFigures(status);
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
     if (status.controls !== this.hands.may || status.clients !== before.clients) this.showControl(status);
     this.messages.take(status.messages ?? []);
-    const force = tools.reduce((sum, tool) => sum + Math.hypot(...tool.force), 0);
-    this.force = force;
-    element('force').textContent = `${force.toFixed(2)} N`;
     if (status.mode === 'live') {
-      this.forcePlot.add(status.time, [force]);
-      if (status.energy) {
-        const [elastic, kinetic] = [status.energy.elastic * 1e3, status.energy.kinetic * 1e3];
-        this.energyPlot.add(status.energy.time, [elastic, kinetic]);
-        element('energy').textContent = `${(elastic + kinetic).toFixed(1)} mJ`;
-      }
+      this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
+      this.forcePlot.add(status.time, [this.force]);
+      const {energy} = status;
+      if (energy) this.energyPlot.add(energy.time, [energy.elastic * 1e3, energy.kinetic * 1e3]);
     }
     if (performance.now() - (this.legendAt ?? 0) > 200) this.showLegend();
   }
 
+  // A few times a second, as they can be read; each change has the whole page drawn.
   showFigures(status) {
+    this.figuresAt = performance.now();
+    element('force').textContent = `${this.force.toFixed(2)} N`;
+    const {energy} = status;
+    if (energy) element('energy').textContent = `${(1e3 * (energy.elastic + energy.kinetic)).toFixed(1)} mJ`;
     const factor = element('factor');
     const live = status.mode === 'live';
     factor.textContent = !live
@@ -130,6 +136,9 @@ class Page {
     factor.classList.toggle('slow', live && status.running && status.factor < 0.9 * status.speed);
     element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
     element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
+    element('step').title =
+      'The smallest time step of the last frame; ' +
+      `${status.again ?? 0} frames were run again with smaller ones`;
     element('tets').textContent = `${status.tets.toLocaleString('en')} tetrahedra`;
     element('pause').classList.toggle('on', !status.running);
     element('single').disabled = status.running;
@@ -140,7 +149,8 @@ class Page {
 
   showLegend() {
     this.legendAt = performance.now();
-    showLegend(element('legend'), this.organ.quantity, this.organ.range, this.organ.shares);
+    const {quantity, range, shares} = this.organ;
+    showLegend(element('legend'), quantity, range, shares, this.status.linear_error);
   }
 
   showControl(status) {
@@ -253,7 +263,7 @@ class Page {
     const edits = mode === 'edit';
     element('editor').hidden = !edits;
     this.leaveRoom();
-    this.colour(edits ? 'region' : 'tissue');
+    this.colour(edits ? this.editor.shows() : 'tissue');
     this.instruments.update([]);
     this.take(edits ? 'paint' : 'grasp');
     this.hint(edits ? 'Paint on the organ' : '');
@@ -264,20 +274,20 @@ class Page {
   }
 
   wantedScalar() {
-    return ['von_mises', 'volume_ratio'].includes(this.organ.quantity) ? this.organ.quantity : 'none';
+    const {quantity} = this.organ;
+    return ['von_mises', 'volume_ratio', 'linear_error'].includes(quantity) ? quantity : 'none';
   }
 
   colour(quantity) {
     element('colour').value = quantity;
     this.organ.show(quantity);
-    if (quantity === 'displacement' && this.organ.x) this.organ.move(this.organ.x);
+    if (quantity === 'displacement' && this.organ.x) this.organ.showDisplacement(this.organ.x);
     this.ask({do: 'show', what: this.wantedScalar()});
     this.showLegend();
   }
 
   savePicture() {
-    this.stage.renderer.render(this.stage.scene, this.stage.camera);
-    savePicture(element('stage'));
+    this.stage.drawFine(savePicture);
   }
 }
 

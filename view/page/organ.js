@@ -1,74 +1,18 @@
 // The organ as it is drawn: its skin wet, what was cut open matt and dark.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
-import {light, models, heldColour, quantities, rampColours} from './colours.js';
+import {heldColour, light, materialColours, models, quantities, rampColours} from './colours.js';
+import {fineLook, quickLook} from './looks.js';
 import {SmoothSurface} from './smooth_surface.js';
 
 const skinColour = light([0.5, 0.185, 0.15]),
   cutColour = light([0.42, 0.085, 0.075]);
-
-// Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the organ.
-const noise = /* glsl */ `
-varying vec3 vRest;
-float hashed(vec3 p) { p = fract(p * 0.3183099 + 0.1); p *= 17.0; return fract(p.x * p.y * p.z * (p.x + p.y + p.z)); }
-float unevenness(vec3 p) {
-  vec3 i = floor(p), f = fract(p);
-  f = f * f * (3.0 - 2.0 * f);
-  return mix(mix(mix(hashed(i), hashed(i + vec3(1, 0, 0)), f.x), mix(hashed(i + vec3(0, 1, 0)), hashed(i + vec3(1, 1, 0)), f.x), f.y),
-    mix(mix(hashed(i + vec3(0, 0, 1)), hashed(i + vec3(1, 0, 1)), f.x), mix(hashed(i + vec3(0, 1, 1)), hashed(i + vec3(1, 1, 1)), f.x), f.y), f.z);
-}
-vec3 bumped(vec3 n, float height) {
-  vec3 sx = dFdx(-vViewPosition), sy = dFdy(-vViewPosition);
-  vec3 r1 = cross(sy, n), r2 = cross(n, sx);
-  float det = dot(sx, r1);
-  vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
-  return normalize(abs(det) * n - gradient);
-}
-`;
-
-function roughen(material, wetness, amount) {
-  material.onBeforeCompile = shader => {
-    shader.vertexShader = shader.vertexShader
-      .replace('#include <common>', '#include <common>\nattribute vec3 rest;\nvarying vec3 vRest;')
-      .replace('#include <begin_vertex>', '#include <begin_vertex>\nvRest = rest;');
-    shader.fragmentShader = shader.fragmentShader
-      .replace('#include <clearcoat_pars_fragment>', '#include <clearcoat_pars_fragment>\n' + noise)
-      .replace(
-        '#include <normal_fragment_maps>',
-        `#include <normal_fragment_maps>
-        float grain = unevenness(vRest * 900.0), patches = unevenness(vRest * 260.0);
-        normal = bumped(normal, ${amount} * (grain + 2.0 * patches));
-        diffuseColor.rgb *= 0.86 + 0.16 * grain + 0.14 * patches;`,
-      )
-      .replace(
-        '#include <clearcoat_normal_fragment_maps>',
-        `#include <clearcoat_normal_fragment_maps>
-        #ifdef USE_CLEARCOAT
-          clearcoatNormal = bumped(clearcoatNormal, ${wetness} * patches);
-        #endif`,
-      );
-  };
-}
 
 export class Organ {
   constructor(stage) {
     this.stage = stage;
     this.quantity = 'tissue';
     this.showsMesh = false;
-    this.skin = new THREE.MeshPhysicalMaterial({
-      vertexColors: true,
-      roughness: 0.5,
-      clearcoat: 0.6,
-      clearcoatRoughness: 0.22,
-    });
-    this.opened = new THREE.MeshStandardMaterial({
-      vertexColors: true,
-      roughness: 0.9,
-      envMapIntensity: 0.4,
-      side: THREE.DoubleSide,
-    });
-    roughen(this.skin, '0.00022', '0.0001');
-    roughen(this.opened, '0.0', '0.0005');
-    this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), [this.skin, this.opened]);
+    this.mesh = new THREE.Mesh(new THREE.BufferGeometry());
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;
     this.lines = new THREE.LineSegments(
@@ -77,10 +21,37 @@ export class Organ {
     );
     this.lines.visible = false;
     this.lines.frustumCulled = false;
-    stage.scene.add(this.mesh, this.lines);
+    this.shadow = new THREE.Mesh(
+      new THREE.BufferGeometry(),
+      new THREE.MeshBasicMaterial({toneMapped: false}),
+    );
+    this.shadow.matrixAutoUpdate = this.shadow.frustumCulled = false;
+    stage.scene.add(this.mesh, this.lines, this.shadow);
+    stage.onLook.push(() => this.dress());
+    this.dress();
     this.range = [0, 1];
     this.cutCount = 0;
     this.shares = [0, 0, 0];
+  }
+
+  /** In the look that the stage wants: a light that casts no shadow gets one that is the organ laid flat. */
+  dress() {
+    const {stage} = this;
+    this.looks ??= {};
+    this.look = this.looks[stage.look] ??= stage.look === 'fine' ? fineLook() : quickLook(stage);
+    this.mesh.material = [this.look.skin, this.look.opened];
+    this.shadow.visible = stage.look === 'quick';
+    this.shadow.material.color.copy(stage.scene.background).multiplyScalar(0.5);
+    this.look.shine(this.quantity === 'tissue');
+    this.shadeFlat();
+  }
+
+  shadeFlat() {
+    for (const material of this.mesh.material) {
+      if (material.flatShading === this.showsMesh) continue;
+      material.flatShading = this.showsMesh;
+      material.needsUpdate = true;
+    }
   }
 
   setTopology(topology) {
@@ -101,6 +72,7 @@ export class Organ {
   }
 
   rebuild() {
+    this.drawn = null;
     this.smooth = new SmoothSurface(this.topology, this.levels());
     const geometry = new THREE.BufferGeometry(),
       count = this.smooth.vertexCount,
@@ -124,16 +96,22 @@ export class Organ {
     geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(), 1e9);
     this.mesh.geometry.dispose();
     this.mesh.geometry = geometry;
+    this.rebuildShadow();
     this.lines.visible = this.showsMesh;
-    for (const material of [this.skin, this.opened]) {
-      if (material.flatShading !== this.showsMesh) {
-        material.flatShading = this.showsMesh;
-        material.needsUpdate = true;
-      }
-    }
+    this.shadeFlat();
     this.rebuildLines();
     this.fixedColours();
     if (this.x && this.x.length === this.topology.rest.length) this.move(this.x);
+  }
+
+  rebuildShadow() {
+    const {geometry, matrix} = this.shadow;
+    geometry.dispose();
+    this.laidFlat = new THREE.BufferAttribute(this.topology.rest.slice(), 3).setUsage(THREE.DynamicDrawUsage);
+    this.shadow.geometry = new THREE.BufferGeometry()
+      .setAttribute('position', this.laidFlat)
+      .setIndex(new THREE.BufferAttribute(this.topology.triangles, 1));
+    matrix.copy(this.stage.ontoGround());
   }
 
   rebuildLines() {
@@ -169,6 +147,11 @@ export class Organ {
     this.fixedColours();
   }
 
+  setMaterials(materials) {
+    this.materials = materials;
+    if (this.quantity === 'material') this.fixedColours();
+  }
+
   /** Colours that stay while nothing is cut or painted. */
   fixedColours() {
     if (!this.smooth) return;
@@ -177,16 +160,19 @@ export class Organ {
       colours = models.map(model => light(model.colour));
     const fresh = colour => colour.map((c, k) => 0.6 * c + 0.4 * cutColour[k]);
     const lighter = colours.map(fresh);
-    const values = this.smooth.spread(t =>
-      byRegion ? (cut[t] ? lighter : colours)[region[t]] : cut[t] ? cutColour : skinColour,
-    );
+    const ofMaterials = this.quantity === 'material' && this.materials?.length === region.length,
+      tints = materialColours.map(light);
+    const values = this.smooth.spread(t => {
+      if (ofMaterials) return tints[this.materials[t] % tints.length];
+      if (byRegion) return (cut[t] ? lighter : colours)[region[t]];
+      return cut[t] ? cutColour : skinColour;
+    });
     if (this.quantity === 'tissue') this.mottle(values);
-    if (byRegion && this.held) this.tint(values);
+    if ((byRegion || ofMaterials) && this.held) this.tint(values);
     this.colour.array.set(values);
     this.colour.needsUpdate = true;
-    const glossy = this.quantity === 'tissue';
-    this.skin.clearcoat = glossy ? 0.6 : 0.12;
-    this.skin.roughness = glossy ? 0.5 : 0.6;
+    this.look.shine(this.quantity === 'tissue');
+    this.stage.invalidate();
   }
 
   // Living tissue is of no one colour.
@@ -237,15 +223,28 @@ export class Organ {
     this.rangeOf = this.quantity;
     rampColours(this.smooth.interpolate(values, 1), this.range[0], this.range[1], this.colour.array);
     this.colour.needsUpdate = true;
+    this.stage.invalidate();
   }
 
   move(x) {
     this.x = x;
+    if (!this.hasMoved(x)) return;
+    this.drawn = x;
     this.position.array.set(this.smooth.positions(x));
     this.normal.array.set(this.smooth.normals);
-    this.position.needsUpdate = this.normal.needsUpdate = true;
+    this.laidFlat.array.set(x);
+    this.position.needsUpdate = this.normal.needsUpdate = this.laidFlat.needsUpdate = true;
     if (this.quantity === 'displacement') this.showDisplacement(x);
     this.stage.invalidate();
+  }
+
+  /** Enough to be seen; a body at rest costs nothing. */
+  hasMoved(x) {
+    const {drawn} = this,
+      least = 0.03 * this.stage.metresPerPixel(this.stage.target);
+    if (drawn?.length !== x.length) return true;
+    for (let i = 0; i < x.length; ++i) if (Math.abs(x[i] - drawn[i]) > least) return true;
+    return false;
   }
 
   showDisplacement(x) {

@@ -38,10 +38,10 @@ export function showNoGraphics() {
   overlay.dataset.lasting = '1';
   show(`<h1>This browser draws no 3D (WebGL 2)</h1>
     <p>The simulation runs; only its picture is missing. One of these helps:</p>
-    <p><b>On a machine with a graphics card:</b> switch on “Use graphics acceleration when available” in the browser's
-    settings, and start it again.</p>
-    <p><b>On a machine without one</b> (a virtual machine, say): Chrome and Chromium from version 139 on draw without a
-    graphics card only if asked:</p>
+    <p><b>On a machine with a graphics card:</b> switch on “Use graphics acceleration when available” in the
+    browser's settings, and start it again.</p>
+    <p><b>On a machine without one</b> (a virtual machine, say): Chrome and Chromium from version 139 on draw
+    without a graphics card only if asked:</p>
     <p><code>chromium --enable-unsafe-swiftshader</code></p>
     <p>Firefox does so by itself. Or open this page from your own machine:<br>
     <code>ssh -L ${location.port || 80}:localhost:${location.port || 80} this-machine</code></p>`);
@@ -49,7 +49,8 @@ export function showNoGraphics() {
 
 export function showRefused() {
   show(`<h1>Waiting for the simulation</h1>
-    <p>It may have ended: <code>lobe view SCENE.json</code> starts it again, and this page goes on by itself.</p>
+    <p>It may have ended: <code>lobe view SCENE.json</code> starts it again, and this page goes on by
+    itself.</p>
     <p>If it runs, this address lacks the key to it: open the whole address that it has printed, with
     <code>?token=…</code>.</p>`);
 }

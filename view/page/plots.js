@@ -38,6 +38,7 @@ export class Plot {
       element,
     );
     this.drawn = 0;
+    this.pause = 150; // between two pictures [ms]
   }
 
   add(time, values) {
@@ -51,7 +52,7 @@ export class Plot {
     while (times[old] < time - seconds) ++old;
     if (old > 60) for (const column of this.data) column.splice(0, old);
     const now = performance.now();
-    if (now - this.drawn < 150 || !this.element.offsetParent) return;
+    if (now - this.drawn < this.pause || !this.element.offsetParent) return;
     this.drawn = now;
     this.plot.setData(this.data, false);
     this.plot.setScale('x', {min: Math.max(0, time - seconds), max: Math.max(seconds, time)});

@@ -1,8 +1,10 @@
-// Frames as blocks [tag u32][size u32][bytes], little-endian (docs/live_protocol.md). Unknown tags are skipped.
+// Frames as blocks [tag u32][size u32][bytes], little-endian (docs/live_protocol.md). Unknown tags are
+// skipped.
 
 const text = new TextDecoder();
 
-/** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object, held?: object}} */
+/** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object,
+ *   held?: object, materials?: object}} */
 export function readFrame(/** @type {ArrayBuffer} */ buffer) {
   const view = new DataView(buffer);
   const frame = {};
@@ -52,6 +54,9 @@ const readers = {
   },
   PNTS(frame, buffer, at, size) {
     frame.held = new Uint8Array(buffer, at, size);
+  },
+  MATS(frame, buffer, at, size) {
+    frame.materials = new Uint8Array(buffer, at, size);
   },
   TOOL(frame, buffer, at, size) {
     frame.tools = readJson(buffer, at, size);

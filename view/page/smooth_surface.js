@@ -1,5 +1,6 @@
-// A finer, smoother surface than that of the tetrahedra: Loop's subdivision, whose weights are found once per topology. Rims of
-// cuts and sharp edges stay sharp: there both sides have vertices of their own, which follow the same curve.
+// A finer, smoother surface than that of the tetrahedra: Loop's subdivision, whose weights are found once per
+// topology. Rims of cuts and sharp edges stay sharp: there both sides have vertices of their own, which
+// follow the same curve.
 
 import {splitAtCreases} from './creases.js';
 
@@ -112,7 +113,8 @@ function findNormals(triangles, x, normals) {
   }
 }
 
-// One level: old vertices move to a mean of their neighbours, each edge gets a vertex, each triangle becomes four.
+// One level: old vertices move to a mean of their neighbours, each edge gets a vertex, each triangle becomes
+// four.
 function subdivide(triangles, vertices, corners) {
   const edges = new Map(),
     list = [];

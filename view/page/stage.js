@@ -22,14 +22,14 @@ export class Stage {
       canvas,
       antialias: !software,
       powerPreference: 'high-performance',
-      preserveDrawingBuffer: true,
     });
     this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.05;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.scene = new THREE.Scene();
-    this.scene.background = software ? plainBackground : background;
+    this.look = software ? 'quick' : 'fine'; // which looks.js knows
+    this.onLook = []; // called when it has changed
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
@@ -38,10 +38,12 @@ export class Stage {
     this.distance = 0.6;
     this.size = 0.2;
     this.margins = {left: 0, right: 0}; // that panels cover [pixels]
-    this.before = []; // called before each picture
-    this.after = [];
-    this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
-    this.slow = 0;
+    this.before = []; // called when the browser draws next, whether or not there is a new picture
+    this.after = []; // called after each picture
+    this.drawn = []; // called when the graphics card has finished it
+    this.mostPixels = this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
+    this.slow = 0; // what a picture takes, a mean [ms]
+    this.pictures = 0;
     this.addLights();
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
@@ -54,23 +56,43 @@ export class Stage {
     maker.dispose();
     this.key = new THREE.DirectionalLight(0xfff1e2, 2.1);
     this.key.castShadow = true;
-    this.key.shadow.mapSize.setScalar(this.software ? 512 : 2048);
+    this.key.shadow.mapSize.setScalar(2048);
     this.key.shadow.bias = -0.0006;
     this.key.shadow.normalBias = 0.0015;
     this.key.shadow.radius = 3;
     this.key.shadow.intensity = 0.75;
     const fill = new THREE.DirectionalLight(0xbcd8e6, 0.5);
     fill.position.set(-1, 0.6, 0.5);
-    this.scene.add(this.key, this.key.target, fill, new THREE.HemisphereLight(0xdfeaf0, 0x6a7f82, 1.15));
+    const sky = new THREE.HemisphereLight(0xdfeaf0, 0x6a7f82, 1.15);
+    this.lights = [this.key, fill, sky];
+    this.scene.add(...this.lights, this.key.target);
     this.ground = new THREE.Mesh(
       new THREE.CircleGeometry(1, 64),
-      // Without a graphics card every pixel costs: there only the shadow is drawn.
-      this.software
-        ? new THREE.ShadowMaterial({opacity: 0.45})
-        : new THREE.MeshLambertMaterial({color: 0x1d3a3f}),
+      new THREE.MeshLambertMaterial({color: 0x1d3a3f}),
     );
     this.ground.receiveShadow = true;
     this.scene.add(this.ground);
+    this.setLook(this.look);
+  }
+
+  /** 'fine' or 'quick'. */
+  setLook(look) {
+    this.look = look;
+    const fine = look === 'fine';
+    document.body.classList.toggle('plain-glass', !fine); // blurring takes as long as the organ
+    this.renderer.shadowMap.enabled = this.key.castShadow = this.ground.visible = fine;
+    this.scene.background = fine ? background : plainBackground;
+    this.scene.fog = fine ? new THREE.Fog(background, 5 * this.size, 14 * this.size) : null;
+    for (const f of this.onLook) f();
+    this.invalidate();
+  }
+
+  /** What lays things flat on the ground, along the light. */
+  ontoGround() {
+    const light = this.key.position.clone().sub(this.key.target.position),
+      height = this.ground.position.z;
+    const [x, y] = [light.x / light.z, light.y / light.z];
+    return new THREE.Matrix4().set(1, 0, -x, x * height, 0, 1, -y, y * height, 0, 0, 0, height, 0, 0, 0, 1);
   }
 
   /** Looks at a box of points [m]. */
@@ -80,8 +102,7 @@ export class Stage {
     this.target.copy(sphere.center);
     this.size = sphere.radius;
     this.ground.position.set(sphere.center.x, sphere.center.y, box.min.z - 0.12 * this.size);
-    this.ground.scale.setScalar((this.software ? 2 : 30) * this.size);
-    if (!this.software) this.scene.fog = new THREE.Fog(background, 5 * this.size, 14 * this.size);
+    this.ground.scale.setScalar(30 * this.size);
     const light = this.key.shadow.camera,
       reach = 1.7 * this.size;
     this.key.position
@@ -97,6 +118,7 @@ export class Stage {
       far: 10 * this.size,
     });
     light.updateProjectionMatrix();
+    this.setLook(this.look);
     this.home();
   }
 
@@ -196,41 +218,95 @@ export class Stage {
     this.place();
   }
 
+  /** There is something new to see. */
   invalidate() {
-    if (this.wanted) return;
-    this.wanted = true;
+    this.isOld = true;
+    this.wake();
+  }
+
+  /** There may be. Where the last picture is not finished yet, what is old by then is never drawn. */
+  wake() {
+    if (this.isAwake) return;
+    this.isAwake = true;
+    if (this.fence) return; // then watch() goes on
     requestAnimationFrame(() => {
-      this.wanted = false;
+      this.isAwake = false;
       for (const f of this.before) f();
-      this.renderer.render(this.scene, this.camera);
+      if (!this.isOld) return;
+      this.draw();
       for (const f of this.after) f();
-      this.time();
     });
   }
 
-  /** How long the graphics card, or what stands in for it, takes for a picture. */
-  time() {
-    if (this.fence) return;
-    const gl = this.renderer.getContext(),
-      start = performance.now();
+  draw() {
+    this.isOld = false;
+    this.pictures += 1;
+    this.renderer.render(this.scene, this.camera);
+    const gl = this.renderer.getContext();
+    this.begun = performance.now();
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
-    const look = () => {
-      const done = !this.fence || gl.getSyncParameter(this.fence, gl.SYNC_STATUS) === gl.SIGNALED;
-      if (!done && performance.now() - start < 1000) return setTimeout(look, 4);
-      gl.deleteSync(this.fence);
-      this.fence = null;
-      this.adapt(performance.now() - start);
-    };
-    setTimeout(look, 4);
+    this.watch();
   }
 
-  /** Fewer pixels where pictures take too long. */
+  /** Whether the graphics card, or what stands in for it, has finished the last picture. */
+  isDrawn() {
+    const gl = this.renderer.getContext(),
+      took = performance.now() - this.begun;
+    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED && took < 1000) return false;
+    gl.deleteSync(this.fence);
+    this.fence = null;
+    this.adapt(took);
+    for (const f of this.drawn) f();
+    if (this.isAwake) {
+      this.isAwake = false;
+      this.wake();
+    }
+    return true;
+  }
+
+  /** How long it takes. */
+  watch() {
+    setTimeout(() => {
+      if (this.fence && !this.isDrawn()) this.watch();
+    }, 3);
+  }
+
+  /** How often what is beside the picture may change: the more it costs, the less often [ms]. */
+  betweenFigures() {
+    return Math.max(120, 5 * this.slow);
+  }
+
+  /** Fewer pixels where pictures take too long, then the quick look; more where there is time again. */
   adapt(milliseconds) {
-    this.slow = 0.9 * this.slow + 0.1 * milliseconds;
-    if (this.slow < 30 || this.pixelRatio <= 0.6) return;
-    this.pixelRatio = Math.max(0.6, 0.85 * this.pixelRatio);
-    this.slow = 0;
+    this.slow += 0.15 * (milliseconds - this.slow);
+    const fewest = 0.5;
+    if (this.slow > 24 && this.pixelRatio > fewest) {
+      this.setPixelRatio(0.8 * this.pixelRatio, fewest);
+    } else if (this.slow > 40 && this.look === 'fine') {
+      this.setPixelRatio(1, fewest);
+      this.setLook('quick');
+    } else if (this.slow < 7 && this.pixelRatio < this.mostPixels) {
+      this.setPixelRatio(1.25 * this.pixelRatio, fewest);
+    }
+  }
+
+  setPixelRatio(ratio, fewest) {
+    this.pixelRatio = Math.max(fewest, Math.min(this.mostPixels, ratio));
+    this.slow = 14;
+    this.resize();
+  }
+
+  /** A picture without haste: what is on the canvas is that until the next one is drawn. */
+  drawFine(then) {
+    const {look, pixelRatio} = this;
+    this.pixelRatio = Math.max(1, this.mostPixels);
+    this.setLook('fine');
+    this.resize();
+    this.renderer.render(this.scene, this.camera);
+    then(this.canvas);
+    this.pixelRatio = pixelRatio;
+    this.setLook(look);
     this.resize();
   }
 }

@@ -8,20 +8,16 @@
 namespace lobe {
 namespace {
 
-bool is_member(const Elements& elements, Index tet) {
-  return elements.topology.alive(tet) && elements.region_of[tet] == RegionModel::precomputed;
-}
-
 std::vector<std::vector<Index>> parts_of_region(const Elements& elements) {
   std::vector<std::vector<Index>> parts;
   std::vector<char> found(std::size_t(elements.topology.tet_count()), 0);
   for (Index first = 0; first < elements.topology.tet_count(); ++first) {
-    if (found[first] || !is_member(elements, first)) continue;
+    if (found[first] || !elements.is_in(RegionModel::precomputed, first)) continue;
     std::vector<Index>& part = parts.emplace_back(1, first);
     found[first] = 1;
     for (std::size_t at = 0; at < part.size(); ++at)
       elements.topology.for_neighbours(part[at], [&](int, Index other) {
-        if (found[other] || !is_member(elements, other)) return;
+        if (found[other] || !elements.is_in(RegionModel::precomputed, other)) return;
         found[other] = 1;
         part.push_back(other);
       });
@@ -64,13 +60,14 @@ class Anchors {
     return std::any_of(part.begin(), part.end(), [&](Index t) {
       bool shares = false;
       elements_.topology.for_neighbours(
-          t, [&](int, Index other) { shares = shares || !is_member(elements_, other); });
+          t, [&](int, Index other) { shares = shares || !elements_.is_in(RegionModel::precomputed, other); });
       return shares;
     });
   }
   bool is_shared(Index v) const {
     const auto around = elements_.topology.around(v);
-    return std::any_of(around.begin(), around.end(), [&](Index t) { return !is_member(elements_, t); });
+    return std::any_of(around.begin(), around.end(),
+                       [&](Index t) { return !elements_.is_in(RegionModel::precomputed, t); });
   }
 
   const Elements& elements_;

@@ -9,8 +9,7 @@ InterfaceSize interface_size(const Elements& elements, RegionModel model) {
     for (Index t : elements.topology.around(v)) ++(elements.region_of[t] == model ? inside : outside);
     size.vertices += inside > 0 && outside > 0;
   }
-  for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    size.tets += elements.topology.alive(t) && elements.region_of[t] == model;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) size.tets += elements.is_in(model, t);
   return size;
 }
 

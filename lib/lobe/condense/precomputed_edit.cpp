@@ -14,10 +14,6 @@ namespace {
 constexpr double most_bytes = 2e9;    // of what is dense
 constexpr double most_error = 1e-10;  // relative, that edits may leave
 
-bool is_member(const Elements& elements, Index tet) {
-  return elements.topology.alive(tet) && elements.region_of[tet] == RegionModel::precomputed;
-}
-
 // What boundary conditions and tools do to the components of vertices. Where somebody leads one component of
 // a vertex, he is taken to lead all that are held; in a frame, which may turn, all of them.
 class Hold {
@@ -34,7 +30,8 @@ class Hold {
 
   Role role(Index v, int axis) const {
     bool in_region = false, in_others = false;
-    for (Index t : elements_.topology.around(v)) (is_member(elements_, t) ? in_region : in_others) = true;
+    for (Index t : elements_.topology.around(v))
+      (elements_.is_in(RegionModel::precomputed, t) ? in_region : in_others) = true;
     if (!in_region) return Role::none;
     if (has_frame_) return in_others || !state_.col(v).isZero() ? Role::interface : Role::interior;
     if (state_(axis, v) == fixed) return Role::none;
@@ -76,7 +73,7 @@ void refuse_interface(Index interface) {
 void add_constants(const Linearisation& linearisation, const Elements& elements, Eigen::MatrixXd& loads) {
   if (linearisation.is_at_rest()) return;
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    if (!is_member(elements, t)) continue;
+    if (!elements.is_in(RegionModel::precomputed, t)) continue;
     const Eigen::Vector4i corners = elements.topology.corners(t);
     const Linearisation::Forces own = linearisation.forces(elements, t, corners);
     for (int i = 0; i < 12; ++i) loads(3 * corners[i / 3] + i % 3, 0) += own.constant[i];
@@ -114,7 +111,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
                                                    const RegionEdit& edit, Mat3X<Real>& external,
                                                    Mat3X<Real>& dead, bool lazily) {
   const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
-  const auto enters = [&](Index t) { return is_member(elements, t); };
+  const auto enters = [&](Index t) { return elements.is_in(RegionModel::precomputed, t); };
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return {};
   has_frame_ = elements.precomputed_frame == RegionFrame::corotated;
   member_.resize(std::size_t(tets), 0);
@@ -172,7 +169,8 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
   reduced_->promote(picked(all, [&](Index i) {
     const auto around = elements.topology.around(i / 3);
     return reduced_->is_interior(i) && roles_.data()[i] == Role::none &&
-           std::any_of(around.begin(), around.end(), [&](Index t) { return is_member(elements, t); });
+           std::any_of(around.begin(), around.end(),
+                       [&](Index t) { return elements.is_in(RegionModel::precomputed, t); });
   }));
   const std::vector<Index> components = picked(all, [&](Index i) { return reduced_->has(i); });
   const auto count = Eigen::Index(components.size());
@@ -212,7 +210,7 @@ void PrecomputedRegion<Real>::change_members(const Elements& elements, const Reg
     member_[t] = 0;
   }
   for (Index t : edit.entered) {
-    member_[t] = is_member(elements, t);
+    member_[t] = elements.is_in(RegionModel::precomputed, t);
     tet_count_ += member_[t];
     corners_.col(t) = elements.topology.corners(t);
   }
@@ -386,8 +384,5 @@ void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
   sort_unique(shared_);
   if (has_frame_) prepare_frame(elements);
 }
-
-template class PrecomputedRegion<float>;
-template class PrecomputedRegion<double>;
 
 }  // namespace lobe

@@ -102,7 +102,4 @@ void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real mi
   }
 }
 
-template class PrecomputedRegion<float>;
-template class PrecomputedRegion<double>;
-
 }  // namespace lobe

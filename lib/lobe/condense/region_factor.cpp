@@ -18,7 +18,7 @@ Part region_part(const Elements& elements, RegionModel model) {
   Part part;
   std::vector<Index> target(std::size_t(elements.topology.vertex_count()), -1), tets;
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    if (!elements.topology.alive(t) || elements.region_of[t] != RegionModel::precomputed) continue;
+    if (!elements.is_in(RegionModel::precomputed, t)) continue;
     tets.push_back(t);
     for (Index v : elements.topology.corners(t)) {
       if (target[v] >= 0) continue;
@@ -35,6 +35,7 @@ Part region_part(const Elements& elements, RegionModel model) {
     body.material_of.push_back(elements.material_of[tets[i]]);
     if (!elements.shares.empty()) body.shares.push_back(elements.shares[tets[i]]);
   }
+  if (elements.fibres.cols() > 0) body.mesh.fibres = elements.fibres(Eigen::all, tets);
   body.mesh.labels.assign(tets.size(), 0);
   body.region_of.assign(tets.size(), model);
   body.materials = elements.materials;

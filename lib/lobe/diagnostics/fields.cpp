@@ -44,6 +44,7 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   const Topology& topology = elements.topology;
   const Eigen::Index n = topology.alive_count();
   TetMesh mesh{elements.points.view(), Tets(4, n), {}};
+  if (elements.fibres.cols() > 0) mesh.fibres.resize(3, n);
   DataArray region{"region", Eigen::MatrixXd(1, n), Type::int32},
       source{"source", Eigen::MatrixXd(1, n), Type::int32};
   DataArray ratio{"volume_ratio", Eigen::MatrixXd(1, n), Type::float32},
@@ -57,6 +58,7 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
     if (!topology.alive(t)) continue;
     const TetFields fields = tet_fields(elements, t, corner_displacements(elements, t, u), pressures[t]);
     mesh.tets.col(at) = topology.tets().col(t);
+    if (mesh.fibres.cols() > 0) mesh.fibres.col(at) = elements.fibres.col(t);
     mesh.labels.push_back(elements.label_of(t));
     region.values(0, at) = static_cast<int>(elements.region_of[t]);
     source.values(0, at) = t;

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "lobe/fem/fibre_term.h"
 #include "lobe/mesh/tet_mesh.h"
 
 namespace lobe {
@@ -22,22 +23,38 @@ enum class RegionFrame : std::uint8_t {
 };
 enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
 
+enum class MaterialLaw : std::uint8_t { svk, neo_hookean };  // of the non-linear model
+
 struct Elastic {
   double lambda = 4e4, mu = 1e4;  // [Pa]
   double density = 1000;          // [kg/m³]
   double nodal_pressure = 0;  // w: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
+  MaterialLaw law = MaterialLaw::svk;
+  FibreModuli<double> fibre{};  // [Pa], zero: isotropic; λ and μ are then those across the fibre
 
-  double nodal_lambda() const { return nodal_pressure * lambda; }     // wλ [Pa]
-  double element_lambda() const { return lambda - nodal_lambda(); }   // (1 − w)λ [Pa]
-  double guard_modulus() const { return element_lambda() + 2 * mu; }  // M of fem/guard.h [Pa]
+  double nodal_lambda() const { return nodal_pressure * lambda; }    // wλ [Pa]
+  double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − w)λ [Pa]
+  double guard_modulus() const {  // M of fem/guard.h [Pa]: the stiffer one of both directions
+    return element_lambda() + 2 * mu + std::max(0.0, fibre_excess());
+  }
+  // What uniaxial strain along the fibre feels beyond that across it: C_LL − C_TT [Pa].
+  double fibre_excess() const { return 2 * fibre.coupling + 4 * fibre.shear + fibre.stretch; }
 
-  static constexpr auto fields =
-      std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density, &Elastic::nodal_pressure);
+  static constexpr auto fields = std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density,
+                                            &Elastic::nodal_pressure, &Elastic::law, &Elastic::fibre);
 };
 
 inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {
   return std::any_of(materials.begin(), materials.end(),
                      [](const Elastic& e) { return e.nodal_lambda() > 0; });
+}
+
+inline bool any_fibre(const std::vector<Elastic>& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const Elastic& e) { return e.fibre.any(); });
+}
+inline bool any_neo_hookean(const std::vector<Elastic>& materials) {
+  return std::any_of(materials.begin(), materials.end(),
+                     [](const Elastic& e) { return e.law == MaterialLaw::neo_hookean; });
 }
 
 struct Body {

@@ -7,6 +7,7 @@ namespace lobe {
 Elements::Elements(const Body& body)
     : topology(body.mesh),
       points(body.mesh.points),
+      fibres(body.mesh.fibres),
       materials(body.materials),
       material_of(body.material_of),
       region_of(body.region_of),
@@ -26,6 +27,11 @@ void Elements::follow(const MeshEdit& edit) {
     material_of.push_back(material_of[own.tet]);
     region_of.push_back(region_of[own.tet]);
   }
+  if (fibres.cols() > 0 && !edit.copies.empty()) {
+    Eigen::Index at = fibres.cols();
+    fibres.conservativeResize(Eigen::NoChange, topology.tet_count());
+    for (const TetCopy& own : edit.copies) fibres.col(at++) = fibres.col(own.tet);
+  }
   if (edit.shares.empty()) return;
   shares.resize(std::size_t(topology.tet_count()), 1);
   for (const TetShare& own : edit.shares) shares[own.tet] = own.share;
@@ -39,7 +45,24 @@ Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double 
           .pressure = pressure,
           .guard_modulus = elastic.guard_modulus(),
           .guard_threshold = guard_below,
-          .terms = {.volume = volume_penalty > 0, .pressure = pressure != 0, .guard = guard_below > 0}};
+          .terms = {.svk = elastic.law == MaterialLaw::svk,
+                    .volume = volume_penalty > 0,
+                    .pressure = pressure != 0,
+                    .guard = guard_below > 0,
+                    .fibre = elastic.fibre.any(),
+                    .neo_hookean = elastic.law == MaterialLaw::neo_hookean},
+          .fibre = elastic.fibre};
+}
+
+Law<double> linear_law(const Elastic& elastic) {
+  return {.lambda = elastic.lambda,
+          .mu = elastic.mu,
+          .kappa = 0,
+          .pressure = 0,
+          .guard_modulus = 0,
+          .guard_threshold = 0,
+          .terms = {.fibre = elastic.fibre.any()},
+          .fibre = elastic.fibre};
 }
 
 double lumped_mass(const Elements& elements, Index vertex) {

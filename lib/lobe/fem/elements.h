@@ -17,6 +17,7 @@ struct Elements {
   Topology topology;
   VertexColumns<Mat3X<double>> points;  // 3 × topology.vertex_count(), rest positions [m]
   std::vector<int> labels;              // none if all are 0
+  Mat3X<double> fibres;                 // 3 × #tetrahedra, unit vectors at rest; or no column
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;
   std::vector<RegionModel> region_of;
@@ -42,14 +43,28 @@ struct Elements {
   // The topology has made copies, or divided volumes anew.
   void follow(const MeshEdit& edit);
   int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
+  bool is_in(RegionModel model, Index tet) const {  // the tetrahedron is alive and of that model
+    return topology.alive(tet) && region_of[tet] == model;
+  }
+  Vec3d fibre_of(Index tet) const { return fibres.cols() == 0 ? Vec3d::Zero() : Vec3d(fibres.col(tet)); }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
 };
 
-// The law of non-linear tetrahedra of a material.
+// The law of non-linear tetrahedra of a material, without the direction of a fibre.
 Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
                           double pressure = 0);  // p_T, the mean of its nodes' [Pa]
 inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {
-  return nonlinear_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below, pressure);
+  Law<double> law =
+      nonlinear_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below, pressure);
+  law.direction = elements.fibre_of(tet);
+  return law;
+}
+// The law of linear ones, for linear_stress() and its like: all of λ, and no other term than the fibre's.
+Law<double> linear_law(const Elastic& elastic);
+inline Law<double> linear_law(const Elements& elements, Index tet) {
+  Law<double> law = linear_law(elements.elastic_of(tet));
+  law.direction = elements.fibre_of(tet);
+  return law;
 }
 
 // What an edit of the mesh or of the regions' tags means for the regions.

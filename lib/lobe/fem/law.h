@@ -1,8 +1,8 @@
-// The law of a tetrahedron of the non-linear model: its energy is the sum of the terms of svk.h,
-// volume_term.h, pressure_term.h and guard.h. All that evaluates such tetrahedra calls the functions below:
-// wide kernels, energies, the solvers' tangent, the time step, the estimate of linear regions' errors. A new
-// term adds its moduli to Law and a line to each function. The order in which a function sums the terms up
-// decides the last bits of results.
+// The law of a tetrahedron of the non-linear model: its energy is the sum of the terms of svk.h (or
+// neo_hookean.h), fibre_term.h, volume_term.h, pressure_term.h and guard.h. All that evaluates such
+// tetrahedra calls the functions below: wide kernels, energies, the solvers' tangent, the time step, the
+// estimate of linear regions' errors. A new term adds its moduli to Law and a line to each function. The
+// order in which a function sums the terms up decides the last bits of results.
 //
 // What is not among the terms is not evaluated; where `terms` are constants, as in kernels, it leaves no code
 // behind.
@@ -10,8 +10,10 @@
 
 #include <Eigen/Geometry>
 
+#include "lobe/fem/fibre_term.h"
 #include "lobe/fem/guard.h"
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/neo_hookean.h"
 #include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
@@ -19,11 +21,12 @@
 namespace lobe {
 
 struct Terms {
-  bool svk = true, volume = false, pressure = false, guard = false;
+  bool svk = true, volume = false, pressure = false, guard = false, fibre = false, neo_hookean = false;
 
   bool operator==(const Terms&) const = default;
   constexpr bool includes(const Terms& other) const {
-    return svk >= other.svk && volume >= other.volume && pressure >= other.pressure && guard >= other.guard;
+    return svk >= other.svk && volume >= other.volume && pressure >= other.pressure && guard >= other.guard &&
+           fibre >= other.fibre && neo_hookean >= other.neo_hookean;
   }
 };
 
@@ -35,13 +38,24 @@ struct Law {
   T guard_modulus;    // M [Pa]
   T guard_threshold;  // J₀
   Terms terms;
+  FibreModuli<T> fibre{};
+  Vec3<T> direction{};  // of the fibre, a unit vector at rest; not read without the term
 
   template <class U>
   Law<U> as() const {
-    return {U(lambda), U(mu), U(kappa), U(pressure), U(guard_modulus), U(guard_threshold), terms};
+    return {U(lambda),
+            U(mu),
+            U(kappa),
+            U(pressure),
+            U(guard_modulus),
+            U(guard_threshold),
+            terms,
+            fibre.template as<U>(),
+            {U(direction[0]), U(direction[1]), U(direction[2])}};
   }
   Law times(const T& V) const {  // all moduli: energies and stresses are then V times those of this law
-    return {V * lambda, V * mu, V * kappa, V * pressure, V * guard_modulus, guard_threshold, terms};
+    return {V * lambda,      V * mu, V * kappa,      V * pressure, V * guard_modulus,
+            guard_threshold, terms,  fibre.times(V), direction};
   }
 };
 
@@ -80,11 +94,23 @@ bool is_guarded(const Law<T>& law, const Mat3<T>& H)  // whether the guard resis
   return law.terms.guard && any_of(T(1) + volume_change(H) < law.guard_threshold);
 }
 
+// S of the terms in Green's strain, nodal pressure aside.
+template <class T>
+Mat3<T> law_second_stress(const Law<T>& law, const Mat3<T>& H)  // [Pa]
+{
+  SumOfTerms<Mat3<T>> S(Mat3<T>::Constant(T(0)));
+  if (law.terms.svk) S += svk_second_stress(H, law.lambda, law.mu);
+  if (law.terms.fibre) S += fibre_second_stress(H, law.fibre, law.direction);
+  return S.value();
+}
+
 template <class T>
 T law_energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³]
 {
   SumOfTerms<T> W(T(0));
   if (law.terms.svk) W += svk_energy_density(H, law.lambda, law.mu);
+  if (law.terms.neo_hookean) W += neo_hookean_energy_density(H, law.lambda, law.mu);
+  if (law.terms.fibre) W += fibre_energy_density(H, law.fibre, law.direction);
   if (law.terms.volume) W += volume_energy_density(H, law.kappa);
   if (law.terms.pressure) W += pressure_energy_density(H, law.pressure);
   if (is_guarded(law, H)) W += guard_energy_density(H, law.guard_modulus, law.guard_threshold);
@@ -95,7 +121,13 @@ template <class T>
 Mat3<T> law_stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhoff [Pa]
 {
   SumOfTerms<Mat3<T>> P(Mat3<T>::Constant(T(0)));
-  if (law.terms.svk) P += svk_stress(H, law.lambda, law.mu);
+  if (law.terms.fibre) {
+    const Mat3<T> S = law_second_stress(law, H);
+    P += S + H.lazyProduct(S);
+  } else if (law.terms.svk) {
+    P += svk_stress(H, law.lambda, law.mu);
+  }
+  if (law.terms.neo_hookean) P += neo_hookean_stress(H, law.lambda, law.mu);
   if (law.terms.volume) P += volume_stress(H, law.kappa);
   if (law.terms.pressure) P += pressure_stress(H, law.pressure);
   if (is_guarded(law, H)) P += guard_stress(H, law.guard_modulus, law.guard_threshold);
@@ -108,6 +140,8 @@ Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& a
 {
   SumOfTerms<Mat3<T>> K(Mat3<T>::Constant(T(0)));
   if (law.terms.svk) K += svk_diagonal_block(H, alpha, law.lambda, law.mu);
+  if (law.terms.neo_hookean) K += neo_hookean_diagonal_block(H, alpha, law.lambda, law.mu);
+  if (law.terms.fibre) K += fibre_diagonal_block(H, alpha, law.fibre, law.direction);
   if (law.terms.volume) K += volume_diagonal_block(H, alpha, law.kappa);
   if (is_guarded(law, H)) K += guard_diagonal_block(H, alpha, law.guard_modulus, law.guard_threshold);
   if (law.terms.pressure) K += pressure_diagonal_block(alpha, law.pressure);
@@ -115,7 +149,8 @@ Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& a
 }
 
 // ∂²W/∂u_j∂u_k / V of all corners, at given nodal pressure, 3 × 3 block by block:
-//   SVK and nodal pressure      (α_j·S α_k) I + F B_jk Fᵀ,  B_jk of hooke.h
+//   terms in Green's strain     (α_j·S α_k) I + F B_jk Fᵀ,  B_jk of hooke.h and fibre_term.h
+//   neo-Hookean                 μ (α_j·α_k) I, and as a function of J
 //   functions ψ of J = det F    ψ″ g_j⊗g_k + ψ′ ∂g_j/∂x_k,  g_j = cof(F) α_j,  ∂g_j/∂x_k w = w × F(α_j × α_k)
 template <class T>
 Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
@@ -123,18 +158,22 @@ Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
 {
   const Mat3<T> I = Mat3<T>::Identity(), F = I + H;
   SumOfTerms<Mat3<T>> S(Mat3<T>::Zero());
-  if (law.terms.svk) S += svk_second_stress(H, law.lambda, law.mu);
+  if (law.terms.svk || law.terms.fibre) S += law_second_stress(law, H);
+  if (law.terms.neo_hookean) S += law.mu * I;
   if (law.terms.pressure) S += law.pressure * I;
   SumOfTerms<VolumeDerivatives<T>> psi({T(0), T(0)});
+  if (law.terms.neo_hookean) psi += neo_hookean_volume_derivatives(H, law.lambda, law.mu);
   if (law.terms.volume) psi += volume_derivatives(H, law.kappa);
   if (is_guarded(law, H)) psi += guard_derivatives(H, law.guard_modulus, law.guard_threshold);
   const Mat34<T> g = cofactor(F) * alpha;
   Eigen::Matrix<T, 12, 12> K;
   for (int j = 0; j < 4; ++j)
     for (int k = 0; k < 4; ++k) {
+      SumOfTerms<Mat3<T>> B(Mat3<T>::Zero());
+      if (law.terms.svk) B += hooke_block<T>(alpha.col(j), alpha.col(k), law.lambda, law.mu);
+      if (law.terms.fibre) B += fibre_block<T>(alpha.col(j), alpha.col(k), law.fibre, law.direction);
       Mat3<T> block = Mat3<T>::Zero();
-      if (law.terms.svk)
-        block = F * hooke_block<T>(alpha.col(j), alpha.col(k), law.lambda, law.mu) * F.transpose();
+      if (law.terms.svk || law.terms.fibre) block = F * B.value() * F.transpose();
       block.diagonal().array() += alpha.col(j).dot(S.value() * alpha.col(k));
       const Vec3<T> turned = F * Vec3<T>(alpha.col(j)).cross(Vec3<T>(alpha.col(k)));
       block +=
@@ -142,6 +181,32 @@ Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
       K.template block<3, 3>(3 * j, 3 * k) = block;
     }
   return K;
+}
+
+// ---- The linear model of the same tetrahedron: terms in the linear strain.
+
+template <class T>
+T linear_energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³]
+{
+  const T W = hooke_energy_density(H, law.lambda, law.mu);
+  if (!law.terms.fibre) return W;
+  return W + fibre_energy_of_strain<T>((H + H.transpose()) * T(0.5f), law.fibre, law.direction);
+}
+
+template <class T>
+Mat3<T> linear_stress(const Law<T>& law, const Mat3<T>& H)  // σ [Pa]
+{
+  const Mat3<T> stress = hooke_stress(H, law.lambda, law.mu);
+  if (!law.terms.fibre) return stress;
+  return stress + fibre_stress_of_strain<T>((H + H.transpose()) * T(0.5f), law.fibre, law.direction);
+}
+
+template <class T>
+Mat3<T> linear_block(const Law<T>& law, const Vec3<T>& alpha_j, const Vec3<T>& alpha_k)  // B_jk [Pa/m²]
+{
+  const Mat3<T> block = hooke_block<T>(alpha_j, alpha_k, law.lambda, law.mu);
+  if (!law.terms.fibre) return block;
+  return block + fibre_block<T>(alpha_j, alpha_k, law.fibre, law.direction);
 }
 
 }  // namespace lobe

@@ -1,33 +1,45 @@
 #include "lobe/fem/nonlinear_tensor_mass.h"
 
-#include "lobe/fem/hooke.h"
-
 namespace lobe {
 namespace {
 
 // The coefficients of one tetrahedron without V, as in the header.
 struct Coefficients {
   const Mat34<double>& alpha;
+  const Law<double>& law;
   double lambda, mu;
 
   double dot(int j, int k) const { return alpha.col(j).dot(alpha.col(k)); }
 
-  Mat3<double> B(int j, int k) const { return hooke_block<double>(alpha.col(j), alpha.col(k), lambda, mu); }
+  Mat3<double> strain(int j, int k) const {  // sym(α_j⊗α_k)
+    const Mat3<double> product = alpha.col(j) * alpha.col(k).transpose();
+    return (product + product.transpose()) / 2;
+  }
+  Mat3<double> fibre_stress(int j, int k) const {
+    return fibre_stress_of_strain<double>(strain(j, k), law.fibre, law.direction);
+  }
+
+  Mat3<double> B(int j, int k) const { return linear_block<double>(law, alpha.col(j), alpha.col(k)); }
 
   Vec3d C(int j, int k, int l) const {
-    return 0.5 * lambda * dot(k, l) * alpha.col(j) +
-           0.5 * mu * (dot(j, k) * alpha.col(l) + dot(j, l) * alpha.col(k));
+    const Vec3d C = 0.5 * lambda * dot(k, l) * alpha.col(j) +
+                    0.5 * mu * (dot(j, k) * alpha.col(l) + dot(j, l) * alpha.col(k));
+    if (!law.terms.fibre) return C;
+    return C + 0.5 * fibre_stress(k, l) * alpha.col(j);
   }
 
   double D(int j, int k, int l, int m) const {
-    return lambda / 8 * dot(j, k) * dot(l, m) + mu / 8 * (dot(j, l) * dot(k, m) + dot(j, m) * dot(k, l));
+    const double D =
+        lambda / 8 * dot(j, k) * dot(l, m) + mu / 8 * (dot(j, l) * dot(k, m) + dot(j, m) * dot(k, l));
+    if (!law.terms.fibre) return D;
+    return D + fibre_stress(j, k).cwiseProduct(strain(l, m)).sum() / 8;
   }
 };
 
 }  // namespace
 
-VertexTerms vertex_terms(const Shape& s, double lambda, double mu, int i) {
-  const Coefficients c{s.gradients, lambda, mu};
+VertexTerms vertex_terms(const Shape& s, const Law<double>& law, int i) {
+  const Coefficients c{s.gradients, law, law.lambda, law.mu};
   VertexTerms terms;
   double* v = terms.values.data();
   Eigen::Map<Mat3<double>>{v} = s.volume * c.B(i, i);
@@ -36,8 +48,8 @@ VertexTerms vertex_terms(const Shape& s, double lambda, double mu, int i) {
   return terms;
 }
 
-EdgeTerms edge_terms(const Shape& s, double lambda, double mu, int i, int j) {
-  const Coefficients c{s.gradients, lambda, mu};
+EdgeTerms edge_terms(const Shape& s, const Law<double>& law, int i, int j) {
+  const Coefficients c{s.gradients, law, law.lambda, law.mu};
   EdgeTerms terms;
   double* v = terms.values.data();
   Eigen::Map<Mat3<double>>{v} = s.volume * c.B(i, j);
@@ -52,8 +64,8 @@ EdgeTerms edge_terms(const Shape& s, double lambda, double mu, int i, int j) {
   return terms;
 }
 
-TriangleTerms triangle_terms(const Shape& s, double lambda, double mu, int i, int j, int k) {
-  const Coefficients c{s.gradients, lambda, mu};
+TriangleTerms triangle_terms(const Shape& s, const Law<double>& law, int i, int j, int k) {
+  const Coefficients c{s.gradients, law, law.lambda, law.mu};
   TriangleTerms terms;
   double* v = terms.values.data();
   Eigen::Map<Vec3d>{v} = s.volume * 2 * c.C(i, j, k);
@@ -68,8 +80,8 @@ TriangleTerms triangle_terms(const Shape& s, double lambda, double mu, int i, in
   return terms;
 }
 
-TetTerms tet_terms(const Shape& s, double lambda, double mu, int i, int j, int k, int l) {
-  const Coefficients c{s.gradients, lambda, mu};
+TetTerms tet_terms(const Shape& s, const Law<double>& law, int i, int j, int k, int l) {
+  const Coefficients c{s.gradients, law, law.lambda, law.mu};
   return {{s.volume * 8 * c.D(i, j, k, l), s.volume * 8 * c.D(i, k, j, l), s.volume * 8 * c.D(i, l, j, k)}};
 }
 

@@ -10,10 +10,14 @@
 // coefficients of a shared vertex, edge or triangle add up over its tetrahedra, so that each is evaluated
 // once. D enters only through its part that is symmetric in j↔k, l↔m and (jk)↔(lm),
 //   D_jk,lm = λ/8 (jk)(lm) + μ/8 ((jl)(km) + (jm)(kl)),  (jk) = α_j·α_k.
+// The terms of a fibre, quadratic in Green's strain like the others, add to each (theory, section 4): with
+// their stress σ(E) of fibre_term.h and E_jk = sym(α_j⊗α_k),
+//   B_jk of fibre_block(),  C_jkl += ½ σ(E_kl) α_j,  D_jk,lm += ⅛ σ(E_jk):E_lm.
 #pragma once
 
 #include <array>
 
+#include "lobe/fem/law.h"
 #include "lobe/fem/shape.h"
 #include "lobe/types.h"
 
@@ -49,11 +53,11 @@ struct TetTerms {
 };
 
 // Contributions of one tetrahedron to the terms of its corners i, j, k, in the order in which their
-// displacements will be handed to the evaluation.
-VertexTerms vertex_terms(const Shape& s, double lambda, double mu, int i);
-EdgeTerms edge_terms(const Shape& s, double lambda, double mu, int i, int j);
-TriangleTerms triangle_terms(const Shape& s, double lambda, double mu, int i, int j, int k);
-TetTerms tet_terms(const Shape& s, double lambda, double mu, int i, int j, int k, int l);
+// displacements will be handed to the evaluation. Of the law: λ, μ and the fibre.
+VertexTerms vertex_terms(const Shape& s, const Law<double>& law, int i);
+EdgeTerms edge_terms(const Shape& s, const Law<double>& law, int i, int j);
+TriangleTerms triangle_terms(const Shape& s, const Law<double>& law, int i, int j, int k);
+TetTerms tet_terms(const Shape& s, const Law<double>& law, int i, int j, int k, int l);
 
 // Forces [N] (minus the gradient) of the terms of one vertex, edge, triangle or tetrahedron.
 // `c`: values in the order above; u [m]; forces are written, not added.

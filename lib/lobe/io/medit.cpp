@@ -41,7 +41,7 @@ void skip_cells(Scanner& scan, int vertices, RawMesh& raw) {
   raw.ignored_cells += static_cast<Index>(count);
 }
 
-void read_header(Scanner& scan) {
+void read_medit_header(Scanner& scan) {
   scan.expect("MeshVersionFormatted");
   scan.integer("the version", 0, 4);
   scan.expect("Dimension");
@@ -52,7 +52,7 @@ void read_header(Scanner& scan) {
 
 RawMesh read_medit(const std::string& name, std::string_view bytes) {
   Scanner scan(name, bytes, '#');
-  read_header(scan);
+  read_medit_header(scan);
   RawMesh raw;
   while (!scan.at_end()) {
     const std::string keyword = lower_case(scan.word("a keyword"));

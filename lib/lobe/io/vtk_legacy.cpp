@@ -14,7 +14,7 @@ struct LegacyMesh {
 };
 
 // Returns the major version.
-int read_header(Scanner& scan) {
+int read_legacy_header(Scanner& scan) {
   constexpr std::string_view magic = "# vtk DataFile Version ";
   const std::string first(scan.line());
   if (first.substr(0, magic.size()) != magic)
@@ -121,7 +121,7 @@ std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std:
 
 RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes) {
   Scanner scan(name, bytes);
-  const int version = read_header(scan);
+  const int version = read_legacy_header(scan);
   LegacyMesh mesh;
   LegacyArrays arrays;
   while (!scan.at_end()) {

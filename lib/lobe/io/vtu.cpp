@@ -28,6 +28,14 @@ void take_labels(VtkData& cell_data, const std::vector<std::size_t>& tets, const
   }
 }
 
+// Three components per cell; not checked, since cells without fibres may have anything there.
+void take_fibres(VtkData& cell_data, const std::vector<std::size_t>& tets, TetMesh& mesh) {
+  const auto found = cell_data.find("fibre");
+  if (found == cell_data.end() || found->second.rows() != 3) return;
+  mesh.fibres = found->second(Eigen::all, tets);
+  cell_data.erase(found);
+}
+
 VtkData only_tetrahedra(const VtkData& cell_data, const std::vector<std::size_t>& tets) {
   VtkData data;
   for (const auto& [name, values] : cell_data) data[name] = values(Eigen::all, tets);
@@ -47,6 +55,7 @@ MeshFile read_vtu(const std::string& name, std::string_view bytes) {
   VtkData cell_data = read_vtk_data(xml, "CellData", cells.types.size());
   take_labels(cell_data, tets, name, raw);
   MeshFile file = finish(std::move(raw), name);
+  take_fibres(cell_data, tets, file.mesh);
   file.point_data = std::move(point_data);
   file.cell_data = only_tetrahedra(cell_data, tets);
   return file;

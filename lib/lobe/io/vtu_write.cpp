@@ -22,6 +22,11 @@ std::vector<VtkBlock> all_blocks(const std::string& place, const TetMesh& mesh,
     throw InputError(place, std::to_string(labels.size()) + " labels for " + std::to_string(tets) +
                                 " tetrahedra; give one per tetrahedron, or none");
   blocks.push_back(vtk_converted("CellData", vtk_attributes("label", "Int32", 1), labels));
+  if (mesh.fibres.cols() > 0) {
+    if (mesh.fibres.cols() != mesh.tet_count())
+      throw InputError(place, "give one fibre direction per tetrahedron, or none");
+    blocks.push_back(vtk_in_place("CellData", vtk_attributes("fibre", "Float64", 3), mesh.fibres));
+  }
   for (const DataArray& array : cell_data)
     blocks.push_back(vtk_data_block("CellData", array, mesh.tet_count(), place));
   blocks.push_back(vtk_in_place("Points", vtk_attributes("Points", "Float64", 3), mesh.points));

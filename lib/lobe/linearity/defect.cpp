@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <map>
 
-#include "lobe/fem/hooke.h"
 #include "lobe/region/nodal_pressure.h"
 
 namespace lobe {
@@ -31,8 +30,8 @@ Mat3<double> twin(const Mat3<double>& H) {
   return Eigen::AngleAxisd(angle, turn / (2 * angle)).toRotationMatrix() * stretch - I;
 }
 
-Mat3<double> stress_defect(const Law<double>& law, const Elastic& material, const Mat3<double>& H) {
-  return law_stress(law, H) - hooke_stress(H, material.lambda, material.mu);
+Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, const Mat3<double>& H) {
+  return law_stress(law, H) - linear_stress(linear, H);
 }
 
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u) {
@@ -46,7 +45,7 @@ Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
     const Mat3<double> H = displacement_gradient<double>(corners, s.gradients.rightCols<3>());
     const Law<double> law = nonlinear_law(elements, t, pressures[std::size_t(t)]);
-    defects.col(zones.of[t]) += s.volume * column(stress_defect(law, elements.elastic_of(t), H));
+    defects.col(zones.of[t]) += s.volume * column(stress_defect(law, linear_law(elements, t), H));
   }
   return defects;
 }
@@ -61,7 +60,9 @@ MeanDefects::MeanDefects(const Elements& elements, const Zones& zones)
 
 void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone) {
   std::map<Index, Vec3d> weights;
-  double volume = 0, lambda = 0, mu = 0, nodal_lambda = 0;
+  double volume = 0, lambda = 0, mu = 0, nodal_lambda = 0, neo_hookean = 0;
+  FibreModuli<double> fibre;
+  Mat3<double> structure = Mat3<double>::Zero();  // ∫ a⊗a where there are fibres
   for (Index t : zones.tets[std::size_t(zone)]) {
     if (!elements.topology.alive(t)) continue;
     const Shape s = elements.shape_of(t);
@@ -70,6 +71,13 @@ void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone)
     lambda += s.volume * e.lambda;
     mu += s.volume * e.mu;
     nodal_lambda += s.volume * e.nodal_lambda();
+    if (e.law == MaterialLaw::neo_hookean) neo_hookean += s.volume;
+    if (e.fibre.any()) {
+      fibre.coupling += s.volume * e.fibre.coupling;
+      fibre.shear += s.volume * e.fibre.shear;
+      fibre.stretch += s.volume * e.fibre.stretch;
+      structure += s.volume * elements.fibre_of(t) * elements.fibre_of(t).transpose();
+    }
     for (int c = 0; c < 4; ++c) {
       const auto [at, is_new] = weights.try_emplace(elements.topology.tets()(c, t), Vec3d::Zero());
       at->second += s.volume * s.gradients.col(c);
@@ -85,6 +93,10 @@ void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone)
   mean.material.lambda = lambda / volume;
   mean.material.mu = mu / volume;
   mean.material.nodal_pressure = nodal_lambda > 0 ? nodal_lambda / lambda : 0;
+  mean.material.law = neo_hookean > volume / 2 ? MaterialLaw::neo_hookean : MaterialLaw::svk;
+  mean.material.fibre = fibre.times(1 / volume);
+  if (fibre.any())
+    mean.direction = Eigen::SelfAdjointEigenSolver<Mat3<double>>(structure).eigenvectors().col(2);
 }
 
 Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
@@ -94,15 +106,20 @@ Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
 }
 
 // Where the gradient is the same everywhere, nodal pressures are those of this strain: wλ θ.
-Law<double> MeanDefects::law(const Elastic& material, const Mat3<double>& H) const {
-  return nonlinear_law(material, volume_penalty_, guard_below_, material.nodal_lambda() * strain_trace(H));
+Law<double> MeanDefects::law(const Mean& mean, const Mat3<double>& H) const {
+  Law<double> law = nonlinear_law(mean.material, volume_penalty_, guard_below_,
+                                  mean.material.nodal_lambda() * strain_trace(H));
+  law.direction = mean.direction;
+  return law;
 }
 
 Column MeanDefects::at(Index zone, const Column& gradient, bool is_linear) const {
   const Mean& mean = mean_[std::size_t(zone)];
   if (mean.volume == 0) return Column::Zero();
   const Mat3<double> H = is_linear ? twin(matrix(gradient)) : matrix(gradient);
-  return mean.volume * column(stress_defect(law(mean.material, H), mean.material, H));
+  Law<double> linear = linear_law(mean.material);
+  linear.direction = mean.direction;
+  return mean.volume * column(stress_defect(law(mean, H), linear, H));
 }
 
 Column MeanDefects::beyond_tangent(Index zone, const Column& gradient, const Column& about,
@@ -111,7 +128,7 @@ Column MeanDefects::beyond_tangent(Index zone, const Column& gradient, const Col
   if (mean.volume == 0) return Column::Zero();
   const auto stress_at = [&](const Column& g) {
     const Mat3<double> H = matrix(g);
-    return column(law_stress(law(mean.material, H), H));
+    return column(law_stress(law(mean, H), H));
   };
   const Mat3<double> F0 = Mat3<double>::Identity() + matrix(about);
   const Mat3<double> since = matrix(gradient - about) * F0.inverse();

@@ -14,8 +14,8 @@ namespace lobe {
 // taken below 0.2. A rotation that grows linearly, as in a linear solution, is thus no strain.
 Mat3<double> twin(const Mat3<double>& H);
 
-// Of Hooke's law of a material, at the displacement gradient H of the non-linear model.
-Mat3<double> stress_defect(const Law<double>& law, const Elastic& material, const Mat3<double>& H);  // [Pa]
+// Of the linear law of a material, at the displacement gradient H of the non-linear model.
+Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, const Mat3<double>& H);  // [Pa]
 
 // ∫ D dV per zone, each with its nine entries in a column [Pa m³]: 9 × #zones.
 using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
@@ -24,7 +24,7 @@ using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u);
 
 // From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean
-// materials, and of nodal pressures as where the gradient is the same everywhere.
+// materials, of the fibre direction and the law that most of the zone has, and of nodal pressures as where the gradient is the same everywhere.
 class MeanDefects {
  public:
   MeanDefects(const Elements& elements, const Zones& zones);
@@ -48,8 +48,9 @@ class MeanDefects {
   struct Mean {
     double volume = 0;
     Elastic material;
+    Vec3d direction = Vec3d::Zero();  // that most of the fibres have
   };
-  Law<double> law(const Elastic& material, const Mat3<double>& H) const;
+  Law<double> law(const Mean& mean, const Mat3<double>& H) const;
 
   std::vector<Mean> mean_;
   double volume_penalty_, guard_below_;

@@ -156,7 +156,7 @@ void Influence::hold(const std::vector<Index>& grasps) {
   }
   Eigen::FullPivLU<Eigen::MatrixXd> lu(work);
   lu.setThreshold(1e-9);
-  M_ -= (means * lu.solve(gradients.transpose())).cast<float>();
+  M_ -= (means * Eigen::MatrixXd(lu.solve(gradients.transpose()))).cast<float>();
 }
 
 }  // namespace lobe

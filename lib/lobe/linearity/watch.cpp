@@ -232,6 +232,7 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   const Eigen::Map<const Eigen::RowVectorXd> shares(share_.data(), zones_.count());
   const Eigen::VectorXd error =
       influence_->displacement((of_zones.array().rowwise() * shares.array()).matrix());
+  zone_errors_ = error.reshaped(3, zones_.count());
   LinearityReport report;
   report.time = world.time();
   const double lag = largest_ > 0 ? lag_of(world) / std::sqrt(density_) / largest_ : 0;

@@ -55,6 +55,10 @@ class LinearityWatch {
   LinearityReport look(World<Real>& world) { return look(world, steering_of(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);
 
+  // As the last look found it: mean displacement error per zone [m], 3 × #zones; none before the first.
+  const Mat3X<double>& zone_errors() const { return zone_errors_; }
+  const Zones& zones() const { return zones_; }
+
   double looking_seconds() const { return looking_seconds_; }  // in all, corrections left out
 
  private:
@@ -79,6 +83,7 @@ class LinearityWatch {
   LinearityOptions options_;
   std::vector<std::vector<Index>> grasps_;
   Zones zones_;
+  Mat3X<double> zone_errors_;
   MeanDefects defects_;
   std::unique_ptr<Influence> influence_;
   std::future<std::unique_ptr<Influence>> next_influence_;

@@ -72,9 +72,7 @@ bool Session<Real>::step_frame() {
   const Report report = timeline_.advance(frame_);
   ++frames_;
   hands_.after_frame();
-  for (const Condition& condition : report.conditions)
-    if (condition.kind != Condition::Kind::sub_stepped)  // a figure of the picture, and nothing to do about
-      say(name(condition.kind), condition.text);
+  for (const Condition& condition : report.conditions) report_condition(condition);
   if (!report.ok) {
     say("stands_still", "the simulation cannot go on from here: go back, or restart");
     stands_still_ = true;
@@ -82,6 +80,14 @@ bool Session<Real>::step_frame() {
   }
   publish(report);
   return true;
+}
+
+// Frames that are run again are one message, whatever number of steps each took: pictures have the figures.
+template <class Real>
+void Session<Real>::report_condition(const Condition& condition) {
+  const bool is_again = condition.kind == Condition::Kind::sub_stepped;
+  frames_again_ += is_again;
+  say(name(condition.kind), is_again ? "a frame was run again with smaller steps" : condition.text);
 }
 
 template <class Real>
@@ -104,6 +110,7 @@ void Session<Real>::publish_status() {
   status->real_time_factor = is_running_ ? pace_.factor() : 0;
   status->frames = frames_;
   status->frames_late = pace_.frames_late();
+  status->frames_again = frames_again_;
   status->can_go_back = timeline_.can_go_back();
   status->revision = world_.surface().revision();
   hands_.tell(status->hands);
@@ -112,6 +119,7 @@ void Session<Real>::publish_status() {
                  [](const Heard& heard) { return heard.sequence; });
   status->messages = messages_.all();
   status_.publish();
+  if (options_.published) options_.published();
 }
 
 // ---- Commands

@@ -41,6 +41,7 @@ struct SessionOptions {
   double patience = 0;                  // whoever has not sent anything for longer is gone [s]; 0: never
   HandLimits hand = {};
   CondensingLog::Progress condensing = {};  // while precomputed regions are condensed
+  std::function<void()> published = {};  // after each picture and status, by the session's thread: no waiting
 };
 
 // Somebody who has hands. Where it is destroyed, whatever it is doing, its hands let go. Outlived by its
@@ -123,6 +124,7 @@ class Session {
   void set_running(bool running);
   void lose_the_silent();
   void do_work();
+  void report_condition(const Condition& condition);
   void publish(const Report& report);
   void publish_status();
   void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
@@ -141,7 +143,7 @@ class Session {
   bool is_running_;
   bool steps_once_ = false, stands_still_ = false;
   bool was_told_ = false, was_changed_ = false;  // since the last picture: the session something, the body
-  std::int64_t frames_ = 0;
+  std::int64_t frames_ = 0, frames_again_ = 0;
   TripleBuffer<SessionStatus> status_;
 
   std::thread thread_;

@@ -83,7 +83,4 @@ void Session<Real>::between_frames(const std::function<void()>& work) {
   if (work_failed_) std::rethrow_exception(std::exchange(work_failed_, nullptr));
 }
 
-template class Session<float>;
-template class Session<double>;
-
 }  // namespace lobe

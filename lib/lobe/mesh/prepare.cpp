@@ -63,6 +63,10 @@ void check_sizes(const TetMesh& mesh, const std::string& name) {
     throw InputError(name, std::to_string(mesh.labels.size()) + " labels for " +
                                std::to_string(mesh.tet_count()) +
                                " tetrahedra; give one per tetrahedron, or none");
+  if (mesh.fibres.cols() > 0 && mesh.fibres.cols() != mesh.tet_count())
+    throw InputError(name, std::to_string(mesh.fibres.cols()) + " fibre directions for " +
+                               std::to_string(mesh.tet_count()) +
+                               " tetrahedra; give one per tetrahedron, or none");
 }
 
 // Beyond these, in metres, volumes or their products leave the range of double precision.

@@ -1,5 +1,6 @@
 #include "lobe/mesh/refine.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 
@@ -56,6 +57,56 @@ void add_children(const Eigen::Vector4i& corners, const std::array<Index, 6>& mi
     fine.tets.col(first + 4 + i) << m[e], m[5 - e], m[rings[e][i]], m[rings[e][(i + 1) % 4]];
 }
 
+// A direction and its opposite are the same fibre: a⊗a is what is interpolated, as a mean around each vertex
+// whose slope is added to each parent's own. A constant field stays what it is.
+class FibreInterpolation {
+ public:
+  explicit FibreInterpolation(const TetMesh& mesh) : mesh_(mesh) {
+    Eigen::Matrix<double, 10, Eigen::Dynamic> sums;
+    sums.setZero(10, mesh.vertex_count());
+    for (Index t = 0; t < mesh.tet_count(); ++t) {
+      const Vec3d a = mesh.fibres.col(t);
+      if (a.isZero(0)) continue;
+      const double volume = signed_volume(tet_points(mesh, t));
+      for (Index v : mesh.tets.col(t)) {
+        sums.col(v).head<9>() += volume * (a * a.transpose()).eval().reshaped();
+        sums(9, v) += volume;
+      }
+    }
+    means_ = sums.topRows<9>();
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      if (sums(9, v) > 0) means_.col(v) /= sums(9, v);
+  }
+
+  // `weights`: barycentric coordinates of a point of the tetrahedron.
+  Vec3d at(Index tet, const Eigen::Vector4d& weights) const {
+    const Vec3d own = mesh_.fibres.col(tet);
+    if (own.isZero(0) || !own.allFinite()) return own;
+    Mat3<double> A = own * own.transpose();
+    for (int c = 0; c < 4; ++c) A += (weights[c] - 0.25) * means_.col(mesh_.tets(c, tet)).reshaped(3, 3);
+    const Vec3d found = Eigen::SelfAdjointEigenSolver<Mat3<double>>(A).eigenvectors().col(2);
+    return found.dot(own) < 0 ? Vec3d(-found) : found;
+  }
+
+ private:
+  const TetMesh& mesh_;
+  Eigen::Matrix<double, 9, Eigen::Dynamic> means_;  // of a⊗a
+};
+
+void set_fibres(const TetMesh& mesh, TetMesh& fine) {
+  const FibreInterpolation field(mesh);
+  fine.fibres.resize(3, fine.tet_count());
+  for (Index child = 0; child < fine.tet_count(); ++child) {
+    const Index parent = child / 8;
+    const Mat34<double> X = tet_points(mesh, parent);
+    const Mat3<double> edges = X.rightCols<3>().colwise() - X.col(0);
+    Eigen::Vector4d weights;
+    weights.tail<3>() = edges.inverse() * (barycentre(fine, child) - X.col(0));
+    weights[0] = 1 - weights.tail<3>().sum();
+    fine.fibres.col(child) = field.at(parent, weights);
+  }
+}
+
 }  // namespace
 
 RefinedMesh refine(const TetMesh& mesh) {
@@ -79,6 +130,7 @@ RefinedMesh refine(const TetMesh& mesh) {
     refined.parent_of.insert(refined.parent_of.end(), 8, t);
     fine.labels.insert(fine.labels.end(), 8, mesh.labels.empty() ? 0 : mesh.labels[std::size_t(t)]);
   }
+  if (mesh.fibres.cols() > 0) set_fibres(mesh, fine);
   return refined;
 }
 

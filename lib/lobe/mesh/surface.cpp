@@ -8,17 +8,17 @@
 namespace lobe {
 namespace {
 
-using FaceKey = std::array<Index, 3>;  // vertices of the mesh at the start, ascending
+using FaceAtStart = std::array<Index, 3>;  // vertices of the mesh at the start, ascending
 
-FaceKey key_at_start(const Topology& topology, const Eigen::Vector3i& face) {
-  FaceKey key{topology.origin(face[0]), topology.origin(face[1]), topology.origin(face[2])};
+FaceAtStart key_at_start(const Topology& topology, const Eigen::Vector3i& face) {
+  FaceAtStart key{topology.origin(face[0]), topology.origin(face[1]), topology.origin(face[2])};
   std::sort(key.begin(), key.end());
   return key;
 }
 
 // Faces of the tetrahedra that are gone: what lies behind one of them was inside.
-std::vector<FaceKey> faces_of_removed(const Topology& topology) {
-  std::vector<FaceKey> faces;
+std::vector<FaceAtStart> faces_of_removed(const Topology& topology) {
+  std::vector<FaceAtStart> faces;
   if (topology.alive_count() == topology.tet_count()) return faces;
   for (Index t = 0; t < topology.tet_count(); ++t)
     if (!topology.alive(t))
@@ -43,7 +43,7 @@ void Surface::rebuild(const Topology& topology, std::span<const RegionModel> reg
   triangle_of_.assign(4 * std::size_t(topology.tet_count()), -1);
   vertex_of_.assign(std::size_t(topology.vertex_count()), {-1, -1});
   faces_.clear();
-  const std::vector<FaceKey> gone = faces_of_removed(topology);
+  const std::vector<FaceAtStart> gone = faces_of_removed(topology);
   for (Index code : topology.boundary_faces()) {
     const Eigen::Vector3i corners = topology.face(code);
     const bool cut = std::binary_search(gone.begin(), gone.end(), key_at_start(topology, corners));

@@ -14,11 +14,12 @@ struct TetMesh {
   Mat3X<double> points;     // 3 × #vertices, rest positions [m]
   Tets tets;                // 4 × #tetrahedra, positively oriented: det[X1−X0, X2−X0, X3−X0] > 0
   std::vector<int> labels;  // one per tetrahedron, 0 where the file has none
+  Mat3X<double> fibres{};   // 3 × #tetrahedra, unit vectors along the fibres at rest; or no column
 
   Index vertex_count() const { return static_cast<Index>(points.cols()); }
   Index tet_count() const { return static_cast<Index>(tets.cols()); }
 
-  static constexpr auto fields = std::tuple(&TetMesh::points, &TetMesh::tets);
+  static constexpr auto fields = std::tuple(&TetMesh::points, &TetMesh::tets, &TetMesh::fibres);
 };
 
 // Corners of the face opposite to corner k, counter-clockwise seen from outside.

@@ -25,6 +25,11 @@ struct alignas(64) PressureBlock {  // beside each block where nodal pressure is
 };
 
 template <class Real>
+struct alignas(64) FibreBlock {  // beside each block where a material has fibres
+  std::array<typename ElementBlock<Real>::Row, 3> direction{};  // unit vectors at rest
+};
+
+template <class Real>
 struct alignas(64) EdgeBlock {
   static constexpr int width = ElementBlock<Real>::width;  // edges per block
 

@@ -35,6 +35,13 @@ struct ElementLanes {
     return sum * Real(0.25f);
   }
 
+  static Vec3<T> direction(const FibreBlock<Real>& block, int first) {
+    Vec3<T> a;
+    for (int i = 0; i < 3; ++i)
+      a[i].copy_from(&block.direction[i][first], std::experimental::element_aligned);
+    return a;
+  }
+
   T V;
   Mat3<T> alpha, H;  // α_1, α_2, α_3; ∇u
 };

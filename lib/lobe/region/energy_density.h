@@ -3,15 +3,13 @@
 #pragma once
 
 #include "lobe/fem/elements.h"
-#include "lobe/fem/hooke.h"
 
 namespace lobe {
 
 // W/V [J/m³]
 inline double energy_density(const Elements& elements, Index tet, const Mat3<double>& H,  // ∇u
                              RegionModel model, double pressure = 0) {  // mean of its nodes' [Pa]
-  const Elastic& e = elements.elastic_of(tet);
-  if (model != RegionModel::nonlinear) return hooke_energy_density(H, e.lambda, e.mu);
+  if (model != RegionModel::nonlinear) return linear_energy_density(linear_law(elements, tet), H);
   return law_energy_density(nonlinear_law(elements, tet, pressure), H);
 }
 inline double energy_density(const Elements& elements, Index tet, const Mat3<double>& H) {
@@ -21,8 +19,7 @@ inline double energy_density(const Elements& elements, Index tet, const Mat3<dou
 // First Piola-Kirchhoff [Pa]
 inline Mat3<double> stress(const Elements& elements, Index tet, const Mat3<double>& H,  // ∇u
                            RegionModel model, double pressure = 0) {
-  const Elastic& e = elements.elastic_of(tet);
-  if (model != RegionModel::nonlinear) return hooke_stress(H, e.lambda, e.mu);
+  if (model != RegionModel::nonlinear) return linear_stress(linear_law(elements, tet), H);
   return law_stress(nonlinear_law(elements, tet, pressure), H);
 }
 

@@ -15,6 +15,7 @@ PatchArrays<Real> Patches<Real>::arrays(Index p, const LocalVectors& u) const {
           nodal_pressure_ ? pressure_blocks_.data() + first : nullptr,
           pressure_.data(),
           u.data(),
+          fibres_ ? fibre_blocks_.data() + first : nullptr,
           laws_[layout_.patch(p).kind].template as<Real>()};
 }
 
@@ -35,7 +36,7 @@ void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
 
 template <class Real>
 void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart part, Parallel& parallel) {
-  const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{}; };
+  const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{.fibre = law.terms.fibre}; };
   if (part == ElementPart::beside_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
   if (nodal_pressure_) find_pressures(u, parallel);
   // Collapse is rare: asking is all that it costs the others, and a patch that has an element below the
@@ -44,7 +45,7 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
                      PatchArrays<Real> patch = arrays(p, local);
                      if (part == ElementPart::beside_svk)
-                       patch.law.terms.svk = patch.law.terms.pressure = false;
+                       patch.law.terms.svk = patch.law.terms.fibre = patch.law.terms.pressure = false;
                      const Guarding guarding = patch.law.terms.guard ? Guarding::asked : Guarding::off;
                      const Real smallest = kernels_.add_forces(patch, guarding, sums);
                      if (smallest >= Real(1.01f) * patch.law.guard_threshold) return;
@@ -77,6 +78,7 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
     Law<T> law = patch.law.template as<T>();
     if (nodal_pressure_)
       law.pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
+    if (law.terms.fibre) law.direction = e.direction(patch.fibre_blocks[block], slot % width);
     const T W = law_energy_density(law, e.H) * e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
   };
@@ -145,8 +147,5 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
   }
   return smallest_of(ratios_, u);
 }
-
-template class Patches<float>;
-template class Patches<double>;
 
 }  // namespace lobe

@@ -8,6 +8,7 @@ template <class Real>
 void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                            const std::vector<Index>& enter, RegionModel model) {
   nodal_pressure_ = any_nodal_pressure(elements.materials);
+  fibres_ = any_fibre(elements.materials);
   laws_.clear();
   for (const Elastic& elastic : elements.materials) {
     laws_.push_back(nonlinear_law(elastic, elements.volume_penalty, elements.guard_below));
@@ -22,6 +23,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   layout_.enter(own, elements.points.padded());
   const std::size_t patches = std::size_t(layout_.patch_count());
   resize_with_room(blocks_, patches * patch_blocks);
+  if (fibres_) resize_with_room(fibre_blocks_, patches * patch_blocks);
   sums_.resize(layout_.patch_count());
   if (nodal_pressure_) {
     resize_with_room(pressure_blocks_, patches * patch_blocks);
@@ -42,6 +44,9 @@ void Patches<Real>::write(const Elements& elements, const Layout::Item& item) {
   block.V[lane] = static_cast<Real>(s.volume);
   const auto corners = layout_.local_corners(slot / Layout::capacity, item.corners);
   for (int c = 0; c < 4; ++c) block.corners[c][lane] = corners[c];
+  const Vec3d direction = elements.fibre_of(item.id);
+  for (int i = 0; i < 3 && fibres_; ++i)
+    fibre_blocks_[slot / width].direction[i][lane] = static_cast<Real>(direction[i]);
   if (!nodal_pressure_) return;
   const Eigen::Vector4i nodes = nodes_.of(item.id);
   for (int c = 0; c < 4; ++c) pressure_blocks_[slot / width].nodes[c][lane] = nodes[c];
@@ -66,6 +71,8 @@ void Patches<Real>::move(Index from, Index to) {
   for (int i = 0; i < 9; ++i) target.alpha[i][b] = source.alpha[i][a];
   target.V[b] = source.V[a];
   for (int c = 0; c < 4; ++c) target.corners[c][b] = source.corners[c][a];
+  for (int i = 0; i < 3 && fibres_; ++i)
+    fibre_blocks_[to / width].direction[i][b] = fibre_blocks_[from / width].direction[i][a];
   if (!nodal_pressure_) return;
   for (int c = 0; c < 4; ++c)
     pressure_blocks_[to / width].nodes[c][b] = pressure_blocks_[from / width].nodes[c][a];
@@ -78,6 +85,7 @@ void Patches<Real>::clear(Index slot) {
   for (auto& row : block.alpha) row[lane] = 0;
   block.V[lane] = 0;
   for (auto& row : block.corners) row[lane] = 0;
+  for (int i = 0; i < 3 && fibres_; ++i) fibre_blocks_[slot / width].direction[i][lane] = 0;
   if (!nodal_pressure_) return;
   for (auto& row : pressure_blocks_[slot / width].nodes) row[lane] = PressureNodes::none;
 }

@@ -1,5 +1,4 @@
-// SVK tetrahedra (with or without the volume term and the guard), the closed-form evaluator: about 60 flops
-// per corner. They are kept in patches of one material each (patch_layout.h, patch_sums.h), which evaluate a
+// Non-linear tetrahedra by the closed form of their law (fem/law.h): about 60 flops per corner of SVK. They are kept in patches of one material each (patch_layout.h, patch_sums.h), which evaluate a
 // register's width of tetrahedra at a time and add their forces up in the order of their slots. Memory is
 // asked for the tetrahedra and little else. Where a material asks for nodal pressure, a pass over the strains
 // comes first.
@@ -43,6 +42,7 @@ class Patches {
  private:
   using Block = ElementBlock<Real>;
   using Pressures = PressureBlock<Real>;
+  using Fibres = FibreBlock<Real>;
   using Layout = PatchLayout<4>;
   using LocalVectors = typename PatchSums<Real>::LocalVectors;
   static constexpr int width = Block::width, patch_blocks = Layout::capacity / width;
@@ -65,6 +65,9 @@ class Patches {
   std::vector<Block> blocks_;      // patch_blocks per patch
   PatchSums<Real> sums_;           // scratch
   std::vector<Real> ratios_;       // scratch: smallest det F per patch
+
+  bool fibres_ = false;  // of any material; without, there are no blocks
+  std::vector<Fibres> fibre_blocks_;
 
   bool nodal_pressure_ = false;  // of any material; without, the rest is empty
   PressureNodes nodes_;

@@ -90,19 +90,19 @@ void StoredTerms<Real>::gather(const Elements& elements, Index p) {
   for (Index i = 0; i < layout_.patch(p).items; ++i) {
     const Index t = layout_.id_of(p * Layout::capacity + i);
     const Shape s = elements.shape_of(t);
-    const double l = elements.elastic_of(t).lambda, m = elements.elastic_of(t).mu;
+    const Law<double> law = linear_law(elements, t);
     const std::array<std::uint8_t, 4>& v = corners_[p * Layout::capacity + i];
     std::array<int, 4> o{0, 1, 2, 3};  // corners by ascending numbers
     std::sort(o.begin(), o.end(), [&](int a, int b) { return v[a] < v[b]; });
     for (int a = 0; a < 4; ++a) {
-      vertices.add({v[o[a]]}, vertex_terms(s, l, m, o[a]));
+      vertices.add({v[o[a]]}, vertex_terms(s, law, o[a]));
       for (int b = a + 1; b < 4; ++b) {
-        edges.add({v[o[a]], v[o[b]]}, edge_terms(s, l, m, o[a], o[b]));
+        edges.add({v[o[a]], v[o[b]]}, edge_terms(s, law, o[a], o[b]));
         for (int c = b + 1; c < 4; ++c)
-          triangles.add({v[o[a]], v[o[b]], v[o[c]]}, triangle_terms(s, l, m, o[a], o[b], o[c]));
+          triangles.add({v[o[a]], v[o[b]], v[o[c]]}, triangle_terms(s, law, o[a], o[b], o[c]));
       }
     }
-    tets.add({v[o[0]], v[o[1]], v[o[2]], v[o[3]]}, tet_terms(s, l, m, o[0], o[1], o[2], o[3]));
+    tets.add({v[o[0]], v[o[1]], v[o[2]], v[o[3]]}, tet_terms(s, law, o[0], o[1], o[2], o[3]));
   }
   patches_[p] = {vertices.template blocks<Real>(), edges.template blocks<Real>(),
                  triangles.template blocks<Real>(), tets.template blocks<Real>(), parts_of(p)};

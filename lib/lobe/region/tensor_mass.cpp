@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "lobe/fem/hooke.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -14,10 +13,10 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
   return -1;
 }
 
-// V B_ij of shape.h and hooke.h from the area vectors of the faces opposite to two corners: α_c is minus that
+// V B_ij of shape.h and linear_block() from the area vectors of the faces opposite to two corners: α_c is minus that
 // of its face over 3V.
 Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {  // [N/m]
-  const Elastic& elastic = elements.elastic_of(tet);
+  const Law<double> law = linear_law(elements, tet);
   const Mat34<double> X = elements.corner_points(tet);
   const auto doubled_area = [&](int c) -> Vec3d {
     const int* face = face_corners[c];
@@ -26,7 +25,7 @@ Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {
   const Vec3d a = doubled_area(own), b = doubled_area(other);
   const double per_36_volumes =
       elements.share_of(tet) / (6 * a.dot(X.col(face_corners[own][0]) - X.col(own)));
-  return hooke_block<double>(a, b, elastic.lambda * per_36_volumes, elastic.mu * per_36_volumes);
+  return linear_block(law.times(per_36_volumes), a, b);
 }
 
 // K_ij of the region's tetrahedra that are there; whether there are any.

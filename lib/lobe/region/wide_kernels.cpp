@@ -33,13 +33,14 @@ void prefetch(const Block* block) {
   for (std::size_t line = 0; line < sizeof(Block); line += 64) __builtin_prefetch(bytes + line);
 }
 
-// The law of each lane at the pressure of its nodes.
-template <bool nodal_pressure, class Real, class T = Pack<Real>>
+// The law of each lane at the pressure of its nodes, with its fibre.
+template <Terms terms, class Real, class T = Pack<Real>>
 Law<T> law_of(const PatchArrays<Real>& patch, Index block, int first) {
   Law<T> law = patch.law.template as<T>();
-  law.terms.pressure = nodal_pressure;
-  if constexpr (nodal_pressure)
+  law.terms.pressure = terms.pressure;
+  if constexpr (terms.pressure)
     law.pressure = ElementLanes<T>::pressure(patch.pressure_blocks[block], first, patch.pressure);
+  if constexpr (terms.fibre) law.direction = ElementLanes<T>::direction(patch.fibre_blocks[block], first);
   return law;
 }
 
@@ -57,7 +58,7 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   for (Index b = 0; b < patch.block_count; ++b) {
     prefetch(patch.blocks + b);
     for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
-      Law<T> law = law_of<terms.pressure>(patch, b, first);
+      Law<T> law = law_of<terms>(patch, b, first);
       const Lanes e(patch.blocks[b], first, patch.u);
       law.terms = with_guard(terms, guarding == Guarding::acting);
       const Mat3<T> VP = law_stress(law.times(e.V), e.H);
@@ -68,19 +69,29 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
-// The sums of terms that forces are compiled for. A patch takes the first that includes its own terms; what
-// its law lacks of them, SVK aside, has the modulus 0.
+constexpr bool are_of_one_solid(const Terms& a, const Terms& b) {
+  return a.svk == b.svk && a.fibre == b.fibre && a.neo_hookean == b.neo_hookean;
+}
+
+// The sums of terms that forces are compiled for. A patch takes the first that is of its solid and includes
+// its own terms; what its law lacks of them has the modulus 0.
 constexpr Terms compiled_terms[] = {{.svk = true},
                                     {.svk = true, .volume = true},
                                     {.svk = false, .volume = true},
                                     {.svk = true, .pressure = true},
+                                    {.svk = true, .fibre = true},
+                                    {.svk = true, .volume = true, .fibre = true},
+                                    {.svk = true, .volume = true, .pressure = true, .fibre = true},
+                                    {.svk = false, .neo_hookean = true},
+                                    {.svk = false, .volume = true, .neo_hookean = true},
                                     {.svk = true, .volume = true, .pressure = true}};
 
 template <class Real, std::size_t i = 0>
 Real add_forces(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f) {
   constexpr Terms terms = compiled_terms[i];
   if constexpr (i + 1 < std::size(compiled_terms))
-    if (const Terms& own = patch.law.terms; terms.svk != own.svk || !terms.includes(with_guard(own, false)))
+    if (const Terms& own = patch.law.terms;
+        !are_of_one_solid(terms, own) || !terms.includes(with_guard(own, false)))
       return add_forces<Real, i + 1>(patch, guarding, f);
   Real* sums = &f->xyz0[0];
   if (guarding == Guarding::off) return add_forces_of<Real, terms, Guarding::off>(patch, sums);
@@ -106,7 +117,8 @@ Vec3<T> entries_of(const Mat3<T>& K) {
   return {K(0, 1), K(0, 2), K(1, 2)};
 }
 
-template <class Real, StiffnessPart part, bool nodal_pressure>
+// `solid`: the terms that every tetrahedron of the patch has, without question.
+template <class Real, StiffnessPart part, Terms solid>
 LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = ElementLanes<T>;
@@ -116,8 +128,10 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
       const Lanes e(patch.blocks[b], first, patch.u);
       const T ratio = T(1) + volume_change(e.H);
       where(ratio < smallest, smallest) = ratio;
-      Law<T> law = law_of<nodal_pressure>(patch, b, first);
-      law.terms.svk = true;  // what every patch has leaves no question
+      Law<T> law = law_of<solid>(patch, b, first);
+      law.terms.svk = solid.svk;
+      law.terms.fibre = solid.fibre;
+      law.terms.neo_hookean = solid.neo_hookean;
       law.terms.guard = patch.law.terms.guard && any_of(ratio < law.guard_threshold);
       Mat34<T> entries;
       for (int c = 0; c < 4; ++c) {
@@ -129,14 +143,23 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
+template <class Real, StiffnessPart part, bool nodal_pressure>
+Real add_stiffness_part(const PatchArrays<Real>& patch, Real* sums) {
+  const Terms& own = patch.law.terms;
+  if (own.neo_hookean)
+    return add_stiffness_of<Real, part, Terms{.svk = false, .neo_hookean = true}>(patch, sums);
+  if (own.fibre)
+    return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure, .fibre = true}>(patch, sums);
+  return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure}>(patch, sums);
+}
+
 template <class Real>
 Real add_stiffness(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K) {
   Real* sums = &K->xyz0[0];
-  if (part == StiffnessPart::diagonal)
-    return patch.pressure_blocks ? add_stiffness_of<Real, StiffnessPart::diagonal, true>(patch, sums)
-                                 : add_stiffness_of<Real, StiffnessPart::diagonal, false>(patch, sums);
-  return add_stiffness_of<Real, StiffnessPart::beside, false>(patch,
-                                                              sums);  // a pressure adds to the diagonal
+  if (part == StiffnessPart::beside)  // a pressure adds to the diagonal
+    return add_stiffness_part<Real, StiffnessPart::beside, false>(patch, sums);
+  return patch.pressure_blocks ? add_stiffness_part<Real, StiffnessPart::diagonal, true>(patch, sums)
+                               : add_stiffness_part<Real, StiffnessPart::diagonal, false>(patch, sums);
 }
 
 template <class Real, class Terms>

@@ -22,7 +22,8 @@ struct PatchArrays {  // one patch: all its tetrahedra are of one material
   const PressureBlock<Real>* pressure_blocks;  // null without nodal pressure
   const Real* pressure;                        // per node [Pa]
   const PaddedVector<Real>* u;                 // per vertex of the patch [m]
-  Law<Real> law;                               // without its pressure
+  const FibreBlock<Real>* fibre_blocks;        // null where no material has fibres
+  Law<Real> law;                               // without its pressure and direction
 };
 
 template <class Real>

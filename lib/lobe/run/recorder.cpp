@@ -75,9 +75,8 @@ std::filesystem::path Recorder::finish() const {
   write_pvd(directory_ / "series.pvd", frames_);
   if (pictures_.empty()) return {};
   const std::filesystem::path file = directory_ / "pictures.json";
-  using Json = nlohmann::ordered_json;
-  const Json request{{"pictures", pictures_}};
-  io::write_file(file, request.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
+  const nlohmann::ordered_json request{{"pictures", pictures_}};
+  io::write_file(file, request.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
   return file;
 }
 

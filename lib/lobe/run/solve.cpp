@@ -12,7 +12,6 @@
 namespace lobe {
 
 RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
-  using Json = nlohmann::ordered_json;
   const auto start = std::chrono::steady_clock::now();
   StaticOptions solver;
   solver.factor = options.factor;
@@ -33,25 +32,26 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
   write_frame(options.directory / "solution.vtu", elements, solution.u,
               Mat3X<double>::Zero(3, solution.u.cols()));
 
-  const Json report{{"ok", solution.converged},
-                    {"scene", scene.file.string()},
-                    {"load_fraction", solution.load_fraction},
-                    {"relative_residual", solution.residual},
-                    {"newton_iterations", solution.iterations},
-                    {"load_steps", solution.load_steps},
-                    {"unknowns", solution.unknowns},
-                    {"factor", solution.factor},
-                    {"factor_nonzeros", solution.factor_nonzeros},
-                    {"damped_iterations", solution.damped},
-                    {"elastic_energy", solution.energy},
-                    {"volume", current_volume(elements, solution.u)},
-                    {"largest_displacement", solution.u.colwise().norm().maxCoeff()},
-                    {"smallest_volume_ratio", solution.smallest_volume_ratio},
-                    {"worst_tetrahedron", solution.worst_tet},
-                    {"wall_s", seconds},
-                    {"warnings", result.warnings}};
+  const nlohmann::ordered_json report{{"ok", solution.converged},
+                                      {"scene", scene.file.string()},
+                                      {"load_fraction", solution.load_fraction},
+                                      {"relative_residual", solution.residual},
+                                      {"newton_iterations", solution.iterations},
+                                      {"load_steps", solution.load_steps},
+                                      {"unknowns", solution.unknowns},
+                                      {"factor", solution.factor},
+                                      {"factor_nonzeros", solution.factor_nonzeros},
+                                      {"damped_iterations", solution.damped},
+                                      {"elastic_energy", solution.energy},
+                                      {"volume", current_volume(elements, solution.u)},
+                                      {"largest_displacement", solution.u.colwise().norm().maxCoeff()},
+                                      {"smallest_volume_ratio", solution.smallest_volume_ratio},
+                                      {"worst_tetrahedron", solution.worst_tet},
+                                      {"wall_s", seconds},
+                                      {"warnings", result.warnings}};
   result.report = options.directory / "report.json";
-  io::write_file(result.report, report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
+  io::write_file(result.report,
+                 report.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
   char text[256];
   std::snprintf(text, sizeof text,
                 "%s at %.4g %% of the load: residual %.2g after %d Newton iterations in %.2f s\n"

@@ -51,6 +51,7 @@ class MeaningChecker {
 
   // Positive definite: μ > 0 and the bulk modulus λ + 2μ/3 > 0.
   void check_material(const Material& material, const std::string& place) {
+    if (material.transverse) return check_fibres(material, place);
     const double lambda = material.lame_lambda, mu = material.lame_mu;
     if (!std::isfinite(lambda + 2 * mu)) {
       add(place, "too stiff for double precision");
@@ -62,6 +63,33 @@ class MeaningChecker {
           "needs lame_lambda of at least 0, not " + exact(lambda) + "; leave it out");
     }
     check_where(material.where, place);
+  }
+
+  void check_fibres(const Material& material, const std::string& place) {
+    for (Fault& fault : transverse_faults(*material.transverse, place)) faults_.push_back(std::move(fault));
+    if (faults_.empty() && !is_positive_definite(elastic_of(material)))
+      add(place, "its constants are not positive definite to rounding");
+    if (faults_.empty() && material.nodal_pressure > 0 && elastic_of(material).lambda < 0)
+      add(place + "/nodal_pressure", "needs a stiffness across of at least its shear's; leave it out");
+    check_where(material.where, place);
+    if (material.law == MaterialLaw::neo_hookean)
+      add(place + "/law", "\"neo-hookean\" does not go with fibres; use \"svk\"");
+    if (!material.fibre) return add(place + "/fibre", "is missing: which way the fibres run");
+    const std::string at = place + "/fibre";
+    if (const auto* constant = std::get_if<FibreDirection>(&*material.fibre)) {
+      check_length(constant->direction, at + "/direction");
+    } else if (const auto* around = std::get_if<FibreAround>(&*material.fibre)) {
+      check_length(around->axis, at + "/axis/direction");
+    } else if (const auto* ends = std::get_if<FibreHarmonic>(&*material.fibre)) {
+      check_selector(ends->from, at + "/harmonic/from");
+      check_selector(ends->to, at + "/harmonic/to");
+    }
+  }
+
+  void check_length(const Vec3d& direction, const std::string& place) {
+    const double length = direction.stableNorm();
+    if (!(length > 0 && std::isfinite(length)))
+      add(place, "has length " + exact(length) + ", must be above 0");
   }
 
   void check_boundary(const Boundary& boundary, const std::string& place) {

@@ -11,12 +11,12 @@
 #include "lobe/scene/suspicions.h"
 #include "lobe/text.h"
 
+#include "lobe/scene/json_text.h"
+
 namespace lobe {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json vector(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
   std::map<std::string, Index> labels;
@@ -26,8 +26,20 @@ ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
           {"tetrahedra", mesh.tet_count()},
           {"labels", labels},
           {"volume_m3", total_volume(mesh)},
-          {"box_min_m", vector(bounding_box(mesh).min)},
-          {"box_max_m", vector(bounding_box(mesh).max)}};
+          {"box_min_m", vector_json(bounding_box(mesh).min)},
+          {"box_max_m", vector_json(bounding_box(mesh).max)}};
+}
+
+ordered_json summarise_fibre(const Elastic& m) {
+  const TransverseConstants c = transverse_constants(m);
+  return {{"young_modulus_along_Pa", c.young_along},
+          {"young_modulus_across_Pa", c.young_across},
+          {"young_ratio", c.young_along / c.young_across},
+          {"shear_ratio", shear_along(m) / m.mu},
+          {"wave_speed_along_m_s", std::sqrt(stiffness_along(m) / m.density)},
+          {"wave_speed_across_m_s", std::sqrt(stiffness_across(m) / m.density)},
+          {"shear_wave_speed_along_m_s", std::sqrt(shear_along(m) / m.density)},
+          {"shear_wave_speed_across_m_s", std::sqrt(m.mu / m.density)}};
 }
 
 ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
@@ -37,14 +49,17 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
   ordered_json list = ordered_json::array();
   for (std::size_t i = 0; i < setup.materials.size(); ++i) {
     const Elastic& m = setup.materials[i];
-    list.push_back({{"name", scene.materials[i].name},
-                    {"tetrahedra", counts[i]},
-                    {"young_modulus_Pa", young_modulus(m.lambda, m.mu)},
-                    {"poisson_ratio", poisson_ratio(m.lambda, m.mu)},
-                    {"density_kg_m3", m.density},
-                    {"nodal_pressure", m.nodal_pressure},
-                    {"wave_speed_m_s", wave_speed(m.lambda, m.mu, m.density)},
-                    {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
+    ordered_json& entry =
+        list.emplace_back(ordered_json{{"name", scene.materials[i].name},
+                                       {"tetrahedra", counts[i]},
+                                       {"young_modulus_Pa", young_modulus(m.lambda, m.mu)},
+                                       {"poisson_ratio", poisson_ratio(m.lambda, m.mu)},
+                                       {"density_kg_m3", m.density},
+                                       {"nodal_pressure", m.nodal_pressure},
+                                       {"wave_speed_m_s", wave_speed(m.lambda, m.mu, m.density)},
+                                       {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
+    if (m.law == MaterialLaw::neo_hookean) entry["law"] = "neo-hookean";
+    if (m.fibre.any()) entry["fibre"] = summarise_fibre(m);
   }
   return list;
 }
@@ -85,11 +100,11 @@ ordered_json summarise_loads(const Setup& setup) {
     const Elastic& m = setup.materials[setup.material_of[static_cast<std::size_t>(t)]];
     mass += m.density * signed_volume(tet_points(setup.mesh, t));
   }
-  return {{"force_N", vector(forces)},
+  return {{"force_N", vector_json(forces)},
           {"loaded_area_m2", area},
-          {"traction_force_N", vector(tractions)},
+          {"traction_force_N", vector_json(tractions)},
           {"mass_kg", mass},
-          {"weight_N", vector(mass * setup.gravity)}};
+          {"weight_N", vector_json(mass * setup.gravity)}};
 }
 
 ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
@@ -172,6 +187,15 @@ void print_regions(std::ostream& out, const ordered_json& regions) {
   out << " tetrahedra\n";
 }
 
+void print_fibre(std::ostream& out, const ordered_json& fibre) {
+  out << "fibres     E " << rounded(fibre["young_modulus_along_Pa"]) << " Pa along, "
+      << rounded(fibre["young_modulus_across_Pa"]) << " Pa across, ratio " << rounded(fibre["young_ratio"])
+      << ", of shear " << rounded(fibre["shear_ratio"]) << "; waves "
+      << rounded(fibre["wave_speed_along_m_s"]) << " m/s along, " << rounded(fibre["wave_speed_across_m_s"])
+      << " across, of shear " << rounded(fibre["shear_wave_speed_along_m_s"]) << " and "
+      << rounded(fibre["shear_wave_speed_across_m_s"]) << "\n";
+}
+
 void print_materials(std::ostream& out, const ordered_json& materials) {
   for (const ordered_json& m : materials) {
     out << "material   " << m["name"].get<std::string>() << ": " << m["tetrahedra"] << " tetrahedra, E "
@@ -179,7 +203,9 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
         << rounded(m["density_kg_m3"]) << " kg/m³, waves " << rounded(m["wave_speed_m_s"])
         << " m/s, sag under gravity about " << rounded(m["expected_sag_m"]) << " m";
     if (m["nodal_pressure"] > 0) out << ", nodal pressure " << rounded(m["nodal_pressure"]);
+    if (m.contains("law")) out << ", neo-Hookean";
     out << "\n";
+    if (m.contains("fibre")) print_fibre(out, m["fibre"]);
   }
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "lobe/types.h"
+
 namespace lobe {
 
 inline constexpr std::size_t max_json_bytes = std::size_t{64} << 20;
@@ -18,6 +20,8 @@ nlohmann::json parse_json(std::string_view text, const std::string& name);
 // A JSON pointer (RFC 6901) one level down, control characters spelt out so that it stays on one line.
 std::string child_pointer(const std::string& pointer, std::string_view key);
 std::string child_pointer(const std::string& pointer, std::size_t index);
+
+inline nlohmann::ordered_json vector_json(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 // A value as messages show it: compact, on one line, cut after some 40 bytes.
 std::string excerpt(const nlohmann::json& value);

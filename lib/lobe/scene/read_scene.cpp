@@ -26,6 +26,22 @@ std::optional<Selector> read_where(const json& entry) {
   return read_selector(entry["where"]);
 }
 
+FibreField read_fibre(const json& object) {
+  if (object.contains("direction")) return FibreDirection{read_vector(object["direction"])};
+  if (object.contains("array")) return FibreArray{};
+  if (object.contains("axis"))
+    return FibreAround{read_vector(object["axis"]["point"]), read_vector(object["axis"]["direction"])};
+  const json& ends = object["harmonic"];
+  return FibreHarmonic{read_selector(ends["from"]), read_selector(ends["to"])};
+}
+
+void read_transverse(const json& entry, Material& material) {
+  material.transverse = {entry["young_modulus_along"], entry["young_modulus_across"],
+                         entry["poisson_ratio_along"], entry["poisson_ratio_across"],
+                         entry["shear_modulus_along"]};
+  material.fibre = read_fibre(entry["fibre"]);
+}
+
 Material read_material(const json& entry, const std::string& pointer) {
   Material material;
   read(entry, "name", material.name);
@@ -34,7 +50,10 @@ Material read_material(const json& entry, const std::string& pointer) {
     const json& share = entry["nodal_pressure"];
     material.nodal_pressure = share.is_boolean() ? double(share.get<bool>()) : share.get<double>();
   }
-  if (entry.contains("young_modulus")) {
+  if (entry.value("law", "svk") == "neo-hookean") material.law = MaterialLaw::neo_hookean;
+  if (entry.contains("young_modulus_along")) {
+    read_transverse(entry, material);
+  } else if (entry.contains("young_modulus")) {
     const LamePair lame = lame_from_young(entry["young_modulus"], entry["poisson_ratio"]);
     material.lame_lambda = lame.lambda;
     material.lame_mu = lame.mu;

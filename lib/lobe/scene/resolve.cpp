@@ -90,8 +90,7 @@ void resolve_materials(Resolution& resolution) {
   const std::vector<Material>& materials = resolution.scene.materials;
   Setup& setup = resolution.result.setup;
   setup.material_of.assign(static_cast<std::size_t>(setup.mesh.tet_count()), 0);
-  for (const Material& m : materials)
-    setup.materials.push_back({m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure});
+  for (const Material& m : materials) setup.materials.push_back(elastic_of(m));
 
   std::size_t standard = materials.size();
   for (std::size_t i = materials.size(); i-- > 0;) {
@@ -173,6 +172,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   refuse_excluded_options(resolution);
   resolve_frame(resolution);
   resolve_materials(resolution);
+  if (resolution.faults.empty()) resolve_fibres(resolution);
   resolve_regions(resolution);
   resolve_boundary(resolution);
   resolve_tools(resolution);

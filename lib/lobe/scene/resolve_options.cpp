@@ -32,6 +32,9 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
     case Option::nodal_pressure:
       return places_in(scene.materials, "/materials", "nodal_pressure",
                        [](const Material& material) { return material.nodal_pressure > 0; });
+    case Option::neo_hookean:
+      return places_in(scene.materials, "/materials", "law",
+                       [](const Material& material) { return material.law == MaterialLaw::neo_hookean; });
     case Option::automatic:
       return place_if(scene.auto_regions.has_value(), "/regions/auto");
     case Option::scalpel:

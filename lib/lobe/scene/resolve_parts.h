@@ -43,6 +43,7 @@ inline std::string counted(std::size_t count, const char* one, const char* many)
 
 void refuse_excluded_options(Resolution& resolution);
 void resolve_materials(Resolution& resolution);
+void resolve_fibres(Resolution& resolution);
 void resolve_regions(Resolution& resolution);
 void resolve_boundary(Resolution& resolution);
 void resolve_tools(Resolution& resolution);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "lobe/fem/transverse_isotropy.h"
 #include "lobe/setup/setup.h"
 #include "lobe/types.h"
 
@@ -59,6 +60,18 @@ struct Selector {
 
 // ---- What the scene is made of. `pointer` is the JSON pointer of the entry, for messages ("" if built in
 // code).
+struct FibreDirection {
+  Vec3d direction;
+};
+struct FibreArray {};  // "fibre", a cell array of the mesh file
+struct FibreHarmonic {
+  Selector from, to;  // vertices
+};
+struct FibreAround {
+  Vec3d point, axis;
+};
+using FibreField = std::variant<FibreDirection, FibreArray, FibreHarmonic, FibreAround>;
+
 struct Material {
   std::string name = "tissue";
   std::optional<Selector> where;  // the first material without one is the default
@@ -66,8 +79,17 @@ struct Material {
   double lame_mu = 1e4;           // [Pa]
   double density = 1000;          // [kg/m³]
   double nodal_pressure = 0;      // share of λ whose pressure is averaged at nodes, 0…1
+  MaterialLaw law = MaterialLaw::svk;
+  std::optional<TransverseConstants> transverse;  // with fibres, in place of both Lamé coefficients
+  std::optional<FibreField> fibre;                // together with them
   std::string pointer;
 };
+
+inline Elastic elastic_of(const Material& m) {
+  Elastic elastic{m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure, m.law};
+  if (m.transverse) set_transverse(*m.transverse, elastic);
+  return elastic;
+}
 
 struct Region {
   std::string name;

@@ -1,5 +1,8 @@
 // What is possible but most likely a mistake in units: millimetres, kilopascals, g/cm³.
 #include "lobe/scene/suspicions.h"
+
+#include <algorithm>
+
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/resolve_parts.h"
 
@@ -58,7 +61,12 @@ double box_diagonal(const TetMesh& mesh) {
 }
 
 double expected_sag(const Elastic& m, double gravity, double size) {
-  return m.density * gravity * size * size / young_modulus(m.lambda, m.mu);
+  double young = young_modulus(m.lambda, m.mu);
+  if (m.fibre.any()) {
+    const TransverseConstants c = transverse_constants(m);
+    young = std::min(c.young_along, c.young_across);
+  }
+  return m.density * gravity * size * size / young;
 }
 
 void suspect_units(Resolution& resolution) {

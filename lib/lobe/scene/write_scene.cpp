@@ -2,12 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lobe/scene/json_text.h"
+
 namespace lobe {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json vector(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 std::string utf8(const std::filesystem::path& path) {
   const std::u8string text = path.u8string();
@@ -24,13 +24,13 @@ ordered_json parts(const std::vector<Selector>& selectors) {
 
 ordered_json write(const SelectAll&) { return {{"all", true}}; }
 ordered_json write(const SelectBox& box) {
-  return {{"box", {{"min", vector(box.min)}, {"max", vector(box.max)}}}};
+  return {{"box", {{"min", vector_json(box.min)}, {"max", vector_json(box.max)}}}};
 }
 ordered_json write(const SelectSphere& sphere) {
-  return {{"sphere", {{"center", vector(sphere.center)}, {"radius", sphere.radius}}}};
+  return {{"sphere", {{"center", vector_json(sphere.center)}, {"radius", sphere.radius}}}};
 }
 ordered_json write(const SelectPlane& plane) {
-  ordered_json object = {{"point", vector(plane.point)}, {"normal", vector(plane.normal)}};
+  ordered_json object = {{"point", vector_json(plane.point)}, {"normal", vector_json(plane.normal)}};
   if (plane.side == SelectPlane::Side::within) {
     object["within"] = plane.within;
   } else {
@@ -39,7 +39,7 @@ ordered_json write(const SelectPlane& plane) {
   return {{"plane", object}};
 }
 ordered_json write(const SelectNearest& nearest) {
-  return {{"nearest", {{"point", vector(nearest.point)}, {"count", nearest.count}}}};
+  return {{"nearest", {{"point", vector_json(nearest.point)}, {"count", nearest.count}}}};
 }
 ordered_json write(const SelectLabel& label) { return {{"label", label.labels}}; }
 ordered_json write(const SelectVertices& select) { return {{"vertices", select.vertices}}; }
@@ -58,12 +58,33 @@ void add_where(ordered_json& entry, const std::optional<Selector>& where) {
   if (where) entry["where"] = selector(*where);
 }
 
+struct FibreWriter {
+  ordered_json operator()(const FibreDirection& f) const { return {{"direction", vector_json(f.direction)}}; }
+  ordered_json operator()(const FibreArray&) const { return {{"array", "fibre"}}; }
+  ordered_json operator()(const FibreHarmonic& f) const {
+    return {{"harmonic", {{"from", selector(f.from)}, {"to", selector(f.to)}}}};
+  }
+  ordered_json operator()(const FibreAround& f) const {
+    return {{"axis", {{"point", vector_json(f.point)}, {"direction", vector_json(f.axis)}}}};
+  }
+};
+
 ordered_json write(const Material& material) {
-  ordered_json entry = {{"name", material.name},
-                        {"lame_lambda", material.lame_lambda},
-                        {"lame_mu", material.lame_mu},
-                        {"density", material.density},
-                        {"nodal_pressure", material.nodal_pressure}};
+  ordered_json entry = {{"name", material.name}};
+  if (const auto& constants = material.transverse) {
+    entry["young_modulus_along"] = constants->young_along;
+    entry["young_modulus_across"] = constants->young_across;
+    entry["poisson_ratio_along"] = constants->poisson_along;
+    entry["poisson_ratio_across"] = constants->poisson_across;
+    entry["shear_modulus_along"] = constants->shear_along;
+  } else {
+    entry["lame_lambda"] = material.lame_lambda;
+    entry["lame_mu"] = material.lame_mu;
+  }
+  entry["density"] = material.density;
+  entry["nodal_pressure"] = material.nodal_pressure;
+  entry["law"] = material.law == MaterialLaw::neo_hookean ? "neo-hookean" : "svk";
+  if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);
   add_where(entry, material.where);
   return entry;
 }
@@ -81,7 +102,7 @@ ordered_json write(const AutoRegions& regions) {
   for (const SceneGesture& gesture : regions.gestures)
     gestures.push_back({{"name", gesture.name},
                         {"where", selector(gesture.where)},
-                        {gesture.is_force ? "force" : "displacement", vector(gesture.value)}});
+                        {gesture.is_force ? "force" : "displacement", vector_json(gesture.value)}});
   return {{"auto",
            {{"tolerance", regions.tolerance},
             {"precomputed", regions.precomputed},
@@ -91,7 +112,8 @@ ordered_json write(const AutoRegions& regions) {
 
 ordered_json write(const Boundary& boundary) {
   static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force"};
-  ordered_json value = boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector(boundary.value);
+  ordered_json value =
+      boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector_json(boundary.value);
   for (std::size_t i = 0; i < 3; ++i)
     if (boundary.kind == Boundary::Kind::displacement && !boundary.axes[i]) value[i] = nullptr;
   return {{kinds[static_cast<int>(boundary.kind)], value}, {"where", selector(boundary.where)}};
@@ -155,7 +177,7 @@ std::string to_json(const Scene& scene) {
   document["guard_below"] = scene.guard_below;
   document["regions"] = scene.auto_regions ? write(*scene.auto_regions) : entries(scene.regions);
   document["boundary"] = entries(scene.boundary);
-  document["gravity"] = vector(scene.gravity);
+  document["gravity"] = vector_json(scene.gravity);
   document["tools"] = entries(scene.tools);
   document["loose_pieces"] = pieces[static_cast<int>(scene.loose_pieces)];
   document["evaluator"] = scene.evaluator == Evaluator::direct ? "direct" : "stored";

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lobe/error.h"
+#include "lobe/fem/transverse_isotropy.h"
 
 namespace lobe {
 namespace {
@@ -21,6 +22,7 @@ class Checker {
 
   void check_mesh();
   void check_materials();
+  void check_fibres();
   void check_boundary();
   void check_path(const std::string& tool, const std::vector<PathPoint>& path);
   void check_tools();
@@ -60,7 +62,7 @@ void Checker::check_mesh() {
 void Checker::check_materials() {
   for (const Elastic& e : setup_.materials) {
     expect(std::isfinite(e.lambda) && std::isfinite(e.mu) && std::isfinite(e.density) && e.mu > 0 &&
-               3 * e.lambda + 2 * e.mu > 0 && e.density > 0,
+               (e.fibre.any() || 3 * e.lambda + 2 * e.mu > 0) && e.density > 0,
            "a material needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
     expect(e.nodal_pressure >= 0 && e.nodal_pressure <= 1, "nodal_pressure must be in [0, 1]");
     expect(e.nodal_pressure == 0 || e.lambda >= 0, "nodal_pressure needs lambda of at least 0: set it to 0");
@@ -82,6 +84,27 @@ void Checker::check_materials() {
   expect(setup_.mass_scaling >= 0 && setup_.mass_scaling <= 0.2, "mass_scaling must be in [0, 0.2]");
   expect(not_negative(setup_.sleep), "sleep must be finite and not negative");
   expect(setup_.gravity.allFinite(), "gravity is not finite");
+}
+
+void Checker::check_fibres() {
+  for (const Elastic& e : setup_.materials) {
+    if (!e.fibre.any()) continue;
+    expect(is_positive_definite(e),
+           "a material with fibres is not positive definite (transverse_isotropy.h)");
+    expect(e.law == MaterialLaw::svk, "a neo-Hookean material cannot have fibres: use St Venant-Kirchhoff");
+  }
+  const Mat3X<double>& fibres = setup_.mesh.fibres;
+  const std::size_t count = setup_.material_of.size();
+  expect(fibres.cols() == 0 || std::size_t(fibres.cols()) == count,
+         "fibres must have one column per tetrahedron, or none");
+  for (std::size_t t = 0; t < count && setup_.material_of[t] < setup_.materials.size(); ++t) {
+    if (!setup_.materials[setup_.material_of[t]].fibre.any()) continue;
+    const bool is_there = t < std::size_t(fibres.cols());
+    if (is_there && std::abs(fibres.col(Eigen::Index(t)).norm() - 1) < 1e-6) continue;
+    return expect(false, "tetrahedron " + std::to_string(t) +
+                             " is of a material with fibres, but its direction is " +
+                             (is_there ? "no unit vector" : "missing: set mesh.fibres"));
+  }
 }
 
 void Checker::check_boundary() {
@@ -148,6 +171,7 @@ void check_setup(const Setup& setup, const Options& wanted) {
   Checker checker(setup);
   checker.check_mesh();
   checker.check_materials();
+  checker.check_fibres();
   checker.check_boundary();
   checker.check_tools();
   checker.check_exclusions(wanted);

@@ -24,6 +24,10 @@ constexpr Exclusion table[] = {
      "leave one of them out"},
     {Option::nodal_pressure, Option::stored, "the stored polynomial is each tetrahedron's own",
      "use \"direct\""},
+    {Option::neo_hookean, Option::stored, "its energy is no polynomial of degree 4 in displacements",
+     "use \"direct\""},
+    {Option::nodal_pressure, Option::neo_hookean, "it averages the pressure of St Venant-Kirchhoff",
+     "use \"law\": \"svk\""},
     {Option::sleep, Option::nodal_pressure, "the pressure of a patch depends on its neighbours",
      "leave one of them out"},
     {Option::expandable, Option::corotated, "a region that turns non-linear keeps no frame",
@@ -53,6 +57,8 @@ const char* name(Option option) {
       return "\"regions\": {\"auto\": …}";
     case Option::nodal_pressure:
       return "\"nodal_pressure\"";
+    case Option::neo_hookean:
+      return "\"law\": \"neo-hookean\"";
     case Option::stored:
       return "\"evaluator\": \"stored\"";
     case Option::sleep:
@@ -85,6 +91,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::corotated, is_precomputed && setup.precomputed_frame == RegionFrame::corotated);
   used.add(Option::expandable, setup.expandable);
   used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
+  used.add(Option::neo_hookean, any_neo_hookean(setup.materials));
   used.add(Option::stored, setup.evaluator == Evaluator::stored);
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);

@@ -21,6 +21,7 @@ enum class Option : std::uint8_t {
   expandable,  // Setup::expandable
   automatic,   // regions that are chosen by their estimated error
   nodal_pressure,
+  neo_hookean,
   stored,
   sleep,
   selective_mass,

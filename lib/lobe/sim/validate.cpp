@@ -161,8 +161,7 @@ void validate_regions(Dynamics<Real>& body) {
   const Elements& elements = body.model.elements;
   Index condensed = 0;
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    const bool expected =
-        elements.topology.alive(t) && elements.region_of[std::size_t(t)] == RegionModel::precomputed;
+    const bool expected = elements.is_in(RegionModel::precomputed, t);
     check(body.regions.is_condensed(t) == expected, "regions: which tetrahedra are condensed");
     condensed += expected;
   }

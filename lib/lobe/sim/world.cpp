@@ -94,9 +94,13 @@ template <class Real>
 bool World<Real>::step(double dt) {
   tools_.begin_frame(time(), dt);
   for (const auto& term : body_.terms) term->begin_frame(time(), dt);
-  if (implicit_) return implicit_step(dt);
-  body_.find_forces();
-  move(dt);
+  tools_.begin_forces();
+  if (implicit_ && !implicit_step(dt)) return false;
+  if (!implicit_) {
+    body_.find_forces();
+    move(dt);
+  }
+  tools_.end_forces(dt);
   return true;
 }
 
@@ -166,6 +170,13 @@ bool World<Real>::implicit_step(double dt) {
     };
     if (!implicit_->step(body_, dt, given)) return false;
     tools_.moved(body_.motion.speeds.fastest * dt, std::numeric_limits<double>::epsilon());
+    const auto is_grasped = [](const HeldVertices::Held& item) {
+      return item.holder != HeldVertices::boundary;
+    };
+    if (std::any_of(held().all().begin(), held().all().end(), is_grasped)) {
+      body_.find_forces();
+      feel(dt);
+    }
     return true;
   }
   return false;

@@ -106,7 +106,4 @@ void World<Real>::report_lost_forces(const std::vector<Index>& touched) {
               "tensor-mass, or take hold of the vertex");
 }
 
-template class World<float>;
-template class World<double>;
-
 }  // namespace lobe

@@ -225,6 +225,7 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   c = compact(own.topology, own.points.view(), own.labels);
   Setup setup = setup_;
   setup.mesh = c.mesh;
+  if (own.fibres.cols() > 0) setup.mesh.fibres = own.fibres(Eigen::all, c.tet_source);
   setup.material_of.clear();
   setup.region_of.clear();
   setup.shares.clear();
@@ -248,8 +249,5 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   setup.scalpels.clear();
   return setup;
 }
-
-template class World<float>;
-template class World<double>;
 
 }  // namespace lobe

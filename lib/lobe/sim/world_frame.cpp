@@ -281,7 +281,4 @@ std::vector<Index> World<Real>::touched(const Sweep& sweep) {
   return tools_.touched(elements().topology, elements().points.padded(), body_.motion.u.padded(), sweep);
 }
 
-template class World<float>;
-template class World<double>;
-
 }  // namespace lobe

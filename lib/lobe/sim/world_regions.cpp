@@ -177,7 +177,4 @@ void World<Real>::use_mass_degree(int degree) {
   ++body_.model.revisions.velocities;
 }
 
-template class World<float>;
-template class World<double>;
-
 }  // namespace lobe

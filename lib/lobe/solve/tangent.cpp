@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lobe/fem/hooke.h"
 #include "lobe/region/energy_density.h"
 
 namespace lobe {
@@ -54,12 +53,12 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
     const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
     return s.volume * law_stiffness(nonlinear_law(elements, tet, pressure), H, s.gradients);
   }
-  const Elastic& e = elements.elastic_of(tet);
+  const Law<double> law = linear_law(elements, tet);
   TetStiffness K;
   for (int j = 0; j < 4; ++j)
     for (int k = 0; k < 4; ++k)
       K.block<3, 3>(3 * j, 3 * k) =
-          s.volume * hooke_block<double>(s.gradients.col(j), s.gradients.col(k), e.lambda, e.mu);
+          s.volume * linear_block<double>(law, s.gradients.col(j), s.gradients.col(k));
   return K;
 }
 

@@ -24,7 +24,7 @@ inline EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<d
 }
 
 // ∂²W/∂u_j∂u_k of one tetrahedron at given nodal pressures, a 12 × 12 matrix of 3 × 3 blocks [N/m]:
-// V B_jk (fem/hooke.h) of a linear one, else V times law_stiffness() (fem/law.h).
+// V linear_block() of a linear one, else V times law_stiffness() (fem/law.h).
 using TetStiffness = Eigen::Matrix<double, 12, 12>;
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
                            double pressure = 0);  // mean of its nodes' [Pa]

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lobe/fem/hooke.h"
 #include "lobe/numerics/lanczos.h"
 #include "lobe/time/vertex_frequencies.h"
 
@@ -67,7 +66,7 @@ auto SelectiveMass<Real>::find_row(const Elements& elements, Index vertex,
     int own = 0;
     while (corners[own] != vertex) ++own;
     const Vec3d alpha = s.gradients.col(own);
-    K += s.volume * hooke_block<double>(alpha, alpha, e.lambda, e.mu);
+    K += s.volume * linear_block<double>(linear_law(elements, t), alpha, alpha);
     for (int c = 0; c < 4; ++c) {
       if (c == own || !counts) continue;
       const double between = -s.volume * (e.lambda + 2 * e.mu) * alpha.dot(s.gradients.col(c));

@@ -44,7 +44,8 @@ bool is_led(const HeldVertices& held) {
 
 Unravelling::Unravelling(const Elements& elements, double diagonal) {
   double slowest = std::numeric_limits<double>::infinity();  // [m²/s²]
-  for (const Elastic& e : elements.materials) slowest = std::min(slowest, e.mu / e.density);
+  for (const Elastic& e : elements.materials)
+    slowest = std::min(slowest, (e.mu + std::min(0.0, e.fibre.shear)) / e.density);
   patience_ = 16 * diagonal / std::sqrt(slowest);
 }
 
@@ -64,7 +65,7 @@ bool Unravelling::have_come_back(const Dynamics<Real>& body) const {
   const Elements& elements = body.model.elements;
   const double safe = (1 + elements.guard_below) / 2;
   return std::all_of(state_.tets.begin(), state_.tets.end(), [&](Index t) {
-    return !elements.topology.alive(t) || elements.region_of[t] != RegionModel::tensor_mass ||
+    return !elements.is_in(RegionModel::tensor_mass, t) ||
            volume_ratio_of(elements, t, body.motion.u.padded()) > safe;
   });
 }

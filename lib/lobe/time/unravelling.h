@@ -89,7 +89,7 @@ std::vector<Index> Unravelling::tangled(const Dynamics<Real>& body, double volum
   std::vector<Index> tangled;
   if (volume_ratio >= elements.guard_below) return tangled;
   for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    if (elements.topology.alive(t) && elements.region_of[t] == RegionModel::nonlinear && was_held(t) &&
+    if (elements.is_in(RegionModel::nonlinear, t) && was_held(t) &&
         volume_ratio_of(elements, t, body.motion.u.padded()) < elements.guard_below)
       tangled.push_back(t);
   return tangled;

@@ -3,21 +3,17 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "lobe/fem/hooke.h"
-
 namespace lobe {
 
 CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat34<double>& u) {
   const Shape s = elements.shape_of(tet);
-  const Elastic& elastic = elements.elastic_of(tet);
-  const Law<double> law = nonlinear_law(elements, tet);
   const bool linear = elements.region_of[tet] == RegionModel::tensor_mass;
+  const Law<double> law = linear ? linear_law(elements, tet) : nonlinear_law(elements, tet);
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
   CornerStiffness K;
   for (int c = 0; c < 4; ++c) {
     const Vec3d a = s.gradients.col(c);
-    const Mat3<double> B =
-        linear ? hooke_block<double>(a, a, elastic.lambda, elastic.mu) : law_diagonal_block(law, H, a);
+    const Mat3<double> B = linear ? linear_block(law, a, a) : law_diagonal_block(law, H, a);
     K.col(c) << B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2);
   }
   return s.volume * K;

@@ -169,6 +169,8 @@ std::vector<ScalpelSetup> Tools::scalpel_paths() const {
 // frame that did not come about.
 void Tools::begin_frame(double time, double duration) {
   frame_end_ = time + duration;
+  time_felt_ = 0;
+  impulses_.assign(placed_.size(), {});
   const auto forget_later = [&](std::vector<PathPoint>& path) {
     while (!path.empty() && path.back().time > time + just_before) path.pop_back();
   };
@@ -297,23 +299,23 @@ Vec3d Tools::displacement(const HeldVertices::Held& item, const Vec3d& rest) con
   return centre + placed.offset + placed.turn * arm - rest;
 }
 
-void Tools::begin_forces() {
-  for (Grasp& grasp : grasps_)
-    if (grasp.phase == Grasp::Phase::holding) grasp.force = grasp.torque = Vec3d::Zero();
-}
+void Tools::begin_forces() { impulses_of_part_.assign(placed_.size(), {}); }
 
 void Tools::add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt) {
-  Grasp& grasp = *found(grasps_, holder);
-  grasp.force += dt * force;
-  grasp.torque += dt * (x - position(grasp)).cross(force);
+  Impulse& impulse = impulses_of_part_[std::size_t(holder)];
+  impulse.linear += dt * force;
+  impulse.angular += dt * (x - position(*grasp(holder))).cross(force);
 }
 
 void Tools::end_forces(double duration) {
-  for (Grasp& grasp : grasps_)
-    if (grasp.phase == Grasp::Phase::holding) {
-      grasp.force /= duration;
-      grasp.torque /= duration;
-    }
+  time_felt_ += duration;
+  for (Grasp& grasp : grasps_) {
+    Impulse& impulse = impulses_[std::size_t(grasp.id)];
+    impulse.linear += impulses_of_part_[std::size_t(grasp.id)].linear;
+    impulse.angular += impulses_of_part_[std::size_t(grasp.id)].angular;
+    grasp.force = impulse.linear / time_felt_;
+    grasp.torque = impulse.angular / time_felt_;
+  }
 }
 
 void Tools::set_state(const State& state) {

@@ -149,10 +149,11 @@ class Tools {
   // Displacement of a vertex that a grasp holds [m]; `rest`: its rest position [m].
   Vec3d displacement(const HeldVertices::Held& item, const Vec3d& rest) const;
   Vec3d position(const Grasp& grasp) const { return grasp.centre + placed_[std::size_t(grasp.id)].offset; }
-  // What grasps do to the body: -f of the vertices that they hold, added up over steps of dt [s].
+  // What grasps do to the body: -f of the vertices that they hold, added up over steps of dt [s]. A frame in
+  // which a grasp takes hold or lets go has several parts; begin_forces() begins one, or begins it again.
   void begin_forces();
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
-  void end_forces(double duration);
+  void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
 
   // Every vertex has moved by at most this in one more step [m], but for rounding; or the state is another
   // one.
@@ -196,6 +197,10 @@ class Tools {
     Mat3<double> turn = Mat3<double>::Identity();
   };
 
+  struct Impulse {
+    Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();  // [N s], [N m s]
+  };
+
   Grasp& live_grasp(ToolId id);
   Cautery& live_cautery(ToolId id);
   Scalpel* live_scalpel(ToolId id);  // null: it is another tool
@@ -206,8 +211,10 @@ class Tools {
   std::vector<Cautery> cauteries_;
   std::vector<Scalpel> scalpels_;
   ToolId next_ = 1;
-  double frame_end_ = 0;        // [s]
-  std::vector<Placed> placed_;  // by id
+  double frame_end_ = 0;                              // [s]
+  std::vector<Placed> placed_;                        // by id, as what follows
+  std::vector<Impulse> impulses_, impulses_of_part_;  // since the start of the frame, and of the present part
+  double time_felt_ = 0;                              // in which impulses_ were found [s]
   TetGroups groups_;
 };
 
@@ -234,8 +241,6 @@ bool Tools::update_grasps(double time, HeldVertices& held, Displacement&& displa
         time >= grasp.path.back().time - just_before) {
       held.release(grasp.id);
       grasp.phase = Grasp::Phase::released;
-      grasp.force.setZero();
-      grasp.torque.setZero();
       changed = true;
     }
   }

@@ -1,0 +1,315 @@
+// The C functions: checks, and what is thrown turned into a status and a text.
+#include "lobe_c.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "lobe/error.h"
+#include "lobe/scene/read_scene.h"
+#include "session.h"
+
+using lobe::HandCommand;
+using lobe::InputError;
+using lobe::Vec3d;
+
+namespace {
+
+thread_local std::string last_error;
+
+lobe_status fail(lobe_status status, const std::string& text) {
+  last_error = text;
+  return status;
+}
+
+// Whatever work() throws, as a status.
+template <class Work>
+lobe_status guarded(Work&& work) noexcept {
+  try {
+    try {
+      return work();
+    } catch (const InputError& error) {
+      return fail(LOBE_BAD_INPUT, error.what());
+    } catch (const std::exception& error) {
+      return fail(LOBE_FAILED, error.what());
+    }
+  } catch (...) {
+    return LOBE_FAILED;  // no memory for the text
+  }
+}
+
+void require(const void* pointer, const char* name) {
+  if (pointer == nullptr) throw InputError(name, "is NULL");
+}
+
+// A struct of a caller that knows fewer fields than this library: those are 0.
+template <class Struct>
+Struct of_caller(const Struct* given, const char* name) {
+  Struct own{};
+  if (given->size < sizeof(std::uint32_t) || given->size > 4096)
+    throw InputError(std::string(name) + ".size",
+                     std::to_string(given->size) + ", must be sizeof(" + name + ")");
+  std::memcpy(&own, given, std::min<std::size_t>(given->size, sizeof(Struct)));
+  return own;
+}
+template <class Struct>
+void give(const Struct& own, Struct* to) {
+  const std::uint32_t size = to->size;
+  std::memcpy(to, &own, std::min<std::size_t>(size, sizeof(Struct)));
+  to->size = size;
+}
+
+Vec3d vector_of(const double* values, const char* name) {
+  require(values, name);
+  return {values[0], values[1], values[2]};
+}
+
+lobe_status opened(lobe::Scene scene, const lobe_options* options, lobe_session** session) {
+  lobe_options own{};
+  if (options != nullptr) own = of_caller(options, "lobe_options");
+  *session = lobe::c::open(std::move(scene), own).release();
+  return LOBE_OK;
+}
+
+lobe_status send(lobe_session* session, HandCommand command) {
+  return guarded([&] {
+    require(session, "session");
+    const lobe_status status = session->send(command);
+    return status == LOBE_OK ? status : fail(status, "the queue of commands is full");
+  });
+}
+
+lobe_status not_started(const lobe_session& session, const char* what) {
+  return session.is_started()
+             ? fail(LOBE_WRONG_STATE, std::string(what) + ": the session runs in its own thread")
+             : LOBE_OK;
+}
+
+}  // namespace
+
+uint32_t lobe_abi_version(void) { return LOBE_ABI_VERSION; }
+const char* lobe_last_error(void) { return last_error.c_str(); }
+
+lobe_status lobe_open(const char* file, const lobe_options* options, lobe_session** session) {
+  return guarded([&] {
+    require(file, "scene_file");
+    require(session, "session");
+    return opened(lobe::read_scene(file), options, session);
+  });
+}
+
+lobe_status lobe_open_text(const char* scene, const char* folder, const lobe_options* options,
+                           lobe_session** session) {
+  return guarded([&] {
+    require(scene, "scene");
+    require(session, "session");
+    return opened(lobe::parse_scene(scene, std::filesystem::path(folder ? folder : ".") / "scene.json"),
+                  options, session);
+  });
+}
+
+void lobe_close(lobe_session* session) { delete session; }
+
+lobe_status lobe_start(lobe_session* session) {
+  return guarded([&] {
+    require(session, "session");
+    const std::lock_guard lock(session->driving);
+    const lobe_status status = not_started(*session, "lobe_start");
+    if (status == LOBE_OK) session->start();
+    return status;
+  });
+}
+
+lobe_status lobe_stop(lobe_session* session) {
+  return guarded([&] {
+    require(session, "session");
+    const std::lock_guard lock(session->driving);
+    session->stop();
+    return LOBE_OK;
+  });
+}
+
+lobe_status lobe_advance(lobe_session* session, uint32_t frames) {
+  return guarded([&] {
+    require(session, "session");
+    const std::unique_lock lock(session->driving, std::try_to_lock);
+    if (!lock) return fail(LOBE_WRONG_STATE, "lobe_advance: another thread drives the session");
+    const lobe_status status = not_started(*session, "lobe_advance");
+    for (uint32_t i = 0; status == LOBE_OK && i < frames; ++i) session->step_frame();
+    return status;
+  });
+}
+
+lobe_status lobe_pause(lobe_session* session, int paused) {
+  return send(session, {.kind = HandCommand::Kind::run, .on = paused == 0});
+}
+lobe_status lobe_set_speed(lobe_session* session, double speed) {
+  return send(session, {.kind = HandCommand::Kind::speed, .value = speed});
+}
+lobe_status lobe_restart(lobe_session* session) {
+  return send(session, {.kind = HandCommand::Kind::restart});
+}
+lobe_status lobe_back(lobe_session* session, double seconds) {
+  return send(session, {.kind = HandCommand::Kind::back, .value = seconds});
+}
+
+lobe_status lobe_get_state(lobe_session* session, lobe_state* state) {
+  return guarded([&] {
+    require(session, "session");
+    require(state, "state");
+    lobe_state own = of_caller(state, "lobe_state");
+    const auto status = session->status();
+    if (!status) return fail(LOBE_NOT_YET, "no frame was simulated yet");
+    own.tetrahedra = static_cast<std::uint32_t>(session->tet_count());
+    own.frame = static_cast<std::uint64_t>(status->picture);
+    own.time = status->time;
+    own.real_time_factor = status->real_time_factor;
+    own.running = status->is_running;
+    own.stands_still = status->stands_still;
+    give(own, state);
+    return LOBE_OK;
+  });
+}
+
+uint64_t lobe_messages(lobe_session* session, uint64_t after, char* text, uint32_t capacity) {
+  std::uint64_t last = after;
+  guarded([&] {
+    require(session, "session");
+    require(text, "text");
+    if (capacity == 0) return LOBE_OK;
+    text[0] = 0;
+    const auto status = session->status();
+    if (!status || !status->messages) return LOBE_OK;
+    std::size_t used = 0;
+    for (const lobe::SessionMessage& message : *status->messages) {
+      if (message.number <= after) continue;
+      const std::string line =
+          std::to_string(message.number) + ' ' + message.name + ": " + message.text + '\n';
+      if (used + line.size() + 1 > capacity) break;
+      std::memcpy(text + used, line.c_str(), line.size() + 1);
+      used += line.size();
+      last = message.number;
+    }
+    return LOBE_OK;
+  });
+  return last;
+}
+
+lobe_status lobe_grasp(lobe_session* session, uint32_t tool, const double point[3], double radius) {
+  return guarded([&] {
+    require(session, "session");
+    return send(session, {.kind = HandCommand::Kind::take_at_point,
+                          .hand = tool,
+                          .position = session->axes.point_in(vector_of(point, "point")),
+                          .radius = session->axes.length_in(radius)});
+  });
+}
+
+lobe_status lobe_grasp_ray(lobe_session* session, uint32_t tool, const double origin[3],
+                           const double direction[3], double radius) {
+  return guarded([&] {
+    require(session, "session");
+    return send(session, {.kind = HandCommand::Kind::take_at_ray,
+                          .hand = tool,
+                          .position = session->axes.point_in(vector_of(origin, "origin")),
+                          .direction = session->axes.direction_in(vector_of(direction, "direction")),
+                          .radius = session->axes.length_in(radius)});
+  });
+}
+
+lobe_status lobe_cautery(lobe_session* session, uint32_t tool, const double tip[3], double radius) {
+  return guarded([&] {
+    require(session, "session");
+    return send(session, {.kind = HandCommand::Kind::bring_cautery,
+                          .hand = tool,
+                          .position = session->axes.point_in(vector_of(tip, "tip")),
+                          .radius = session->axes.length_in(radius)});
+  });
+}
+
+lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on) {
+  return send(session, {.kind = HandCommand::Kind::burn, .on = on != 0, .hand = tool});
+}
+
+lobe_status lobe_move(lobe_session* session, uint32_t tool, const double pose[7]) {
+  return guarded([&] {
+    require(session, "session");
+    require(pose, "pose");
+    return send(session, {.kind = HandCommand::Kind::lead,
+                          .hand = tool,
+                          .position = session->axes.point_in({pose[0], pose[1], pose[2]}),
+                          .orientation = session->axes.rotation_in({pose[3], pose[4], pose[5], pose[6]})});
+  });
+}
+
+lobe_status lobe_release(lobe_session* session, uint32_t tool) {
+  return send(session, {.kind = HandCommand::Kind::let_go, .hand = tool});
+}
+
+lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state) {
+  return guarded([&] {
+    require(session, "session");
+    require(state, "state");
+    lobe_tool own = of_caller(state, "lobe_tool");
+    const auto status = session->status();
+    if (!status) return LOBE_NOT_YET;
+    const auto mine = [&](const lobe::HandStatus& hand) {
+      return hand.controller == session->controller() && hand.hand == tool;
+    };
+    const auto found = std::find_if(status->hands.begin(), status->hands.end(), mine);
+    if (found == status->hands.end()) return LOBE_NOT_YET;
+    const lobe::c::Axes& axes = session->axes;
+    own.holds = found->holds;
+    own.vertices = static_cast<std::uint32_t>(found->vertices);
+    Eigen::Map<Vec3d>(own.pose) = axes.point_out(found->pose.position);
+    Eigen::Map<Eigen::Vector4d>(own.pose + 3) = axes.rotation_out(found->pose.orientation);
+    Eigen::Map<Vec3d>(own.force) = axes.direction_out(found->force);
+    Eigen::Map<Vec3d>(own.torque) = axes.torque_out(found->torque);
+    give(own, state);
+    return LOBE_OK;
+  });
+}
+
+lobe_status lobe_surface_acquire(lobe_session* session, lobe_surface* surface) {
+  return guarded([&] {
+    require(session, "session");
+    require(surface, "surface");
+    lobe_surface own = of_caller(surface, "lobe_surface");
+    if (surface->size < sizeof(lobe_surface)) throw InputError("lobe_surface.size", "is of an older version");
+    if (!session->fill(own)) return fail(LOBE_NOT_YET, "no frame was simulated yet");
+    give(own, surface);
+    return LOBE_OK;
+  });
+}
+
+void lobe_surface_release(lobe_session* session, lobe_surface* surface) {
+  guarded([&] {
+    if (session == nullptr || surface == nullptr || surface->owner == nullptr) return LOBE_OK;
+    session->give_back(
+        std::unique_ptr<lobe_session::Buffers>(static_cast<lobe_session::Buffers*>(surface->owner)));
+    surface->owner = nullptr;
+    surface->position = surface->normal = nullptr;
+    surface->index = nullptr;
+    surface->region = surface->cut = nullptr;
+    return LOBE_OK;
+  });
+}
+
+lobe_status lobe_save_scene(lobe_session* session, const char* file) {
+  return guarded([&] {
+    require(session, "session");
+    require(file, "file");
+    const std::lock_guard lock(session->driving);
+    session->save_scene(file);
+    return LOBE_OK;
+  });
+}
+
+lobe_status lobe_save_recording(lobe_session* session, const char* file) {
+  return guarded([&] {
+    require(session, "session");
+    require(file, "file");
+    const std::lock_guard lock(session->driving);
+    session->save_recording(file);
+    return LOBE_OK;
+  });
+}

@@ -1,0 +1,129 @@
+#include "session.h"
+
+#include <filesystem>
+
+#include "lobe/io/atomic_file.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/live/session_scene.h"
+#include "lobe/run/recording.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/write_scene.h"
+
+std::unique_ptr<lobe_session::Buffers> lobe_session::take_buffers() {
+  const std::lock_guard lock(mutex_);
+  if (free_.empty()) return std::make_unique<Buffers>();
+  std::unique_ptr<Buffers> buffers = std::move(free_.back());
+  free_.pop_back();
+  return buffers;
+}
+
+void lobe_session::give_back(std::unique_ptr<Buffers> buffers) {
+  const std::lock_guard lock(mutex_);
+  free_.push_back(std::move(buffers));
+}
+
+namespace lobe::c {
+namespace {
+
+SessionOptions session_options(const lobe_options& options) {
+  SessionOptions made;
+  if (options.threads > 0) made.threads = static_cast<int>(options.threads);
+  if (options.frame != 0) made.frame = options.frame;
+  if (options.speed != 0) made.speed = options.speed;
+  made.paced = options.unpaced == 0;
+  made.running = options.paused == 0;
+  return made;
+}
+
+template <class Real>
+class SessionOf : public lobe_session {
+ public:
+  SessionOf(Scene scene, Resolved resolved, const lobe_options& options)
+      : scene_(std::move(scene)),
+        setup_(std::move(resolved.setup)),
+        session_(setup_, session_options(options)),
+        controller_(session_.connect("engine")) {}
+
+  lobe_status send(const HandCommand& command) override {
+    return controller_.send(command) ? LOBE_OK : LOBE_BUSY;
+  }
+  void start() override { session_.start(); }
+  void stop() override { session_.stop(); }
+  bool is_started() const override { return session_.is_started(); }
+  void step_frame() override { session_.step_frame(); }
+  TripleBuffer<SessionStatus>::View status() const override { return session_.status(); }
+  int controller() const override { return controller_.number(); }
+  Index tet_count() const override {
+    const auto picture = session_.pictures().latest();
+    return picture ? picture->figures.tets : setup_.mesh.tet_count();
+  }
+  bool fill(lobe_surface& surface) override;
+  void save_scene(const std::string& file) override {
+    between([&] { io::write_file(file, to_json(session_scene(scene_, setup_, session_))); });
+  }
+  void save_recording(const std::string& file) override {
+    between([&] { write_recording(file, session_.recording()); });
+  }
+
+ private:
+  void between(const std::function<void()>& work) {
+    session_.is_started() ? session_.between_frames(work) : work();
+  }
+
+  Scene scene_;
+  Setup setup_;
+  Session<Real> session_;
+  Controller controller_;
+};
+
+template <class Real>
+bool SessionOf<Real>::fill(lobe_surface& surface) {
+  const auto picture = session_.pictures().latest();
+  if (!picture) return false;
+  const SurfaceSnapshot<Real>& from = picture->surface;
+  std::unique_ptr<Buffers> to = take_buffers();
+  const auto vertices = std::size_t(from.mesh->vertex_count()),
+             triangles = std::size_t(from.mesh->triangle_count());
+  to->position.resize(3 * vertices);
+  to->normal.resize(3 * vertices);
+  Eigen::Map<Mat3X<float>> x(to->position.data(), 3, Index(vertices)),
+      n(to->normal.data(), 3, Index(vertices));
+  for (Index v = 0; v < Index(vertices); ++v) {
+    x.col(v) = axes.point_out(from.x.col(v).template cast<double>()).template cast<float>();
+    n.col(v) = axes.direction_out(from.normals.col(v).template cast<double>()).template cast<float>();
+  }
+  const int second = axes.is_mirrored() ? 2 : 1;
+  to->index.resize(3 * triangles);
+  to->region.resize(triangles);
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const Eigen::Vector3i& corners = from.mesh->triangles[t];
+    to->index[3 * t] = static_cast<std::uint32_t>(corners[0]);
+    to->index[3 * t + 1] = static_cast<std::uint32_t>(corners[second]);
+    to->index[3 * t + 2] = static_cast<std::uint32_t>(corners[3 - second]);
+    to->region[t] = static_cast<std::uint8_t>(from.mesh->region[t]);
+  }
+  to->cut = from.mesh->cut;
+  surface = {
+      sizeof(lobe_surface), std::uint32_t(vertices), std::uint32_t(triangles), std::uint64_t(picture->frame),
+      from.mesh->revision,  picture->time,           to->position.data(),      to->normal.data(),
+      to->index.data(),     to->region.data(),       to->cut.data(),           to.get()};
+  to.release();  // until lobe_surface_release()
+  return true;
+}
+
+}  // namespace
+
+std::unique_ptr<lobe_session> open(Scene scene, const lobe_options& options) {
+  const Axes axes(options.axes);
+  Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh);
+  propose(scene, resolved);
+  std::unique_ptr<lobe_session> made;
+  if (scene.in_double())
+    made = std::make_unique<SessionOf<double>>(std::move(scene), std::move(resolved), options);
+  else
+    made = std::make_unique<SessionOf<float>>(std::move(scene), std::move(resolved), options);
+  made->axes = axes;
+  return made;
+}
+
+}  // namespace lobe::c

@@ -1,0 +1,35 @@
+"""Organ mechanics in real time: linear and non-linear regions, tools and cuts (docs/python.md)."""
+
+from ._lobe import (
+    Cautery,
+    Checkpoint,
+    Condition,
+    Difference,
+    GestureOutcome,
+    Grasp,
+    InputError,
+    Mesh,
+    Proposal,
+    Report,
+    Scene,
+    Snapshot,
+    StaticResult,
+    Surface,
+    World,
+    __version__,
+    box_mesh,
+    compare,
+    propose_regions,
+    read_mesh,
+    read_scene,
+    region_models,
+    run,
+    solve,
+)
+from .programs import bench, mesh, read_table, view
+
+__all__ = [
+    "Cautery", "Checkpoint", "Condition", "Difference", "GestureOutcome", "Grasp", "InputError", "Mesh",
+    "Proposal", "Report", "Scene", "Snapshot", "StaticResult", "Surface", "World", "__version__", "bench", "box_mesh",
+    "compare", "mesh", "propose_regions", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
+]

@@ -1,0 +1,95 @@
+"""What lobe's programs do: meshing (GPL, a program of its own), the page, benchmarks."""
+
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+import numpy
+
+from ._lobe import InputError, Mesh, Scene, read_mesh
+
+
+def _program():
+    """The program `lobe`: $LOBE_PROGRAM, else beside this package in a build, else on the path."""
+    here = pathlib.Path(__file__).resolve().parent
+    candidates = [os.environ.get("LOBE_PROGRAM"), here.parent.parent / "bin" / "lobe", shutil.which("lobe")]
+    for candidate in candidates:
+        if candidate and pathlib.Path(candidate).is_file():
+            return str(candidate)
+    raise FileNotFoundError("the program lobe: not found on the path, and LOBE_PROGRAM does not name it")
+
+
+def _run(*arguments):
+    done = subprocess.run([_program(), *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode != 0:
+        text = done.stderr.strip() or done.stdout.strip()
+        raise InputError("lobe " + str(arguments[0]) + ": " + text)
+    return done.stdout
+
+
+def mesh(surface, *, edge, **options):
+    """Tetrahedra inside a surface: a file, or a pair of points (n, 3) [m] and triangles (t, 3).
+
+    edge: length of edges asked for [m]. Further options are those of `lobe mesh`: repair="wrap" is
+    --repair wrap.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        if not isinstance(surface, (str, os.PathLike)):
+            points, triangles = surface
+            file = pathlib.Path(folder) / "surface.obj"
+            with open(file, "w", encoding="utf-8") as out:
+                for x, y, z in numpy.asarray(points, dtype=float).reshape(-1, 3).tolist():
+                    out.write(f"v {x!r} {y!r} {z!r}\n")
+                for a, b, c in (numpy.asarray(triangles).reshape(-1, 3) + 1).tolist():
+                    out.write(f"f {a} {b} {c}\n")
+            surface = file
+        result = pathlib.Path(folder) / "mesh.vtu"
+        further = []
+        for name, value in options.items():
+            further += ["--" + name.replace("_", "-"), value]
+        _run("mesh", surface, "--edge", edge, "-o", result, *further)
+        return read_mesh(result)
+
+
+def view(scene, *, port=None):
+    """Opens the page in which the organ of a scene (a file, or a Scene) is held. Returns the server's process."""
+    folder = None
+    if isinstance(scene, Scene):
+        folder = tempfile.mkdtemp(prefix="lobe_view_")
+        document = scene.to_dict()
+        document["mesh"] = "mesh.vtu"
+        scene.mesh.save(pathlib.Path(folder) / "mesh.vtu")
+        scene = pathlib.Path(folder) / "scene.json"
+        scene.write_text(json.dumps(document), encoding="utf-8")
+    elif not isinstance(scene, (str, os.PathLike)):
+        raise InputError("view: wants a file or a Scene")
+    arguments = [] if port is None else ["--port", str(port)]
+    return subprocess.Popen([_program(), "view", str(scene), *arguments])
+
+
+def read_table(file):
+    """A table of a benchmark (CSV) as a structured array: table["ns_per_tet"]."""
+    with open(file, newline="", encoding="utf-8") as text:
+        rows = list(csv.reader(text))
+    if not rows:
+        raise InputError(f"{file}: is empty")
+    names, values = rows[0], rows[1:]
+    columns = []
+    for i, name in enumerate(names):
+        column = [row[i] if i < len(row) else "" for row in values]
+        try:
+            columns.append(numpy.array([float(cell) if cell else numpy.nan for cell in column]))
+        except ValueError:
+            columns.append(numpy.array(column))
+    return numpy.rec.fromarrays(columns, names=names)
+
+
+def bench(name, *arguments):
+    """Runs `lobe bench NAME` with further arguments; returns its tables by name, as read_table() gives them."""
+    with tempfile.TemporaryDirectory() as folder:
+        _run("bench", name, *arguments, "-o", folder)
+        return {file.stem: read_table(file) for file in sorted(pathlib.Path(folder).glob("*.csv"))}

@@ -1,0 +1,137 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/run/run.h"
+#include "lobe/run/solve.h"
+#include "lobe/scene/describe.h"
+#include "lobe/scene/write_scene.h"
+#include "scene.h"
+
+namespace lobe::python {
+namespace {
+
+py::object json() { return py::module_::import("json"); }
+
+// numpy's arrays and numbers, which json does not know, as lists.
+std::string text_of(const py::dict& document) {
+  const py::cpp_function as_list = [](const py::object& value) -> py::object {
+    if (py::hasattr(value, "tolist")) return value.attr("tolist")();
+    throw py::type_error("a scene cannot hold a " + std::string(py::str(py::type::of(value))));
+  };
+  return json().attr("dumps")(document, py::arg("default") = as_list).cast<std::string>();
+}
+
+std::optional<std::vector<RegionModel>> models_of(const py::object& regions, Index tets) {
+  if (regions.is_none()) return {};
+  std::vector<RegionModel> models;
+  const py::array array = py::array::ensure(regions);
+  if (!array || array.ndim() != 1 || array.shape(0) != tets ||
+      (array.dtype().kind() != 'u' && array.dtype().kind() != 'i'))
+    throw InputError("regions",
+                     "must be a whole number for each of the " + std::to_string(tets) + " tetrahedra");
+  for (Index code : indices(array, "regions", Index(region_model_names.size())))
+    models.push_back(RegionModel(code));
+  return models;
+}
+
+std::shared_ptr<PyScene> scene_of(const py::object& document, std::shared_ptr<TetMesh> mesh,
+                                  const py::object& regions, const std::filesystem::path& folder) {
+  std::string text;
+  if (py::isinstance<py::str>(document)) {
+    text = document.cast<std::string>();
+  } else if (py::isinstance<py::dict>(document)) {
+    const py::dict copy(document.attr("copy")());
+    if (mesh && !copy.contains("mesh")) copy["mesh"] = "in memory";
+    text = text_of(copy);
+  } else {
+    throw InputError("scene", "must be a dictionary or JSON text");
+  }
+  Scene scene = parse_scene(text, folder / "scene.json");
+  if (!mesh && !regions.is_none()) mesh = std::make_shared<TetMesh>(read_mesh(mesh_path(scene)).mesh);
+  std::optional<std::vector<RegionModel>> models;
+  if (mesh) models = models_of(regions, mesh->tet_count());
+  return std::make_shared<PyScene>(std::move(scene), std::move(mesh), std::move(models));
+}
+
+}  // namespace
+
+const Resolved& PyScene::resolved() const {
+  const py::gil_scoped_release others_run;
+  const std::lock_guard lock(mutex_);
+  if (!resolved_) {
+    Resolved resolved = resolve(scene_, mesh_ ? *mesh_ : read_mesh(mesh_path(scene_)).mesh);
+    if (regions_)
+      resolved.setup.region_of = *regions_;
+    else
+      propose(scene_, resolved);
+    resolved_ = std::make_unique<const Resolved>(std::move(resolved));
+  }
+  return *resolved_;
+}
+
+void bind_scene(py::module_& module) {
+  py::class_<PyScene, std::shared_ptr<PyScene>>(module, "Scene",
+                                                "What is simulated (docs/scene.md). It does not change.")
+      .def(py::init(&scene_of), py::arg("document"), py::arg("mesh") = py::none(), py::kw_only(),
+           py::arg("regions") = py::none(), py::arg("folder") = ".",
+           "document: a dictionary, in which numpy arrays may stand for lists, or JSON text. mesh: in place "
+           "of the\n"
+           "file that the document names. regions: (m,) codes of models per tetrahedron (0 tensor-mass, 1 "
+           "precomputed,\n"
+           "2 nonlinear), in place of the document's. folder: what relative paths are relative to. Raises "
+           "InputError\n"
+           "with all faults.")
+      .def_property_readonly(
+          "mesh", [](const PyScene& self) { return std::make_shared<TetMesh>(self.resolved().setup.mesh); },
+          "A copy of its mesh.")
+      .def_property_readonly(
+          "regions",
+          [](py::object self) {
+            const std::vector<RegionModel>& models = self.cast<PyScene&>().resolved().setup.region_of;
+            return read_only(reinterpret_cast<const std::uint8_t*>(models.data()),
+                             {py::ssize_t(models.size())}, self);
+          },
+          "(m,) uint8, code of the model of each tetrahedron, read-only")
+      .def_property_readonly(
+          "warnings", [](const PyScene& self) { return self.resolved().warnings; }, "Lines of text.")
+      .def(
+          "check",
+          [](const PyScene& self) {
+            return json().attr("loads")(describe_json(self.scene(), self.resolved()));
+          },
+          "What will be run, as `lobe check --json` prints it: a dictionary. Raises InputError.")
+      .def(
+          "to_dict", [](const PyScene& self) { return json().attr("loads")(to_json(self.scene())); },
+          "The scene as it was understood, with all its defaults.");
+  module.def(
+      "read_scene",
+      [](const std::filesystem::path& file) {
+        return std::make_shared<PyScene>(read_scene(file), nullptr, std::nullopt);
+      },
+      py::arg("file"), "Raises InputError with all faults.");
+  module.def(
+      "run",
+      [](const PyScene& scene, const std::filesystem::path& folder, int threads) {
+        const Resolved& resolved = scene.resolved();
+        RunOptions options;
+        options.directory = folder;
+        options.threads = threads;
+        RunResult result;
+        {
+          const py::gil_scoped_release others_run;
+          result = run_scene(scene.scene(), resolved, options);
+        }
+        py::object report = json().attr("loads")(
+            py::module_::import("pathlib").attr("Path")(result.report.string()).attr("read_text")());
+        return report;
+      },
+      py::arg("scene"), py::arg("folder"), py::arg("threads") = 1,
+      "Plays the scene as `lobe run` does, with everything written to the folder; returns its report, a "
+      "dictionary.");
+  module.attr("region_models") =
+      py::make_tuple(region_model_names[0], region_model_names[1], region_model_names[2]);
+}
+
+}  // namespace lobe::python

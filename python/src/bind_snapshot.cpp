@@ -1,0 +1,123 @@
+#include "snapshot.h"
+
+#include <pybind11/stl.h>
+
+#include "scene.h"
+
+namespace lobe::python {
+namespace {
+
+// get(snapshot) of either precision.
+template <class Get>
+auto of(const PySnapshot& snapshot, Get&& get) {
+  return std::visit([&](const auto& value) { return get(*value); }, snapshot.of);
+}
+template <class Get>
+auto of(const PySurface& surface, Get&& get) {
+  return of(*surface.snapshot, [&](const auto& value) { return get(value.surface); });
+}
+
+const SurfaceMesh& mesh_of(const PySurface& surface) {
+  return *of(surface, [](const auto& of) { return of.mesh.get(); });
+}
+
+py::list tools_of(const PySnapshot& snapshot) {
+  return of(snapshot, [](const auto& s) {
+    py::list tools;
+    for (const ToolSnapshot& tool : s.tools) {
+      py::dict entry;
+      entry["name"] = tool.name;
+      entry["type"] = tool.type;
+      entry["position"] = copied(tool.position);
+      entry["orientation"] =
+          py::array(py::dtype::of<double>(), {py::ssize_t{4}}, tool.orientation.coeffs().data());
+      entry["force"] = copied(tool.force);
+      entry["torque"] = copied(tool.torque);
+      tools.append(entry);
+    }
+    return tools;
+  });
+}
+
+void bind_surface(py::module_& module) {
+  py::class_<PySurface, std::shared_ptr<PySurface>>(
+      module, "Surface",
+      "The boundary of the body in a snapshot; a vertex where a cut meets the skin is two of its own.")
+      .def_property_readonly(
+          "x",
+          [](py::object self) {
+            return of(self.cast<PySurface&>(), [&](const auto& s) { return read_only(s.x, self); });
+          },
+          "(k, 3) current positions [m], read-only")
+      .def_property_readonly(
+          "normals",
+          [](py::object self) {
+            return of(self.cast<PySurface&>(), [&](const auto& s) { return read_only(s.normals, self); });
+          },
+          "(k, 3) unit normals, outwards, read-only")
+      .def_property_readonly(
+          "triangles",
+          [](py::object self) {
+            const auto& triangles = mesh_of(self.cast<PySurface&>()).triangles;
+            return read_only(reinterpret_cast<const int*>(triangles.data()),
+                             {py::ssize_t(triangles.size()), 3}, self);
+          },
+          "(t, 3) int32, vertices of this surface, counter-clockwise seen from outside, read-only")
+      .def_property_readonly(
+          "region",
+          [](py::object self) {
+            const auto& region = mesh_of(self.cast<PySurface&>()).region;
+            return read_only(reinterpret_cast<const std::uint8_t*>(region.data()),
+                             {py::ssize_t(region.size())}, self);
+          },
+          "(t,) uint8, code of the model of each triangle's tetrahedron, read-only")
+      .def_property_readonly(
+          "cut",
+          [](py::object self) {
+            const auto& cut = mesh_of(self.cast<PySurface&>()).cut;
+            return read_only(reinterpret_cast<const bool*>(cut.data()), {py::ssize_t(cut.size())}, self);
+          },
+          "(t,) bool, whether a cut has made the triangle, read-only")
+      .def_property_readonly(
+          "vertex",
+          [](py::object self) {
+            const auto& vertex = mesh_of(self.cast<PySurface&>()).mesh_vertex;
+            return read_only(vertex.data(), {py::ssize_t(vertex.size())}, self);
+          },
+          "(k,) int32, the vertex of the mesh that each is, read-only")
+      .def_property_readonly(
+          "revision", [](const PySurface& self) { return mesh_of(self).revision; },
+          "Grows with every change of anything but positions and normals.");
+}
+
+}  // namespace
+
+void bind_snapshot(py::module_& module) {
+  static_assert(sizeof(bool) == 1 && sizeof(RegionModel) == 1 && sizeof(Eigen::Vector3i) == 3 * sizeof(int));
+  bind_surface(module);
+  py::class_<PySnapshot, std::shared_ptr<PySnapshot>>(
+      module, "Snapshot", "A moment of a world. It owns its arrays, which outlive cuts and the world.")
+      .def_property_readonly(
+          "time", [](const PySnapshot& self) { return of(self, [](const auto& s) { return s.time; }); },
+          "[s]")
+      .def_property_readonly(
+          "u",
+          [](py::object self) {
+            return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.u, self); });
+          },
+          "(n, 3) displacements [m], float32 or float64 as the world, read-only")
+      .def_property_readonly(
+          "v",
+          [](py::object self) {
+            return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.v, self); });
+          },
+          "(n, 3) velocities [m/s], read-only")
+      .def_property_readonly("surface",
+                             [](std::shared_ptr<PySnapshot> self) { return PySurface{std::move(self)}; })
+      .def_property_readonly(
+          "tools", &tools_of,
+          "A dictionary each: name, type, position [m], orientation (x, y, z, w), force [N] and torque\n"
+          "[N m] on the tool, by the body.");
+}
+
+}  // namespace lobe::python

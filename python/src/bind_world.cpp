@@ -1,0 +1,270 @@
+#include "lobe/error.h"
+#include "world.h"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+namespace lobe::python {
+namespace {
+
+// A tool that a script holds.
+struct PyTool {
+  std::shared_ptr<PyWorld> world;
+  ToolId id;
+};
+struct PyGrasp : PyTool {};
+struct PyCautery : PyTool {};
+
+// Without the GIL, and without anybody else in this world.
+template <class Work>
+auto alone(PyWorld& world, Work&& work) {
+  const py::gil_scoped_release others_run;
+  const auto lock = world.claim();
+  return work();
+}
+
+void apply(PyWorld& world, const Command& command) {
+  alone(world, [&] { world.apply(command); });
+}
+
+RegionModel model_of(const std::string& name) {
+  for (std::size_t i = 0; i < region_model_names.size(); ++i)
+    if (name == region_model_names[i]) return RegionModel(i);
+  throw InputError("model", "\"" + name + "\", must be one of region_models");
+}
+
+PyGrasp take(std::shared_ptr<PyWorld> world, const py::object& vertices, const py::object& near,
+             double radius, const std::string& name) {
+  if (vertices.is_none() == near.is_none())
+    throw InputError("grasp", "wants either vertices, or near and radius");
+  TakeHold command{name, {}};
+  if (vertices.is_none()) {
+    const Vec3d centre = vector3(near, "near");
+    if (!(radius > 0)) throw InputError("radius", "must be above 0 m");
+    const Mat3X<double> x = alone(*world, [&] { return world->positions(); });
+    const Topology& topology = world->elements().topology;
+    for (Index v = 0; v < x.cols(); ++v)
+      if (!topology.around(v).empty() && (x.col(v) - centre).norm() <= radius) command.vertices.push_back(v);
+    if (command.vertices.empty()) throw InputError("near", "no vertex lies within the radius");
+  } else {
+    command.vertices = indices(vertices, "vertices", world->elements().topology.vertex_count());
+  }
+  const ToolId id = alone(*world, [&] {
+    const ToolId next = world->tools().next_id();
+    world->apply(command);
+    return next;
+  });
+  return {{std::move(world), id}};
+}
+
+PyCautery bring(std::shared_ptr<PyWorld> world, const py::object& position, double radius,
+                const std::string& name) {
+  const Vec3d tip = vector3(position, "position");
+  const ToolId id = alone(*world, [&] {
+    const ToolId next = world->tools().next_id();
+    world->apply(BringCautery{name, radius, tip});
+    return next;
+  });
+  return {{std::move(world), id}};
+}
+
+const Grasp& grasp_of(const PyTool& tool) { return *tool.world->tools().grasp(tool.id); }
+
+void bind_reports(py::module_& module) {
+  py::class_<Condition>(module, "Condition", "What a frame has to say instead of raising.")
+      .def_property_readonly("kind", [](const Condition& c) { return name(c.kind); })
+      .def_readonly("text", &Condition::text, "one line: place, figures, remedy")
+      .def_readonly("time", &Condition::time, "[s]")
+      .def("__repr__",
+           [](const Condition& c) { return "<" + std::string(name(c.kind)) + ": " + c.text + ">"; });
+  py::class_<Report>(module, "Report", "Of one frame.")
+      .def_readonly("ok", &Report::ok, "False: the world could not be advanced; the conditions say why")
+      .def_readonly("steps", &Report::steps)
+      .def_readonly("time_step", &Report::time_step, "the smallest that was taken [s]")
+      .def_readonly("time_step_limit", &Report::time_step_limit, "[s]")
+      .def_readonly("reruns", &Report::reruns, "of the frame, with smaller steps")
+      .def_readonly("tets_removed", &Report::tets_removed)
+      .def_readonly("smallest_volume_ratio", &Report::smallest_volume_ratio, "of non-linear tetrahedra")
+      .def_readonly("conditions", &Report::conditions);
+  py::class_<PyCheckpoint>(module, "Checkpoint", "All that a world has become.")
+      .def(
+          "save",
+          [](const PyCheckpoint& self, const std::filesystem::path& file) {
+            std::visit([&](const auto& checkpoint) { write_checkpoint(file, checkpoint); }, self.of);
+          },
+          py::arg("file"));
+}
+
+void bind_tools(py::module_& module) {
+  py::class_<PyGrasp>(module, "Grasp", "Holds vertices. Made by World.grasp().")
+      .def(
+          "move_to",
+          [](const PyGrasp& self, const py::object& position, const py::object& orientation) {
+            Lead lead{self.id, {vector3(position, "position")}};
+            if (!orientation.is_none()) {
+              const py::array_t<double, py::array::c_style | py::array::forcecast> q(orientation);
+              if (q.ndim() != 1 || q.shape(0) != 4)
+                throw InputError("orientation", "must be four numbers x, y, z, w");
+              lead.target.orientation = Eigen::Map<const Eigen::Vector4d>(q.data());
+            }
+            apply(*self.world, lead);
+          },
+          py::arg("position"), py::arg("orientation") = py::none(),
+          "Where its centre is to be at the end of the next frame [m], and how it is turned since it took "
+          "hold: a unit\n"
+          "quaternion (x, y, z, w).")
+      .def(
+          "release", [](const PyGrasp& self) { apply(*self.world, LetGo{self.id}); },
+          "At the start of the next frame.")
+      .def_property_readonly("vertices",
+                             [](const PyGrasp& self) {
+                               const std::vector<Index>& v = grasp_of(self).vertices;
+                               return py::array_t<Index>(py::ssize_t(v.size()), v.data());
+                             })
+      .def_property_readonly(
+          "position",
+          [](const PyGrasp& self) {
+            const Grasp& grasp = grasp_of(self);
+            return copied(Vec3d(grasp.centre + path_at(grasp.path, self.world->time())));
+          },
+          "of its centre [m]; after the first frame")
+      .def_property_readonly(
+          "force", [](const PyGrasp& self) { return copied(grasp_of(self).force); },
+          "that it exerts on the body, mean over the last frame [N]")
+      .def_property_readonly(
+          "torque", [](const PyGrasp& self) { return copied(grasp_of(self).torque); },
+          "the same about its centre [N m]");
+  py::class_<PyCautery>(module, "Cautery",
+                        "Burns what its spherical tip touches, while it is on. Made by World.cautery().")
+      .def(
+          "move_to",
+          [](const PyCautery& self, const py::object& position) {
+            apply(*self.world, Lead{self.id, {vector3(position, "position")}});
+          },
+          py::arg("position"), "Where its tip is to be at the end of the next frame [m].")
+      .def(
+          "switch",
+          [](const PyCautery& self, bool on) {
+            apply(*self.world, SwitchCautery{self.id, on});
+          },
+          py::arg("on"))
+      .def(
+          "release", [](const PyCautery& self) { apply(*self.world, LetGo{self.id}); }, "Takes it away.");
+}
+
+void bind_edits(py::class_<PyWorld, std::shared_ptr<PyWorld>>& world) {
+  world
+      .def("grasp", &take, py::arg("vertices") = py::none(), py::kw_only(), py::arg("near") = py::none(),
+           py::arg("radius") = 0.0, py::arg("name") = "hand",
+           "Takes hold, at the start of the next frame, of vertices (indices or a mask), or of all within "
+           "the radius [m]\n"
+           "of a point [m].")
+      .def("cautery", &bring, py::arg("position"), py::kw_only(), py::arg("radius"),
+           py::arg("name") = "cautery", "Brings a cautery, which is off; the radius is its tip's [m].")
+      .def(
+          "remove_tets",
+          [](PyWorld& self, const py::object& tets) {
+            apply(self, RemoveTets{indices(tets, "tets", self.elements().topology.tet_count())});
+          },
+          py::arg("tets"), "Indices or a mask.")
+      .def(
+          "set_region",
+          [](PyWorld& self, const py::object& tets, const std::string& model) {
+            apply(self,
+                  SetRegion{indices(tets, "tets", self.elements().topology.tet_count()), model_of(model)});
+          },
+          py::arg("tets"), py::arg("model"), "Indices or a mask, and one of region_models.")
+      .def(
+          "set_forces",
+          [](PyWorld& self, const py::object& vertices, const py::object& forces) {
+            const auto at = indices(vertices, "vertices", self.elements().topology.vertex_count());
+            const Mat3X<double> f = columns3(forces, "forces");
+            if (f.cols() != Index(at.size())) throw InputError("forces", "must be one per vertex");
+            SetForces command;
+            for (std::size_t i = 0; i < at.size(); ++i)
+              command.forces.push_back({at[i], f.col(Eigen::Index(i))});
+            apply(self, command);
+          },
+          py::arg("vertices"), py::arg("forces"), "(k, 3) [N], in place of those that were set before.")
+      .def(
+          "set_springs",
+          [](PyWorld& self, const py::object& vertices, const py::object& points, double stiffness) {
+            const auto at = indices(vertices, "vertices", self.elements().topology.vertex_count());
+            const Mat3X<double> p = columns3(points, "points");
+            if (p.cols() != Index(at.size())) throw InputError("points", "must be one per vertex");
+            SetSprings command;
+            for (std::size_t i = 0; i < at.size(); ++i)
+              command.springs.push_back({at[i], stiffness, p.col(Eigen::Index(i))});
+            apply(self, command);
+          },
+          py::arg("vertices"), py::arg("points"), py::arg("stiffness"),
+          "From vertices to points (k, 3) [m], each of the stiffness [N/m], in place of those that were set "
+          "before.")
+      .def(
+          "move_springs",
+          [](PyWorld& self, const py::object& points) {
+            apply(self, MoveSprings{columns3(points, "points")});
+          },
+          py::arg("points"), "Where they are to be at the end of the next frame, (k, 3) [m].");
+}
+
+}  // namespace
+
+void bind_world(py::module_& module) {
+  bind_reports(module);
+  bind_tools(module);
+  py::class_<PyWorld, std::shared_ptr<PyWorld>> world(
+      module, "World",
+      "A body that is simulated. Calls by two threads at a time are refused; the GIL is released meanwhile.");
+  world
+      .def(py::init(&make_world), py::arg("scene"), py::kw_only(), py::arg("threads") = 1,
+           py::arg("precision") = py::none(),
+           "precision: \"single\" or \"double\", in place of the scene's. Raises InputError.")
+      .def(
+          "advance",
+          [](PyWorld& self, double duration) { return alone(self, [&] { return self.advance(duration); }); },
+          py::arg("duration"),
+          "Simulates one frame [s]. Does not raise for what happens in it: look at the report.")
+      .def_property_readonly("time", &PyWorld::time, "[s]")
+      .def_property_readonly("precision",
+                             [](const PyWorld& self) { return self.in_double() ? "double" : "single"; })
+      .def_property_readonly(
+          "tet_count", [](const PyWorld& self) { return self.elements().topology.alive_count(); },
+          "of those that are left")
+      .def_property_readonly("vertex_count",
+                             [](const PyWorld& self) { return self.elements().topology.vertex_count(); })
+      .def(
+          "snapshot", [](PyWorld& self) { return alone(self, [&] { return self.snapshot(); }); },
+          "A copy of the present state that nothing changes any more.")
+      .def(
+          "forces", [](PyWorld& self) { return copied(alone(self, [&] { return self.forces(); })); },
+          "(n, 3) internal and external forces on vertices at the present state [N]; a copy")
+      .def(
+          "energies",
+          [](PyWorld& self) {
+            const Energies e = alone(self, [&] { return self.energies(); });
+            py::dict result;
+            result["kinetic"] = e.kinetic;
+            result["elastic_linear"] = e.elastic_linear;
+            result["elastic_nonlinear"] = e.elastic_nonlinear;
+            result["loads"] = e.loads;
+            result["applied"] = e.applied;
+            result["total"] = e.total();
+            return result;
+          },
+          "A dictionary [J].")
+      .def(
+          "time_step_limit",
+          [](PyWorld& self) { return alone(self, [&] { return self.time_step_limit(); }); },
+          "2/ω_max at the present state [s]")
+      .def("save", [](PyWorld& self) { return alone(self, [&] { return self.save(); }); })
+      .def(
+          "restore",
+          [](PyWorld& self, const PyCheckpoint& checkpoint) {
+            alone(self, [&] { self.restore(checkpoint); });
+          },
+          py::arg("checkpoint"), "Raises InputError for one of another scene, and changes nothing then.");
+  bind_edits(world);
+}
+
+}  // namespace lobe::python

@@ -1,0 +1,64 @@
+#include "world.h"
+
+#include "lobe/error.h"
+
+namespace lobe::python {
+namespace {
+
+template <class Real>
+class WorldOf : public PyWorld {
+ public:
+  WorldOf(const Setup& setup, int threads) : world_(setup, threads) {}
+
+  Report advance(double duration) override { return world_.advance(duration); }
+  void apply(const Command& command) override { world_.apply(command); }
+  double time() const override { return world_.time(); }
+  bool in_double() const override { return std::is_same_v<Real, double>; }
+  const Elements& elements() const override { return world_.elements(); }
+  const Tools& tools() const override { return world_.tools(); }
+  Mat3X<double> positions() override {
+    return elements().points.view() + world_.displacements().template cast<double>();
+  }
+  Mat3X<double> forces() override { return world_.forces().template cast<double>(); }
+  Energies energies() override { return world_.energies(); }
+  double time_step_limit() override { return world_.time_step_limit(); }
+  PyCheckpoint save() const override { return {world_.save()}; }
+  void restore(const PyCheckpoint& checkpoint) override {
+    const auto* own = std::get_if<Checkpoint<Real>>(&checkpoint.of);
+    if (!own) throw InputError("checkpoint", "is of a world in the other precision");
+    world_.restore(*own);
+  }
+
+  std::shared_ptr<PySnapshot> snapshot() override {
+    auto made = std::make_shared<Snapshot<Real>>();
+    const StateView<Real> now = world_.state();
+    made->time = now.time;
+    made->u = now.u;
+    made->v = now.v;
+    copies_.copy(world_.surface(), elements().points.view(), now.u, made->surface);
+    for (const Tools::Pose& pose : tool_poses(world_))
+      made->tools.push_back({pose.name, pose.type == ToolType::grasp ? "grasp" : "cautery", pose.position,
+                             Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque});
+    return std::make_shared<PySnapshot>(PySnapshot{std::shared_ptr<const Snapshot<Real>>(std::move(made))});
+  }
+
+ private:
+  World<Real> world_;
+  SurfaceCopies copies_;
+};
+
+}  // namespace
+
+std::shared_ptr<PyWorld> make_world(const PyScene& scene, int threads,
+                                    const std::optional<std::string>& precision) {
+  if (threads < 1) throw InputError("threads", std::to_string(threads) + ", must be 1 or more");
+  if (precision && *precision != "single" && *precision != "double")
+    throw InputError("precision", "\"" + *precision + "\", must be \"single\" or \"double\"");
+  const bool in_double = precision ? *precision == "double" : scene.scene().in_double();
+  const Setup& setup = scene.resolved().setup;
+  const py::gil_scoped_release others_run;
+  if (in_double) return std::make_shared<WorldOf<double>>(setup, threads);
+  return std::make_shared<WorldOf<float>>(setup, threads);
+}
+
+}  // namespace lobe::python

@@ -1,0 +1,236 @@
+/* A caller in C99: takes hold of the liver, lifts it, burns it, in the axes of Unity; and everything
+ * that a caller can do wrong. Prints nothing and returns 0 where all is as it should be. Arguments: the
+ * folder data/, a folder to write to. */
+#include <lobe_c.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+#define CHECK(condition)                                                                      \
+  do {                                                                                        \
+    if (!(condition)) {                                                                       \
+      fprintf(stderr, "%s:%d: %s (%s)\n", __FILE__, __LINE__, #condition, lobe_last_error()); \
+      ++failures;                                                                             \
+    }                                                                                         \
+  } while (0)
+
+static const char* scene =
+    "{\"mesh\": \"meshes/liver_2k.vtu\", \"materials\": [{\"lame_lambda\": 4e4, \"lame_mu\": 1e4, "
+    "\"density\": 1000}],"
+    " \"boundary\": [{\"fix\": true, \"where\": {\"box\": {\"min\": [-1, 0.015, -1], \"max\": [-0.02, 1, "
+    "1]}}}],"
+    " \"time\": {\"damping\": 20}}";
+
+static double enclosed(const lobe_surface* s) { /* [m3], by the divergence theorem */
+  double six = 0;
+  for (uint32_t t = 0; t < s->triangles; ++t) {
+    const float *a = s->position + 3 * s->index[3 * t], *b = s->position + 3 * s->index[3 * t + 1],
+                *c = s->position + 3 * s->index[3 * t + 2];
+    six += (double)a[0] * ((double)b[1] * c[2] - (double)b[2] * c[1]) +
+           (double)a[1] * ((double)b[2] * c[0] - (double)b[0] * c[2]) +
+           (double)a[2] * ((double)b[0] * c[1] - (double)b[1] * c[0]);
+  }
+  return six / 6;
+}
+
+/* The layout that callers in other languages have written down. */
+static void layout(void) {
+  CHECK(lobe_abi_version() == LOBE_ABI_VERSION);
+  CHECK(sizeof(lobe_options) == 128 && offsetof(lobe_options, frame) == 8 &&
+        offsetof(lobe_options, axes) == 32);
+  CHECK(sizeof(lobe_state) == 40 && offsetof(lobe_state, time) == 16 && offsetof(lobe_state, running) == 32);
+  CHECK(sizeof(lobe_tool) == 120 && offsetof(lobe_tool, pose) == 16 && offsetof(lobe_tool, force) == 72);
+  CHECK(sizeof(lobe_surface) == 88 && offsetof(lobe_surface, position) == 40 &&
+        offsetof(lobe_surface, owner) == 80);
+}
+
+static void lift_and_burn(const char* data, const char* folder) {
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text(scene, data, NULL, &session) == LOBE_OK);
+  if (!session) return;
+  lobe_surface surface = {.size = sizeof surface};
+  lobe_tool hand = {.size = sizeof hand};
+  CHECK(lobe_surface_acquire(session, &surface) == LOBE_OK); /* of the body at the start */
+  lobe_surface_release(session, &surface);
+  const double point[3] = {0.082, -0.045, 0.035};
+  CHECK(lobe_get_tool(session, 7, &hand) == LOBE_NOT_YET);
+  CHECK(lobe_grasp(session, 7, point, 0.02) == LOBE_OK);
+  CHECK(lobe_advance(session, 2) == LOBE_OK);
+  CHECK(lobe_get_tool(session, 7, &hand) == LOBE_OK && hand.holds == 1 && hand.vertices > 3);
+  for (int i = 1; i <= 120; ++i) {
+    const double pose[7] = {point[0], point[1], point[2] + 0.02 * i / 120, 0, 0, 0, 1};
+    CHECK(lobe_move(session, 7, pose) == LOBE_OK);
+    CHECK(lobe_advance(session, 1) == LOBE_OK);
+  }
+  CHECK(lobe_advance(session, 60) == LOBE_OK);
+  CHECK(lobe_get_tool(session, 7, &hand) == LOBE_OK);
+  CHECK(hand.force[2] < -1 && hand.force[2] > -10); /* the body pulls it down */
+  CHECK(fabs(hand.pose[2] - point[2] - 0.02) < 1e-3);
+
+  CHECK(lobe_surface_acquire(session, &surface) == LOBE_OK);
+  const uint64_t topology = surface.topology;
+  const double before = enclosed(&surface);
+  CHECK(before > 1e-4 && before < 5e-3);
+  CHECK(surface.position && surface.cut && surface.cut[0] == 0);
+  lobe_surface kept = surface;
+  const float first = surface.position[0];
+  const double tip[3] = {0.03, -0.06, 0.03};
+  CHECK(lobe_cautery(session, 8, tip, 0.01) == LOBE_OK && lobe_switch(session, 8, 1) == LOBE_OK);
+  CHECK(lobe_advance(session, 2) == LOBE_OK);
+  for (int i = 1; i <= 40; ++i) {
+    const double pose[7] = {tip[0], tip[1] + 0.001 * i, tip[2], 0, 0, 0, 1};
+    CHECK(lobe_move(session, 8, pose) == LOBE_OK && lobe_advance(session, 1) == LOBE_OK);
+  }
+  memset(&surface, 0, sizeof surface);
+  surface.size = sizeof surface;
+  CHECK(lobe_surface_acquire(session, &surface) == LOBE_OK);
+  CHECK(surface.topology > topology && enclosed(&surface) < before);
+  CHECK(kept.position[0] == first); /* until it is released */
+  lobe_surface_release(session, &kept);
+  CHECK(kept.position == NULL);
+  lobe_surface_release(session, &kept); /* twice: nothing */
+  lobe_surface_release(session, &surface);
+
+  lobe_state state = {.size = sizeof state};
+  CHECK(lobe_get_state(session, &state) == LOBE_OK && state.tetrahedra < 2103 && state.running == 1);
+  CHECK(lobe_release(session, 7) == LOBE_OK && lobe_release(session, 8) == LOBE_OK &&
+        lobe_advance(session, 1) == LOBE_OK);
+  char file[4096];
+  snprintf(file, sizeof file, "%s/kept.json", folder);
+  CHECK(lobe_save_scene(session, file) == LOBE_OK);
+  snprintf(file, sizeof file, "%s/kept.rec", folder);
+  CHECK(lobe_save_recording(session, file) == LOBE_OK);
+  CHECK(lobe_save_recording(session, "/nowhere/at/all") == LOBE_BAD_INPUT &&
+        strstr(lobe_last_error(), "nowhere"));
+  lobe_close(session);
+}
+
+/* In left-handed axes with y up, in centimetres, the same body has the same volume and the hand the same
+ * force. */
+static void other_axes(const char* data) {
+  lobe_options options = {.size = sizeof options};
+  const double axes[12] = {100, 0, 0, 5, 0, 0, 100, 6, 0, 100, 0, 7};
+  memcpy(options.axes, axes, sizeof axes);
+  lobe_session *plain = NULL, *turned = NULL;
+  CHECK(lobe_open_text(scene, data, NULL, &plain) == LOBE_OK &&
+        lobe_open_text(scene, data, &options, &turned) == LOBE_OK);
+  if (!plain || !turned) return;
+  const double here[3] = {0.082, -0.045, 0.035}, there[3] = {5 + 8.2, 6 + 3.5, 7 - 4.5};
+  CHECK(lobe_grasp(plain, 1, here, 0.02) == LOBE_OK && lobe_grasp(turned, 1, there, 2) == LOBE_OK);
+  CHECK(lobe_advance(plain, 2) == LOBE_OK && lobe_advance(turned, 2) == LOBE_OK);
+  const double s = sin(0.1), c = cos(0.1); /* half of 0.2 about x: mirrored axes turn the other way */
+  for (int i = 0; i < 60; ++i) {
+    const double pose[7] = {here[0], here[1], here[2] + 0.01, s, 0, 0, c};
+    const double other[7] = {there[0], there[1] + 1, there[2], -s, 0, 0, c};
+    CHECK(lobe_move(plain, 1, pose) == LOBE_OK && lobe_move(turned, 1, other) == LOBE_OK);
+    CHECK(lobe_advance(plain, 1) == LOBE_OK && lobe_advance(turned, 1) == LOBE_OK);
+  }
+  lobe_tool a = {.size = sizeof a}, b = {.size = sizeof b};
+  CHECK(lobe_get_tool(plain, 1, &a) == LOBE_OK && lobe_get_tool(turned, 1, &b) == LOBE_OK);
+  const double size = fabs(a.force[0]) + fabs(a.force[1]) + fabs(a.force[2]);
+  CHECK(size > 0.1);
+  CHECK(fabs(a.force[0] - b.force[0]) + fabs(a.force[2] - b.force[1]) + fabs(a.force[1] - b.force[2]) <
+        1e-3 * size);
+  const double turn = fabs(a.torque[0]) + fabs(a.torque[1]) + fabs(a.torque[2]);
+  CHECK(fabs(a.torque[0] + b.torque[0]) + fabs(a.torque[2] + b.torque[1]) + fabs(a.torque[1] + b.torque[2]) <
+        1e-3 * turn);
+  CHECK(fabs(a.pose[3] + b.pose[3]) < 1e-6 && fabs(a.pose[6] - b.pose[6]) < 1e-6);
+  lobe_surface p = {.size = sizeof p}, q = {.size = sizeof q};
+  CHECK(lobe_surface_acquire(plain, &p) == LOBE_OK && lobe_surface_acquire(turned, &q) == LOBE_OK);
+  CHECK(p.vertices == q.vertices);
+  /* Mirrored, with the triangles turned round for left-handed axes: the sign changes twice. */
+  double far = 0;
+  for (uint32_t v = 0; v < p.vertices; ++v) {
+    far = fmax(far, fabs(5 + 100.0 * p.position[3 * v] - q.position[3 * v]));
+    far = fmax(far, fabs(6 + 100.0 * p.position[3 * v + 2] - q.position[3 * v + 1]));
+    far = fmax(far, fabs(p.normal[3 * v + 1] - q.normal[3 * v + 2]));
+  }
+  CHECK(far < 1e-2);
+  CHECK(fabs(enclosed(&q) * 1e-6 / enclosed(&p) - 1) < 1e-3);
+  lobe_surface_release(plain, &p);
+  lobe_surface_release(turned, &q);
+  lobe_close(plain);
+  lobe_close(turned);
+}
+
+static void own_thread(const char* data) {
+  lobe_options options = {.size = sizeof options};
+  options.unpaced = 1;
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text(scene, data, &options, &session) == LOBE_OK);
+  if (!session) return;
+  CHECK(lobe_start(session) == LOBE_OK);
+  CHECK(lobe_start(session) == LOBE_WRONG_STATE && strstr(lobe_last_error(), "own thread"));
+  CHECK(lobe_advance(session, 1) == LOBE_WRONG_STATE);
+  lobe_state state = {.size = sizeof state};
+  for (long i = 0; i < 400000000L && !(lobe_get_state(session, &state) == LOBE_OK && state.frame > 20); ++i) {
+  }
+  CHECK(state.frame > 20 && state.time > 0.1);
+  CHECK(lobe_stop(session) == LOBE_OK && lobe_stop(session) == LOBE_OK &&
+        lobe_advance(session, 1) == LOBE_OK);
+  lobe_close(session);
+}
+
+static void what_is_wrong(const char* data) {
+  lobe_session* session = NULL;
+  CHECK(lobe_open("no such scene.json", NULL, &session) == LOBE_BAD_INPUT &&
+        strstr(lobe_last_error(), "no such scene"));
+  CHECK(lobe_open(NULL, NULL, &session) == LOBE_BAD_INPUT &&
+        lobe_open_text("{", data, NULL, &session) == LOBE_BAD_INPUT);
+  CHECK(lobe_open_text(scene, data, NULL, NULL) == LOBE_BAD_INPUT && session == NULL);
+  lobe_options bad = {.size = sizeof bad};
+  bad.axes[0] = 1;
+  CHECK(lobe_open_text(scene, data, &bad, &session) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "axes"));
+  lobe_options none = {.size = 0};
+  CHECK(lobe_open_text(scene, data, &none, &session) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "size"));
+  lobe_options old = {.size =
+                          8}; /* a caller that knows size and threads alone; what follows is not looked at */
+  old.threads = 1;
+  old.frame = NAN;
+  CHECK(lobe_open_text(scene, data, &old, &session) == LOBE_OK && session != NULL);
+  if (!session) return;
+
+  lobe_state state = {.size = 8};
+  state.time = -1;
+  CHECK(lobe_advance(session, 1) == LOBE_OK && lobe_get_state(session, &state) == LOBE_OK);
+  CHECK(state.size == 8 && state.time == -1 && state.tetrahedra == 2103);
+  lobe_surface small = {.size = 16};
+  CHECK(lobe_surface_acquire(session, &small) == LOBE_BAD_INPUT);
+  const double point[3] = {NAN, 0, 0}, up[7] = {0, 0, 0, 0, 0, 0, 0};
+  char text[2000];
+  CHECK(lobe_grasp(session, 1, NULL, 0.1) == LOBE_BAD_INPUT && lobe_move(session, 1, NULL) == LOBE_BAD_INPUT);
+  lobe_grasp(session, 1, point, 0.1);
+  lobe_move(session, 3, up);
+  lobe_grasp(session, 2, up, -1);
+  CHECK(lobe_advance(session, 2) == LOBE_OK);
+  const uint64_t last = lobe_messages(session, 0, text, sizeof text);
+  CHECK(last >= 1 && strstr(text, "refused"));
+  CHECK(lobe_messages(session, last, text, sizeof text) == last && text[0] == 0);
+  CHECK(lobe_messages(session, 0, text, 1) == 0 && text[0] == 0);
+  lobe_status status = LOBE_OK;
+  for (int i = 0; i < 5000 && status == LOBE_OK; ++i) status = lobe_release(session, (uint32_t)i);
+  CHECK(status == LOBE_BUSY);
+  CHECK(lobe_advance(session, 1) == LOBE_OK && lobe_release(session, 1) == LOBE_OK);
+  lobe_close(session);
+
+  CHECK(lobe_start(NULL) == LOBE_BAD_INPUT && lobe_stop(NULL) == LOBE_BAD_INPUT &&
+        lobe_advance(NULL, 1) == LOBE_BAD_INPUT);
+  CHECK(lobe_pause(NULL, 1) == LOBE_BAD_INPUT && lobe_get_state(NULL, &state) == LOBE_BAD_INPUT);
+  CHECK(lobe_get_tool(NULL, 1, NULL) == LOBE_BAD_INPUT && lobe_surface_acquire(NULL, NULL) == LOBE_BAD_INPUT);
+  CHECK(lobe_save_scene(NULL, "a") == LOBE_BAD_INPUT && lobe_messages(NULL, 3, text, 10) == 3);
+  lobe_surface_release(NULL, NULL);
+  lobe_close(NULL);
+}
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  layout();
+  lift_and_burn(argv[1], argv[2]);
+  other_axes(argv[1]);
+  own_thread(argv[1]);
+  what_is_wrong(argv[1]);
+  return failures != 0;
+}

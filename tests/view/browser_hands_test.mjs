@@ -1,0 +1,143 @@
+// The page in a headless Chromium: two instruments, colours, files that the browser saves, a session that is
+// saved and played from the command line, materials, what is held nowhere, and bad luck.
+// Usage: node browser_hands_test.mjs LOBE_VIEW SCENE MODULES OUT
+import {spawnSync} from 'node:child_process';
+import {mkdirSync, readFileSync, rmSync, statSync} from 'node:fs';
+import path from 'node:path';
+import {Checks, drag, findBrowser, grip, Server, until} from './page_support.mjs';
+
+const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
+const browserToLaunch = findBrowser(modules);
+rmSync(out, {recursive: true, force: true});
+mkdirSync(out, {recursive: true});
+
+const {check, finish} = new Checks();
+const server = new Server(program, '--save-to', out);
+const address = await server.start(scene);
+const browser = await browserToLaunch.launch();
+const page = await browser.newPage({viewport: {width: 960, height: 640}, acceptDownloads: true});
+const faults = [];
+page.setDefaultTimeout(60000);
+page.on('pageerror', error => faults.push(error.message));
+await page.goto(address);
+check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens');
+const at = await grip(page);
+
+// ---- Two instruments
+
+await page.keyboard.down('Shift');
+await drag(page, at, 10, -20);
+check(await until(page, () => lobe.instruments.shown.size === 1), 'one instrument takes hold');
+await page.mouse.up();
+await page.keyboard.up('Shift');
+await drag(page, {x: at.x - 90, y: at.y}, -10, -20);
+check(await until(page, () => lobe.instruments.shown.size === 2), 'it stays, and a second one takes hold');
+await page.mouse.up();
+check(await until(page, () => lobe.instruments.shown.size === 1 && lobe.force > 0), 'which alone is let go');
+
+// ---- Colours
+
+for (const [quantity, word] of [
+  ['displacement', /mm/],
+  ['von_mises', /kPa/],
+  ['volume_ratio', /\d/],
+  ['linear_error', /Estimated: .*%/],
+]) {
+  await page.selectOption('#colour', quantity);
+  const isShown = await until(
+    page,
+    pattern => new RegExp(pattern).test(document.getElementById('legend').textContent),
+    word.source,
+  );
+  const isColoured = await until(page, () => {
+    const colours = lobe.organ.colour.array;
+    return colours.some((c, i) => Math.abs(c - colours[i % 3]) > 0.05);
+  });
+  check(isShown && isColoured, `${quantity}: a legend, and more than one colour`);
+}
+await page.selectOption('#colour', 'tissue');
+
+// ---- What the browser saves
+
+const saved = async act => {
+  const [download] = await Promise.all([page.waitForEvent('download'), act()]);
+  const file = path.join(out, download.suggestedFilename());
+  await download.saveAs(file);
+  return {file, size: statSync(file).size};
+};
+const picture = await saved(() => page.keyboard.press('p'));
+const png = readFileSync(picture.file);
+check(picture.file.endsWith('.png') && png.readUInt32BE(0) === 0x89504e47, 'a picture is saved');
+check(png.readUInt32BE(16) >= 960 && picture.size > 20000, `with all pixels, ${picture.size} bytes`);
+await page.click('#video');
+await drag(page, {x: at.x - 90, y: at.y}, -40, -30);
+await page.waitForTimeout(1500);
+await page.mouse.up();
+const video = await saved(() => page.click('#video'));
+check(/\.(webm|mp4)$/.test(video.file) && video.size > 5000, `a video is saved, ${video.size} bytes`);
+
+// ---- Saved, and played from the command line
+
+await page.keyboard.press('r');
+check(await until(page, () => lobe.status.time < 5), 'it restarts');
+await drag(page, at, 10, -30);
+check(await until(page, () => lobe.force > 0.05), 'is pulled');
+await page.mouse.up();
+await page.keyboard.press(' ');
+check(await until(page, () => !lobe.status.running), 'it pauses');
+await page.click('#export');
+check(
+  await until(page, () => /lobe run/.test(document.getElementById('messages').textContent)),
+  'what the hands did is saved, and the page says how to play it',
+);
+const said = /lobe run (\S+\.json)/.exec(await page.textContent('#messages'))[1];
+const lobe = path.join(path.dirname(program), 'lobe');
+const arguments_ = ['run', said, '-o', path.join(out, 'played'), '--no-pictures'];
+const run = spawnSync(lobe, arguments_, {encoding: 'utf8'});
+check(run.status === 0, `lobe run plays it ${run.stderr}`);
+await page.keyboard.press(' ');
+
+// ---- Materials, and what is held nowhere
+
+await page.keyboard.press('e');
+check(await until(page, () => lobe.mode === 'edit' && lobe.status.edit), 'painting begins');
+await page.click('#materials summary');
+await page.fill('#material-young', '90');
+await page.click('#material-add');
+check(await until(page, () => lobe.status.edit.materials.length === 2), 'a material is added');
+await page.click('.brush[data-key=material-1]');
+await drag(page, {x: at.x - 60, y: at.y}, -30, 10);
+await page.mouse.up();
+check(await until(page, () => lobe.status.edit.materials[1].share > 0), 'and painted');
+await page.click('.brush[data-key=precomputed]');
+await drag(page, {x: at.x - 30, y: at.y}, -5, 5);
+await page.mouse.up();
+check(
+  await until(page, () => /held nowhere/.test(document.getElementById('unheld').innerText)),
+  'a pre-computed part that nothing holds is explained',
+);
+check(await page.isDisabled('#apply'), 'and cannot be simulated');
+await page.screenshot({path: path.join(out, 'unheld.png')});
+await page.click('#mend-turning');
+check(await until(page, () => document.getElementById('unheld').hidden), 'it may turn by itself');
+await page.click('#apply');
+check(await until(page, () => lobe.mode === 'live' && lobe.organ.shares[1] > 0), 'and is simulated then');
+
+// ---- Bad luck
+
+const frames = await page.evaluate(() => lobe.frames);
+await page.evaluate(() => lobe.connection.socket.send('a'.repeat(100000)));
+check(
+  await until(page, n => lobe.frames > n + 2 && lobe.status.controls, frames),
+  'a message that is too long costs the connection, no more',
+);
+const again = [scene, '--port', new URL(address).port, '--no-open'];
+const other = spawnSync(program, again, {encoding: 'utf8', timeout: 60000});
+check(
+  other.status !== 0 && /taken/.test(other.stderr) && /--port/.test(other.stderr),
+  'a second program on the same port says what to do',
+);
+check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
+await browser.close();
+await server.kill();
+finish();

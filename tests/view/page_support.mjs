@@ -1,0 +1,100 @@
+// The page in a headless Chromium, for its tests and measurements. Status 77: there is no Chromium, or no
+// playwright-core, which npm installs into the folder `modules`.
+import {spawn} from 'node:child_process';
+import {createRequire} from 'node:module';
+import {existsSync} from 'node:fs';
+import path from 'node:path';
+
+export function findBrowser(modules) {
+  const places = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+  const executablePath = places.find(existsSync);
+  let playwright;
+  try {
+    playwright = createRequire(path.join(modules, 'node_modules', 'x.js'))('playwright-core');
+  } catch {
+    /* said below */
+  }
+  if (!executablePath || !playwright) {
+    console.log('skipped: needs Chromium and playwright-core; ./dev test installs them');
+    process.exit(77);
+  }
+  const software = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox'];
+  return {launch: (args = software) => playwright.chromium.launch({executablePath, args})};
+}
+
+/** lobe-view, which ends with the test. */
+export class Server {
+  constructor(program, ...options) {
+    this.program = program;
+    this.options = options;
+    process.on('exit', () => this.process?.kill('SIGKILL'));
+  }
+
+  /** @returns {Promise<string>} the address of its page */
+  start(scene, port = 0) {
+    const fixed = ['--port', String(port), '--token', 'secret', '--no-open'];
+    this.process = spawn(this.program, [scene, ...fixed, ...this.options]);
+    return new Promise((resolve, reject) => {
+      this.process.stdout.on('data', data => {
+        const found = /http:\/\/\S+/.exec(String(data));
+        if (found) resolve(found[0]);
+      });
+      this.process.stderr.on('data', data => process.stderr.write(data));
+      this.process.on('exit', code => reject(new Error(`lobe-view ended with ${code}`)));
+    });
+  }
+
+  kill(signal = 'SIGKILL') {
+    return new Promise(resolve => {
+      this.process.removeAllListeners('exit');
+      this.process.on('exit', resolve);
+      this.process.kill(signal);
+    });
+  }
+}
+
+export const until = (page, condition, argument) =>
+  page.waitForFunction(condition, argument, {timeout: 60000, polling: 50}).then(
+    () => true,
+    () => false,
+  );
+
+// Where on the window a point of the organ's surface is that is free and faces the viewer: 50 pixels from its
+// right end.
+export const grip = page =>
+  page.evaluate(() => {
+    const {stage, organ} = lobe,
+      {array} = organ.position,
+      point = stage.target.clone();
+    let end = {x: -1, y: 0};
+    for (let i = 0; i < array.length; i += 3) {
+      const place = stage.project(point.fromArray(array, i));
+      if (place && place.x > end.x) end = place;
+    }
+    for (let dy = 0; dy < 60; dy += 4)
+      for (const y of [end.y + dy, end.y - dy])
+        if (organ.hit(stage.ray(end.x - 50, y))) return {x: Math.round(end.x - 50), y: Math.round(y)};
+    return null;
+  });
+
+export async function drag(page, from, dx, dy) {
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 8; ++i) await page.mouse.move(from.x + (dx * i) / 8, from.y + (dy * i) / 8);
+}
+
+export class Checks {
+  failures = 0;
+  started = Date.now();
+  seconds = () => ((Date.now() - this.started) / 1e3).toFixed(1);
+
+  check = (condition, what) => {
+    console.log(`${condition ? 'ok    ' : 'FAILED'} ${what} (${this.seconds()} s)`);
+    if (!condition) ++this.failures;
+  };
+
+  finish = () => {
+    console.log(`${this.failures} failures, ${this.seconds()} s`);
+    process.exit(this.failures ? 1 : 0);
+  };
+}

@@ -1,0 +1,195 @@
+// Pages and what they ask for, without a network.
+#include "viewer.h"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "folder.h"
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/mesh/generators.h"
+#include "lobe/run/recording.h"
+#include "lobe/scene/frames.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/sim/world.h"
+
+using namespace lobe;
+using namespace lobe::view;
+using lobe::test::Folder;
+using Json = nlohmann::json;
+
+namespace {
+
+const char* const block_scene = R"({
+  "name": "block", "mesh": "block.vtu",
+  "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "density": 1000}],
+  "regions": [{"model": "tensor-mass", "where": {"box": {"min": [0, 0, 0], "max": [1, 1, 0.02]}}}],
+  "boundary": [{"fix": true, "where": {"plane": {"point": [0, 0, 0.001], "normal": [0, 0, 1], "side": "below"}}}],
+  "time": {"duration": 9, "damping": 15}})";
+
+// A viewer of a block of 6 cm that stands on z = 0, and its pages.
+struct Viewed {
+  Folder folder;
+  std::optional<Viewer> viewer;
+
+  Viewed() {
+    write_vtu(folder.path / "block.vtu", box_mesh({0.06, 0.06, 0.06}, 6, 6, 6));
+    const Scene scene = read_scene(folder.write("block.json", block_scene));
+    viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), ViewerOptions{{}, folder.path});
+  }
+
+  void ask(ClientId page, const Json& request) { viewer->received(page, request.dump()); }
+
+  // The next frame that the page is sent, within some seconds.
+  std::vector<Json> frame(ClientId page) {
+    std::string message;
+    for (int i = 0; i < 2000 && message.empty(); ++i) {
+      message = viewer->next_frame(page);
+      if (message.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    REQUIRE(!message.empty());
+    Json tools = Json::array(), status;
+    for (const Block& block : read_blocks(message)) {
+      if (block.tag == tools_tag) tools = Json::parse(block.bytes);
+      if (block.tag == status_tag) status = Json::parse(block.bytes);
+    }
+    return {status, tools};
+  }
+  using Condition = std::function<bool(const Json& status, const Json& tools)>;
+  bool comes_to(ClientId page, const Condition& condition) {
+    for (int i = 0; i < 3000; ++i) {
+      const std::vector<Json> seen = frame(page);
+      if (condition(seen[0], seen[1])) return true;
+    }
+    return false;
+  }
+  bool holds(ClientId page, std::size_t tools) {
+    return comes_to(page, [&](const Json&, const Json& shown) { return shown.size() == tools; });
+  }
+
+  // Through the top at a place of it.
+  void take(ClientId page, int hand, double x, double y) {
+    ask(page,
+        {{"do", "take"}, {"hand", hand}, {"from", {x, y, 1.0}}, {"along", {0, 0, -1}}, {"radius", 0.012}});
+  }
+  void lead(ClientId page, int hand, double x, double y, double z) {
+    ask(page, {{"do", "lead"}, {"hand", hand}, {"to", {x, y, z}}});
+  }
+  void pause(ClientId page) {
+    ask(page, {{"do", "pause"}, {"on", true}});
+    REQUIRE(comes_to(page, [](const Json& status, const Json&) { return !status["running"].get<bool>(); }));
+  }
+};
+
+// Played as `lobe run` does.
+std::uint64_t played(const std::filesystem::path& file) {
+  const Scene scene = read_scene(file);
+  World<float> world(resolve(scene, read_mesh(mesh_path(scene)).mesh).setup, 2);
+  const Frames frames = frames_of(scene.time);
+  for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
+  return digest(world);
+}
+
+}  // namespace
+
+TEST_CASE("what was done in a page, saved as a scene, is played to the same bits") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(1, 1));
+  viewed.lead(1, 0, 0.04, 0.03, 0.07);
+  viewed.ask(1, {{"do", "burn"}, {"hand", 1}, {"at", {0.005, 0.005, 0.055}}, {"radius", 0.008}});
+  REQUIRE(
+      viewed.comes_to(1, [](const Json& status, const Json&) { return status["tets"].get<int>() < 1296; }));
+  viewed.ask(1, {{"do", "let_go"}, {"hand", 0}});
+  viewed.pause(1);
+  viewed.ask(1, {{"do", "export"}, {"to", "hands"}});
+  viewed.viewer->write_recording(viewed.folder.path / "hands.lobe");
+  const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
+  CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
+}
+
+TEST_CASE("what was painted, simulated and held, is saved and played to the same bits") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  viewed.ask(1, {{"do", "edit"}, {"on", true}});
+  viewed.ask(1, {{"do", "new_material"}, {"name", "firm"}, {"young", 1e5}});
+  viewed.ask(1, {{"do", "paint_material"}, {"at", {0.06, 0, 0.06}}, {"radius", 0.03}, {"material", 1}});
+  viewed.ask(1, {{"do", "paint"}, {"at", {0, 0, 0.06}}, {"radius", 0.02}, {"as", "tensor-mass"}});
+  viewed.ask(1, {{"do", "paint"}, {"at", {0, 0.06, 0.06}}, {"radius", 0.015}, {"as", "held"}});
+  viewed.ask(1, {{"do", "apply"}});
+  REQUIRE(viewed.comes_to(1, [](const Json& status, const Json&) { return status["mode"] == "live"; }));
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(1, 1));
+  viewed.lead(1, 0, 0.03, 0.03, 0.07);
+  REQUIRE(
+      viewed.comes_to(1, [](const Json& status, const Json&) { return status["time"].get<double>() > 0.3; }));
+  viewed.pause(1);
+  viewed.ask(1, {{"do", "export"}, {"to", "hands"}});
+  CHECK(read_scene(viewed.folder.path / "hands.json").materials.size() == 2);
+  viewed.viewer->write_recording(viewed.folder.path / "hands.lobe");
+  const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
+  CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
+}
+
+TEST_CASE("two instruments hold at once; one is let go, the other stays") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  viewed.take(1, 0, 0.01, 0.01);
+  viewed.take(1, 1, 0.05, 0.05);
+  REQUIRE(viewed.holds(1, 2));
+  viewed.lead(1, 1, 0.05, 0.05, 0.07);
+  viewed.ask(1, {{"do", "let_go"}, {"hand", 1}});
+  REQUIRE(viewed.comes_to(
+      1, [](const Json&, const Json& tools) { return tools.size() == 1 && tools[0]["hand"] == 0; }));
+}
+
+TEST_CASE("a page that watches can do nothing, until it is handed the instruments") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  viewed.viewer->opened(2);
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(2, 1));
+  CHECK_FALSE(viewed.frame(2)[0]["controls"].get<bool>());
+  viewed.ask(2, {{"do", "let_go"}, {"hand", 0}});
+  viewed.ask(2, {{"do", "restart"}});
+  viewed.ask(2, {{"do", "control"}});
+  for (int i = 0; i < 20; ++i) viewed.frame(2);
+  CHECK(viewed.frame(2)[1].size() == 1);
+  viewed.ask(1, {{"do", "hand_over"}});
+  CHECK(viewed.comes_to(2, [](const Json& status, const Json& tools) {
+    return status["controls"].get<bool>() && tools.empty();
+  }));
+  viewed.take(2, 0, 0.03, 0.03);
+  CHECK(viewed.holds(1, 1));
+}
+
+TEST_CASE("a page that dies in the middle of a drag lets go, and the next one controls") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  viewed.viewer->opened(2);
+  viewed.take(1, 0, 0.03, 0.03);
+  viewed.lead(1, 0, 0.03, 0.03, 0.08);
+  REQUIRE(viewed.holds(2, 1));
+  viewed.viewer->closed(1);
+  CHECK(viewed.holds(2, 0));
+  viewed.ask(2, {{"do", "control"}});
+  viewed.take(2, 3, 0.03, 0.03);
+  CHECK(viewed.holds(2, 1));
+}
+
+TEST_CASE("the error of linear regions is estimated where they are, and asked for by name") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  viewed.ask(1, {{"do", "show"}, {"what", "linear_error"}});
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(1, 1));
+  viewed.lead(1, 0, 0.06, 0.03, 0.06);
+  CHECK(viewed.comes_to(1, [](const Json& status, const Json&) {
+    return status.contains("linear_error") && status["linear_error"].get<double>() > 1e-4;
+  }));
+}

@@ -1,0 +1,146 @@
+// What the organ is made of, for the eye. `fine`: wet tissue with shadows, for graphics cards. `quick`: the
+// same light, found once on a sphere and looked up by the normal; for what stands in for a card.
+import * as THREE from './third_party/three-0.187.0/three.module.js';
+
+// Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the
+// organ.
+const noise = /* glsl */ `
+varying vec3 vRest;
+float hashed(vec3 p) {
+  p = 17.0 * fract(p * 0.3183099 + 0.1);
+  return fract(p.x * p.y * p.z * (p.x + p.y + p.z));
+}
+float unevenness(vec3 p) {
+  vec3 i = floor(p), f = fract(p);
+  f = f * f * (3.0 - 2.0 * f);
+  vec2 e = vec2(0, 1);
+  vec4 low = vec4(hashed(i), hashed(i + e.yxx), hashed(i + e.xyx), hashed(i + e.yyx));
+  vec4 high = vec4(hashed(i + e.xxy), hashed(i + e.yxy), hashed(i + e.xyy), hashed(i + e.yyy));
+  vec4 between = mix(low, high, f.z);
+  vec2 across = mix(between.xz, between.yw, f.x);
+  return mix(across.x, across.y, f.y);
+}
+vec3 bumped(vec3 n, float height) {
+  vec3 sx = dFdx(-vViewPosition), sy = dFdy(-vViewPosition);
+  vec3 r1 = cross(sy, n), r2 = cross(n, sx);
+  float det = dot(sx, r1);
+  vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
+  return normalize(abs(det) * n - gradient);
+}
+`;
+
+function roughen(material, wetness, amount) {
+  material.onBeforeCompile = shader => {
+    shader.vertexShader = shader.vertexShader
+      .replace('#include <common>', '#include <common>\nattribute vec3 rest;\nvarying vec3 vRest;')
+      .replace('#include <begin_vertex>', '#include <begin_vertex>\nvRest = rest;');
+    shader.fragmentShader = shader.fragmentShader
+      .replace('#include <clearcoat_pars_fragment>', '#include <clearcoat_pars_fragment>\n' + noise)
+      .replace(
+        '#include <normal_fragment_maps>',
+        `#include <normal_fragment_maps>
+        float grain = unevenness(vRest * 900.0), patches = unevenness(vRest * 260.0);
+        normal = bumped(normal, ${amount} * (grain + 2.0 * patches));
+        diffuseColor.rgb *= 0.86 + 0.16 * grain + 0.14 * patches;`,
+      )
+      .replace(
+        '#include <clearcoat_normal_fragment_maps>',
+        `#include <clearcoat_normal_fragment_maps>
+        #ifdef USE_CLEARCOAT
+          clearcoatNormal = bumped(clearcoatNormal, ${wetness} * patches);
+        #endif`,
+      );
+  };
+}
+
+/** @returns {{skin: THREE.Material, opened: THREE.Material, shine(on: boolean): void}} */
+export function fineLook() {
+  const skin = new THREE.MeshPhysicalMaterial({vertexColors: true, clearcoatRoughness: 0.22});
+  const opened = new THREE.MeshStandardMaterial({
+    vertexColors: true,
+    roughness: 0.9,
+    envMapIntensity: 0.4,
+    side: THREE.DoubleSide,
+  });
+  roughen(skin, '0.00022', '0.0001');
+  roughen(opened, '0.0', '0.0005');
+  const shine = on => {
+    skin.clearcoat = on ? 0.6 : 0.12;
+    skin.roughness = on ? 0.5 : 0.6;
+  };
+  shine(true);
+  return {skin, opened, shine};
+}
+
+const across = 128; // pixels of the sphere
+
+// The light of the stage on a sphere of one material, as the camera sees it: floats, four a pixel.
+function sphereLit(stage, material) {
+  const scene = new THREE.Scene();
+  scene.environment = stage.scene.environment;
+  scene.environmentIntensity = stage.scene.environmentIntensity;
+  scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 64, 48), material));
+  for (const light of stage.lights) {
+    const copy = light.clone();
+    copy.castShadow = false;
+    if (light.target) {
+      copy.position.sub(light.target.position).normalize();
+      copy.target.position.setScalar(0);
+    }
+    scene.add(copy);
+  }
+  const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 10);
+  camera.up.copy(stage.camera.up);
+  camera.position.copy(stage.forward()).multiplyScalar(-4);
+  camera.lookAt(0, 0, 0);
+  const target = new THREE.WebGLRenderTarget(across, across, {type: THREE.FloatType});
+  const {renderer} = stage,
+    pixels = new Float32Array(4 * across * across);
+  renderer.setRenderTarget(target);
+  renderer.setClearColor(0, 0);
+  renderer.clear();
+  renderer.render(scene, camera);
+  renderer.readRenderTargetPixels(target, 0, 0, across, across, pixels);
+  renderer.setRenderTarget(null);
+  target.dispose();
+  return pixels;
+}
+
+// What the colour of a point is multiplied by, and in the fourth channel what its wet film adds.
+function lightMap(stage, roughness, wet, reflects) {
+  const dull = sphereLit(stage, new THREE.MeshStandardMaterial({roughness, envMapIntensity: reflects}));
+  const film = new THREE.MeshPhysicalMaterial({color: 0, roughness, clearcoat: 1, clearcoatRoughness: 0.22});
+  const glossy = wet > 0 ? sphereLit(stage, film) : new Float32Array(dull.length);
+  const data = new Uint16Array(dull.length);
+  for (let i = 0; i < dull.length; ++i)
+    data[i] = THREE.DataUtils.toHalfFloat(i % 4 === 3 ? wet * glossy[i - 2] : dull[i]);
+  const map = new THREE.DataTexture(data, across, across, THREE.RGBAFormat, THREE.HalfFloatType);
+  map.minFilter = map.magFilter = THREE.LinearFilter;
+  map.needsUpdate = true;
+  return map;
+}
+
+function lookedUp(map, options) {
+  const material = new THREE.MeshMatcapMaterial({vertexColors: true, matcap: map, ...options});
+  material.wetness = {value: 1};
+  material.onBeforeCompile = shader => {
+    shader.uniforms.wetness = material.wetness;
+    shader.fragmentShader =
+      'uniform float wetness;\n' +
+      shader.fragmentShader.replace(
+        'vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;',
+        'vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb + wetness * matcapColor.a;',
+      );
+  };
+  return material;
+}
+
+/** The light stays with the camera, as if it was worn on the head. */
+export function quickLook(stage) {
+  const skin = lookedUp(lightMap(stage, 0.5, 0.6, 1), {});
+  const opened = lookedUp(lightMap(stage, 0.9, 0, 0.4), {side: THREE.DoubleSide});
+  const shine = on => {
+    skin.wetness.value = on ? 1 : 0.2;
+  };
+  return {skin, opened, shine};
+}

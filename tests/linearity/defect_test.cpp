@@ -36,7 +36,7 @@ Setup body_of(const TetMesh& mesh) {
 }
 
 Mat3<double> defect_at(const Mat3<double>& H) {
-  return stress_defect(nonlinear_law(seed_material, 1e5, 0), seed_material, H);
+  return stress_defect(nonlinear_law(seed_material, 1e5, 0), linear_law(seed_material), H);
 }
 
 // Σ f ⊗ X of forces on the vertices: −∫P dV, whatever the tetrahedra's stresses are.

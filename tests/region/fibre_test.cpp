@@ -5,6 +5,7 @@
 #include <numeric>
 #include <random>
 
+#include "fibre_support.h"
 #include "lobe/fem/transverse_isotropy.h"
 #include "lobe/linearity/defect.h"
 #include "lobe/region/nonlinear.h"
@@ -20,33 +21,6 @@ using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-constexpr TransverseConstants muscle{9e4, 3e4, 0.4, 0.35, 2e4};
-
-Elastic fibrous() {
-  Elastic elastic = seed_material;
-  set_transverse(muscle, elastic);
-  return elastic;
-}
-
-// A field that turns from place to place.
-Vec3d direction_at(const Vec3d& X) {
-  return Vec3d(1, std::sin(60 * X.x() + 1), std::cos(90 * X.y() + 40 * X.z())).normalized();
-}
-
-Setup fibrous_setup(const TetMesh& mesh, RegionModel model = RegionModel::nonlinear) {
-  Setup setup = setup_of(mesh, model);
-  setup.materials = {fibrous()};
-  setup.mesh.fibres.resize(3, mesh.tet_count());
-  for (Index t = 0; t < mesh.tet_count(); ++t) setup.mesh.fibres.col(t) = direction_at(barycentre(mesh, t));
-  return setup;
-}
-
-Setup neo_hookean_setup(const TetMesh& mesh) {
-  Setup setup = setup_of(mesh);
-  setup.materials[0].law = MaterialLaw::neo_hookean;
-  return setup;
-}
 
 Setup with_stored_evaluator(Setup setup) {
   setup.evaluator = Evaluator::stored;

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "fibre_support.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/sim/world.h"
 #include "near.h"
@@ -21,6 +22,11 @@ Setup doubled(Setup setup) {
   setup.mesh.tets.resize(4, 2 * count);
   setup.mesh.tets << tets, tets;
   setup.mesh.labels.resize(std::size_t(2 * count), 0);
+  if (setup.mesh.fibres.cols() > 0) {
+    const Mat3X<double> fibres = setup.mesh.fibres;
+    setup.mesh.fibres.resize(3, 2 * count);
+    setup.mesh.fibres << fibres, fibres;
+  }
   for (auto twice : {&setup.material_of}) twice->insert(twice->end(), twice->begin(), twice->end());
   setup.region_of.insert(setup.region_of.end(), setup.region_of.begin(), setup.region_of.end());
   std::mt19937 random(3);
@@ -37,13 +43,13 @@ Setup clamped(Setup setup) {
   return setup;
 }
 
-double difference(const Mat3X<double>& a, const Mat3X<double>& b) { return (a - b).norm() / b.norm(); }
+double gap_between(const Mat3X<double>& a, const Mat3X<double>& b) { return (a - b).norm() / b.norm(); }
 
 void check_that_doubled_is_the_same(const Setup& plain) {
   const Mat3X<double> u = random_displacement(plain.mesh.vertex_count(), 1e-3);
   World<double> one = world_at(plain, u), two = world_at(doubled(plain), u);
-  CHECK(difference(two.forces(), one.forces()) < 1e-12);
-  CHECK(difference(two.state().u, one.state().u) < 1e-12);
+  CHECK(gap_between(two.forces(), one.forces()) < 1e-12);
+  CHECK(gap_between(two.state().u, one.state().u) < 1e-12);
   for (std::size_t v = 0; v < one.mass().size(); ++v)
     CHECK(std::abs(two.mass()[v] - one.mass()[v]) <= 1e-12 * one.mass()[v]);
   CHECK(two.energies().total() == near(one.energies().total(), 1e-12));
@@ -52,7 +58,7 @@ void check_that_doubled_is_the_same(const Setup& plain) {
     CHECK(two.time_step_limit() == near(one.time_step_limit(), 1e-12));
   one.advance(0.01);
   two.advance(0.01);
-  CHECK(difference(two.state().u, one.state().u) < 1e-10);  // of many steps
+  CHECK(gap_between(two.state().u, one.state().u) < 1e-10);  // of many steps
 }
 
 }  // namespace
@@ -68,6 +74,17 @@ TEST_CASE("so it is with the stored evaluator") {
   Setup setup = clamped(setup_of(irregular_box()));
   setup.evaluator = Evaluator::stored;
   check_that_doubled_is_the_same(setup);
+}
+
+TEST_CASE("so it is with fibres, in every region, and with a neo-Hookean material") {
+  Setup fibrous = clamped(fibrous_setup(irregular_box()));
+  check_that_doubled_is_the_same(fibrous);
+  for (std::size_t t = 0; t < fibrous.region_of.size(); t += 2)
+    fibrous.region_of[t] = RegionModel::tensor_mass;
+  check_that_doubled_is_the_same(fibrous);
+  fibrous.evaluator = Evaluator::stored;
+  check_that_doubled_is_the_same(fibrous);
+  check_that_doubled_is_the_same(clamped(neo_hookean_setup(irregular_box())));
 }
 
 TEST_CASE("so it is with nodal pressure") {

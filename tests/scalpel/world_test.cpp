@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "fibre_support.h"
 #include "folder.h"
 #include "knife.h"
 #include "lobe/diagnostics/grain_frame.h"
@@ -147,6 +148,7 @@ TEST_CASE("energies, momenta, masses and forces are the same before and after a 
   check_that_a_cut_changes_nothing_at_once(setup_of(block()));
   check_that_a_cut_changes_nothing_at_once(hybrid_setup(block()));
   check_that_a_cut_changes_nothing_at_once(setup_of(block(), RegionModel::tensor_mass));
+  check_that_a_cut_changes_nothing_at_once(fibrous_setup(block()));
 }
 
 TEST_CASE("a cut body equals one built afresh, also after removals and changes of region") {
@@ -157,6 +159,8 @@ TEST_CASE("a cut body equals one built afresh, also after removals and changes o
   Setup stored = setup_of(block());
   stored.evaluator = Evaluator::stored;
   check_that_it_equals_one_built_afresh(stored);
+  check_that_it_equals_one_built_afresh(fibrous_setup(block()));
+  check_that_it_equals_one_built_afresh(neo_hookean_setup(block()));
 }
 
 TEST_CASE("a blade through a hanging bar cuts its end off, which falls with all its mass") {

@@ -35,6 +35,7 @@
 #include "lobe/diagnostics/fields.h"
 #include "lobe/diagnostics/locate.h"
 #include "lobe/error.h"
+#include "lobe/fem/fibre_fields.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/linearity/mass_watch.h"

@@ -33,6 +33,7 @@
 #include "lobe/condense/narrow_interface.h"
 #include "lobe/diagnostics/compare.h"
 #include "lobe/diagnostics/fields.h"
+#include "lobe/diagnostics/grain_frame.h"
 #include "lobe/diagnostics/locate.h"
 #include "lobe/error.h"
 #include "lobe/fem/fibre_fields.h"

@@ -20,7 +20,7 @@ using namespace lobe::test;
 
 namespace {
 
-const Vec3d middle = Vec3d::Constant(0.05);
+const Vec3d centre_of_block = Vec3d::Constant(0.05);
 TetMesh block() { return irregular_box(5, 0.02); }
 
 // What strokes through the body at rest have done: grains have the same numbers in every world of the mesh.
@@ -34,7 +34,8 @@ std::vector<Incision> incisions_of(const TetMesh& mesh, int strokes) {
     const Vec3d n = Vec3d(normal(random), normal(random), normal(random)).normalized(),
                 along = n.unitOrthogonal(), edge = n.cross(along);
     const auto row = [&](double x) {
-      return std::vector<Vec3d>{middle + x * along - 0.2 * edge, middle + x * along + 0.2 * edge};
+      return std::vector<Vec3d>{centre_of_block + x * along - 0.2 * edge,
+                                centre_of_block + x * along + 0.2 * edge};
     };
     for (int k = 0; k < 4; ++k) {
       const double from = -0.1 + 0.03 * k;  // not all the way

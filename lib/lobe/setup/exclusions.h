@@ -32,7 +32,7 @@ enum class Option : std::uint8_t {
   single_precision,
   static_solution
 };
-inline constexpr std::size_t option_count = 14;
+inline constexpr std::size_t option_count = std::size_t(Option::static_solution) + 1;
 const char* name(Option option);  // as a scene says it: "model": "precomputed"
 
 class Options {  // a set of them

@@ -96,7 +96,4 @@ void World<Real>::perform(const Incise& command) {
   if (!edit.empty()) treat_loose(pieces_.loosened_by(body_.model, edit));
 }
 
-template class World<float>;
-template class World<double>;
-
 }  // namespace lobe

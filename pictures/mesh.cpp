@@ -2,6 +2,7 @@
 
 #include <vtkCellData.h>
 #include <vtkDataSetSurfaceFilter.h>
+#include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
 #include <vtkExtractGeometry.h>
 #include <vtkIdList.h>
@@ -15,11 +16,14 @@
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
+#include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <vector>
 
 namespace picture {
 namespace {
@@ -120,6 +124,41 @@ void mark_exposed(vtkPolyData* surface, const Panel& panel, const std::optional<
   surface->GetCellData()->AddArray(exposed);
 }
 
+Eigen::Matrix<double, 3, 2> sides_of(vtkPolyData* surface, vtkIdType cell) {
+  Eigen::Matrix<double, 3, 3> corners;
+  vtkIdType size = 0;
+  const vtkIdType* corner = nullptr;
+  surface->GetCellPoints(cell, size, corner);
+  if (size != 3) return Eigen::Matrix<double, 3, 2>::Zero();
+  for (int i = 0; i < 3; ++i) surface->GetPoint(corner[i], corners.col(i).data());
+  return corners.rightCols<2>().colwise() - corners.col(0);
+}
+
+// The part of each face's fibre that lies in it, as a sum of two sides of the face.
+std::vector<Eigen::Vector2d> fibres_in_faces(vtkPolyData* surface, const std::filesystem::path& file) {
+  vtkDataArray* fibre = surface->GetCellData()->GetArray("fibre");
+  if (!fibre || fibre->GetNumberOfComponents() != 3)
+    throw std::runtime_error(file.string() + ": has no cell array \"fibre\" of 3 components");
+  std::vector<Eigen::Vector2d> parts;
+  for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
+    parts.push_back(
+        sides_of(surface, i).colPivHouseholderQr().solve(Eigen::Map<const Vec3>(fibre->GetTuple3(i))));
+  return parts;
+}
+
+void add_fibre_lines(vtkPolyData* surface, const std::vector<Eigen::Vector2d>& parts) {
+  vtkNew<vtkDoubleArray> lines;
+  lines->SetName("fibre line");
+  lines->SetNumberOfComponents(3);
+  for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) {
+    const Eigen::Matrix<double, 3, 2> sides = sides_of(surface, i);
+    const double size = std::sqrt(sides.col(0).cross(sides.col(1)).norm());
+    const Vec3 line = size * (sides * parts[static_cast<std::size_t>(i)]);
+    lines->InsertNextTuple(line.data());
+  }
+  surface->GetCellData()->AddArray(lines);
+}
+
 void move_by_displacement(vtkPolyData* surface, const std::filesystem::path& file) {
   vtkDataArray* displacement = surface->GetPointData()->GetArray("displacement");
   if (displacement && displacement->GetNumberOfComponents() != 3)
@@ -144,7 +183,10 @@ vtkSmartPointer<vtkPolyData> read_surface(const Panel& panel, const std::optiona
   if (surface->GetNumberOfCells() == 0)
     throw std::runtime_error(panel.mesh.string() + ": nothing is left on the kept side of the clip plane");
   mark_exposed(surface, panel, clip);
+  std::vector<Eigen::Vector2d> fibres;
+  if (panel.fibres) fibres = fibres_in_faces(surface, panel.mesh);
   move_by_displacement(surface, panel.mesh);
+  if (panel.fibres) add_fibre_lines(surface, fibres);
   return surface;
 }
 

@@ -1,9 +1,11 @@
 #include "organ.h"
 
 #include <vtkActor.h>
+#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkColorTransferFunction.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkPolyDataNormals.h>
 #include <vtkProperty.h>
@@ -97,6 +99,37 @@ vtkNew<vtkActor> mesh_lines(vtkPolyData* shaded) {
   return actor;
 }
 
+// A line through the middle of each face, drawn just in front of it.
+vtkNew<vtkActor> fibre_lines(vtkPolyData* surface) {
+  vtkDataArray* line = surface->GetCellData()->GetArray("fibre line");
+  vtkNew<vtkPoints> ends;
+  vtkNew<vtkCellArray> cells;
+  for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) {
+    vtkIdType size = 0;
+    const vtkIdType* corner = nullptr;
+    surface->GetCellPoints(i, size, corner);
+    Vec3 centre = Vec3::Zero();
+    for (vtkIdType k = 0; k < size; ++k)
+      centre += Eigen::Map<const Vec3>(surface->GetPoint(corner[k])) / size;
+    const Vec3 half = 0.4 * Eigen::Map<const Vec3>(line->GetTuple3(i));
+    for (const Vec3& end : {Vec3(centre - half), Vec3(centre + half)}) ends->InsertNextPoint(end.data());
+    const vtkIdType pair[2] = {2 * i, 2 * i + 1};
+    cells->InsertNextCell(2, pair);
+  }
+  vtkNew<vtkPolyData> lines;
+  lines->SetPoints(ends);
+  lines->SetLines(cells);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(lines);
+  mapper->ScalarVisibilityOff();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->SetColor(0.98, 0.90, 0.62);
+  actor->GetProperty()->SetLineWidth(2);
+  return actor;
+}
+
 }  // namespace
 
 const std::array<RegionStyle, 3>& region_styles() {
@@ -166,6 +199,7 @@ void add_organ(vtkRenderer* renderer, vtkPolyData* surface, const Panel& panel, 
   const vtkSmartPointer<vtkPolyData> shaded = with_normals(surface);
   renderer->AddActor(wet_skin(shaded, panel, colors));
   if (panel.edges) renderer->AddActor(mesh_lines(shaded));
+  if (panel.fibres) renderer->AddActor(fibre_lines(surface));
 }
 
 }  // namespace picture

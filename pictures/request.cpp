@@ -108,7 +108,7 @@ std::filesystem::path mesh_path(const json& value, const std::string& place,
 }
 
 Panel read_panel(const json& object, const std::string& place, const std::filesystem::path& folder) {
-  check_keys(object, place, {"mesh", "first", "title", "color", "range", "edges", "tools"});
+  check_keys(object, place, {"mesh", "first", "title", "color", "range", "edges", "fibres", "tools"});
   Panel panel;
   panel.mesh = mesh_path(required_key(object, place, "mesh"), place + "/mesh", folder);
   optional_key(object, place, "first",
@@ -119,10 +119,14 @@ Panel read_panel(const json& object, const std::string& place, const std::filesy
     panel.range = numbers<2>(v, at);
     if ((*panel.range)[0] >= (*panel.range)[1]) fail(at, "must be [smallest, largest]");
   });
-  optional_key(object, place, "edges", [&](const json& v, const Place& at) {
-    if (!v.is_boolean()) fail(at, "must be true or false");
-    panel.edges = v.get<bool>();
-  });
+  const auto read_flag = [&](const char* key, bool& flag) {
+    optional_key(object, place, key, [&](const json& v, const Place& at) {
+      if (!v.is_boolean()) fail(at, "must be true or false");
+      flag = v.get<bool>();
+    });
+  };
+  read_flag("edges", panel.edges);
+  read_flag("fibres", panel.fibres);
   optional_key(object, place, "tools", [&](const json& v, const Place& at) {
     for_each(v, at,
              [&](const json& tool, const Place& there) { panel.tools.push_back(read_tool(tool, there)); });

@@ -2,7 +2,7 @@
 //
 //   {"pictures": [{
 //      "out": "picture_0.50.png", "size": [1280, 960],
-//      "panels": [{"mesh": "frame_0015.vtu", "title": "t = 0.50 s", "color": "region", "edges": true,
+//      "panels": [{"mesh": "frame_0015.vtu", "title": "t = 0.50 s", "color": "region", "edges": true, "fibres": true,
 //                  "first": "frame_0000.vtu", "range": [0, 1],
 //                  "tools": [{"type": "cautery", "position": [0, 0, 0.05], "radius": 0.006}]}],
 //      "camera": {"direction": [0.3, -1, 0.4], "up": [0, 0, 1], "zoom": 1},
@@ -41,6 +41,7 @@ struct Panel {
   std::optional<Eigen::Vector2d>
       range;  // of the colours; default: of the array, over all panels that show it
   bool edges = false;
+  bool fibres = false;  // short lines along the cell array `fibre`, as far as it lies in the surface
   std::vector<Tool> tools;
 };
 

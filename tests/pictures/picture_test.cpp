@@ -125,6 +125,29 @@ TEST_CASE("two tetrahedra give a shaded picture of the requested size with the l
   CHECK(image.count_near(precomputed_color) == 0);
 }
 
+TEST_CASE("fibres are lines in the faces that they do not cross at right angles") {
+  const Folder folder;
+  std::string tets = two_tetrahedra("0 0 0", 1);
+  folder.write("none.vtu", tets);
+  const std::string array =
+      R"(<DataArray type="Float64" Name="fibre" NumberOfComponents="3" format="ascii">1 0 0</DataArray>)";
+  tets.insert(tets.find("</CellData>"), array);
+  folder.write("tets.vtu", tets);
+  const Rgb line_color = {250, 230, 158};
+  const auto lines_seen_from = [&](const std::string& direction, const std::string& more) {
+    const std::string camera = R"(, "camera": {"direction": )" + direction + "}";
+    REQUIRE(run(folder, one_panel(R"({"mesh": "tets.vtu")" + more + "}", camera)) == 0);
+    const Image image = read_image(folder.path / "out.png");
+    fs::remove(folder.path / "out.png");
+    return image.count_near(line_color);
+  };
+  const int along = lines_seen_from("[0, -1, 0.01]", R"(, "fibres": true)");  // the face y = 0
+  CHECK(along > 60);
+  CHECK(lines_seen_from("[0, -1, 0.01]", "") == 0);
+  CHECK(lines_seen_from("[-1, 0, 0]", R"(, "fibres": true)") < along / 5);  // the face x = 0
+  check_refused(folder, one_panel(R"({"mesh": "none.vtu", "fibres": true})"), "has no cell array \"fibre\"");
+}
+
 TEST_CASE("the displacement moves the drawn surface, at the same scale in all panels") {
   const Folder folder;
   folder.write("rest.vtu", two_tetrahedra("0 0 0"));

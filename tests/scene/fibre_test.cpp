@@ -113,8 +113,7 @@ TEST_CASE("a written scene is read as the same one") {
     CHECK(to_json(parse_scene(once)) == once);
     CHECK(once.find("young_modulus_along") != std::string::npos);
   }
-  const std::string neo =
-      to_json(scene_of({{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "neo-hookean"}}));
+  const std::string neo = to_json(scene_of({{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "neo-hookean"}}));
   CHECK(neo.find("neo-hookean") != std::string::npos);
   CHECK(to_json(parse_scene(neo)) == neo);
 }
@@ -160,4 +159,14 @@ TEST_CASE("the description gives ratios of stiffness and wave speeds along and a
   CHECK(fibre["wave_speed_along_m_s"].get<double>() == near(std::sqrt(9e4 * 0.65 / delta / 900), 1e-12));
   CHECK(fibre["shear_wave_speed_along_m_s"].get<double>() == near(std::sqrt(2e4 / 900), 1e-12));
   CHECK(describe(scene, resolve(scene, bar())).find(", ratio 3, of shear 1.8; waves ") != std::string::npos);
+}
+
+TEST_CASE("the shipped ventricle is the generator's, and its scene takes the fibres of the file") {
+  const std::filesystem::path data = LOBE_DATA_DIR;
+  const TetMesh made = ventricle_mesh({}, 12, 3),
+                shipped = read_mesh(data / "meshes" / "ventricle_8k.vtu").mesh;
+  CHECK((made.points - shipped.points).cwiseAbs().maxCoeff() < 1e-15);
+  CHECK(made.tets == shipped.tets);
+  const Setup setup = resolve(read_scene(data / "scenes" / "ventricle.json"), shipped).setup;
+  CHECK((setup.mesh.fibres - made.fibres).cwiseAbs().maxCoeff() < 1e-15);
 }

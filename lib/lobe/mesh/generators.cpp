@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "lobe/error.h"
 
@@ -110,6 +111,81 @@ TetMesh cylinder_mesh(double radius, double length, int rings, int layers) {
     }
   mesh.labels.assign(static_cast<std::size_t>(tet), 0);
   orient(mesh);
+  return mesh;
+}
+
+namespace {
+
+// A place in the wall: `height` from 0 at the apex to 1 at the base, `depth` from 0 inside to 1 outside.
+struct WallPlace {
+  double height, depth;
+};
+
+class Wall {
+ public:
+  explicit Wall(const VentricleShape& shape) : shape_(shape) {}
+
+  Vec3d point(const WallPlace& place, double around) const {
+    const auto [radius, length] = half_axes(place.depth);
+    const double angle = polar_angle(place, length);
+    return {radius * std::sin(angle) * std::cos(around), radius * std::sin(angle) * std::sin(around),
+            -length * std::cos(angle)};
+  }
+
+  Vec3d fibre(const WallPlace& place, double around) const {
+    const auto [radius, length] = half_axes(place.depth);
+    const double angle = polar_angle(place, length);
+    const Vec3d upward = Vec3d(radius * std::cos(angle) * std::cos(around),
+                               radius * std::cos(angle) * std::sin(around), length * std::sin(angle))
+                             .normalized();
+    const Vec3d sideways(-std::sin(around), std::cos(around), 0);
+    const double slope = std::lerp(shape_.inner_angle, shape_.outer_angle, place.depth);
+    return std::cos(slope) * sideways + std::sin(slope) * upward;
+  }
+
+ private:
+  std::pair<double, double> half_axes(double depth) const {
+    return {std::lerp(shape_.inner_radius, shape_.outer_radius, depth),
+            std::lerp(shape_.inner_length, shape_.outer_length, depth)};
+  }
+  // From the apex, the parameter of the ellipse.
+  double polar_angle(const WallPlace& place, double length) const {
+    return place.height * std::acos(-shape_.base / length);
+  }
+
+  const VentricleShape& shape_;
+};
+
+void check(const VentricleShape& s) {
+  require(s.inner_radius > 0 && s.outer_radius > s.inner_radius && s.inner_length > 0 &&
+              s.outer_length > s.inner_length && std::isfinite(s.outer_radius + s.outer_length),
+          "ventricle_mesh", "needs half axes above 0, and those outside larger than those inside");
+  require(std::abs(s.base) < s.inner_length, "ventricle_mesh", "needs a base that cuts the inner ellipsoid");
+  require(std::isfinite(s.inner_angle + s.outer_angle), "ventricle_mesh", "needs finite angles of fibres");
+}
+
+}  // namespace
+
+TetMesh ventricle_mesh(const VentricleShape& shape, int rings, int layers) {
+  check(shape);
+  TetMesh mesh = cylinder_mesh(1, 1, rings, layers);
+  const Wall wall(shape);
+  const Mat3X<double> flat = mesh.points;
+  const auto place = [](const Vec3d& p) { return WallPlace{p.head<2>().norm(), p.z()}; };
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    mesh.points.col(v) = wall.point(place(flat.col(v)), std::atan2(flat(1, v), flat(0, v)));
+  orient(mesh);
+  mesh.fibres.resize(3, mesh.tet_count());
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    WallPlace mean{0, 0};
+    for (int c = 0; c < 4; ++c) {
+      const WallPlace corner = place(flat.col(mesh.tets(c, t)));
+      mean.height += corner.height / 4;
+      mean.depth += corner.depth / 4;
+    }
+    const Vec3d centre = tet_points(mesh, t).rowwise().mean();
+    mesh.fibres.col(t) = wall.fibre(mean, std::atan2(centre.y(), centre.x()));
+  }
   return mesh;
 }
 

@@ -63,6 +63,7 @@ void Recorder::add_pictures(World<Real>& world, const std::string& frame) {
                                  {"color", "region"},
                                  {"edges", true},
                                  {"first", frames_.front().second}};
+    if (world.elements().fibres.cols() > 0) panel["fibres"] = true;
     panel["tools"] = nlohmann::ordered_json::array();
     for (const Tools::Pose& pose : tool_poses(world)) panel["tools"].push_back(tool_json(pose, x));
     nlohmann::ordered_json picture{{"out", "picture_" + exact(output_.pictures[next_picture_]) + ".png"}};

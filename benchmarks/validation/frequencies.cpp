@@ -18,6 +18,9 @@ constexpr double young = 3e4, density = 1000;  // [Pa], [kg/m³]; ν = 0 but for
 constexpr double bar_length = 1, bar_height = 0.1, bar_depth = 0.05;
 constexpr double cylinder_radius = 0.1, cylinder_length = 0.6;
 constexpr Elastic no_poisson{0, young / 2, density}, with_poisson{4e4, 1e4, density};
+// Fibres along z: without λ and ε, E_L = 2μ + 4η + β; G_LT = μ + η.
+constexpr FibreModuli<double> fibre_moduli{0, 5e3, 4e4};  // [Pa]
+constexpr double young_along = young + 4 * fibre_moduli.shear + fibre_moduli.stretch;
 
 Mat3X<double> at_vertices(const TetMesh& mesh, const Field& field) {
   Mat3X<double> u(3, mesh.vertex_count());
@@ -41,6 +44,12 @@ Setup box_bar(int cells) {
 Setup round_bar(int rings) {
   return body_of(cylinder_mesh(cylinder_radius, cylinder_length, rings, 6 * rings), with_poisson,
                  RegionModel::tensor_mass);
+}
+
+Setup with_fibres(Setup setup) {
+  setup.materials[0].fibre = fibre_moduli;
+  setup.mesh.fibres = Vec3d(0, 0, 1).replicate(1, setup.mesh.tet_count());
+  return setup;
 }
 
 Mode theory_mode(const Bar& bar, const Setup& setup) {
@@ -106,6 +115,17 @@ std::vector<Bar> bars() {
       {"longitudinal, n = 2", {c / bar_length, "n/(2L) √(E/ρ)"}, longitudinal(2), box_bar, {1e-3, mesh}});
   list.push_back(
       {"torsion, n = 1", {shear / (2 * cylinder_length), "n/(2L) √(μ/ρ)"}, torsion, round_bar, {5e-3, mesh}});
+  list.push_back({"longitudinal, fibres along",
+                  {std::sqrt(young_along / density) / (2 * bar_length), "n/(2L) √(E_L/ρ)"},
+                  longitudinal(1),
+                  [](int cells) { return with_fibres(box_bar(cells)); },
+                  {1e-3, mesh}});
+  list.push_back({"torsion, fibres along",
+                  {std::sqrt((with_poisson.mu + fibre_moduli.shear) / density) / (2 * cylinder_length),
+                   "n/(2L) √(G_LT/ρ)"},
+                  torsion,
+                  [](int rings) { return with_fibres(round_bar(rings)); },
+                  {5e-3, mesh}});
   list.push_back({"bending, n = 1",
                   {timoshenko() / (2 * pi), "Timoshenko beam, κ = 5/6"},
                   bending_shape,

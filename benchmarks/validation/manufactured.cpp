@@ -37,7 +37,7 @@ void load_top(Setup& setup, const ExactField& field, const Law& law, double heig
     if ((X.row(2).array() - height).abs().maxCoeff() > 1e-9 * height) continue;
     const double area = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0)).norm() / 2;
     for (const TrianglePoint& q : triangle_quadrature()) {
-      const Vec3d traction = law.stress(field.gradient(X * q.barycentric)).col(2);
+      const Vec3d traction = law.stress(field.gradient(X * q.barycentric), X * q.barycentric).col(2);
       for (int i = 0; i < 3; ++i)
         setup.vertex_loads.push_back({v[i], area * q.weight * q.barycentric[i] * traction});
     }
@@ -88,6 +88,12 @@ Errors solve(const Problem& problem, int cells) {
                          problem.cylinder ? Vec3d(0, 0, length / 2) : Vec3d(0.5, 0.5, length / 2)};
   Setup setup = body_of(mesh, {problem.law.lambda, problem.law.mu, 1}, problem.law.model);
   setup.volume_penalty = problem.law.volume_penalty;
+  if (problem.law.fibre.any()) {
+    setup.materials[0].fibre = problem.law.fibre;
+    setup.mesh.fibres.resize(3, mesh.tet_count());
+    for (Index t = 0; t < mesh.tet_count(); ++t)
+      setup.mesh.fibres.col(t) = problem.law.direction(tet_points(mesh, t).rowwise().mean());
+  }
   load_volume(setup, field, problem.law);
   std::vector<Index> held = outer_vertices(mesh);
   if (problem.traction_top) {
@@ -131,6 +137,11 @@ void manufactured_solutions(Findings& findings, bool quick) {
   study(findings, {"cylinder, SVK, traction on an end", svk, 0.05, true, true}, cylinder);
   study(findings, {"box, linear, traction on an end", linear, 1e-3, false, true}, box);
   study(findings, {"box, SVK with volume term", with_volume_term, 0.1, false}, box);
+  Law fibrous = svk, linear_fibrous = linear;
+  fibrous.fibre = linear_fibrous.fibre = {0.5, 0.8, 3};
+  study(findings, {"box, linear, fibres that turn, traction on an end", linear_fibrous, 1e-3, false, true},
+        box);
+  study(findings, {"box, SVK, fibres that turn", fibrous, 0.1, false}, box);
 }
 
 }  // namespace lobe::validation

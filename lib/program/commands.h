@@ -48,4 +48,11 @@ struct CompareOptions {
 };
 int compare(const CompareOptions& options);
 
+struct RefineOptions {
+  std::filesystem::path mesh, output;
+  int times = 1;
+  long long tets = 0;  // if above 0: as often as it takes to have so many
+};
+int refine(const RefineOptions& options);
+
 }  // namespace lobe::program

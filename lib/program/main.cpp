@@ -60,6 +60,20 @@ void add_compare(CLI::App& app, CompareOptions& options, Action& action) {
   command->callback([&] { action = [&] { return compare(options); }; });
 }
 
+void add_refine(CLI::App& app, RefineOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand("refine", "Cut each tetrahedron of a mesh into eight");
+  command->add_option("MESH", options.mesh, "vtu, vtk, msh, mesh, node/ele")->required();
+  command->add_option("-o,--output", options.output, "mesh to write; .vtu keeps the arrays of a .vtu")
+      ->required();
+  CLI::Option* times = command->add_option("--times", options.times, "how often")
+                           ->check(CLI::Range(1, 10))
+                           ->capture_default_str();
+  command->add_option("--tets", options.tets, "in place of --times: until there are so many")
+      ->check(CLI::Range(1LL, 2'000'000'000LL))
+      ->excludes(times);
+  command->callback([&] { action = [&] { return refine(options); }; });
+}
+
 CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, SceneOptions& options,
                             Action& action, int (*function)(const SceneOptions&)) {
   CLI::App* command = app.add_subcommand(name, help);
@@ -123,6 +137,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CompareOptions compare_options;
   add_compare(app, compare_options, action);
+  RefineOptions refine_options;
+  add_refine(app, refine_options, action);
   CLI::App* regions_command =
       add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
   regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();

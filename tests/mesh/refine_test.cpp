@@ -89,6 +89,15 @@ TEST_CASE("prolongation leaves a P1 field as it is") {
   CHECK((fine.prolongate(affine_displacement(mesh.points, F)) - expected).norm() < 1e-15);
 }
 
+TEST_CASE("each tetrahedron inherits the values of the one that it was cut from") {
+  const TetMesh mesh = irregular_box(2);
+  Eigen::MatrixXd values(2, mesh.tet_count());
+  for (Index t = 0; t < mesh.tet_count(); ++t) values.col(t) << t, 0.5 * t;
+  const Eigen::MatrixXd fine = refine(mesh).inherit(values);
+  REQUIRE(fine.cols() == 8 * mesh.tet_count());
+  for (Index t = 0; t < fine.cols(); ++t) CHECK(fine.col(t) == Eigen::Vector2d(t / 8, 0.5 * (t / 8)));
+}
+
 TEST_CASE("angles do not degenerate under repeated refinement") {
   TetMesh mesh = irregular_box(2);
   double previous = 0;

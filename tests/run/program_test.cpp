@@ -1,11 +1,11 @@
 // The command `lobe` as its callers use it: exit statuses, messages, files.
 #include <doctest/doctest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdio>
 
 #include "lobe/mesh/quality.h"
+#include "lobe_command.h"
 #include "near.h"
 #include "run/small_scene.h"
 
@@ -14,26 +14,6 @@ using namespace lobe::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Ended {
-  int status = 0;
-  std::string out, err;
-};
-
-// Runs `lobe arguments` in the folder.
-Ended lobe_in(const Folder& folder, const std::string& arguments, const std::string& environment = "") {
-  const std::string command = "cd '" + folder.path.string() + "' && " + environment +
-                              " '" LOBE_BIN_DIR "/lobe' " + arguments + " 2>messages.txt";
-  FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  Ended ended;
-  char buffer[4096];
-  for (std::size_t n = 0; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) ended.out.append(buffer, n);
-  const int status = pclose(pipe);
-  ended.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  ended.err = bytes_of(folder.path / "messages.txt");
-  return ended;
-}
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
 
@@ -206,30 +186,6 @@ TEST_CASE("lobe regions and run choose regions where the scene leaves that to th
   CHECK(report["auto_regions"]["gestures"][0]["measured_error"].get<double>() <= 0.3);
   CHECK(report["linearity"]["series"].size() == 1 + 15);  // at the start, and after each frame
   CHECK(report["linearity"]["worst_error"].get<double>() >= 0);
-}
-
-TEST_CASE("lobe info counts and measures a mesh") {
-  const Folder folder;
-  write_scene_files(folder);
-  const Ended ended = lobe_in(folder, "info beam.vtu --json");
-  REQUIRE_MESSAGE(ended.status == 0, ended.err);
-  const Json info = Json::parse(ended.out);
-  CHECK(info["vertices"] == 9 * 3 * 3);
-  CHECK(info["tetrahedra"] == 192);
-  for (const char* label : {"0", "1", "2", "3", "4", "5"}) CHECK(info["labels"][label] == 32);
-  CHECK(info["volume_m3"].get<double>() == near(0.08 * 0.02 * 0.02, 1e-12));
-  CHECK(info["smallest_tetrahedron_m3"].get<double>() == near(1e-6 / 6, 1e-9));
-  CHECK(info["bounding_box_m"] == Json::parse(R"({"min": [0.0, 0.0, 0.0], "max": [0.08, 0.02, 0.02]})"));
-  CHECK(info["dihedral_deg"]["smallest"].get<double>() == near(45, 1e-12));
-  CHECK(info["dihedral_deg"]["largest"].get<double>() == near(90, 1e-12));
-  int angles = 0;
-  for (const Json& count : info["dihedral_histogram_10_deg"]) angles += count.get<int>();
-  CHECK(angles == 6 * 192);
-  const double step = info["stable_time_step_s"];
-  CHECK(step > 0);
-  const Json heavy = Json::parse(lobe_in(folder, "info beam.vtu --json --density 4000").out);
-  CHECK(heavy["stable_time_step_s"].get<double>() == near(2 * step, 1e-12));  // ∝ √ρ
-  CHECK(contains(lobe_in(folder, "info beam.vtu").out, "tetrahedra          192\n"));
 }
 
 TEST_CASE("lobe check says what will be run") {

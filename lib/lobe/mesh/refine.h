@@ -21,6 +21,13 @@ struct RefinedMesh {
       fine.col(old.cols() + Eigen::Index(i)) = (old.col(ends[i][0]) + old.col(ends[i][1])) / 2;
     return fine;
   }
+  // A field of the old tetrahedra, #components × #old tetrahedra: children have their parent's values.
+  template <class Field>
+  Field inherit(const Field& old) const {
+    Field fine(old.rows(), mesh.tet_count());
+    for (Index t = 0; t < mesh.tet_count(); ++t) fine.col(t) = old.col(parent_of[std::size_t(t)]);
+    return fine;
+  }
 };
 
 // Each tetrahedron becomes eight (red refinement: J. Bey, Computing 55, 1995): one at each corner, and the

@@ -1,0 +1,56 @@
+// `lobe refine`: a finer mesh of the same body.
+#include "lobe/mesh/refine.h"
+
+#include <cstdio>
+
+#include "commands.h"
+#include "console.h"
+#include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
+
+namespace lobe::program {
+namespace {
+
+using Arrays = std::map<std::string, Eigen::MatrixXd>;
+
+void refine_once(MeshFile& file) {
+  RefinedMesh fine = refine(file.mesh);
+  for (auto& [name, values] : file.point_data) values = fine.prolongate(values);
+  for (auto& [name, values] : file.cell_data) values = fine.inherit(values);
+  file.mesh = std::move(fine.mesh);
+}
+
+std::vector<DataArray> data_arrays(Arrays& arrays) {
+  std::vector<DataArray> result;
+  for (auto& [name, values] : arrays) result.push_back({name, std::move(values)});
+  return result;
+}
+
+void write(const std::filesystem::path& output, MeshFile& file) {
+  if (output.extension() == ".vtu")
+    return write_vtu(output, file.mesh, data_arrays(file.point_data), data_arrays(file.cell_data));
+  if (!file.point_data.empty() || !file.cell_data.empty())
+    print_warnings({output.string() + ": only .vtu holds arrays; those of the mesh are left out"});
+  write_mesh(output, file.mesh);
+}
+
+}  // namespace
+
+int refine(const RefineOptions& options) {
+  if (!can_write_mesh(options.output))
+    throw InputError(options.output.string(), "no mesh is written with this extension; .vtu is");
+  MeshFile file = read_mesh(options.mesh);
+  print_warnings(file.prepared.warnings());
+  const Index before = file.mesh.tet_count();
+  if (options.tets > 0)
+    while (file.mesh.tet_count() < options.tets) refine_once(file);
+  else
+    for (int i = 0; i < options.times; ++i) refine_once(file);
+  const Index after = file.mesh.tet_count(), vertices = file.mesh.vertex_count();
+  write(options.output, file);
+  std::printf("%d tetrahedra became %d, with %d vertices\nwritten to %s\n", before, after, vertices,
+              options.output.string().c_str());
+  return done;
+}
+
+}  // namespace lobe::program

@@ -1,0 +1,73 @@
+// lobe info and lobe refine as their callers use them.
+#include <doctest/doctest.h>
+
+#include "lobe/mesh/quality.h"
+#include "lobe_command.h"
+#include "near.h"
+#include "run/small_scene.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+TEST_CASE("lobe info counts and measures a mesh") {
+  const Folder folder;
+  write_scene_files(folder);
+  const Ended ended = lobe_in(folder, "info beam.vtu --json");
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  const Json info = Json::parse(ended.out);
+  CHECK(info["vertices"] == 9 * 3 * 3);
+  CHECK(info["tetrahedra"] == 192);
+  for (const char* label : {"0", "1", "2", "3", "4", "5"}) CHECK(info["labels"][label] == 32);
+  CHECK(info["volume_m3"].get<double>() == near(0.08 * 0.02 * 0.02, 1e-12));
+  CHECK(info["smallest_tetrahedron_m3"].get<double>() == near(1e-6 / 6, 1e-9));
+  CHECK(info["bounding_box_m"] == Json::parse(R"({"min": [0.0, 0.0, 0.0], "max": [0.08, 0.02, 0.02]})"));
+  CHECK(info["dihedral_deg"]["smallest"].get<double>() == near(45, 1e-12));
+  CHECK(info["dihedral_deg"]["largest"].get<double>() == near(90, 1e-12));
+  int angles = 0;
+  for (const Json& count : info["dihedral_histogram_10_deg"]) angles += count.get<int>();
+  CHECK(angles == 6 * 192);
+  const double step = info["stable_time_step_s"];
+  CHECK(step > 0);
+  const Json heavy = Json::parse(lobe_in(folder, "info beam.vtu --json --density 4000").out);
+  CHECK(heavy["stable_time_step_s"].get<double>() == near(2 * step, 1e-12));  // ∝ √ρ
+  CHECK(lobe_in(folder, "info beam.vtu").out.find("tetrahedra          192\n") != std::string::npos);
+}
+
+TEST_CASE("lobe refine keeps the body, its labels and its arrays, and stops at the number asked for") {
+  const Folder folder;
+  const TetMesh mesh = beam_mesh();
+  DataArray of_vertex{"place", 2 * mesh.points}, of_tet{"number", Eigen::MatrixXd(1, mesh.tet_count())};
+  for (Index t = 0; t < mesh.tet_count(); ++t) of_tet.values(0, t) = t + 0.25;
+  write_vtu(folder.path / "beam.vtu", mesh, {of_vertex}, {of_tet});
+  const Ended ended = lobe_in(folder, "refine beam.vtu -o fine.vtu --tets 1537");  // 8 × 192 = 1536
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  CHECK(ended.out.starts_with("192 tetrahedra became 12288, "));
+  const MeshFile fine = read_mesh(folder.path / "fine.vtu");
+  REQUIRE(fine.mesh.tet_count() == 64 * 192);
+  CHECK(fine.prepared.warnings().empty());
+  CHECK(total_volume(fine.mesh) == near(total_volume(mesh), 1e-12));
+  CHECK((fine.point_data.at("place") - 2 * fine.mesh.points).norm() < 1e-15);
+  for (Index t = 0; t < fine.mesh.tet_count(); ++t) {
+    CHECK(fine.cell_data.at("number")(0, t) == t / 64 + 0.25);
+    CHECK(fine.mesh.labels[std::size_t(t)] == t / 64 % 6);
+  }
+  lobe_in(folder, "refine beam.vtu -o twice.vtu --times 2");
+  CHECK(bytes_of(folder.path / "twice.vtu") == bytes_of(folder.path / "fine.vtu"));
+}
+
+TEST_CASE("lobe refine warns where arrays are lost, and refuses what it cannot do") {
+  const Folder folder;
+  write_vtu(folder.path / "beam.vtu", beam_mesh(), {{"x", beam_mesh().points}});
+  const Ended text = lobe_in(folder, "refine beam.vtu -o fine.msh");
+  CHECK(text.status == 0);
+  CHECK(text.err == "lobe: warning: fine.msh: only .vtu holds arrays; those of the mesh are left out\n");
+  CHECK(read_mesh(folder.path / "fine.msh").mesh.tet_count() == 8 * 192);
+  for (const char* wrong : {"beam.vtu -o fine.txt", "missing.vtu -o a.vtu", "beam.vtu -o a.vtu --times 0",
+                            "beam.vtu -o a.vtu --times 1 --tets 10"}) {
+    const Ended refused = lobe_in(folder, std::string("refine ") + wrong);
+    CAPTURE(wrong);
+    CHECK(refused.status == 2);
+    CHECK(refused.err.starts_with("lobe: error: "));
+    CHECK(!std::filesystem::exists(folder.path / "a.vtu"));
+  }
+}

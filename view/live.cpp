@@ -145,12 +145,7 @@ class LiveOf final : public Live {
   }
 
   static Mat3X<float> rest_of(const Snapshot<Real>& picture) {
-    const SurfaceMesh& surface = *picture.surface.mesh;
-    Mat3X<float> rest(3, surface.vertex_count());
-    for (Index v = 0; v < surface.vertex_count(); ++v)
-      rest.col(v) = (picture.surface.x.col(v) - picture.u.col(surface.mesh_vertex[std::size_t(v)]))
-                        .template cast<float>();
-    return rest;
+    return (picture.surface.x - at_surface<Real>(*picture.surface.mesh, picture.u)).template cast<float>();
   }
 
   void write_measured(const std::string& scalar, std::uint64_t revision, Told& told, BlockWriter& out,

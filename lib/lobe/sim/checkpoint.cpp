@@ -57,7 +57,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     fresh.surface_ = std::move(surface_);
     fresh.cut_observers_ = std::move(cut_observers_);
     fresh.published_ = std::move(published_);
-    if (fresh.surface_) fresh.surface_->rebuild(fresh.elements().topology, fresh.elements().region_of);
+    fresh.rebuild_surface();
     fresh.body_.model.revisions = beyond(body_.model.revisions, fresh.body_.model.revisions);
     *this = std::move(fresh);
   }

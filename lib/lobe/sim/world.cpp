@@ -246,7 +246,10 @@ std::vector<Tools::Pose> tool_poses(World<Real>& world) {
 
 template <class Real>
 const Surface& World<Real>::surface() {
-  if (!surface_) surface_ = std::make_unique<Surface>(elements().topology, elements().region_of);
+  if (!surface_) {
+    surface_ = std::make_unique<Surface>();
+    rebuild_surface();
+  }
   return *surface_;
 }
 

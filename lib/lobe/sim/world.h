@@ -75,6 +75,7 @@ class World {
   // The boundary of the body: made when it is first asked for, and kept up to date through cuts from then on,
   // O(edit) each.
   const Surface& surface();
+  std::unique_ptr<SurfaceCells> surface_cells() const;  // what it is the boundary of, until the next edit
   // Told of each edit of the mesh, which the topology has made: a Skin follows by it. Not of restore().
   using CutObserver = std::function<void(const Topology&, const MeshEdit&)>;
   void on_cut(CutObserver observer) { cut_observers_.push_back(std::move(observer)); }
@@ -137,6 +138,8 @@ class World {
   void incise(const BladeMove& move, Report& report);
   MeshEdit divide(const std::vector<Index>& opened);
   void hold_what_is_filled(const MeshEdit& edit);
+  void follow_with_surface(const MeshEdit& edit);
+  void rebuild_surface();
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);
   RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);

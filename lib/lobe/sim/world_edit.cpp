@@ -97,10 +97,7 @@ void World<Real>::follow(const MeshEdit& edit) {
   }
   if (!edit.shares.empty()) hold_what_is_filled(edit);
   limit_.follow(body_, edit);
-  if (surface_ && !edit.copies.empty())
-    surface_->rebuild(elements.topology, elements.region_of);
-  else if (surface_)
-    surface_->follow(elements.topology, edit, elements.region_of);
+  follow_with_surface(edit);
   for (const CutObserver& observer : cut_observers_) observer(elements.topology, edit);
   for (const auto& term : body_.terms) term->follow(elements.topology, edit);
   follow(region_edit_of(edit, elements.topology, before));

@@ -170,12 +170,13 @@ class LiveOf final : public Live {
       const auto radius = radius_.find(hand.hand);
       list.push_back({{"tool", hand.tool},
                       {"hand", hand.hand},
-                      {"type", is_grasp ? "grasp" : "cautery"},
+                      {"type", name(hand.type)},
                       {"on", hand.holds},
                       {"position", array(hand.pose.position)},
                       {"orientation", array(hand.pose.orientation)},
                       {"force", array(hand.force)},
-                      {"radius", radius == radius_.end() ? 0.0 : radius->second}});
+                      {"radius", radius == radius_.end() ? 0.0 : radius->second},
+                      {"blade", array(hand.blade)}});
     }
     int number = -1;  // of the scene's own, which no hand leads
     for (const ToolSnapshot& tool : picture.tools)
@@ -185,7 +186,8 @@ class LiveOf final : public Live {
                         {"on", true},
                         {"position", array(tool.position)},
                         {"orientation", array(Eigen::Vector4d(tool.orientation.coeffs()))},
-                        {"force", array(tool.force)}});
+                        {"force", array(tool.force)},
+                        {"blade", array(tool.blade)}});
     return list;
   }
 

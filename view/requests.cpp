@@ -55,6 +55,15 @@ void Viewer::perform(ClientId, const request::Burn& what) {
   send({.kind = Kind::burn, .on = true, .hand = hand});
 }
 
+void Viewer::perform(ClientId, const request::Cut& what) {
+  const double length = (what.heel - what.tip).norm();
+  constexpr double longest = 1;  // [m]
+  if (!(length > 0) || length > longest) throw InputError("/heel", "must be above 0 and at most 1 m from the tip");
+  const auto hand = static_cast<HandNumber>(what.hand);
+  send({.kind = Kind::bring_scalpel, .hand = hand, .position = what.tip, .direction = what.heel - what.tip});
+  send({.kind = Kind::burn, .on = true, .hand = hand});
+}
+
 void Viewer::perform(ClientId, const request::Lead& what) {
   send({.kind = Kind::lead, .hand = static_cast<HandNumber>(what.hand), .position = what.to});
 }

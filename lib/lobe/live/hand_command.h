@@ -19,9 +19,10 @@ struct HandCommand {
     take_at_ray,
     take_at_point,  // holds what lies within `radius` of `position`
     bring_cautery,  // with a tip of `radius`, off, to `position`
+    bring_scalpel,  // off; its tip to `position`, and `direction` leads from there to the heel [m]
     lead,           // the hand is to go to `position`, turned by `orientation` since it took hold
-    burn,           // the cautery on or off, as `on` says
-    let_go,         // of what the hand holds; a cautery is taken away
+    burn,           // the cautery or scalpel on or off, as `on` says
+    let_go,         // of what the hand holds; a cautery or scalpel is taken away
     // Edits the body, by `body_edit`: RemoveTets, SetRegion, SetForces, … but no tool's command, nor Advance.
     edit,
     run,      // as `on` says; false: the simulation pauses
@@ -36,7 +37,7 @@ struct HandCommand {
   HandNumber hand = 0;
   std::uint64_t sequence = 0;               // the controller's own count, told back in SessionStatus
   Vec3d position = Vec3d::Zero();           // [m]
-  Vec3d direction = Vec3d::Zero();          // of any length but 0
+  Vec3d direction = Vec3d::Zero();          // of any length but 0; of a ray
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
   double radius = 0;                        // [m]
   double value = 0;

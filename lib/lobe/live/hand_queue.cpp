@@ -5,8 +5,8 @@
 namespace lobe {
 
 const char* name(HandCommand::Kind kind) {
-  static constexpr const char* names[] = {"take_at_ray", "take_at_point", "bring_cautery", "lead", "burn",
-                                          "let_go",      "edit",          "run",           "step", "speed",
+  static constexpr const char* names[] = {"take_at_ray", "take_at_point", "bring_cautery", "bring_scalpel", "lead",
+                                          "burn", "let_go",      "edit",          "run",           "step", "speed",
                                           "restart",     "back",          "alive"};
   const auto index = static_cast<std::size_t>(kind);
   return index < std::size(names) ? names[index] : "unknown";

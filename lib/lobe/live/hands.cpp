@@ -23,7 +23,7 @@ void check(const HandCommand& command) {
   const bool takes = command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point;
   if (takes || command.kind == Kind::bring_cautery)
     expect(command.radius > 0 && std::isfinite(command.radius), "its radius must be above 0 m, and finite");
-  if (command.kind == Kind::take_at_ray)
+  if (command.kind == Kind::take_at_ray || command.kind == Kind::bring_scalpel)
     expect(command.direction.allFinite() && command.direction.norm() > 0,
            "its direction must be three finite numbers, not all 0");
 }
@@ -40,7 +40,8 @@ void Hands<Real>::obey(int controller, const HandCommand& command) {
   check(command);
   if (command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point)
     return take_hold(controller, command);
-  if (command.kind == Kind::bring_cautery) return bring(controller, command);
+  if (command.kind == Kind::bring_cautery || command.kind == Kind::bring_scalpel)
+    return bring(controller, command);
   Hand& hand = full_hand(controller, command);
   if (hand.tool == 0) return;
   if (command.kind == Kind::lead) return lead(command, hand);
@@ -78,9 +79,13 @@ template <class Real>
 void Hands<Real>::bring(int controller, const HandCommand& command) {
   Hand& hand = empty_hand(controller, command.hand);
   const ToolId tool = world_.tools().next_id();
-  apply_(BringCautery{name_of(controller, command.hand), command.radius, command.position});
+  const std::string name = name_of(controller, command.hand);
+  if (command.kind == Kind::bring_scalpel)
+    apply_(BringScalpel{name, {command.position, command.position + command.direction}});
+  else
+    apply_(BringCautery{name, command.radius, command.position});
   hand.tool = tool;
-  hand.type = ToolType::cautery;
+  hand.type = command.kind == Kind::bring_scalpel ? ToolType::scalpel : ToolType::cautery;
   hand.is_led = true;
   hand.follower = Follower(command.position);
 }
@@ -160,8 +165,8 @@ void Hands<Real>::lead(const HandCommand& command, Hand& hand) {
 
 template <class Real>
 void Hands<Real>::burn(const HandCommand& command, Hand& hand) {
-  if (hand.type != ToolType::cautery)
-    throw InputError("burn", name_of(hand.controller, hand.number) + " has no cautery");
+  if (hand.type == ToolType::grasp)
+    throw InputError("burn", name_of(hand.controller, hand.number) + " has no cautery and no scalpel");
   apply_(SwitchCautery{hand.tool, command.on});
   hand.is_on = command.on;
 }
@@ -246,6 +251,8 @@ void Hands<Real>::tell(std::vector<HandStatus>& hands) const {
       status.force = -grasp->force;
       status.torque = -grasp->torque;
     }
+    if (const Scalpel* scalpel = world_.tools().scalpel(hand.tool))
+      status.blade = scalpel->pose.heel - scalpel->pose.tip;
     hands.push_back(status);
   }
 }

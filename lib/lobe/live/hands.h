@@ -23,8 +23,8 @@ class Hands {
         messages_(messages),
         limits_(limits) {}
 
-  // take_at_ray, take_at_point, bring_cautery, lead, burn, let_go. Throws InputError for what cannot be done,
-  // and has then done nothing.
+  // take_at_ray, take_at_point, bring_cautery, bring_scalpel, lead, burn, let_go. Throws InputError for what
+  // cannot be done, and has then done nothing.
   void obey(int controller, const HandCommand& command);
   int lose(int controller);          // its hands let go; how many held something
   void forget() { hands_.clear(); }  // the world was put back, and their tools have let go
@@ -43,7 +43,7 @@ class Hands {
     ToolId tool = 0;  // 0: empty
     ToolType type = ToolType::grasp;
     bool is_led = false;        // a grasp: it has taken hold
-    bool is_on = false;         // a cautery
+    bool is_on = false;         // a cautery or scalpel
     Vec3d arm = Vec3d::Zero();  // from where it took hold to the centre of what it holds [m]
     Index vertices = 0;         // that it holds
     Follower follower = {};

@@ -268,7 +268,8 @@ void World<Real>::publish(const Report& report) {
   snapshot->tools.clear();
   for (const Tools::Pose& pose : tool_poses(*this))
     snapshot->tools.push_back({pose.name, name(pose.type), pose.position,
-                               Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque});
+                               Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque,
+                               pose.heel.value_or(pose.position) - pose.position});
   snapshot->figures = {report.ok,
                        report.steps,
                        report.reruns,

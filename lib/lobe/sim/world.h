@@ -119,9 +119,7 @@ class World {
   void perform(const TakeHold& command);
   void perform(const BringCautery& command);
   void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
-  void perform(const BringScalpel& command) {
-    tools_.add(Scalpel{.name = command.name, .snap = command.snap, .strokes = {}, .pose = command.pose});
-  }
+  void perform(const BringScalpel& command);
   void perform(const SwitchCautery& command) { tools_.turn_on(command.tool, command.on); }
   void perform(const Incise& command);
   void perform(const LetGo& command) { tools_.let_go(command.tool); }

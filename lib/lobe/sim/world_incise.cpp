@@ -17,6 +17,13 @@ Blades& World<Real>::blades() {
   return *blades_;
 }
 
+// What goes with no blade says so now, and not in the middle of a frame.
+template <class Real>
+void World<Real>::perform(const BringScalpel& command) {
+  blades();
+  tools_.add(Scalpel{.name = command.name, .snap = command.snap, .strokes = {}, .pose = command.pose});
+}
+
 template <class Real>
 Blades::BodyNow World<Real>::body_now() {
   const auto placement = [this](Index t) {

@@ -60,6 +60,11 @@ const Cautery* Tools::cautery(ToolId id) const {
   return at == cauteries_.end() ? nullptr : &*at;
 }
 
+const Scalpel* Tools::scalpel(ToolId id) const {
+  const auto at = found(scalpels_, id);
+  return at == scalpels_.end() ? nullptr : &*at;
+}
+
 Grasp& Tools::live_grasp(ToolId id) {
   const auto at = found(grasps_, id);
   if (at == grasps_.end()) refuse(id, "is not there, or no grasp");

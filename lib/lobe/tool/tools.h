@@ -104,6 +104,7 @@ class Tools {
   const std::vector<Scalpel>& scalpels() const { return scalpels_; }
   const Grasp* grasp(ToolId id) const;  // null if there is none
   const Cautery* cautery(ToolId id) const;
+  const Scalpel* scalpel(ToolId id) const;
 
   // What has been done so far, as the tools of a setup.
   std::vector<GraspSetup> grasp_paths() const;

@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
               {"mesh": "across.vtu", "title": "across", "fibres": true},
               {"mesh": "oblique.vtu", "title": "at 45 degrees", "fibres": true}]},
   {"out": "fibres_ventricle.png", "size": [1600, 900], "camera": {"direction": [0.6, -1, 0.45]},
-   "panels": [{"mesh": "isotropic.vtu", "title": "isotropic", "edges": true},
-              {"mesh": "ventricle.vtu", "title": "with fibres", "fibres": true}]}]})"
+   "panels": [{"mesh": "isotropic.vtu", "title": "isotropic", "color": "von_mises"},
+              {"mesh": "ventricle.vtu", "title": "with fibres", "color": "von_mises", "fibres": true}]}]})"
                                            << "\n";
 }

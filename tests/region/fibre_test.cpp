@@ -9,6 +9,7 @@
 #include "lobe/fem/transverse_isotropy.h"
 #include "lobe/linearity/defect.h"
 #include "lobe/region/nonlinear.h"
+#include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/solve/static_solver.h"
 #include "lobe/solve/tangent.h"
@@ -254,4 +255,36 @@ TEST_CASE(
   CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("not positive definite"), InputError);
   CHECK_THROWS_WITH_AS(World<double>{with_stored_evaluator(neo_hookean_setup(mesh))},
                        doctest::Contains("\"evaluator\": \"stored\""), InputError);
+}
+
+TEST_CASE("a world with fibres goes on with the same bits from a checkpoint") {
+  const Setup setup = fibrous_parts_setup(irregular_box(3));
+  World<double> world = world_at(setup, state_of(setup.mesh));
+  REQUIRE(world.advance(0.01).ok);
+  World<double> other(setup);
+  other.restore(world.save());
+  REQUIRE(world.advance(0.01).ok);
+  REQUIRE(other.advance(0.01).ok);
+  CHECK(world.state().u == other.state().u);
+  CHECK(world.state().v == other.state().v);
+}
+
+TEST_CASE("with fibres implicit steps and selective masses come to rest at the equilibrium") {
+  Setup setup = fibrous_setup(irregular_box(3));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) < 1e-9) setup.prescribed.push_back({v});
+  setup.gravity = {0, 3, -9.81};
+  setup.damping = 60;
+  const Mat3X<double> rest = solve_static(setup).u;
+  const auto distance_at_rest = [&](const Setup& one) {
+    World<double> world(one);
+    REQUIRE(world.advance(1.5).ok);
+    return relative_gap(world.state().u, rest);
+  };
+  Setup implicit = setup, selective = setup;
+  implicit.integrator = Integrator::generalised_alpha;
+  implicit.implicit_step = 5e-3;
+  CHECK(distance_at_rest(implicit) < 1e-6);
+  selective.selective_mass = 2;
+  CHECK(distance_at_rest(selective) < 1e-6);
 }

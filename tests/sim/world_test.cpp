@@ -125,10 +125,10 @@ TEST_CASE("a grasp takes hold, follows its path and lets go") {
   until(2.9);
   CHECK(world.state().u(2, tip) == near(0.01, 1e-9));
   CHECK(world.body().reaction(1).z() > 0);
-  CHECK(tool_poses(world).size() == 1);
+  CHECK(placed_tools(world).size() == 1);
   until(3.3);
   CHECK(std::abs(world.state().u(2, tip)) < 0.008);
-  CHECK(tool_poses(world).empty());
+  CHECK(placed_tools(world).empty());
 }
 
 TEST_CASE("a vertex slides along the components that are not prescribed, and its reaction has none there") {

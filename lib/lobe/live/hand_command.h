@@ -18,11 +18,10 @@ struct HandCommand {
     // Holds what lies within `radius` of where the ray from `position` along `direction` enters the body.
     take_at_ray,
     take_at_point,  // holds what lies within `radius` of `position`
-    bring_cautery,  // with a tip of `radius`, off, to `position`
-    bring_scalpel,  // off; its tip to `position`, and `direction` leads from there to the heel [m]
+    bring,          // the tool that `tool` says, off; `position` is that of the hand, usually of the tip
     lead,           // the hand is to go to `position`, turned by `orientation` since it took hold
-    burn,           // the cautery or scalpel on or off, as `on` says
-    let_go,         // of what the hand holds; a cautery or scalpel is taken away
+    turn_on,        // or off, as `on` says: a cautery burns, a scalpel cuts
+    let_go,         // of what the hand holds; what it has brought is taken away
     // Edits the body, by `body_edit`: RemoveTets, SetRegion, SetForces, … but no tool's command, nor Advance.
     edit,
     run,      // as `on` says; false: the simulation pauses
@@ -37,13 +36,17 @@ struct HandCommand {
   HandNumber hand = 0;
   std::uint64_t sequence = 0;               // the controller's own count, told back in SessionStatus
   Vec3d position = Vec3d::Zero();           // [m]
-  Vec3d direction = Vec3d::Zero();          // of any length but 0; of a ray
+  Vec3d direction = Vec3d::Zero();          // of any length but 0
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
   double radius = 0;                        // [m]
   double value = 0;
   std::shared_ptr<const Command> body_edit = {};  // of `edit`
+  std::shared_ptr<const BringTool> tool = {};     // of `bring`; the hand's name replaces its own
 };
 
 const char* name(HandCommand::Kind kind);
+
+// A hand brings a tool; its position is that of the tip.
+HandCommand bring_tool(HandNumber hand, const Vec3d& position, BringTool tool);
 
 }  // namespace lobe

@@ -17,13 +17,6 @@ namespace {
 
 constexpr io::Format format{"loberec ", 6, "recording of a world"};
 
-// What only says what tools are to do in the next frame leaves the state as it is.
-bool is_about_tools(const Command& command) {
-  return std::holds_alternative<TakeHold>(command) || std::holds_alternative<BringCautery>(command) ||
-         std::holds_alternative<BringScalpel>(command) || std::holds_alternative<Lead>(command) ||
-         std::holds_alternative<SwitchCautery>(command) || std::holds_alternative<LetGo>(command);
-}
-
 void mix(std::uint64_t word, std::uint64_t& digest) {
   digest = (digest ^ word) * 0x9e3779b97f4a7c15u;
   digest ^= digest >> 32;

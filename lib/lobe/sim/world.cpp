@@ -235,9 +235,9 @@ void World<Real>::set_state(const State<Real>& state) {
 }
 
 template <class Real>
-std::vector<Tools::Pose> tool_poses(World<Real>& world) {
+std::vector<PlacedTool> placed_tools(World<Real>& world) {
   const auto u = world.displacements();
-  return world.tools().poses(world.time(), world.held(), [&](Index v) -> Vec3d {
+  return world.tools().placed(world.time(), world.held(), [&](Index v) -> Vec3d {
     return world.elements().points.col(v) + u.col(v).template cast<double>();
   });
 }
@@ -266,10 +266,9 @@ void World<Real>::publish(const Report& report) {
   snapshot->v = now.v;
   published_->surfaces.copy(*surface_, elements().points.view(), now.u, snapshot->surface);
   snapshot->tools.clear();
-  for (const Tools::Pose& pose : tool_poses(*this))
-    snapshot->tools.push_back({pose.name, name(pose.type), pose.position,
-                               Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque,
-                               pose.heel.value_or(pose.position) - pose.position});
+  for (const PlacedTool& tool : placed_tools(*this))
+    snapshot->tools.push_back({tool.name, tool.type, tool.position, Eigen::Quaterniond(tool.orientation),
+                               -tool.force, -tool.torque, tool.shape.radius, tool.shape.blade});
   snapshot->figures = {report.ok,
                        report.steps,
                        report.reruns,
@@ -282,8 +281,8 @@ void World<Real>::publish(const Report& report) {
   published_->buffer.publish();
 }
 
-template std::vector<Tools::Pose> tool_poses(World<float>&);
-template std::vector<Tools::Pose> tool_poses(World<double>&);
+template std::vector<PlacedTool> placed_tools(World<float>&);
+template std::vector<PlacedTool> placed_tools(World<double>&);
 template class World<float>;
 template class World<double>;
 

@@ -116,11 +116,14 @@ class World {
   void perform(const Condense&);
   void perform(const Renew& command);
   void perform(const SetMassDegree& command);
-  void perform(const TakeHold& command);
-  void perform(const BringCautery& command);
+  template <class Bring>
+  requires requires { &Bring::check; }
+  void perform(const Bring& command) {
+    command.check(elements().topology.vertex_count(), options_of(setup_));
+    tools_.bring(command);
+  }
   void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
-  void perform(const BringScalpel& command);
-  void perform(const SwitchCautery& command) { tools_.turn_on(command.tool, command.on); }
+  void perform(const SwitchTool& command) { tools_.turn_on(command.tool, command.on); }
   void perform(const Incise& command);
   void perform(const LetGo& command) { tools_.let_go(command.tool); }
   void perform(const SetForces& command);
@@ -172,7 +175,7 @@ class World {
   Vec3d led_displacement(const HeldVertices::Held& item, double time) const;
   bool implicit_step(double dt);
   void catch_up();
-  std::vector<Index> touched(const Sweep& sweep);
+  std::vector<Index> meeting(const SweptVolume& volume);
 
   static void check(const State<Real>& state);
   Setup initial_setup() const;
@@ -211,7 +214,7 @@ class World {
 
 // Where the tools of a world are.
 template <class Real>
-std::vector<Tools::Pose> tool_poses(World<Real>& world);
+std::vector<PlacedTool> placed_tools(World<Real>& world);
 
 extern template class World<float>;
 extern template class World<double>;

@@ -241,9 +241,7 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   setup.face_loads = loads_of_parts(setup_.face_loads, own.topology, c);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];
-  setup.grasps.clear();
-  setup.cauteries.clear();
-  setup.scalpels.clear();
+  static_cast<ToolSetups&>(setup) = {};
   return setup;
 }
 

@@ -17,13 +17,6 @@ Blades& World<Real>::blades() {
   return *blades_;
 }
 
-// What goes with no blade says so now, and not in the middle of a frame.
-template <class Real>
-void World<Real>::perform(const BringScalpel& command) {
-  blades();
-  tools_.add(Scalpel{.name = command.name, .snap = command.snap, .strokes = {}, .pose = command.pose});
-}
-
 template <class Real>
 Blades::BodyNow World<Real>::body_now() {
   const auto placement = [this](Index t) {
@@ -35,7 +28,7 @@ Blades::BodyNow World<Real>::body_now() {
     return Placement{start, start + u.col(0), Mat3<double>::Identity() + displacement_gradient(u, alpha)};
   };
   const auto tets_in = [this](const Eigen::AlignedBox3d& box) {
-    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), box);
+    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {box});
   };
   return {placement, tets_in};
 }

@@ -50,10 +50,10 @@ void act(Session<Real>& session) {
     for (int i = 0; i < count; ++i) REQUIRE(session.step_frame());
   };
   hands.send(bring_tool(2, {0.058, -0.005, 0.012}, BringCautery{"", 0.0027, {0.058, -0.005, 0.012}}));
-  hands.send(turn_on(Kind::burn, true, 2));
+  hands.send(turn_on(Kind::turn_on, true, 2));
   hands.send(lead_to({0.057, 0.025, 0.011}, 2));
   frames(25);
-  hands.send(turn_on(Kind::burn, false, 2));
+  hands.send(turn_on(Kind::turn_on, false, 2));
   hands.send({.kind = Kind::take_at_ray,
               .hand = 3,
               .position = {0.061, 0.01, 0.2},
@@ -69,7 +69,7 @@ void act(Session<Real>& session) {
     hands.send(lead);
   }
   frames(20);
-  hands.send(turn_on(Kind::burn, true, 2));
+  hands.send(turn_on(Kind::turn_on, true, 2));
   hands.send(lead_to({0.03, 0.01, 0.02}, 2));
   frames(20);
   hands.send(ask(Kind::let_go, 1));

@@ -106,7 +106,7 @@ Mat3X<double> at_rest(World<double>& world) {
 
 void check_against_fresh_surface(World<double>& world) {
   const Surface& surface = world.surface();
-  const std::unique_ptr<SurfaceCells> cells = world.surface_cells();
+  const std::unique_ptr<SurfaceCells> cells = surface_cells(world.elements(), world.grains());
   const Surface fresh(*cells, world.elements().region_of);
   const std::set<Marked> triangles = marked_triangles(surface, *cells);
   CHECK(triangles == marked_triangles(fresh, *cells));

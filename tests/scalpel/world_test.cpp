@@ -79,8 +79,8 @@ Whole whole_of(World<double>& world) {
   Whole whole{e.elastic_linear + e.elastic_nonlinear, e.kinetic, 0, Vec3d::Zero(), Vec3d::Zero(), {}};
   const StateView<double> state = world.state();
   for (Index v = 0; v < world.elements().topology.vertex_count(); ++v) {
-    const Vec3d p = world.mass()[std::size_t(v)] * state.v.col(v);
-    whole.mass += world.mass()[std::size_t(v)];
+    const Vec3d p = world.body().inertia.mass()[std::size_t(v)] * state.v.col(v);
+    whole.mass += world.body().inertia.mass()[std::size_t(v)];
     whole.momentum += p;
     whole.angular_momentum += Vec3d(world.elements().points.col(v) + state.u.col(v)).cross(p);
   }
@@ -181,7 +181,7 @@ TEST_CASE("a blade through a hanging bar cuts its end off, which falls with all 
   CHECK(area > 0.9 * 0.03 * 0.03);                        // more where the end hangs aslant before it is off
   CHECK(world.elements().topology.pieces().size() >= 2);  // the blade meets what falls once more
   double mass = 0;
-  for (const double own : world.mass()) mass += own;
+  for (const double own : world.body().inertia.mass()) mass += own;
   CHECK(mass == near(1000 * total_volume(setup.mesh), 1e-12));
   const Mat3X<double> u = world.state().u;
   double lowest = 0;

@@ -61,13 +61,15 @@ TEST_CASE(
     };
     const auto momentum = [&] {
       Vec3d p = Vec3d::Zero();
-      for (Index v = 0; v < setup.mesh.vertex_count(); ++v) p += world.mass()[v] * world.state().v.col(v);
+      for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+        p += world.body().inertia.mass()[v] * world.state().v.col(v);
       return p;
     };
     world.set_state(state);
     const Vec3d p = momentum();
     double moved = 0;  // Σ m |v|
-    for (Index v = 0; v < setup.mesh.vertex_count(); ++v) moved += world.mass()[v] * state.v.col(v).norm();
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+      moved += world.body().inertia.mass()[v] * state.v.col(v).norm();
     const double coarse = drift(0.2), fine = drift(0.1);
     CHECK((momentum() - p).norm() < 1e-12 * moved);
     if (model == RegionModel::tensor_mass) {

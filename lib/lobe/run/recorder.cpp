@@ -11,8 +11,6 @@
 namespace lobe {
 namespace {
 
-constexpr double just_before = 1e-9;  // times are sums of steps [s]
-
 std::string numbered(const char* format, std::size_t number) {
   char name[64];
   std::snprintf(name, sizeof name, format, number);

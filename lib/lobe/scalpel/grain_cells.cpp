@@ -44,4 +44,9 @@ void GrainCells::append_changed(const MeshEdit& edit, std::vector<Index>& cells)
   for (const TetShare& own : edit.shares) append_cells_of(own.tet, cells);
 }
 
+std::unique_ptr<SurfaceCells> surface_cells(const Elements& elements, const Grains* grains) {
+  if (grains) return std::make_unique<GrainCells>(*grains, elements);
+  return std::make_unique<TetCells>(elements.topology);
+}
+
 }  // namespace lobe

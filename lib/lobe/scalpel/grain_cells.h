@@ -1,6 +1,8 @@
 // Grains as cells of a surface: what is drawn is open where the blade has cut, and nowhere else.
 #pragma once
 
+#include <memory>
+
 #include "lobe/mesh/surface_cells.h"
 #include "lobe/scalpel/grains.h"
 
@@ -26,5 +28,8 @@ class GrainCells : public SurfaceCells {
   const Grains& grains_;
   const Elements& elements_;
 };
+
+// What the surface of a body is the boundary of, until the next edit: its tetrahedra, or the grains of a blade's cuts.
+std::unique_ptr<SurfaceCells> surface_cells(const Elements& elements, const Grains* grains);
 
 }  // namespace lobe

@@ -210,7 +210,7 @@ void validate(World<Real>& world) {
   validate_held(body);
   validate_masses(body);
   validate_regions(body);
-  validate_surface(world.surface(), *world.surface_cells(), body.model.elements);
+  validate_surface(world.surface(), *surface_cells(body.model.elements, world.grains()), body.model.elements);
   validate_places(world.surface().mesh(), body.model.elements.topology);
 }
 

@@ -75,14 +75,15 @@ template <class Real>
 void World<Real>::scale_masses(double share) {
   MassScaling& scaling = body_.inertia.scaling();
   scaling.limit_before = time_step_limit();
-  std::vector<Index> all(mass().size());
+  const std::vector<double>& mass = body_.inertia.mass();
+  std::vector<Index> all(mass.size());
   std::iota(all.begin(), all.end(), 0);
   std::vector<double> squares;
   for (Index v : all) squares.push_back(limit_.exact_square(body_, v));
-  const double total = std::accumulate(mass().begin(), mass().end(), 0.0);
+  const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
   body_.inertia.scale(squares, share);
   refresh(all);
-  scaling.added = std::accumulate(mass().begin(), mass().end(), 0.0) - total;
+  scaling.added = std::accumulate(mass.begin(), mass.end(), 0.0) - total;
   scaling.share = scaling.added / total;
   limit_.measure_at_rest(body_);
   scaling.limit_after = time_step_limit();
@@ -245,40 +246,9 @@ std::vector<PlacedTool> placed_tools(World<Real>& world) {
 // ---- For others to look at
 
 template <class Real>
-const Surface& World<Real>::surface() {
-  if (!surface_) {
-    surface_ = std::make_unique<Surface>();
-    rebuild_surface();
-  }
-  return *surface_;
-}
-
-template <class Real>
 void World<Real>::publish(const Report& report) {
   surface();
-  const StateView<Real> now = state();
-  ++published_->frames;
-  Snapshot<Real>* snapshot = published_->buffer.writable();
-  if (!snapshot) return;
-  snapshot->time = now.time;
-  snapshot->frame = published_->frames;
-  snapshot->u = now.u;
-  snapshot->v = now.v;
-  published_->surfaces.copy(*surface_, elements().points.view(), now.u, snapshot->surface);
-  snapshot->tools.clear();
-  for (const PlacedTool& tool : placed_tools(*this))
-    snapshot->tools.push_back({tool.name, tool.type, tool.position, Eigen::Quaterniond(tool.orientation),
-                               -tool.force, -tool.torque, tool.shape.radius, tool.shape.blade});
-  snapshot->figures = {report.ok,
-                       report.steps,
-                       report.reruns,
-                       report.time_step,
-                       std::accumulate(report.seconds.begin(), report.seconds.end(), 0.0),
-                       elements().topology.alive_count(),
-                       report.tets_removed,
-                       {}};
-  for (const Condition& condition : report.conditions) snapshot->figures.conditions.push_back(condition.text);
-  published_->buffer.publish();
+  display_.publish(elements(), state(), placed_tools(*this), report);
 }
 
 template std::vector<PlacedTool> placed_tools(World<float>&);

@@ -98,7 +98,7 @@ void World<Real>::follow(const MeshEdit& edit) {
   if (!edit.shares.empty()) hold_what_is_filled(edit);
   limit_.follow(body_, edit);
   follow_with_surface(edit);
-  for (const CutObserver& observer : cut_observers_) observer(elements.topology, edit);
+  display_.tell(elements.topology, edit);
   for (const auto& term : body_.terms) term->follow(elements.topology, edit);
   follow(region_edit_of(edit, elements.topology, before));
 }
@@ -193,7 +193,7 @@ void World<Real>::refresh(const std::vector<Index>& vertices) {
   body_.sleep.extend(topology.vertex_count(), time());
   limit_.extend(topology.vertex_count());
   body_.inertia.refresh(body_.model, vertices);
-  body_.loads.refresh(elements(), vertices, mass());
+  body_.loads.refresh(elements(), vertices, body_.inertia.mass());
   for (Index v : vertices)
     if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
   release(vertices);

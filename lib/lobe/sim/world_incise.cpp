@@ -12,7 +12,7 @@ Blades& World<Real>::blades() {
     refuse_excluded(Option::scalpel, options_of(setup_), "scalpel");
     blades_ = std::make_unique<Blades>(elements());
     history_.push_back(Incise{});
-    rebuild_surface();
+    display_.rebuild(elements(), grains());
   }
   return *blades_;
 }
@@ -76,33 +76,9 @@ MeshEdit World<Real>::divide(const std::vector<Index>& opened) {
   return edit;
 }
 
-// What the surface is the boundary of.
-template <class Real>
-std::unique_ptr<SurfaceCells> World<Real>::surface_cells() const {
-  if (blades_) return std::make_unique<GrainCells>(blades_->grains, elements());
-  return std::make_unique<TetCells>(elements().topology);
-}
-
-template <class Real>
-void World<Real>::rebuild_surface() {
-  if (!surface_) return;
-  if (blades_)
-    surface_->rebuild(GrainCells(blades_->grains, elements()), elements().region_of);
-  else
-    surface_->rebuild(elements().topology, elements().region_of);
-}
-
 template <class Real>
 void World<Real>::follow_with_surface(const MeshEdit& edit) {
-  if (!blades_) {
-    if (surface_) surface_->follow(elements().topology, edit, elements().region_of);
-    return;
-  }
-  std::vector<Index> changed = blades_->grains.take_changed();
-  if (!surface_) return;
-  const GrainCells cells(blades_->grains, elements());
-  cells.append_changed(edit, changed);
-  surface_->follow(cells, std::move(changed), elements().region_of);
+  display_.follow(elements(), blades_ ? &blades_->grains : nullptr, edit);
 }
 
 // Of a vertex and its copy only those are held on to which lie in the tissue: the other is a corner of

@@ -31,6 +31,8 @@ bool passes_near(const Tool& tool, const TetMesh& mesh) {
   return false;
 }
 
+void read_cautery(const nlohmann::json& entry, Tool& tool) { tool.radius = entry["radius"]; }
+
 bool read_cautery_row(const nlohmann::json& row, Tool&) { return row.size() == 4; }
 
 void write_cautery(const Tool& tool, nlohmann::ordered_json& entry) { entry["radius"] = tool.radius; }
@@ -59,8 +61,8 @@ void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
 
 extern const ToolKind cautery_kind;
 const ToolKind cautery_kind{CauterySetup::type, "4 numbers: time and place of the tip",
-                            read_cautery_row,   write_cautery,
-                            resolve_cautery,    summarise_cautery,
-                            append_cauteries};
+                            read_cautery,       read_cautery_row,
+                            write_cautery,      resolve_cautery,
+                            summarise_cautery,  append_cauteries};
 
 }  // namespace lobe

@@ -6,6 +6,11 @@
 namespace lobe {
 namespace {
 
+void read_grasp(const nlohmann::json& entry, Tool& tool) {
+  tool.copies = entry.value("copies", tool.copies);
+  tool.release = entry.value("release", tool.release);
+}
+
 bool read_grasp_row(const nlohmann::json& row, Tool& tool) {
   if (row.size() == 8)
     for (int i = 0; i < 4; ++i) tool.path.back().orientation[i] = row[std::size_t(4 + i)].get<double>();
@@ -84,8 +89,8 @@ void append_grasps(const ToolSetups& done, Index mesh_vertices, std::vector<Tool
 
 extern const ToolKind grasp_kind;
 const ToolKind grasp_kind{GraspSetup::type, "4 numbers, or 8 with a quaternion",
-                          read_grasp_row,   write_grasp,
-                          resolve_grasp,    summarise_grasp,
-                          append_grasps};
+                          read_grasp,       read_grasp_row,
+                          write_grasp,      resolve_grasp,
+                          summarise_grasp,  append_grasps};
 
 }  // namespace lobe

@@ -106,18 +106,16 @@ Tool read_tool(const json& entry, const std::string& pointer) {
   Tool tool;
   tool.type = tool.name = entry["type"];
   read(entry, "name", tool.name);
-  read(entry, "radius", tool.radius);
-  read(entry, "release", tool.release);
-  read(entry, "snap", tool.snap);
-  read(entry, "copies", tool.copies);
   tool.where = read_where(entry);
+  const ToolKind& kind = kind_of(tool);
+  kind.read(entry, tool);
   for (const json& row : entry["path"]) {
     PathPoint& point = tool.path.emplace_back();
     point.time = row[0].get<double>();
     point.position = read_vector(row, 1);
-    if (!kind_of(tool).read_row(row, tool))
+    if (!kind.read_row(row, tool))
       throw InputError(pointer + "/path/" + std::to_string(tool.path.size() - 1),
-                       "a row has " + std::string(kind_of(tool).row) + ", not " + std::to_string(row.size()));
+                       "a row has " + std::string(kind.row) + ", not " + std::to_string(row.size()));
   }
   tool.pointer = pointer;
   return tool;

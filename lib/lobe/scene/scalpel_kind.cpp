@@ -16,6 +16,8 @@ double mean_edge(const TetMesh& mesh) {  // [m]
   return sum / (6.0 * mesh.tet_count());
 }
 
+void read_scalpel(const nlohmann::json& entry, Tool& tool) { tool.snap = entry.value("snap", tool.snap); }
+
 bool read_scalpel_row(const nlohmann::json& row, Tool& tool) {
   if (row.size() != 7) return false;
   tool.heels.push_back(read_vector(row, 4));
@@ -66,8 +68,8 @@ void append_scalpels(const ToolSetups& done, Index, std::vector<Tool>& tools) {
 
 extern const ToolKind scalpel_kind;
 const ToolKind scalpel_kind{ScalpelSetup::type, "7 numbers: time, tip and heel",
-                            read_scalpel_row,   write_scalpel,
-                            resolve_scalpel,    summarise_scalpel,
-                            append_scalpels};
+                            read_scalpel,       read_scalpel_row,
+                            write_scalpel,      resolve_scalpel,
+                            summarise_scalpel,  append_scalpels};
 
 }  // namespace lobe

@@ -11,6 +11,8 @@ namespace lobe {
 struct ToolKind {
   const char* type;
   const char* row;  // what a row of its path has
+  // What it has beside name, type, where and path.
+  void (*read)(const nlohmann::json& entry, Tool& tool);
   // The rest of a row whose time and position the last point of the path has; false if it is no such row.
   bool (*read_row)(const nlohmann::json& row, Tool& tool);
   void (*write)(const Tool& tool, nlohmann::ordered_json& entry);

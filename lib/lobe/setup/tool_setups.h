@@ -27,8 +27,8 @@ using Expect = std::function<void(bool is_met, const std::string& fault)>;
 struct GraspSetup {
   static constexpr const char* type = "grasp";
   std::string name;
-  std::vector<Index>
-      vertices;  // of the mesh, or copies that cuts make before; what is not there then is left out
+  // Of the mesh, or copies that cuts make before; what is not there then is left out.
+  std::vector<Index> vertices;
   std::vector<PathPoint> path;  // offsets
   bool release = false;
   void check(const Expect& expect) const;

@@ -37,34 +37,6 @@ void Elements::follow(const MeshEdit& edit) {
   for (const TetShare& own : edit.shares) shares[own.tet] = own.share;
 }
 
-Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
-                          double pressure) {
-  return {.lambda = elastic.element_lambda(),
-          .mu = elastic.mu,
-          .kappa = volume_penalty,
-          .pressure = pressure,
-          .guard_modulus = elastic.guard_modulus(),
-          .guard_threshold = guard_below,
-          .terms = {.svk = elastic.law == MaterialLaw::svk,
-                    .volume = volume_penalty > 0,
-                    .pressure = pressure != 0,
-                    .guard = guard_below > 0,
-                    .fibre = elastic.fibre.any(),
-                    .neo_hookean = elastic.law == MaterialLaw::neo_hookean},
-          .fibre = elastic.fibre};
-}
-
-Law<double> linear_law(const Elastic& elastic) {
-  return {.lambda = elastic.lambda,
-          .mu = elastic.mu,
-          .kappa = 0,
-          .pressure = 0,
-          .guard_modulus = 0,
-          .guard_threshold = 0,
-          .terms = {.fibre = elastic.fibre.any()},
-          .fibre = elastic.fibre};
-}
-
 double lumped_mass(const Elements& elements, Index vertex) {
   double mass = 0;
   for (Index t : elements.topology.around(vertex))

@@ -51,8 +51,22 @@ struct Elements {
 };
 
 // The law of non-linear tetrahedra of a material, without the direction of a fibre.
-Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
-                          double pressure = 0);  // p_T, the mean of its nodes' [Pa]
+inline Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
+                                 double pressure = 0) {  // p_T, the mean of its nodes' [Pa]
+  return {.lambda = elastic.element_lambda(),
+          .mu = elastic.mu,
+          .kappa = volume_penalty,
+          .pressure = pressure,
+          .guard_modulus = elastic.guard_modulus(),
+          .guard_threshold = guard_below,
+          .terms = {.svk = elastic.law == MaterialLaw::svk,
+                    .volume = volume_penalty > 0,
+                    .pressure = pressure != 0,
+                    .guard = guard_below > 0,
+                    .fibre = elastic.fibre.any(),
+                    .neo_hookean = elastic.law == MaterialLaw::neo_hookean},
+          .fibre = elastic.fibre};
+}
 inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {
   Law<double> law =
       nonlinear_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below, pressure);
@@ -60,7 +74,16 @@ inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pre
   return law;
 }
 // The law of linear ones, for linear_stress() and its like: all of λ, and no other term than the fibre's.
-Law<double> linear_law(const Elastic& elastic);
+inline Law<double> linear_law(const Elastic& elastic) {
+  return {.lambda = elastic.lambda,
+          .mu = elastic.mu,
+          .kappa = 0,
+          .pressure = 0,
+          .guard_modulus = 0,
+          .guard_threshold = 0,
+          .terms = {.fibre = elastic.fibre.any()},
+          .fibre = elastic.fibre};
+}
 inline Law<double> linear_law(const Elements& elements, Index tet) {
   Law<double> law = linear_law(elements.elastic_of(tet));
   law.direction = elements.fibre_of(tet);

@@ -26,7 +26,8 @@ Mat3<T> hooke_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // σ [Pa]
 // ∂²W/∂u_j∂u_k = V B_jk, B_jk = λ α_j⊗α_k + μ (α_k⊗α_j + (α_j·α_k) I). [PDA] eq. (3)
 // sums these blocks without the ½ of the energy (erratum 1).
 template <class Real>
-Mat3<Real> hooke_block(const Vec3<Real>& alpha_j, const Vec3<Real>& alpha_k, Real lambda, Real mu)  // [Pa/m²]
+inline Mat3<Real> hooke_block(const Vec3<Real>& alpha_j, const Vec3<Real>& alpha_k, Real lambda,
+                              Real mu)  // [Pa/m²]
 {
   Mat3<Real> block = lambda * alpha_j * alpha_k.transpose() + mu * alpha_k * alpha_j.transpose();
   block.diagonal().array() += mu * alpha_j.dot(alpha_k);

@@ -136,7 +136,7 @@ Mat3<T> law_stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhof
 
 // ∂²W/∂u_j² / V of a corner with gradient α, at given nodal pressure: what it feels when it moves alone.
 template <class T>
-Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha)  // [Pa/m²]
+inline Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha)  // [Pa/m²]
 {
   SumOfTerms<Mat3<T>> K(Mat3<T>::Constant(T(0)));
   if (law.terms.svk) K += svk_diagonal_block(H, alpha, law.lambda, law.mu);
@@ -202,7 +202,8 @@ Mat3<T> linear_stress(const Law<T>& law, const Mat3<T>& H)  // σ [Pa]
 }
 
 template <class T>
-Mat3<T> linear_block(const Law<T>& law, const Vec3<T>& alpha_j, const Vec3<T>& alpha_k)  // B_jk [Pa/m²]
+inline Mat3<T> linear_block(const Law<T>& law, const Vec3<T>& alpha_j,
+                            const Vec3<T>& alpha_k)  // B_jk [Pa/m²]
 {
   const Mat3<T> block = hooke_block<T>(alpha_j, alpha_k, law.lambda, law.mu);
   if (!law.terms.fibre) return block;

@@ -16,7 +16,6 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
 // V B_ij of shape.h and linear_block() from the area vectors of the faces opposite to two corners: α_c is minus that
 // of its face over 3V.
 Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {  // [N/m]
-  const Law<double> law = linear_law(elements, tet);
   const Mat34<double> X = elements.corner_points(tet);
   const auto doubled_area = [&](int c) -> Vec3d {
     const int* face = face_corners[c];
@@ -25,7 +24,11 @@ Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {
   const Vec3d a = doubled_area(own), b = doubled_area(other);
   const double per_36_volumes =
       elements.share_of(tet) / (6 * a.dot(X.col(face_corners[own][0]) - X.col(own)));
-  return linear_block(law.times(per_36_volumes), a, b);
+  const Elastic& elastic = elements.elastic_of(tet);  // without a Law: a cut sums six edges' blocks anew
+  const Mat3<double> block =
+      hooke_block<double>(a, b, per_36_volumes * elastic.lambda, per_36_volumes * elastic.mu);
+  if (!elastic.fibre.any()) return block;
+  return block + fibre_block<double>(a, b, elastic.fibre.times(per_36_volumes), elements.fibre_of(tet));
 }
 
 // K_ij of the region's tetrahedra that are there; whether there are any.

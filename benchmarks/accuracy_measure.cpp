@@ -40,7 +40,9 @@ Reference make_reference(Setup setup, const Schedule& schedule, const double (&s
 // Tools that cut are left out: the comparison is of models.
 Setup setup_on(const Scene& scene, TetMesh mesh) {
   Setup setup = resolve(scene, std::move(mesh)).setup;
-  setup.cauteries.clear();
+  auto grasps = std::move(setup.grasps);
+  static_cast<ToolSetups&>(setup) = {};
+  setup.grasps = std::move(grasps);
   return setup;
 }
 
@@ -55,7 +57,7 @@ Setup fine_setup(const Case& scene) {
 std::vector<std::string> warnings_of(const Case& scene) {
   std::vector<std::string> warnings;
   for (const Tool& tool : scene.scene.tools)
-    if (tool.type == ToolType::cautery)
+    if (tool.type != GraspSetup::type)
       warnings.push_back("the tool " + tool.name + " is left out: nothing is cut in this comparison");
   if (scene.meshes.size() > 1 && selects_by_number(scene.scene))
     warnings.push_back(

@@ -215,7 +215,7 @@ std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, doubl
   const std::vector<Trial> trials = solve_trials(resolved.setup, gestures);
   std::vector<Making> list = makings(resolved.setup, gestures, trials, tolerance);
   const std::vector<std::unique_ptr<Player>> players = players_of(list, tolerance);
-  const std::vector<double> mass = players[0]->world().mass();
+  const std::vector<double> mass = players[0]->world().body().inertia.mass();
   const int frames = static_cast<int>(std::lround(scene.time.duration / scene.time.frame));
   std::vector<GestureRow> rows(list.size());
   double largest = 0;

@@ -131,7 +131,7 @@ void check(World<float>& condensed, World<float>& tensor_mass, const HybridRow& 
   const Mat3X<float> expected = tensor_mass.forces(), found = condensed.forces();
   double difference = 0;
   for (Eigen::Index v = 0; v < found.cols(); ++v)
-    if (condensed.mass()[std::size_t(v)] > 0 && !condensed.held().holds(Index(v)))
+    if (condensed.body().inertia.mass()[std::size_t(v)] > 0 && !condensed.held().holds(Index(v)))
       difference = std::max(difference, double((found - expected).col(v).norm()));
   const double relative = difference / double(expected.colwise().norm().maxCoeff());
   if (relative <= 1e-4) return;

@@ -31,9 +31,9 @@ class RandomHands {
     else if (toss < 40)
       look_from_above(command);
     else if (toss < 50)
-      command.kind = Kind::bring_cautery;
+      command.kind = Kind::bring;
     else if (toss < 70)
-      command.kind = Kind::burn;
+      command.kind = Kind::turn_on;
     else if (toss < 90)
       command.kind = Kind::let_go;
     else if (toss < 95)
@@ -46,7 +46,7 @@ class RandomHands {
       remove(command);
     command.on = command.kind == Kind::run || dice(2) == 0;
     command.value = 0.3 * uniform() + 0.01;
-    if (command.kind == Kind::bring_cautery) command.radius = size() * 0.02 * (0.5 + uniform());
+    if (command.kind == Kind::bring) bring_cautery(command);
     return command;
   }
 
@@ -68,6 +68,10 @@ class RandomHands {
     command.kind = HandCommand::Kind::take_at_ray;
     command.position.z() = options_.high.z() + 1;
     command.direction = {0.02 * (uniform() - 0.5), 0.02 * (uniform() - 0.5), -1};
+  }
+  void bring_cautery(HandCommand& command) {
+    command.tool = std::make_shared<const BringTool>(
+        BringCautery{"", size() * 0.02 * (0.5 + uniform()), command.position});
   }
   void pause(HandCommand& command) {
     command.kind = dice(2) == 0 ? HandCommand::Kind::run : HandCommand::Kind::step;

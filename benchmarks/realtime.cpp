@@ -53,7 +53,7 @@ double local_gain(World<float>& world) {
   const Index vertices = elements.topology.vertex_count(), tets = elements.topology.tet_count();
   std::vector<double> inverse_mass, squares;
   for (Index v = 0; v < vertices; ++v)
-    inverse_mass.push_back(world.held().fixes(v) ? 0 : 1 / world.mass()[std::size_t(v)]);
+    inverse_mass.push_back(world.held().fixes(v) ? 0 : 1 / world.body().inertia.mass()[std::size_t(v)]);
   VertexFrequencies<double> frequencies;
   const auto weight = [&](Index v) { return inverse_mass[std::size_t(v)]; };
   frequencies.find(vertices, weight, [&](DiagonalStiffness& K) {

@@ -219,15 +219,14 @@ lobe_status lobe_grasp_ray(lobe_session* session, uint32_t tool, const double or
 lobe_status lobe_cautery(lobe_session* session, uint32_t tool, const double tip[3], double radius) {
   return guarded([&] {
     require(session, "session");
-    return send(session, {.kind = HandCommand::Kind::bring_cautery,
-                          .hand = tool,
-                          .position = session->axes.point_in(vector_of(tip, "tip")),
-                          .radius = session->axes.length_in(radius)});
+    const lobe::Vec3d position = session->axes.point_in(vector_of(tip, "tip"));
+    return send(session, lobe::bring_tool(tool, position,
+                                          lobe::BringCautery{"", session->axes.length_in(radius), position}));
   });
 }
 
 lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on) {
-  return send(session, {.kind = HandCommand::Kind::burn, .on = on != 0, .hand = tool});
+  return send(session, {.kind = HandCommand::Kind::turn_on, .on = on != 0, .hand = tool});
 }
 
 lobe_status lobe_move(lobe_session* session, uint32_t tool, const double pose[7]) {

@@ -38,13 +38,13 @@ int main(int argc, char** argv) {
 
   const lobe::ToolId tip = world.tools().next_id();
   world.apply(lobe::BringCautery{"tip", 0.006, {0.03, -0.06, 0.03}});
-  world.apply(lobe::SwitchCautery{tip, true});
+  world.apply(lobe::SwitchTool{tip, true});
   lobe::Index burnt = 0;
   for (int i = 1; i <= 30; ++i) {
     world.apply(lobe::Lead{tip, {lobe::Vec3d(0.03, -0.06 + 0.001 * i, 0.03)}});
     burnt += world.advance(frame).tets_removed;
   }
-  world.apply(lobe::SwitchCautery{tip, false});
+  world.apply(lobe::SwitchTool{tip, false});
   std::printf("burnt: %d tetrahedra\n", burnt);
 
   world.apply(lobe::LetGo{hand});

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   const std::uint64_t seen = surface.revision;  // what the graphics card has
   const lobe::Index triangles = surface.triangle_count(), skin_triangles = skin.mesh().triangle_count();
   world.apply(lobe::BringCautery{"tip", 0.008, {0.03, -0.06, 0.03}});
-  world.apply(lobe::SwitchCautery{1, true});
+  world.apply(lobe::SwitchTool{1, true});
   for (int i = 1; i <= 10; ++i) {
     world.apply(lobe::Lead{1, {lobe::Vec3d(0.03, -0.06 + 0.003 * i, 0.03)}});
     if (!world.advance(1.0 / 60).ok) return 1;

@@ -44,7 +44,7 @@ inline double staggered_energy(World<double>& world, double dt) {
   world.step(dt);
   double twice = 0;
   for (Index v = 0; v < before.cols(); ++v)
-    twice += world.mass()[std::size_t(v)] * before.col(v).dot(world.state().v.col(v));
+    twice += world.body().inertia.mass()[std::size_t(v)] * before.col(v).dot(world.state().v.col(v));
   return twice / 2 + e.total() - e.kinetic;
 }
 

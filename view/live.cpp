@@ -64,7 +64,6 @@ class LiveOf final : public Live {
 
   bool send(HandCommand command) override {
     if (!controller_) return true;
-    if (command.kind == HandCommand::Kind::bring_cautery) radius_[command.hand] = command.radius;
     return controller_->send(command);
   }
 
@@ -145,12 +144,7 @@ class LiveOf final : public Live {
   }
 
   static Mat3X<float> rest_of(const Snapshot<Real>& picture) {
-    const SurfaceMesh& surface = *picture.surface.mesh;
-    Mat3X<float> rest(3, surface.vertex_count());
-    for (Index v = 0; v < surface.vertex_count(); ++v)
-      rest.col(v) = (picture.surface.x.col(v) - picture.u.col(surface.mesh_vertex[std::size_t(v)]))
-                        .template cast<float>();
-    return rest;
+    return (picture.surface.x - at_surface<Real>(*picture.surface.mesh, picture.u)).template cast<float>();
   }
 
   void write_measured(const std::string& scalar, std::uint64_t revision, Told& told, BlockWriter& out,
@@ -170,17 +164,16 @@ class LiveOf final : public Live {
     Json list = Json::array();
     for (const HandStatus& hand : status.hands) {
       if (hand.tool == 0) continue;
-      const bool is_grasp = hand.type == ToolType::grasp;
-      if (is_grasp && !hand.holds) continue;
-      const auto radius = radius_.find(hand.hand);
+      if (hand.type == GraspSetup::type && !hand.holds) continue;
       list.push_back({{"tool", hand.tool},
                       {"hand", hand.hand},
-                      {"type", is_grasp ? "grasp" : "cautery"},
+                      {"type", hand.type},
                       {"on", hand.holds},
                       {"position", array(hand.pose.position)},
                       {"orientation", array(hand.pose.orientation)},
                       {"force", array(hand.force)},
-                      {"radius", radius == radius_.end() ? 0.0 : radius->second}});
+                      {"radius", hand.shape.radius},
+                      {"blade", array(hand.shape.blade)}});
     }
     int number = -1;  // of the scene's own, which no hand leads
     for (const ToolSnapshot& tool : picture.tools)
@@ -190,7 +183,9 @@ class LiveOf final : public Live {
                         {"on", true},
                         {"position", array(tool.position)},
                         {"orientation", array(Eigen::Vector4d(tool.orientation.coeffs()))},
-                        {"force", array(tool.force)}});
+                        {"force", array(tool.force)},
+                        {"radius", tool.radius},
+                        {"blade", array(tool.blade)}});
     return list;
   }
 
@@ -221,7 +216,6 @@ class LiveOf final : public Live {
   const Setup setup_;
   Session<Real> session_;
   std::optional<Controller> controller_;
-  std::map<HandNumber, double> radius_;  // of the cautery that it holds, or held [m]
   std::set<std::string> scene_tools_;
   const std::uint64_t first_stamp_ = ++sessions_so_far << 32;  // two sessions have no revision in common
 

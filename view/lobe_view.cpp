@@ -21,7 +21,7 @@ namespace {
 using namespace lobe;
 using namespace lobe::program;
 
-struct Options {
+struct Arguments {
   std::filesystem::path scene, mesh, record, folder = ".";
   view::ServerOptions server;
   view::LiveOptions live;
@@ -59,7 +59,7 @@ std::string kept_token() {
   return token;
 }
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(CLI::App& app, Arguments& options) {
   app.add_option("SCENE", options.scene, "scene file (docs/scene.md)")->required();
   app.add_option("--mesh", options.mesh, "mesh to use in place of the scene's");
   app.add_option("--port", options.server.port, "port of the page; 0: a free one")
@@ -84,7 +84,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--no-open", options.no_open, "open no browser");
 }
 
-std::pair<Scene, Resolved> load(const Options& options) {
+std::pair<Scene, Resolved> load(const Arguments& options) {
   Scene scene = read_scene(options.scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
@@ -108,7 +108,7 @@ void open_browser(const std::string& address) {
   }
 }
 
-std::string address_of(const Options& options, int port) {
+std::string address_of(const Arguments& options, int port) {
   std::string host = options.server.host;
   if (host == "127.0.0.1" || host == "::1") host = "localhost";
   if (host == "0.0.0.0" || host == "::") {
@@ -119,7 +119,7 @@ std::string address_of(const Options& options, int port) {
   return "http://" + host + ":" + std::to_string(port) + "/?token=" + options.server.token;
 }
 
-int serve(Options& options) {
+int serve(Arguments& options) {
   if (options.server.token.empty()) options.server.token = kept_token();
   auto [scene, resolved] = load(options);
   std::unique_ptr<view::Viewer> viewer;
@@ -160,7 +160,7 @@ int serve(Options& options) {
 
 int main(int argc, char** argv) {
   CLI::App app{"An organ in the hands, in a page"};
-  Options options;
+  Arguments options;
   add_options(app, options);
   try {
     app.parse(argc, argv);

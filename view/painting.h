@@ -66,7 +66,9 @@ class Painting {
 
   void begin();
   std::vector<std::vector<Index>> precomputed_parts() const;
-  void follow(const std::vector<Index>& tets) { surface_.follow_regions(tets, now_.region_of); }
+  void follow(const std::vector<Index>& tets) {
+    surface_.follow_regions(TetCells(topology_), tets, now_.region_of);
+  }
   void follow_all();
   int label(Index tet) const;
   int label(std::size_t place, int material, RegionModel model) const;

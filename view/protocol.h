@@ -100,6 +100,14 @@ struct Burn {
   static constexpr auto fields =
       std::tuple(Field{"hand", &Burn::hand}, Field{"at", &Burn::at}, Field{"radius", &Burn::radius});
 };
+// A hand brings a scalpel, and cuts with it.
+struct Cut {
+  int hand = 0;
+  Vec3d tip = Vec3d::Zero(), heel = Vec3d::Zero();  // [m], not the same
+  static constexpr const char* name = "cut";
+  static constexpr auto fields =
+      std::tuple(Field{"hand", &Cut::hand}, Field{"tip", &Cut::tip}, Field{"heel", &Cut::heel});
+};
 // What a hand holds is to go there: the place where it took hold, or the tip.
 struct Lead {
   int hand = 0;
@@ -230,7 +238,7 @@ struct Save {
   static constexpr auto fields = std::tuple(Field{"to", &Save::to});
 };
 
-using Any = std::variant<Seen, Take, Burn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control,
+using Any = std::variant<Seen, Take, Burn, Cut, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control,
                          HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll, Stroke,
                          Undo, Propose, Apply, Save>;
 }  // namespace request

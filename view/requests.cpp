@@ -51,8 +51,18 @@ void Viewer::perform(ClientId, const request::Take& what) {
 void Viewer::perform(ClientId, const request::Burn& what) {
   check_radius(what.radius);
   const auto hand = static_cast<HandNumber>(what.hand);
-  send({.kind = Kind::bring_cautery, .hand = hand, .position = what.at, .radius = what.radius});
-  send({.kind = Kind::burn, .on = true, .hand = hand});
+  send(bring_tool(hand, what.at, BringCautery{"", what.radius, what.at}));
+  send({.kind = Kind::turn_on, .on = true, .hand = hand});
+}
+
+void Viewer::perform(ClientId, const request::Cut& what) {
+  const double length = (what.heel - what.tip).norm();
+  constexpr double longest = 1;  // [m]
+  if (!(length > 0) || length > longest)
+    throw InputError("/heel", "must be above 0 and at most 1 m from the tip");
+  const auto hand = static_cast<HandNumber>(what.hand);
+  send(bring_tool(hand, what.tip, BringScalpel{"", {what.tip, what.heel}}));
+  send({.kind = Kind::turn_on, .on = true, .hand = hand});
 }
 
 void Viewer::perform(ClientId, const request::Lead& what) {

@@ -64,8 +64,8 @@ class Player {
   }
   Vec3d momentum() {
     Vec3d sum = Vec3d::Zero();
-    for (std::size_t v = 0; v < world_.mass().size(); ++v)
-      sum += world_.mass()[v] * world_.state().v.col(Index(v)).template cast<double>();
+    for (std::size_t v = 0; v < world_.body().inertia.mass().size(); ++v)
+      sum += world_.body().inertia.mass()[v] * world_.state().v.col(Index(v)).template cast<double>();
     return sum;
   }
   bool is_free() const { return world_.held().all().empty() && plan_.setup.gravity.isZero(0); }
@@ -151,8 +151,8 @@ void Player<Real>::measure() {
   largest = std::max(largest, energy());
   if (!is_free()) return;
   double scale = 0;
-  for (std::size_t v = 0; v < world_.mass().size(); ++v)
-    scale += world_.mass()[v] * double(world_.state().v.col(Index(v)).norm());
+  for (std::size_t v = 0; v < world_.body().inertia.mass().size(); ++v)
+    scale += world_.body().inertia.mass()[v] * double(world_.state().v.col(Index(v)).norm());
   if (scale > 0)
     verdict_.momentum_drift = std::max(verdict_.momentum_drift, (momentum() - momentum_).norm() / scale);
 }

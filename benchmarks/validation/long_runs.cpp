@@ -59,7 +59,7 @@ template <class Real>
 Momenta momenta(World<Real>& world) {
   Momenta sum;
   for (Index v = 0; v < world.elements().points.count(); ++v) {
-    const Vec3d p = world.mass()[v] * world.state().v.col(v).template cast<double>();
+    const Vec3d p = world.body().inertia.mass()[v] * world.state().v.col(v).template cast<double>();
     const Vec3d x = world.elements().points.col(v) + world.state().u.col(v).template cast<double>();
     sum.linear += p;
     sum.angular += x.cross(p);
@@ -79,7 +79,7 @@ World<Real> moving_body() {
     const Vec3d X = v, wave(std::sin(300 * X.y()), std::sin(300 * X.z()), std::sin(300 * X.x()));
     v = speed * wave + spin * Vec3d::UnitZ().cross(X);
   }
-  const Eigen::Map<const Eigen::VectorXd> mass(world.mass().data(), setup.mesh.vertex_count());
+  const Eigen::Map<const Eigen::VectorXd> mass(world.body().inertia.mass().data(), setup.mesh.vertex_count());
   const Vec3d mean = state.v * mass / mass.sum();
   state.v.colwise() -= mean;
   world.set_state({state.u.template cast<Real>(), state.v.template cast<Real>(), 0});
@@ -94,7 +94,7 @@ double energy_and_step(World<Real>& world, double dt) {
   world.step(dt);
   double kinetic = 0;
   for (Index v = 0; v < before.cols(); ++v)
-    kinetic += world.mass()[v] / 2 * double(before.col(v).dot(world.state().v.col(v)));
+    kinetic += world.body().inertia.mass()[v] / 2 * double(before.col(v).dot(world.state().v.col(v)));
   return kinetic + elastic;
 }
 

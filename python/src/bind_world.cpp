@@ -145,7 +145,7 @@ void bind_tools(py::module_& module) {
       .def(
           "switch",
           [](const PyCautery& self, bool on) {
-            apply(*self.world, SwitchCautery{self.id, on});
+            apply(*self.world, SwitchTool{self.id, on});
           },
           py::arg("on"))
       .def(

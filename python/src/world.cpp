@@ -36,9 +36,9 @@ class WorldOf : public PyWorld {
     made->u = now.u;
     made->v = now.v;
     copies_.copy(world_.surface(), elements().points.view(), now.u, made->surface);
-    for (const Tools::Pose& pose : tool_poses(world_))
-      made->tools.push_back({pose.name, pose.type == ToolType::grasp ? "grasp" : "cautery", pose.position,
-                             Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque});
+    for (const PlacedTool& tool : placed_tools(world_))
+      made->tools.push_back({tool.name, tool.type, tool.position, Eigen::Quaterniond(tool.orientation),
+                             -tool.force, -tool.torque, tool.shape.radius, tool.shape.blade});
     return std::make_shared<PySnapshot>(PySnapshot{std::shared_ptr<const Snapshot<Real>>(std::move(made))});
   }
 

@@ -28,8 +28,9 @@ std::vector<VertexLoad> forces_on(const Setup& setup) {
 // Every vertex of a free body on a spring of its own, of which all have the same frequency.
 std::vector<Spring> springs_to_rest(World<double>& world, double omega) {
   std::vector<Spring> springs;
-  for (Index v = 0; v < static_cast<Index>(world.mass().size()); ++v)
-    springs.push_back({v, world.mass()[std::size_t(v)] * omega * omega, world.elements().points.col(v)});
+  for (Index v = 0; v < static_cast<Index>(world.body().inertia.mass().size()); ++v)
+    springs.push_back(
+        {v, world.body().inertia.mass()[std::size_t(v)] * omega * omega, world.elements().points.col(v)});
   return springs;
 }
 
@@ -58,7 +59,8 @@ TEST_CASE("a body on springs swings as one mass on one spring, with the energy o
   State<double> state = world.state();
   state.u.row(2).setConstant(amplitude);
   world.set_state(state);
-  const double mass = std::accumulate(world.mass().begin(), world.mass().end(), 0.0);
+  const double mass =
+      std::accumulate(world.body().inertia.mass().begin(), world.body().inertia.mass().end(), 0.0);
   CHECK(world.energies().applied == near(mass * omega * omega * amplitude * amplitude / 2, 1e-9));
   const double energy = world.energies().total(), dt = 1e-4;
   for (int i = 0; i < 1000; ++i) world.step(dt);

@@ -51,7 +51,9 @@ Setup floating_with_fibres() {
   return setup;
 }
 
-bool is_led(World<double>& world, Index v) { return world.mass()[v] > 0 && !world.held().holds(v); }
+bool is_led(World<double>& world, Index v) {
+  return world.body().inertia.mass()[v] > 0 && !world.held().holds(v);
+}
 
 }  // namespace
 
@@ -102,7 +104,7 @@ TEST_CASE("a floating body with a corotated region keeps its momentum and angula
   const auto momenta = [&] {
     Momenta sum;
     for (Index v = 0; v < world.elements().topology.vertex_count(); ++v) {
-      const Vec3d p = world.mass()[v] * world.state().v.col(v);
+      const Vec3d p = world.body().inertia.mass()[v] * world.state().v.col(v);
       sum.linear += p;
       sum.angular += Vec3d(world.elements().points.col(v) + world.state().u.col(v) - middle).cross(p);
     }

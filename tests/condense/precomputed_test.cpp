@@ -45,7 +45,7 @@ TEST_CASE("the condensed hybrid is in equilibrium where the static solution of t
   World<double> world(setup);
   State<double> state = world.state();
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
-    if (world.mass()[v] > 0) state.u.col(v) = exact.u.col(v);
+    if (world.body().inertia.mass()[v] > 0) state.u.col(v) = exact.u.col(v);
   world.set_state(state);
   const double weight = 9.81 * 1000 * 0.05 * 0.05 * 0.05;
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
@@ -151,7 +151,8 @@ TEST_CASE("the interface bears the mass of what follows it") {
     (std::all_of(around.begin(), around.end(), is_linear) ? inside : shared).push_back(i);
   }
   double bears = 0, expected = 0;
-  for (Index i : shared) bears += (world.mass()[i / 3] - lumped_mass(world.elements(), i / 3)) / 3;
+  for (Index i : shared)
+    bears += (world.body().inertia.mass()[i / 3] - lumped_mass(world.elements(), i / 3)) / 3;
   // Kinetic energy of the interior at unit velocity of the interface along each axis, twice: a third of all
   // three.
   const Eigen::LDLT<Eigen::MatrixXd> interior(K(inside, inside));
@@ -223,7 +224,8 @@ TEST_CASE("tetrahedra enter and leave the region where they are") {
     const Mat3X<double> before = world.state().u;
     world.apply(SetRegion{tets, model});
     for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
-      if (world.mass()[v] > 0) CHECK((world.state().u.col(v) - before.col(v)).norm() < 1e-12 * before.norm());
+      if (world.body().inertia.mass()[v] > 0)
+        CHECK((world.state().u.col(v) - before.col(v)).norm() < 1e-12 * before.norm());
     CHECK(compare_with_rebuilt(world).largest() < 1e-9);
   };
   move(inner, RegionModel::nonlinear);

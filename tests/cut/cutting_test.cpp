@@ -74,7 +74,7 @@ void remove_everything(Setup setup, double tolerance, int batch) {
   CHECK(world.elements().topology.alive_count() == 0);
   CHECK(world.elements().topology.boundary_faces().empty());
   CHECK(world.forces().norm() == 0);
-  CHECK(*std::max_element(world.mass().begin(), world.mass().end()) == 0);
+  CHECK(*std::max_element(world.body().inertia.mass().begin(), world.body().inertia.mass().end()) == 0);
   const Report report = world.advance(0.1);
   CHECK(report.ok);
 }

@@ -31,7 +31,7 @@ Index compare_with_scan(TetMesh mesh, int rounds) {
     const Vec3d tip = point();
     const Sweep sweep{tip, round % 3 == 0 ? tip : Vec3d(tip + 0.1 * point()), radius(random)};
     const Mat3X<double> x = mesh.points + u.template cast<double>();
-    const std::vector<Index> touched = groups.touched(topology, mesh.points, u, sweep);
+    const std::vector<Index> touched = groups.meeting(topology, mesh.points, u, swept_volume(sweep));
     REQUIRE(touched == touched_tets(topology, x, sweep));
     found += Index(touched.size());
     if (round % 5 == 0 && topology.alive_count() > mesh.tet_count() / 2) {
@@ -62,11 +62,11 @@ TEST_CASE("groups of a body that moved unsaid find nothing, until they are told 
   const Sweep sweep{{0.02, 0.07, 0.02}, {0.03, 0.07, 0.02}, 0.004};
   TetGroups groups;
   Mat3X<double> u = Mat3X<double>::Zero(3, mesh.vertex_count());
-  CHECK(groups.touched(topology, mesh.points, u, sweep).empty());
+  CHECK(groups.meeting(topology, mesh.points, u, swept_volume(sweep)).empty());
   u.row(1).array() += 0.05;
-  CHECK(groups.touched(topology, mesh.points, u, sweep).empty());
+  CHECK(groups.meeting(topology, mesh.points, u, swept_volume(sweep)).empty());
   groups.forget();
-  const std::vector<Index> touched = groups.touched(topology, mesh.points, u, sweep);
+  const std::vector<Index> touched = groups.meeting(topology, mesh.points, u, swept_volume(sweep));
   CHECK(!touched.empty());
   CHECK(touched == touched_tets(topology, mesh.points + u, sweep));
 }

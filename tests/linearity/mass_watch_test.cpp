@@ -23,7 +23,8 @@ Setup lifted_liver(int degree) {
 
 double mass_norm(World<double>& world, const Mat3X<double>& u) {
   double sum = 0;
-  for (Index v = 0; v < u.cols(); ++v) sum += world.mass()[std::size_t(v)] * u.col(v).squaredNorm();
+  for (Index v = 0; v < u.cols(); ++v)
+    sum += world.body().inertia.mass()[std::size_t(v)] * u.col(v).squaredNorm();
   return std::sqrt(sum);
 }
 

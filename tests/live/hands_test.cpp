@@ -86,11 +86,11 @@ TEST_CASE("each malformed command is named, and disturbs neither the body nor ot
       {{.kind = Kind::lead, .hand = 1, .orientation = {nan, 0, 0, 1}},
        "lead: its orientation must be a unit"},
       {lead_to(top, 7), "hand 7 of mouse: has no tool to lead"},
-      {turn_on(Kind::burn, true), "burn: hand 1 of mouse has no cautery"},
+      {turn_on(Kind::turn_on, true), "turn_on: hand 1 of mouse has nothing to turn on or off"},
       {take_at(top, nan, 2), "take_at_point: its radius must be above 0"},
       {take_at(top, -1, 2), "take_at_point: its radius must be above 0"},
       {{.kind = Kind::take_at_ray, .hand = 2, .radius = 0.01}, "take_at_ray: its direction"},
-      {{.kind = Kind::bring_cautery, .hand = 2, .radius = 0}, "bring_cautery: its radius"},
+      {bring_tool(2, Vec3d::Zero(), BringCautery{"", 0, Vec3d::Zero()}), "cautery: needs a radius"},
       {ask_for(Kind::speed, nan), "speed: must be from 0.001"},
       {ask_for(Kind::back, -1), "back: must be by more than 0 s"},
       {ask(Kind(77)), "command: there is none of kind 77"},
@@ -135,10 +135,10 @@ TEST_CASE("where a controller dies in the middle of a drag its tools let go, and
   {
     Controller dies = session.connect("dies");
     dies.send(take_at({0.005, 0.025, 0.05}, 0.008));
-    dies.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.025, 0.025, 0.045}, .radius = 0.004});
+    dies.send(bring_tool(2, {0.025, 0.025, 0.045}, BringCautery{"", 0.004, {0.025, 0.025, 0.045}}));
     dies.send(lead_to(Vec3d(0.005, 0.025, 0.05) + lift));
     step(session, 10);
-    dies.send(turn_on(Kind::burn, true, 2));
+    dies.send(turn_on(Kind::turn_on, true, 2));
     REQUIRE(session.status()->hands.size() == 3);
   }
   step(session, 2);

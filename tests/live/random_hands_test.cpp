@@ -38,7 +38,7 @@ TEST_CASE("what random hands of several threads did is replayed bit for bit, on 
     CHECK(count<TakeHold>(played.recording) > 3);
     CHECK(count<Lead>(played.recording) > 30);
     CHECK(count<LetGo>(played.recording) > 3);
-    burns += count<SwitchCautery>(played.recording);
+    burns += count<SwitchTool>(played.recording);
     returns += count<GoBack>(played.recording);
     for (int again : {1, 2}) {
       World<float> world(setup, again);

@@ -91,7 +91,7 @@ TEST_CASE("a newer pose of a hand takes the place of the queued one; nothing els
 TEST_CASE("a full queue says so to the sender, and has lost nothing") {
   HandQueue queue(4);
   const int mouse = queue.connect("mouse");
-  for (int i = 0; i < 4; ++i) REQUIRE(queue.send(mouse, asked(Kind::burn, HandNumber(i))));
+  for (int i = 0; i < 4; ++i) REQUIRE(queue.send(mouse, asked(Kind::turn_on, HandNumber(i))));
   CHECK_FALSE(queue.send(mouse, asked(Kind::let_go)));
   CHECK_FALSE(queue.send(mouse, pose(1, 0)));
   for (HandNumber i = 0; i < 4; ++i) CHECK(queue.take()->command.hand == i);

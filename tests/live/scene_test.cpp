@@ -49,11 +49,11 @@ void act(Session<Real>& session) {
   const auto frames = [&](int count) {
     for (int i = 0; i < count; ++i) REQUIRE(session.step_frame());
   };
-  hands.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.058, -0.005, 0.012}, .radius = 0.0027});
-  hands.send(turn_on(Kind::burn, true, 2));
+  hands.send(bring_tool(2, {0.058, -0.005, 0.012}, BringCautery{"", 0.0027, {0.058, -0.005, 0.012}}));
+  hands.send(turn_on(Kind::turn_on, true, 2));
   hands.send(lead_to({0.057, 0.025, 0.011}, 2));
   frames(25);
-  hands.send(turn_on(Kind::burn, false, 2));
+  hands.send(turn_on(Kind::turn_on, false, 2));
   hands.send({.kind = Kind::take_at_ray,
               .hand = 3,
               .position = {0.061, 0.01, 0.2},
@@ -63,13 +63,13 @@ void act(Session<Real>& session) {
   frames(3);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Vec3d::UnitX()));
   for (const HandStatus& hand : session.status()->hands) {
-    if (hand.type == ToolType::cautery) continue;
+    if (hand.type == CauterySetup::type) continue;
     HandCommand lead = lead_to(hand.pose.position + Vec3d(0, 0.002, 0.005), hand.hand);
     lead.orientation = turn.coeffs();
     hands.send(lead);
   }
   frames(20);
-  hands.send(turn_on(Kind::burn, true, 2));
+  hands.send(turn_on(Kind::turn_on, true, 2));
   hands.send(lead_to({0.03, 0.01, 0.02}, 2));
   frames(20);
   hands.send(ask(Kind::let_go, 1));
@@ -77,7 +77,7 @@ void act(Session<Real>& session) {
 }
 
 bool holds_a_copy(const Tools& tools, Index mesh_vertices) {
-  for (const Grasp& grasp : tools.grasps())
+  for (const Grasp& grasp : tools.lists().grasps)
     for (Index v : grasp.vertices)
       if (v >= mesh_vertices) return true;
   return false;

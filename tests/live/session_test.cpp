@@ -70,8 +70,8 @@ TEST_CASE("restart and back put the body where it was; hands let go, and the who
   const auto hold_and_burn = [&] {
     mouse.send(take_at(top));
     mouse.send(lead_to(top + lift));
-    mouse.send({.kind = Kind::bring_cautery, .hand = 2, .position = {0.01, -0.01, 0.04}, .radius = 0.005});
-    mouse.send(turn_on(Kind::burn, true, 2));
+    mouse.send(bring_tool(2, {0.01, -0.01, 0.04}, BringCautery{"", 0.005, {0.01, -0.01, 0.04}}));
+    mouse.send(turn_on(Kind::turn_on, true, 2));
     mouse.send(lead_to({0.01, 0.06, 0.04}, 2));
   };
   hold_and_burn();

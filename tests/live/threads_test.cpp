@@ -21,7 +21,7 @@ constexpr std::uint64_t commands = 30000;  // of each sender
 // Numbered commands, of which two in three are poses; all of a command is made from its number.
 HandCommand numbered(std::uint64_t number) {
   const double x = double(number);
-  HandCommand command{.kind = number % 3 == 0 ? Kind::burn : Kind::lead, .hand = 1, .sequence = number};
+  HandCommand command{.kind = number % 3 == 0 ? Kind::turn_on : Kind::lead, .hand = 1, .sequence = number};
   command.position = {x, 2 * x, 3 * x};
   command.value = -x;
   return command;
@@ -64,7 +64,7 @@ TEST_CASE(
       Taken& taken = seen[std::size_t(sent->controller)];
       taken.faults += !is_whole(sent->command) || sent->command.sequence <= taken.last;
       taken.last = sent->command.sequence;
-      taken.burns += sent->command.kind == Kind::burn;
+      taken.burns += sent->command.kind == Kind::turn_on;
       if (random() % 500 == 0) std::this_thread::sleep_for(std::chrono::microseconds(random() % 200));
     }
     for (int controller : gone) {

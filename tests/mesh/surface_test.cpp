@@ -41,7 +41,7 @@ struct CutBody {
 
   void set_region(const std::vector<Index>& tets, RegionModel model) {
     for (Index t : tets) region_of[t] = model;
-    surface.follow_regions(tets, region_of);
+    surface.follow_regions(TetCells(topology), tets, region_of);
   }
 
   Mat3X<double> x() const { return points + u; }

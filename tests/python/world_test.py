@@ -99,7 +99,7 @@ def test_a_grasp_feels_what_it_holds(mesh, tip):
     hand.release()
     world.advance(0.01)
     assert world.snapshot().tools == []
-    with pytest.raises(lobe.InputError, match="has let go"):
+    with pytest.raises(lobe.InputError, match="was let go already"):
         hand.move_to(start)
 
 

@@ -79,8 +79,8 @@ Whole whole_of(World<double>& world) {
   Whole whole{e.elastic_linear + e.elastic_nonlinear, e.kinetic, 0, Vec3d::Zero(), Vec3d::Zero(), {}};
   const StateView<double> state = world.state();
   for (Index v = 0; v < world.elements().topology.vertex_count(); ++v) {
-    const Vec3d p = world.mass()[std::size_t(v)] * state.v.col(v);
-    whole.mass += world.mass()[std::size_t(v)];
+    const Vec3d p = world.body().inertia.mass()[std::size_t(v)] * state.v.col(v);
+    whole.mass += world.body().inertia.mass()[std::size_t(v)];
     whole.momentum += p;
     whole.angular_momentum += Vec3d(world.elements().points.col(v) + state.u.col(v)).cross(p);
   }
@@ -181,7 +181,7 @@ TEST_CASE("a blade through a hanging bar cuts its end off, which falls with all 
   CHECK(area > 0.9 * 0.03 * 0.03);                        // more where the end hangs aslant before it is off
   CHECK(world.elements().topology.pieces().size() >= 2);  // the blade meets what falls once more
   double mass = 0;
-  for (const double own : world.mass()) mass += own;
+  for (const double own : world.body().inertia.mass()) mass += own;
   CHECK(mass == near(1000 * total_volume(setup.mesh), 1e-12));
   const Mat3X<double> u = world.state().u;
   double lowest = 0;
@@ -233,7 +233,7 @@ TEST_CASE("a scalpel in a hand cuts as the path of a scene that it leaves behind
   const Vec3d tip = blade.path[0].position;
   const ToolId id = hand.tools().next_id();
   hand.apply(BringScalpel{"blade", {tip, blade.heels[0]}, 0.1});
-  hand.apply(SwitchCautery{id, true});
+  hand.apply(SwitchTool{id, true});
   for (int i = 0; i < 14; ++i) {
     hand.apply(Lead{id, {tip - Vec3d(0, 0, 0.006 * (i + 1))}});
     hand.advance(1.0 / 30);
@@ -241,7 +241,7 @@ TEST_CASE("a scalpel in a hand cuts as the path of a scene that it leaves behind
   hand.apply(LetGo{id});
   for (int i = 0; i < 3; ++i) hand.advance(1.0 / 30);
   CHECK(hand.elements().topology.pieces().size() == 2);
-  setup.scalpels = hand.tools().scalpel_paths();
+  setup.scalpels = hand.tools().paths().scalpels;
   CHECK(after_run<float>(setup, 1, 17) == hand.state().u);
 }
 
@@ -255,7 +255,7 @@ TEST_CASE("a blade that moves with the tissue opens nothing, and one at rest cut
     const Vec3d tip(0.05, 0.051, -0.1), heel = tip + Vec3d(0, 0, 0.3);
     const ToolId id = world.tools().next_id();
     world.apply(BringScalpel{"blade", {tip, heel}, 0.1});
-    world.apply(SwitchCautery{id, true});
+    world.apply(SwitchTool{id, true});
     double area = 0;
     for (int i = 0; i < 10; ++i) {
       // Tools go ahead of the body: what a frame sweeps is cut at its start.

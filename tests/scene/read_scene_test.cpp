@@ -87,14 +87,14 @@ TEST_CASE("boundary conditions are read") {
 TEST_CASE("tools, time and output are read") {
   const Scene scene = parse_scene(full_scene, "dir/liver.json");
   REQUIRE(scene.tools.size() == 3);
-  CHECK(scene.tools[0].type == ToolType::grasp);
+  CHECK(scene.tools[0].type == "grasp");
   CHECK(scene.tools[0].release);
   CHECK(scene.tools[0].path.at(1).time == 1);
   CHECK(scene.tools[0].path.at(1).position == Vec3d(0, 0.05, 0.02));
-  CHECK(scene.tools[1].type == ToolType::cautery);
+  CHECK(scene.tools[1].type == "cautery");
   CHECK(scene.tools[1].name == "cautery");
   CHECK(scene.tools[1].radius == 0.006);
-  CHECK(scene.tools[2].type == ToolType::scalpel);
+  CHECK(scene.tools[2].type == "scalpel");
   CHECK(scene.tools[2].snap == 0.2);
   CHECK(scene.tools[2].path.at(1).position == Vec3d(0.03, 0.05, 0));
   CHECK(scene.tools[2].heels == std::vector<Vec3d>{{0.04, -0.05, 0.1}, {0.04, 0.05, 0.1}});

@@ -61,13 +61,15 @@ TEST_CASE(
     };
     const auto momentum = [&] {
       Vec3d p = Vec3d::Zero();
-      for (Index v = 0; v < setup.mesh.vertex_count(); ++v) p += world.mass()[v] * world.state().v.col(v);
+      for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+        p += world.body().inertia.mass()[v] * world.state().v.col(v);
       return p;
     };
     world.set_state(state);
     const Vec3d p = momentum();
     double moved = 0;  // Σ m |v|
-    for (Index v = 0; v < setup.mesh.vertex_count(); ++v) moved += world.mass()[v] * state.v.col(v).norm();
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+      moved += world.body().inertia.mass()[v] * state.v.col(v).norm();
     const double coarse = drift(0.2), fine = drift(0.1);
     CHECK((momentum() - p).norm() < 1e-12 * moved);
     if (model == RegionModel::tensor_mass) {
@@ -125,10 +127,10 @@ TEST_CASE("a grasp takes hold, follows its path and lets go") {
   until(2.9);
   CHECK(world.state().u(2, tip) == near(0.01, 1e-9));
   CHECK(world.body().reaction(1).z() > 0);
-  CHECK(tool_poses(world).size() == 1);
+  CHECK(placed_tools(world).size() == 1);
   until(3.3);
   CHECK(std::abs(world.state().u(2, tip)) < 0.008);
-  CHECK(tool_poses(world).empty());
+  CHECK(placed_tools(world).empty());
 }
 
 TEST_CASE("a vertex slides along the components that are not prescribed, and its reaction has none there") {

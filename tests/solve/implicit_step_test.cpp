@@ -87,7 +87,7 @@ TEST_CASE("the implicit midpoint rule keeps linear and angular momentum, and a l
     const auto momentum = [&] {
       Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
       for (Index v = 0; v < setup.mesh.vertex_count(); ++v) {
-        const Vec3d p = world.mass()[v] * world.state().v.col(v);
+        const Vec3d p = world.body().inertia.mass()[v] * world.state().v.col(v);
         sum.head<3>() += p;
         sum.tail<3>() += (setup.mesh.points.col(v) + world.state().u.col(v)).cross(p);
       }

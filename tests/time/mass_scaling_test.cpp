@@ -26,7 +26,9 @@ TEST_CASE("on a liver 1.5 % of added mass lengthens the step by 19 %, and no mor
   World<double> plain(setup);
   setup.mass_scaling = 0.015;
   World<double> scaled(setup);
-  const auto total = [](World<double>& w) { return std::accumulate(w.mass().begin(), w.mass().end(), 0.0); };
+  const auto total = [](World<double>& w) {
+    return std::accumulate(w.body().inertia.mass().begin(), w.body().inertia.mass().end(), 0.0);
+  };
   const double added = total(scaled) - total(plain);
   CHECK(added == near(0.015 * total(plain), 1e-9));
   CHECK(scaled.body().inertia.scaling().added == near(added, 1e-9));
@@ -46,7 +48,8 @@ TEST_CASE("a body with added mass falls as any other, keeps its momentum and is 
   world.set_state(state);
   const auto momentum = [&] {
     Vec3d p = Vec3d::Zero();
-    for (Index v = 0; v < setup.mesh.vertex_count(); ++v) p += world.mass()[v] * world.state().v.col(v);
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+      p += world.body().inertia.mass()[v] * world.state().v.col(v);
     return p;
   };
   const Vec3d before = momentum();
@@ -70,7 +73,8 @@ TEST_CASE("added mass goes with its vertex when it is cut, and is shared with a 
   setup.mass_scaling = 0;
   World<double> plain(setup);
   std::vector<double> factor;
-  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) factor.push_back(world.mass()[v] / plain.mass()[v]);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    factor.push_back(world.body().inertia.mass()[v] / plain.body().inertia.mass()[v]);
   const auto original = [&](Index v) {  // where a copy is at rest
     Index at = 0;
     (setup.mesh.points.colwise() - Vec3d(plain.elements().points.col(v)))
@@ -82,14 +86,14 @@ TEST_CASE("added mass goes with its vertex when it is cut, and is shared with a 
   Index copies = 0;
   for (Index t = 0; t < setup.mesh.tet_count(); t += 2) {
     for (World<double>* each : {&world, &plain}) each->remove_tets({t});
-    for (Index v = 0; v < Index(plain.mass().size()); ++v) {
-      const double expected = factor[original(v)] * plain.mass()[v];
+    for (Index v = 0; v < Index(plain.body().inertia.mass().size()); ++v) {
+      const double expected = factor[original(v)] * plain.body().inertia.mass()[v];
       if (expected > 0)
-        CHECK(world.mass()[v] == near(expected, 1e-9));
+        CHECK(world.body().inertia.mass()[v] == near(expected, 1e-9));
       else
-        CHECK(world.mass()[v] == 0);
+        CHECK(world.body().inertia.mass()[v] == 0);
     }
-    copies = Index(plain.mass().size()) - setup.mesh.vertex_count();
+    copies = Index(plain.body().inertia.mass().size()) - setup.mesh.vertex_count();
   }
   CHECK(copies > 0);
   CHECK(*std::max_element(factor.begin(), factor.end()) > 1.01);

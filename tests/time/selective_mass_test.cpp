@@ -203,7 +203,7 @@ TEST_CASE("an undamped free body keeps its momentum and its energy, at 0.9 of th
     const auto momentum = [&] {
       Vec3d p = Vec3d::Zero();
       for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
-        p += world.mass()[std::size_t(v)] * world.state().v.col(v);
+        p += world.body().inertia.mass()[std::size_t(v)] * world.state().v.col(v);
       return p;
     };
     const double dt = 0.9 * world.time_step_limit();
@@ -215,7 +215,7 @@ TEST_CASE("an undamped free body keeps its momentum and its energy, at 0.9 of th
     const auto lumped = [&] {
       double sum = 0;
       for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
-        sum += world.mass()[std::size_t(v)] * world.state().v.col(v).squaredNorm() / 2;
+        sum += world.body().inertia.mass()[std::size_t(v)] * world.state().v.col(v).squaredNorm() / 2;
       return sum;
     };
     const Vec3d momentum_before = momentum();
@@ -259,7 +259,7 @@ TEST_CASE_TEMPLATE("the kinetic energy is that of a dense inverse of C", Real, f
       const double exact = v.dot(Eigen::MatrixXd(C(free, free)).ldlt().solve(v)) / 2;
       double lumped = 0;
       for (Index i = 0; i < state.v.cols(); ++i)
-        lumped += world.mass()[std::size_t(i)] * double(state.v.col(i).squaredNorm()) / 2;
+        lumped += world.body().inertia.mass()[std::size_t(i)] * double(state.v.col(i).squaredNorm()) / 2;
       CHECK(exact > 1.5 * lumped);
       CHECK(world.energies().kinetic == near(exact, std::is_same_v<Real, float> ? 1e-4 : 1e-10));
       world.apply(SetMassDegree{1});

@@ -52,7 +52,8 @@ double dense_frequency_of_forces(const Setup& setup) {
     state.u(i) = 0;
   }
   for (Index i = 0; i < K.rows(); ++i)
-    for (Index j = 0; j < K.cols(); ++j) K(i, j) /= std::sqrt(world.mass()[i / 3] * world.mass()[j / 3]);
+    for (Index j = 0; j < K.cols(); ++j)
+      K(i, j) /= std::sqrt(world.body().inertia.mass()[i / 3] * world.body().inertia.mass()[j / 3]);
   return std::sqrt(
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
 }
@@ -84,7 +85,7 @@ double exact_frequency(World<double>& world) {
   const Index vertices = world.elements().topology.vertex_count();
   std::vector<double> inverse_mass;
   for (Index v = 0; v < vertices; ++v) {
-    const double mass = world.mass()[std::size_t(v)];
+    const double mass = world.body().inertia.mass()[std::size_t(v)];
     inverse_mass.push_back(mass > 0 && !world.held().fixes(v) ? 1 / mass : 0);
   }
   const auto forces = [&](const Mat3X<double>& u) -> Mat3X<double> {

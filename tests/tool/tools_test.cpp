@@ -46,9 +46,9 @@ void act(Hands& hands, const Setup& setup, int i) {
     const Vec3d centre(0.05, 0.025, 0.025);
     hands.apply(Lead{grasp, {centre + 0.001 * i * Vec3d(1, 1, 0.5), turn_about_x(0.05 * i)}});
   }
-  if (i == 4) hands.apply(SwitchCautery{cautery, true});
+  if (i == 4) hands.apply(SwitchTool{cautery, true});
   if (i >= 4 && i < 9) hands.apply(Lead{cautery, {Vec3d(0.06 - 0.01 * (i - 3), 0.02, 0.05)}});
-  if (i == 8) hands.apply(SwitchCautery{cautery, false});
+  if (i == 8) hands.apply(SwitchTool{cautery, false});
   if (i == 10) hands.apply(Lead{grasp, {Vec3d(0.055, 0.03, 0.025)}});
   if (i == 12) hands.apply(LetGo{grasp});
 }
@@ -65,8 +65,7 @@ TEST_CASE_TEMPLATE("what is done live, kept as paths of a setup, gives the same 
     }
     CHECK(live.elements().topology.alive_count() < live.elements().topology.tet_count() - 10);
     Setup kept = setup;
-    kept.grasps = live.tools().grasp_paths();
-    kept.cauteries = live.tools().cautery_paths();
+    static_cast<ToolSetups&>(kept) = live.tools().paths();
     REQUIRE(kept.grasps.size() == 1);
     REQUIRE(kept.cauteries.size() == 1);
     World<Real> again(kept, 2);
@@ -198,8 +197,8 @@ TEST_CASE("a tool that is let go leaves the body to itself") {
   world.apply(LetGo{1});
   world.advance(frame);
   CHECK(world.held().all().size() == held - far_end(setup).size());
-  CHECK(tool_poses(world).empty());
-  CHECK_THROWS_WITH_AS(world.apply(Lead{1, {}}), "tool 1: has let go", InputError);
+  CHECK(placed_tools(world).empty());
+  CHECK_THROWS_WITH_AS(world.apply(Lead{1, {}}), "tool 1: was let go already", InputError);
 }
 
 TEST_CASE(
@@ -207,7 +206,7 @@ TEST_CASE(
   Setup setup = body();
   setup.grasps.push_back({"scripted", {3}, {{0.5, Vec3d::Zero()}}, false});
   World<double> world(setup);
-  CHECK_THROWS_WITH_AS(world.apply(Lead{7, {}}), "tool 7: is not there, or no cautery", InputError);
+  CHECK_THROWS_WITH_AS(world.apply(Lead{7, {}}), "tool 7: is not there", InputError);
   CHECK_THROWS_WITH_AS(world.apply(Lead{1, {}}), "tool 1: follows the path of its scene", InputError);
   CHECK_THROWS_WITH_AS(world.apply(LetGo{1}), "tool 1: follows the path of its scene", InputError);
   CHECK_THROWS_AS(world.apply(TakeHold{"hand", {-1}}), InputError);

@@ -1,9 +1,11 @@
 // Where a surface is sharp.
 
-const creaseCosine = Math.cos((50 * Math.PI) / 180);
+const creaseCosine = Math.cos((50 * Math.PI) / 180),
+  foldedCosine = Math.cos((150 * Math.PI) / 180);
 
 // Corners of triangles that meet across smooth edges share a vertex, others do not. Skin is sharp where it is
-// bent, an opened face only at its rim. Where other than two sharp edges meet, a corner stays where it is, on
+// bent, an opened face only at its rim and where it folds back: both sides of a cut that has not come apart
+// are at the same place, and smooth each for itself. Where other than two sharp edges meet, a corner stays where it is, on
 // all sides of them.
 export function splitAtCreases({triangles, rest, cut}) {
   const normal = faceNormals(triangles, rest),
@@ -25,14 +27,18 @@ export function splitAtCreases({triangles, rest, cut}) {
   }
   const sharp = new Uint16Array(count);
   for (const sides of edges.values()) {
-    if (sides.length === 2 && isSmooth(sides, triangles, normal, cut)) {
-      const [[i, iNext], [j, jNext]] = sides,
-        turned = triangles[i] === triangles[jNext];
-      parent[root(i)] = root(turned ? jNext : j);
-      parent[root(iNext)] = root(turned ? j : jNext);
-    } else {
-      for (const end of sides[0]) ++sharp[place[triangles[end]]];
+    let isSharp = false;
+    for (const pair of withSameVertices(sides, triangles, count)) {
+      if (pair.length === 2 && isSmooth(pair, normal, cut)) {
+        const [[i, iNext], [j, jNext]] = pair,
+          turned = triangles[i] === triangles[jNext];
+        parent[root(i)] = root(turned ? jNext : j);
+        parent[root(iNext)] = root(turned ? j : jNext);
+      } else {
+        isSharp = true;
+      }
     }
+    if (isSharp) for (const end of sides[0]) ++sharp[place[triangles[end]]];
   }
   const numbers = new Map(),
     source = [],
@@ -49,16 +55,25 @@ export function splitAtCreases({triangles, rest, cut}) {
   return {triangles: result, source: Uint32Array.from(source), corners};
 }
 
-function isSmooth([[i, iNext], [j, jNext]], triangles, normal, cut) {
+function withSameVertices(sides, triangles, count) {
+  const groups = new Map();
+  for (const side of sides) {
+    const [a, b] = side.map(corner => triangles[corner]),
+      key = Math.min(a, b) * count + Math.max(a, b);
+    if (!groups.has(key)) groups.set(key, []);
+    groups.get(key).push(side);
+  }
+  return groups.values();
+}
+
+function isSmooth([[i], [j]], normal, cut) {
   const f = Math.floor(i / 3),
-    g = Math.floor(j / 3),
-    here = [triangles[i], triangles[iNext]];
-  if (!here.includes(triangles[j]) || !here.includes(triangles[jNext])) return false;
+    g = Math.floor(j / 3);
   const cosine =
     normal[3 * f] * normal[3 * g] +
     normal[3 * f + 1] * normal[3 * g + 1] +
     normal[3 * f + 2] * normal[3 * g + 2];
-  return cut[f] ? cut[g] === 1 : cosine >= creaseCosine;
+  return cut[f] ? cut[g] === 1 && cosine > foldedCosine : cosine >= creaseCosine;
 }
 
 // The first vertex at the same place at rest: that of the skin and that of an opened face are two.

@@ -3,6 +3,7 @@ import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 const grasp = {kind: 'grasp', radius: 0.012},
   cauteryRadius = 0.0055, // [m]
+  blade = {depth: 0.02, above: 0.03}, // of the tip below where it begins, of the heel towards the viewer [m]
   betweenPoses = 7; // [ms]
 
 export class Hands {
@@ -35,7 +36,7 @@ export class Hands {
     this.letGo();
     this.kind = kind;
     this.ring.visible = false;
-    this.stage.canvas.classList.toggle('cautery', kind === 'cautery');
+    this.stage.canvas.classList.toggle('cautery', kind === 'cautery' || kind === 'scalpel');
     this.stage.canvas.classList.toggle('paint', kind === 'paint');
     this.stage.invalidate();
   }
@@ -45,7 +46,9 @@ export class Hands {
       ? cauteryRadius
       : this.kind === 'paint'
         ? this.brush.radius()
-        : grasp.radius;
+        : this.kind === 'scalpel'
+          ? blade.depth / 5
+          : grasp.radius;
   }
 
   down(event) {
@@ -71,7 +74,8 @@ export class Hands {
     if (hand < 0) return;
     this.active = {hand, kind: this.kind, point: hit.point.clone()};
     this.stage.canvas.classList.add('holding');
-    if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
+    if (this.kind === 'scalpel') this.bringBlade(hand);
+    else if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
     else
       this.ask({
         do: 'take',
@@ -80,6 +84,14 @@ export class Hands {
         along: ray.direction.toArray(),
         radius: grasp.radius,
       });
+  }
+
+  // It points away from the viewer, and is drawn through the tissue at the depth where it began.
+  bringBlade(hand) {
+    const forward = this.stage.forward(),
+      heel = this.active.point.clone().addScaledVector(forward, -blade.above);
+    this.active.point.addScaledVector(forward, blade.depth);
+    this.ask({do: 'cut', hand, tip: this.active.point.toArray(), heel: heel.toArray()});
   }
 
   freeHand() {

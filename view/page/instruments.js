@@ -15,7 +15,8 @@ const arrowMaterial = new THREE.MeshBasicMaterial({
   opacity: 0.92,
   toneMapped: false,
 });
-const millimetresPerNewton = 6;
+const millimetresPerNewton = 6,
+  doing = {cautery: 'burning', scalpel: 'cutting'};
 
 export class Instruments {
   constructor(stage, labels) {
@@ -48,7 +49,13 @@ export class Instruments {
   }
 
   make(tool) {
-    const body = tool.type === 'cautery' ? cautery(tool.radius || 0.005) : forceps(this.stage.size);
+    const blade = new THREE.Vector3(...(tool.blade ?? [0, 0, 0]));
+    const body =
+      tool.type === 'cautery'
+        ? cautery(tool.radius || 0.005)
+        : tool.type === 'scalpel'
+          ? scalpel(blade.length())
+          : forceps(this.stage.size);
     this.dress(body);
     const arrow = makeArrow(),
       label = document.createElement('span');
@@ -61,6 +68,7 @@ export class Instruments {
       .addScaledVector(this.stage.right(), 0.55 - 0.35 * (this.shown.size % 3))
       .addScaledVector(this.stage.forward(), -0.7)
       .normalize();
+    if (tool.type === 'scalpel') shaft.copy(blade).normalize();
     const item = {
       type: tool.type,
       body,
@@ -95,7 +103,7 @@ export class Instruments {
     item.at = new THREE.Vector3(...tool.position);
     if (performance.now() - (item.writtenAt ?? 0) > this.stage.betweenFigures()) {
       item.writtenAt = performance.now();
-      item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : 'burning';
+      item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : doing[tool.type];
     }
     item.label.hidden = tool.type !== 'grasp' && !tool.on;
     item.arrow.visible = size > 0.02;
@@ -166,6 +174,21 @@ function cautery(radius) {
     tip,
     shaftOf(0.4 * radius, 0.5 * radius, 5 * radius, steel),
     shaftOf(0.7 * radius, 5 * radius, 90 * radius, dark),
+  );
+  return group;
+}
+
+// Its cutting edge from the tip, in the origin, along z.
+function scalpel(length) {
+  const group = new THREE.Group(),
+    edge = partOf(new THREE.CylinderGeometry(0.045 * length, 0.004 * length, length, 4), steel);
+  edge.rotation.x = Math.PI / 2;
+  edge.position.z = 0.5 * length;
+  edge.castShadow = true;
+  group.add(
+    edge,
+    shaftOf(0.05 * length, length, 1.3 * length, steel),
+    shaftOf(0.08 * length, 1.3 * length, 4 * length, dark),
   );
   return group;
 }

@@ -4,6 +4,7 @@ export function listenToKeys(page) {
   const actions = {
     g: press('tool-grasp'),
     c: press('tool-cautery'),
+    x: press('tool-scalpel'),
     e: press('tool-paint'),
     ' ': press('pause'),
     '.': press('single'),

@@ -226,6 +226,7 @@ class Page {
     };
     click('tool-grasp', () => this.take('grasp'));
     click('tool-cautery', () => this.take('cautery'));
+    click('tool-scalpel', () => this.take('scalpel'));
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
     click('single', () => this.ask({do: 'step'}));
@@ -250,6 +251,7 @@ class Page {
     for (const [id, name] of [
       ['tool-grasp', 'grasp'],
       ['tool-cautery', 'cautery'],
+      ['tool-scalpel', 'scalpel'],
       ['tool-paint', 'paint'],
     ])
       element(id).setAttribute('aria-checked', String(name === tool));

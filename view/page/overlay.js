@@ -14,12 +14,12 @@ export const overlayIsShown = () => !overlay.hidden;
 
 export function showHelp() {
   const rows = [
-    ['Left drag on the organ', 'pull it; with the cautery, burn along; with the brush, paint'],
-    ['Wheel while pulling', 'nearer and farther'],
+    ['Left drag on the organ', 'pull it; with the cautery, burn along; with the scalpel, cut; with the brush, paint'],
+    ['Wheel while pulling or cutting', 'nearer and farther, deeper'],
     ['Shift while letting go, or H', 'this instrument stays where it is: take a second one; drag it later'],
     ['Double click, or Esc', 'all instruments let go'],
     ['Right drag · wheel · middle drag', 'turn · zoom · shift the camera; Home: as at the start'],
-    ['G · C · E', 'grasp · cautery · paint regions'],
+    ['G · C · X · E', 'grasp · cautery · scalpel · paint regions'],
     ['Space · . · S', 'pause · one frame · slow motion'],
     ['B · R', 'back by a second · restart'],
     ['M · P · V', 'mesh · picture · video'],

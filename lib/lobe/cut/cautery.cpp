@@ -22,6 +22,10 @@ bool touches(const Sweep& sweep, const Mat34<double>& x) {
   return false;
 }
 
+SweptVolume swept_volume(const Sweep& sweep) {
+  return {box_of(sweep), [sweep](const Mat34<double>& corners) { return touches(sweep, corners); }};
+}
+
 std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& x, const Sweep& sweep) {
   const Eigen::AlignedBox3d reached = box_of(sweep);
   std::vector<Index> touched;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <vector>
 
 #include "lobe/mesh/topology.h"
@@ -13,6 +14,13 @@ struct Sweep {
   Vec3d from, to;     // [m]
   double radius = 0;  // [m], > 0
 };
+
+// What a tool reaches: a box [m], and whether it reaches a tetrahedron that meets the box; without that all.
+struct SweptVolume {
+  Eigen::AlignedBox3d box;
+  std::function<bool(const Mat34<double>& corners)> meets = {};
+};
+SweptVolume swept_volume(const Sweep& sweep);
 
 Eigen::AlignedBox3d box_of(const Sweep& sweep);  // [m]
 

@@ -48,20 +48,8 @@ void TetGroups::add_copy(Index tet, Index copy) {
 }
 
 template <class Real>
-std::vector<Index> TetGroups::touched(const Topology& topology, const Mat3X<double>& points,
-                                      const Mat3X<Real>& u, const Sweep& sweep) {
-  return find(topology, points, u, box_of(sweep), [&](const Mat34<double>& x) { return touches(sweep, x); });
-}
-
-template <class Real>
 std::vector<Index> TetGroups::meeting(const Topology& topology, const Mat3X<double>& points,
-                                      const Mat3X<Real>& u, const Eigen::AlignedBox3d& box) {
-  return find(topology, points, u, box, [](const Mat34<double>&) { return true; });
-}
-
-template <class Real, class Meets>
-std::vector<Index> TetGroups::find(const Topology& topology, const Mat3X<double>& points,
-                                   const Mat3X<Real>& u, const Eigen::AlignedBox3d& reached, Meets&& meets) {
+                                      const Mat3X<Real>& u, const SweptVolume& volume) {
   if (groups_.empty()) {
     form(topology, points);
     path_ = 0;
@@ -71,11 +59,11 @@ std::vector<Index> TetGroups::find(const Topology& topology, const Mat3X<double>
     const Eigen::Vector4i v = topology.corners(t);
     return points(Eigen::all, v) + u(Eigen::all, v).template cast<double>();
   };
-  std::vector<Index> touched;
+  std::vector<Index> meeting;
   for (Group& group : groups_) {
     const double moved = path_ - group.path;
     if (group.path >= 0 &&
-        (group.box.isEmpty() || group.box.squaredExteriorDistance(reached) > moved * moved))
+        (group.box.isEmpty() || group.box.squaredExteriorDistance(volume.box) > moved * moved))
       continue;
     group.path = path_;
     group.box.setEmpty();
@@ -84,22 +72,18 @@ std::vector<Index> TetGroups::find(const Topology& topology, const Mat3X<double>
       const Mat34<double> x = corners_of(t);
       const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
       group.box.extend(box);
-      if (box.intersects(reached) && meets(x)) touched.push_back(t);
+      if (box.intersects(volume.box) && (!volume.meets || volume.meets(x))) meeting.push_back(t);
     };
     for (Index i = group.begin; i < group.end; ++i) look_at(order_[i]);
     for (Index t : group.copies) look_at(t);
   }
-  std::sort(touched.begin(), touched.end());
-  return touched;
+  std::sort(meeting.begin(), meeting.end());
+  return meeting;
 }
 
-template std::vector<Index> TetGroups::touched(const Topology&, const Mat3X<double>&, const Mat3X<float>&,
-                                               const Sweep&);
-template std::vector<Index> TetGroups::touched(const Topology&, const Mat3X<double>&, const Mat3X<double>&,
-                                               const Sweep&);
 template std::vector<Index> TetGroups::meeting(const Topology&, const Mat3X<double>&, const Mat3X<float>&,
-                                               const Eigen::AlignedBox3d&);
+                                               const SweptVolume&);
 template std::vector<Index> TetGroups::meeting(const Topology&, const Mat3X<double>&, const Mat3X<double>&,
-                                               const Eigen::AlignedBox3d&);
+                                               const SweptVolume&);
 
 }  // namespace lobe

@@ -20,16 +20,13 @@ class TetGroups {
 
   // A copy of a tetrahedron has been added.
   void add_copy(Index tet, Index copy);
-  // The tetrahedra that meet a box, in ascending order.
+  // The tetrahedra that meet a volume, in ascending order, in the deformed body of rest positions and
+  // displacements [m].
   template <class Real>
-  std::vector<Index> meeting(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
-                             const Eigen::AlignedBox3d& box);
-  // The same as touched_tets() of all, in the deformed body of rest positions and displacements [m].
-  template <class Real>
-  std::vector<Index> touched(const Topology& topology,
+  std::vector<Index> meeting(const Topology& topology,
                              const Mat3X<double>& points,  // 3 × at least #vertices
                              const Mat3X<Real>& u,         // 3 × at least #vertices
-                             const Sweep& sweep);
+                             const SweptVolume& volume);
 
  private:
   struct Group {
@@ -39,9 +36,6 @@ class TetGroups {
     std::vector<Index> copies = {};
   };
   void form(const Topology& topology, const Mat3X<double>& points);
-  template <class Real, class Meets>
-  std::vector<Index> find(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
-                          const Eigen::AlignedBox3d& reached, Meets&& meets);
 
   std::vector<Index> order_;
   std::vector<Index> group_of_;  // per tetrahedron; none before there is a copy

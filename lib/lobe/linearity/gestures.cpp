@@ -39,8 +39,7 @@ void lower(std::vector<double>& distance, const TetMesh& mesh, Index from) {
 
 Setup at_the_end_of(const Gesture& gesture, const Setup& setup) {
   Setup end = setup;
-  end.grasps.clear();
-  end.cauteries.clear();
+  static_cast<ToolSetups&>(end) = {};
   const std::set<Index> held = held_vertices(setup);
   for (std::size_t i = 0; i < gesture.displacements.size(); ++i)
     if (!held.contains(gesture.vertices[i]))

@@ -56,8 +56,8 @@ template <class Real>
 double norm(World<Real>& world) {  // √Σ m |u|²
   const auto u = world.displacements();
   double sum = 0;
-  for (Index v = 0; v < static_cast<Index>(world.mass().size()); ++v)
-    sum += world.mass()[std::size_t(v)] * double(u.col(v).squaredNorm());
+  for (Index v = 0; v < static_cast<Index>(world.body().inertia.mass().size()); ++v)
+    sum += world.body().inertia.mass()[std::size_t(v)] * double(u.col(v).squaredNorm());
   return std::sqrt(sum);
 }
 
@@ -102,7 +102,7 @@ MassWatch<Real>::MassWatch(World<Real>& world, double tolerance, OnExceeded on_e
       calming_(0.3 * world.body().damping),
       edits_(world.history().size()),
       restored_(world.body().model.revisions.restored) {
-  const Mode mode = lowest_mode(world.elements(), world.held(), world.mass());
+  const Mode mode = lowest_mode(world.elements(), world.held(), world.body().inertia.mass());
   if (mode.forces.size() == 0) {
     slowness_ = std::numeric_limits<double>::infinity();
     return;

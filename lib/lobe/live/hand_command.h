@@ -18,10 +18,10 @@ struct HandCommand {
     // Holds what lies within `radius` of where the ray from `position` along `direction` enters the body.
     take_at_ray,
     take_at_point,  // holds what lies within `radius` of `position`
-    bring_cautery,  // with a tip of `radius`, off, to `position`
+    bring,          // the tool that `tool` says, off; `position` is that of the hand, usually of the tip
     lead,           // the hand is to go to `position`, turned by `orientation` since it took hold
-    burn,           // the cautery on or off, as `on` says
-    let_go,         // of what the hand holds; a cautery is taken away
+    turn_on,        // or off, as `on` says: a cautery burns, a scalpel cuts
+    let_go,         // of what the hand holds; what it has brought is taken away
     // Edits the body, by `body_edit`: RemoveTets, SetRegion, SetForces, … but no tool's command, nor Advance.
     edit,
     run,      // as `on` says; false: the simulation pauses
@@ -41,8 +41,12 @@ struct HandCommand {
   double radius = 0;                        // [m]
   double value = 0;
   std::shared_ptr<const Command> body_edit = {};  // of `edit`
+  std::shared_ptr<const BringTool> tool = {};     // of `bring`; the hand's name replaces its own
 };
 
 const char* name(HandCommand::Kind kind);
+
+// A hand brings a tool; its position is that of the tip.
+HandCommand bring_tool(HandNumber hand, const Vec3d& position, BringTool tool);
 
 }  // namespace lobe

@@ -4,9 +4,16 @@
 
 namespace lobe {
 
+HandCommand bring_tool(HandNumber hand, const Vec3d& position, BringTool tool) {
+  return {.kind = HandCommand::Kind::bring,
+          .hand = hand,
+          .position = position,
+          .tool = std::make_shared<const BringTool>(std::move(tool))};
+}
+
 const char* name(HandCommand::Kind kind) {
-  static constexpr const char* names[] = {"take_at_ray", "take_at_point", "bring_cautery", "lead", "burn",
-                                          "let_go",      "edit",          "run",           "step", "speed",
+  static constexpr const char* names[] = {"take_at_ray", "take_at_point", "bring", "lead", "turn_on",
+                                          "let_go",      "edit",          "run",   "step", "speed",
                                           "restart",     "back",          "alive"};
   const auto index = static_cast<std::size_t>(kind);
   return index < std::size(names) ? names[index] : "unknown";

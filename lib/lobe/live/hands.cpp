@@ -21,8 +21,9 @@ void check(const HandCommand& command) {
   expect(command.position.allFinite(), "its position must be three finite numbers [m]");
   expect(is_unit(command.orientation), "its orientation must be a unit quaternion");
   const bool takes = command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point;
-  if (takes || command.kind == Kind::bring_cautery)
+  if (takes)
     expect(command.radius > 0 && std::isfinite(command.radius), "its radius must be above 0 m, and finite");
+  if (command.kind == Kind::bring) expect(command.tool != nullptr, "it must say which tool");
   if (command.kind == Kind::take_at_ray)
     expect(command.direction.allFinite() && command.direction.norm() > 0,
            "its direction must be three finite numbers, not all 0");
@@ -40,11 +41,11 @@ void Hands<Real>::obey(int controller, const HandCommand& command) {
   check(command);
   if (command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point)
     return take_hold(controller, command);
-  if (command.kind == Kind::bring_cautery) return bring(controller, command);
+  if (command.kind == Kind::bring) return bring(controller, command);
   Hand& hand = full_hand(controller, command);
   if (hand.tool == 0) return;
   if (command.kind == Kind::lead) return lead(command, hand);
-  if (command.kind == Kind::burn) return burn(command, hand);
+  if (command.kind == Kind::turn_on) return turn_on(command, hand);
   let_go(hand);
 }
 
@@ -69,7 +70,6 @@ void Hands<Real>::take_hold(int controller, const HandCommand& command) {
     return say("missed", name_of(controller, command.hand) + ": no vertex that is free lies within " +
                              rounded(command.radius) + " m of the point");
   hand.tool = world_.tools().next_id();
-  hand.type = ToolType::grasp;
   hand.follower = Follower(point);
   apply_(TakeHold{name_of(controller, command.hand), std::move(vertices)});
 }
@@ -78,9 +78,13 @@ template <class Real>
 void Hands<Real>::bring(int controller, const HandCommand& command) {
   Hand& hand = empty_hand(controller, command.hand);
   const ToolId tool = world_.tools().next_id();
-  apply_(BringCautery{name_of(controller, command.hand), command.radius, command.position});
+  std::visit(
+      [&](auto brought) {
+        brought.name = name_of(controller, command.hand);
+        apply_(brought);
+      },
+      *command.tool);
   hand.tool = tool;
-  hand.type = ToolType::cautery;
   hand.is_led = true;
   hand.follower = Follower(command.position);
 }
@@ -159,11 +163,10 @@ void Hands<Real>::lead(const HandCommand& command, Hand& hand) {
 }
 
 template <class Real>
-void Hands<Real>::burn(const HandCommand& command, Hand& hand) {
-  if (hand.type != ToolType::cautery)
-    throw InputError("burn", name_of(hand.controller, hand.number) + " has no cautery");
-  apply_(SwitchCautery{hand.tool, command.on});
-  hand.is_on = command.on;
+void Hands<Real>::turn_on(const HandCommand& command, Hand& hand) {
+  if (world_.tools().grasp(hand.tool))
+    throw InputError("turn_on", name_of(hand.controller, hand.number) + " has nothing to turn on or off");
+  apply_(SwitchTool{hand.tool, command.on});
 }
 
 template <class Real>
@@ -187,9 +190,10 @@ void Hands<Real>::begin_to_lead(Hand& hand) {
 template <class Real>
 void Hands<Real>::after_frame() {
   for (Hand& hand : hands_) {
-    if (hand.tool == 0 || hand.type != ToolType::grasp) continue;
+    const Grasp* grasp = world_.tools().grasp(hand.tool);
+    if (!grasp) continue;
     if (!hand.is_led) begin_to_lead(hand);
-    const double force = world_.tools().grasp(hand.tool)->force.norm();
+    const double force = grasp->force.norm();
     if (force <= limits_.force_cap) continue;
     say("slipped", name_of(hand.controller, hand.number) + ": pulled with " + rounded(force) +
                        " N, more than " + rounded(limits_.force_cap) + " N");
@@ -237,9 +241,12 @@ void Hands<Real>::tell(std::vector<HandStatus>& hands) const {
   hands.clear();
   for (const Hand& hand : hands_) {
     if (hand.tool == 0) continue;
-    HandStatus status{
-        .controller = hand.controller, .hand = hand.number, .tool = hand.tool, .type = hand.type};
-    status.holds = hand.type == ToolType::grasp ? hand.is_led : hand.is_on;
+    HandStatus status{.controller = hand.controller, .hand = hand.number, .tool = hand.tool};
+    world_.tools().visit(hand.tool, [&]<class Kind>(const Kind& tool) {
+      status.type = Kind::Path::type;
+      status.holds = hand.is_led && tool.is_on();
+      status.shape = tool.shape();
+    });
     status.vertices = hand.vertices;
     status.pose = hand.follower.pose();
     if (const Grasp* grasp = world_.tools().grasp(hand.tool)) {

@@ -23,8 +23,8 @@ class Hands {
         messages_(messages),
         limits_(limits) {}
 
-  // take_at_ray, take_at_point, bring_cautery, lead, burn, let_go. Throws InputError for what cannot be done,
-  // and has then done nothing.
+  // take_at_ray, take_at_point, bring, lead, turn_on, let_go. Throws InputError for what
+  // cannot be done, and has then done nothing.
   void obey(int controller, const HandCommand& command);
   int lose(int controller);          // its hands let go; how many held something
   void forget() { hands_.clear(); }  // the world was put back, and their tools have let go
@@ -40,10 +40,8 @@ class Hands {
   struct Hand {
     int controller = 0;
     HandNumber number = 0;
-    ToolId tool = 0;  // 0: empty
-    ToolType type = ToolType::grasp;
+    ToolId tool = 0;            // 0: empty
     bool is_led = false;        // a grasp: it has taken hold
-    bool is_on = false;         // a cautery
     Vec3d arm = Vec3d::Zero();  // from where it took hold to the centre of what it holds [m]
     Index vertices = 0;         // that it holds
     Follower follower = {};
@@ -52,7 +50,7 @@ class Hands {
   void take_hold(int controller, const HandCommand& command);
   void bring(int controller, const HandCommand& command);
   void lead(const HandCommand& command, Hand& hand);
-  void burn(const HandCommand& command, Hand& hand);
+  void turn_on(const HandCommand& command, Hand& hand);
   void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
   void let_go(Hand& hand);
   Hand* find(int controller, HandNumber number);

@@ -5,6 +5,7 @@
 
 #include "lobe/error.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/tool_kinds.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -45,47 +46,6 @@ int frames_of(const Session<Real>& session) {
   return frames;
 }
 
-Selector all_of(std::vector<Index> vertices) {
-  if (!vertices.empty()) return {SelectVertices{std::move(vertices)}};
-  return {SelectNot{{Selector{SelectAll{}}}}};
-}
-
-void add_tools(const Tools& tools, Index mesh_vertices, Scene& scene) {
-  for (const Grasp& grasp : tools.grasps()) {
-    if (!grasp.is_live || grasp.path.empty()) continue;
-    Tool& tool = scene.tools.emplace_back();
-    tool.name = grasp.name;
-    tool.path = grasp.path;
-    tool.release = grasp.release;
-    const auto copies = std::lower_bound(grasp.vertices.begin(), grasp.vertices.end(), mesh_vertices);
-    tool.where = all_of({grasp.vertices.begin(), copies});
-    tool.copies = {copies, grasp.vertices.end()};
-  }
-  for (const Scalpel& scalpel : tools.scalpels()) {
-    if (!scalpel.is_live) continue;
-    for (const Scalpel::Stroke& stroke : scalpel.strokes) {
-      if (stroke.tips.empty()) continue;
-      Tool& tool = scene.tools.emplace_back();
-      tool.name = scalpel.name;
-      tool.type = ToolType::scalpel;
-      tool.snap = scalpel.snap;
-      tool.path = stroke.tips;
-      tool.heels = stroke.heels;
-    }
-  }
-  for (const Cautery& cautery : tools.cauteries()) {
-    if (!cautery.is_live) continue;
-    for (const std::vector<PathPoint>& stroke : cautery.strokes) {
-      if (stroke.empty()) continue;
-      Tool& tool = scene.tools.emplace_back();
-      tool.name = cautery.name;
-      tool.type = ToolType::cautery;
-      tool.radius = cautery.radius;
-      tool.path = stroke;
-    }
-  }
-}
-
 // As the session has them: what was measured once may come out otherwise the next time.
 void state_regions(const Setup& setup, Scene& scene) {
   const auto is_precomputed = [](const Region& region) { return region.model == RegionModel::precomputed; };
@@ -110,7 +70,7 @@ void state_regions(const Setup& setup, Scene& scene) {
 
 template <class Real>
 Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>& session) {
-  if (session.world().fingerprint() != fingerprint(setup))
+  if (session.world().save().setup != fingerprint(setup))
     refuse("is of another scene, mesh or version of them");
   if (scene.in_double() != std::is_same_v<Real, double>)
     refuse(scene.in_double() ? "is in single precision, its scene in double"
@@ -125,7 +85,7 @@ Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>&
   kept.time.duration = frames * session.frame();
   std::erase_if(kept.output.pictures, [&](double time) { return time > kept.time.duration; });
   state_regions(setup, kept);
-  add_tools(session.world().tools(), setup.mesh.vertex_count(), kept);
+  append_tools(session.world().tools().live_paths(), setup.mesh.vertex_count(), kept.tools);
   return kept;
 }
 
@@ -138,7 +98,7 @@ Scene with_gestures(Scene scene, double tolerance) {
         [](const PathPoint& a, const PathPoint& b) { return a.position.norm() < b.position.norm(); });
     const bool holds_copies_alone =
         !tool.copies.empty() && std::holds_alternative<SelectNot>(tool.where->value);
-    if (tool.type == ToolType::grasp && !holds_copies_alone && !furthest->position.isZero(0))
+    if (tool.type == GraspSetup::type && !holds_copies_alone && !furthest->position.isZero(0))
       regions.gestures.push_back({tool.name, *tool.where, false, furthest->position, ""});
   }
   scene.regions.clear();

@@ -29,13 +29,14 @@ struct SessionMessage {
 struct HandStatus {
   int controller = 0;
   HandNumber hand = 0;
-  ToolId tool = 0;  // of the world
-  ToolType type = ToolType::grasp;
-  bool holds = false;            // a grasp: it has taken hold; a cautery: it is on
-  Index vertices = 0;            // that a grasp holds
-  ToolPose pose = {};            // of where it took hold, or of the tip
-  Vec3d force = Vec3d::Zero();   // on the tool, by the body, mean over the last frame [N]
-  Vec3d torque = Vec3d::Zero();  // about the grasp's centre [N m]
+  ToolId tool = 0;                      // of the world
+  const char* type = GraspSetup::type;  // as in a scene
+  bool holds = false;                   // a grasp: it has taken hold; another tool: it is on
+  Index vertices = 0;                   // that a grasp holds
+  ToolPose pose = {};                   // of where it took hold, or of the tip
+  Vec3d force = Vec3d::Zero();          // on the tool, by the body, mean over the last frame [N]
+  Vec3d torque = Vec3d::Zero();         // about the grasp's centre [N m]
+  ToolShape shape = {};
 };
 
 struct SessionStatus {

@@ -34,14 +34,7 @@ void Timeline<Real>::restart() {
 
 template <class Real>
 void Timeline<Real>::let_go_of_all() {
-  std::vector<ToolId> tools;
-  for (const Grasp& grasp : world_.tools().grasps())
-    if (grasp.is_live && !grasp.release) tools.push_back(grasp.id);
-  for (const Cautery& cautery : world_.tools().cauteries())
-    if (cautery.is_live && !cautery.is_away) tools.push_back(cautery.id);
-  for (const Scalpel& scalpel : world_.tools().scalpels())
-    if (scalpel.is_live && !scalpel.is_away) tools.push_back(scalpel.id);
-  for (ToolId tool : tools) apply(LetGo{tool});
+  for (ToolId tool : world_.tools().held_by_hands()) apply(LetGo{tool});
 }
 
 template class Timeline<float>;

@@ -1,6 +1,7 @@
-// The boundary of the body, for drawing and touching. It is creased where a cut meets the skin: a vertex of
-// the mesh that has both kinds of faces around it is two vertices of the surface, one on either side, so that
-// each has a normal of its own.
+// The boundary of the body, for drawing and touching: faces of tetrahedra, or of the grains that a blade has
+// made of them (scalpel/grain_cells.h). It is creased where a cut meets the skin: a point that has both kinds
+// of faces around it is two vertices of the surface, one on either side, so that each has a normal of its
+// own.
 //
 // Arrays have no gaps, as an index buffer that is drawn in one call must not: what an edit takes away is
 // replaced by what it adds, and where it takes away more, the last ones move into the gaps. All others keep
@@ -16,7 +17,7 @@
 #include <vector>
 
 #include "lobe/mesh/slot_log.h"
-#include "lobe/mesh/topology.h"
+#include "lobe/mesh/surface_cells.h"
 
 namespace lobe {
 
@@ -41,8 +42,16 @@ struct SurfaceMesh {
   std::vector<std::uint8_t> cut;    // 1: a cut face, which was inside at the start; 0: skin
 
   // One per vertex of the surface.
-  std::vector<Index> mesh_vertex;        // the vertex of the mesh that it is
+  std::vector<Index> mesh_vertex;        // the vertex of the mesh that it is; or the nearest to it, see below
   std::vector<std::uint8_t> vertex_cut;  // 1: of cut faces, 0: of skin
+
+  // Those that are no vertices of the mesh, in no particular order: a blade has cut between.
+  struct Within {
+    Index vertex;             // of the surface
+    Eigen::Vector4i corners;  // vertices of the mesh
+    Eigen::Vector4d weights;  // barycentric
+  };
+  std::vector<Within> within;
 
   SlotLog changed_triangles, changed_vertices;  // slots of the arrays above
 
@@ -55,54 +64,71 @@ struct SurfaceMesh {
 
 class Surface {
  public:
+  Surface() = default;  // of nothing, until it is rebuilt
   // Also of a body that has been cut: what was inside at the start is found from the tetrahedra that are
   // gone. O(#tets), and O(n log n) in the number of these.
   Surface(const Topology& topology, std::span<const RegionModel> region_of) { rebuild(topology, region_of); }
+  Surface(const SurfaceCells& cells, std::span<const RegionModel> region_of) { rebuild(cells, region_of); }
 
   // The same for a surface that has readers: the revision goes on, and everything changes.
   void rebuild(const Topology& topology, std::span<const RegionModel> region_of);  // per tetrahedron
+  void rebuild(const SurfaceCells& cells, std::span<const RegionModel> region_of);
 
   // Call it after each edit, which the topology has made. O(#tetrahedra around the vertices of the removed
   // ones).
   void follow(const Topology& topology, const MeshEdit& edit, std::span<const RegionModel> region_of);
+  // The same for cells of any kind: these may be gone, or have other points, neighbours or tetrahedra. The
+  // kind is that of rebuild(). O(#them).
+  void follow(const SurfaceCells& cells, std::vector<Index> changed, std::span<const RegionModel> region_of);
   // These tetrahedra, and perhaps others that follow() was told of, may have changed region. O(#them).
-  void follow_regions(std::span<const Index> tets, std::span<const RegionModel> region_of);
+  void follow_regions(const SurfaceCells& cells, std::span<const Index> tets,
+                      std::span<const RegionModel> region_of);
 
   const SurfaceMesh& mesh() const { return mesh_; }
   std::uint64_t revision() const { return mesh_.revision; }
 
   // Where a face is in the arrays of mesh(); −1: nowhere.
   Index triangle_of(const FaceOwner& face) const;
-  // The vertex of the surface on one side of a vertex of the mesh; −1: none.
-  Index vertex_of(Index mesh_vertex, bool cut) const;
+  // The vertex of the surface on one side of a point of the cells; −1: none.
+  Index vertex_of(Index point, bool cut) const;
 
  private:
   // A face that is new, or whose corners are.
   struct Face {
     FaceOwner owner;
+    Index code = -1;      // 4 × cell + face
     Index triangle = -1;  // its slot
     std::uint8_t cut = 1;
-    Eigen::Vector3i mesh_vertices;
+    Eigen::Vector3i points;
     Eigen::Vector3i vertices = Eigen::Vector3i::Constant(-1);
   };
+  Face face_of(Index code, const SurfaceCells::Cell& cell) const;
+  Index code_of(const FaceOwner& owner) const;
 
-  Index& triangle_at(const FaceOwner& face) { return triangle_of_[4 * std::size_t(face.tet) + face.code]; }
+  void clear(const SurfaceCells& cells);
   void begin_revision();
   void release(Index triangle);
-  void drop(const FaceOwner& face);
-  void find_changed(const Topology& topology, Index tet);
+  void drop(Index code);
+  void find_changed(const SurfaceCells& cells, Index cell);
+  bool stays(const Face& face) const;
   void keep_vertices();
   void forget_unused();
-  Index vertex_for(Index mesh_vertex, std::uint8_t cut);
-  void place(Face& face, RegionModel region);
+  Index vertex_for(const SurfaceCells& cells, Index point, std::uint8_t cut);
+  void put(Index vertex, const SurfacePlace& place);
+  void take_out(Index vertex);
+  void find_places_anew(const SurfaceCells& cells, std::span<const Index> changed);
+  void place(const SurfaceCells& cells, Face& face, RegionModel region);
   void move_triangle(Index to);
-  void move_vertex(const Topology& topology, Index to);
-  void close_gaps(const Topology& topology);
+  void move_vertex(const SurfaceCells& cells, Index to);
+  void close_gaps(const SurfaceCells& cells);
 
   SurfaceMesh mesh_;
+  bool of_tets_ = true;
+  std::vector<Index> point_of_;                  // per vertex: of the cells
+  std::vector<Index> within_of_;                 // per vertex: its place in mesh_.within, −1: none
   std::vector<Index> uses_;                      // per vertex: corners of triangles
-  std::vector<Index> triangle_of_;               // per tetrahedron, four faces
-  std::vector<std::array<Index, 2>> vertex_of_;  // per vertex of the mesh: on the skin, on cut faces
+  std::vector<Index> triangle_of_;               // per cell, four faces
+  std::vector<std::array<Index, 2>> vertex_of_;  // per point: on the skin, on cut faces
 
   // Scratch of an edit.
   std::vector<Face> faces_;
@@ -116,6 +142,10 @@ void update_positions(const SurfaceMesh& surface,
                       const Eigen::Ref<const Mat3X<double>>& X,                      // 3 × #mesh [m]
                       const Eigen::Ref<const Mat3X<std::type_identity_t<Real>>>& u,  // 3 × #mesh [m]
                       Mat3X<Real>& x);                                               // out [m]
+
+// What the values of the mesh's vertices are at the surface's. O(#vertices).
+template <class Real>
+Mat3X<Real> at_surface(const SurfaceMesh& surface, const Eigen::Ref<const Mat3X<Real>>& values);
 
 // Unit normals of the surface's vertices that look outwards: the sum of the triangles' around them, weighted
 // by area; zero where these have none. O(#triangles).

@@ -11,20 +11,18 @@
 namespace lobe {
 namespace {
 
-constexpr double just_before = 1e-9;  // times are sums of steps [s]
-
 std::string numbered(const char* format, std::size_t number) {
   char name[64];
   std::snprintf(name, sizeof name, format, number);
   return name;
 }
 
-nlohmann::ordered_json tool_json(const Tools::Pose& pose, const Mat3X<double>& x) {
+nlohmann::ordered_json tool_json(const PlacedTool& tool, const Mat3X<double>& x) {
   const auto array = [](const Vec3d& p) { return nlohmann::ordered_json{p[0], p[1], p[2]}; };
-  nlohmann::ordered_json tool{{"type", name(pose.type)}, {"position", array(pose.position)}};
-  if (pose.radius > 0) tool["radius"] = pose.radius;
-  for (Index v : pose.vertices) tool["points"].push_back(array(x.col(v)));
-  return tool;
+  nlohmann::ordered_json entry{{"type", tool.type}, {"position", array(tool.position)}};
+  if (tool.shape.radius > 0) entry["radius"] = tool.shape.radius;
+  for (Index v : tool.vertices) entry["points"].push_back(array(x.col(v)));
+  return entry;
 }
 
 }  // namespace
@@ -65,7 +63,7 @@ void Recorder::add_pictures(World<Real>& world, const std::string& frame) {
                                  {"first", frames_.front().second}};
     if (world.elements().fibres.cols() > 0) panel["fibres"] = true;
     panel["tools"] = nlohmann::ordered_json::array();
-    for (const Tools::Pose& pose : tool_poses(world)) panel["tools"].push_back(tool_json(pose, x));
+    for (const PlacedTool& tool : placed_tools(world)) panel["tools"].push_back(tool_json(tool, x));
     nlohmann::ordered_json picture{{"out", "picture_" + exact(output_.pictures[next_picture_]) + ".png"}};
     picture["panels"].push_back(std::move(panel));
     pictures_.push_back(std::move(picture));

@@ -17,13 +17,6 @@ namespace {
 
 constexpr io::Format format{"loberec ", 6, "recording of a world"};
 
-// What only says what tools are to do in the next frame leaves the state as it is.
-bool is_about_tools(const Command& command) {
-  return std::holds_alternative<TakeHold>(command) || std::holds_alternative<BringCautery>(command) ||
-         std::holds_alternative<BringScalpel>(command) || std::holds_alternative<Lead>(command) ||
-         std::holds_alternative<SwitchCautery>(command) || std::holds_alternative<LetGo>(command);
-}
-
 void mix(std::uint64_t word, std::uint64_t& digest) {
   digest = (digest ^ word) * 0x9e3779b97f4a7c15u;
   digest ^= digest >> 32;
@@ -91,7 +84,7 @@ std::uint64_t digest(World<Real>& world) {
 
 template <class Real>
 Recorded<Real>::Recorded(World<Real>& world) : world_(world) {
-  recording_.setup = world.fingerprint();
+  recording_.setup = world.save().setup;
   recording_.in_double = std::is_same_v<Real, double>;
 }
 
@@ -117,7 +110,7 @@ void Recorded<Real>::go_back(const Checkpoint<Real>& checkpoint, std::size_t ent
 
 template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world) {
-  if (recording.setup != world.fingerprint())
+  if (recording.setup != world.save().setup)
     throw InputError("recording", "is of another scene, mesh or version of them");
   if (recording.in_double != std::is_same_v<Real, double>)
     throw InputError("recording", recording.in_double ? "is in double precision" : "is in single precision");

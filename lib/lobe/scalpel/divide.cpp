@@ -182,6 +182,7 @@ TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& o
     of_element_.erase_value(own.element, grain);
     of_element_.append(element, grain);
     own.element = element;
+    changed_.push_back(grain);
   }
   return result;
 }

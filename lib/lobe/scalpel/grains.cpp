@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "lobe/mesh/surface_cells.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -12,6 +13,15 @@ int place_of(const Eigen::Vector4i& points, Index point) {
   for (int k = 0; k < 4; ++k)
     if (points[k] == point) return k;
   return -1;
+}
+
+// One bit per face of each tetrahedron.
+std::vector<std::uint8_t> skin_of_tets(const Topology& topology) {
+  std::vector<std::uint8_t> skin(std::size_t(topology.tet_count()), 0);
+  const TetCells cells = TetCells::since_start(topology);
+  for (Index code : cells.outer_faces())
+    skin[std::size_t(code / 4)] |= std::uint8_t(!cells.is_cut(code, true) << code % 4);
+  return skin;
 }
 
 }  // namespace
@@ -25,13 +35,14 @@ Grains::Grains(const Elements& elements) {
   shortest_.assign(points_.size(), std::numeric_limits<double>::infinity());
   on_.assign(points_.size(), 0);
   double sum = 0;
+  const std::vector<std::uint8_t> skin = skin_of_tets(topology);
   for (Index t = 0; t < topology.tet_count(); ++t) {
     of_element_.add_vertex();
     if (!topology.alive(t)) continue;
     of_element_.append(t, count());
     const Eigen::Vector4i corners = topology.corners(t);
     for (Index v : corners) around_.append(v, count());
-    grains_.push_back({corners, t, 1, 0});
+    grains_.push_back({corners, t, 1, 0, skin[std::size_t(t)]});
     for (const auto& edge : edge_corners) {
       const Index a = corners[edge[0]], b = corners[edge[1]];
       const double length = (point(a) - point(b)).norm();
@@ -92,10 +103,14 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   near_b.share *= 1 - share;
   near_a.open &= std::uint8_t(~(1 << at_a));
   near_b.open &= std::uint8_t(~(1 << at_b));
+  near_a.skin &= std::uint8_t(~(1 << at_a));
+  near_b.skin &= std::uint8_t(~(1 << at_b));
   around_.erase_value(b, grain);
   around_.append(point, grain);
   for (Index p : near_b.points) around_.append(p, other);
   of_element_.append(near_b.element, other);
+  changed_.push_back(grain);
+  changed_.push_back(other);
 }
 
 void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t strokes) {
@@ -120,11 +135,13 @@ std::vector<Index> Grains::open(const std::vector<Index>& faces) {
   for (Index code : faces) {
     const Index grain = code / 4, other = neighbour(grain, code % 4);
     elements.push_back((*this)[grain].element);
+    changed_.push_back(grain);
     Grain& own = grains_[std::size_t(grain)];
     own.open |= std::uint8_t(1 << code % 4);
     for (int c : face_corners[code % 4]) points.push_back(own.points[c]);
     if (other < 0) continue;
     elements.push_back((*this)[other].element);
+    changed_.push_back(other);
     for (int f = 0; f < 4; ++f)
       if (place_of(own.points, (*this)[other].points[f]) < 0)
         grains_[std::size_t(other)].open |= std::uint8_t(1 << f);
@@ -155,6 +172,7 @@ void Grains::split_if_apart(Index point) {
       }
   }
   if (parts.size() < 2) return;
+  changed_.insert(changed_.end(), around_[point].begin(), around_[point].end());
   const auto keeps = std::max_element(parts.begin(), parts.end(),
                                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
   std::swap(*keeps, parts.front());
@@ -176,14 +194,17 @@ void Grains::split_if_apart(Index point) {
 void Grains::forget(const std::vector<Index>& elements) {
   std::vector<Index> points;
   for (Index t : elements) {
-    for (Index grain : of(t))
+    for (Index grain : of(t)) {
+      changed_.push_back(grain);
       for (Index p : (*this)[grain].points) {
         around_.erase_value(p, grain);
         points.push_back(p);
       }
+    }
     of_element_.clear(t);
   }
   sort_unique(points);
+  for (Index p : points) changed_.insert(changed_.end(), around_[p].begin(), around_[p].end());
   for (Index p : points) split_if_apart(p);
 }
 

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "lobe/fem/elements.h"
@@ -41,6 +42,7 @@ class Grains {
     Index element;          // the tetrahedron of the simulation that it is part of
     double share = 1;       // of its parent's volume
     std::uint8_t open = 0;  // one bit per face
+    std::uint8_t skin = 0;  // the same: it was on the boundary at the start
   };
 
   // One per tetrahedron that is there, in their order. O(#tets).
@@ -53,6 +55,7 @@ class Grains {
   std::span<const Index> around(Index point) const { return around_[point]; }
   std::span<const Index> of(Index element) const { return of_element_[element]; }
   bool is_open(Index grain, int face) const { return grains_[std::size_t(grain)].open >> face & 1; }
+  bool is_skin(Index grain, int face) const { return grains_[std::size_t(grain)].skin >> face & 1; }
   // The grain that it hangs together with across a face; −1: it is open, or on the boundary.
   Index neighbour(Index grain, int face) const;
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
@@ -84,6 +87,9 @@ class Grains {
   // parts.
   TetDivision divide(const Topology& topology, const std::vector<Index>& opened);
   void forget(const std::vector<Index>& elements);  // which are removed
+  // Those that have other points, neighbours or tetrahedra than when this was asked last, or are gone; some
+  // of them several times.
+  std::vector<Index> take_changed() { return std::exchange(changed_, {}); }
 
   std::size_t bytes() const;
 
@@ -98,6 +104,7 @@ class Grains {
   VertexLists<Index> around_;      // of points
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
   double mean_edge_ = 0;
+  std::vector<Index> changed_;
 };
 
 }  // namespace lobe

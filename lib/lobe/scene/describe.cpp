@@ -109,21 +109,13 @@ ordered_json summarise_loads(const Setup& setup) {
 
 ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
   ordered_json list = ordered_json::array();
-  std::size_t grasps = 0;
+  std::map<std::string, std::size_t> count;  // of the tools of each kind so far
   for (const Tool& tool : scene.tools) {
-    const bool grasp = tool.type == ToolType::grasp;
     ordered_json entry = {{"name", tool.name},
-                          {"type", name(tool.type)},
+                          {"type", tool.type},
                           {"from_s", tool.path.front().time},
                           {"to_s", tool.path.back().time}};
-    if (grasp) {
-      entry["vertices"] = setup.grasps[grasps++].vertices.size();
-      entry["release"] = tool.release;
-    } else if (tool.type == ToolType::scalpel) {
-      entry["snap"] = tool.snap;
-    } else {
-      entry["radius_m"] = tool.radius;
-    }
+    kind_of(tool).summarise(setup, count[tool.type]++, entry);
     list.push_back(entry);
   }
   return list;

@@ -30,8 +30,8 @@ std::vector<Selector> read_parts(const json& array) {
 
 }  // namespace
 
-Vec3d read_vector(const nlohmann::json& row) {
-  return Vec3d(row[0].get<double>(), row[1].get<double>(), row[2].get<double>());
+Vec3d read_vector(const nlohmann::json& row, std::size_t from) {
+  return Vec3d(row[from].get<double>(), row[from + 1].get<double>(), row[from + 2].get<double>());
 }
 
 Selector read_selector(const nlohmann::json& object) {

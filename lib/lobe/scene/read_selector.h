@@ -7,7 +7,7 @@
 
 namespace lobe {
 
-Vec3d read_vector(const nlohmann::json& row);
+Vec3d read_vector(const nlohmann::json& row, std::size_t from = 0);  // three numbers from there on
 Selector read_selector(const nlohmann::json& object);
 
 }  // namespace lobe

@@ -127,14 +127,14 @@ struct Boundary {
 
 struct Tool {
   std::string name;
-  ToolType type = ToolType::grasp;
-  std::optional<Selector> where;  // grasp: the vertices it takes hold of
-  std::vector<Index> copies;      // grasp: further ones, which cuts make before
-  double radius = 0;              // cautery: of its spherical tip [m]
-  double snap = 0.1;              // scalpel: setup/setup.h
-  std::vector<Vec3d> heels;       // scalpel: one for each row of its path [m]
-  std::vector<PathPoint> path;    // times strictly increasing; acts from the first to the last
-  bool release = false;           // grasp: let go after the last path point (otherwise hold on there)
+  std::string type = GraspSetup::type;  // as tool_kinds.h has them
+  std::optional<Selector> where;        // grasp: the vertices it takes hold of
+  std::vector<Index> copies;            // grasp: further ones, which cuts make before
+  double radius = 0;                    // cautery: of its spherical tip [m]
+  double snap = 0.1;                    // scalpel: setup/tool_setups.h
+  std::vector<Vec3d> heels;             // scalpel: one for each row of its path [m]
+  std::vector<PathPoint> path;          // times strictly increasing; acts from the first to the last
+  bool release = false;                 // grasp: let go after the last path point (otherwise hold on there)
   std::string pointer;
 };
 

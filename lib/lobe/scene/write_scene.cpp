@@ -1,4 +1,5 @@
 #include "lobe/scene/write_scene.h"
+#include "lobe/scene/tool_kinds.h"
 
 #include <nlohmann/json.hpp>
 
@@ -121,24 +122,11 @@ ordered_json write(const Boundary& boundary) {
 
 ordered_json write(const Tool& tool) {
   ordered_json path = ordered_json::array();
-  for (const auto& [time, p, q] : tool.path) {
-    path.push_back({time, p[0], p[1], p[2]});
-    if (q != PathPoint().orientation) path.back().insert(path.back().end(), {q[0], q[1], q[2], q[3]});
-  }
-  ordered_json entry = {{"name", tool.name}};
-  if (tool.type == ToolType::grasp) {
-    entry["type"] = "grasp";
-    add_where(entry, tool.where);
-    if (!tool.copies.empty()) entry["copies"] = tool.copies;
-    entry["path"] = path;
-    entry["release"] = tool.release;
-  } else if (tool.type == ToolType::scalpel) {
-    for (std::size_t i = 0; i < path.size(); ++i)
-      path[i].insert(path[i].end(), {tool.heels[i][0], tool.heels[i][1], tool.heels[i][2]});
-    entry.update({{"type", "scalpel"}, {"path", path}, {"snap", tool.snap}});
-  } else {
-    entry.update({{"type", "cautery"}, {"radius", tool.radius}, {"path", path}});
-  }
+  for (const auto& [time, p, q] : tool.path) path.push_back({time, p[0], p[1], p[2]});
+  ordered_json entry = {{"name", tool.name}, {"type", tool.type}};
+  add_where(entry, tool.where);
+  entry["path"] = path;
+  kind_of(tool).write(tool, entry);
   return entry;
 }
 

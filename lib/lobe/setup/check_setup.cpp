@@ -24,7 +24,6 @@ class Checker {
   void check_materials();
   void check_fibres();
   void check_boundary();
-  void check_path(const std::string& tool, const std::vector<PathPoint>& path);
   void check_tools();
   void check_exclusions(Options used);
 
@@ -128,36 +127,10 @@ void Checker::check_boundary() {
          "a loaded face is out of range, or its traction not finite");
 }
 
-void Checker::check_path(const std::string& tool, const std::vector<PathPoint>& path) {
-  expect(!path.empty(), tool + " has no path");
-  bool in_order = true;
-  for (std::size_t i = 0; i < path.size(); ++i)
-    in_order = in_order && std::isfinite(path[i].time) && path[i].position.allFinite() &&
-               std::abs(path[i].orientation.norm() - 1) < 1e-6 && (i == 0 || path[i].time > path[i - 1].time);
-  expect(in_order,
-         tool + ": the times of its path must increase, all its values be finite, quaternions of length 1");
-}
-
 void Checker::check_tools() {
-  for (const GraspSetup& grasp : setup_.grasps) {
-    check_path("grasp \"" + grasp.name + "\"", grasp.path);
-    expect(std::all_of(grasp.vertices.begin(), grasp.vertices.end(), [](Index v) { return v >= 0; }),
-           "grasp \"" + grasp.name + "\" names a vertex below 0");
-  }
-  for (const CauterySetup& cautery : setup_.cauteries) {
-    check_path("cautery \"" + cautery.name + "\"", cautery.path);
-    expect(std::isfinite(cautery.radius) && cautery.radius > 0,
-           "cautery \"" + cautery.name + "\" needs a radius above 0");
-  }
-  for (const ScalpelSetup& scalpel : setup_.scalpels) {
-    const std::string name = "scalpel \"" + scalpel.name + "\"";
-    check_path(name, scalpel.path);
-    expect(scalpel.heels.size() == scalpel.path.size(), name + " needs a heel in each row of its path");
-    expect(scalpel.snap >= least_snap && scalpel.snap <= most_snap, name + ": snap must be in [0.02, 0.3]");
-    for (std::size_t i = 0; i < std::min(scalpel.heels.size(), scalpel.path.size()); ++i)
-      expect(scalpel.heels[i].allFinite() && scalpel.heels[i] != scalpel.path[i].position,
-             name + ": row " + std::to_string(i) + " has a blade without length, or one that is not finite");
-  }
+  for_each_tool(static_cast<const ToolSetups&>(setup_), [this](const auto& tool) {
+    tool.check([this](bool is_met, const std::string& fault) { expect(is_met, fault); });
+  });
 }
 
 void Checker::check_exclusions(Options used) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lobe/fem/body.h"
+#include "lobe/setup/tool_setups.h"
 
 namespace lobe {
 
@@ -36,46 +37,6 @@ struct PrescribedVertex {
       std::tuple(&PrescribedVertex::vertex, &PrescribedVertex::displacement, &PrescribedVertex::axes);
 };
 
-struct PathPoint {
-  double time = 0;                 // [s]
-  Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
-  // Of a grasp: its turn since it took hold, about its centre there; a unit quaternion x, y, z, w.
-  Eigen::Vector4d orientation{0, 0, 0, 1};
-  static constexpr auto fields = std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation);
-};
-
-enum class ToolType : std::uint8_t { grasp, cautery, scalpel };
-
-inline const char* name(ToolType type) {
-  constexpr const char* names[] = {"grasp", "cautery", "scalpel"};
-  return names[static_cast<int>(type)];
-}
-
-struct GraspSetup {
-  std::string name;
-  std::vector<Index>
-      vertices;  // of the mesh, or copies that cuts make before; what is not there then is left out
-  std::vector<PathPoint> path;  // offsets
-  bool release = false;
-  static constexpr auto fields = std::tuple(&GraspSetup::vertices, &GraspSetup::path, &GraspSetup::release);
-};
-
-struct CauterySetup {
-  std::string name;
-  double radius = 0;            // [m]
-  std::vector<PathPoint> path;  // positions of the tip
-  static constexpr auto fields = std::tuple(&CauterySetup::radius, &CauterySetup::path);
-};
-
-struct ScalpelSetup {
-  std::string name;
-  double snap = 0.1;            // a vertex nearer to the cut than this share of its shortest edge lies on it
-  std::vector<PathPoint> path;  // positions of the tip
-  std::vector<Vec3d> heels;     // the other end of the cutting edge, in each row of the path [m]
-  static constexpr auto fields = std::tuple(&ScalpelSetup::snap, &ScalpelSetup::path, &ScalpelSetup::heels);
-};
-inline constexpr double least_snap = 0.02, most_snap = 0.3;
-
 inline constexpr int highest_mass_degree = 16;  // of selective mass scaling
 
 enum class LoosePieces : std::uint8_t { fall, vanish, stay };  // what becomes of pieces that nothing holds
@@ -86,7 +47,7 @@ enum class Integrator : std::uint8_t {
 };
 inline const char* name(Integrator i) { return i == Integrator::generalised_alpha ? "implicit" : "explicit"; }
 
-struct Setup : Body {
+struct Setup : Body, ToolSetups {
   std::vector<PrescribedVertex> prescribed;
   std::vector<FaceLoad> face_loads;
   std::vector<VertexLoad> vertex_loads;
@@ -105,9 +66,6 @@ struct Setup : Body {
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
   bool expandable = false;  // precomputed regions may be non-linear for a while (command Expand)
-  std::vector<GraspSetup> grasps;
-  std::vector<CauterySetup> cauteries;
-  std::vector<ScalpelSetup> scalpels;
   std::filesystem::path
       condensed_cache;  // folder that keeps condensed regions (condensed_cache.h); none: it does not
 
@@ -117,8 +75,8 @@ struct Setup : Body {
       std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,
                  &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
                  &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator, &Setup::implicit_step,
-                 &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp, &Setup::sleep, &Setup::expandable,
-                 &Setup::grasps, &Setup::cauteries, &Setup::scalpels));
+                 &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp, &Setup::sleep, &Setup::expandable),
+      ToolSetups::fields);
 };
 
 }  // namespace lobe

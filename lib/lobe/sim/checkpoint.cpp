@@ -54,10 +54,8 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     }
     fresh.check_fits(c);
     fresh.body_.terms = std::move(body_.terms);
-    fresh.surface_ = std::move(surface_);
-    fresh.cut_observers_ = std::move(cut_observers_);
-    fresh.published_ = std::move(published_);
-    if (fresh.surface_) fresh.surface_->rebuild(fresh.elements().topology, fresh.elements().region_of);
+    fresh.display_ = std::move(display_);
+    fresh.display_.rebuild(fresh.elements(), fresh.grains());
     fresh.body_.model.revisions = beyond(body_.model.revisions, fresh.body_.model.revisions);
     *this = std::move(fresh);
   }

@@ -64,57 +64,6 @@ struct SetMassDegree {
   static constexpr auto fields = std::tuple(&SetMassDegree::degree);
 };
 
-// Takes hold of vertices at the start of the next frame: a grasp whose id is tools().next_id() before
-// (tool/tools.h).
-struct TakeHold {
-  std::string name;
-  std::vector<Index> vertices;
-  bool operator==(const TakeHold&) const = default;
-  static constexpr auto fields = std::tuple(&TakeHold::name, &TakeHold::vertices);
-};
-
-// Brings a spherical cautery, which is off, to a position; its id is tools().next_id() before.
-struct BringCautery {
-  std::string name;
-  double radius = 0;               // [m], > 0
-  Vec3d position = Vec3d::Zero();  // of its tip [m]
-  bool operator==(const BringCautery&) const = default;
-  static constexpr auto fields =
-      std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position);
-};
-
-// Brings a scalpel, which does not cut yet, to a pose; its id is tools().next_id() before.
-struct BringScalpel {
-  std::string name;
-  BladePose pose;
-  double snap = 0.1;  // setup/setup.h
-  bool operator==(const BringScalpel&) const = default;
-  static constexpr auto fields = std::tuple(&BringScalpel::name, &BringScalpel::pose, &BringScalpel::snap);
-};
-
-// A tool is to be there at the end of the next frame; on its way it moves uniformly.
-struct Lead {
-  ToolId tool = 0;
-  ToolPose target;  // of its centre, of a scalpel of its tip; a cautery has no orientation
-  bool operator==(const Lead&) const = default;
-  static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
-};
-
-// Or a scalpel, which cuts while it is on.
-struct SwitchCautery {
-  ToolId tool = 0;
-  bool on = false;
-  bool operator==(const SwitchCautery&) const = default;
-  static constexpr auto fields = std::tuple(&SwitchCautery::tool, &SwitchCautery::on);
-};
-
-// A grasp lets go at the start of the next frame; a cautery is taken away.
-struct LetGo {
-  ToolId tool = 0;
-  bool operator==(const LetGo&) const = default;
-  static constexpr auto fields = std::tuple(&LetGo::tool);
-};
-
 // What a blade has done in one step, by numbers of grains. World makes it; the first, which is empty, says
 // where the grains were made.
 struct Incise {
@@ -180,8 +129,20 @@ struct Superseded {
   static constexpr auto fields = std::tuple();
 };
 
-using Command = std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Renew, SetMassDegree, TakeHold,
-                             BringCautery, BringScalpel, Lead, SwitchCautery, LetGo, Incise, SetForces,
-                             SetSprings, MoveSprings, Hold, BeginRefresh, EndRefresh, Superseded>;
+template <class... Variants>
+struct Joined;
+template <class... A, class... B, class... C>
+struct Joined<std::variant<A...>, std::variant<B...>, std::variant<C...>> {
+  using Type = std::variant<A..., B..., C...>;
+};
+using Command =
+    Joined<std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Renew, SetMassDegree>, ToolCommand,
+           std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginRefresh, EndRefresh,
+                        Superseded>>::Type;
+
+// Only says what tools are to do in the next frame, and leaves the state as it is.
+inline bool is_about_tools(const Command& command) {
+  return std::visit([]<class Any>(const Any&) { return std::is_constructible_v<ToolCommand, Any>; }, command);
+}
 
 }  // namespace lobe

@@ -53,7 +53,7 @@ template <class Real>
 RebuildDifference compare_with_rebuilt(World<Real>& world) {
   RebuildDifference d;
   if (world.elements().topology.alive_count() == 0) {
-    d.mass = *std::max_element(world.mass().begin(), world.mass().end());
+    d.mass = *std::max_element(world.body().inertia.mass().begin(), world.body().inertia.mass().end());
     d.same_boundary = world.elements().topology.boundary_faces().empty();
     return d;
   }
@@ -72,8 +72,8 @@ RebuildDifference compare_with_rebuilt(World<Real>& world) {
   double mass_scale = 0, force_scale = 0, scale = 0;
   for (Index v = 0; v < fresh.elements().topology.vertex_count(); ++v) {
     const Index source = c.vertex_source[v];
-    mass_scale = std::max(mass_scale, fresh.mass()[v]);
-    d.mass = std::max(d.mass, std::abs(world.mass()[source] - fresh.mass()[v]));
+    mass_scale = std::max(mass_scale, fresh.body().inertia.mass()[v]);
+    d.mass = std::max(d.mass, std::abs(world.body().inertia.mass()[source] - fresh.body().inertia.mass()[v]));
     force_scale = std::max(force_scale, double(fresh_forces.col(v).norm()));
     d.force = std::max(d.force, double((mine.col(source) - fresh_forces.col(v)).norm()));
     scale = std::max(scale, double(fresh_u.col(v).norm()));

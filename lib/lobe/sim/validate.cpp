@@ -168,25 +168,34 @@ void validate_regions(Dynamics<Real>& body) {
   check(body.regions.any_condensed() == (condensed > 0), "regions: whether any is condensed");
 }
 
-void validate_surface(const Surface& surface, const Elements& elements) {
+void validate_surface(const Surface& surface, const SurfaceCells& cells, const Elements& elements) {
   const SurfaceMesh& mesh = surface.mesh();
-  const Topology& topology = elements.topology;
-  check(std::size_t(mesh.triangle_count()) == topology.boundary_faces().size(),
-        "surface: one triangle per face of the boundary");
-  for (Index i = 0; i < mesh.triangle_count(); ++i) {
+  const std::vector<Index> faces = cells.outer_faces();
+  check(std::size_t(mesh.triangle_count()) == faces.size(), "surface: one triangle per face of the boundary");
+  for (Index code : faces) {
+    const SurfaceCells::Cell cell = cells.cell(code / 4);
+    const Index i = surface.triangle_of({cell.tet, std::uint32_t(cells.are_tets() ? code % 4 : code)});
+    check(i >= 0, "surface: a face of the boundary that is not there");
     const auto slot = std::size_t(i);
-    const FaceOwner owner = mesh.owner[slot];
-    check(topology.alive(owner.tet) && topology.neighbour(owner.tet, int(owner.code)) < 0,
-          "surface: a triangle that is not on the boundary");
-    check(surface.triangle_of(owner) == i, "surface: where a face's triangle stands");
-    check(mesh.region[slot] == elements.region_of[std::size_t(owner.tet)], "surface: a triangle's region");
-    const Eigen::Vector3i face = topology.face(4 * owner.tet + Index(owner.code));
-    std::array<Index, 3> shown, there{face[0], face[1], face[2]};
-    for (int c = 0; c < 3; ++c)
-      shown[std::size_t(c)] = mesh.mesh_vertex[std::size_t(mesh.triangles[slot][c])];
-    std::sort(shown.begin(), shown.end());
-    std::sort(there.begin(), there.end());
-    check(shown == there, "surface: a triangle's corners");
+    check(mesh.region[slot] == elements.region_of[std::size_t(cell.tet)], "surface: a triangle's region");
+    for (int k = 0; k < 3; ++k) {
+      const Index vertex = mesh.triangles[slot][k], point = cell.points[face_corners[code % 4][k]];
+      check(surface.vertex_of(point, mesh.cut[slot]) == vertex, "surface: a triangle's corners");
+      const SurfacePlace place = cells.place(point);
+      if (place.vertex >= 0)
+        check(mesh.mesh_vertex[std::size_t(vertex)] == place.vertex, "surface: a vertex of the mesh");
+    }
+  }
+}
+
+void validate_places(const SurfaceMesh& mesh, const Topology& topology) {
+  for (const SurfaceMesh::Within& own : mesh.within) {
+    check(own.vertex >= 0 && own.vertex < mesh.vertex_count(), "surface: a place of no vertex");
+    check(std::abs(own.weights.sum() - 1) < 1e-9, "surface: weights that are not 1 together");
+    const auto around = topology.around(own.corners[0]);
+    check(std::any_of(around.begin(), around.end(),
+                      [&](Index t) { return topology.corners(t) == own.corners; }),
+          "surface: a vertex within no tetrahedron");
   }
 }
 
@@ -201,7 +210,8 @@ void validate(World<Real>& world) {
   validate_held(body);
   validate_masses(body);
   validate_regions(body);
-  validate_surface(world.surface(), body.model.elements);
+  validate_surface(world.surface(), *surface_cells(body.model.elements, world.grains()), body.model.elements);
+  validate_places(world.surface().mesh(), body.model.elements.topology);
 }
 
 template void validate(World<float>&);

@@ -75,14 +75,15 @@ template <class Real>
 void World<Real>::scale_masses(double share) {
   MassScaling& scaling = body_.inertia.scaling();
   scaling.limit_before = time_step_limit();
-  std::vector<Index> all(mass().size());
+  const std::vector<double>& mass = body_.inertia.mass();
+  std::vector<Index> all(mass.size());
   std::iota(all.begin(), all.end(), 0);
   std::vector<double> squares;
   for (Index v : all) squares.push_back(limit_.exact_square(body_, v));
-  const double total = std::accumulate(mass().begin(), mass().end(), 0.0);
+  const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
   body_.inertia.scale(squares, share);
   refresh(all);
-  scaling.added = std::accumulate(mass().begin(), mass().end(), 0.0) - total;
+  scaling.added = std::accumulate(mass.begin(), mass.end(), 0.0) - total;
   scaling.share = scaling.added / total;
   limit_.measure_at_rest(body_);
   scaling.limit_after = time_step_limit();
@@ -235,9 +236,9 @@ void World<Real>::set_state(const State<Real>& state) {
 }
 
 template <class Real>
-std::vector<Tools::Pose> tool_poses(World<Real>& world) {
+std::vector<PlacedTool> placed_tools(World<Real>& world) {
   const auto u = world.displacements();
-  return world.tools().poses(world.time(), world.held(), [&](Index v) -> Vec3d {
+  return world.tools().placed(world.time(), world.held(), [&](Index v) -> Vec3d {
     return world.elements().points.col(v) + u.col(v).template cast<double>();
   });
 }
@@ -245,41 +246,13 @@ std::vector<Tools::Pose> tool_poses(World<Real>& world) {
 // ---- For others to look at
 
 template <class Real>
-const Surface& World<Real>::surface() {
-  if (!surface_) surface_ = std::make_unique<Surface>(elements().topology, elements().region_of);
-  return *surface_;
-}
-
-template <class Real>
 void World<Real>::publish(const Report& report) {
   surface();
-  const StateView<Real> now = state();
-  ++published_->frames;
-  Snapshot<Real>* snapshot = published_->buffer.writable();
-  if (!snapshot) return;
-  snapshot->time = now.time;
-  snapshot->frame = published_->frames;
-  snapshot->u = now.u;
-  snapshot->v = now.v;
-  published_->surfaces.copy(*surface_, elements().points.view(), now.u, snapshot->surface);
-  snapshot->tools.clear();
-  for (const Tools::Pose& pose : tool_poses(*this))
-    snapshot->tools.push_back({pose.name, name(pose.type), pose.position,
-                               Eigen::Quaterniond(pose.orientation), -pose.force, -pose.torque});
-  snapshot->figures = {report.ok,
-                       report.steps,
-                       report.reruns,
-                       report.time_step,
-                       std::accumulate(report.seconds.begin(), report.seconds.end(), 0.0),
-                       elements().topology.alive_count(),
-                       report.tets_removed,
-                       {}};
-  for (const Condition& condition : report.conditions) snapshot->figures.conditions.push_back(condition.text);
-  published_->buffer.publish();
+  display_.publish(elements(), state(), placed_tools(*this), report);
 }
 
-template std::vector<Tools::Pose> tool_poses(World<float>&);
-template std::vector<Tools::Pose> tool_poses(World<double>&);
+template std::vector<PlacedTool> placed_tools(World<float>&);
+template std::vector<PlacedTool> placed_tools(World<double>&);
 template class World<float>;
 template class World<double>;
 

@@ -7,10 +7,8 @@
 #pragma once
 
 #include "lobe/sim/command.h"
+#include "lobe/sim/display.h"
 #include "lobe/sim/pieces.h"
-#include "lobe/sim/report.h"
-#include "lobe/snapshot/snapshot.h"
-#include "lobe/snapshot/triple_buffer.h"
 #include "lobe/time/implicit_dynamics.h"
 #include "lobe/time/step_limit.h"
 #include "lobe/time/unravelling.h"
@@ -59,13 +57,11 @@ class World {
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);
   const Elements& elements() const { return body_.model.elements; }
-  const HeldVertices& held() const { return body_.model.held; }
-  // Per vertex [kg], 0 for orphans and in precomputed regions.
-  const std::vector<double>& mass() const { return body_.inertia.mass(); }
   // Whether tetrahedra that stayed crushed are linear until they have come back.
   bool is_unravelling() const { return unravelling_.is_on(); }
   const Tools& tools() const { return tools_; }
   const Grains* grains() const { return blades_ ? &blades_->grains : nullptr; }  // null: no blade has cut
+  const HeldVertices& held() const { return body_.model.held; }
   // The parts, for those that measure a world: none of them is to be changed.
   Dynamics<Real>& body() { return body_; }
   const Dynamics<Real>& body() const { return body_; }
@@ -74,15 +70,14 @@ class World {
 
   // The boundary of the body: made when it is first asked for, and kept up to date through cuts from then on,
   // O(edit) each.
-  const Surface& surface();
-  // Told of each edit of the mesh, which the topology has made: a Skin follows by it. Not of restore().
-  using CutObserver = std::function<void(const Topology&, const MeshEdit&)>;
-  void on_cut(CutObserver observer) { cut_observers_.push_back(std::move(observer)); }
+  const Surface& surface() { return display_.surface(elements(), grains()); }
+  // Told of each edit of the mesh: a Skin follows by it. Not of restore().
+  void on_cut(CutObserver observer) { display_.on_cut(std::move(observer)); }
   // A picture of the present state for other threads, with the report of the frame that led to it: what they
   // get by snapshots() from then on. Costs a copy of the state and the normals of the surface. Where more
   // pictures are held than there are slots for, none is made.
   void publish(const Report& report);
-  const TripleBuffer<Snapshot<Real>>& snapshots() const { return published_->buffer; }  // from any thread
+  const TripleBuffer<Snapshot<Real>>& snapshots() const { return display_.snapshots(); }  // from any thread
 
   // ---- What can be asked
 
@@ -100,7 +95,6 @@ class World {
   // since, else the building of a world.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
-  std::uint64_t fingerprint() const { return fingerprint_; }  // of the setup
   // Its edits. Of those that condense a region afresh only the last that no other has replaced are kept.
   const std::vector<Command>& history() const { return history_; }
   // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew),
@@ -115,13 +109,14 @@ class World {
   void perform(const Condense&);
   void perform(const Renew& command);
   void perform(const SetMassDegree& command);
-  void perform(const TakeHold& command);
-  void perform(const BringCautery& command);
-  void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
-  void perform(const BringScalpel& command) {
-    tools_.add(Scalpel{.name = command.name, .snap = command.snap, .strokes = {}, .pose = command.pose});
+  template <class Bring>
+  requires requires { &Bring::check; }
+  void perform(const Bring& command) {
+    command.check(elements().topology.vertex_count(), options_of(setup_));
+    tools_.bring(command);
   }
-  void perform(const SwitchCautery& command) { tools_.turn_on(command.tool, command.on); }
+  void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
+  void perform(const SwitchTool& command) { tools_.turn_on(command.tool, command.on); }
   void perform(const Incise& command);
   void perform(const LetGo& command) { tools_.let_go(command.tool); }
   void perform(const SetForces& command);
@@ -137,6 +132,7 @@ class World {
   void incise(const BladeMove& move, Report& report);
   MeshEdit divide(const std::vector<Index>& opened);
   void hold_what_is_filled(const MeshEdit& edit);
+  void follow_with_surface(const MeshEdit& edit);
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);
   RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);
@@ -171,7 +167,7 @@ class World {
   Vec3d led_displacement(const HeldVertices::Held& item, double time) const;
   bool implicit_step(double dt);
   void catch_up();
-  std::vector<Index> touched(const Sweep& sweep);
+  std::vector<Index> meeting(const SweptVolume& volume);
 
   static void check(const State<Real>& state);
   Setup initial_setup() const;
@@ -198,19 +194,12 @@ class World {
   std::unique_ptr<ImplicitDynamics> implicit_;  // none: central differences
   double longest_move_;                         // a step that moves a vertex further is trouble [m]
   std::vector<Condition> pending_;              // found by edits, handed out with the next report
-  std::unique_ptr<Surface> surface_;            // none until somebody asks for it
-  std::vector<CutObserver> cut_observers_;
-  struct Published {
-    TripleBuffer<Snapshot<Real>> buffer;
-    SurfaceCopies surfaces;
-    std::int64_t frames = 0;
-  };
-  std::unique_ptr<Published> published_ = std::make_unique<Published>();
+  Display<Real> display_;
 };
 
 // Where the tools of a world are.
 template <class Real>
-std::vector<Tools::Pose> tool_poses(World<Real>& world);
+std::vector<PlacedTool> placed_tools(World<Real>& world);
 
 extern template class World<float>;
 extern template class World<double>;

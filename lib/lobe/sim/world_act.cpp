@@ -8,24 +8,7 @@
 
 namespace lobe {
 
-// ---- Tools and what they hold
-
-template <class Real>
-void World<Real>::perform(const TakeHold& command) {
-  for (Index v : command.vertices)
-    if (v < 0 || v >= elements().topology.vertex_count())
-      throw InputError(
-          "vertex " + std::to_string(v),
-          "there are " + std::to_string(elements().topology.vertex_count()) + ", numbered from 0");
-  if (command.vertices.empty()) throw InputError("grasp", "needs at least one vertex");
-  tools_.add(Grasp{.name = command.name, .vertices = command.vertices, .path = {}});
-}
-
-template <class Real>
-void World<Real>::perform(const BringCautery& command) {
-  tools_.add(
-      Cautery{.name = command.name, .radius = command.radius, .strokes = {}, .position = command.position});
-}
+// ---- What is held
 
 // Somebody has taken hold of vertices, or let go.
 template <class Real>

@@ -97,11 +97,8 @@ void World<Real>::follow(const MeshEdit& edit) {
   }
   if (!edit.shares.empty()) hold_what_is_filled(edit);
   limit_.follow(body_, edit);
-  if (surface_ && !edit.copies.empty())
-    surface_->rebuild(elements.topology, elements.region_of);
-  else if (surface_)
-    surface_->follow(elements.topology, edit, elements.region_of);
-  for (const CutObserver& observer : cut_observers_) observer(elements.topology, edit);
+  follow_with_surface(edit);
+  display_.tell(elements.topology, edit);
   for (const auto& term : body_.terms) term->follow(elements.topology, edit);
   follow(region_edit_of(edit, elements.topology, before));
 }
@@ -196,7 +193,7 @@ void World<Real>::refresh(const std::vector<Index>& vertices) {
   body_.sleep.extend(topology.vertex_count(), time());
   limit_.extend(topology.vertex_count());
   body_.inertia.refresh(body_.model, vertices);
-  body_.loads.refresh(elements(), vertices, mass());
+  body_.loads.refresh(elements(), vertices, body_.inertia.mass());
   for (Index v : vertices)
     if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
   release(vertices);
@@ -244,9 +241,7 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
   setup.face_loads = loads_of_parts(setup_.face_loads, own.topology, c);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];
-  setup.grasps.clear();
-  setup.cauteries.clear();
-  setup.scalpels.clear();
+  static_cast<ToolSetups&>(setup) = {};
   return setup;
 }
 

@@ -264,21 +264,21 @@ void World<Real>::play_tools(double duration, Report& report) {
     perform(Hold{now});
     report.tets_removed += treat_loose(pieces_.loosened(body_.model));
   }
-  for (const Sweep& sweep : tools_.sweeps(time(), time() + duration))
-    report.tets_removed += remove_tets(touched(sweep));
-  for (const BladeMove& move : tools_.blade_moves(time(), time() + duration)) incise(move, report);
+  const ToolWork work = tools_.work(time(), time() + duration);
+  for (const SweptVolume& volume : work.burnt) report.tets_removed += remove_tets(meeting(volume));
+  for (const BladeMove& move : work.cuts) incise(move, report);
   if (blades_) blades_->end_strokes();
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
 }
 
 template <class Real>
-std::vector<Index> World<Real>::touched(const Sweep& sweep) {
+std::vector<Index> World<Real>::meeting(const SweptVolume& volume) {
   if (body_.regions.any_condensed()) {  // its interior moves as it likes
     tools_.state_was_given();
     state();
   }
-  return tools_.touched(elements().topology, elements().points.padded(), body_.motion.u.padded(), sweep);
+  return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
 }
 
 }  // namespace lobe

@@ -1,5 +1,6 @@
 // Blades in a World.
 #include "lobe/error.h"
+#include "lobe/scalpel/grain_cells.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/sim/world.h"
 
@@ -11,6 +12,7 @@ Blades& World<Real>::blades() {
     refuse_excluded(Option::scalpel, options_of(setup_), "scalpel");
     blades_ = std::make_unique<Blades>(elements());
     history_.push_back(Incise{});
+    display_.rebuild(elements(), grains());
   }
   return *blades_;
 }
@@ -26,7 +28,7 @@ Blades::BodyNow World<Real>::body_now() {
     return Placement{start, start + u.col(0), Mat3<double>::Identity() + displacement_gradient(u, alpha)};
   };
   const auto tets_in = [this](const Eigen::AlignedBox3d& box) {
-    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), box);
+    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {box});
   };
   return {placement, tets_in};
 }
@@ -59,13 +61,24 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
 // What has been opened beside these tetrahedra.
 template <class Real>
 MeshEdit World<Real>::divide(const std::vector<Index>& opened) {
-  if (opened.empty()) return {};
+  if (opened.empty()) {
+    follow_with_surface({});
+    return {};
+  }
   catch_up();
   state();
   Topology& topology = body_.model.elements.topology;
   MeshEdit edit = topology.divide(blades_->grains.divide(topology, opened));
-  if (!edit.empty()) follow(edit);
+  if (edit.empty())
+    follow_with_surface(edit);  // it has been opened, and nothing has come apart yet
+  else
+    follow(edit);
   return edit;
+}
+
+template <class Real>
+void World<Real>::follow_with_surface(const MeshEdit& edit) {
+  display_.follow(elements(), blades_ ? &blades_->grains : nullptr, edit);
 }
 
 // Of a vertex and its copy only those are held on to which lie in the tissue: the other is a corner of

@@ -54,7 +54,7 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
     edit.left.push_back(t);
     for (Index v : elements.topology.corners(t)) edit.vertices.push_back(v);
   }
-  if (surface_) surface_->follow_regions(edit.left, elements.region_of);
+  display_.follow_regions(elements, grains(), edit.left);
   edit.entered = edit.left;
   sort_unique(edit.vertices);
   return edit;

@@ -25,6 +25,8 @@ struct ToolSnapshot {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   Vec3d force = Vec3d::Zero();   // on the tool, by the body [N]
   Vec3d torque = Vec3d::Zero();  // on the tool, by the body, about its position [N m]
+  double radius = 0;             // of its spherical tip [m]
+  Vec3d blade = Vec3d::Zero();   // of a scalpel, from its tip, which is the position, to its heel [m]
 };
 
 struct FigureSnapshot {  // of the frame that led here

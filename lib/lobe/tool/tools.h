@@ -1,114 +1,36 @@
-// Instruments: grasps that hold vertices, cauteries that sweep. Those of a scene follow their paths. Others
-// are made, moved and taken away while the world runs: their path grows by a row per frame, so that what they
-// did can be kept as the path of a scene, which gives the same bits.
+// All tools of a world. Those of a scene follow their paths. Others are made, moved and taken away while the
+// world runs.
 #pragma once
 
-#include <Eigen/Geometry>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "lobe/cut/tet_groups.h"
-#include "lobe/scalpel/blades.h"
-#include "lobe/setup/boundary_conditions.h"
+#include "lobe/tool/tool_lists.h"
 
 namespace lobe {
 
-using ToolId = int;  // above 0; of a grasp, the holder of its vertices (HeldVertices::Held)
-
-struct ToolPose {
-  Vec3d position = Vec3d::Zero();           // [m]
-  Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w; where it took hold: none
-
-  bool operator==(const ToolPose&) const = default;
-  static constexpr auto fields = std::tuple(&ToolPose::position, &ToolPose::orientation);
-};
-
-struct Grasp {
-  enum class Phase : std::uint8_t { waiting, holding, released };
-  ToolId id = 0;
-  std::string name;
-  std::vector<Index> vertices;
-  std::vector<PathPoint> path;  // of its centre: offsets from where it took hold, and turns since
-  bool release = false;         // after the last row
-  bool is_live = false;         // its path grows
-  Phase phase = Phase::waiting;
-  Vec3d centre = Vec3d::Zero();         // mean of its vertices where it took hold [m]
-  std::optional<ToolPose> target = {};  // at the end of the next frame
-  // Means over the last frame of what it does to the body [N], and about where its centre is [N m].
-  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
-
-  static constexpr auto fields =
-      std::tuple(&Grasp::id, &Grasp::name, &Grasp::vertices, &Grasp::path, &Grasp::release, &Grasp::is_live,
-                 &Grasp::phase, &Grasp::centre, &Grasp::target, &Grasp::force, &Grasp::torque);
-};
-
-struct Cautery {
-  ToolId id = 0;
-  std::string name;
-  double radius = 0;  // of its spherical tip [m]
-  // Of its tip [m], from switching it on to switching it off; the last is the present one.
-  std::vector<std::vector<PathPoint>> strokes;
-  bool is_live = false;
-  bool is_on = false;                // only of live ones
-  bool is_away = false;              // of live ones: taken away, and nowhere since
-  Vec3d position = Vec3d::Zero();    // of a live one [m]
-  std::optional<Vec3d> target = {};  // at the end of the next frame
-
-  static constexpr auto fields =
-      std::tuple(&Cautery::id, &Cautery::name, &Cautery::radius, &Cautery::strokes, &Cautery::is_live,
-                 &Cautery::is_on, &Cautery::is_away, &Cautery::position, &Cautery::target);
-};
-
-struct Scalpel {
-  // From when it begins to cut to when it stops: positions of the tip, and of the heel in each row [m].
-  struct Stroke {
-    std::vector<PathPoint> tips;
-    std::vector<Vec3d> heels;
-    static constexpr auto fields = std::tuple(&Stroke::tips, &Stroke::heels);
-  };
-  ToolId id = 0;
-  std::string name;
-  double snap = 0.1;
-  std::vector<Stroke> strokes;  // the last is the present one
-  bool is_live = false;
-  bool is_on = false;                   // only of live ones: it cuts
-  bool is_away = false;                 // of live ones: taken away, and nowhere since
-  BladePose pose;                       // of a live one
-  Vec3d blade = Vec3d::Zero();          // of a live one: from tip to heel when it was brought [m]
-  std::optional<ToolPose> target = {};  // at the end of the next frame, turned since it was brought
-
-  static constexpr auto fields =
-      std::tuple(&Scalpel::id, &Scalpel::name, &Scalpel::snap, &Scalpel::strokes, &Scalpel::is_live,
-                 &Scalpel::is_on, &Scalpel::is_away, &Scalpel::pose, &Scalpel::blade, &Scalpel::target);
-};
-
-BladePose pose_at(const Scalpel::Stroke& stroke, double time);
-
 class Tools {
  public:
-  explicit Tools(const Setup& setup);
+  explicit Tools(const ToolSetups& setups);
 
   // ---- Made, moved and taken away. Throws InputError for a tool that there is not, or that follows a path.
 
   ToolId next_id() const { return next_; }
-  void add(Grasp grasp);                         // which takes hold at the start of the next frame
-  void add(Cautery cautery);                     // off
-  void add(Scalpel scalpel);                     // off
+  // By TakeHold, BringCautery, …: a grasp takes hold at the start of the next frame, other tools are off.
+  template <class Bring>
+  void bring(const Bring& command);
   void lead(ToolId id, const ToolPose& target);  // to be there at the end of the next frame
   void let_go(ToolId id);            // at the start of the next frame; a cautery or a scalpel is taken away
   void turn_on(ToolId id, bool on);  // a cautery burns, a scalpel cuts
 
-  const std::vector<Grasp>& grasps() const { return grasps_; }
-  const std::vector<Cautery>& cauteries() const { return cauteries_; }
-  const std::vector<Scalpel>& scalpels() const { return scalpels_; }
+  const ToolLists& lists() const { return lists_; }
   const Grasp* grasp(ToolId id) const;  // null if there is none
-  const Cautery* cautery(ToolId id) const;
-
+  // visit(tool) for the one of this id; false if there is none.
+  template <class Visit>
+  bool visit(ToolId id, Visit&& visit) const {
+    return visit_in(lists_, id, visit);
+  }
+  std::vector<ToolId> held_by_hands() const;  // live ones that have not been let go
   // What has been done so far, as the tools of a setup.
-  std::vector<GraspSetup> grasp_paths() const;
-  std::vector<CauterySetup> cautery_paths() const;
-  std::vector<ScalpelSetup> scalpel_paths() const;
+  ToolSetups paths() const;
+  ToolSetups live_paths() const;  // by live ones alone
 
   // ---- A frame
 
@@ -121,24 +43,15 @@ class Tools {
                      Exists&& exists);
   // The next time after `time` at which a grasp takes hold or lets go, infinite if there is none. [s]
   double next_grasp_change(double time) const;
-  // What the cauteries sweep between two times.
-  std::vector<Sweep> sweeps(double from, double to) const;
-  // How blades move between two times.
-  std::vector<BladeMove> blade_moves(double from, double to) const;
-  // The tetrahedra that meet a box, in ascending order.
+  ToolWork work(double from, double to) const;
+  // The tetrahedra that meet a volume, in ascending order.
   template <class Real>
   std::vector<Index> meeting(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
-                             const Eigen::AlignedBox3d& box) {
-    return groups_.meeting(topology, points, u, box);
+                             const SweptVolume& volume) {
+    return groups_.meeting(topology, points, u, volume);
   }
   void add_copies(const std::vector<TetCopy>& copies) {
     for (const TetCopy& own : copies) groups_.add_copy(own.tet, own.copy);
-  }
-  // The tetrahedra that a sweep touches, in ascending order.
-  template <class Real>
-  std::vector<Index> touched(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
-                             const Sweep& sweep) {
-    return groups_.touched(topology, points, u, sweep);
   }
 
   // ---- A step
@@ -162,35 +75,20 @@ class Tools {
 
   // ---- Kept
 
-  struct State {
-    std::vector<Grasp> grasps;
-    std::vector<Cautery> cauteries;
-    std::vector<Scalpel> scalpels;
+  struct State : ToolLists {
     ToolId next = 1;
-    static constexpr auto fields =
-        std::tuple(&State::grasps, &State::cauteries, &State::scalpels, &State::next);
+    static constexpr auto fields = std::tuple_cat(ToolLists::fields, std::tuple(&State::next));
   };
-  State state() const { return {grasps_, cauteries_, scalpels_, next_}; }
+  State state() const { return {lists_, next_}; }
   void set_state(const State& state);
   // Whether it can be one of a world of this setup, with so many vertices now.
-  static bool fits(const State& state, Index vertices, const Setup& setup);
+  static bool fits(const State& state, Index vertex_count, const ToolSetups& setups);
 
-  // Where the tools are, for pictures and recordings.
-  struct Pose {
-    std::string name;
-    ToolType type = ToolType::grasp;
-    double radius = 0;                                    // [m]
-    Vec3d position = Vec3d::Zero();                       // [m]
-    std::vector<Index> vertices;                          // held
-    Eigen::Vector4d orientation{0, 0, 0, 1};              // unit quaternion x, y, z, w
-    Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();  // on the body, means over the last frame [N], [N m]
-    std::optional<Vec3d> heel = {};                       // of a scalpel, whose tip is its position [m]
-  };
+  // Where the tools are, for pictures and recordings. position(v) gives x [m].
   template <class Position>
-  std::vector<Pose> poses(double time, const HeldVertices& held, Position&& position_of) const;
+  std::vector<PlacedTool> placed(double time, const HeldVertices& held, Position&& position) const;
 
  private:
-  static constexpr double just_before = 1e-9;  // times are sums of steps [s]
   struct Placed {
     Vec3d offset = Vec3d::Zero();
     bool is_turned = false;
@@ -201,15 +99,20 @@ class Tools {
     Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();  // [N s], [N m s]
   };
 
-  Grasp& live_grasp(ToolId id);
-  Cautery& live_cautery(ToolId id);
-  Scalpel* live_scalpel(ToolId id);  // null: it is another tool
-  void continue_strokes(double time);
-  bool has_grasp(ToolId id) const { return grasp(id) != nullptr; }
+  template <class Lists, class Visit>
+  static bool visit_in(Lists& lists, ToolId id, Visit&& visit) {
+    bool found = false;
+    for_each_tool(lists, [&](auto& tool) {
+      if (tool.id != id) return;
+      found = true;
+      visit(tool);
+    });
+    return found;
+  }
+  template <class Visit>
+  void visit_live(ToolId id, Visit&& visit);
 
-  std::vector<Grasp> grasps_;
-  std::vector<Cautery> cauteries_;
-  std::vector<Scalpel> scalpels_;
+  ToolLists lists_;
   ToolId next_ = 1;
   double frame_end_ = 0;                              // [s]
   std::vector<Placed> placed_;                        // by id, as what follows
@@ -218,13 +121,21 @@ class Tools {
   TetGroups groups_;
 };
 
+template <class Bring>
+void Tools::bring(const Bring& command) {
+  for_each_kind(lists_, [&](auto& tools) {
+    using Kind = typename std::remove_reference_t<decltype(tools)>::value_type;
+    if constexpr (std::is_same_v<typename Kind::Bring, Bring>) tools.emplace_back(command).id = next_++;
+  });
+  placed_.resize(std::size_t(next_));
+}
+
 template <class Displacement, class Position, class Exists>
 bool Tools::update_grasps(double time, HeldVertices& held, Displacement&& displacement, Position&& position,
                           Exists&& exists) {
   bool changed = false;
-  for (Grasp& grasp : grasps_) {
-    if (grasp.path.empty()) continue;
-    if (grasp.phase == Grasp::Phase::waiting && time >= grasp.path.front().time - just_before) {
+  for (Grasp& grasp : lists_.grasps) {
+    if (grasp.phase == Grasp::Phase::waiting && time >= grasp.takes_hold_at() - just_before) {
       Index count = 0;
       grasp.centre.setZero();
       for (Index v : grasp.vertices) {
@@ -237,8 +148,7 @@ bool Tools::update_grasps(double time, HeldVertices& held, Displacement&& displa
       grasp.phase = Grasp::Phase::holding;
       changed = true;
     }
-    if (grasp.phase == Grasp::Phase::holding && grasp.release &&
-        time >= grasp.path.back().time - just_before) {
+    if (grasp.phase == Grasp::Phase::holding && time >= grasp.lets_go_at() - just_before) {
       held.release(grasp.id);
       grasp.phase = Grasp::Phase::released;
       changed = true;
@@ -248,41 +158,18 @@ bool Tools::update_grasps(double time, HeldVertices& held, Displacement&& displa
 }
 
 template <class Position>
-std::vector<Tools::Pose> Tools::poses(double time, const HeldVertices& held, Position&& position_of) const {
-  std::vector<Pose> poses;
-  for (const Grasp& grasp : grasps_) {
-    Pose pose{.name = grasp.name, .type = ToolType::grasp, .vertices = {}};
+std::vector<PlacedTool> Tools::placed(double time, const HeldVertices& held, Position&& position) const {
+  const HeldPoints points_of = [&](ToolId id) {
+    std::vector<std::pair<Index, Vec3d>> points;
     for (const HeldVertices::Held& item : held.all())
-      if (item.holder == grasp.id) {
-        pose.vertices.push_back(item.vertex);
-        pose.position += position_of(item.vertex);
-      }
-    if (pose.vertices.empty()) continue;
-    pose.position /= double(pose.vertices.size());
-    pose.orientation = turn_at(grasp.path, time);
-    pose.force = grasp.force;
-    pose.torque = grasp.torque;
-    poses.push_back(std::move(pose));
-  }
-  for (const Cautery& c : cauteries_) {
-    const bool burns = !c.strokes.empty() && !c.strokes.back().empty() &&
-                       time >= c.strokes.back().front().time && time <= c.strokes.back().back().time;
-    if ((c.is_live && !c.is_away) || burns)
-      poses.push_back({.name = c.name,
-                       .type = ToolType::cautery,
-                       .radius = c.radius,
-                       .position = c.is_live ? c.position : path_at(c.strokes.back(), time),
-                       .vertices = {}});
-  }
-  for (const Scalpel& s : scalpels_) {
-    const bool cuts = !s.strokes.empty() && !s.strokes.back().tips.empty() &&
-                      time >= s.strokes.back().tips.front().time && time <= s.strokes.back().tips.back().time;
-    if (!(s.is_live && !s.is_away) && !cuts) continue;
-    const BladePose pose = s.is_live ? s.pose : pose_at(s.strokes.back(), time);
-    poses.push_back(
-        {.name = s.name, .type = ToolType::scalpel, .position = pose.tip, .vertices = {}, .heel = pose.heel});
-  }
-  return poses;
+      if (item.holder == id) points.emplace_back(item.vertex, position(item.vertex));
+    return points;
+  };
+  std::vector<PlacedTool> all;
+  for_each_tool(lists_, [&](const auto& tool) {
+    if (std::optional<PlacedTool> placed = tool.placed(time, points_of)) all.push_back(*std::move(placed));
+  });
+  return all;
 }
 
 }  // namespace lobe

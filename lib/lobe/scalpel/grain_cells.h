@@ -1,0 +1,35 @@
+// Grains as cells of a surface: what is drawn is open where the blade has cut, and nowhere else.
+#pragma once
+
+#include <memory>
+
+#include "lobe/mesh/surface_cells.h"
+#include "lobe/scalpel/grains.h"
+
+namespace lobe {
+
+class GrainCells : public SurfaceCells {
+ public:
+  GrainCells(const Grains& grains, const Elements& elements) : grains_(grains), elements_(elements) {}
+  Index count() const override { return grains_.count(); }
+  Index point_count() const override { return grains_.point_count(); }
+  Cell cell(Index grain) const override;
+  std::vector<Index> outer_faces() const override;  // O(#grains)
+  std::span<const Index> around(Index point) const override { return grains_.around(point); }
+  void append_cells_of(Index tet, std::vector<Index>& cells) const override;
+  bool is_cut(Index code, bool) const override { return !grains_.is_skin(code / 4, int(code % 4)); }
+  SurfacePlace place(Index point) const override;  // of one that a grain has
+
+  // What an edit of the topology has changed beside what grains know of themselves: tetrahedra that have
+  // other corners.
+  void append_changed(const MeshEdit& edit, std::vector<Index>& cells) const;
+
+ private:
+  const Grains& grains_;
+  const Elements& elements_;
+};
+
+// What the surface of a body is the boundary of, until the next edit: its tetrahedra, or the grains of a blade's cuts.
+std::unique_ptr<SurfaceCells> surface_cells(const Elements& elements, const Grains* grains);
+
+}  // namespace lobe

@@ -1,0 +1,68 @@
+#include <algorithm>
+
+#include "lobe/scene/tool_kinds.h"
+
+namespace lobe {
+namespace {
+
+// Does the segment from a to b meet the box? Slabs: the parameters s at which a + s(b − a) is inside each.
+bool meets_box(const Vec3d& a, const Vec3d& b, const Vec3d& low, const Vec3d& high) {
+  double enter = 0, leave = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double step = b[i] - a[i];
+    if (step == 0) {
+      if (a[i] < low[i] || a[i] > high[i]) return false;
+      continue;
+    }
+    const double s = (low[i] - a[i]) / step, t = (high[i] - a[i]) / step;
+    enter = std::max(enter, std::min(s, t));
+    leave = std::min(leave, std::max(s, t));
+  }
+  return enter <= leave;
+}
+
+bool passes_near(const Tool& tool, const TetMesh& mesh) {
+  const Box box = bounding_box(mesh);
+  const Vec3d low = box.min.array() - tool.radius, high = box.max.array() + tool.radius;
+  for (std::size_t i = 0; i < tool.path.size(); ++i) {
+    const std::size_t next = std::min(i + 1, tool.path.size() - 1);
+    if (meets_box(tool.path[i].position, tool.path[next].position, low, high)) return true;
+  }
+  return false;
+}
+
+void read_cautery(const nlohmann::json& entry, Tool& tool) { tool.radius = entry["radius"]; }
+
+bool read_cautery_row(const nlohmann::json& row, Tool&) { return row.size() == 4; }
+
+void write_cautery(const Tool& tool, nlohmann::ordered_json& entry) { entry["radius"] = tool.radius; }
+
+void resolve_cautery(Resolution& resolution, const Tool& tool, const std::string& here) {
+  resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path});
+  if (!passes_near(tool, resolution.mesh()))
+    resolution.warn(here + "/path", "never comes within its radius of the mesh's bounding box");
+}
+
+void summarise_cautery(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
+  entry["radius_m"] = setup.cauteries[number].radius;
+}
+
+void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
+  for (const CauterySetup& cautery : done.cauteries) {
+    Tool& tool = tools.emplace_back();
+    tool.name = cautery.name;
+    tool.type = CauterySetup::type;
+    tool.radius = cautery.radius;
+    tool.path = cautery.path;
+  }
+}
+
+}  // namespace
+
+extern const ToolKind cautery_kind;
+const ToolKind cautery_kind{CauterySetup::type, "4 numbers: time and place of the tip",
+                            read_cautery,       read_cautery_row,
+                            write_cautery,      resolve_cautery,
+                            summarise_cautery,  append_cauteries};
+
+}  // namespace lobe

@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <set>
+
+#include "lobe/scene/tool_kinds.h"
+
+namespace lobe {
+namespace {
+
+void read_grasp(const nlohmann::json& entry, Tool& tool) {
+  tool.copies = entry.value("copies", tool.copies);
+  tool.release = entry.value("release", tool.release);
+}
+
+bool read_grasp_row(const nlohmann::json& row, Tool& tool) {
+  if (row.size() == 8)
+    for (int i = 0; i < 4; ++i) tool.path.back().orientation[i] = row[std::size_t(4 + i)].get<double>();
+  return row.size() == 4 || row.size() == 8;
+}
+
+void write_grasp(const Tool& tool, nlohmann::ordered_json& entry) {
+  nlohmann::ordered_json& path = entry["path"];
+  for (std::size_t i = 0; i < path.size(); ++i)
+    if (const Eigen::Vector4d& q = tool.path[i].orientation; q != PathPoint().orientation)
+      path[i].insert(path[i].end(), {q[0], q[1], q[2], q[3]});
+  if (!tool.copies.empty()) entry["copies"] = tool.copies;
+  entry["release"] = tool.release;
+}
+
+// They are numbered after the vertices of the mesh, in the order in which cuts make them.
+void add_copies(Resolution& resolution, const Tool& tool, const std::string& place,
+                std::vector<Index>& vertices) {
+  std::vector<Index> copies = tool.copies;
+  std::sort(copies.begin(), copies.end());
+  const Index count = resolution.mesh().vertex_count();
+  if (!copies.empty() && copies.front() < count)
+    resolution.fail(place, std::to_string(copies.front()) + " is a vertex of the mesh, which has " +
+                               std::to_string(count) +
+                               "; copies have higher numbers, others belong to \"where\"");
+  vertices.insert(vertices.end(), copies.begin(), copies.end());
+}
+
+void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& here) {
+  Setup& setup = resolution.result.setup;
+  const std::size_t before = resolution.faults.size();
+  auto vertices =
+      resolution.selected([&] { return select_vertices(*tool.where, setup.mesh, here + "/where"); });
+  if (vertices.empty() && !tool.copies.empty() && resolution.scene.auto_regions)
+    resolution.fail(here + "/where", "must select a vertex of the mesh, beside automatic regions");
+  if (vertices.empty() && tool.copies.empty() && resolution.faults.size() == before) {
+    resolution.fail_empty(here + "/where", "vertex");
+  }
+  std::set<Index> held;
+  for (const PrescribedVertex& p : setup.prescribed) held.insert(p.vertex);
+  const auto fixed =
+      std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return held.contains(v); });
+  if (fixed > 0) {
+    resolution.warn(here, std::to_string(fixed) + " of the " +
+                              counted(vertices.size(), "vertex", "vertices") +
+                              " it grasps are held by \"boundary\"");
+  }
+  add_copies(resolution, tool, here + "/copies", vertices);
+  setup.grasps.push_back({tool.name, vertices, tool.path, tool.release});
+}
+
+void summarise_grasp(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
+  entry["vertices"] = setup.grasps[number].vertices.size();
+  entry["release"] = setup.grasps[number].release;
+}
+
+Selector all_of(std::vector<Index> vertices) {
+  if (!vertices.empty()) return {SelectVertices{std::move(vertices)}};
+  return {SelectNot{{Selector{SelectAll{}}}}};
+}
+
+void append_grasps(const ToolSetups& done, Index mesh_vertices, std::vector<Tool>& tools) {
+  for (const GraspSetup& grasp : done.grasps) {
+    Tool& tool = tools.emplace_back();
+    tool.name = grasp.name;
+    tool.type = GraspSetup::type;
+    tool.path = grasp.path;
+    tool.release = grasp.release;
+    const auto copies = std::lower_bound(grasp.vertices.begin(), grasp.vertices.end(), mesh_vertices);
+    tool.where = all_of({grasp.vertices.begin(), copies});
+    tool.copies = {copies, grasp.vertices.end()};
+  }
+}
+
+}  // namespace
+
+extern const ToolKind grasp_kind;
+const ToolKind grasp_kind{GraspSetup::type, "4 numbers, or 8 with a quaternion",
+                          read_grasp,       read_grasp_row,
+                          write_grasp,      resolve_grasp,
+                          summarise_grasp,  append_grasps};
+
+}  // namespace lobe

@@ -1,0 +1,79 @@
+// Tools as a scene gives them: on paths. What a path says, and what it must be. Each kind of tool has its
+// list here, and its class in tool/.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+struct PathPoint {
+  double time = 0;                 // [s]
+  Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
+  // Of a grasp: its turn since it took hold, about its centre there; a unit quaternion x, y, z, w.
+  Eigen::Vector4d orientation{0, 0, 0, 1};
+  static constexpr auto fields = std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation);
+};
+// Increasing times, finite values, unit quaternions.
+bool is_path(const std::vector<PathPoint>& path);
+
+// Told of each demand whether it is met, and what is wrong if not.
+using Expect = std::function<void(bool is_met, const std::string& fault)>;
+
+struct GraspSetup {
+  static constexpr const char* type = "grasp";
+  std::string name;
+  // Of the mesh, or copies that cuts make before; what is not there then is left out.
+  std::vector<Index> vertices;
+  std::vector<PathPoint> path;  // offsets
+  bool release = false;
+  void check(const Expect& expect) const;
+  static constexpr auto fields = std::tuple(&GraspSetup::vertices, &GraspSetup::path, &GraspSetup::release);
+};
+
+struct CauterySetup {
+  static constexpr const char* type = "cautery";
+  std::string name;
+  double radius = 0;            // [m]
+  std::vector<PathPoint> path;  // positions of the tip
+  void check(const Expect& expect) const;
+  static constexpr auto fields = std::tuple(&CauterySetup::radius, &CauterySetup::path);
+};
+
+struct ScalpelSetup {
+  static constexpr const char* type = "scalpel";
+  std::string name;
+  double snap = 0.1;            // a vertex nearer to the cut than this share of its shortest edge lies on it
+  std::vector<PathPoint> path;  // positions of the tip
+  std::vector<Vec3d> heels;     // the other end of the cutting edge, in each row of the path [m]
+  void check(const Expect& expect) const;
+  static constexpr auto fields = std::tuple(&ScalpelSetup::snap, &ScalpelSetup::path, &ScalpelSetup::heels);
+};
+inline constexpr double least_snap = 0.02, most_snap = 0.3;
+
+struct ToolSetups {
+  std::vector<GraspSetup> grasps;
+  std::vector<CauterySetup> cauteries;
+  std::vector<ScalpelSetup> scalpels;
+  static constexpr auto fields =
+      std::tuple(&ToolSetups::grasps, &ToolSetups::cauteries, &ToolSetups::scalpels);
+};
+
+// Calls visit(list) for the list of each kind of tool, of ToolSetups or ToolLists (tool/tool_lists.h).
+template <class Lists, class Visit>
+void for_each_kind(Lists& lists, Visit&& visit) {
+  std::apply([&](auto... list) { (visit(lists.*list), ...); }, Lists::fields);
+}
+// Calls visit(tool) for each tool.
+template <class Lists, class Visit>
+void for_each_tool(Lists& lists, Visit&& visit) {
+  for_each_kind(lists, [&](auto& list) {
+    for (auto& tool : list) visit(tool);
+  });
+}
+
+}  // namespace lobe

@@ -1,0 +1,86 @@
+#include "lobe/sim/display.h"
+
+#include <numeric>
+
+namespace lobe {
+namespace {
+
+FigureSnapshot figures_of(const Report& report, Index tets) {
+  FigureSnapshot figures{report.ok,
+                         report.steps,
+                         report.reruns,
+                         report.time_step,
+                         std::accumulate(report.seconds.begin(), report.seconds.end(), 0.0),
+                         tets,
+                         report.tets_removed,
+                         {}};
+  for (const Condition& condition : report.conditions) figures.conditions.push_back(condition.text);
+  return figures;
+}
+
+// As those that hold the tools feel it: what the body does to them.
+ToolSnapshot snapshot_of(const PlacedTool& tool) {
+  return {tool.name,   tool.type,         tool.position,    Eigen::Quaterniond(tool.orientation), -tool.force,
+          -tool.torque, tool.shape.radius, tool.shape.blade};
+}
+
+}  // namespace
+
+template <class Real>
+const Surface& Display<Real>::surface(const Elements& elements, const Grains* grains) {
+  if (!surface_) {
+    surface_ = std::make_unique<Surface>();
+    rebuild(elements, grains);
+  }
+  return *surface_;
+}
+
+template <class Real>
+void Display<Real>::rebuild(const Elements& elements, const Grains* grains) {
+  if (!surface_) return;
+  if (grains)
+    surface_->rebuild(GrainCells(*grains, elements), elements.region_of);
+  else
+    surface_->rebuild(elements.topology, elements.region_of);
+}
+
+template <class Real>
+void Display<Real>::follow(const Elements& elements, Grains* grains, const MeshEdit& edit) {
+  if (!grains) {
+    if (surface_) surface_->follow(elements.topology, edit, elements.region_of);
+    return;
+  }
+  std::vector<Index> changed = grains->take_changed();
+  if (!surface_) return;
+  const GrainCells cells(*grains, elements);
+  cells.append_changed(edit, changed);
+  surface_->follow(cells, std::move(changed), elements.region_of);
+}
+
+template <class Real>
+void Display<Real>::follow_regions(const Elements& elements, const Grains* grains,
+                                   const std::vector<Index>& tets) {
+  if (surface_) surface_->follow_regions(*surface_cells(elements, grains), tets, elements.region_of);
+}
+
+template <class Real>
+void Display<Real>::publish(const Elements& elements, const StateView<Real>& state,
+                            const std::vector<PlacedTool>& tools, const Report& report) {
+  ++pictures_->frames;
+  Snapshot<Real>* snapshot = pictures_->buffer.writable();
+  if (!snapshot) return;
+  snapshot->time = state.time;
+  snapshot->frame = pictures_->frames;
+  snapshot->u = state.u;
+  snapshot->v = state.v;
+  pictures_->surfaces.copy(*surface_, elements.points.view(), state.u, snapshot->surface);
+  snapshot->tools.clear();
+  for (const PlacedTool& tool : tools) snapshot->tools.push_back(snapshot_of(tool));
+  snapshot->figures = figures_of(report, elements.topology.alive_count());
+  pictures_->buffer.publish();
+}
+
+template class Display<float>;
+template class Display<double>;
+
+}  // namespace lobe

@@ -1,0 +1,60 @@
+// What others look at of a world: the surface of its body, kept up to date through edits, and pictures of its
+// state for other threads (docs/threads.md).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "lobe/fem/elements.h"
+#include "lobe/mesh/surface.h"
+#include "lobe/scalpel/grain_cells.h"
+#include "lobe/sim/report.h"
+#include "lobe/snapshot/snapshot.h"
+#include "lobe/snapshot/triple_buffer.h"
+#include "lobe/body/motion.h"
+#include "lobe/tool/tool_pose.h"
+
+namespace lobe {
+
+// Told of each edit of the mesh, which the topology has made.
+using CutObserver = std::function<void(const Topology&, const MeshEdit&)>;
+
+template <class Real>
+class Display {
+ public:
+  // ---- The surface: made when it is first asked for, O(edit) for each edit from then on. Grains: null if no
+  // blade has cut.
+
+  const Surface& surface(const Elements& elements, const Grains* grains);
+  void rebuild(const Elements& elements, const Grains* grains);
+  void follow(const Elements& elements, Grains* grains, const MeshEdit& edit);
+  void follow_regions(const Elements& elements, const Grains* grains, const std::vector<Index>& tets);
+
+  // ---- Those that hear of edits
+
+  void on_cut(CutObserver observer) { observers_.push_back(std::move(observer)); }
+  void tell(const Topology& topology, const MeshEdit& edit) const {
+    for (const CutObserver& observer : observers_) observer(topology, edit);
+  }
+
+  // ---- Pictures
+
+  // Of this state, with the surface, which there is. None if more are held than there are slots for.
+  void publish(const Elements& elements, const StateView<Real>& state, const std::vector<PlacedTool>& tools,
+               const Report& report);
+  const TripleBuffer<Snapshot<Real>>& snapshots() const { return pictures_->buffer; }  // from any thread
+
+ private:
+  struct Pictures {  // stays where it is: others hold on to it
+    TripleBuffer<Snapshot<Real>> buffer;
+    SurfaceCopies surfaces;
+    std::int64_t frames = 0;
+  };
+
+  std::unique_ptr<Surface> surface_;  // none until somebody asks for it
+  std::vector<CutObserver> observers_;
+  std::unique_ptr<Pictures> pictures_ = std::make_unique<Pictures>();
+};
+
+}  // namespace lobe

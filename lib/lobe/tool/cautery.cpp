@@ -1,0 +1,68 @@
+#include "lobe/tool/cautery.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lobe/error.h"
+
+namespace lobe {
+
+void BringCautery::check(Index, const Options&) const {
+  if (!(radius > 0) || !std::isfinite(radius))
+    throw InputError("cautery", "needs a radius above 0 m, and finite");
+  if (!position.allFinite()) throw InputError("cautery", "needs a finite position");
+}
+
+void Cautery::turn_on(bool on) {
+  if (on && !burns) strokes.emplace_back();
+  burns = on;
+}
+
+void Cautery::begin_frame(double time, double end) {
+  if (!is_live) return;
+  const Vec3d from = position;
+  position = std::exchange(target, std::nullopt).value_or(from);
+  if (!burns) return;
+  std::vector<PathPoint>& stroke = strokes.back();
+  forget_after(time, stroke);
+  if (stroke.empty()) stroke.push_back({start_of_stroke(time), from});
+  stroke.push_back({end, position});
+}
+
+std::vector<CauterySetup> Cautery::paths() const {
+  std::vector<CauterySetup> paths;
+  for (const std::vector<PathPoint>& stroke : strokes)
+    if (!stroke.empty()) paths.push_back({name, radius, stroke});
+  return paths;
+}
+
+void Cautery::add_work(double from, double to, ToolWork& work) const {
+  for (const std::vector<PathPoint>& path : strokes) {
+    if (path.empty()) continue;
+    const double begin = std::max(from, path.front().time), end = std::min(to, path.back().time);
+    if (begin > end) continue;
+    Vec3d tip = path_at(path, begin);
+    for (auto point = after(path, begin); point != path.end() && point->time < end; ++point) {
+      work.burnt.push_back(swept_volume({tip, point->position, radius}));
+      tip = point->position;
+    }
+    work.burnt.push_back(swept_volume({tip, path_at(path, end), radius}));
+  }
+}
+
+std::optional<PlacedTool> Cautery::placed(double time, const HeldPoints&) const {
+  const bool is_on_path = !strokes.empty() && acts_at(time, strokes.back());
+  if ((!is_live || is_away) && !is_on_path) return std::nullopt;
+  return PlacedTool{.name = name,
+                    .type = Path::type,
+                    .position = is_live ? position : path_at(strokes.back(), time),
+                    .shape = shape()};
+}
+
+bool Cautery::fits(Index) const {
+  return radius > 0 && position.allFinite() && !(burns && strokes.empty()) &&
+         std::all_of(strokes.begin(), strokes.end(), is_path);
+}
+
+}  // namespace lobe

@@ -1,0 +1,55 @@
+// A cautery burns away the tetrahedra that its spherical tip touches.
+#pragma once
+
+#include "lobe/tool/tool_pose.h"
+
+namespace lobe {
+
+// Brings a spherical cautery, which is off, to a position; its id is tools().next_id() before.
+struct BringCautery {
+  std::string name;
+  double radius = 0;               // [m], > 0
+  Vec3d position = Vec3d::Zero();  // of its tip [m]
+  void check(Index vertex_count, const Options& used) const;
+  bool operator==(const BringCautery&) const = default;
+  static constexpr auto fields =
+      std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position);
+};
+
+struct Cautery {
+  using Path = CauterySetup;
+  using Bring = BringCautery;
+  ToolId id = 0;
+  std::string name;
+  double radius = 0;  // of its spherical tip [m]
+  // Of its tip [m], from switching it on to switching it off; the last is the present one.
+  std::vector<std::vector<PathPoint>> strokes;
+  bool is_live = false;
+  bool burns = false;                // only of live ones
+  bool is_away = false;              // of live ones: taken away, and nowhere since
+  Vec3d position = Vec3d::Zero();    // of a live one [m]
+  std::optional<Vec3d> target = {};  // at the end of the next frame
+
+  Cautery() = default;
+  explicit Cautery(const CauterySetup& setup) : name(setup.name), radius(setup.radius), strokes{setup.path} {}
+  explicit Cautery(const BringCautery& command)
+      : name(command.name), radius(command.radius), is_live(true), position(command.position) {}
+
+  void lead(const ToolPose& to) { target = to.position; }
+  void let_go() { burns = false, is_away = true; }
+  bool has_gone() const { return is_away; }
+  void turn_on(bool on);
+  bool is_on() const { return burns; }
+  ToolShape shape() const { return {.radius = radius}; }
+  void begin_frame(double time, double end);
+  std::vector<CauterySetup> paths() const;
+  void add_work(double from, double to, ToolWork& work) const;
+  std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it is nowhere
+  bool fits(Index vertex_count) const;
+
+  static constexpr auto fields =
+      std::tuple(&Cautery::id, &Cautery::name, &Cautery::radius, &Cautery::strokes, &Cautery::is_live,
+                 &Cautery::burns, &Cautery::is_away, &Cautery::position, &Cautery::target);
+};
+
+}  // namespace lobe

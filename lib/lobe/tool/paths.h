@@ -1,0 +1,37 @@
+// Paths of tools in time, and how those of live ones grow: by a row per frame, so that what they did can be kept
+// as the path of a scene, which gives the same bits.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "lobe/setup/boundary_conditions.h"
+
+namespace lobe {
+
+// Times are sums of steps: what is so near to a time is at it [s].
+inline constexpr double just_before = 1e-9;
+
+// The first row after a time.
+inline auto after(const std::vector<PathPoint>& path, double time) {
+  return std::upper_bound(path.begin(), path.end(), time,
+                          [](double t, const PathPoint& point) { return t < point.time; });
+}
+
+inline bool acts_at(double time, const std::vector<PathPoint>& path) {
+  return !path.empty() && time >= path.front().time && time <= path.back().time;
+}
+
+// Rows that are later are of a frame that did not come about.
+inline void forget_after(double time, std::vector<PathPoint>& path) {
+  while (!path.empty() && path.back().time > time + just_before) path.pop_back();
+}
+
+// Just after the frame's start: as a path of a scene a stroke would else begin at the end of the frame before.
+inline double start_of_stroke(double time) {
+  return std::nextafter(time, std::numeric_limits<double>::infinity());
+}
+
+}  // namespace lobe

@@ -1,0 +1,58 @@
+// The kinds of tools. Each is a class in a file of its own, with a row in three lists: ToolLists, ToolCommand if
+// hands can bring it, and ToolSetups (setup/tool_setups.h). All of them answer
+//
+//   Path             the struct of setup/tool_setups.h from which one is made, Path::type its name in scenes
+//   Bring            the command by which one is made
+//   id, name, is_live
+//   lead(pose), let_go(), has_gone(), is_on(), and turn_on(on) where there is something to turn on: live ones
+//   shape()          what there is to draw
+//   begin_frame(time, end)          the path of a live one grows by what it is to do until then
+//   paths()                         what has been done so far, as tools of a setup
+//   add_work(from, to, work)        what it does to the body between two times
+//   placed(time, held)              where it is; none: nowhere
+//   fits(vertex_count)              whether it can be one that was kept, with so many vertices now
+#pragma once
+
+#include <variant>
+
+#include "lobe/tool/cautery.h"
+#include "lobe/tool/grasp.h"
+#include "lobe/tool/scalpel.h"
+
+namespace lobe {
+
+struct ToolLists {
+  std::vector<Grasp> grasps;
+  std::vector<Cautery> cauteries;
+  std::vector<Scalpel> scalpels;
+  static constexpr auto fields = std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels);
+};
+
+// A tool is to be there at the end of the next frame; on its way it moves uniformly.
+struct Lead {
+  ToolId tool = 0;
+  ToolPose target;  // of its centre, of a scalpel of its tip; a cautery has no orientation
+  bool operator==(const Lead&) const = default;
+  static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
+};
+
+// A cautery burns while it is on, a scalpel cuts.
+struct SwitchTool {
+  ToolId tool = 0;
+  bool on = false;
+  bool operator==(const SwitchTool&) const = default;
+  static constexpr auto fields = std::tuple(&SwitchTool::tool, &SwitchTool::on);
+};
+
+// A grasp lets go at the start of the next frame; other tools are taken away.
+struct LetGo {
+  ToolId tool = 0;
+  bool operator==(const LetGo&) const = default;
+  static constexpr auto fields = std::tuple(&LetGo::tool);
+};
+
+// Those that bring a tool have the id tools().next_id() for it, a name, and check(vertex_count, used).
+using BringTool = std::variant<BringCautery, BringScalpel>;
+using ToolCommand = std::variant<TakeHold, BringCautery, BringScalpel, Lead, SwitchTool, LetGo>;
+
+}  // namespace lobe

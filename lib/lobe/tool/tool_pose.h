@@ -1,0 +1,53 @@
+// Where tools are, and where they are to be.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lobe/cut/tet_groups.h"
+#include "lobe/scalpel/blades.h"
+#include "lobe/setup/exclusions.h"
+#include "lobe/tool/paths.h"
+
+namespace lobe {
+
+using ToolId = int;  // above 0; of a grasp, the holder of its vertices (HeldVertices::Held)
+
+struct ToolPose {
+  Vec3d position = Vec3d::Zero();           // [m]
+  Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w; where it took hold: none
+
+  bool operator==(const ToolPose&) const = default;
+  static constexpr auto fields = std::tuple(&ToolPose::position, &ToolPose::orientation);
+};
+
+// What there is to draw of a tool.
+struct ToolShape {
+  double radius = 0;            // of a spherical tip [m]
+  Vec3d blade = Vec3d::Zero();  // from the tip, which is the tool's position, to the heel [m]
+};
+
+// Where a tool is, for pictures and recordings.
+struct PlacedTool {
+  std::string name;
+  const char* type = "";           // as in a scene
+  Vec3d position = Vec3d::Zero();  // [m]
+  ToolShape shape = {};
+  std::vector<Index> vertices = {};                     // held
+  Eigen::Vector4d orientation{0, 0, 0, 1};              // unit quaternion x, y, z, w
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();  // on the body, means over the last frame [N], [N m]
+};
+
+// The vertices that a tool holds, and where they are [m].
+using HeldPoints = std::function<std::vector<std::pair<Index, Vec3d>>(ToolId)>;
+
+// What tools do to the body between two times.
+struct ToolWork {
+  std::vector<SweptVolume> burnt;  // the tetrahedra that meet them are removed
+  std::vector<BladeMove> cuts;
+};
+
+}  // namespace lobe

@@ -305,7 +305,7 @@ TEST_CASE("a checkpoint of cuts and grasps in the region goes on with the same b
     second.advance(0.02);
     CHECK(first.state().u == second.state().u);
   }
-  CHECK(first.history().size() > 4);
+  CHECK(first.journal().edits.size() > 4);
 }
 
 TEST_CASE("an interface too large for memory is refused before anything is allocated") {

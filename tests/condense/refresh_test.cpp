@@ -59,7 +59,7 @@ std::vector<std::vector<Index>> cuts_to_rags(const Setup& setup) {
 template <class Kind, class Real>
 Index count(World<Real>& world) {
   return static_cast<Index>(
-      std::count_if(world.history().begin(), world.history().end(),
+      std::count_if(world.journal().edits.begin(), world.journal().edits.end(),
                     [](const Command& command) { return std::holds_alternative<Kind>(command); }));
 }
 
@@ -102,12 +102,12 @@ TEST_CASE("it is taken in the same frame on one, two and seven threads, and from
     saved_at = i + 1;
   }
   play(second, setup, 0, 18);
-  CHECK(first.history() == second.history());
+  CHECK(first.journal().edits == second.journal().edits);
   CHECK(first.state().u == second.state().u);
   REQUIRE(saved_at > 0);
   third.restore(read_checkpoint<float>(folder.path / "state"));
   play(third, setup, saved_at, 18);
-  CHECK(first.history() == third.history());
+  CHECK(first.journal().edits == third.journal().edits);
   CHECK(first.state().u == third.state().u);
 }
 
@@ -124,11 +124,11 @@ TEST_CASE("a renewal that another has replaced is forgotten, and a world that is
   CHECK(count<BeginRefresh>(world) == 1);
   CHECK(count<EndRefresh>(world) == 1);
   restored.restore(world.save());
-  CHECK(restored.history() == world.history());
+  CHECK(restored.journal().edits == world.journal().edits);
   play(world, setup, 6, 9);
   play(restored, setup, 6, 9);
   CHECK(restored.state().u == world.state().u);
-  CHECK(restored.history() == world.history());
+  CHECK(restored.journal().edits == world.journal().edits);
 }
 
 TEST_CASE("a region that is cut to rags stays what would be condensed from the cut mesh") {
@@ -170,7 +170,7 @@ TEST_CASE("rags move the same on one, two and seven threads, and from a checkpoi
   saved.emplace_back(all, first.save());
   play_on(second, 0, all);
   finish(second);
-  CHECK(first.history() == second.history());
+  CHECK(first.journal().edits == second.journal().edits);
   CHECK(first.state().u == second.state().u);
   for (const auto& [at, checkpoint] : saved) {
     CAPTURE(at);
@@ -178,7 +178,7 @@ TEST_CASE("rags move the same on one, two and seven threads, and from a checkpoi
     restored.restore(checkpoint);
     play_on(restored, at, all);
     finish(restored);
-    CHECK(restored.history() == first.history());
+    CHECK(restored.journal().edits == first.journal().edits);
     CHECK(restored.state().u == first.state().u);
   }
 }

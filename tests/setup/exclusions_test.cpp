@@ -113,5 +113,5 @@ TEST_CASE("a running world refuses what its setup excludes, and has then changed
                        doctest::Contains("\"mass_scaling\" does not go with \"model\": \"precomputed\""),
                        InputError);
   CHECK(world.elements().region_of[0] == RegionModel::nonlinear);
-  CHECK(world.history().empty());
+  CHECK(world.journal().edits.empty());
 }

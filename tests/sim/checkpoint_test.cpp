@@ -77,7 +77,7 @@ TEST_CASE_TEMPLATE("a restored world goes on with the same bits, on one, two and
   World<Real> untouched(setup);
   CHECK_FALSE(same_bits(world, untouched));
   CHECK(world.state().u == kept.state.u);
-  CHECK(world.history() == kept.history);
+  CHECK(world.journal().edits == kept.history);
 }
 
 TEST_CASE("a world that has measured its time step again goes on with the same bits, drawn or not") {

@@ -431,7 +431,7 @@ TEST_CASE("a region that is too large to be precomputed is refused, and the worl
     if (barycentre(mesh, t).z() < 0.01) lower.push_back(t);
   CHECK_THROWS_WITH_AS(world.apply(SetRegion{lower, RegionModel::precomputed}), doctest::Contains("MB"),
                        InputError);
-  CHECK(world.history().empty());
+  CHECK(world.journal().edits.empty());
   world.advance(0.002);
   other.advance(0.002);
   CHECK(world.state().u == other.state().u);

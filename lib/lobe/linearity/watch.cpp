@@ -55,7 +55,7 @@ LinearityWatch<Real>::LinearityWatch(const World<Real>& world, const std::vector
       calm_(std::size_t(zones_.count()), 0),
       tet_volume_(tet_volumes(world.elements())),
       volume_(vertex_volumes(world.elements().topology, tet_volume_)),
-      edits_(world.history().size()),
+      edits_(world.journal().edits.size()),
       restored_(world.body().model.revisions.restored) {
   influence_ = std::make_unique<Influence>(world.elements(), zones_, boundary_of(world), grasps_);
   find_shares(world.elements());
@@ -106,7 +106,7 @@ bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
 template <class Real>
 bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   const Elements& elements = world.elements();
-  const std::vector<Command>& history = world.history();
+  const std::vector<Command>& history = world.journal().edits;
   const std::uint64_t restored_now = world.body().model.revisions.restored;
   const bool restored = std::exchange(restored_, restored_now) != restored_now;
   if (!restored && history.size() == edits_) return false;
@@ -323,7 +323,7 @@ void LinearityWatch<Real>::move(const World<Real>& world, const Steering& steeri
   (model == RegionModel::nonlinear ? report.to_nonlinear : report.to_linear) +=
       static_cast<Index>(tets.size());
   find_shares(world.elements());
-  edits_ = world.history().size();
+  edits_ = world.journal().edits.size();
   calm_[std::size_t(zone)] = 0;
 }
 

@@ -70,7 +70,7 @@ void state_regions(const Setup& setup, Scene& scene) {
 
 template <class Real>
 Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>& session) {
-  if (session.world().save().setup != fingerprint(setup))
+  if (session.world().journal().setup != fingerprint(setup))
     refuse("is of another scene, mesh or version of them");
   if (scene.in_double() != std::is_same_v<Real, double>)
     refuse(scene.in_double() ? "is in single precision, its scene in double"

@@ -84,7 +84,7 @@ std::uint64_t digest(World<Real>& world) {
 
 template <class Real>
 Recorded<Real>::Recorded(World<Real>& world) : world_(world) {
-  recording_.setup = world.save().setup;
+  recording_.setup = world.journal().setup;
   recording_.in_double = std::is_same_v<Real, double>;
 }
 
@@ -110,7 +110,7 @@ void Recorded<Real>::go_back(const Checkpoint<Real>& checkpoint, std::size_t ent
 
 template <class Real>
 Replayed replay(const Recording& recording, World<Real>& world) {
-  if (recording.setup != world.save().setup)
+  if (recording.setup != world.journal().setup)
     throw InputError("recording", "is of another scene, mesh or version of them");
   if (recording.in_double != std::is_same_v<Real, double>)
     throw InputError("recording", recording.in_double ? "is in double precision" : "is in single precision");

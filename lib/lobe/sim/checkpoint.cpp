@@ -24,8 +24,8 @@ std::uint64_t fingerprint(const Setup& setup) { return io::digest_of_fields(setu
 template <class Real>
 Checkpoint<Real> World<Real>::save() const {
   Checkpoint<Real> c;
-  c.setup = fingerprint_;
-  c.history = history_;
+  c.setup = journal_.setup;
+  c.history = journal_.edits;
   c.state = {body_.motion.u.view(), body_.motion.v.view(), time(), body_.motion.behind};
   c.held = held();
   c.tools = tools_.state();
@@ -44,9 +44,10 @@ Checkpoint<Real> World<Real>::save() const {
 
 template <class Real>
 void World<Real>::restore(const Checkpoint<Real>& c) {
-  if (c.setup != fingerprint_) throw InputError("checkpoint", "is of another scene, mesh or version of them");
+  if (c.setup != journal_.setup)
+    throw InputError("checkpoint", "is of another scene, mesh or version of them");
   check(c.state);
-  if (c.history != history_) {  // what was removed does not grow back
+  if (c.history != journal_.edits) {  // what was removed does not grow back
     World fresh(initial_setup(), body_.parallel.threads());
     for (const Command& command : c.history) {
       fresh.check_repeats(command);

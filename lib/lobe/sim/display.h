@@ -6,13 +6,13 @@
 #include <memory>
 #include <vector>
 
+#include "lobe/body/motion.h"
 #include "lobe/fem/elements.h"
 #include "lobe/mesh/surface.h"
 #include "lobe/scalpel/grain_cells.h"
 #include "lobe/sim/report.h"
 #include "lobe/snapshot/snapshot.h"
 #include "lobe/snapshot/triple_buffer.h"
-#include "lobe/body/motion.h"
 #include "lobe/tool/tool_pose.h"
 
 namespace lobe {

@@ -48,7 +48,7 @@ const Setup& checked(const Setup& setup) {
 template <class Real>
 World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
     : setup_(checked<Real>(setup)),
-      fingerprint_(lobe::fingerprint(setup)),
+      journal_{lobe::fingerprint(setup), {}},
       body_(setup, threads, condensing),
       limit_(mean_edge(elements())),
       unravelling_(elements(), diagonal(elements())),

@@ -95,8 +95,7 @@ class World {
   // since, else the building of a world.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
-  // Its edits. Of those that condense a region afresh only the last that no other has replaced are kept.
-  const std::vector<Command>& history() const { return history_; }
+  const Journal& journal() const { return journal_; }  // what it was built from, and its edits since
   // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew),
   // and where its parts come from.
   Setup current_setup(CompactMesh& compacted) const;
@@ -125,7 +124,7 @@ class World {
   void perform(const Hold& command);
   void perform(const BeginRefresh& command);
   void perform(const EndRefresh&);
-  void perform(const Superseded& command) { history_.push_back(command); }
+  void perform(const Superseded& command) { journal_.edits.push_back(command); }
 
   Blades& blades();
   typename Blades::BodyNow body_now();
@@ -182,9 +181,8 @@ class World {
   void terms_have_changed(const std::vector<Index>& touched_before);
   void report_lost_forces(const std::vector<Index>& touched);
 
-  Setup setup_;                // loads, gravity, damping …; without the mesh and its materials
-  std::uint64_t fingerprint_;  // of all that it was built from
-  std::vector<Command> history_;
+  Setup setup_;  // loads, gravity, damping …; without the mesh and its materials
+  Journal journal_;
   Dynamics<Real> body_;
   StepLimit<Real> limit_;
   Unravelling unravelling_;

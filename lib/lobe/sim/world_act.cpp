@@ -18,7 +18,7 @@ void World<Real>::perform(const Hold& command) {
   for (const HeldVertices::Held& item : command.held.all()) edit.vertices.push_back(item.vertex);
   sort_unique(edit.vertices);
   body_.model.held = command.held;
-  if (body_.regions.any_condensed()) history_.push_back(command);
+  if (body_.regions.any_condensed()) journal_.edits.push_back(command);
   follow(std::move(edit));
 }
 

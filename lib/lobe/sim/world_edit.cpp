@@ -74,7 +74,7 @@ MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
   if (edit.empty()) return edit;
   if (blades_) blades_->grains.forget(edit.removed);
   follow(edit);
-  history_.push_back(RemoveTets{edit.removed});
+  journal_.edits.push_back(RemoveTets{edit.removed});
   return edit;
 }
 

@@ -11,7 +11,7 @@ Blades& World<Real>::blades() {
   if (!blades_) {
     refuse_excluded(Option::scalpel, options_of(setup_), "scalpel");
     blades_ = std::make_unique<Blades>(elements());
-    history_.push_back(Incise{});
+    journal_.edits.push_back(Incise{});
     display_.rebuild(elements(), grains());
   }
   return *blades_;
@@ -50,7 +50,7 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
       notice(Condition::Kind::scalpel, std::to_string(incised->refused) + " edges were not cut: there are " +
                                            std::to_string(most_grains) + " grains in a tetrahedron already");
     if (incised->incision.empty()) continue;
-    history_.push_back(Incise{incised->incision});
+    journal_.edits.push_back(Incise{incised->incision});
     report.cut_area += incised->area;
     const MeshEdit edit = divide(incised->opened);
     report.tets_copied += static_cast<Index>(edit.copies.size());
@@ -99,7 +99,7 @@ MeshEdit World<Real>::repeat_incision(const Incise& command) {
   own.grains.bisect(command.incision.bisections);
   if (!own.grains.can_open(command.incision.opened))
     throw InputError("incision", "opens a face that there is not");
-  if (!command.incision.empty()) history_.push_back(command);
+  if (!command.incision.empty()) journal_.edits.push_back(command);
   return divide(own.grains.open(command.incision.opened));
 }
 

@@ -40,7 +40,7 @@ void World<Real>::change_region(const std::vector<Index>& tets, RegionModel mode
   state();
   RegionEdit edit = change_of_region(tets, model);
   if (edit.left.empty()) return;
-  history_.push_back(SetRegion{edit.left, model});
+  journal_.edits.push_back(SetRegion{edit.left, model});
   follow(std::move(edit));
 }
 
@@ -70,7 +70,7 @@ void World<Real>::perform(const BeginRefresh& command) {
   if (!own.about && former.size() > 0)
     own.about = std::make_shared<std::vector<double>>(former.data(), former.data() + former.size());
   body_.regions.begin_refresh(elements(), own.due, own.about ? *own.about : std::vector<double>{});
-  history_.push_back(std::move(own));
+  journal_.edits.push_back(std::move(own));
 }
 
 template <class Real>
@@ -80,7 +80,7 @@ void World<Real>::perform(const EndRefresh& command) {
   if (!body_.regions.is_expanded()) move_mass();
   ++body_.model.revisions.structure;
   limit_.forget();
-  history_.push_back(command);
+  journal_.edits.push_back(command);
   if (is_condensed) forget_former_refreshes();
 }
 
@@ -89,17 +89,19 @@ void World<Real>::perform(const EndRefresh& command) {
 // refresh begins, what came since then stays, since condensing it again asks for a refresh.
 template <class Real>
 void World<Real>::forget_former_refreshes() {
-  const auto is = [&]<class Kind>(std::size_t i, Kind) { return std::holds_alternative<Kind>(history_[i]); };
-  std::size_t last = history_.size(), expanded_at = history_.size();
-  for (std::size_t i = 0; i < history_.size(); ++i)
+  const auto is = [&]<class Kind>(std::size_t i, Kind) {
+    return std::holds_alternative<Kind>(journal_.edits[i]);
+  };
+  std::size_t last = journal_.edits.size(), expanded_at = journal_.edits.size();
+  for (std::size_t i = 0; i < journal_.edits.size(); ++i)
     if (is(i, BeginRefresh{})) last = i;
   for (std::size_t i = 0; i < last; ++i) {
     if (is(i, Expand{})) expanded_at = i;
-    if (is(i, Condense{})) expanded_at = history_.size();
+    if (is(i, Condense{})) expanded_at = journal_.edits.size();
   }
   for (std::size_t i = 0; i < std::min(last, expanded_at); ++i)
     if (is(i, BeginRefresh{}) || is(i, EndRefresh{}) || is(i, Expand{}) || is(i, Condense{}))
-      history_[i] = Superseded{};
+      journal_.edits[i] = Superseded{};
 }
 
 template <class Real>
@@ -118,7 +120,7 @@ void World<Real>::perform(const Expand& command) {
   catch_up();
   state();
   set_expanded(true);
-  history_.push_back(command);
+  journal_.edits.push_back(command);
 }
 
 template <class Real>
@@ -129,7 +131,7 @@ void World<Real>::perform(const Condense& command) {
                      "it was edited while it was expanded, and must be renewed before it is condensed");
   catch_up();
   set_expanded(false);
-  history_.push_back(command);
+  journal_.edits.push_back(command);
 }
 
 template <class Real>

@@ -88,7 +88,9 @@ class LiveOf final : public Live {
     const SurfaceMesh& surface = *picture->surface.mesh;
     if (const std::uint64_t stamp = first_stamp_ + surface.revision; told.topology != stamp) {
       told.topology = stamp;
-      write_topology(surface, rest_of(*picture), out);
+      const Mat3X<float> rest = rest_of(*picture);
+      write_topology(surface, rest, out);
+      write_fibres(surface, rest, setup_.mesh.fibres, out);
     }
     write_positions(surface, picture->surface.x.template cast<float>(), out);
     write_measured(scalar, surface.revision, told, out, status);

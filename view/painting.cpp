@@ -53,6 +53,11 @@ std::vector<int> distinct(std::vector<int> values) {
 
 }  // namespace
 
+double young_of(const Material& material) {
+  if (material.transverse) return material.transverse->young_across;
+  return young_modulus(material.lame_lambda, material.lame_mu);
+}
+
 Painting::Painting(Scene scene, const Resolved& resolved)
     : scene_(std::move(scene)),
       mesh_(resolved.setup.mesh),
@@ -110,10 +115,13 @@ int Painting::add_material(const std::string& name, double young) {
   if (materials().size() >= most_materials)
     throw InputError("/name", "8 materials are as many as can be painted");
   Material material = materials().front();
-  const double factor = young / young_modulus(material.lame_lambda, material.lame_mu);
+  const double factor = young / young_of(material);
   material.name = name;
   material.lame_lambda *= factor;
   material.lame_mu *= factor;
+  if (TransverseConstants* const fibrous = material.transverse ? &*material.transverse : nullptr)
+    for (double* modulus : {&fibrous->young_along, &fibrous->young_across, &fibrous->shear_along})
+      *modulus *= factor;
   scene_.materials.push_back(material);
   return static_cast<int>(scene_.materials.size()) - 1;
 }

@@ -95,6 +95,9 @@ class Painting {
   std::vector<double> volumes_;  // of tetrahedra [m³]
 };
 
+// E [Pa]; of a material with fibres that across them.
+double young_of(const Material& material);
+
 // A name of a file without folder and extension: letters, digits, "_" and "-", at most 60 of them. Throws
 // InputError.
 void check_file_name(const std::string& name);

@@ -1,5 +1,6 @@
 #include "protocol.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -119,6 +120,21 @@ void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest, BlockW
   out.put(std::span<const float>(rest.data(), std::size_t(rest.size())));
   out.put(std::span<const RegionModel>(surface.region));
   out.put(std::span<const std::uint8_t>(surface.cut));
+  out.end();
+}
+
+void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest, const Mat3X<double>& fibres,
+                  BlockWriter& out) {
+  if (fibres.cols() == 0) return;
+  out.begin(fibres_tag);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Eigen::Vector3i& corner = surface.triangles[t];
+    const Vec3d first = rest.col(corner[0]).cast<double>(), fibre = fibres.col(surface.owner[t].tet);
+    Eigen::Matrix<double, 3, 2> sides;
+    for (int k : {0, 1}) sides.col(k) = rest.col(corner[k + 1]).cast<double>() - first;
+    const Eigen::Vector2f parts = sides.colPivHouseholderQr().solve(fibre).cast<float>();
+    out.put(std::span<const float>(parts.data(), 2));
+  }
   out.end();
 }
 

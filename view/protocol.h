@@ -24,7 +24,7 @@ constexpr std::uint32_t tag(const char (&name)[5]) {
 }
 inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"),
                                scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), status_tag = tag("STAT"),
-                               paint_tag = tag("PNTS"), materials_tag = tag("MATS");
+                               paint_tag = tag("PNTS"), materials_tag = tag("MATS"), fibres_tag = tag("FIBR");
 
 class BlockWriter {
  public:
@@ -59,6 +59,10 @@ std::vector<Block> read_blocks(std::string_view message);
 // All of the surface but positions: revision, triangles, regions, cut faces, positions at rest.
 void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
                     BlockWriter& out);
+// The part of each triangle's fibre that lies in it at rest, as a sum of the sides from its first corner to its
+// second and third: so it follows them. Zero where there is no fibre; nothing is written where none has one.
+void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
+                  const Mat3X<double>& fibres /* 3 × #tetrahedra, or no column */, BlockWriter& out);
 void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,
                      BlockWriter& out);
 // One number per vertex in 16 bits of its range, which the block tells.

@@ -6,7 +6,6 @@
 #include <variant>
 
 #include "lobe/error.h"
-#include "lobe/scene/material_constants.h"
 
 namespace lobe::view {
 
@@ -226,6 +225,7 @@ std::string Viewer::painting_frame(Client& client) {
 void Viewer::write_painting(BlockWriter& out) const {
   const SurfaceMesh& surface = painting_->surface();
   write_topology(surface, painting_->rest(), out);
+  write_fibres(surface, painting_->rest(), resolved_.setup.mesh.fibres, out);
   write_positions(surface, painting_->rest(), out);
   std::vector<std::uint8_t> held, materials;
   for (const Index v : surface.mesh_vertex) held.push_back(painting_->held()[std::size_t(v)]);
@@ -245,8 +245,7 @@ Json Viewer::painting_status() const {
   Json materials = Json::array();
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const Material& material = painting_->materials()[i];
-    const double young = young_modulus(material.lame_lambda, material.lame_mu);
-    materials.push_back({{"name", material.name}, {"young", young}, {"share", shares[i]}});
+    materials.push_back({{"name", material.name}, {"young", young_of(material)}, {"share", shares[i]}});
   }
   Json edit{{"shares", painting_->shares()},
             {"held", std::count(held.begin(), held.end(), 1)},

@@ -15,6 +15,7 @@ std::span<const Family> all_families() {
       {"independent solution", independent_solutions},
       {"long run", long_runs},
       {"natural frequency", natural_frequencies},
+      {"fibres", fibre_benchmarks},
   };
   return list;
 }

@@ -17,6 +17,7 @@ void svk_beam(Findings& findings, bool quick);
 void independent_solutions(Findings& findings, bool quick);
 void long_runs(Findings& findings, bool quick);
 void natural_frequencies(Findings& findings, bool quick);
+void fibre_benchmarks(Findings& findings, bool quick);
 
 struct Family {
   const char* name;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "condense/half_linear.h"
+#include "fibre_support.h"
 #include "lobe/error.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
@@ -43,6 +44,13 @@ void place(World<Real>& world, const Mat3<double>& R, double size) {
   world.set_state(state);
 }
 
+Setup floating_with_fibres() {
+  Setup setup = floating();
+  setup.materials[0] = fibrous();
+  setup.mesh.fibres = fibrous_setup(setup.mesh).mesh.fibres;
+  return setup;
+}
+
 bool is_led(World<double>& world, Index v) {
   return world.body().inertia.mass()[v] > 0 && !world.held().holds(v);
 }
@@ -62,15 +70,22 @@ TEST_CASE("a floating body with a corotated region turns as a whole without a fo
   }
 }
 
-TEST_CASE("forces turn with a corotated body") {
-  World<double> world(floating());
-  place(world, Mat3<double>::Identity(), 1e-3);
-  const Mat3X<double> u = world.state().u, f = world.forces(), X = world.elements().points.view();
-  State<double> state = world.state();
-  const Mat3<double> R = turn(130);
-  state.u = R * (X + u) - X;
-  world.set_state(state);
-  CHECK((world.forces() - R * f).norm() < 1e-12 * f.norm());
+TEST_CASE("forces turn with a corotated body, and so do its fibres") {
+  Mat3X<double> isotropic;
+  for (const Setup& setup : {floating(), floating_with_fibres()}) {
+    World<double> world(setup);
+    place(world, Mat3<double>::Identity(), 1e-3);
+    const Mat3X<double> u = world.state().u, f = world.forces(), X = world.elements().points.view();
+    State<double> state = world.state();
+    const Mat3<double> R = turn(130);
+    state.u = R * (X + u) - X;
+    world.set_state(state);
+    CHECK((world.forces() - R * f).norm() < 1e-12 * f.norm());
+    if (setup.mesh.fibres.cols() == 0)
+      isotropic = f;
+    else
+      CHECK((f - isotropic).norm() > 0.1 * f.norm());
+  }
 }
 
 TEST_CASE("a floating body with a corotated region keeps its momentum and angular momentum") {

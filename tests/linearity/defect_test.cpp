@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fibre_support.h"
 #include "lobe/condense/linearisation.h"
 #include "lobe/fem/svk.h"
 #include "near.h"
@@ -135,6 +136,22 @@ TEST_CASE("mean defects of an even deformation are what the forces of both bodie
     const auto direct = direct_defect(setup, u);
     const MeanDefects mean(elements, zones);
     CHECK((mean.at(0, mean.gradient(0, u), false) - direct).norm() < 1e-11 * direct.norm());
+  }
+}
+
+TEST_CASE("mean defects of an even deformation of parallel fibres are what forces differ by") {
+  for (const Vec3d& a : {Vec3d(1, 0, 0), Vec3d(1, -2, 0.5)}) {
+    Setup setup = fibrous_setup(irregular_box(4));
+    for (Index t = 0; t < setup.mesh.tet_count(); ++t)  // to and fro: the same fibre
+      setup.mesh.fibres.col(t) = (t % 2 ? 1 : -1) * a.normalized();
+    const Elements elements(setup);
+    const Mat3<double> H = some_strain(0.1) + skew(0.3 * axis);
+    const Mat3X<double> u = H * setup.mesh.points;
+    const auto direct = direct_defect(setup, u);
+    const MeanDefects mean(elements, Zones(elements, 1));
+    CHECK((mean.at(0, mean.gradient(0, u), false) - direct).norm() < 1e-11 * direct.norm());
+    setup.mesh.fibres.colwise() = a.unitOrthogonal();
+    CHECK((direct_defect(setup, u) - direct).norm() > 0.1 * direct.norm());
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fibre_support.h"
 #include "liver.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"
@@ -59,6 +60,21 @@ TEST_CASE(
     share = proposal.linear_share;
   }
   CHECK(share > 0.3);
+}
+
+TEST_CASE("regions of a body with fibres keep the tolerance, as a solution of their own tells") {
+  Setup setup = held_liver();
+  setup.materials = {fibrous()};
+  setup.mesh.fibres = fibrous_setup(setup.mesh).mesh.fibres;
+  const Gesture gesture = lift(setup, {0.004, -0.004, 0.03});
+  ProposalOptions options;
+  options.condense = false;
+  options.cost = usual_cost;
+  const Proposal proposal = propose_regions(setup, {gesture}, options);
+  const GestureOutcome& outcome = proposal.gestures.at(0);
+  CHECK(outcome.measured <= options.tolerance);
+  CHECK(measured_error(setup, gesture, proposal.region_of) == near(outcome.measured, 1e-4));
+  CHECK(proposal.linear_share > 0.2);
 }
 
 TEST_CASE("precomputed regions are anchored, and as exact as they were proposed") {

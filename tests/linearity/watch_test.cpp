@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fibre_support.h"
 #include "liver.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
@@ -14,8 +15,12 @@ using namespace lobe::test;
 namespace {
 
 // The left lobe of a liver, all linear, that a grasp leads somewhere in 0.3 s.
-Setup grasped_liver(const Vec3d& to, RegionModel model) {
+Setup grasped_liver(const Vec3d& to, RegionModel model, bool has_fibres = false) {
   Setup setup = held_liver(model);
+  if (has_fibres) {
+    setup.materials = {fibrous()};
+    setup.mesh.fibres = fibrous_setup(setup.mesh).mesh.fibres;
+  }
   setup.damping = 20;
   setup.grasps = {{"grasper", left_lobe(setup), {{0, Vec3d::Zero()}, {0.3, to}}, false}};
   return setup;
@@ -32,9 +37,9 @@ struct Played {
   Index moved = 0;
 };
 
-Played play(const Vec3d& to, LinearityOptions options, double seconds = 0.6) {
-  World<double> exact(grasped_liver(to, RegionModel::nonlinear));
-  const Setup setup = grasped_liver(to, RegionModel::tensor_mass);
+Played play(const Vec3d& to, LinearityOptions options, double seconds = 0.6, bool has_fibres = false) {
+  World<double> exact(grasped_liver(to, RegionModel::nonlinear, has_fibres));
+  const Setup setup = grasped_liver(to, RegionModel::tensor_mass, has_fibres);
   World<double> world(setup);
   LinearityWatch<double> watch(world, {setup.grasps[0].vertices}, std::move(options));
   Played played;
@@ -70,6 +75,20 @@ TEST_CASE("corrected regions keep the measured error near the tolerance") {
   const Played left_alone = play(up, options);
   options.correct = true;
   const Played corrected = play(up, options);
+  CHECK(left_alone.measured > 0.04);
+  CHECK(corrected.moved > 0);
+  CHECK(corrected.measured < 0.03);
+}
+
+TEST_CASE("with fibres, too, the error is estimated within a factor of two, and corrected") {
+  LinearityOptions options;
+  const Vec3d up(0.004, -0.004, 0.04);
+  const Played left_alone = play(up, options, 0.6, true);
+  CHECK(left_alone.moved == 0);
+  CHECK(left_alone.estimated < 2 * left_alone.measured);
+  CHECK(left_alone.estimated > left_alone.measured / 2);
+  options.correct = true;
+  const Played corrected = play(up, options, 0.6, true);
   CHECK(left_alone.measured > 0.04);
   CHECK(corrected.moved > 0);
   CHECK(corrected.measured < 0.03);

@@ -88,6 +88,9 @@ TEST_CASE("bad meshes are refused by name, with offender and remedy") {
   mesh = cube();
   mesh.labels.pop_back();
   CHECK_CONTAINS(fault_of(mesh), "5 labels for 6 tetrahedra");
+  mesh = cube();
+  mesh.fibres = Vec3d(1, 0, 0).replicate(1, 7);
+  CHECK_CONTAINS(fault_of(mesh), "7 fibre directions for 6 tetrahedra");
 }
 
 TEST_CASE("flat tetrahedra are refused and counted") {

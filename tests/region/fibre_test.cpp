@@ -250,6 +250,21 @@ TEST_CASE(
   setup = fibrous_setup(mesh);
   setup.mesh.fibres(1, 7) = std::nan("");
   CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("tetrahedron 7"), InputError);
+  for (const double length : {0.0, 0.99, 1.01}) {
+    setup = fibrous_setup(mesh);
+    setup.mesh.fibres.col(7) *= length;
+    CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("tetrahedron 7"), InputError);
+    CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("no unit vector"), InputError);
+  }
+  setup = fibrous_setup(mesh);
+  setup.mesh.fibres.col(7) *= 1 + 1e-9;  // as a file rounds it
+  CHECK_NOTHROW(World<double>{setup});
+  for (const Index count : {mesh.tet_count() - 1, mesh.tet_count() + 1}) {
+    setup = fibrous_setup(mesh);
+    setup.mesh.fibres.conservativeResize(3, count);
+    setup.mesh.fibres.col(count - 1) = Vec3d::UnitX();
+    CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("one column per tetrahedron"), InputError);
+  }
   setup = fibrous_setup(mesh);
   setup.materials[0].fibre.stretch = -1e6;
   CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("not positive definite"), InputError);

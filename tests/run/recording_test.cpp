@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fibre_support.h"
 #include "lobe/error.h"
 #include "near.h"
 #include "run/small_scene.h"
@@ -93,6 +94,26 @@ TEST_CASE("a recording keeps the degrees of selective masses, also in its file")
   std::get<SetMassDegree>(std::get<Command>(wrong.commands[0].command)).degree = 4;
   World<float> third(setup);
   CHECK_THROWS_WITH_AS(replay(wrong, third), doctest::Contains("no degree 4"), InputError);
+}
+
+TEST_CASE(
+    "a recording of a body with fibres replays bit for bit, and is refused where one fibre is another") {
+  Setup setup = gesture();
+  setup.materials[0] = fibrous();
+  setup.mesh.fibres = fibrous_setup(setup.mesh).mesh.fibres;
+  World<float> world(setup);
+  Recorded<float> recorded(world);
+  recorded.advance(0.01);
+  recorded.apply(RemoveTets{{3, 4, 5}});
+  for (int i = 0; i < 3; ++i) recorded.advance(0.01);
+  World<float> again(setup, 2);
+  CHECK(replay(recorded.recording(), again).same);
+  Index t = setup.mesh.tet_count() - 1;
+  while (setup.material_of[std::size_t(t)] != 0) --t;
+  setup.mesh.fibres.col(t) = setup.mesh.fibres.col(t).unitOrthogonal();
+  World<float> other(setup);
+  CHECK_THROWS_WITH_AS(replay(recorded.recording(), other), doctest::Contains("is of another scene"),
+                       InputError);
 }
 
 TEST_CASE("a replay stops where the bits begin to differ") {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "lobe/error.h"
@@ -140,6 +141,11 @@ TEST_CASE("what is wrong with fibres is named with its place") {
   has(fault_of(fibrous(R"({"array": "fibre"})"), mesh), "/materials/0/fibre/array: tetrahedron 5:");
   mesh.fibres.col(5).setZero();
   has(fault_of(fibrous(R"({"array": "fibre"})"), mesh), "has length 0, must be above 0 and finite");
+  mesh.fibres.col(5) = Vec3d(std::numeric_limits<double>::infinity(), 0, 0);
+  has(fault_of(fibrous(R"({"array": "fibre"})"), mesh), "has length inf, must be above 0 and finite");
+  has(fault_of(fibrous(R"({"axis": {"point": [0, 0, 0], "direction": [0, 0, 0]}})")),
+      "/materials/0/fibre/axis/direction: has length 0, must be above 0");
+  has(fault_of(fibrous(straight, R"({"young_modulus_across": 0})")), "/materials/0/young_modulus_across");
   has(fault_of(fibrous(straight, R"({"law": "neo-hookean"})")), "/materials/0/law");
   json missing = fibrous(straight);
   missing.erase("fibre");

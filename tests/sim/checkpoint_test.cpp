@@ -5,6 +5,7 @@
 #include <fstream>
 #include <functional>
 
+#include "fibre_support.h"
 #include "folder.h"
 #include "lobe/error.h"
 #include "lobe/io/scanner.h"
@@ -112,6 +113,25 @@ TEST_CASE_TEMPLATE("a world that was cut and changed goes back to its start, to 
   CHECK(world.save().setup == start.setup);  // of a world built anew
   for (World<Real>* each : {&world, &untouched}) each->advance(0.02);
   CHECK(same_bits(world, untouched));
+}
+
+TEST_CASE("a world with fibres is restored to the bit across cuts, and not into one with another fibre") {
+  Setup setup = busy_setup();
+  setup.materials[0] = fibrous();
+  setup.mesh.fibres = fibrous_setup(setup.mesh).mesh.fibres;
+  World<float> world(setup), other(setup, 2);
+  for (int i = 0; i < 4; ++i) world.advance(0.02);
+  world.remove_tets({0, 1});
+  const Checkpoint<float> kept = world.save();
+  const Folder folder;
+  write_checkpoint(folder.path / "state", kept);
+  other.restore(read_checkpoint<float>(folder.path / "state"));
+  for (World<float>* each : {&world, &other}) each->advance(0.04);
+  CHECK(same_bits(world, other));
+  CHECK(other.elements().fibres == world.elements().fibres);
+  setup.mesh.fibres.col(7) = setup.mesh.fibres.col(7).unitOrthogonal();
+  World<float> turned(setup);
+  CHECK_THROWS_WITH_AS(turned.restore(kept), doctest::Contains("another scene"), InputError);
 }
 
 TEST_CASE("an implicit world is restored with its accelerations") {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fibre_support.h"
 #include "lobe/error.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"
@@ -20,6 +21,13 @@ Setup beam(RegionModel model) {
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
   setup.gravity = {0, 0, -9.81};
+  return setup;
+}
+
+Setup fibrous_beam(RegionModel model) {
+  Setup setup = beam(model);
+  setup.materials = {fibrous()};
+  setup.mesh.fibres = Vec3d(1, 0.5, 1).normalized().replicate(1, setup.mesh.tet_count());
   return setup;
 }
 
@@ -50,6 +58,23 @@ TEST_CASE("implicit dynamics are of second order, and agree with small explicit 
       const Mat3X<double> extrapolated = u4 + (u4 - u2) / 3;
       CHECK((extrapolated - u).norm() < 1e-3 * u.norm());
     }
+}
+
+TEST_CASE("implicit dynamics with fibres agree with small explicit steps, and end in the static solution") {
+  for (RegionModel model : {RegionModel::nonlinear, RegionModel::tensor_mass}) {
+    const double time = 0.05;
+    const Mat3X<double> u2 = after(implicit(fibrous_beam(model), 1), time, 160),
+                        u4 = after(implicit(fibrous_beam(model), 1), time, 320),
+                        u = after(fibrous_beam(model), time, 4000), extrapolated = u4 + (u4 - u2) / 3;
+    CHECK((extrapolated - u).norm() < 1e-3 * u.norm());
+    CHECK((after(beam(model), time, 4000) - u).norm() > 0.05 * u.norm());  // the fibres are felt
+    Setup damped = implicit(fibrous_beam(model), 0.5);
+    damped.damping = 30;
+    World<double> world(damped);
+    for (int i = 0; i < 120; ++i) REQUIRE(world.advance(1.0 / 30).steps == 1);
+    const StaticResult rest = solve_static(damped);
+    CHECK((world.state().u - rest.u).norm() < 1e-8 * rest.u.norm());
+  }
 }
 
 TEST_CASE("the implicit midpoint rule keeps linear and angular momentum, and a linear model's energy") {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "fibre_support.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/sim/checkpoint.h"
@@ -143,6 +144,24 @@ TEST_CASE("the limit of the time step is that of a dense eigenvalue solution, wi
       CHECK(limit < 2 / std::sqrt(highest) * 1.005);
       CHECK(limit > 2 / std::sqrt(highest) * 0.97);
     }
+}
+
+TEST_CASE("with fibres, too, C is symmetric and the limit that of a dense eigenvalue solution") {
+  for (int degree : {3, 9}) {
+    CAPTURE(degree);
+    Setup setup = fibrous_setup(irregular_box(3));
+    setup.selective_mass = degree;
+    const Eigen::MatrixXd C = inverse_mass(setup, degree);
+    CHECK((C - C.transpose()).norm() < 1e-12 * C.norm());
+    const double highest =
+        Eigen::EigenSolver<Eigen::MatrixXd>(C * stiffness(setup), false).eigenvalues().real().maxCoeff();
+    Setup lumped = setup;
+    lumped.selective_mass = 1;
+    World<double> world(setup), plain(lumped);
+    CHECK(world.time_step_limit() < 2 / std::sqrt(highest) * 1.005);
+    CHECK(world.time_step_limit() > 2 / std::sqrt(highest) * 0.97);
+    CHECK(world.time_step_limit() > 1.3 * plain.time_step_limit());
+  }
 }
 
 TEST_CASE("on a liver steps are longer by the degree, in both precisions") {

@@ -98,6 +98,28 @@ TEST_CASE("materials are painted, and a new one has the stiffness that it was gi
   CHECK(painting.material_shares()[2] == 0);
 }
 
+TEST_CASE("a new material beside one with fibres has them, and all its moduli grow alike") {
+  Painted painted;
+  Material& first = painted.scene.materials[0];
+  first.transverse = {9e4, 3e4, 0.4, 0.35, 2e4};
+  first.fibre = FibreDirection{Vec3d(0, 3, 4)};
+  painted.resolved = resolve(painted.scene, painted.mesh);
+  CHECK(young_of(first) == 3e4);
+  Painting painting(painted.scene, painted.resolved);
+  const int hard = painting.add_material("hard", 6e4);
+  painting.paint_material({0.1, 0.1, 0.1}, 0.06, hard);
+  const Setup setup = resolve_again(painting).setup;
+  const TransverseConstants constants = transverse_constants(setup.materials[std::size_t(hard)]);
+  CHECK(constants.young_along == near(18e4, 1e-12));
+  CHECK(constants.young_across == near(6e4, 1e-12));
+  CHECK(constants.shear_along == near(4e4, 1e-12));
+  CHECK(constants.poisson_along == near(0.4, 1e-12));
+  CHECK(constants.poisson_across == near(0.35, 1e-12));
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    if (setup.material_of[std::size_t(t)] != 1)
+      CHECK((setup.mesh.fibres.col(t) - Vec3d(0, 0.6, 0.8)).norm() < 1e-15);
+}
+
 TEST_CASE("a material that nothing is left of is not in the scene") {
   const Painted painted;
   Painting painting(painted.scene, painted.resolved);

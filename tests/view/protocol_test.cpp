@@ -94,3 +94,37 @@ TEST_CASE("a scalar that is the same everywhere, or nowhere, has a range") {
     CHECK(read_blocks(message)[0].bytes.size() == 24 + 2 * values.size());
   }
 }
+
+TEST_CASE("the fibres block has the part of each fibre that lies in the triangle, and none without fibres") {
+  TetMesh mesh = box_mesh({1, 1, 1}, 2, 2, 2);
+  const Surface surface(Topology(mesh),
+                        std::vector<RegionModel>(std::size_t(mesh.tet_count()), RegionModel::nonlinear));
+  Mat3X<float> rest(3, surface.mesh().vertex_count());
+  for (Index v = 0; v < rest.cols(); ++v)
+    rest.col(v) = mesh.points.col(surface.mesh().mesh_vertex[std::size_t(v)]).cast<float>();
+  BlockWriter none;
+  write_fibres(surface.mesh(), rest, mesh.fibres, none);
+  CHECK(none.take().empty());
+  mesh.fibres.setZero(3, mesh.tet_count());
+  for (Index t = 0; t < mesh.tet_count(); t += 2) mesh.fibres.col(t) = Vec3d(1, 2 + t, -0.5).normalized();
+  BlockWriter out;
+  write_fibres(surface.mesh(), rest, mesh.fibres, out);
+  const std::string message = out.take();
+  const Block block = read_blocks(message).at(0);
+  CHECK(block.tag == fibres_tag);
+  REQUIRE(block.bytes.size() == 8 * std::size_t(surface.mesh().triangle_count()));
+  int without = 0;
+  for (std::size_t t = 0; t < surface.mesh().triangles.size(); ++t) {
+    const Eigen::Vector3i& corner = surface.mesh().triangles[t];
+    const auto side = [&](int k) -> Vec3d {
+      return (rest.col(corner[k]) - rest.col(corner[0])).cast<double>();
+    };
+    const Vec3d fibre = mesh.fibres.col(surface.mesh().owner[t].tet),
+                normal = side(1).cross(side(2)).normalized();
+    const Vec3d told = at<float>(block.bytes, 8 * t) * side(1) + at<float>(block.bytes, 8 * t + 4) * side(2);
+    CHECK((told - (fibre - fibre.dot(normal) * normal)).norm() < 1e-6);
+    without += fibre.isZero() && told.isZero(0);
+  }
+  CHECK(without > 0);
+  CHECK(without < surface.mesh().triangle_count());
+}

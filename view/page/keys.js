@@ -12,6 +12,7 @@ export function listenToKeys(page) {
     b: press('back'),
     r: press('restart'),
     m: press('mesh'),
+    f: press('fibres'),
     p: press('picture'),
     v: press('video'),
     '?': press('help-button'),

@@ -74,7 +74,7 @@ class Page {
     const frame = this.frame;
     if (!frame) return;
     this.frame = null;
-    if (frame.topology) this.takeTopology(frame.topology);
+    if (frame.topology) this.takeTopology(frame.topology, frame.fibres);
     if (frame.positions && frame.positions.revision === this.organ.revision)
       this.organ.move(frame.positions.x);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
@@ -86,12 +86,12 @@ class Page {
     this.connection.shown(frame, this.stage.slow);
   }
 
-  takeTopology(topology) {
+  takeTopology(topology, fibres) {
     this.organ.held = null;
     const first = !this.organ.topology;
     if (first) this.stage.lookAt(topology.rest);
     this.organ.x = null;
-    this.organ.setTopology(topology);
+    this.organ.setTopology(topology, fibres);
     this.showLegend();
   }
 

@@ -1,6 +1,7 @@
 // The organ as it is drawn: its skin wet, what was cut open matt and dark.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 import {heldColour, light, materialColours, models, quantities, rampColours} from './colours.js';
+import {Fibres} from './fibres.js';
 import {fineLook, quickLook} from './looks.js';
 import {SmoothSurface} from './smooth_surface.js';
 
@@ -27,6 +28,7 @@ export class Organ {
     );
     this.shadow.matrixAutoUpdate = this.shadow.frustumCulled = false;
     stage.scene.add(this.mesh, this.lines, this.shadow);
+    this.fibres = new Fibres(stage, document.getElementById('fibres'));
     stage.onLook.push(() => this.dress());
     this.dress();
     this.range = [0, 1];
@@ -54,13 +56,14 @@ export class Organ {
     }
   }
 
-  setTopology(topology) {
+  setTopology(topology, fibres) {
     this.topology = topology;
     this.revision = topology.revision;
     this.cutCount = topology.cut.reduce((sum, c) => sum + c, 0);
     this.shares = [0, 0, 0];
     for (const r of topology.region) this.shares[r] += 1 / topology.region.length;
     this.scalar = null;
+    this.fibres.set(fibres, topology);
     this.rebuild();
   }
 
@@ -233,6 +236,7 @@ export class Organ {
     this.position.array.set(this.smooth.positions(x));
     this.normal.array.set(this.smooth.normals);
     this.laidFlat.array.set(x);
+    this.fibres.move(x);
     this.position.needsUpdate = this.normal.needsUpdate = this.laidFlat.needsUpdate = true;
     if (this.quantity === 'displacement') this.showDisplacement(x);
     this.stage.invalidate();

@@ -22,7 +22,7 @@ export function showHelp() {
     ['G · C · X · E', 'grasp · cautery · scalpel · paint regions'],
     ['Space · . · S', 'pause · one frame · slow motion'],
     ['B · R', 'back by a second · restart'],
-    ['M · P · V', 'mesh · picture · video'],
+    ['M · F · P · V', 'mesh · fibres · picture · video'],
   ];
   show(
     '<h1>Hands on the organ</h1><dl>' +

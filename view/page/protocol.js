@@ -4,7 +4,7 @@
 const text = new TextDecoder();
 
 /** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object,
- *   held?: object, materials?: object}} */
+ *   held?: object, materials?: object, fibres?: object}} */
 export function readFrame(/** @type {ArrayBuffer} */ buffer) {
   const view = new DataView(buffer);
   const frame = {};
@@ -54,6 +54,9 @@ const readers = {
   },
   PNTS(frame, buffer, at, size) {
     frame.held = new Uint8Array(buffer, at, size);
+  },
+  FIBR(frame, buffer, at, size) {
+    frame.fibres = new Float32Array(buffer, at, size / 4);
   },
   MATS(frame, buffer, at, size) {
     frame.materials = new Uint8Array(buffer, at, size);

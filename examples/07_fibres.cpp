@@ -102,6 +102,10 @@ int main(int argc, char** argv) {
    "panels": [{"mesh": "along.vtu", "title": "along", "fibres": true},
               {"mesh": "across.vtu", "title": "across", "fibres": true},
               {"mesh": "oblique.vtu", "title": "at 45 degrees", "fibres": true}]},
+  {"out": "fibres_twist.png", "size": [1600, 700], "camera": {"direction": [0, 0, 1], "up": [0, 1, 0]},
+   "panels": [{"mesh": "along.vtu", "title": "along", "edges": true},
+              {"mesh": "across.vtu", "title": "across", "edges": true},
+              {"mesh": "oblique.vtu", "title": "at 45 degrees", "edges": true}]},
   {"out": "fibres_ventricle.png", "size": [1600, 900], "camera": {"direction": [0.6, -1, 0.45]},
    "panels": [{"mesh": "isotropic.vtu", "title": "isotropic", "color": "von_mises"},
               {"mesh": "ventricle.vtu", "title": "with fibres", "color": "von_mises", "fibres": true}]}]})"

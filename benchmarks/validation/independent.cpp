@@ -70,7 +70,8 @@ void independent_solutions(Findings& findings, bool) {
     if (theirs.cols() != mesh.vertex_count())
       throw InputError(s.file, "has not one line per vertex of beam_coarse.msh");
     findings.value(s.file, "largest distance of a vertex, relative", "-",
-                   relative_maximum(own_solution(mesh, s), theirs), {0, s.has_fibres ? "svk_fibre.py" : "FEniCSx 0.5.2, GetFEM 5.4.2"},
+                   relative_maximum(own_solution(mesh, s), theirs),
+                   {0, s.has_fibres ? "svk_fibre.py" : "FEniCSx 0.5.2, GetFEM 5.4.2"},
                    {1e-8, "residuals and digits of both"});
   }
 }

@@ -91,6 +91,8 @@ TEST_CASE("each malformed command is named, and disturbs neither the body nor ot
       {take_at(top, -1, 2), "take_at_point: its radius must be above 0"},
       {{.kind = Kind::take_at_ray, .hand = 2, .radius = 0.01}, "take_at_ray: its direction"},
       {bring_tool(2, Vec3d::Zero(), BringCautery{"", 0, Vec3d::Zero()}), "cautery: needs a radius"},
+      {bring_tool(2, Vec3d::Zero(), BringScalpel{"", {top, top}}), "scalpel:"},
+      {bring_tool(2, Vec3d::Zero(), BringScalpel{"", {top, Vec3d(0, nan, 0)}}), "scalpel:"},
       {ask_for(Kind::speed, nan), "speed: must be from 0.001"},
       {ask_for(Kind::back, -1), "back: must be by more than 0 s"},
       {ask(Kind(77)), "command: there is none of kind 77"},

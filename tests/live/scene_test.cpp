@@ -11,6 +11,7 @@
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/write_scene.h"
+#include "near.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -105,6 +106,48 @@ TEST_CASE_TEMPLATE("what hands did, written as a scene and read again, is played
   CHECK(frames.length == session.frame());
   for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
   CHECK(world.elements().topology.alive_count() == session.world().elements().topology.alive_count());
+  CHECK(same_bits(world, session.world()));
+}
+
+TEST_CASE("a hand parts the beam with a scalpel, without loss, and its scene is played to the same bits") {
+  std::string text = beam;
+  text.erase(text.find("\"tools\""), text.find("\"time\"") - text.find("\"tools\""));
+  const Played played(text);
+  const Setup& setup = played.resolved.setup;
+  Session<float> session(setup);
+  Controller hands = session.connect("surgeon");
+  const auto volume = [](const World<float>& world) {
+    double sum = 0;
+    for (Index t = 0; t < world.elements().topology.tet_count(); ++t)
+      if (world.elements().topology.alive(t)) sum += world.elements().volume(t);
+    return sum;
+  };
+  const Vec3d tip(0.051, -0.004, -0.006), heel(0.051, -0.004, 0.026);
+  hands.send(bring_tool(1, tip, BringScalpel{"", {tip, heel}}));
+  hands.send(lead_to(tip + Vec3d(0, 0.03, 0), 1));
+  step(session, 20);  // it is off: it only touches
+  CHECK(session.world().grains() == nullptr);
+  hands.send(turn_on(Kind::turn_on, true, 1));
+  hands.send(lead_to(tip, 1));
+  step(session, 40);
+  CHECK(session.world().elements().topology.tet_count() > setup.mesh.tet_count());
+  CHECK(session.world().elements().topology.pieces().size() == 2);
+  CHECK(volume(session.world()) == near(0.08 * 0.02 * 0.02, 1e-12));
+  REQUIRE(session.status()->hands.size() == 1);
+  CHECK(session.status()->hands[0].type == std::string("scalpel"));
+  CHECK(session.status()->hands[0].holds);
+  hands.send(ask(Kind::let_go, 1));
+  step(session, 5);
+  CHECK(session.status()->hands.empty());
+  const Scene kept = session_scene(played.scene, setup, session);
+  REQUIRE(kept.tools.size() == 1);
+  CHECK(kept.tools[0].type == "scalpel");
+  CHECK(kept.tools[0].heels.size() == kept.tools[0].path.size());
+  const Folder other;
+  const Scene again = read_scene(other.write("kept.json", to_json(kept)));
+  World<float> world(resolve(again, read_mesh(mesh_path(again)).mesh).setup, 2);
+  const Frames frames = frames_of(again.time);
+  for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
   CHECK(same_bits(world, session.world()));
 }
 

@@ -12,6 +12,7 @@ struct RandomHandsOptions {
   Vec3d low = Vec3d::Zero(), high = Vec3d::Ones();  // of the body [m]
   bool goes_back = true;                            // also restarts
   std::vector<Index> removable;                     // tetrahedra that it removes, a few at a time
+  bool brings_scalpels = false;                     // in place of cauteries
 };
 
 class RandomHands {
@@ -46,7 +47,7 @@ class RandomHands {
       remove(command);
     command.on = command.kind == Kind::run || dice(2) == 0;
     command.value = 0.3 * uniform() + 0.01;
-    if (command.kind == Kind::bring) bring_cautery(command);
+    if (command.kind == Kind::bring) bring(command);
     return command;
   }
 
@@ -69,9 +70,15 @@ class RandomHands {
     command.position.z() = options_.high.z() + 1;
     command.direction = {0.02 * (uniform() - 0.5), 0.02 * (uniform() - 0.5), -1};
   }
-  void bring_cautery(HandCommand& command) {
-    command.tool = std::make_shared<const BringTool>(
-        BringCautery{"", size() * 0.02 * (0.5 + uniform()), command.position});
+  void bring(HandCommand& command) {
+    if (options_.brings_scalpels) {
+      const Vec3d blade = size() * (turn().head<3>() + Vec3d(0, 0, 0.5));
+      command.tool =
+          std::make_shared<const BringTool>(BringScalpel{"", {command.position, command.position + blade}});
+    } else {
+      command.tool = std::make_shared<const BringTool>(
+          BringCautery{"", size() * 0.02 * (0.5 + uniform()), command.position});
+    }
   }
   void pause(HandCommand& command) {
     command.kind = dice(2) == 0 ? HandCommand::Kind::run : HandCommand::Kind::step;

@@ -80,6 +80,15 @@ check(await until(page, () => lobe.organ.cutCount > 0), 'the cautery leaves cut 
 await shot(page, 'burning');
 await page.mouse.up();
 
+// ---- Cut
+
+const tets = await page.evaluate(() => lobe.status.tets);
+await page.keyboard.press('x');
+await drag(page, {x: at.x - 20, y: at.y - 40}, 10, 90);
+check(await until(page, n => lobe.status.tets > n, tets), 'the scalpel parts tetrahedra and takes none away');
+await shot(page, 'cutting');
+await page.mouse.up();
+
 // ---- A spectator, and hand-over
 
 const other = await open(address);

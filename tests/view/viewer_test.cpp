@@ -113,6 +113,29 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
 }
 
+TEST_CASE("what a page has cut with a scalpel is told, and its scene is played to the same bits") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  // A blade without length is refused: there will be one tool.
+  viewed.ask(1,
+             {{"do", "cut"}, {"hand", 1}, {"tip", {0.033, -0.005, 0.03}}, {"heel", {0.033, -0.005, 0.03}}});
+  viewed.ask(1,
+             {{"do", "cut"}, {"hand", 1}, {"tip", {0.033, -0.005, 0.03}}, {"heel", {0.033, -0.005, 0.07}}});
+  REQUIRE(viewed.comes_to(1, [](const Json&, const Json& tools) {
+    return tools.size() == 1 && tools[0]["type"] == "scalpel" && tools[0]["on"] == true &&
+           std::abs(tools[0]["blade"][2].get<double>() - 0.04) < 1e-12;
+  }));
+  viewed.lead(1, 1, 0.033, 0.065, 0.03);
+  REQUIRE(
+      viewed.comes_to(1, [](const Json& status, const Json&) { return status["tets"].get<int>() > 1296; }));
+  viewed.ask(1, {{"do", "let_go"}, {"hand", 1}});
+  viewed.pause(1);
+  viewed.ask(1, {{"do", "export"}, {"to", "cuts"}});
+  viewed.viewer->write_recording(viewed.folder.path / "cuts.lobe");
+  const Recording recording = read_recording(viewed.folder.path / "cuts.lobe");
+  CHECK(played(viewed.folder.path / "cuts.json") == recording.commands.back().digest);
+}
+
 TEST_CASE("what was painted, simulated and held, is saved and played to the same bits") {
   Viewed viewed;
   viewed.viewer->opened(1);

@@ -125,7 +125,7 @@ double flops_tensor_mass_edge() {
 
 double stream_bytes_per_second() {
   const std::vector<float> values((64u << 20) / sizeof(float), 1.0f);
-  volatile double sum = 0;
+  [[maybe_unused]] volatile double sum = 0;
   return double(values.size() * sizeof(float)) /
          least_seconds([&] { sum = sum_of(values.data(), values.size()); });
 }
@@ -133,7 +133,7 @@ double stream_bytes_per_second() {
 template <class Real>
 double peak_flops_per_second() {
   volatile Real factor = Real(0.999), term = Real(0.001);
-  volatile double sum = 0;
+  [[maybe_unused]] volatile double sum = 0;
   return 2.0 * rounds * chains * double(64 / sizeof(Real)) /
          least_seconds([&] { sum = multiply_and_add_of(factor, term); });
 }

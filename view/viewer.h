@@ -129,8 +129,7 @@ class Viewer final : public Service {
   bool has_painted_mesh_ = false;  // whose labels are in no file
   std::set<std::string> saved_;    // names of files that this program has made
   double number_ = 0;              // of the request that is carried out
-  bool ran_before_painting_ = true;
-  std::uint64_t painted_ = 1;  // grows with each change of the painting
+  std::uint64_t painted_ = 1;      // grows with each change of the painting
   std::optional<Proposal> proposal_;
   std::shared_ptr<Task> task_;
   std::map<ClientId, Client> clients_;

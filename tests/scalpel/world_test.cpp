@@ -1,11 +1,8 @@
 // Blades in a world.
 #include <doctest/doctest.h>
 
-#include <random>
-
 #include "fibre_support.h"
 #include "folder.h"
-#include "knife.h"
 #include "lobe/diagnostics/grain_frame.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
@@ -13,6 +10,7 @@
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/validate.h"
 #include "near.h"
+#include "strokes.h"
 #include "world_support.h"
 
 using namespace lobe;
@@ -20,30 +18,7 @@ using namespace lobe::test;
 
 namespace {
 
-const Vec3d centre_of_block = Vec3d::Constant(0.05);
 TetMesh block() { return irregular_box(5, 0.02); }
-
-// What strokes through the body at rest have done: grains have the same numbers in every world of the mesh.
-std::vector<Incision> incisions_of(const TetMesh& mesh, int strokes) {
-  Knife knife(mesh);
-  std::vector<Incision> made;
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
-  for (int i = 0; i < strokes; ++i) {
-    knife.begin();
-    const Vec3d n = Vec3d(normal(random), normal(random), normal(random)).normalized(),
-                along = n.unitOrthogonal(), edge = n.cross(along);
-    const auto row = [&](double x) {
-      return std::vector<Vec3d>{centre_of_block + x * along - 0.2 * edge,
-                                centre_of_block + x * along + 0.2 * edge};
-    };
-    for (int k = 0; k < 4; ++k) {
-      const double from = -0.1 + 0.03 * k;  // not all the way
-      made.push_back(knife.sweep(row(from), row(from + 0.03)).incision);
-    }
-  }
-  return made;
-}
 
 template <class Real>
 World<Real> moving_world(const Setup& setup, double size = 1e-3) {
@@ -53,11 +28,6 @@ World<Real> moving_world(const Setup& setup, double size = 1e-3) {
   state.v = random_displacement<Real>(setup.mesh.vertex_count(), 0.1, 8);
   world.set_state(state);
   return world;
-}
-
-void cut(World<double>& world, const std::vector<Incision>& incisions) {
-  for (const Incision& incision : incisions)
-    if (!incision.empty()) world.apply(Incise{incision});
 }
 
 // Sums over the copies of each vertex at the start, 3 × #vertices.
@@ -136,13 +106,6 @@ Setup bar_and_blade(double speed = 0.2) {
   return setup;
 }
 
-template <class Real>
-Mat3X<Real> after_run(const Setup& setup, int threads, int frames = 18) {
-  World<Real> world(setup, threads);
-  for (int i = 0; i < frames; ++i) CHECK(world.advance(1.0 / 30).ok);
-  return world.state().u;
-}
-
 }  // namespace
 
 TEST_CASE("energies, momenta, masses and forces are the same before and after a cut") {
@@ -201,9 +164,9 @@ TEST_CASE("a blade through a bar at rest opens its cross section") {
 
 TEST_CASE("the bits are the same on any number of threads") {
   const Setup setup = bar_and_blade();
-  const Mat3X<float> one = after_run<float>(setup, 1);
-  CHECK(after_run<float>(setup, 2) == one);
-  CHECK(after_run<float>(setup, 3) == one);
+  const Mat3X<float> one = after_run<float>(setup, 1, 18);
+  CHECK(after_run<float>(setup, 2, 18) == one);
+  CHECK(after_run<float>(setup, 3, 18) == one);
 }
 
 TEST_CASE("a world goes on with the same bits from a checkpoint within a stroke") {
@@ -312,14 +275,11 @@ TEST_CASE("only the vertex that lies in the tissue stays held") {
   }
 }
 
-TEST_CASE("a blade that is no blade, and one beside precomputed regions, are refused") {
+TEST_CASE("a blade that is no blade is refused") {
   Setup setup = bar_and_blade();
   setup.scalpels[0].heels[0] = setup.scalpels[0].path[0].position;
   CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("row 0 has a blade without length"));
   setup = bar_and_blade();
   setup.scalpels[0].snap = 0.5;
   CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("snap must be in [0.02, 0.3]"));
-  setup = bar_and_blade();
-  setup.region_of.assign(setup.region_of.size(), RegionModel::precomputed);
-  CHECK_THROWS_WITH(World<double>{setup}, doctest::Contains("does not go with \"type\": \"scalpel\""));
 }

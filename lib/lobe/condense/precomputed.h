@@ -114,9 +114,10 @@ class PrecomputedRegion {
   void recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
   void prepare_frame(const Elements& elements);
   void open(const std::vector<Index>& components);
+  void grow(const Elements& elements, const RegionEdit& edit);
   void change_members(const Elements& elements, const RegionEdit& edit);
   void begin_refresh(const Elements& elements, Linearisation linearisation);
-  void extend(Linearisation& linearisation, const Elements& elements, const RegionEdit& edit) const;
+  void extend(Linearisation& linearisation, const RegionEdit& edit) const;
   void add(const Linearisation& linearisation, const Elements& elements, Index tet, double sign,
            const std::vector<Index>& row, ReducedRegion::Change& sum) const;
   void change(const Elements& elements, const RegionEdit& edit, const std::vector<Index>& components,
@@ -135,9 +136,10 @@ class PrecomputedRegion {
 
   std::vector<std::uint8_t> member_;  // per tetrahedron
   Index tet_count_ = 0;
-  Tets corners_;  // of members, when they were last followed
-  Roles roles_;   // 3 × #vertices
-  Loads loads_;   // of the interior, 3 × #vertices [N]
+  Tets corners_;                // of members, when they were last followed
+  std::vector<double> shares_;  // of their volumes, likewise
+  Roles roles_;                 // 3 × #vertices
+  Loads loads_;                 // of the interior, 3 × #vertices [N]
   bool has_changed_ = false;
   bool is_outdated_ = false, refreshed_is_outdated_ = false;
   Linearisation linearisation_;

@@ -110,17 +110,10 @@ template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, const HeldVertices& held,
                                                    const RegionEdit& edit, Mat3X<Real>& external,
                                                    Mat3X<Real>& dead, bool lazily) {
-  const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
   const auto enters = [&](Index t) { return elements.is_in(RegionModel::precomputed, t); };
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return {};
   has_frame_ = elements.precomputed_frame == RegionFrame::corotated;
-  member_.resize(std::size_t(tets), 0);
-  if (!reduced_) corners_ = elements.topology.tets();
-  roles_.conservativeResizeLike(Roles::Constant(3, vertices, Role::none));
-  for (Mat3X<double>& load : loads_) load.conservativeResizeLike(Mat3X<double>::Zero(3, vertices));
-
-  extend(linearisation_, elements, edit);
-  extend(refreshed_linearisation_, elements, edit);
+  grow(elements, edit);
   const Hold hold(elements, held);
   const std::vector<Index> components = components_of(edit.vertices);
   const auto has_role = [&](Index i) { return roles_.data()[i] != Role::none; };
@@ -128,7 +121,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   for (Index i : components) roles_.data()[i] = hold.role(i / 3, i % 3);
   has_changed_ = has_changed_ || std::any_of(components.begin(), components.end(), has_role);
   if (!has_changed_) {
-    for (Index t : edit.entered) corners_.col(t) = elements.topology.corners(t);
+    change_members(elements, edit);
     return {};
   }
   std::vector<Index> mechanism;
@@ -149,6 +142,22 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   }
   prepare_step(elements);
   return mechanism;
+}
+
+// To tetrahedra and vertices that are new.
+template <class Real>
+void PrecomputedRegion<Real>::grow(const Elements& elements, const RegionEdit& edit) {
+  const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
+  member_.resize(std::size_t(tets), 0);
+  shares_.resize(std::size_t(tets), 1);
+  if (!reduced_)
+    corners_ = elements.topology.tets();
+  else
+    corners_.conservativeResize(4, tets);
+  roles_.conservativeResizeLike(Roles::Constant(3, vertices, Role::none));
+  for (Mat3X<double>& load : loads_) load.conservativeResizeLike(Mat3X<double>::Zero(3, vertices));
+  extend(linearisation_, edit);
+  extend(refreshed_linearisation_, edit);
 }
 
 // On the interface what belongs to it from now on, and what is new.
@@ -213,37 +222,33 @@ void PrecomputedRegion<Real>::change_members(const Elements& elements, const Reg
     member_[t] = elements.is_in(RegionModel::precomputed, t);
     tet_count_ += member_[t];
     corners_.col(t) = elements.topology.corners(t);
+    shares_[t] = elements.share_of(t);
   }
 }
 
-// Between the corners that a member had when it was last followed. `row`: of each component, or −1.
+// With the corners and the share that a member had when it was last followed. `row`: of each component, or −1.
 template <class Real>
 void PrecomputedRegion<Real>::add(const Linearisation& linearisation, const Elements& elements, Index tet,
                                   double sign, const std::vector<Index>& row,
                                   ReducedRegion::Change& sum) const {
   const Linearisation::Forces own = linearisation.forces(elements, tet, corners_.col(tet));
+  const double factor = sign * shares_[tet] / elements.share_of(tet);
   std::array<Index, 12> at;
   for (int i = 0; i < 12; ++i) at[i] = row[std::size_t(3 * corners_(i / 3, tet) + i % 3)];
   for (int i = 0; i < 12; ++i) {
     if (at[i] < 0) continue;
-    sum.loads(at[i], 0) += sign * own.constant[i];
+    sum.loads(at[i], 0) += factor * own.constant[i];
     for (int j = 0; j < 12; ++j)
-      if (at[j] >= 0) sum.stiffness(at[i], at[j]) += sign * own.K(i, j);
+      if (at[j] >= 0) sum.stiffness(at[i], at[j]) += factor * own.K(i, j);
   }
 }
 
-// A copy of a vertex starts where the vertex was.
 template <class Real>
-void PrecomputedRegion<Real>::extend(Linearisation& linearisation, const Elements& elements,
-                                     const RegionEdit& edit) const {
+void PrecomputedRegion<Real>::extend(Linearisation& linearisation, const RegionEdit& edit) const {
   if (linearisation.is_at_rest()) return;
-  Mat3X<double>& about = linearisation.about;
-  const auto before = static_cast<Index>(about.cols());
-  about.conservativeResize(3, elements.topology.vertex_count());
-  for (Index t : edit.entered)
-    for (int c = 0; c < 4; ++c)
-      if (const Index v = elements.topology.tets()(c, t); v >= before)
-        about.col(v) = about.col(corners_(c, t));
+  linearisation.about.conservativeResize(3, roles_.cols());
+  for (const auto& [vertex, copy] : edit.copied)
+    linearisation.about.col(copy) = linearisation.about.col(vertex);
 }
 
 // A load on the interior acts through the region, all others are the world's.

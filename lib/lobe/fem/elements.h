@@ -92,9 +92,10 @@ inline Law<double> linear_law(const Elements& elements, Index tet) {
 
 // What an edit of the mesh or of the regions' tags means for the regions.
 struct RegionEdit {
-  std::vector<Index> left;      // tetrahedra that were removed, or changed corners or region
-  std::vector<Index> entered;   // alive tetrahedra that changed corners or region
+  std::vector<Index> left;      // tetrahedra that were removed, or changed corners, share or region
+  std::vector<Index> entered;   // alive tetrahedra that are new, or changed corners, share or region
   std::vector<Index> vertices;  // all vertices, old and new, of these; sorted
+  std::vector<std::pair<Index, Index>> copied;  // vertices and their copies, which start where these were
 };
 
 // Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves alone

@@ -237,14 +237,6 @@ bool CheckpointRing<Real>::roll_back(World<Real>& world, double seconds) {
 }
 
 #define LOBE_INSTANTIATE(Real)                                                           \
-  template Checkpoint<Real> World<Real>::save() const;                                   \
-  template void World<Real>::restore(const Checkpoint<Real>&);                           \
-  template Setup World<Real>::initial_setup() const;                                     \
-  template void World<Real>::check_fits(const Checkpoint<Real>&) const;                  \
-  template void World<Real>::check_repeats(const Command&) const;                        \
-  template void World<Real>::repeat(const Command&);                                     \
-  template void World<Real>::take(const Checkpoint<Real>&);                              \
-  template void World<Real>::load_terms(const Checkpoint<Real>&);                        \
   template void write_checkpoint(const std::filesystem::path&, const Checkpoint<Real>&); \
   template Checkpoint<Real> parse_checkpoint(const std::string&, std::string_view);      \
   template Checkpoint<Real> read_checkpoint(const std::filesystem::path&);               \

@@ -166,6 +166,7 @@ class World {
   Vec3d led_displacement(const HeldVertices::Held& item, double time) const;
   bool implicit_step(double dt);
   void catch_up();
+  void see_interior();
   std::vector<Index> meeting(const SweptVolume& volume);
 
   static void check(const State<Real>& state);

@@ -11,14 +11,15 @@
 namespace lobe {
 namespace {
 
-// What a cut means for the regions: the tetrahedra that went or have a copied vertex, and all vertices of
-// these, old and new.
+// What a cut means for the regions: the tetrahedra that went, have a copied vertex or another share, and all
+// vertices of these, old and new.
 RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index vertices_before) {
   RegionEdit edit;
   edit.left = cut.removed;
   for (const VertexSplit& split : cut.splits) {
     edit.entered.insert(edit.entered.end(), split.tets.begin(), split.tets.end());
     edit.vertices.push_back(split.vertex);
+    edit.copied.emplace_back(split.vertex, split.copy);
   }
   for (const TetShare& own : cut.shares) edit.entered.push_back(own.tet);
   for (Index v = vertices_before; v < topology.vertex_count(); ++v) edit.vertices.push_back(v);

@@ -272,12 +272,17 @@ void World<Real>::play_tools(double duration, Report& report) {
   pending_.clear();
 }
 
+// A condensed interior is where nobody has looked yet, and moves as it likes.
+template <class Real>
+void World<Real>::see_interior() {
+  if (!body_.regions.any_condensed()) return;
+  tools_.state_was_given();
+  state();
+}
+
 template <class Real>
 std::vector<Index> World<Real>::meeting(const SweptVolume& volume) {
-  if (body_.regions.any_condensed()) {  // its interior moves as it likes
-    tools_.state_was_given();
-    state();
-  }
+  see_interior();
   return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
 }
 

@@ -19,6 +19,7 @@ Blades& World<Real>::blades() {
 
 template <class Real>
 Blades::BodyNow World<Real>::body_now() {
+  see_interior();
   const auto placement = [this](Index t) {
     const Elements& own = elements();
     const Eigen::Vector4i corners = own.topology.corners(t);

@@ -65,8 +65,9 @@ void validate_shared_faces(const Topology& topology) {
 }
 
 // Who lies across each face, and what is left over for the boundary.
-void validate_faces(const Topology& topology) {
-  if (topology.tet_copy_count() > 0) return validate_shared_faces(topology);
+void validate_faces(const Elements& elements) {
+  const Topology& topology = elements.topology;
+  if (!elements.shares.empty()) return validate_shared_faces(topology);
   const std::vector<FaceOfTet> faces = faces_of(topology);
   std::vector<Index> boundary;
   for (std::size_t i = 0; i < faces.size();) {
@@ -83,7 +84,8 @@ void validate_faces(const Topology& topology) {
   check(sorted(topology.boundary_faces()) == boundary, "topology: the boundary");
 }
 
-void validate_topology(const Topology& topology) {
+void validate_topology(const Elements& elements) {
+  const Topology& topology = elements.topology;
   std::vector<std::vector<Index>> around(std::size_t(topology.vertex_count()));
   Index alive = 0;
   for (Index t = 0; t < topology.tet_count(); ++t) {
@@ -97,7 +99,7 @@ void validate_topology(const Topology& topology) {
   check(alive == topology.alive_count(), "topology: the number of tetrahedra that are left");
   for (Index v = 0; v < topology.vertex_count(); ++v)
     check(sorted(topology.around(v)) == around[std::size_t(v)], "topology: the tetrahedra around a vertex");
-  validate_faces(topology);
+  validate_faces(elements);
 }
 
 void validate_elements(const Elements& elements) {
@@ -204,7 +206,7 @@ void validate_places(const SurfaceMesh& mesh, const Topology& topology) {
 template <class Real>
 void validate(World<Real>& world) {
   Dynamics<Real>& body = world.body();
-  validate_topology(body.model.elements.topology);
+  validate_topology(body.model.elements);
   validate_elements(body.model.elements);
   validate_motion(body);
   validate_held(body);

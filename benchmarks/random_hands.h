@@ -39,7 +39,7 @@ class RandomHands {
       command.kind = Kind::let_go;
     else if (toss < 95)
       pause(command);
-    else if (toss < 98 && options_.goes_back)
+    else if ((toss < 98 || sequence_ % 150 == 0) && options_.goes_back)  // not only by chance
       command.kind = Kind::back;
     else if (toss < 99 && options_.goes_back)
       command.kind = Kind::restart;

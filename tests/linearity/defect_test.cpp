@@ -188,9 +188,7 @@ TEST_CASE("means that are found anew after a cut are those of the cut body") {
   MeanDefects mean(elements, zones);
   const MeshEdit edit =
       elements.topology.remove(std::vector<Index>(zones.tets[2].begin(), zones.tets[2].begin() + 7));
-  elements.points.extend(elements.topology.vertex_count());
-  for (const VertexSplit& split : edit.splits)
-    elements.points.col(split.copy) = elements.points.col(split.vertex);
+  elements.follow(edit);
   const Mat3X<double> u = Mat3X<double>::Random(3, elements.topology.vertex_count());
   const MeanDefects cut(elements, zones);
   const auto expected = cut.gradient(2, u);

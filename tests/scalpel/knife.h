@@ -37,16 +37,8 @@ class Knife {
     opened_ += static_cast<Index>(incised.incision.opened.size());
     if (!incised.opened.empty()) {
       const MeshEdit edit = elements.topology.divide(grains.divide(elements.topology, incised.opened));
-      elements.points.extend(elements.topology.vertex_count());
-      for (const VertexSplit& split : edit.splits)
-        elements.points.col(split.copy) = elements.points.col(split.vertex);
-      elements.shares.resize(std::size_t(elements.topology.tet_count()), 1);
-      for (const TetShare& own : edit.shares) elements.shares[std::size_t(own.tet)] = own.share;
-      for (const TetCopy& own : edit.copies) {
-        elements.material_of.push_back(elements.material_of[std::size_t(own.tet)]);
-        elements.region_of.push_back(elements.region_of[std::size_t(own.tet)]);
-        all_.push_back(own.copy);
-      }
+      elements.follow(edit);
+      for (const TetCopy& own : edit.copies) all_.push_back(own.copy);
       cut_off += static_cast<Index>(edit.cut_off.size());
     }
     return incised;

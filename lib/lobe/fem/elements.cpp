@@ -17,6 +17,8 @@ Elements::Elements(const Body& body)
       guard_below(body.guard_below) {
   const auto& given = body.mesh.labels;
   if (std::any_of(given.begin(), given.end(), [](int label) { return label != 0; })) labels = given;
+  corner_volumes.resize(std::size_t(topology.tet_count()));
+  for (Index t = 0; t < topology.tet_count(); ++t) corner_volumes[t] = volume(t) / 4;
 }
 
 void Elements::follow(const MeshEdit& edit) {
@@ -34,13 +36,17 @@ void Elements::follow(const MeshEdit& edit) {
   }
   if (edit.shares.empty()) return;
   shares.resize(std::size_t(topology.tet_count()), 1);
-  for (const TetShare& own : edit.shares) shares[own.tet] = own.share;
+  corner_volumes.resize(shares.size());
+  for (const TetShare& own : edit.shares) {
+    shares[own.tet] = own.share;
+    corner_volumes[own.tet] = volume(own.tet) / 4;
+  }
 }
 
 double lumped_mass(const Elements& elements, Index vertex) {
   double mass = 0;
   for (Index t : elements.topology.around(vertex))
-    mass += elements.elastic_of(t).density * elements.volume(t) / 4;
+    mass += elements.elastic_of(t).density * elements.corner_volumes[t];
   return mass;
 }
 

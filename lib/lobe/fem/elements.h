@@ -21,7 +21,8 @@ struct Elements {
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;
   std::vector<RegionModel> region_of;
-  std::vector<double> shares;  // φ; none if all tetrahedra are full
+  std::vector<double> shares;          // φ; none if all tetrahedra are full
+  std::vector<double> corner_volumes;  // φV/4 [m³] of each tetrahedron, for lumped_mass() after a cut
   RegionFrame precomputed_frame = RegionFrame::fixed;
   double volume_penalty = 0;  // κ [Pa], of the non-linear region
   double guard_below = 0;     // J₀, of the non-linear region

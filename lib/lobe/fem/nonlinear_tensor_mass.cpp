@@ -3,6 +3,28 @@
 namespace lobe {
 namespace {
 
+Mat3<double> strain(const Mat34<double>& alpha, int j, int k) {  // sym(α_j⊗α_k)
+  const Mat3<double> product = alpha.col(j) * alpha.col(k).transpose();
+  return (product + product.transpose()) / 2;
+}
+
+Mat3<double> fibre_stress(const Mat34<double>& alpha, const Law<double>& law, int j, int k) {
+  return fibre_stress_of_strain<double>(strain(alpha, j, k), law.fibre, law.direction);
+}
+
+// What fibres add, never inlined: the terms of bodies without any then stay as fast as without these branches.
+[[gnu::noinline]] Vec3d fibre_C(const Mat34<double>& alpha, const Law<double>& law, int j, int k, int l) {
+  return 0.5 * fibre_stress(alpha, law, k, l) * alpha.col(j);
+}
+[[gnu::noinline]] double fibre_D(const Mat34<double>& alpha, const Law<double>& law, int j, int k, int l,
+                                 int m) {
+  return fibre_stress(alpha, law, j, k).cwiseProduct(strain(alpha, l, m)).sum() / 8;
+}
+[[gnu::noinline]] Mat3<double> block_with_fibres(const Mat34<double>& alpha, const Law<double>& law, int j,
+                                                 int k) {
+  return linear_block<double>(law, alpha.col(j), alpha.col(k));
+}
+
 // The coefficients of one tetrahedron without V, as in the header.
 struct Coefficients {
   const Mat34<double>& alpha;
@@ -11,28 +33,23 @@ struct Coefficients {
 
   double dot(int j, int k) const { return alpha.col(j).dot(alpha.col(k)); }
 
-  Mat3<double> strain(int j, int k) const {  // sym(α_j⊗α_k)
-    const Mat3<double> product = alpha.col(j) * alpha.col(k).transpose();
-    return (product + product.transpose()) / 2;
+  Mat3<double> B(int j, int k) const {
+    if (law.terms.fibre) return block_with_fibres(alpha, law, j, k);
+    return hooke_block<double>(alpha.col(j), alpha.col(k), lambda, mu);
   }
-  Mat3<double> fibre_stress(int j, int k) const {
-    return fibre_stress_of_strain<double>(strain(j, k), law.fibre, law.direction);
-  }
-
-  Mat3<double> B(int j, int k) const { return linear_block<double>(law, alpha.col(j), alpha.col(k)); }
 
   Vec3d C(int j, int k, int l) const {
     const Vec3d C = 0.5 * lambda * dot(k, l) * alpha.col(j) +
                     0.5 * mu * (dot(j, k) * alpha.col(l) + dot(j, l) * alpha.col(k));
     if (!law.terms.fibre) return C;
-    return C + 0.5 * fibre_stress(k, l) * alpha.col(j);
+    return C + fibre_C(alpha, law, j, k, l);
   }
 
   double D(int j, int k, int l, int m) const {
     const double D =
         lambda / 8 * dot(j, k) * dot(l, m) + mu / 8 * (dot(j, l) * dot(k, m) + dot(j, m) * dot(k, l));
     if (!law.terms.fibre) return D;
-    return D + fibre_stress(j, k).cwiseProduct(strain(l, m)).sum() / 8;
+    return D + fibre_D(alpha, law, j, k, l, m);
   }
 };
 

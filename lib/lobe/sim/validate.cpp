@@ -106,12 +106,14 @@ void validate_elements(const Elements& elements) {
   const Topology& topology = elements.topology;
   const auto tets = std::size_t(topology.tet_count());
   check(elements.points.count() == topology.vertex_count(), "elements: one rest position per vertex");
-  check(elements.region_of.size() == tets && elements.material_of.size() == tets,
-        "elements: one region and one material per tetrahedron");
+  check(elements.region_of.size() == tets && elements.material_of.size() == tets &&
+            elements.corner_volumes.size() == tets,
+        "elements: one region, one material and one volume per tetrahedron");
   for (Index t = 0; t < topology.tet_count(); ++t) {
     check(elements.material_of[std::size_t(t)] < elements.materials.size(), "elements: a material's number");
     if (topology.alive(t))
       check(signed_volume(elements.corner_points(t)) > 0, "elements: a tetrahedron's rest volume");
+    check(elements.corner_volumes[std::size_t(t)] == elements.volume(t) / 4, "elements: a quarter's volume");
   }
 }
 

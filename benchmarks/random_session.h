@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "benchmarks/random_hands.h"
+#include "lobe/error.h"
 #include "lobe/live/session.h"
 
 namespace lobe::bench {
@@ -42,7 +43,13 @@ inline void send(Session<float>& session, const RandomSessionOptions& options, u
   RandomHands hands(seed, options.hands);
   std::optional<Controller> controller;
   while (!stops) {
-    if (!controller || hands.dice(200) == 0) controller.emplace(session.connect("somebody"));
+    if (hands.dice(200) == 0) controller.reset();
+    try {
+      if (!controller) controller.emplace(session.connect("somebody"));
+    } catch (const InputError&) {  // those who left before have not all been seen off yet
+      wait(hands, options.most_delay);
+      continue;
+    }
     controller->send(hands.next());
     if (hands.dice(20) == 0) controller->send({.kind = HandCommand::Kind::run, .on = true});
     wait(hands, options.most_delay);

@@ -24,10 +24,12 @@ endif()
 if(LOBE_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
+  add_compile_definitions(LOBE_SANITIZED)  # clang tells nobody
 endif()
 if(LOBE_THREAD_SANITIZE)
   add_compile_options(-fsanitize=thread)
   add_link_options(-fsanitize=thread)
+  add_compile_definitions(LOBE_SANITIZED)
 endif()
 
 # GCC collects its garbage from 128 MB on, which takes a tenth of the time of a unit; it changes nothing in the code.

@@ -30,7 +30,7 @@ void limit(Resource resource, double value) {
 
 // After fork(): only calls that are safe there.
 void restrict_child([[maybe_unused]] double memory_bytes) {
-#ifndef __SANITIZE_ADDRESS__  // reserves terabytes of addresses
+#ifndef LOBE_SANITIZED  // reserves terabytes of addresses
   limit(RLIMIT_AS, memory_bytes);
 #endif
   limit(RLIMIT_CORE, 0);

@@ -180,7 +180,7 @@ TEST_CASE("a mesher that runs out of time or memory is a failure with a message,
   options = {.edge = 0.004, .mesher = Mesher::tetgen, .time_limit = 0.001};
   CHECK_THROWS_WITH_AS(tetrahedralise({sphere}, options, report), doctest::Contains("ran out of time"),
                        MeshingFailure);
-#ifndef __SANITIZE_ADDRESS__  // without a memory limit then, see child_process.cpp
+#ifndef LOBE_SANITIZED  // without a memory limit then, see child_process.cpp
   options = {.edge = 0.004, .mesher = Mesher::tetgen, .memory_limit = 2e7};
   tetrahedralise({sphere}, options, report);
   CHECK(contains(report.attempts[0].failure, "tetgen"));

@@ -11,7 +11,7 @@
 #include "lobe/sim/world.h"
 #include "support.h"
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GLIBC__) && !defined(LOBE_SANITIZED)
 
 namespace {
 std::atomic<long> allocations{0};

@@ -1,6 +1,7 @@
 // Somebody who does whatever can be done in a session, by dice: for its benchmark and tests.
 #pragma once
 
+#include <array>
 #include <random>
 #include <vector>
 
@@ -12,7 +13,7 @@ struct RandomHandsOptions {
   Vec3d low = Vec3d::Zero(), high = Vec3d::Ones();  // of the body [m]
   bool goes_back = true;                            // also restarts
   std::vector<Index> removable;                     // tetrahedra that it removes, a few at a time
-  bool brings_scalpels = false;                     // in place of cauteries
+  bool brings_scalpels = false;  // in place of cauteries, and begins a stroke with hand 1 every 60th time
 };
 
 class RandomHands {
@@ -26,8 +27,11 @@ class RandomHands {
     command.position = place();
     command.orientation = turn();
     command.radius = size() * (0.05 + 0.1 * uniform());
+    constexpr std::array stroke = {Kind::let_go, Kind::bring, Kind::turn_on, Kind::lead, Kind::lead};
     const int toss = dice(1000);
-    if (toss < 15)
+    if (options_.brings_scalpels && sequence_ % 60 < stroke.size())
+      command.kind = stroke[sequence_ % 60], command.hand = 1;
+    else if (toss < 15)
       command.kind = Kind::take_at_point;
     else if (toss < 40)
       look_from_above(command);
@@ -46,6 +50,7 @@ class RandomHands {
     else if (toss < 101)
       remove(command);
     command.on = command.kind == Kind::run || dice(2) == 0;
+    if (command.kind == Kind::turn_on && options_.brings_scalpels) command.on = true;
     command.value = 0.3 * uniform() + 0.01;
     if (command.kind == Kind::bring) bring(command);
     return command;

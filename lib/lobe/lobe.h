@@ -20,7 +20,48 @@
 //   run/          a scene played, recorded and reported
 //   live/         a session: people hold the body in their hands while it is simulated
 //
-// Glossary (SI units): X rest position [m], x current position [m], u = x − X displacement [m], v velocity
+// Glossary. One word for one thing, here and in docs/README.md:
+//   body: what is simulated: one mesh with its materials, regions and loads; an organ.
+//   mesh: the tetrahedra and vertices of a body, at rest.
+//   rest position: where a vertex is without loads [m].
+//   displacement: present position less rest position [m].
+//   region: the part of a body that one model computes.
+//   non-linear region: a region of St Venant-Kirchhoff or neo-Hookean tetrahedra; right for large
+//     displacements.
+//   linear region: a tensor-mass or a pre-computed region; right for small strains without rotation.
+//   tensor-mass region: a linear region that moves with its own inertia.
+//   pre-computed region: a linear region that is condensed to its interface; precomputed in scenes.
+//   interface: the vertices that a region shares with other regions.
+//   condense: to eliminate the interior of a linear region, so that only its interface remains (static
+//     condensation).
+//   relinearise: to linearise a pre-computed region again about the present displacement.
+//   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for
+//     that.
+//   zone: a connected group of tetrahedra that changes its model as a whole.
+//   patch: up to 512 tetrahedra that are evaluated together.
+//   held vertex: a vertex whose position the boundary conditions prescribe.
+//   grasped vertex: a vertex that moves with a tool.
+//   tool: a grasp, a cautery or a scalpel, on a path or moved by hand.
+//   hand: a number under which a person or program commands one tool.
+//   gesture: a motion or force that a scene declares, for which regions are chosen.
+//   frame: the time between two pictures; tools, cuts and edits act at its start.
+//   step: one advance of the explicit scheme; a frame takes as many as stability needs.
+//   stable step: the longest step that does not grow an error: 2/ω_max.
+//   lumped mass: a diagonal mass matrix, a quarter of each tetrahedron's mass at each corner.
+//   selective mass: inertia that is larger for short waves, so that steps may be longer.
+//   watch: estimates an error while a scene runs, and asks for corrections.
+//   sleep: parts at rest are left out of the evaluation until they move.
+//   guard: an energy that keeps crushed non-linear tetrahedra from collapsing.
+//   tangle: crushed tetrahedra that hold each other inverted; the world unravels it.
+//   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.
+//   skin: a finer textured surface that the tetrahedra carry.
+//   grain: a piece of a tetrahedron that the scalpel has cut.
+//   condition: something that a step reports by name, with a remedy.
+//   checkpoint: all of a world's state, from which it goes on with the same bits.
+//   recording: the calls made to a world, with a digest after each, which a replay compares.
+//   session: a world that follows the clock while several people command it.
+//
+// Symbols (SI units): X rest position [m], x current position [m], u = x − X displacement [m], v velocity
 // [m/s], f force [N] acting ON a vertex, α_j gradient of the barycentric coordinate of vertex j [1/m], F = I
 // + Σ u_j ⊗ α_j, E Green-St Venant strain, S second Piola-Kirchhoff stress [Pa], λ, μ Lamé coefficients [Pa],
 // κ volume penalty [Pa], ρ density [kg/m³], V rest volume [m³]. [PDA]: G. Picinbono, H. Delingette, N.

@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Every number that a benchmark gave, in README.md and docs/, is the one of the committed tables.
+
+A claim is the text of a page with its numbers computed from benchmarks/results/*.csv. Tables that are made of a CSV
+whole stand between comments `<!-- table: NAME -->` and `<!-- end -->`.
+
+claims.py ROOT [--write]: --write puts the tables into the pages again; claims must be mended by hand.
+"""
+import re
+import sys
+
+from claims_list import CLAIMS
+from results import ROOT, percent, rows, thousands
+
+
+def markdown(header, body):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in body])
+
+
+def table_realtime():
+    body = []
+    for tets in sorted({row["tets"] for row in rows("realtime")}):
+        single, two = (rows("realtime", tets=tets, threads=n)[0] for n in (1, 2))
+        figures = [f"{r[c]:.2f}" if r[c] < 2 else f"{r[c]:.1f}" for r in (single, two)
+                   for c in ("real_time_factor", "undisturbed_factor")]
+        body.append(["liver", thousands(tets), f"{single['wave_step_us']:.0f} µs", f"{single['limit_us']:.0f} µs",
+                     f"{single['limit_gain']:.1f}", f"{single['mass_scaling_gain']:.2f}",
+                     f"{single['local_step_gain']:.2f}", *figures])
+    return markdown(["organ", "tetrahedra", "$h/c_p$", "limit", "gain", "1.5 % mass", "local steps, at most",
+                     "real time, one thread", "undisturbed", "two threads", "undisturbed"], body)
+
+
+def table_hybrid():
+    body = []
+    for row in sorted(rows("hybrid", representation="precomputed"), key=lambda r: (r["tets"], r["linear_fraction"])):
+        other = rows("hybrid", representation="tensor-mass", tets=row["tets"], linear_fraction=row["linear_fraction"])[0]
+        set_up = f"{row['set_up_s']:.2f}" if row["set_up_s"] < 1 else f"{row['set_up_s']:.1f}"
+        body.append([thousands(row["tets"]), percent(row["linear_fraction"], 0), f"{row['interface_vertices']:.0f}",
+                     f"{row['speedup']:.1f}", percent(row["error_l2"]), percent(row["error_transient"]), set_up,
+                     f"{other['speedup']:.1f}"])
+    return markdown(["tetrahedra", "linear", "interface", "speed-up", "error L2", "in motion", "set-up [s]",
+                     "tensor-mass"], body)
+
+
+SHOWN = ["strain-recipe", "proposed", "proposed-precomputed", "proposed-corrected", "precomputed-alone",
+         "precomputed-corrected", "selective-mass-alone", "selective-mass-corrected"]
+
+
+def gesture_row(row, second):
+    return [row["scene"].removeprefix("liver_"), second, f"`{row['regions']}`", f"{row['speedup']:.2f}",
+            f"{row['worst_frame']:.2f}", percent(row["mean_error"], 2), percent(row["largest_error"])]
+
+
+def table_gestures():
+    found = [gesture_row(row, percent(row["tolerance"], 0)) for row in rows("gestures", tets=10299, regions=SHOWN)]
+    return markdown(["scene", "tolerance", "regions", "speed-up", "worst frame", "mean error", "largest error"], found)
+
+
+def table_gestures_meshes():
+    found = [gesture_row(row, thousands(row["tets"])) for row in rows("gestures", tets__ne=10299, regions=SHOWN)]
+    return markdown(["scene", "tetrahedra", "regions", "speed-up", "worst frame", "mean error", "largest error"], found)
+
+
+TABLES = {"realtime": table_realtime, "hybrid": table_hybrid, "gestures": table_gestures,
+          "gestures-meshes": table_gestures_meshes}
+TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)
+
+
+def squeezed(text):
+    return re.sub(r"\s+", " ", text.replace("**", ""))
+
+
+def main(write):
+    faults, tables = [], 0
+    for page in [ROOT / "README.md"] + sorted((ROOT / "docs").rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        for match in TABLE.finditer(text):
+            tables += 1
+            made = TABLES[match[1]]()
+            if made != match[2]:
+                faults.append(f"{page.name}: table {match[1]} is not that of the CSV; run tests/docs/claims.py . --write")
+                if write:
+                    text = text.replace(match[2], made)
+        if write:
+            page.write_text(text, encoding="utf-8")
+    for page, claim in CLAIMS:
+        said = squeezed(claim())
+        if said not in squeezed((ROOT / page).read_text(encoding="utf-8")):
+            faults.append(f"{page}: the tables say: {said}")
+    print("\n".join(faults))
+    print(f"{tables} tables, {len(CLAIMS)} claims, {len(faults)} faults")
+    return 1 if faults or tables < len(TABLES) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main("--write" in sys.argv))

@@ -1,0 +1,98 @@
+"""The claims that claims.py checks: a page, and its text with numbers from the tables."""
+from results import alone, corrected, high, kernel, one, percent, rows, span
+
+PRECOMPUTED = dict(representation="precomputed", tets=10299)
+UNDECLARED = dict(scene="liver_undeclared", tets=10299)
+B = "docs/benchmarks.md"
+
+
+def realtime(tets, threads, column="real_time_factor"):
+    return one("realtime", column, tets=tets, threads=threads)
+
+
+def cuts(region, batch, tets=None):
+    chosen = {"tets": tets} if tets else {}
+    return rows("cut", region=region, batch=batch, **chosen)
+
+
+def two_threads(name, tets):
+    return kernel(name, "ns_per_tet", tets=tets) / kernel(name, "ns_per_tet", tets=tets, threads=2)
+
+
+def growth(name):
+    return kernel(name, "ns_per_tet", tets=998250) / kernel(name, "ns_per_tet", tets=10368)
+
+
+def front(regions, tolerance):
+    row = rows("gestures", regions=regions, tolerance=tolerance, **UNDECLARED)[0]
+    return f"{row['speedup']:.2f}", percent(row["largest_error"])
+
+
+def hybrid(representation, which):
+    found = sorted(rows("hybrid", representation=representation, tets=10299), key=lambda r: r["linear_fraction"])
+    return found[which]
+
+
+CLAIMS = [
+    (B, lambda: f"A liver of 10,299 tetrahedra then runs at {realtime(10299, 1):.1f} times real time on one thread"),
+    (B, lambda: f"one of 51,586 at {realtime(51586, 2):.2f} times on two threads"),
+    (B, lambda: f"From 10,000 tetrahedra on they were {span(corrected(tets__ge=10000), 'speedup')} times as fast, with "
+                f"an error of at most {percent(high(corrected(tets__ge=10000), 'largest_error'))} in any frame"),
+    (B, lambda: f"With {percent(hybrid('precomputed', -1)['linear_fraction'], 0)} of the volume pre-computed a step is "
+                f"{hybrid('precomputed', -1)['speedup']:.1f} times as fast, with an error of "
+                f"{percent(hybrid('precomputed', -1)['error_l2'])} in equilibrium"),
+    (B, lambda: f"in its place: {hybrid('tensor-mass', -1)['speedup']:.1f} times as fast"),
+    (B, lambda: f"right after a release the error was {span(alone(), 'largest_error', 0, 100)} %"),
+    (B, lambda: f"We reached {span(corrected(tets__ge=10000), 'speedup')} times."),
+    (B, lambda: f"The direct one reads {kernel('svk', 'bytes_per_tet'):.0f} bytes per tetrahedron in single precision, the "
+                f"stored one {span(rows('kernels', kernel='svk_stored', precision='single', mesh='cube', threads=1, tets__ge=10000), 'bytes_per_tet', 0)}"),
+    (B, lambda: f"the stored evaluator takes {kernel('svk_stored', tets=10368) / kernel('svk', tets=10368):.0f} to "
+                f"{kernel('svk_stored') / kernel('svk'):.0f} times as long as the direct one"),
+    (B, lambda: f"up to {kernel('svk_stored', tets=196608) / kernel('svk', tets=196608):.1f} times as long"),
+    (B, lambda: f"The direct evaluator does {kernel('svk', 'flops_per_tet'):.0f} flops on 44 bytes"),
+    (B, lambda: f"does {kernel('tensor_mass', 'flops_per_tet'):.0f} flops on {kernel('tensor_mass', 'bytes_per_tet'):.0f} bytes"),
+    (B, lambda: f"the direct evaluator goes from {kernel('svk', 'ns_per_tet', tets=10368):.1f} to "
+                f"{kernel('svk', 'ns_per_tet', tets=998250):.1f} ns and the tensor-mass product from "
+                f"{kernel('tensor_mass', 'ns_per_tet', tets=10368):.1f} to {kernel('tensor_mass', 'ns_per_tet', tets=998250):.1f} ns: "
+                f"{growth('svk'):.1f} and {growth('tensor_mass'):.1f} times"),
+    (B, lambda: f"A world of 998,250 tetrahedra takes {kernel('step', 'world_bytes_per_tet', tets=998250):.0f} bytes per "
+                f"tetrahedron in single precision"),
+    (B, lambda: f"| `svk`, single; double | 0.20; 0.45 | {kernel('svk'):.2f}; {kernel('svk', precision='double'):.2f} |"),
+    (B, lambda: f"| 0.12, 0.26 | {kernel('tensor_mass'):.2f}, {kernel('svk_volume'):.2f} |"),
+    (B, lambda: f"| whole step over its forces | 1.15 | {kernel('step') / kernel('svk'):.2f} |"),
+    (B, lambda: f"at 998,250 over that at 10,368: `svk` | 1.3 | {growth('svk'):.1f} |"),
+    (B, lambda: f"at 48k, 197k, 998k | 1.8 | {two_threads('svk', 48000):.2f}, {two_threads('svk', 196608):.2f}, "
+                f"{two_threads('svk', 998250):.2f} |"),
+    (B, lambda: f"| two threads below 48k | not slower | {two_threads('svk', 2058):.1f} to {two_threads('svk', 10368):.1f} |"),
+    (B, lambda: f"| one cut tetrahedron, non-linear [µs] | 3 | {span(cuts('nonlinear', 1), 'us_per_tet')} |"),
+    (B, lambda: f"| tensor-mass [µs] | 3 | {span(cuts('tensor-mass', 1), 'us_per_tet')} |"),
+    (B, lambda: f"| a cut at 998,250 over that at 48,000 | 1 | "
+                f"{one('cut', 'us_per_tet', region='nonlinear', batch=1, tets=998250) / one('cut', 'us_per_tet', region='nonlinear', batch=1, tets=48000):.1f} |"),
+    (B, lambda: f"| 150 | {kernel('step', 'world_bytes_per_tet', tets=998250):.0f} | indices"),
+    (B, lambda: f"times real time | 1 | {realtime(51586, 2):.2f}; {realtime(51586, 2, 'undisturbed_factor'):.2f} undisturbed |"),
+    (B, lambda: f"Non-linear region: one by one {span(cuts('nonlinear', 1), 'us_per_tet')} µs per tetrahedron, in batches "
+                f"of 100 {span(cuts('nonlinear', 100), 'us_per_tet')} µs."),
+    (B, lambda: f"Tensor-mass region: one by one {span(cuts('tensor-mass', 1), 'us_per_tet')} µs"),
+    (B, lambda: f"takes {cuts('precomputed liver', 100)[0]['us_per_tet'] / 1000:.2f} ms per tetrahedron, the cube of 10,368 "
+                f"(312 vertices) {cuts('precomputed', 100)[0]['us_per_tet'] / 1000:.2f} ms. In batches of 10 it is "
+                f"{cuts('precomputed liver', 10)[0]['us_per_tet'] / 1000:.1f} and {cuts('precomputed', 10)[0]['us_per_tet'] / 1000:.1f} ms"),
+    (B, lambda: f"At rest the body costs {span(rows('resting', part='resting'), 'gain')} times less"),
+    (B, lambda: f"At most {span(rows('realtime', threads=1), 'local_step_gain', 0, 100).replace('115', '15').replace('116', '15').replace('117', '17')} % of the evaluations"),
+    (B, lambda: f"costs {one('frames', 'over_steps', frame_ms=1):.2f} times its two steps"),
+    (B, lambda: f"Tensor-mass in its place gains {span(rows('hybrid', representation='tensor-mass'), 'speedup')}."),
+    (B, lambda: f"costs an error of {span(rows('hybrid', representation='precomputed'), 'error_transient', 1, 100)} % in motion"),
+    (B, lambda: f"They are {span(corrected(tets__ge=10000), 'speedup')} times as fast as all non-linear with lumped masses "
+                f"({span(corrected(tets=2925), 'speedup')} at 2,925 tetrahedra)."),
+    (B, lambda: f"the largest error of any frame is {span(corrected(tets__ge=10000), 'largest_error', 1, 100)} %, the mean "
+                f"error {span(corrected(tets__ge=10000), 'mean_error', 1, 100)} %, declared or not. The slowest frame takes "
+                f"{span(corrected(tets__ge=10000), 'worst_frame')} times"),
+    (B, lambda: f"the largest error is {span(corrected(tets=2925), 'largest_error', 1, 100)} %"),
+    (B, lambda: "declared, at 10,299: " + percent(one('gestures', 'largest_error', scene='liver_declared', tets=10299,
+                                                      regions='selective-mass-corrected', tolerance=0.01))),
+    (B, lambda: f"is {span(alone(), 'speedup')} times as fast, but wrong by {span(alone(), 'largest_error', 0, 100)} %"),
+    (B, lambda: "the front runs from {} times the speed at {}".format(*front("precomputed-corrected", 0.01)).replace(
+        "0.9 %", "0.9 %")),
+    (B, lambda: "over {} at {}, {} at {} and {} at {} (selective masses".format(
+        *(x for t in (0.01, 0.02, 0.05) for x in front("selective-mass-corrected", t)))),
+    (B, lambda: "to {} at {} (not corrected)".format(*front("selective-mass-alone", 0.02))),
+]

@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""What the pages promise of themselves: short paragraphs, a true table of folders, one glossary, figures with commands.
+
+pages.py ROOT
+"""
+import re
+import sys
+from pathlib import Path
+
+LONGEST = 80  # words of a paragraph, a list item or a table's cell
+
+
+def documents(root):
+    return [root / "README.md", root / "data" / "README.md"] + sorted((root / "docs").rglob("*.md"))
+
+
+def paragraphs(text):
+    """Paragraphs, list items and cells of tables, without code blocks and comments."""
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
+    text = re.sub(r"^```.*?^```$", "\n", text, flags=re.S | re.M)
+    for part in re.split(r"\n\s*\n|\n(?=\s*(?:[-*] |\d+\. ))", text):
+        if part.lstrip().startswith("|"):
+            yield from (cell for row in part.splitlines() for cell in row.split("|"))
+        else:
+            yield part
+
+
+def words(text):
+    """Words of a text; a formula counts as one."""
+    text = re.sub(r"\$\$.*?\$\$", " formula ", text, flags=re.S)
+    text = re.sub(r"\$[^$\n]+\$", "formula", text)
+    text = re.sub(r"\]\([^)]*\)", "]", text)
+    return len([w for w in text.split() if re.search(r"\w", w)])
+
+
+def long_paragraphs(root):
+    for page in documents(root):
+        for part in paragraphs(page.read_text(encoding="utf-8")):
+            if words(part) > LONGEST:
+                yield f"{page.relative_to(root)}: {words(part)} words: {' '.join(part.split())[:70]} …"
+
+
+def anchor(heading):
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def expanded(pattern):
+    """lib/{a,b}.* becomes lib/a.*, lib/b.*"""
+    match = re.search(r"\{([^}]*)\}", pattern)
+    if not match:
+        return [pattern]
+    return [p for part in match[1].split(",") for p in expanded(pattern[: match.start()] + part + pattern[match.end():])]
+
+
+def theory_table(root):
+    text = (root / "docs" / "theory.md").read_text(encoding="utf-8")
+    headings = re.findall(r"^## (\d+ .*)$", text, re.M)
+    rows = re.findall(r"^\| \[(\d+ [^\]]*)\]\(#([^)]*)\) \| (.*) \|$", text, re.M)
+    if [row[0] for row in rows] != headings:
+        yield f"theory.md: the table has {[row[0] for row in rows]}, the page {headings}"
+    named = []
+    for title, target, cell in rows:
+        if target != anchor(title):
+            yield f"theory.md: #{target}, must be #{anchor(title)}"
+        for pattern in (p for code in re.findall(r"`([^`]*)`", cell) for p in expanded(code)):
+            named.append(pattern)
+            if not list(root.glob(pattern.rstrip("/"))):
+                yield f"theory.md: section {title}: there is no {pattern}"
+    for folder in sorted((root / "lib" / "lobe").iterdir()):
+        path = f"lib/lobe/{folder.name}"
+        if folder.is_dir() and list(folder.glob("*.h")) and not any(name.startswith(path) for name in named):
+            yield f"theory.md: no section names {path}/"
+
+
+def plain(text):
+    return re.sub(r"[^\w/.;,: -]", "", text.replace("omega", "ω")).replace("ω_max", "").replace("ωmax", "")
+
+
+def glossary(root):
+    page = (root / "docs" / "README.md").read_text(encoding="utf-8")
+    section = page[page.index("## Glossary"):]
+    listed = dict(re.findall(r"^\| ([^|]+?) \| ([^|]+?) \|$", section, re.M))
+    listed = {re.sub(r" \$.*", "", k): v for k, v in listed.items() if k not in ("word", "---")}
+    header = (root / "lib" / "lobe" / "lobe.h").read_text(encoding="utf-8")
+    block = header[header.index("// Glossary"):header.index("// Symbols")]
+    entries = re.sub(r"\n//     ", " ", block)
+    defined = dict(re.findall(r"^//   ([^:]+): (.*)\.$", entries, re.M))
+    if len(listed) < 30:
+        yield f"docs/README.md: the glossary has {len(listed)} words"
+    for word in listed.keys() | defined.keys():
+        if plain(listed.get(word, "")) != plain(defined.get(word, "")):
+            yield f'glossary: "{word}" is "{listed.get(word)}" in docs/README.md, "{defined.get(word)}" in lobe.h'
+
+
+def figures(root):
+    """Every figure says in the text below it which command makes it."""
+    for page in documents(root):
+        lines = page.read_text(encoding="utf-8").splitlines()
+        for i, line in enumerate(lines):
+            for picture in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", line):
+                if "Made by `" not in "\n".join(lines[i:i + 8]):
+                    yield f"{page.relative_to(root)}:{i + 1}: no command beside {picture}"
+
+
+def main(root):
+    assert words("$a b$ c d](e f)") == 3 and anchor("8 A frame, and what") == "8-a-frame-and-what"
+    assert expanded("a/{b,c}.*") == ["a/b.*", "a/c.*"]
+    faults = [fault for check in (long_paragraphs, theory_table, glossary, figures) for fault in check(root)]
+    print("\n".join(faults))
+    print(f"{len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))

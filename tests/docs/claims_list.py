@@ -33,7 +33,42 @@ def hybrid(representation, which):
     return found[which]
 
 
+def independent():
+    return high(rows("validation", family="independent solution"), "error")
+
+
+def played():
+    return rows("live", random_minutes__ge=1)[0]
+
+
+def drawn(row):
+    return row["positions_ns"] + row["normals_ns"]
+
+
+R = "README.md"
+S = "docs/surface.md"
+
 CLAIMS = [
+    (R, lambda: f"| St Venant-Kirchhoff forces | {kernel('svk'):.2f}; {kernel('svk', precision='double'):.2f} |"),
+    (R, lambda: f"| linear tensor-mass forces | {kernel('tensor_mass'):.2f}; {kernel('tensor_mass', precision='double'):.2f} |"),
+    (R, lambda: f"| remove one tetrahedron [µs] | {span(cuts('nonlinear', 1), 'us_per_tet')} |"),
+    (R, lambda: f"| memory per tetrahedron [bytes] | {kernel('step', 'world_bytes_per_tet'):.0f} |"),
+    (R, lambda: f"| force error after cuts, against a rebuilt model | {high(rows('cut'), 'error'):.0e} |"),
+    (R, lambda: f"lobe agrees with FEniCSx and GetFEM to {independent():.0e} on the same mesh."),
+    (R, lambda: "Turek-Hron CSM1 is off by " + percent(
+        one("validation", "error", family="Turek-Hron", case="CSM1", quantity="u_y(A), extrapolated"), 2)),
+    ("docs/live.md", lambda: f"({played()['random_commands']:,.0f} commands, {played()['random_returns']:,.0f} times back) "
+                             f"made a record of {played()['recording_mb']:.0f} MB. They were played in "
+                             f"{played()['playing_s']:.0f} s and replayed bit for bit in {played()['replaying_s']:.0f} s"),
+    (S, lambda: f"about as long as the cut itself, {span(rows('surface'), 'follow_us', 0)} µs"),
+    (S, lambda: f"positions and normals of the surface take {min(map(drawn, rows('surface'))):.0f} to "
+                f"{max(map(drawn, rows('surface'))):.0f} ns per vertex"),
+    (S, lambda: f"positions and normals of the skin take {span(rows('skin'), 'update_ns', 0)} ns per vertex"),
+    (S, lambda: f"with the skin takes {span(rows('skin'), 'follow_us', 0)} µs"),
+    ("docs/stability.md", lambda: f"{len(rows('stress', passed='yes'))} of {len(rows('stress'))} runs end as they must. In "
+                                  f"{len([r for r in rows('stress') if r['unravelling_s'] > 0])} of them a tangle was "
+                                  f"unravelled, for {high(rows('stress'), 'unravelling_s'):.1f} s"),
+    ("docs/validation.md", lambda: f"{len(rows('validation', passed='yes'))} of {len(rows('validation'))} rows passed"),
     (B, lambda: f"A liver of 10,299 tetrahedra then runs at {realtime(10299, 1):.1f} times real time on one thread"),
     (B, lambda: f"one of 51,586 at {realtime(51586, 2):.2f} times on two threads"),
     (B, lambda: f"From 10,000 tetrahedra on they were {span(corrected(tets__ge=10000), 'speedup')} times as fast, with "

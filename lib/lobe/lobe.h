@@ -7,7 +7,7 @@
 //   condense/     pre-computed linear regions, reduced to what they share with others
 //   body/         all regions of a body, its state, its loads, forces from outside
 //   cut/          tetrahedra that an instrument touches
-//   tool/         grasps and cauteries, on paths or led by hand
+//   tool/         grasps and cauteries, on paths or moved by hand
 //   time/         the explicit scheme: inertia, stable step, sleep, tangles
 //   sim/          World: frames, tools, edits as commands, checkpoints
 //   solve/        static equilibrium

@@ -24,7 +24,7 @@ class ForceTerm {
 
   // Once per step: f += forces that act on vertices [N]. A force that depends on v is taken half a step late.
   virtual void add_forces(const At& at, Mat3X<Real>& f) = 0;
-  // What its vertices feel of it when they move alone, −∂f_v/∂u_v [N/m]: without it the time step limit is
+  // What its vertices feel of it when they move while their neighbours are held, −∂f_v/∂u_v [N/m]: without it the time step limit is
   // too long.
   virtual void add_diagonal_stiffness(const At&, DiagonalStiffness&) const {}
   virtual double energy(const At&) const { return 0; }  // [J]

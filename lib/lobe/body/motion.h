@@ -14,7 +14,7 @@ struct State {
   Mat3X<Real> u;    // 3 × #vertices, displacement [m]
   Mat3X<Real> v;    // 3 × #vertices, velocity [m/s]
   double time = 0;  // [s]
-  // By how much v is older than u [s]: half a step after one, 0 where motion starts, or starts anew.
+  // By how much v is older than u [s]: half a step after one, 0 where motion starts, or starts again.
   double behind = 0;
 
   bool is_valid() const {

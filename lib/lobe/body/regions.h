@@ -1,4 +1,4 @@
-// All regions of a body: tensor-mass, non-linear and precomputed ones, which share vertices at their
+// All regions of a body: tensor-mass, non-linear and pre-computed ones, which share vertices at their
 // interfaces. It alone knows which tetrahedra are condensed, and whether these are expanded for a while, that
 // is, non-linear, interior and all.
 #pragma once
@@ -38,7 +38,7 @@ class Regions {
   std::string take_notice() { return precomputed_.take_notice(); }  // of the cache
 
   // Precomputed tetrahedra as non-linear ones, until they are condensed again. Masses and loads of
-  // condensed_vertices() are to be found anew in between; take_over_loads() and move_mass() follow where they
+  // condensed_vertices() are to be found again in between; take_over_loads() and move_mass() follow where they
   // are condensed.
   bool can_be_expanded() const { return expandable_ && any_condensed(); }
   bool is_expanded() const { return is_expanded_; }
@@ -55,7 +55,7 @@ class Regions {
     return precomputed_.move_mass(elements, mass);
   }
 
-  // Condensed afresh by another thread, about where it is linearised or about other displacements (3 ×
+  // Condensed from scratch by another thread, about where it is linearised or about other displacements (3 ×
   // #vertices [m]; none: the former), and used from a time on [s].
   bool wants_refresh() const { return precomputed_.wants_refresh(); }
   bool is_refreshing() const { return precomputed_.is_refreshing(); }
@@ -81,7 +81,7 @@ class Regions {
   // The same near a state, for differences of forces: at rest without loads, and elsewhere.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   void add_forces_near(const Mat3X<Real>& u, double missing, Mat3X<Real>& f, Parallel& parallel);
-  // What vertices feel when they move alone, and the smallest det F.
+  // What vertices feel when they move while their neighbours are held, and the smallest det F.
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                            Parallel& parallel);
   ElasticEnergy energy(const Elements& elements, const Mat3X<Real>& u);

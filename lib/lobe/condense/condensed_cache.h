@@ -21,7 +21,7 @@ class CondensedCache {
                           CondensingLog::Progress progress = {})
       : folder_(std::move(folder)), log_(std::move(progress)) {}
 
-  // The region condensed to its interface: from the folder, or else afresh, and then kept there. A file that
+  // The region condensed to its interface: from the folder, or else from scratch, and then kept there. A file that
   // is damaged is replaced, one that cannot be written is left: take_notice() says so.
   std::unique_ptr<Condensed> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                       const Dofs& interface, const SparseFactorMaker& make_factor);

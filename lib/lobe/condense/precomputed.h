@@ -38,7 +38,7 @@ class PrecomputedRegion {
   // Throws InputError if the region of these elements had too large an interface.
   static void refuse_large(const Elements& elements, const HeldVertices& held);
 
-  // What is touched by edits makes the next ones dearer, until the region is condensed afresh. That is done
+  // What is touched by edits makes the next ones dearer, until the region is condensed from scratch. That is done
   // by another thread, from a copy of what there is now; edits go on meanwhile, and are repeated on the
   // result.
   bool wants_refresh() const {
@@ -46,7 +46,7 @@ class PrecomputedRegion {
   }
   bool is_refreshing() const { return refreshed_.valid(); }
   void begin_refresh(const Elements& elements) { begin_refresh(elements, linearisation_); }
-  // Linearised anew about these displacements: 3 × #vertices [m].
+  // Relinearised about these displacements: 3 × #vertices [m].
   void begin_renewal(const Elements& elements, const Mat3X<double>& about) {
     begin_refresh(elements, Linearisation{about});
   }
@@ -144,7 +144,7 @@ class PrecomputedRegion {
   bool is_outdated_ = false, refreshed_is_outdated_ = false;
   Linearisation linearisation_;
   std::unique_ptr<ReducedRegion> reduced_;
-  Index most_touched_ = 0;  // beyond, it had better be condensed afresh
+  Index most_touched_ = 0;  // beyond, it had better be condensed from scratch
   Index edited_ = 0;        // components, since its error was last measured
   std::future<std::unique_ptr<ReducedRegion>> refreshed_;
   Linearisation refreshed_linearisation_;

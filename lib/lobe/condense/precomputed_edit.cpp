@@ -281,7 +281,7 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
   return mechanism;
 }
 
-// Where edits have left too large an error the region is condensed afresh at once, if it can be: little of it
+// Where edits have left too large an error the region is condensed from scratch at once, if it can be: little of it
 // is left then. That is measured as often as it costs little beside the edits. What another thread is
 // condensing starts again from here, once that is done.
 template <class Real>

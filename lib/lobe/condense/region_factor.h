@@ -12,7 +12,7 @@ namespace lobe {
 enum class Role : std::uint8_t {
   none,      // outside of the region, or fixed
   interior,  // quasi-static, follows the interface
-  interface  // moves by itself: shared with other regions, or led by somebody
+  interface  // moves by itself: shared with other regions, or grasped
 };
 using Roles = Eigen::Matrix<Role, 3, Eigen::Dynamic>;              // 3 × #vertices
 using ComponentNumbers = Eigen::Matrix<Index, 3, Eigen::Dynamic>;  // 3 × #vertices, −1: none

@@ -41,7 +41,7 @@ struct Elements {
     own.volume *= share_of(tet);
     return own;
   }
-  // The topology has made copies, or divided volumes anew.
+  // The topology has made copies, or divided volumes again.
   void follow(const MeshEdit& edit);
   int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
   bool is_in(RegionModel model, Index tet) const {  // the tetrahedron is alive and of that model
@@ -99,7 +99,7 @@ struct RegionEdit {
   std::vector<std::pair<Index, Index>> copied;  // vertices and their copies, which start where these were
 };
 
-// Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves alone
+// Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves while its neighbours are held
 // [N/m].
 using DiagonalStiffness = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 

@@ -22,7 +22,7 @@ template <class T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 template <class T>
 concept Dense = std::is_base_of_v<Eigen::MatrixBase<T>, T>;
-// A class that is kept as something else: as_kept() gives it, from_kept() makes it anew.
+// A class that is kept as something else: as_kept() gives it, from_kept() makes it again.
 template <class T>
 concept Converted = requires(const T& x) {
   T::from_kept(x.as_kept());

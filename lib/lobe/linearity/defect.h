@@ -28,7 +28,7 @@ Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<
 class MeanDefects {
  public:
   MeanDefects(const Elements& elements, const Zones& zones);
-  void find(const Elements& elements, const Zones& zones, Index zone);  // anew, after a cut
+  void find(const Elements& elements, const Zones& zones, Index zone);  // again, after a cut
 
   Eigen::Matrix<double, 9, 1> gradient(Index zone, const Mat3X<double>& u) const;
   // Of a zone with this mean gradient; in a linear zone that of its twin counts.

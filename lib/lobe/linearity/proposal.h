@@ -40,7 +40,7 @@ struct Proposal {
 Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options);
 
 // For regions that are corrected while they run (watch.h): precomputed, which may be wrong by three times the
-// tolerance (up to 7 %), since they will be linearised anew or expanded; where nothing pays to be
+// tolerance (up to 7 %), since they will be relinearised or expanded; where nothing pays to be
 // precomputed, tensor-mass as above.
 Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
                                     ProposalOptions options);

@@ -14,8 +14,8 @@ namespace {
 constexpr double leave_down_to = 0.7;   // of the tolerance: where zones stop to leave
 constexpr double join_below = 0.4;      // where they may join
 constexpr int patience = 8;             // looks for which one must have been welcome
-constexpr double leave_above = 0.8;     // of the tolerance: where a precomputed region is expanded
-constexpr double renew_above = 0.25;    // where it is linearised anew
+constexpr double leave_above = 0.8;     // of the tolerance: where a pre-computed region is expanded
+constexpr double renew_above = 0.25;    // where it is relinearised
 constexpr double condense_below = 0.5;  // where it is condensed again
 constexpr int patience_to_condense = 2;
 constexpr double delay_per_tet = 8e-6;      // of its renewal [s]: what condensing takes on a slow machine
@@ -85,7 +85,7 @@ HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
   return boundary;
 }
 
-// Whether there was a cut. It changes what zones do to each other: found anew from a copy, since that takes
+// Whether there was a cut. It changes what zones do to each other: found again from a copy, since that takes
 // as long as many frames.
 template <class Real>
 bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
@@ -251,10 +251,10 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   return report;
 }
 
-// A precomputed region is linearised anew while its error is small, and expanded where it is not: also,
+// A pre-computed region is relinearised while its error is small, and expanded where it is not: also,
 // before any look, where a cut or a change of who holds the body, in the last frame or the next, starts a
 // motion that no estimate foresees. It is condensed again once it would have been welcome for some looks;
-// until then it is linearised anew wherever the body has gone.
+// until then it is relinearised wherever the body has gone.
 template <class Real>
 void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steering, double estimate,
                                  LinearityReport& report) {

@@ -1,5 +1,5 @@
 // Watches what linear regions get wrong while a world runs, and corrects it, if asked (theory, section 15):
-// zones of tensor-mass regions move to the non-linear model and back; precomputed regions are linearised anew
+// zones of tensor-mass regions move to the non-linear model and back; pre-computed regions are relinearised
 // about the present state, and are expanded where not even that holds.
 //
 //   LinearityWatch<float> watch(world, grasps, {.tolerance = 0.02, .correct = true});
@@ -25,7 +25,7 @@ struct LinearityReport {
   Vec3d place = Vec3d::Zero();            // centre of that zone at rest [m]
   bool exceeded = false;                  // the tolerance
   Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
-  bool is_expanded = false;               // the precomputed region
+  bool is_expanded = false;               // the pre-computed region
 };
 
 struct LinearityOptions {
@@ -33,7 +33,7 @@ struct LinearityOptions {
   bool correct = false;
   RegionModel linear = RegionModel::tensor_mass;  // of zones that become linear
   Index zones = 0;                                // 0: usual_zone_count()
-  int recover_every = 12;  // looks, where the interior of a precomputed region must be recovered
+  int recover_every = 12;  // looks, where the interior of a pre-computed region must be recovered
   Index most_tets = 600;   // that change their model in one look
   std::function<void(const LinearityReport&)> on_exceeded = {};
 };
@@ -47,7 +47,7 @@ class LinearityWatch {
   LinearityWatch(const LinearityWatch&) = delete;
   LinearityWatch& operator=(const LinearityWatch&) = delete;
 
-  // At the start, and after a frame. Costs one small dense product, beside a precomputed region also the
+  // At the start, and after a frame. Costs one small dense product, beside a pre-computed region also the
   // recovery of its interior, so that the last report stands in for most looks there, otherwise for every
   // other one while the error is small. Where a cut or a change of who holds startles it, a region that may
   // be expanded is so without a look. What cuts do to the influence of zones is found by a background thread

@@ -40,7 +40,7 @@ struct SessionOptions {
   std::size_t back_memory = 64u << 20;  // of these states [bytes]
   double patience = 0;                  // whoever has not sent anything for longer is gone [s]; 0: never
   HandLimits hand = {};
-  CondensingLog::Progress condensing = {};  // while precomputed regions are condensed
+  CondensingLog::Progress condensing = {};  // while pre-computed regions are condensed
   std::function<void()> published = {};  // after each picture and status, by the session's thread: no waiting
 };
 

@@ -1,4 +1,4 @@
-// What hands have done in a session, as a plain scene: its tools follow the paths on which the hands led
+// What hands have done in a session, as a plain scene: its tools follow the paths on which the hands moved
 // them, and `lobe run` plays it to the same bits.
 //
 //   const Scene kept = session_scene(scene, resolved.setup, session);

@@ -62,7 +62,7 @@ Index PressureNodes::node_at(Index vertex, std::uint16_t material, double lambda
   return node;
 }
 
-// Volumes are summed anew from the tetrahedra that are left: nothing is subtracted, and no rounding
+// Volumes are summed again from the tetrahedra that are left: nothing is subtracted, and no rounding
 // accumulates.
 void PressureNodes::refresh(const Elements& elements, Index node) {
   volume_[node] = 0;

@@ -18,7 +18,7 @@ class StoredTerms {
  public:
   explicit StoredTerms(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
 
-  // Gathers the terms of all patches that an edit changes anew: O(its tetrahedra) for each.
+  // Gathers the terms of all patches that an edit changes again: O(its tetrahedra) for each.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
               RegionModel model = RegionModel::nonlinear);
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]

@@ -24,7 +24,7 @@ Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {
   const Vec3d a = doubled_area(own), b = doubled_area(other);
   const double per_36_volumes =
       elements.share_of(tet) / (6 * a.dot(X.col(face_corners[own][0]) - X.col(own)));
-  const Elastic& elastic = elements.elastic_of(tet);  // without a Law: a cut sums six edges' blocks anew
+  const Elastic& elastic = elements.elastic_of(tet);  // without a Law: a cut sums six edges' blocks again
   const Mat3<double> block =
       hooke_block<double>(a, b, per_36_volumes * elastic.lambda, per_36_volumes * elastic.mu);
   if (!elastic.fibre.any()) return block;

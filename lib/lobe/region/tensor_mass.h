@@ -17,7 +17,7 @@ class TensorMassRegion {
   explicit TensorMassRegion(InstructionSet set = chosen_instruction_set())
       : kernels_(wide_kernels<Real>(set)) {}
 
-  // Sums anew the blocks of the edges of an edit, from the tetrahedra that are left around them.
+  // Sums again the blocks of the edges of an edit, from the tetrahedra that are left around them.
   void follow(const Elements& elements, const RegionEdit& edit);
 
   Index tet_count() const { return tet_count_; }

@@ -32,7 +32,7 @@ struct WideKernels {
   // Returns the smallest det F if asked, to rounding, else 1.
   Real (*add_forces)(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f);
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
-  // Adds three of the six entries of what each vertex feels when it moves alone [N/m]; returns the smallest
+  // Adds three of the six entries of what each vertex feels when it moves while its neighbours are held [N/m]; returns the smallest
   // det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
   // The same of the terms of the stored evaluator, carrier by carrier.

@@ -17,7 +17,7 @@ struct RunOptions {
   std::filesystem::path record;          // a file for the recording of the run (recording.h), if not empty
   SparseFactorMaker factor = make_ldlt;  // of the static solver
   std::function<void(double fraction)> progress;         // called once per frame, 0 … 1
-  std::function<void(double fraction)> condensing = {};  // the same while precomputed regions are condensed
+  std::function<void(double fraction)> condensing = {};  // the same while pre-computed regions are condensed
 };
 
 struct RunResult {

@@ -10,7 +10,7 @@
 namespace lobe {
 namespace {
 
-// Precomputed regions have one dense matrix in common, and so one frame.
+// Pre-computed regions have one dense matrix in common, and so one frame.
 void resolve_frame(Resolution& resolution) {
   const std::vector<Region>& regions = resolution.scene.regions;
   const Region* first = nullptr;

@@ -94,7 +94,7 @@ inline Elastic elastic_of(const Material& m) {
 struct Region {
   std::string name;
   RegionModel model = RegionModel::nonlinear;
-  RegionFrame frame = RegionFrame::fixed;  // of precomputed ones, the same for all
+  RegionFrame frame = RegionFrame::fixed;  // of pre-computed ones, the same for all
   std::optional<Selector> where;
   std::string pointer;
   bool always_condensed = false;  // precomputed: also where that is measured to cost more than tensor-mass

@@ -65,7 +65,7 @@ struct Setup : Body, ToolSetups {
   double ramp = 0.1;             // prescribed displacements are reached over this time [s]
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
-  bool expandable = false;  // precomputed regions may be non-linear for a while (command Expand)
+  bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
   std::filesystem::path
       condensed_cache;  // folder that keeps condensed regions (condensed_cache.h); none: it does not
 

@@ -26,7 +26,7 @@ struct RemoveTets {
   static constexpr auto fields = std::tuple(&RemoveTets::tets);
 };
 
-// Displacements and velocities stay, but for what becomes the interior of a precomputed region.
+// Displacements and velocities stay, but for what becomes the interior of a pre-computed region.
 struct SetRegion {
   std::vector<Index> tets;
   RegionModel model = RegionModel::nonlinear;
@@ -34,7 +34,7 @@ struct SetRegion {
   static constexpr auto fields = std::tuple(&SetRegion::tets, &SetRegion::model);
 };
 
-// Precomputed regions become non-linear, interior and all, until they are condensed again. Only if the setup
+// Pre-computed regions become non-linear, interior and all, until they are condensed again. Only if the setup
 // is expandable.
 struct Expand {
   bool operator==(const Expand&) const = default;
@@ -48,7 +48,7 @@ struct Condense {
   static constexpr auto fields = std::tuple();
 };
 
-// Linearises precomputed regions anew about the present state, by another thread; the world goes on with the
+// Relinearises pre-computed regions about the present state, by another thread; the world goes on with the
 // result at the first frame that starts `delay` later, by waiting for it if need be.
 struct Renew {
   double delay = 0;  // [s], > 0
@@ -96,18 +96,18 @@ struct MoveSprings {
   static constexpr auto fields = std::tuple(&MoveSprings::points);
 };
 
-// What is held from then on. World makes it where a precomputed region depends on it.
+// What is held from then on. World makes it where a pre-computed region depends on it.
 struct Hold {
   HeldVertices held;
   bool operator==(const Hold&) const = default;
   static constexpr auto fields = std::tuple(&Hold::held);
 };
 
-// Precomputed regions are condensed afresh by another thread, and what it has found is used. World makes
+// Pre-computed regions are condensed from scratch by another thread, and what it has found is used. World makes
 // them.
 struct BeginRefresh {
   double due = 0;  // when EndRefresh follows [s]
-  // Linearised anew about these, 3 × #vertices [m]; none: as before.
+  // Relinearised about these, 3 × #vertices [m]; none: as before.
   std::shared_ptr<const std::vector<double>> about = {};
   bool operator==(const BeginRefresh& other) const {
     return due == other.due && (about == other.about || (about && other.about && *about == *other.about));
@@ -149,7 +149,7 @@ inline bool is_about_tools(const Command& command) {
 struct Journal {
   std::uint64_t setup = 0;  // fingerprint() of all that it was built from (checkpoint.h)
   std::vector<Command>
-      edits;  // of those that condense a region afresh only the last that no other has replaced
+      edits;  // of those that condense a region from scratch only the last that no other has replaced
 };
 
 }  // namespace lobe

@@ -1,4 +1,4 @@
-// The invariant of cutting: after any edit, the state equals that of a model built afresh from the cut mesh.
+// The invariant of cutting: after any edit, the state equals that of a model built from scratch from the cut mesh.
 #pragma once
 
 #include "lobe/sim/world.h"
@@ -8,7 +8,7 @@ namespace lobe {
 struct RebuildDifference {  // relative, largest over vertices
   double mass = 0;
   double force = 0;           // internal and external forces at the same displacements
-  double interior = 0;        // displacements of a precomputed region in equilibrium
+  double interior = 0;        // displacements of a pre-computed region in equilibrium
   double frequency = 0;       // vertex estimate of ω_max, from which the time step follows
   bool same_boundary = true;  // not compared where a blade has cut: it lies between grains
   bool same_regions = true;

@@ -26,7 +26,7 @@ struct Condition {
     lumped,  // selective masses wait, or act again: while tetrahedra are crushed masses are lumped, and steps
              // shorter; nothing to do
     scalpel,    // a blade could not cut all that it met: as the text says
-    lost_force  // a force term acts on the interior of a precomputed region: as the text says
+    lost_force  // a force term acts on the interior of a pre-computed region: as the text says
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy

@@ -1,4 +1,4 @@
-// Whether all that a world keeps fits together. It is found anew from the tetrahedra that are left, their
+// Whether all that a world keeps fits together. It is found again from the tetrahedra that are left, their
 // corners and what holds them, and compared with what the parts have kept up to date from edit to edit.
 #pragma once
 

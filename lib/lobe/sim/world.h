@@ -38,8 +38,8 @@ class World {
 
   // ---- Edits
 
-  // Stiffness, mass, loads and boundary are updated around what changed only, but for a precomputed region
-  // that must be condensed afresh (theory, section 14); whether something came loose is searched from there,
+  // Stiffness, mass, loads and boundary are updated around what changed only, but for a pre-computed region
+  // that must be condensed from scratch (theory, section 14); whether something came loose is searched from there,
   // and in O(#tets) only where that does not tell. Throws InputError for what cannot be done, and has then
   // changed nothing.
   void apply(const Command& command);
@@ -51,7 +51,7 @@ class World {
   // ---- State
 
   double time() const { return body_.motion.time; }
-  // The interior of a precomputed region is in equilibrium with its interface; it is found here, where
+  // The interior of a pre-computed region is in equilibrium with its interface; it is found here, where
   // somebody looks, and not by every step. What set_state() says of it is ignored.
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
@@ -96,7 +96,7 @@ class World {
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   const Journal& journal() const { return journal_; }  // what it was built from, and its edits since
-  // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found anew),
+  // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found again),
   // and where its parts come from.
   Setup current_setup(CompactMesh& compacted) const;
 

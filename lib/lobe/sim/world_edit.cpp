@@ -169,7 +169,7 @@ void World<Real>::follow(RegionEdit edit) {
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
 }
 
-// What nothing keeps in place within the precomputed region after an edit will turn: it becomes non-linear.
+// What nothing keeps in place within the pre-computed region after an edit will turn: it becomes non-linear.
 template <class Real>
 void World<Real>::add_unanchored(RegionEdit& edit) {
   if (std::none_of(edit.left.begin(), edit.left.end(),

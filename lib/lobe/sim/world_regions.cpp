@@ -1,5 +1,5 @@
-// Regions of a World: tetrahedra that change their model; precomputed regions that are condensed afresh,
-// linearised anew, and non-linear for a while (theory, section 14).
+// Regions of a World: tetrahedra that change their model; pre-computed regions that are condensed from scratch,
+// relinearised, and non-linear for a while (theory, section 14).
 #include <algorithm>
 
 #include "lobe/condense/anchors.h"
@@ -60,7 +60,7 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
   return edit;
 }
 
-// ---- Precomputed regions
+// ---- Pre-computed regions
 
 // The history says what the region is linearised about, whatever it was before.
 template <class Real>
@@ -84,7 +84,7 @@ void World<Real>::perform(const EndRefresh& command) {
   if (is_condensed) forget_former_refreshes();
 }
 
-// A region that is condensed afresh does not depend on how it was condensed before, nor on whether it was
+// A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it was
 // expanded in between: only its tetrahedra and what is held decide. Where it is expanded when the last
 // refresh begins, what came since then stays, since condensing it again asks for a refresh.
 template <class Real>

@@ -40,7 +40,7 @@ class Inertia {
 
   // ---- Who moves
 
-  // Finds it again where masses, holds, sleepers or the state have been given anew. What rests is put in its
+  // Finds it again where masses, holds, sleepers or the state have been given again. What rests is put in its
   // place here, and needs nothing from a step.
   template <class IsAsleep>
   void arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);

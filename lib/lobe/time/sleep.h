@@ -35,7 +35,7 @@ class Sleep {
 
   Sleep() = default;
   // `tolerance`: by how much displacements may differ where parts sleep [m]; 0: nobody sleeps. `move`: as far
-  // as a vertex that moves alone may be from its equilibrium then [m].
+  // as a vertex that moves while its neighbours are held may be from its equilibrium then [m].
   Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / calm_time) {}
 
   bool is_on() const { return move_ > 0; }

@@ -24,9 +24,9 @@ class StepLimit {
   // 2/ω_max at the present state [s]; infinite if nothing is free. O(#tetrahedra) where the state has changed
   // since it was last asked for; cuts are followed locally, except with nodal pressure.
   double find(Body& body);
-  // Found anew whatever is known, so that a world that was restored finds the same to the bit.
+  // Found again whatever is known, so that a world that was restored finds the same to the bit.
   void find_anew(Body& body);
-  // ---- For frames: found anew after `interval` of simulated time at the latest, about a frame of 60 Hz,
+  // ---- For frames: found again after `interval` of simulated time at the latest, about a frame of 60 Hz,
   // since a pass over all tetrahedra costs as much as two or three steps. In between the last one holds,
   // while nothing is edited and nobody sleeps.
   static constexpr double interval = 0.015;  // [s]
@@ -58,7 +58,7 @@ class StepLimit {
   void restart_for_degree(Body& body);
 
   // Edits. Before the elements follow: what tetrahedra add to the stiffness of their corners goes with them,
-  // or moves to the copy of a vertex. All is found anew with nodal pressure, beside a precomputed region, and
+  // or moves to the copy of a vertex. All is found again with nodal pressure, beside a pre-computed region, and
   // where the tetrahedron of the smallest volume ratio goes.
   void follow(const Body& body, const MeshEdit& edit);
   // Tetrahedra change their model by change().
@@ -77,7 +77,7 @@ class StepLimit {
   double exact_square(const Body& body, Index v) const {
     return frequencies_.exact_square(v, body.inertia.inverse_mass(v));
   }
-  VertexFrequency highest_vertex(Body& body);                 // the estimate without ratios, found anew
+  VertexFrequency highest_vertex(Body& body);                 // the estimate without ratios, found again
   const HighestFrequency& search() const { return search_; }  // the last at rest
   Index limiting_vertex() const { return kept_.limiting_vertex; }
   double volume_ratio() const { return kept_.volume_ratio; }  // the smallest det F, when it was last kept

@@ -1,5 +1,5 @@
 // The vertex estimate of the highest frequency, ω² ≈ max over free vertices of λ_max(K_vv)/m_v: what a vertex
-// feels when it moves alone. A lower bound of ω_max (a Rayleigh quotient); on organ meshes within 10 % of it,
+// feels when it moves while its neighbours are held. A lower bound of ω_max (a Rayleigh quotient); on organ meshes within 10 % of it,
 // on irregular boxes within 25 % (tests). It is kept up to date through cuts: O(1) per tetrahedron that goes,
 // O(log #vertices) per vertex.
 #pragma once
@@ -17,7 +17,7 @@ struct VertexFrequency {
   Index vertex = -1;
 };
 
-// The share of one tetrahedron in the stiffness that each of its corners feels when it moves alone, upper
+// The share of one tetrahedron in the stiffness that each of its corners feels when it moves while its neighbours are held, upper
 // triangles as in DiagonalStiffness [N/m]. Without nodal pressure, which is no property of one tetrahedron.
 using CornerStiffness = Eigen::Matrix<double, 6, 4>;
 CornerStiffness corner_stiffness(const Elements& elements, Index tet,
@@ -28,7 +28,7 @@ double largest_eigenvalue(const Mat3<double>& symmetric);
 template <class Real>
 class VertexFrequencies {
  public:
-  // Anew: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before. O(#vertices).
+  // From scratch: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before. O(#vertices).
   // The weight of a vertex is its inverse mass [1/kg], 0 where it is held, times whatever factor its ω_v² is
   // to be compared with.
   template <class Weight, class Add>

@@ -1,5 +1,6 @@
-// A force on a body beside those of its own regions, its weight and its dead loads: contact, springs of a
-// haptic coupling, what an application wants. A World has a list of them (World::add()); none costs nothing.
+// A force on a body in addition to those of its regions, its weight and its dead loads: contact, the springs of
+// a haptic coupling, what an application adds. A World has a list of them (World::add()). An empty list costs
+// nothing.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The rest data of a body in motion, and numbers that say which of it has changed.
+// The rest data of a body in motion, with revision numbers that say what has changed.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace lobe {
 
-// Each only grows. A part that depends on something keeps the numbers that it was computed at, and is out of
-// date as soon as one of them differs.
+// Each number only grows. A part keeps the numbers that it was computed at. It is out of date as soon as one of
+// them differs.
 struct Revisions {
   std::uint64_t structure = 0;  // which tetrahedra there are, the model of each, which of them are condensed
   std::uint64_t inertia = 0;    // masses, and which components move by themselves

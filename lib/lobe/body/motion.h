@@ -1,4 +1,4 @@
-// Where the vertices of a body are and how fast they move, and what a step finds of that.
+// Displacements and velocities of a body, and the scratch data of a step.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ struct State {
   static constexpr auto fields = std::tuple(&State::u, &State::v, &State::time, &State::behind);
 };
 
-// The state of a world as it stands; it becomes invalid with the next cut.
+// A view of the present state of a world. It becomes invalid with the next cut.
 template <class Real>
 struct StateView {
   Eigen::Map<const Mat3X<Real>> u, v;

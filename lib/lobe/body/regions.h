@@ -1,6 +1,6 @@
 // All regions of a body: tensor-mass, non-linear and pre-computed ones, which share vertices at their
-// interfaces. It alone knows which tetrahedra are condensed, and whether these are expanded for a while, that
-// is, non-linear, interior and all.
+// interfaces. Only this class knows which tetrahedra are condensed and whether they are expanded, that is,
+// non-linear for a while.
 #pragma once
 
 #include "lobe/body/loads.h"
@@ -24,9 +24,9 @@ class Regions {
 
   // ---- Edits
 
-  // The regions that are not condensed follow; follow_condensed() comes next, once masses and loads are those
-  // of now. It takes the loads of what becomes interior; of tetrahedra that have become a mechanism, and must
-  // leave, it returns the numbers.
+  // follow() updates the regions that are not condensed. follow_condensed() comes next, once masses and loads
+  // are up to date. It takes the loads of what becomes interior. It returns the tetrahedra that have become a
+  // mechanism and must leave the region.
   void follow(const Elements& elements, const RegionEdit& edit);
   std::vector<Index> follow_condensed(const Model& model, const RegionEdit& edit, Loads<Real>& loads);
   // Whether the last edit that was followed concerned the condensed region.
@@ -50,7 +50,7 @@ class Regions {
   void take_over_loads(Loads<Real>& loads) const {
     precomputed_.take_over_loads(loads.external(), loads.dead());
   }
-  // The interior's mass goes to the vertices that it shares with others, which are returned.
+  // Moves the interior's mass to the vertices of the interface, and returns these.
   const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass) {
     return precomputed_.move_mass(elements, mass);
   }
@@ -85,14 +85,14 @@ class Regions {
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                            Parallel& parallel);
   ElasticEnergy energy(const Elements& elements, const Mat3X<Real>& u);
-  // How far a condensed interior lags behind its inertia, where shared vertices are accelerated like that on
-  // average.
+  // The displacement that a condensed interior misses for want of its inertia [m], at this mean acceleration of
+  // the interface [m/s²].
   double lag(const Vec3d& acceleration) const { return precomputed_.lag(acceleration); }
   const std::vector<Index>& shared() const { return precomputed_.shared(); }
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
-  // A condensed interior is in equilibrium with its interface. It is found here, where somebody looks;
-  // nothing is done if it has been since the state changed.
+  // Computes the condensed interior, which is in equilibrium with its interface. Does nothing if the state has
+  // not changed since the last call.
   enum class Interior { none, displacements, all };
   void recover(const Model& model, double missing, Interior wanted, StateColumns<Real>& state);
 

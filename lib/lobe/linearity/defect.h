@@ -1,17 +1,17 @@
-// What a linear law gets wrong (theory, section 15): the defect of its stress against that of the non-linear
-// model,
-//   D = P(F) − σ_linear(∇u)                                                                           [Pa],
-// in a state of the non-linear body, or in one of the linear body, whose rotations and strains are first made
-// those of a non-linear one (twin()).
+// The stress defect of a linear law: how far its stress is from that of the non-linear model (theory, section
+// 15),
+//   D = P(F) − σ_linear(∇u)                                                                           [Pa].
+// It is found in a state of the non-linear body. Or it is found in a state of the linear body, which twin()
+// first turns into the non-linear state that it stands for.
 #pragma once
 
 #include "lobe/linearity/zones.h"
 
 namespace lobe {
 
-// ∇u of the non-linear state that a linear one stands for: R U − I with the rotation R of its skew part as
-// rotation vector, and the stretch U = √(I + 2ε) whose Green strain is its symmetric part ε; no stretch is
-// taken below 0.2. A rotation that grows linearly, as in a linear solution, is thus no strain.
+// Returns ∇u of the non-linear state that a linear one with gradient H stands for: R U − I. The skew part of H
+// is the rotation vector of R. The symmetric part ε of H is the Green strain of the stretch U = √(I + 2ε); no
+// stretch is taken below 0.2. So a rotation of the linear state counts as rotation, not as strain.
 Mat3<double> twin(const Mat3<double>& H);
 
 // Of the linear law of a material, at the displacement gradient H of the non-linear model.
@@ -20,7 +20,7 @@ Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, co
 // ∫ D dV per zone, each with its nine entries in a column [Pa m³]: 9 × #zones.
 using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 
-// Tetrahedron by tetrahedron, of a state of the body that is non-linear everywhere: 3 × #vertices [m].
+// Defects of all zones, tetrahedron by tetrahedron, in a state of the non-linear body: u is 3 × #vertices [m].
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u);
 
 // From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean
@@ -31,7 +31,7 @@ class MeanDefects {
   void find(const Elements& elements, const Zones& zones, Index zone);  // again, after a cut
 
   Eigen::Matrix<double, 9, 1> gradient(Index zone, const Mat3X<double>& u) const;
-  // Of a zone with this mean gradient; in a linear zone that of its twin counts.
+  // The defect of a zone with this mean gradient. A linear zone is first given its non-linear state (twin()).
   Eigen::Matrix<double, 9, 1> at(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                  bool is_linear) const;
   // Of a zone whose linear law is the tangent at the mean gradient `about`; a linear zone's twin is one of

@@ -1,4 +1,4 @@
-// What regions are chosen for: what will be done to the body.
+// Gestures: what will be done to the body. Regions are chosen for them.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct Gesture {
 // The setup at the gesture's end: what it moves is prescribed, tools are gone.
 Setup at_the_end_of(const Gesture& gesture, const Setup& setup);
 
-// What the grasps of a setup do, each where it has moved furthest. Empty if there are none.
+// The gestures that the grasps of a setup make, each at its furthest place. Empty if there are no grasps.
 std::vector<Gesture> gestures_of_grasps(const Setup& setup);
 
 // Pulls at five places of the free surface, as far from each other and from what is held as they can be,

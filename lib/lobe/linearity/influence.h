@@ -1,8 +1,8 @@
-// How far a body at rest moves, on the average over each zone, where stresses act in a zone (theory, section
-// 15):
+// The influence of a stress in one zone on the mean displacement of every zone, of a body at rest (theory,
+// section 15):
 //   e_y = M_yz ∫_z D dV,   M_yz = mean over z of the gradient of K⁻¹ (mean over y)ᵀ.
-// The stress defects of linear zones give the displacement error that they cause; exact to first order in the
-// error.
+// With the stress defects of linear zones it gives the displacement error that they cause, exact to first
+// order.
 #pragma once
 
 #include "lobe/linearity/zones.h"
@@ -13,12 +13,12 @@ namespace lobe {
 
 class Influence {
  public:
-  // One sparse factor and three solves per zone. `grasps` are sets of vertices that may be held later, as
-  // rigid bodies. Nothing is said of pieces that float without a grasp.
+  // Costs one sparse factor and three solves per zone. `grasps` are sets of vertices that may be grasped later,
+  // as rigid bodies. Pieces that float without a grasp are left out.
   Influence(const Elements& elements, const Zones& zones, const HeldVertices& held,
             const std::vector<std::vector<Index>>& grasps);
 
-  // Who holds from now on: numbers of grasps, sorted. None at first.
+  // Sets which grasps hold from now on: their numbers, sorted. None at first.
   void hold(const std::vector<Index>& grasps);
 
   // Mean displacements of all zones [m], 3 × #zones in one column, from the defect of one [Pa m³].

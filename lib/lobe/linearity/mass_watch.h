@@ -1,6 +1,6 @@
-// Watches what selective masses get wrong while a world runs, and chooses their degree: high while the body
-// moves slowly or swings gently, low while it is cut, lumped masses where somebody takes hold or lets go
-// (theory, section 15).
+// MassWatch estimates the error of selective masses while a world runs, and chooses their degree (theory,
+// section 15). The degree is high while the body moves slowly, low while it is cut. Masses are lumped in the
+// frame of a grasp or a release.
 //
 //   setup.selective_mass = 12;
 //   MassWatch<float> watch(world, 0.02);
@@ -29,11 +29,12 @@ class MassWatch {
  public:
   using OnExceeded = std::function<void(const MassReport&)>;
 
-  // The lowest mode of the body at rest, by one sparse factor; of one that nothing holds masses stay lumped.
+  // Finds the lowest mode of the body at rest, by one sparse factor. If nothing holds the body, masses stay
+  // lumped.
   MassWatch(World<Real>& world, double tolerance, OnExceeded on_exceeded = {});
 
-  // At the start, and after a frame. Costs two norms over all vertices, after a frame with lumped masses an
-  // apply() beside.
+  // Call it at the start, and after each frame. Costs two norms over all vertices, and after a frame with
+  // lumped masses one SelectiveMass::apply().
   MassReport look(World<Real>& world) { return look(world, steering_of(world)); }
   MassReport look(World<Real>& world, const Steering& steering);
 

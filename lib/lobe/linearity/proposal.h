@@ -1,5 +1,5 @@
-// Regions for declared gestures: the cheapest step whose displacement error, measured against the non-linear
-// body, stays below a tolerance (theory, section 15).
+// Proposes regions for declared gestures: those with the cheapest step whose displacement error stays below a
+// tolerance, measured against the non-linear body (theory, section 15).
 #pragma once
 
 #include <functional>
@@ -34,9 +34,9 @@ struct Proposal {
   std::vector<std::string> notes;  // one line each: what could not be had, and why
 };
 
-// What the setup's regions are does not matter. Without gestures: usual_gestures(). Nothing is linear where
-// that would not pay, where no tolerance can be met, or where the body floats; the notes say so. Takes a
-// static solution per gesture and try; deterministic but for the choice by measured cost.
+// The regions of the setup are ignored. Without gestures it takes usual_gestures(). Nothing is linear if that
+// would not pay, if the tolerance cannot be met, or if the body floats; the notes say so. Takes a static
+// solution per gesture and try. Deterministic, except for the choice by measured cost.
 Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options);
 
 // For regions that are corrected while they run (watch.h): precomputed, which may be wrong by three times the

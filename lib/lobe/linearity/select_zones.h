@@ -1,4 +1,4 @@
-// Which zones are linear: the cheapest step whose predicted error stays below the tolerance.
+// Selects the linear zones: the cheapest step whose predicted error stays below the tolerance.
 #pragma once
 
 #include "lobe/linearity/step_cost.h"
@@ -6,7 +6,7 @@
 
 namespace lobe {
 
-// What one gesture would suffer from linear zones, to first order.
+// The error that linear zones cause in one gesture, to first order.
 struct TrialError {
   Eigen::MatrixXd
       contributions;  // mean displacement errors of all zones, for each linear zone [m]: 3 × #zones by #zones
@@ -18,8 +18,8 @@ struct TrialError {
   double of(const Zones& zones, const std::vector<char>& linear) const;     // per zone, scale included
 };
 
-// One flag per zone. From none, zones are added that add least to the error of the worst gesture; then zones
-// at the border change sides while that makes the step cheaper. With `condensed`, linear zones cost what
+// Returns one flag per zone. First, zones are added that add least to the error of the worst gesture. Then
+// zones at the border change sides while that makes the step cheaper. With `condensed`, linear zones cost what
 // their interface costs.
 std::vector<char> select_zones(const Elements& elements, const Zones& zones,
                                const std::vector<TrialError>& trials, double tolerance, const StepCost& cost,

@@ -1,5 +1,4 @@
-// What a watch does to a world goes through this: the world's own apply(), or that of who keeps a record of
-// the commands.
+// The function by which a watch sends commands to a world: World::apply(), or one that also records them.
 #pragma once
 
 #include <functional>

@@ -11,8 +11,8 @@ struct StepCost {
   double shared = 0;                      // [s] per vertex that both share
   double dense = 0;                       // [s] per entry of the condensed stiffness
 
-  // Of a body with so many of each, and so many displacement components on the interface of its condensed
-  // region.
+  // Time of a step [s] of a body with so many of each, and so many displacement components on the interface of
+  // its condensed region.
   double of(double nonlinear_tets, double tensor_mass_tets, double shared_vertices, double condensed) const {
     return nonlinear * nonlinear_tets + tensor_mass * tensor_mass_tets + shared * shared_vertices +
            dense * condensed * condensed;

@@ -1,4 +1,4 @@
-// What regions are judged by: the equilibria of gestures, all non-linear.
+// Trials: the equilibria of gestures with all of the body non-linear. Regions are compared with them.
 #pragma once
 
 #include <functional>
@@ -15,12 +15,12 @@ struct Trial {
   double norm = 0;  // √∫|u|² [m^2.5]
 };
 
-// Those of gestures that can be followed far enough to be of use. `followed` hears of all.
+// The trials of all gestures that can be followed far enough. `followed` is called for every gesture.
 std::vector<Trial> solve_trials(
     const Setup& setup, const std::vector<Gesture>& gestures,
     const std::function<void(std::size_t gesture, const StaticResult& found)>& followed = {});
 
-// Of the equilibrium with these regions: the relative L2 norm of its difference; 1 if none is found.
+// The relative L2 error of the equilibrium with these regions; 1 if none is found.
 double static_error(const std::vector<RegionModel>& region_of, const Trial& trial);
 
 }  // namespace lobe

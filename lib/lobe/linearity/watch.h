@@ -1,6 +1,6 @@
-// Watches what linear regions get wrong while a world runs, and corrects it, if asked (theory, section 15):
-// zones of tensor-mass regions move to the non-linear model and back; pre-computed regions are relinearised
-// about the present state, and are expanded where not even that holds.
+// LinearityWatch estimates the error of linear regions while a world runs, and corrects it if asked (theory,
+// section 15). Zones of tensor-mass regions become non-linear, and linear again. Pre-computed regions are
+// relinearised about the present state, and expanded where that is not enough.
 //
 //   LinearityWatch<float> watch(world, grasps, {.tolerance = 0.02, .correct = true});
 //   world.advance(1.0 / 30);
@@ -47,15 +47,17 @@ class LinearityWatch {
   LinearityWatch(const LinearityWatch&) = delete;
   LinearityWatch& operator=(const LinearityWatch&) = delete;
 
-  // At the start, and after a frame. Costs one small dense product, beside a pre-computed region also the
-  // recovery of its interior, so that the last report stands in for most looks there, otherwise for every
-  // other one while the error is small. Where a cut or a change of who holds startles it, a region that may
-  // be expanded is so without a look. What cuts do to the influence of zones is found by a background thread
-  // and used from a fixed simulated time on.
+  // Call it at the start, and after each frame.
+  // - It costs one small dense product, and with a pre-computed region the recovery of its interior.
+  // - So most looks at a pre-computed region, and every other look while the error is small, return the last
+  //   report.
+  // - After a cut, a grasp or a release an expandable region is expanded without a look.
+  // - A background thread finds how cuts change the influence of zones. The result is used from a fixed
+  //   simulated time on.
   LinearityReport look(World<Real>& world) { return look(world, steering_of(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);
 
-  // As the last look found it: mean displacement error per zone [m], 3 × #zones; none before the first.
+  // Mean displacement error per zone [m] of the last look, 3 × #zones; empty before the first.
   const Mat3X<double>& zone_errors() const { return zone_errors_; }
   const Zones& zones() const { return zones_; }
 

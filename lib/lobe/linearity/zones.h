@@ -1,4 +1,4 @@
-// A body in connected zones of about equal size, which are linear or non-linear as a whole.
+// Divides a body into connected zones of about equal size. A zone is linear or non-linear as a whole.
 #pragma once
 
 #include <vector>

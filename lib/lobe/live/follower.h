@@ -1,5 +1,5 @@
-// A tool that follows a hand: smoothly, and no faster than a hand moves. The paths that it leaves are what
-// the body feels.
+// A tool follows a hand: smoothly, and no faster than a hand moves. The body feels the path of the tool, not
+// that of the hand.
 #pragma once
 
 #include "lobe/tool/tools.h"
@@ -19,7 +19,7 @@ class Follower {
   explicit Follower(const Vec3d& position) { now_.position = target_.position = position; }
 
   void aim(const ToolPose& target) { target_ = target; }
-  // Where the tool is dt [s] later. False: it rests where it should be, as before.
+  // Moves the tool by dt [s]. False if it rests at its target.
   bool step(double dt, const HandLimits& limits);
   const ToolPose& pose() const { return now_; }
 

@@ -1,5 +1,5 @@
-// What hands and their controllers ask of a session, as values of a fixed size. The session turns them into
-// commands of the world (sim/command.h), which are what is recorded.
+// Commands of hands and their controllers to a session, as values of a fixed size. The session turns them into
+// commands of the world (sim/command.h) and records those.
 #pragma once
 
 #include <cstdint>

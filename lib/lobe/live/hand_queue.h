@@ -1,5 +1,5 @@
-// The one door through which any thread sends hand commands to the thread of a session. Senders may wait for
-// each other, for as long as it takes to copy a command; the session waits for nobody.
+// The queue by which any thread sends hand commands to the thread of a session. Senders may wait for each
+// other while one copies a command. The session never waits.
 #pragma once
 
 #include <array>
@@ -22,12 +22,11 @@ class HandQueue {
 
   // ---- Any thread
 
-  // Its number; throws InputError where there are too many.
+  // Registers a controller and returns its number. Throws InputError if there are too many.
   int connect(const std::string& name);
   void disconnect(int controller);  // what it sent before is still done
-  // False where the queue is full, with nothing queued: the session has not taken a command for a long time.
-  // A newer pose of a hand takes the place of one that is queued, if that is the last that was asked of the
-  // hand.
+  // Queues a command. False if the queue is full: the session has not taken a command for a long time, and
+  // nothing was queued. A newer pose of a hand replaces a queued one, if that is the hand's last command.
   bool send(int controller, const HandCommand& command);
 
   // ---- The thread of the session
@@ -37,13 +36,13 @@ class HandQueue {
     HandCommand command;
   };
   std::optional<Sent> take() { return ring_.take(); }
-  // Those that have gone since it was last asked: everything that they sent can be taken now. Their numbers
-  // are used again after forget().
+  // The controllers that have gone since the last call. All that they sent can be taken now. Their numbers are
+  // used again after forget().
   std::vector<int> gone() const;
   void forget(int controller);
   std::string name(int controller) const;
 
-  // What changes with each thing that is sent; for a session that has nothing to do.
+  // Changes with each command that is sent. A session that has nothing to do waits for that.
   std::uint32_t signal() const { return signal_.load(std::memory_order_acquire); }
   void wait(std::uint32_t signal) const { signal_.wait(signal, std::memory_order_acquire); }
   void wake();

@@ -1,4 +1,4 @@
-// The hands of all controllers: what they ask for becomes commands of the world.
+// The hands of all controllers. Their commands become commands of the world.
 #pragma once
 
 #include <string>
@@ -23,8 +23,8 @@ class Hands {
         messages_(messages),
         limits_(limits) {}
 
-  // take_at_ray, take_at_point, bring, lead, turn_on, let_go. Throws InputError for what
-  // cannot be done, and has then done nothing.
+  // Performs take_at_ray, take_at_point, bring, lead, turn_on or let_go. Throws InputError for what cannot be
+  // done, and then has done nothing.
   void obey(int controller, const HandCommand& command);
   int lose(int controller);          // its hands let go; how many held something
   void forget() { hands_.clear(); }  // the world was put back, and their tools have let go

@@ -1,4 +1,4 @@
-// The last things that a session had to say.
+// The last messages of a session.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@ namespace lobe {
 
 class Messages {
  public:
-  // What is said many times in a row is one message, so that nobody can drown the others out.
+  // Adds a message. The same message many times in a row is one with a count, so that it hides no others.
   void say(double time, const std::string& name, const std::string& text);
-  // As they are now; the same pointer until more is said.
+  // The present messages; the same pointer until there are more.
   std::shared_ptr<const std::vector<SessionMessage>> all() const { return all_; }
 
  private:

@@ -1,5 +1,5 @@
-// Simulated time against the clock: when the next frame is due, how far behind a session is, and how fast it
-// really is. Nothing of it enters the simulation.
+// Pace compares simulated time with the clock: when the next frame is due, how late a session is, how fast it
+// runs. Nothing of it enters the simulation.
 #pragma once
 
 #include <chrono>
@@ -12,10 +12,10 @@ class Pace {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Frames are due from now on; after a pause, and where the speed has changed.
+  // Starts to count from now: after a pause, or when the speed has changed.
   void start(Clock::time_point now);
-  // A frame of so many simulated seconds has ended; it should have taken length / speed. When the next should
-  // begin: where the session is more than 0.1 s late, at once, and time has stretched.
+  // Ends a frame of `length` simulated seconds, which should have taken length / speed. Returns when the next
+  // should begin. If the session is more than 0.1 s late, that is at once, and time has stretched.
   Clock::time_point frame_done(Clock::time_point now, double length, double speed);
 
   std::int64_t frames_late() const { return late_; }

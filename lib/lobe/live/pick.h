@@ -1,4 +1,4 @@
-// What a hand touches: where a ray enters the body.
+// Finds where a ray enters the body, for a hand that points at it.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// A bounded queue from one thread that puts to one that takes, without a lock: neither ever waits. A value
-// that nobody has taken yet can be replaced by a newer one in its place.
+// A bounded queue without a lock, from one thread that puts to one that takes. Neither ever waits. A value
+// that was not taken yet can be replaced by a newer one.
 //
 // Each place holds two values and one atomic word that says which of them counts, or that it was taken.
 // Replacing writes to the other of the two and then exchanges the word, which fails if the value was taken

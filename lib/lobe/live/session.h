@@ -1,5 +1,5 @@
-// A body in the hands of people: it is simulated in frames of one length, which follow the clock, while any
-// thread sends hand commands and looks at pictures (docs/live.md).
+// A session simulates a body in frames of one length that follow the clock. Meanwhile any thread sends hand
+// commands and looks at pictures (docs/live.md).
 //
 //   Session<float> session(resolved.setup);
 //   Controller mouse = session.connect("mouse");
@@ -9,8 +9,8 @@
 //   mouse.send({.kind = HandCommand::Kind::lead, .hand = 1, .position = there});
 //   const auto picture = session.pictures().latest();
 //
-// Hands act through commands of the world alone (sim/command.h). All of these are recorded: a replay gives
-// the same bits.
+// Hands act only through commands of the world (sim/command.h). All of these are recorded, so that a replay
+// gives the same bits.
 #pragma once
 
 #include <array>
@@ -44,8 +44,8 @@ struct SessionOptions {
   std::function<void()> published = {};  // after each picture and status, by the session's thread: no waiting
 };
 
-// Somebody who has hands. Where it is destroyed, whatever it is doing, its hands let go. Outlived by its
-// session.
+// A controller is a person or program that has hands. When it is destroyed its hands let go. The session must
+// outlive it.
 class Controller {
  public:
   Controller(HandQueue& queue, const std::string& name) : queue_(&queue), number_(queue.connect(name)) {}
@@ -61,7 +61,7 @@ class Controller {
   }
 
   int number() const { return number_; }  // in SessionStatus
-  // False: the queue is full, the command was not taken, and may be sent again. Never waits for the
+  // Sends a command. False if the queue is full; the command may then be sent again. Never waits for the
   // simulation.
   bool send(const HandCommand& command) { return queue_->send(number_, command); }
 
@@ -73,7 +73,7 @@ class Controller {
 template <class Real>
 class Session {
  public:
-  // Throws InputError for a setup that no world can be built from, and for options that are none.
+  // Throws InputError for a setup that no world can be built from, and for invalid options.
   explicit Session(const Setup& setup, const SessionOptions& options = {});
   ~Session() { stop(); }
   Session(const Session&) = delete;
@@ -84,13 +84,13 @@ class Session {
   Controller connect(const std::string& name) {
     return {queue_, name};
   }  // InputError: more than 64 at a time
-  // A status is made after its picture: what it says to be contained is in every picture that is taken after
-  // it.
+  // The latest picture. A status is made after its picture: all that a status says to be contained is in every
+  // picture taken after it.
   const TripleBuffer<Snapshot<Real>>& pictures() const { return pictures_; }
   TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }
-  // Does something between two frames, and waits until it is done: for what can be asked of the world, the
-  // recording or for a scene. Throws what it throws. Time stretches meanwhile. Not from within such work, nor
-  // by the thread that drives a session that is not started: that may ask by itself.
+  // Has `work` done between two frames, and waits until it is done. `work` may ask the world, the recording or
+  // for a scene. Throws what `work` throws. Time stretches meanwhile. Do not call it from within such work, nor
+  // from the thread that drives a session that is not started, which may ask the world directly.
   void between_frames(const std::function<void()>& work);
 
   // ---- The thread that drives it
@@ -98,7 +98,8 @@ class Session {
   void start();  // a thread of its own, until stop()
   void stop();
   bool is_started() const { return thread_.joinable(); }
-  // Does what was asked since the last frame, then simulates one; false: it pauses. Not while started.
+  // Performs the commands sent since the last frame, then simulates one frame. False if the session pauses.
+  // Not while started.
   bool step_frame();
 
   // ---- Between frames: not while started, but for between_frames()

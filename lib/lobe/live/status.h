@@ -1,5 +1,5 @@
-// What a session says of itself, for other threads: beside the picture of the world (snapshot/snapshot.h),
-// once per frame.
+// The status of a session, for other threads: made once per frame, after the picture of the world
+// (snapshot/snapshot.h).
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace lobe {
 
-// Something that there is to say: a condition of the world (sim/report.h), or one of the session's own:
-//   missed           a ray met nothing, or nothing within the radius can be held: the hand is empty
+// A message of a session: a condition of the world (sim/report.h), or one of these:
+//   missed           a ray met nothing, or nothing within the radius can be grasped: the hand is empty
 //   slipped          a grasp was pulled at with more than the cap: it has let go
 //   controller_gone  its hands have let go
 //   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there:

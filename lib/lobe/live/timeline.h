@@ -1,4 +1,4 @@
-// What is done to the world of a session, on the record: also going back.
+// Records all that is done to the world of a session, going back included.
 #pragma once
 
 #include "lobe/run/recording.h"
@@ -9,13 +9,13 @@ namespace lobe {
 template <class Real>
 class Timeline {
  public:
-  // States are kept `apart` [s], the last of them in so much memory; the first is kept in any case.
+  // Keeps states that are `apart` [s] from each other: the first, and the last ones in so many bytes.
   Timeline(World<Real>& world, double apart, std::size_t most_bytes);
 
   void apply(const Command& command) { recorded_.apply(command); }
   Report advance(double duration);
-  // To the latest state that was kept at least `seconds` ago; where there is none, to the first. Tools that
-  // were in somebody's hands then are let go, or taken away.
+  // Goes back to the latest state that was kept at least `seconds` ago, else to the first. Grasps of hands then
+  // let go, and their other tools are taken away.
   void go_back(double seconds);
   void restart();
 

@@ -1,5 +1,6 @@
-// What a world has become since it was built: its edits in order, its state, who holds what. A world of the
-// same setup that is given it goes on with the same bits, on any number of threads (docs/stability.md).
+// A checkpoint is all that a world has become since it was built: its edits in order, its state, what is held
+// and grasped. A world of the same setup that restores it goes on with the same bits, on any number of threads
+// (docs/stability.md).
 #pragma once
 
 #include <cstdint>
@@ -42,16 +43,16 @@ struct Checkpoint {
                  &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms);
 };
 
-// Of what decides how a world moves: mesh, materials, regions, loads, tools …
+// A digest of all that decides how a world moves: mesh, materials, regions, loads, tools …
 std::uint64_t fingerprint(const Setup& setup);
 
-// A file that holds a checkpoint. Reading throws InputError for a file that is damaged, cut off, of another
-// version or precision; World::restore() for one of another setup.
+// Writes and reads a checkpoint as a file. Reading throws InputError for a file that is damaged, cut off, of
+// another version or precision. World::restore() throws for a checkpoint of another setup.
 template <class Real>
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>& checkpoint);
 template <class Real>
 Checkpoint<Real> read_checkpoint(const std::filesystem::path& file);
-// From bytes in memory; `name` is for messages.
+// Reads a checkpoint from bytes in memory; `name` is for messages.
 template <class Real>
 Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view bytes);
 
@@ -65,16 +66,16 @@ class CheckpointRing {
     std::size_t bytes = 0;  // about
   };
 
-  // How many, how far apart [s], in how much memory; the last is kept in any case.
+  // At most so many checkpoints, at least `apart` [s] of simulated time from each other, in so many bytes. The
+  // last is kept in any case.
   CheckpointRing(std::size_t most, double apart, std::size_t most_bytes = SIZE_MAX)
       : most_(most), apart_(apart), most_bytes_(most_bytes) {}
 
   void keep(const World<Real>& world, std::size_t mark = 0);  // if the last is old enough
-  // The latest checkpoint of this time or before, after those that are later were forgotten; null if there is
-  // none.
+  // Forgets the checkpoints after this time, and returns the latest that is left; null if there is none.
   const Kept* latest(double time);
-  // To the latest checkpoint that is at least `seconds` old, and forgets those after it; false if there is
-  // none.
+  // Restores the latest checkpoint that is at least `seconds` old, and forgets those after it. False if there
+  // is none.
   bool roll_back(World<Real>& world, double seconds);
   void clear() { kept_.clear(); }
   std::size_t size() const { return kept_.size(); }

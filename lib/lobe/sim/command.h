@@ -1,5 +1,5 @@
-// What may be done to a world, as data: the same for steering it, for the record of a run and its replay, and
-// for what a checkpoint keeps of the edits since the start.
+// Commands: all that may be done to a world, as data. Applications apply them (World::apply()), recordings
+// replay them, and checkpoints list those that have edited the world since the start.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,8 @@ struct RemoveTets {
   static constexpr auto fields = std::tuple(&RemoveTets::tets);
 };
 
-// Displacements and velocities stay, but for what becomes the interior of a pre-computed region.
+// Changes the model of tetrahedra. Displacements and velocities stay, except where vertices become the
+// interior of a pre-computed region.
 struct SetRegion {
   std::vector<Index> tets;
   RegionModel model = RegionModel::nonlinear;
@@ -34,60 +35,59 @@ struct SetRegion {
   static constexpr auto fields = std::tuple(&SetRegion::tets, &SetRegion::model);
 };
 
-// Pre-computed regions become non-linear, interior and all, until they are condensed again. Only if the setup
-// is expandable.
+// Expands pre-computed regions: they are non-linear until Condense. Needs an expandable setup.
 struct Expand {
   bool operator==(const Expand&) const = default;
   static constexpr auto fields = std::tuple();
 };
 
-// Only if no edit has concerned the region since it was renewed. Its interior takes its displacements from
-// the interface.
+// Condenses an expanded region again. Its interior then takes its displacements from the interface. Refused
+// if an edit has changed the region since the last Renew.
 struct Condense {
   bool operator==(const Condense&) const = default;
   static constexpr auto fields = std::tuple();
 };
 
-// Relinearises pre-computed regions about the present state, by another thread; the world goes on with the
-// result at the first frame that starts `delay` later, by waiting for it if need be.
+// Relinearises pre-computed regions about the present state. Another thread does the work. The result is used
+// from the first frame that starts `delay` later; if it is not ready by then, the world waits for it.
 struct Renew {
   double delay = 0;  // [s], > 0
   bool operator==(const Renew&) const = default;
   static constexpr auto fields = std::tuple(&Renew::delay);
 };
 
-// The degree of selective masses, one of Inertia::degrees(). Between two frames; displacements stay, and of
-// velocities all but their short waves, where the degree grows.
+// Sets the degree of selective masses, one of Inertia::degrees(), between two frames. Displacements stay. If
+// the degree grows, velocities lose their short waves.
 struct SetMassDegree {
   int degree = 1;
   bool operator==(const SetMassDegree&) const = default;
   static constexpr auto fields = std::tuple(&SetMassDegree::degree);
 };
 
-// What a blade has done in one step, by numbers of grains. World makes it; the first, which is empty, says
-// where the grains were made.
+// What a blade has cut in one step, by numbers of grains. World makes this command. The first one is empty
+// and says where the grains were made.
 struct Incise {
   Incision incision;
   bool operator==(const Incise&) const = default;
   static constexpr auto fields = std::tuple(&Incise::incision);
 };
 
-// External forces on vertices, in place of those that there were.
+// Sets external forces on vertices [N]. They replace the previous ones.
 struct SetForces {
   std::vector<VertexLoad> forces;
   bool operator==(const SetForces&) const = default;
   static constexpr auto fields = std::tuple(&SetForces::forces);
 };
 
-// Springs from vertices to points, in place of those that there were. Explicit integrator only.
+// Sets springs from vertices to points. They replace the previous ones. Explicit integrator only.
 struct SetSprings {
   std::vector<Spring> springs;
   bool operator==(const SetSprings&) const = default;
   static constexpr auto fields = std::tuple(&SetSprings::springs);
 };
 
-// Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move
-// uniformly.
+// Moves the points of the springs: where they are at the end of the next frame, 3 × #springs [m]. They move
+// uniformly during the frame.
 struct MoveSprings {
   Mat3X<double> points;
   bool operator==(const MoveSprings& other) const {
@@ -96,15 +96,16 @@ struct MoveSprings {
   static constexpr auto fields = std::tuple(&MoveSprings::points);
 };
 
-// What is held from then on. World makes it where a pre-computed region depends on it.
+// Sets which vertices are held from then on. World makes this command where a pre-computed region depends on
+// it.
 struct Hold {
   HeldVertices held;
   bool operator==(const Hold&) const = default;
   static constexpr auto fields = std::tuple(&Hold::held);
 };
 
-// Pre-computed regions are condensed from scratch by another thread, and what it has found is used. World makes
-// them.
+// BeginRefresh: another thread begins to condense pre-computed regions from scratch. EndRefresh: the result is
+// used. World makes both.
 struct BeginRefresh {
   double due = 0;  // when EndRefresh follows [s]
   // Relinearised about these, 3 × #vertices [m]; none: as before.
@@ -123,7 +124,7 @@ struct EndRefresh {
   static constexpr auto fields = std::tuple();
 };
 
-// In the place of a command whose effect a later one has replaced: it keeps the numbers of those that follow.
+// Takes the place of a command whose effect a later one has replaced, so that the others keep their numbers.
 struct Superseded {
   bool operator==(const Superseded&) const = default;
   static constexpr auto fields = std::tuple();
@@ -140,16 +141,15 @@ using Command =
            std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginRefresh, EndRefresh,
                         Superseded>>::Type;
 
-// Only says what tools are to do in the next frame, and leaves the state as it is.
+// Whether a command only says what tools do in the next frame. Such a command leaves the state as it is.
 inline bool is_about_tools(const Command& command) {
   return std::visit([]<class Any>(const Any&) { return std::is_constructible_v<ToolCommand, Any>; }, command);
 }
 
 // What a world was built from, and what has been done to its mesh and regions since.
 struct Journal {
-  std::uint64_t setup = 0;  // fingerprint() of all that it was built from (checkpoint.h)
-  std::vector<Command>
-      edits;  // of those that condense a region from scratch only the last that no other has replaced
+  std::uint64_t setup = 0;     // fingerprint() of all that it was built from (checkpoint.h)
+  std::vector<Command> edits;  // BeginRefresh and EndRefresh are Superseded, except the last ones
 };
 
 }  // namespace lobe

@@ -1,5 +1,5 @@
-// What others look at of a world: the surface of its body, kept up to date through edits, and pictures of its
-// state for other threads (docs/threads.md).
+// Display has what others look at: the surface of a body, which follows edits, and pictures of its state for
+// other threads (docs/threads.md).
 #pragma once
 
 #include <functional>
@@ -17,21 +17,21 @@
 
 namespace lobe {
 
-// Told of each edit of the mesh, which the topology has made.
+// Is called after each edit of the mesh.
 using CutObserver = std::function<void(const Topology&, const MeshEdit&)>;
 
 template <class Real>
 class Display {
  public:
-  // ---- The surface: made when it is first asked for, O(edit) for each edit from then on. Grains: null if no
-  // blade has cut.
+  // ---- The surface. The first call makes it; each later edit costs O(edit). `grains` is null if no blade has
+  // cut.
 
   const Surface& surface(const Elements& elements, const Grains* grains);
   void rebuild(const Elements& elements, const Grains* grains);
   void follow(const Elements& elements, Grains* grains, const MeshEdit& edit);
   void follow_regions(const Elements& elements, const Grains* grains, const std::vector<Index>& tets);
 
-  // ---- Those that hear of edits
+  // ---- Observers of edits
 
   void on_cut(CutObserver observer) { observers_.push_back(std::move(observer)); }
   void tell(const Topology& topology, const MeshEdit& edit) const {
@@ -40,7 +40,7 @@ class Display {
 
   // ---- Pictures
 
-  // Of this state, with the surface, which there is. None if more are held than there are slots for.
+  // Makes a picture of this state with the surface, which must exist. Makes none if readers hold all slots.
   void publish(const Elements& elements, const StateView<Real>& state, const std::vector<PlacedTool>& tools,
                const Report& report);
   const TripleBuffer<Snapshot<Real>>& snapshots() const { return pictures_->buffer; }  // from any thread

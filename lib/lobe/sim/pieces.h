@@ -1,4 +1,4 @@
-// The pieces of a body that is being cut: which come loose.
+// Pieces finds which pieces of a body come loose by a cut.
 #pragma once
 
 #include "lobe/body/model.h"
@@ -21,15 +21,15 @@ class Pieces {
   const State& state() const { return state_; }
   void set_state(const State& state) { state_ = state; }
 
-  // Those that a cut has set loose: a piece that nothing holds is loose if its body was held, or if a larger
-  // one is left of its body. Every piece is a body of its own from then on, so that a later cut has to judge
-  // no others than those that it cuts.
+  // The pieces that a cut has set loose. A piece that nothing holds is loose if its body was held, or if a
+  // larger piece of its body is left. From then on every piece counts as a body, so that a later cut judges
+  // only the pieces that it cuts.
   std::vector<std::vector<Index>> loosened_by(Model& model, const MeshEdit& edit);
   void follow(const MeshEdit& edit) {  // copies belong to the piece of what they are copies of
     if (state_.piece_of.empty()) return;
     for (const TetCopy& own : edit.copies) state_.piece_of.push_back(state_.piece_of[own.tet]);
   }
-  // The same after somebody took hold or let go.
+  // The same after a grasp or a release.
   std::vector<std::vector<Index>> loosened(Model& model) {
     return judge(model, model.elements.topology.pieces());
   }

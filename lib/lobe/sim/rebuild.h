@@ -1,4 +1,5 @@
-// The invariant of cutting: after any edit, the state equals that of a model built from scratch from the cut mesh.
+// Checks the invariant of cutting: after any edit, the state equals that of a model built from scratch from
+// the cut mesh.
 #pragma once
 
 #include "lobe/sim/world.h"
@@ -15,8 +16,8 @@ struct RebuildDifference {  // relative, largest over vertices
   double largest() const;  // infinite if boundary or regions differ
 };
 
-// Builds a new world from world.current_setup() and compares. O(building a world). Added mass is another in
-// the new one: compare worlds without.
+// Builds a new world from world.current_setup() and compares. O(building a world). Mass scaling adds other
+// masses in the new world, so compare worlds without it.
 template <class Real>
 RebuildDifference compare_with_rebuilt(World<Real>& world);
 

@@ -1,4 +1,4 @@
-// What a time step says instead of throwing.
+// The report of a frame. A frame never throws: what happened is in the report, with named conditions.
 #pragma once
 
 #include <array>
@@ -13,20 +13,19 @@ namespace lobe {
 
 struct Condition {
   enum class Kind : std::uint8_t {
-    diverged,   // the state was restored and the world stands still: smaller load, more damping, a volume
-                // penalty
-    too_stiff,  // a frame needs more steps than are taken: softer material, coarser mesh, or a static solution
-    sub_stepped,     // a frame was run again with smaller steps: nothing to do
-    near_inversion,  // a tetrahedron is below 5 % of its volume: a volume penalty, or a finer mesh there
-    pieces,          // a cut set pieces loose: as the scene's loose_pieces says
+    diverged,     // the state was restored, and the world stands still. Remedy: smaller load, more damping,
+                  // a volume penalty
+    too_stiff,    // a frame needs too many steps. Remedy: softer material, coarser mesh, static solution
+    sub_stepped,  // a frame was run again with smaller steps. Nothing to do
+    near_inversion,  // a tetrahedron is below 5 % of its volume. Remedy: a volume penalty, a finer mesh there
+    pieces,          // a cut set pieces loose. They do what the scene's loose_pieces says
     everything_cut,  // no tetrahedron is left
-    cache,           // a condensed region could not be read or kept, as the text says: nothing to do
-    unravelling,  // tetrahedra that stay crushed become linear until they are back, or are non-linear again:
-                  // nothing to do, but for what the text says
-    lumped,  // selective masses wait, or act again: while tetrahedra are crushed masses are lumped, and steps
-             // shorter; nothing to do
-    scalpel,    // a blade could not cut all that it met: as the text says
-    lost_force  // a force term acts on the interior of a pre-computed region: as the text says
+    cache,           // a file of the condensed cache could not be read or written. Nothing to do
+    unravelling,     // a tangle is linear until it has come back, or is non-linear again. See the text
+    lumped,     // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
+                // are shorter meanwhile. Nothing to do
+    scalpel,    // a blade could not cut all that it met. See the text
+    lost_force  // a force term acts on the interior of a pre-computed region. See the text
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy

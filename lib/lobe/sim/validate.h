@@ -1,5 +1,5 @@
-// Whether all that a world keeps fits together. It is found again from the tetrahedra that are left, their
-// corners and what holds them, and compared with what the parts have kept up to date from edit to edit.
+// Checks that all parts of a world fit together. It computes from the remaining tetrahedra, their corners and
+// the held vertices what each part should have, and compares.
 #pragma once
 
 #include "lobe/assert.h"

@@ -1,6 +1,8 @@
-// A body that is simulated: central differences in velocity form on lumped masses ([PDA] section 3.2 with
-// erratum 3), or implicit dynamics as a reference and for stiff scenes, with regions that share vertices at
-// their interfaces, tools and cuts.
+// World simulates a body: it advances time, plays tools, cuts, and reports what happened.
+//
+// Time integration is explicit: central differences in velocity form ([PDA] section 3.2 with erratum 3). An
+// implicit scheme is there as a reference and for stiff scenes. Regions of different models share vertices.
+// A frame costs O(#tetrahedra) per step; an edit costs O(its size).
 //
 //   World<float> world(setup);
 //   for (int frame = 0; frame < 60; ++frame) world.advance(1.0 / 30);
@@ -27,37 +29,39 @@ class World {
 
   // ---- Time
 
-  // Plays tools and cuts, then takes as many steps as the time step limit asks for. Tools cut at the start of
-  // a frame what they will sweep during it; grasps take hold and let go on time. Throws InputError for a
-  // duration that is not positive and finite, nothing else, and never leaves a NaN behind: on trouble the
-  // frame is run again with smaller steps, and if that fails the displacements and velocities at its start
-  // are restored (cuts stay) and the report says why.
+  // Advances by one frame: plays tools and cuts, then takes as many steps as stability needs.
+  // - Tools cut at the start of a frame what they will sweep during it. Grasps take hold and let go on time.
+  // - If a step fails, the frame is run again with smaller steps. If that fails too, the displacements and
+  //   velocities at its start are restored (cuts stay), and the report says why. No NaN is left behind.
+  // - Throws InputError for a duration that is not positive and finite, and nothing else.
   Report advance(double duration);  // [s], > 0
-  // One step without tools, cuts and checks [s]; false if an implicit one was not solved: nothing has moved.
+  // One step of dt [s] without tools, cuts and checks. False if an implicit step was not solved; then nothing
+  // has moved.
   bool step(double dt);
 
   // ---- Edits
 
-  // Stiffness, mass, loads and boundary are updated around what changed only, but for a pre-computed region
-  // that must be condensed from scratch (theory, section 14); whether something came loose is searched from there,
-  // and in O(#tets) only where that does not tell. Throws InputError for what cannot be done, and has then
-  // changed nothing.
+  // Performs a command. Stiffness, mass, loads and boundary are updated only around what changed. Two parts
+  // may cost more: a pre-computed region that must be condensed from scratch (theory, section 14), and the
+  // search for loose pieces, which is O(#tets) where a local search does not decide.
+  // Throws InputError for what cannot be done, and then has changed nothing.
   void apply(const Command& command);
-  // One more force on the body (body/force_term.h); explicit integrator only. Its names must be its own.
+  // Adds a force on the body (body/force_term.h). Explicit integrator only. No other term may have its name.
   void add(std::shared_ptr<ForceTerm<Real>> term);
-  // Alive ones; returns how many went. Loose pieces: as set up.
+  // Removes tetrahedra that are still there; returns how many went. Setup::loose_pieces says what becomes of
+  // pieces that come loose.
   Index remove_tets(const std::vector<Index>& tets);
 
   // ---- State
 
   double time() const { return body_.motion.time; }
-  // The interior of a pre-computed region is in equilibrium with its interface; it is found here, where
-  // somebody looks, and not by every step. What set_state() says of it is ignored.
+  // Displacements and velocities. The interior of a pre-computed region is in equilibrium with its interface.
+  // It is computed by this call and not by every step. set_state() ignores what it is given for it.
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);
   const Elements& elements() const { return body_.model.elements; }
-  // Whether tetrahedra that stayed crushed are linear until they have come back.
+  // Whether a tangle is being unravelled: its crushed tetrahedra are linear until they have come back.
   bool is_unravelling() const { return unravelling_.is_on(); }
   const Tools& tools() const { return tools_; }
   const Grains* grains() const { return blades_ ? &blades_->grains : nullptr; }  // null: no blade has cut
@@ -68,21 +72,20 @@ class World {
 
   // ---- For others to look at (docs/threads.md)
 
-  // The boundary of the body: made when it is first asked for, and kept up to date through cuts from then on,
-  // O(edit) each.
+  // The boundary of the body. The first call makes it; from then on each cut updates it, in O(edit).
   const Surface& surface() { return display_.surface(elements(), grains()); }
-  // Told of each edit of the mesh: a Skin follows by it. Not of restore().
+  // The observer is called after each edit of the mesh, so that a Skin can follow. restore() does not call it.
   void on_cut(CutObserver observer) { display_.on_cut(std::move(observer)); }
-  // A picture of the present state for other threads, with the report of the frame that led to it: what they
-  // get by snapshots() from then on. Costs a copy of the state and the normals of the surface. Where more
-  // pictures are held than there are slots for, none is made.
+  // Publishes a picture of the present state, with the report of the last frame. Other threads then get it by
+  // snapshots(). Costs a copy of the state and the normals of the surface. If readers hold all slots, no
+  // picture is made.
   void publish(const Report& report);
   const TripleBuffer<Snapshot<Real>>& snapshots() const { return display_.snapshots(); }  // from any thread
 
   // ---- What can be asked
 
-  // 2/ω_max at the current state [s]; infinite if nothing is free. Where nothing has moved since it was last
-  // asked for, it follows cuts locally, except with nodal pressure.
+  // The longest stable step 2/ω_max at the current state [s]; infinite if nothing is free. If nothing has
+  // moved since the last call, cuts update it locally, except with nodal pressure.
   double time_step_limit() { return limit_.find(body_); }
   StepLimit<Real>& step_limit() { return limit_; }  // how it is found
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
@@ -90,14 +93,14 @@ class World {
 
   // ---- What it has become
 
-  // All that this world has become (checkpoint.h). restore() throws InputError for a checkpoint of another
-  // setup or one that is not finite, and leaves the world as it was; it costs a copy where nothing was edited
-  // since, else the building of a world.
+  // save() gives all that this world has become (checkpoint.h). restore() costs a copy if nothing was edited
+  // since, else the building of a world. It throws InputError for a checkpoint of another setup or one that
+  // is not finite, and then leaves the world as it was.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   const Journal& journal() const { return journal_; }  // what it was built from, and its edits since
-  // The cut body as a setup of its own, from which an equal world can be built (mass scaling is found again),
-  // and where its parts come from.
+  // The cut body as a setup from which an equal world can be built (mass scaling is found again).
+  // `compacted` says where its vertices and tetrahedra come from.
   Setup current_setup(CompactMesh& compacted) const;
 
  private:
@@ -196,7 +199,7 @@ class World {
   Display<Real> display_;
 };
 
-// Where the tools of a world are.
+// Positions, directions and forces of all tools of a world.
 template <class Real>
 std::vector<PlacedTool> placed_tools(World<Real>& world);
 

@@ -22,7 +22,7 @@ struct Cautery {
   ToolId id = 0;
   std::string name;
   double radius = 0;  // of its spherical tip [m]
-  // Of its tip [m], from switching it on to switching it off; the last is the present one.
+  // Positions of its tip [m], one list from each switching on to the switching off; the last is the present.
   std::vector<std::vector<PathPoint>> strokes;
   bool is_live = false;
   bool burns = false;                // only of live ones

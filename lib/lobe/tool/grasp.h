@@ -1,4 +1,4 @@
-// A grasp holds vertices, and leads them along a path that is relative to where it took hold.
+// A grasp moves vertices along a path. The path is relative to where it took hold.
 #pragma once
 
 #include "lobe/tool/tool_pose.h"
@@ -27,7 +27,7 @@ struct Grasp {
   Phase phase = Phase::waiting;
   Vec3d centre = Vec3d::Zero();         // mean of its vertices where it took hold [m]
   std::optional<ToolPose> target = {};  // at the end of the next frame
-  // Means over the last frame of what it does to the body [N], and about where its centre is [N m].
+  // Means over the last frame: force on the body [N], and torque about its present centre [N m].
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
   Grasp() = default;
@@ -46,7 +46,7 @@ struct Grasp {
   std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it holds nothing
   bool fits(Index vertex_count) const;
 
-  // When it takes hold and lets go, as its path says now; infinite if it does not say.
+  // When it takes hold and lets go by its present path; infinite if the path does not say.
   double takes_hold_at() const;
   double lets_go_at() const;
 

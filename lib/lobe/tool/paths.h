@@ -1,5 +1,5 @@
-// Paths of tools in time, and how those of live ones grow: by a row per frame, so that what they did can be kept
-// as the path of a scene, which gives the same bits.
+// Paths of tools in time. The path of a tool that is moved by hand grows by a row per frame, so that it can be
+// kept as the path of a scene, which gives the same bits.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace lobe {
 
-// Times are sums of steps: what is so near to a time is at it [s].
+// Times are sums of steps: two times that differ by less count as equal [s].
 inline constexpr double just_before = 1e-9;
 
 // The first row after a time.
@@ -24,12 +24,12 @@ inline bool acts_at(double time, const std::vector<PathPoint>& path) {
   return !path.empty() && time >= path.front().time && time <= path.back().time;
 }
 
-// Rows that are later are of a frame that did not come about.
+// Removes the rows after a time: those of a frame that failed.
 inline void forget_after(double time, std::vector<PathPoint>& path) {
   while (!path.empty() && path.back().time > time + just_before) path.pop_back();
 }
 
-// Just after the frame's start: as a path of a scene a stroke would else begin at the end of the frame before.
+// Just after the frame's start. As a path of a scene, a stroke would otherwise begin in the frame before.
 inline double start_of_stroke(double time) {
   return std::nextafter(time, std::numeric_limits<double>::infinity());
 }

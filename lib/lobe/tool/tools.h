@@ -10,7 +10,7 @@ class Tools {
  public:
   explicit Tools(const ToolSetups& setups);
 
-  // ---- Made, moved and taken away. Throws InputError for a tool that there is not, or that follows a path.
+  // ---- Make, move and take away tools. Throws InputError for a tool that does not exist or follows a path.
 
   ToolId next_id() const { return next_; }
   // By TakeHold, BringCautery, …: a grasp takes hold at the start of the next frame, other tools are off.
@@ -28,13 +28,13 @@ class Tools {
     return visit_in(lists_, id, visit);
   }
   std::vector<ToolId> held_by_hands() const;  // live ones that have not been let go
-  // What has been done so far, as the tools of a setup.
+  // What the tools have done so far, as the tools of a setup.
   ToolSetups paths() const;
   ToolSetups live_paths() const;  // by live ones alone
 
   // ---- A frame
 
-  // Paths of live tools grow by what they are to do from `time` on for the duration [s].
+  // Extends the paths of tools that are moved by hand, from `time` on for the duration [s].
   void begin_frame(double time, double duration);
   // Takes hold of the vertices that exist(v), and lets go, as the paths say at this time. position(v) gives x
   // [m], displacement(v) gives u [m]. Returns whether anything changed.
@@ -56,20 +56,19 @@ class Tools {
 
   // ---- A step
 
-  // Where grasps are at a time; not later than the end of the frame, so that no row of a path that comes
-  // later matters.
+  // Places the grasps at a time, at most the end of the frame, so that no later row of a path matters.
   void place(double time);
   // Displacement of a vertex that a grasp holds [m]; `rest`: its rest position [m].
   Vec3d displacement(const HeldVertices::Held& item, const Vec3d& rest) const;
   Vec3d position(const Grasp& grasp) const { return grasp.centre + placed_[std::size_t(grasp.id)].offset; }
-  // What grasps do to the body: -f of the vertices that they hold, added up over steps of dt [s]. A frame in
-  // which a grasp takes hold or lets go has several parts; begin_forces() begins one, or begins it again.
+  // Forces of grasps on the body: -f of the grasped vertices, added up over steps of dt [s]. A frame in which a
+  // grasp takes hold or lets go has several parts; begin_forces() begins a part, or begins it again.
   void begin_forces();
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
   void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
 
-  // Every vertex has moved by at most this in one more step [m], but for rounding; or the state is another
-  // one.
+  // One more step was made, in which no vertex moved further than this [m], but for rounding. Or the state was
+  // replaced.
   void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
   void state_was_given() { groups_.forget(); }
 

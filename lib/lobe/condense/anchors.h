@@ -1,6 +1,5 @@
-// What keeps a pre-computed region in place. It is linear: a part that could turn as a whole would grow, so
-// that each must be held by boundary conditions of its own, or be the one part that has a frame that turns
-// with it.
+// Checks that a pre-computed region is held in place. The region is linear: a part that could turn as a whole
+// would grow. So each part must be held by boundary conditions, or be the one part with a corotated frame.
 #pragma once
 
 #include "lobe/fem/elements.h"
@@ -8,10 +7,10 @@
 
 namespace lobe {
 
-// The pre-computed tetrahedra of parts (that hang together by faces within the region) none of whose vertices
-// is held by a boundary condition, or that could move as a rigid body although what they share with other
-// regions, and what is held, stands still. Of a region with a frame all but the largest part, and this if it
-// could move so. O(#tetrahedra).
+// Returns the pre-computed tetrahedra of parts that are not held. A part hangs together by faces within the
+// region. It is not held if no boundary condition holds a vertex of it, or if it could move as a rigid body
+// while its interface and its held vertices stand still. In a region with a frame all parts but the largest
+// count as not held, and the largest if it could move so. O(#tetrahedra).
 std::vector<Index> unanchored_tets(const Elements& elements, const HeldVertices& held);
 
 // Throws InputError that names such a part.

@@ -1,6 +1,6 @@
-// What was condensed, on disk: a file per region, named and keyed by all that condensing starts from
-// (stiffness, which has mesh, materials and boundary in it; loads; interface), so that a changed input finds
-// nothing.
+// Keeps condensed regions on disk, one file per region. The name of the file is a digest of all that condensing
+// starts from: stiffness (with mesh, materials and boundary in it), loads, interface. So a changed input finds
+// no file.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ class CondensedCache {
   std::string take_notice() { return std::exchange(notice_, {}); }
 
  private:
-  // Where springs of the region's factor still hold the interface: what is kept.
+  // The condensed region as it is kept in the file: springs of the factor still hold the interface.
   std::unique_ptr<Condensed> with_springs(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                           const Dofs& interface, const SparseFactorMaker& make_factor);
   std::unique_ptr<Condensed> load(const std::filesystem::path& file, std::uint64_t key,

@@ -1,4 +1,4 @@
-// How far the condensation of a region is, and what it took.
+// Progress of condensing a region, and the time that it took.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// What decides whether it pays to condense a region: the interface costs a dense product, its tetrahedra a
-// sparse one.
+// Estimates whether condensing a region pays: the interface costs a dense product per step, its tetrahedra
+// would cost a sparse one.
 #pragma once
 
 #include "lobe/fem/elements.h"

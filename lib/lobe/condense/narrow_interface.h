@@ -1,5 +1,5 @@
-// Where a pre-computed region should end: at the vertices, as few as possible, that its interface then has. A
-// step costs the square of their number.
+// Finds where a pre-computed region should end, so that its interface has as few vertices as possible. A step
+// costs the square of their number.
 #pragma once
 
 #include <cstdint>

@@ -1,10 +1,10 @@
-// The pre-computed region (theory, section 14): linear and quasi-static. Its interior has no state of its
-// own, since in equilibrium it follows the interface, on which a dense matrix acts,
+// The pre-computed region (theory, section 14) is linear and condensed to its interface. A step multiplies a
+// dense matrix with the displacements u_B of the interface,
 //   f_B = −S u_B + (loads of the interior, condensed),
-// whatever the number of its tetrahedra. Interior displacements are found only where somebody looks. Cuts,
-// tetrahedra that come and go, and vertices that a tool takes hold of keep all of it exact (condensed.h).
-// With a frame, u_B are the displacements from the rigid motion that fits the interface best, and every
-// vertex that is held belongs to that.
+// whatever the number of tetrahedra. The interior is in equilibrium and follows the interface; its
+// displacements are computed only on request. Cuts, tetrahedra that enter or leave, and grasped vertices keep
+// all of it exact (condensed.h). With a frame, u_B are the displacements from the rigid motion that fits the
+// interface best, and every held vertex belongs to the interface.
 #pragma once
 
 #include <future>
@@ -25,22 +25,23 @@ class PrecomputedRegion {
                              InstructionSet set = chosen_instruction_set())
       : cache_(std::move(cache)), make_factor_(std::move(make_factor)), stiffness_(set) {}
 
-  // After an edit of the mesh or the regions; `edit.vertices` also names vertices that somebody took hold of
-  // or let go. Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they
-  // act through the interface. Returns tetrahedra that have become a mechanism and must leave the region.
-  // Throws InputError if the region cannot be condensed: only where tetrahedra enter it.
-  // Where the world does without the region for now, it may be followed lazily: then it is outdated, until it
-  // is renewed. Where edits have become inexact the region is condensed at once, which waits for what another
-  // thread condenses.
+  // Follows an edit of the mesh or the regions. `edit.vertices` also names vertices that were grasped or
+  // released.
+  // - Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act through
+  //   the interface.
+  // - Returns tetrahedra that have become a mechanism and must leave the region.
+  // - Throws InputError if the region cannot be condensed. This happens only if tetrahedra enter it.
+  // - While the region is expanded it may be followed lazily. Then it is outdated until it is relinearised.
+  // - If edits have become inexact, the region is condensed at once. This waits for what another thread
+  //   condenses.
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
                             Mat3X<Real>& external, Mat3X<Real>& dead, bool lazily = false);
   bool is_outdated() const { return is_outdated_; }
   // Throws InputError if the region of these elements had too large an interface.
   static void refuse_large(const Elements& elements, const HeldVertices& held);
 
-  // What is touched by edits makes the next ones dearer, until the region is condensed from scratch. That is done
-  // by another thread, from a copy of what there is now; edits go on meanwhile, and are repeated on the
-  // result.
+  // Each edit makes the next ones cost more, until the region is condensed from scratch. Another thread does
+  // this, from a copy of the present region. Edits go on meanwhile, and are repeated on the result.
   bool wants_refresh() const {
     return tet_count_ > 0 && !is_refreshing() && reduced_->touched() > most_touched_;
   }
@@ -50,16 +51,17 @@ class PrecomputedRegion {
   void begin_renewal(const Elements& elements, const Mat3X<double>& about) {
     begin_refresh(elements, Linearisation{about});
   }
-  // Waits for it. The result of a refresh is as before, to rounding. False where there is none, and all stays
-  // as it is: the tangent of a renewal is not positive definite, or it was followed lazily meanwhile.
+  // Waits for the other thread and uses its result. A refresh changes nothing but rounding. False if there is
+  // no result, and then all stays as it is: the tangent at the new state is not positive definite, or the
+  // region was followed lazily meanwhile.
   bool end_refresh(const Elements& elements);
 
   bool has_changed() const { return has_changed_; }  // by the last edit that was followed
   // 3 × #vertices, what it is linearised about [m]; none: rest.
   const Mat3X<double>& about() const { return linearisation_.about; }
   const std::vector<Index>& shared() const { return shared_; }  // vertices that are others' as well
-  // How far the interior lags behind for want of inertia, √Σ m |u|² [√kg m], where the vertices that it
-  // shares are accelerated, in the mean, by `acceleration` [m/s²]. Of the masses of move_mass().
+  // The displacement that the interior misses for want of its inertia, √Σ m |u|² [√kg m], at this mean
+  // acceleration of the interface [m/s²]. With the masses of move_mass().
   double lag(const Vec3d& acceleration) const;
 
   std::string take_notice() { return cache_.take_notice(); }        // of the cache
@@ -72,9 +74,9 @@ class PrecomputedRegion {
   // What becomes of the interior's loads where the world has put them back.
   void take_over_loads(Mat3X<Real>& external, Mat3X<Real>& dead) const;
 
-  // The interior follows the interface, and its mass with it: what it takes to move the interface as a whole
-  // goes to the vertices that it shares with other regions (theory, section 14). `mass` per vertex [kg] is
-  // changed there and in the interior. Returns the shared vertices.
+  // Moves the interior's mass to the interface: as much as it takes to move the interface as a whole (theory,
+  // section 14). Changes `mass`, per vertex [kg], there and in the interior. Returns the vertices of the
+  // interface.
   const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass);
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
@@ -85,8 +87,8 @@ class PrecomputedRegion {
                             Parallel& parallel);  // at rest, without loads
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
-  // Interior displacements, and velocities unless there are none, from those of the interface. A solve with
-  // the factor for either.
+  // Computes displacements of the interior, and velocities if v is not null, from those of the interface. Costs
+  // a solve with the factor for each.
   void recover(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
 
   // Of recovered displacements:

@@ -1,6 +1,6 @@
-// A condensed region by the components of the mesh, 3 × vertex + axis: which of them it knows, and the
-// operations of condensed.h on them. They may be recorded, to be repeated on another that was condensed from
-// an earlier state.
+// A condensed region in terms of the components of the mesh, 3 × vertex + axis: which of them it has, and the
+// operations of condensed.h on them. The operations may be recorded, to be repeated on a region that was
+// condensed from an earlier state.
 #pragma once
 
 #include <optional>

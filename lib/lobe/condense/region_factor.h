@@ -1,4 +1,4 @@
-// The pre-computed region as a body of its own, factorised once: what its tetrahedra are at one moment.
+// The sparse factor of a pre-computed region without the rest of the body: its tetrahedra at one moment.
 #pragma once
 
 #include "lobe/condense/condensing_log.h"
@@ -8,7 +8,7 @@
 
 namespace lobe {
 
-// What becomes of a displacement component of a vertex of the region.
+// The role of a displacement component of a vertex of the region.
 enum class Role : std::uint8_t {
   none,      // outside of the region, or fixed
   interior,  // quasi-static, follows the interface

@@ -1,5 +1,5 @@
-// The rigid motion that fits displaced points best, and what a model in that frame must know of it: a linear
-// region that moves with the frame may turn as a whole (theory, (42a) to (42c)). With rest positions X_i
+// Finds the rigid motion that fits displaced points best. A linear region that moves with this frame may turn
+// as a whole (theory, (42a) to (42c)). With rest positions X_i
 // about their centroid, Y_i, the weights w_i, and x_i about theirs, y_i, the rotation R makes Σ w_i y_i·R Y_i
 // as large as it can be (B. K. P. Horn, Closed-form solution of absolute orientation using unit quaternions,
 // 1987). Where points move, R turns by

@@ -1,7 +1,7 @@
-// Which tetrahedra an instrument may touch, without looking at all of them: they stand in groups of some
-// hundred that are near each other at rest, and each group remembers the box that it was in and how far
-// vertices have moved since. Only where the box, larger by that, meets the instrument's is a group looked at.
-// Nothing is ever missed: a shuffled or inverted mesh only costs more.
+// Finds the tetrahedra that an instrument may touch, without testing all of them. Groups of some hundred
+// tetrahedra that are near each other at rest remember their box and how far vertices have moved since. A group
+// is tested only if its box, enlarged by that distance, meets the instrument's box. None is missed: a shuffled
+// or inverted mesh only costs more.
 #pragma once
 
 #include <vector>

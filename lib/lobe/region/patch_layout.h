@@ -1,7 +1,7 @@
-// Which items, of n vertices each (tetrahedra, edges), share a patch, and how it numbers them and their
-// vertices. A patch has items of one kind that lie together: consecutive ones along a Hilbert curve through
-// their barycentres, as many as find room. What leaves is replaced by the last of its patch; what enters goes
-// to a patch which knows its vertices.
+// Divides items of n vertices each (tetrahedra, edges) into patches, and numbers them and their vertices within
+// a patch. A patch has items of one kind that lie together: consecutive ones along a Hilbert curve through
+// their barycentres, as many as find room. The last item of a patch takes the place of one that leaves. An item
+// that enters goes to a patch that has its vertices.
 #pragma once
 
 #include <array>

@@ -1,7 +1,6 @@
-// What evaluators in patches have in common: a patch works on a copy of its vertices' displacements, which
-// stays in the first cache, and adds up the forces on them in a place of its own; then each vertex sums what
-// its patches found, in the order of a list, so that the result does not depend on threads. Where no vertex
-// moves any more, sums can be kept.
+// Evaluation in patches. A patch copies the displacements of its vertices, so that they stay in the first
+// cache, and adds up the forces on them in separate memory. Then each vertex sums what its patches found, in
+// the order of a list, so that the result does not depend on threads. A patch at rest can keep its sums.
 #pragma once
 
 #include <algorithm>

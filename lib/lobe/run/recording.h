@@ -1,6 +1,6 @@
-// What was done to a world, command by command, with a digest of the state after each: played again on a
-// world of the same setup, on any number of threads, it must give the same bits. Also that it was put back to
-// an earlier state is an entry: what was done before stays in the record.
+// A recording lists the commands that a world was given, with a digest of the state after each. A replay on a
+// world of the same setup must give the same bits, on any number of threads. Going back to an earlier state is
+// an entry too; what was done before stays in the recording.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,7 @@ std::vector<std::size_t> entries_to_the_end(const Recording& recording);
 template <class Real>
 std::uint64_t digest(World<Real>& world);
 
-// A world that is played through this keeps a record.
+// Passes commands on to a world and records them.
 template <class Real>
 class Recorded {
  public:

@@ -1,5 +1,5 @@
-// What is seen, while a scene runs, of linear regions and of selective masses that lobe has chosen: for its
-// report.
+// Collects for the report what the watches find while a scene runs: errors of linear regions and of selective
+// masses that lobe has chosen.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// What acts on the vertices from outside: dead loads, and the vertices whose motion is prescribed.
+// Boundary conditions: dead loads, and vertices whose motion is prescribed.
 #pragma once
 
 #include <vector>

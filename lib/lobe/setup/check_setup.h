@@ -1,4 +1,4 @@
-// What a World asks of a setup.
+// Checks a setup before a World is built from it.
 #pragma once
 
 #include "lobe/setup/exclusions.h"

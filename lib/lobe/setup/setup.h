@@ -1,4 +1,4 @@
-// What a scene comes to on one mesh: plain arrays per tetrahedron and vertex, from which a World is built.
+// A setup is a scene resolved on one mesh: plain arrays per tetrahedron and vertex. A World is built from it.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Which tetrahedra a fine surface lies on.
+// Finds the tetrahedra that a fine surface lies on.
 #pragma once
 
 #include <array>

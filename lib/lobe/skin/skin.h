@@ -1,5 +1,5 @@
-// A fine surface with texture coordinates, such as the one that the tetrahedra were made from, which these
-// carry along and which opens where they are cut.
+// The skin is a fine surface with texture coordinates, such as the one that the mesh was made from. The
+// tetrahedra carry it along, and it opens where they are cut.
 //
 // Each vertex is carried by one tetrahedron: it keeps its barycentric coordinates in it, outside of it by
 // linear extension (the tetrahedra's own surface is coarser). A triangle lies on the tetrahedra under it

@@ -1,6 +1,6 @@
-// A picture of a running simulation that other threads read: all that a viewer, a haptic loop or a script
-// wants of one moment. It goes through a TripleBuffer, which recycles its storage: taking one allocates
-// nothing while nothing is cut.
+// A snapshot is a picture of a running simulation that other threads read: all that a viewer, a haptic loop or
+// a script needs of one moment. It goes through a TripleBuffer, which recycles its storage. Taking one
+// allocates nothing while nothing is cut.
 #pragma once
 
 #include <Eigen/Geometry>

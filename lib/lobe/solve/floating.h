@@ -1,4 +1,4 @@
-// Pieces of a body that nothing keeps from moving as a rigid body: their static equations are singular.
+// Finds floating pieces: pieces of a body that can move as a rigid body. Their static equations are singular.
 #pragma once
 
 #include <functional>

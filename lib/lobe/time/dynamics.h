@@ -1,5 +1,5 @@
-// A body in motion: its rest data, its state, and the parts that say by which forces and against which
-// inertia it moves. World plays frames, tools and cuts on it.
+// A body in motion: its rest data, its state, its forces and its inertia. World plays frames, tools and cuts
+// on it.
 #pragma once
 
 #include <memory>
@@ -31,7 +31,7 @@ struct Dynamics {
   Parallel parallel;
   double damping = 0;  // γ [1/s]
 
-  // Into motion.forces: all forces at the state [N], held vertices included.
+  // Computes all forces at the state into motion.forces [N], held vertices included.
   void find_forces();
   // Displacements, and velocities if asked for, of what is condensed as well.
   void recover(typename Regions<Real>::Interior wanted);
@@ -40,13 +40,13 @@ struct Dynamics {
   Energies energies();
   Vec3d reaction(int holder);  // force that who holds these vertices must apply now [N]
 
-  // Velocities and displacements by the forces that were found last, which it changes: forces act for the
-  // time `kick`, half of a step before and half of it after, for dt [s].
+  // Advances velocities and displacements by dt [s] with the forces that were found last; changes these. Forces
+  // act for the time `kick`: half of the step before and half of this one.
   void push(double kick, double dt);
-  // Held components of who moves along the others stay where they are.
+  // Restores the held components of vertices that slide: free in some components, held in others.
   void leave_out_held();
-  // Brings velocities up to the time of the displacements, before an edit makes the forces jump: those from
-  // before it act until then, those after it from then on.
+  // Brings velocities up to the time of the displacements, before an edit makes the forces jump. The forces
+  // from before the edit act until then, those after it from then on.
   void catch_up();
 
   typename ForceTerm<Real>::At here() const {
@@ -55,7 +55,7 @@ struct Dynamics {
   // Vertices on which force terms act.
   std::vector<Index> touched_by_terms() const;
 
-  // The state was changed by other means than a step.
+  // To be called after the state was changed by other means than a step.
   void state_was_given();
   void state_has_moved();
 };

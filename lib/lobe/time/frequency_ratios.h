@@ -1,7 +1,6 @@
-// How much higher than what a vertex feels alone the highest frequency may be (theory, section 7). Where
-// ω_max is measured, no mode around a vertex is above ω_max/ω_v times its own estimate, and those that have
-// more room are not taken to use more of it than the vertex of the highest estimate ever did. Part of a
-// checkpoint.
+// The ratio of the highest frequency to the estimate ω_v of each vertex (theory, section 7). When ω_max is
+// measured, no mode around a vertex is above ω_max/ω_v times its estimate. None is taken to be above the
+// largest ratio that the vertex of the highest estimate ever had. Part of a checkpoint.
 #pragma once
 
 #include <algorithm>

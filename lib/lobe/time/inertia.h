@@ -1,5 +1,5 @@
-// What resists acceleration: lumped masses, some of them scaled, or selective masses; and which vertices a
-// step moves.
+// Inertia of a body: lumped masses, scaled masses or selective masses. It also lists the vertices that a step
+// moves.
 #pragma once
 
 #include "lobe/body/loads.h"
@@ -40,8 +40,8 @@ class Inertia {
 
   // ---- Who moves
 
-  // Finds it again where masses, holds, sleepers or the state have been given again. What rests is put in its
-  // place here, and needs nothing from a step.
+  // Finds the vertices that a step moves, if masses, held vertices, sleeping vertices or the state have
+  // changed. Vertices at rest are set here, and a step does nothing for them.
   template <class IsAsleep>
   void arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);
   const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // by themselves

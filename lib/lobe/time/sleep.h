@@ -1,5 +1,4 @@
-// Who sleeps: the vertices of patches at rest, held where they are until somebody pulls at them (theory,
-// section 8).
+// Sleep: patches at rest are held where they are until something pulls at their vertices (theory, section 8).
 #pragma once
 
 #include <algorithm>
@@ -20,7 +19,7 @@ class Sleep {
   static constexpr double calm_time = 0.1;      // who has been still for so long may sleep [s]
   using Square = std::function<double(Index)>;  // ω_v² of a vertex, or a bound of it [1/s²]
 
-  // What is to be kept and given back; empty where nobody ever sleeps.
+  // Part of a checkpoint; empty if nothing may sleep.
   struct State {
     std::vector<std::uint8_t> asleep;   // per vertex
     std::vector<double> restless_till;  // per vertex [s]
@@ -34,8 +33,8 @@ class Sleep {
   };
 
   Sleep() = default;
-  // `tolerance`: by how much displacements may differ where parts sleep [m]; 0: nobody sleeps. `move`: as far
-  // as a vertex that moves while its neighbours are held may be from its equilibrium then [m].
+  // `tolerance`: by how much sleep may change displacements [m]; 0: nothing sleeps. `move`: how far a sleeping
+  // vertex may be from its equilibrium while its neighbours are held [m].
   Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / calm_time) {}
 
   bool is_on() const { return move_ > 0; }
@@ -57,7 +56,7 @@ class Sleep {
   const State& state() const { return state_; }
   void set_state(const State& state);
 
-  // At a frame's start: who has been still may fall asleep in the next step.
+  // To be called at a frame's start: vertices that have been still may fall asleep in the next step.
   void begin_frame() { frame_begins_ = true; }
   // Between the forces of a step and its motion: what is kept belongs to the displacements that there are
   // now.

@@ -1,5 +1,5 @@
-// The stable time step of a body in motion, 2/ω_max (theory, section 7): a vertex estimate of ω_max, kept up
-// to date through cuts, times the ratio to what Lanczos iterations have measured.
+// The stable step of a body in motion, 2/ω_max (theory, section 7). ω_max is a vertex estimate, which follows
+// cuts, times the ratio that Lanczos iterations have measured.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@ class StepLimit {
   // `mean_edge`: displacements that are small against it are small [m].
   explicit StepLimit(double mean_edge) : mean_edge_(mean_edge) {}
 
-  // 2/ω_max at the present state [s]; infinite if nothing is free. O(#tetrahedra) where the state has changed
-  // since it was last asked for; cuts are followed locally, except with nodal pressure.
+  // 2/ω_max at the present state [s]; infinite if nothing is free. Costs O(#tetrahedra) if the state has changed
+  // since the last call. Cuts are followed locally, except with nodal pressure.
   double find(Body& body);
-  // Found again whatever is known, so that a world that was restored finds the same to the bit.
+  // The same from scratch, so that a restored world finds the same to the bit.
   void find_anew(Body& body);
-  // ---- For frames: found again after `interval` of simulated time at the latest, about a frame of 60 Hz,
-  // since a pass over all tetrahedra costs as much as two or three steps. In between the last one holds,
-  // while nothing is edited and nobody sleeps.
+  // ---- For frames. The limit is found again after `interval` of simulated time, about a frame of 60 Hz,
+  // because a pass over all tetrahedra costs as much as two or three steps. In between the last limit holds,
+  // while nothing is edited and nothing sleeps.
   static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? kept_.limit : keep(body); }

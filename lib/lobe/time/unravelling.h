@@ -1,5 +1,5 @@
-// Tangles: tetrahedra that stay crushed or inverted though nobody holds them there. They are made linear
-// until they come undone (theory, section 8).
+// Unravels tangles: tetrahedra that stay crushed or inverted although no tool holds them there. They are linear
+// until they have come back (theory, section 8).
 #pragma once
 
 #include <array>
@@ -77,8 +77,8 @@ class Unravelling {
 template <class Real>
 double volume_ratio_of(const Elements& elements, Index tet, const Mat3X<Real>& u);
 
-// Whether a tool, or prescribed displacements that are not those at rest, lead the body: whoever does that
-// may crush it on purpose.
+// Whether a tool or prescribed displacements move the body. They may crush it on purpose, so nothing is
+// unravelled meanwhile.
 bool is_led(const HeldVertices& held);
 
 // Non-linear, guarded, of a body that is held: a linear one that is not would grow as it turns.

@@ -135,13 +135,15 @@ class Tester:
     def check_options(self, place, code):
         for command in code.replace("\\\n", " ").splitlines():
             words = command.replace("build/bin/", "").split("#")[0].split()
+            while words and "=" in words[0]:
+                words.pop(0)
             if not words:
                 continue
             if words[0] == "./dev":
                 if f"  {words[1]})" not in (self.root / "dev").read_text(encoding="utf-8"):
                     self.fault(place, f'./dev has no "{words[1]}"')
                 continue
-            if words[0] in ("cmake", "ctest", "cd", "git", "node", "xvfb-run", "ssh"):
+            if words[0] in ("cmake", "ctest", "cd", "git", "node", "xvfb-run", "ssh", "/usr/bin/python3"):
                 continue
             plain = [w for w in words[1:3] if re.fullmatch(r"[a-z]+", w)]
             name = [words[0], *plain] if words[0] in ("lobe", "lobe-mesh-bench") else [words[0]]

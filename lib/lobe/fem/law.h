@@ -1,11 +1,11 @@
 // The law of a tetrahedron of the non-linear model: its energy is the sum of the terms of svk.h (or
-// neo_hookean.h), fibre_term.h, volume_term.h, pressure_term.h and guard.h. All that evaluates such
+// neo_hookean.h), fibre_term.h, volume_term.h, pressure_term.h and guard.h. All code that evaluates such
 // tetrahedra calls the functions below: wide kernels, energies, the solvers' tangent, the time step, the
 // estimate of linear regions' errors. A new term adds its moduli to Law and a line to each function. The
 // order in which a function sums the terms up decides the last bits of results.
 //
-// What is not among the terms is not evaluated; where `terms` are constants, as in kernels, it leaves no code
-// behind.
+// Only the given terms are evaluated. If `terms` are constants, as in kernels, the other terms are not even
+// compiled.
 #pragma once
 
 #include <Eigen/Geometry>

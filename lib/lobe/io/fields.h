@@ -1,6 +1,6 @@
 // Structs that list their fields once, `static constexpr auto fields = std::tuple(&A::x, &A::y)`, are
-// written, read back and given a digest by these. What a list leaves out is neither kept nor compared. After
-// reading, is_valid() is asked where a struct has it.
+// written, read back and given a digest by these functions. A field that is not in the list is neither written
+// nor compared. After reading, is_valid() is called if a struct has it.
 #pragma once
 
 #include <Eigen/Core>

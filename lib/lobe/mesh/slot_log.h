@@ -1,5 +1,5 @@
-// Which slots of an array changed with which revision: whoever has an older copy of the array, as a graphics
-// card does, takes over these alone.
+// Lists which slots of an array changed with which revision. A reader with an older copy of the array, such as
+// a graphics card, then copies only these.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Points in the order in which a Hilbert curve passes them: what is close together in it is close together in
-// space, so that arrays in this order are read from the caches whatever the numbering of the mesh.
+// The order in which a Hilbert curve passes points. Points that are close in this order are close in space. So
+// arrays in this order are read from the caches, whatever the numbering of the mesh.
 #pragma once
 
 #include <vector>

@@ -1,7 +1,6 @@
-// The boundary of the body, for drawing and touching: faces of tetrahedra, or of the grains that a blade has
-// made of them (scalpel/grain_cells.h). It is creased where a cut meets the skin: a point that has both kinds
-// of faces around it is two vertices of the surface, one on either side, so that each has a normal of its
-// own.
+// The boundary of the body, for drawing and contact: faces of tetrahedra, or of the grains that a blade has made
+// of them (scalpel/grain_cells.h). Where a cut meets the outer surface there is a crease: a point with both
+// kinds of faces around it is two vertices, one on either side, so that each has a separate normal.
 //
 // Arrays have no gaps, as an index buffer that is drawn in one call must not: what an edit takes away is
 // replaced by what it adds, and where it takes away more, the last ones move into the gaps. All others keep

@@ -1,5 +1,5 @@
-// Who touches whom in a mesh that is being cut: neighbours across faces, the tetrahedra around each vertex,
-// the boundary surface. It is edited in place; every other structure follows the record that an edit returns.
+// The topology of a mesh that is being cut: neighbours across faces, the tetrahedra around each vertex, the
+// boundary surface. It is edited in place. Every other structure follows the record that an edit returns.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// In which order a sparse symmetric matrix is factorised, and which columns of its factor have the same rows
-// below them: a supernode, whose part of the factor is dense.
+// The order in which a sparse symmetric matrix is factorised, and its supernodes: columns of the factor that
+// have the same rows below them. The part of the factor in a supernode is dense.
 #pragma once
 
 #include <Eigen/SparseCore>

@@ -1,4 +1,4 @@
-// Is a scene sensible in itself, whatever its mesh?
+// Checks a scene as far as that is possible without its mesh.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What will be run: the report of `lobe check`.
+// The report of `lobe check`: what will be run.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// "Did you mean …?"
+// Finds the known word that is nearest to a misspelt one, for "did you mean …?".
 #pragma once
 
 #include <string>

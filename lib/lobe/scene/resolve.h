@@ -1,4 +1,4 @@
-// A scene on its mesh: which material and model every tetrahedron has, what is held, what is loaded.
+// Resolves a scene on its mesh: which material and model every tetrahedron has, what is held, what is loaded.
 #pragma once
 
 #include <optional>

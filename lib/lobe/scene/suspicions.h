@@ -1,4 +1,4 @@
-// Estimates by which a mistake in units shows.
+// Estimates that reveal a mistake in units, such as the expected sag under gravity.
 #pragma once
 
 #include "lobe/setup/setup.h"

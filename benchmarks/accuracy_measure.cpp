@@ -39,7 +39,7 @@ Reference make_reference(Setup setup, const Schedule& schedule, const double (&s
 
 // Tools that cut are left out: the comparison is of models.
 Setup setup_on(const Scene& scene, TetMesh mesh) {
-  Setup setup = resolve(scene, std::move(mesh)).setup;
+  Setup setup = resolve(scene, std::move(mesh), {false}).setup;
   auto grasps = std::move(setup.grasps);
   static_cast<ToolSetups&>(setup) = {};
   setup.grasps = std::move(grasps);

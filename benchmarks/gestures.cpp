@@ -306,7 +306,7 @@ std::string bench_gestures(const Options& options) {
     std::vector<std::filesystem::path> meshes = options.meshes;
     meshes.insert(meshes.begin(), mesh_path(scene));
     for (const std::filesystem::path& mesh : meshes) {  // its own is drawn
-      const Resolved resolved = resolve(scene, read_mesh(mesh).mesh);
+      const Resolved resolved = resolve(scene, read_mesh(mesh).mesh, {false});
       const bool is_own = mesh == meshes.front();
       if (is_own) own += std::to_string(resolved.setup.mesh.tet_count()) + " ";
       for (double tolerance : options.quick || !is_own ? std::vector{0.02} : std::vector{0.01, 0.02, 0.05})

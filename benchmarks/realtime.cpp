@@ -168,7 +168,7 @@ void bench_realtime(const Options& options) {
   std::vector<std::pair<RealtimeRow, Resting>> resting;
   for (const Case& organ : organs(options))
     for (const TetMesh& mesh : organ.meshes) {
-      const Setup setup = reference_setup(resolve(organ.scene, mesh).setup);
+      const Setup setup = reference_setup(resolve(organ.scene, mesh, {false}).setup);
       Time time = organ.scene.time;
       time.duration = std::min(time.duration, options.quick ? 0.2 : 2.0);
       RealtimeRow row = row_of_mesh(organ.name, setup);

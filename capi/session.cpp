@@ -116,7 +116,6 @@ bool SessionOf<Real>::fill(lobe_surface& surface) {
 std::unique_ptr<lobe_session> open(Scene scene, const lobe_options& options) {
   const Axes axes(options.axes);
   Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh);
-  propose(scene, resolved);
   std::unique_ptr<lobe_session> made;
   if (scene.in_double())
     made = std::make_unique<SessionOf<double>>(std::move(scene), std::move(resolved), options);

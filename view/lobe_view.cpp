@@ -89,11 +89,11 @@ std::pair<Scene, Resolved> load(const Arguments& options) {
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
   print_warnings(mesh.prepared.warnings());
-  Resolved resolved = resolve(scene, std::move(mesh.mesh));
-  if (scene.auto_regions) {
+  const auto resolved_with_progress = [&] {
     ProgressBar bar("choosing regions");
-    propose(scene, resolved, [&](double fraction) { bar.show(fraction); });
-  }
+    return resolve(scene, std::move(mesh.mesh), {true, [&](double fraction) { bar.show(fraction); }});
+  };
+  Resolved resolved = resolved_with_progress();
   print_warnings(resolved.warnings);
   return {std::move(scene), std::move(resolved)};
 }

@@ -212,8 +212,7 @@ void Viewer::perform(ClientId, const request::Propose& what) {
   scene.regions.clear();
   scene.auto_regions = wanted;
   begin([scene, mesh = painting().mesh()](Task& task) {
-    task.resolved = resolve(scene, mesh);
-    lobe::propose(scene, task.resolved, [&](double fraction) { task.fraction = fraction; });
+    task.resolved = resolve(scene, mesh, {true, [&](double fraction) { task.fraction = fraction; }});
   });
 }
 

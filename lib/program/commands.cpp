@@ -32,20 +32,17 @@ struct Loaded {
   Resolved resolved;
 };
 
-Loaded load(const SceneOptions& options) {
+// Regions that the scene leaves to lobe are chosen, by static solutions of the gestures.
+Loaded load(const SceneOptions& options, bool choose_regions = true) {
   Scene scene = read_scene(options.scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
   std::vector<std::string> warnings = mesh.prepared.warnings();
-  Resolved resolved = resolve(scene, std::move(mesh.mesh));
+  ProgressBar bar("choosing regions");
+  Resolved resolved =
+      resolve(scene, std::move(mesh.mesh), {choose_regions, [&](double fraction) { bar.show(fraction); }});
   resolved.warnings.insert(resolved.warnings.begin(), warnings.begin(), warnings.end());
   return {std::move(scene), std::move(resolved)};
-}
-
-// Static solutions of the gestures that the regions are chosen for.
-void choose_regions(Loaded& loaded) {
-  ProgressBar bar("choosing regions");
-  propose(loaded.scene, loaded.resolved, [&](double fraction) { bar.show(fraction); });
 }
 
 void print_proposal(const Proposal& proposal) {
@@ -115,7 +112,6 @@ void print_info(const Json& j) {
 // Plays or solves a scene with a progress bar, draws what pictures it asks for, prints the result.
 int produce(const SceneOptions& options, const char* what, decltype(&run_scene) function) {
   Loaded loaded = load(options);
-  choose_regions(loaded);
   print_warnings(loaded.resolved.warnings);
   RunResult result;
   {
@@ -162,7 +158,7 @@ int info(const InfoOptions& options) {
 }
 
 int check(const SceneOptions& options) {
-  const Loaded loaded = load(options);
+  const Loaded loaded = load(options, false);
   if (options.json)
     std::cout << describe_json(loaded.scene, loaded.resolved) << '\n';
   else
@@ -175,7 +171,6 @@ int run(const SceneOptions& options) { return produce(options, "simulating", run
 int replay(const SceneOptions& options) {
   const Recording recording = read_recording(options.record);
   Loaded loaded = load(options);
-  choose_regions(loaded);
   const auto play = [&](auto world) { return replay(recording, world); };
   const Replayed replayed = loaded.scene.in_double()
                                 ? play(World<double>(loaded.resolved.setup, options.threads))
@@ -227,7 +222,6 @@ int regions(const SceneOptions& options) {
   if (options.output.extension() != ".vtu")
     throw InputError(options.output.string(), "the mesh is written as VTU; give a name that ends in .vtu");
   Loaded loaded = load(options);
-  choose_regions(loaded);
   print_warnings(loaded.resolved.warnings);
   const Setup& setup = loaded.resolved.setup;
   DataArray region{"region", Eigen::MatrixXd(1, setup.mesh.tet_count()), DataArray::Type::int32};

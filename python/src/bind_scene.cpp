@@ -61,11 +61,8 @@ const Resolved& PyScene::resolved() const {
   const py::gil_scoped_release others_run;
   const std::lock_guard lock(mutex_);
   if (!resolved_) {
-    Resolved resolved = resolve(scene_, mesh_ ? *mesh_ : read_mesh(mesh_path(scene_)).mesh);
-    if (regions_)
-      resolved.setup.region_of = *regions_;
-    else
-      propose(scene_, resolved);
+    Resolved resolved = resolve(scene_, mesh_ ? *mesh_ : read_mesh(mesh_path(scene_)).mesh, {!regions_});
+    if (regions_) resolved.setup.region_of = *regions_;
     resolved_ = std::make_unique<const Resolved>(std::move(resolved));
   }
   return *resolved_;

@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   parse_scene(to_json(scene), "written.json");  // what was accepted once is accepted again
   try {
-    resolve(scene, mesh);
+    resolve(scene, mesh, {false});
   } catch (const InputError&) {
   }
   return 0;

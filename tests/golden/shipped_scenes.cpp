@@ -47,7 +47,7 @@ std::vector<GoldenRun> shipped_scenes() {
     runs.push_back({name, [name](int threads) {
                       const Scene scene =
                           read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"));
-                      Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh);
+                      Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh, {false});
                       if (scene.auto_regions) choose_regions(scene, resolved);
                       return play_scene<float>(scene, resolved, threads);
                     }});

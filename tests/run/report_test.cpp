@@ -123,8 +123,7 @@ TEST_CASE("selective masses take the place of corrected regions, and the report 
   json["time"]["selective_mass"] = 5;
   json["regions"] = {{"auto", {{"tolerance", 0.05}, {"correct", true}}}};
   const Scene scene = read_scene(write_scene_files(folder, json));
-  Resolved resolved = resolve(scene, beam_mesh());
-  propose(scene, resolved);
+  const Resolved resolved = resolve(scene, beam_mesh());
   REQUIRE(resolved.warnings.size() == 1);
   CHECK(resolved.warnings[0] ==
         "/regions/auto: nothing is linear: time/selective_mass takes its place, and is corrected");

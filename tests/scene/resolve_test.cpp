@@ -178,29 +178,43 @@ TEST_CASE("a precomputed region must be held, and explicit") {
         "/regions/1/frame: all precomputed regions have one frame in common; give all of them the same");
 }
 
-TEST_CASE(
-    "a precomputed region is tensor-mass where that is measured to cost less, unless the scene wants it "
-    "condensed") {
+TEST_CASE("a precomputed region stays so, and is tensor-mass only where the scene lets that be measured") {
   const auto models = [](const std::string& keys, const std::string& where, Resolved& result) {
     const Scene plate = scene(R"({"regions": [{"model": "precomputed", )" + keys + "\"where\": " + where +
                               R"(}], "boundary": [{"fix": true, "where": {"plane": {"point": [0, 0, 0],
                               "normal": [0, 0, 1], "within": 1e-9}}}]})");
     result = resolve(plate, box_mesh({0.24, 0.24, 0.02}, 24, 24, 2));
-    CHECK(result.warnings.empty());
-    propose(plate, result);
     return std::count(result.setup.region_of.begin(), result.setup.region_of.end(), RegionModel::precomputed);
   };
   const std::string half = R"({"box": {"min": [-1, -1, -1], "max": [1, 1, 0.01]}})";
   Resolved result;
-  CHECK(models("", half, result) == 0);
+  const std::string measured = R"("representation": "measured", )";
+  CHECK(models("", half, result) == 24 * 24 * 6);
   REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].starts_with("/regions: the precomputed region shares 625 vertices with others"));
+  CHECK(result.warnings[0].ends_with("give it \"representation\": \"measured\""));
+  CHECK(models(measured, half, result) == 0);
+  REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].ends_with("it is tensor-mass now; let it end at a narrower part"));
-  CHECK(models(R"("representation": "condensed", )", half, result) == 24 * 24 * 6);
-  CHECK(result.warnings.size() == 1);
   CHECK(models("", R"({"all": true})", result) == 24 * 24 * 2 * 6);
   CHECK(result.warnings.empty());
-  CHECK(models(R"("frame": "corotated", )", half, result) == 24 * 24 * 6);
+  CHECK(models(measured, R"({"all": true})", result) == 24 * 24 * 2 * 6);
+  CHECK(result.warnings.empty());
+  CHECK(models(R"("frame": "corotated", )" + measured, half, result) == 24 * 24 * 6);
+  CHECK(result.warnings.empty());
+}
+
+TEST_CASE("regions that the scene leaves to lobe are chosen, unless the caller wants a reference") {
+  const Scene automatic = scene(R"({"regions": {"auto": {"tolerance": 0.3}}, "gravity": [0, 0, -0.1]})");
+  const Resolved chosen = resolve(automatic, bar());
+  REQUIRE(chosen.proposal);
+  CHECK(chosen.setup.region_of == chosen.proposal->region_of);
+  double last = 0;
+  resolve(automatic, bar(), {true, [&](double fraction) { last = fraction; }});
+  CHECK(last == 1);
+  const Resolved reference = resolve(automatic, bar(), {false});
+  CHECK_FALSE(reference.proposal);
+  for (const RegionModel model : reference.setup.region_of) CHECK(model == RegionModel::nonlinear);
 }
 
 TEST_CASE("a mesh without tetrahedra is refused") {
@@ -402,7 +416,7 @@ TEST_CASE("gestures of automatic regions are vertices that are moved or loaded")
   CHECK(result.gestures[0].displacements == std::vector<Vec3d>(4, Vec3d(0, 0, 0.02)));
   CHECK(result.gestures[1].displacements.empty());
   CHECK(result.gestures[1].force == Vec3d(0, 0, -1));
-  CHECK_FALSE(result.proposal.has_value());
+  CHECK(result.proposal.has_value());
   const Setup end = at_the_end_of(result.gestures[0], result.setup);
   CHECK(end.prescribed.size() == result.setup.prescribed.size() + 4);
 }

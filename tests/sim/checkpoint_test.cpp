@@ -274,3 +274,23 @@ TEST_CASE("checkpoints share what edits refer to by much: a renewal's displaceme
   CHECK(begin.about);
   CHECK(begin.about == std::get<BeginRefresh>(second.history.front()).about);
 }
+
+TEST_CASE("checkpoints share the commands of a history, and see none that comes later") {
+  World<double> world(hybrid_setup(irregular_box(3)));
+  for (Index t = 0; t < 20; ++t) world.remove_tets({t});
+  const Checkpoint<double> first = world.save();
+  const std::size_t edits = first.history.size();
+  REQUIRE(edits >= 10);
+  world.apply(SetRegion{{40}, RegionModel::tensor_mass});
+  world.apply(SetRegion{{40}, RegionModel::nonlinear});
+  const Checkpoint<double> second = world.save();
+  CHECK(first.history.size() == edits);
+  CHECK(second.history.size() > edits);
+  for (std::size_t i = 0; i < edits; ++i) CHECK(&first.history[i] == &second.history[i]);
+
+  History changed = second.history;
+  CHECK(changed == second.history);
+  changed.supersede(0);
+  CHECK_FALSE(changed == second.history);
+  CHECK(std::holds_alternative<RemoveTets>(second.history[0]));
+}

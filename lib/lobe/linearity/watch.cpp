@@ -106,7 +106,7 @@ bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
 template <class Real>
 bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   const Elements& elements = world.elements();
-  const std::vector<Command>& history = world.journal().edits;
+  const History& history = world.journal().edits;
   const std::uint64_t restored_now = world.body().model.revisions.restored;
   const bool restored = std::exchange(restored_, restored_now) != restored_now;
   if (!restored && history.size() == edits_) return false;

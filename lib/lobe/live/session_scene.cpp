@@ -61,8 +61,7 @@ void state_regions(const Setup& setup, Scene& scene) {
     region.name = model == RegionModel::tensor_mass ? "tensor-mass" : "precomputed";
     region.model = model;
     region.where = Selector{std::move(selected)};
-    region.always_condensed = model == RegionModel::precomputed;
-    if (region.always_condensed) region.frame = setup.precomputed_frame;
+    if (model == RegionModel::precomputed) region.frame = setup.precomputed_frame;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "lobe/condense/anchors.h"
+#include "lobe/condense/interface_size.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/resolve_parts.h"
 
@@ -27,11 +28,29 @@ void resolve_frame(Resolution& resolution) {
   if (first) resolution.result.setup.precomputed_frame = first->frame;
 }
 
+// A wide interface costs more than the tetrahedra behind it. In a frame that turns there is no other way.
+void suspect_interface(Resolution& resolution, const Elements& elements) {
+  if (resolution.result.setup.precomputed_frame == RegionFrame::corotated) return;
+  constexpr double numbers_per_tet = 25;  // of the matrix, that are read in the time of a tensor-mass one
+  const InterfaceSize size = interface_size(elements);
+  const double components = 3.0 * size.vertices, numbers = components * (components + 1) / 2;
+  if (numbers <= 2 * numbers_per_tet * size.tets) return;
+  resolution.warn("/regions",
+                  "the precomputed region shares " +
+                      counted(std::size_t(size.vertices), "vertex", "vertices") +
+                      " with others, so that each step reads a matrix of " + rounded(numbers) +
+                      " numbers; its " + counted(std::size_t(size.tets), "tetrahedron", "tetrahedra") +
+                      " would likely be faster as tensor-mass; let it end at a narrower part, or give it "
+                      "\"representation\": \"measured\"");
+}
+
 // A region that nothing keeps in place is refused.
 void check_precomputed(Resolution& resolution) {
   const Setup& setup = resolution.result.setup;
   if (!std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed)) return;
-  refuse_unanchored(Elements(setup), held_by(setup.prescribed));
+  const Elements elements(setup);
+  refuse_unanchored(elements, held_by(setup.prescribed));
+  if (!measures_representation(resolution.scene)) suspect_interface(resolution, elements);
 }
 
 std::string triple(const Vec3d& v) {
@@ -144,7 +163,7 @@ void resolve_regions(Resolution& resolution) {
   }
 }
 
-Resolved resolve(const Scene& scene, TetMesh mesh) {
+Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options) {
   check_scene(scene);
   if (mesh.tet_count() == 0) throw InputError(scene.mesh.string(), "the mesh has no tetrahedron");
   Resolution resolution{scene, {}, {}};
@@ -180,6 +199,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh) {
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
   suspect_units(resolution);
   check_precomputed(resolution);
+  if (options.choose_regions) choose_regions(resolution, options.progress);
   return std::move(resolution.result);
 }
 

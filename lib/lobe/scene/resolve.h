@@ -1,6 +1,7 @@
 // Resolves a scene on its mesh: which material and model every tetrahedron has, what is held, what is loaded.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,20 +13,21 @@ namespace lobe {
 
 struct Resolved {
   Setup setup;
-  std::vector<Gesture> gestures;  // of automatic regions
-  std::optional<Proposal>
-      proposal;  // of automatic regions, once propose() has chosen them: all are nonlinear before
+  std::vector<Gesture> gestures;      // of automatic regions
+  std::optional<Proposal> proposal;   // of automatic regions, where they were chosen
   std::vector<std::string> warnings;  // one line each; the scene can run all the same
+};
+
+struct ResolveOptions {
+  // Regions that the scene leaves to lobe are chosen, which takes static solutions and measured steps:
+  // seconds, minutes on a large mesh. Otherwise all of the body is nonlinear, as for a reference.
+  bool choose_regions = true;
+  std::function<void(double fraction)> progress = {};  // of choosing
 };
 
 // `mesh` has passed prepare(). Throws one InputError with everything that the scene asks and this mesh or
 // this version cannot give: selections that select nothing, tetrahedra without material, what is not
 // available yet.
-Resolved resolve(const Scene& scene, TetMesh mesh);
-
-// Chooses the regions where the scene leaves that to lobe, and whether those that it wants precomputed had
-// better be tensor-mass; warnings say what was found. Takes minutes on a large mesh.
-void propose(const Scene& scene, Resolved& resolved,
-             const std::function<void(double fraction)>& progress = {});
+Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options = {});
 
 }  // namespace lobe

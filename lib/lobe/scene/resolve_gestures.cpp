@@ -30,33 +30,26 @@ void resolve_gestures(Resolution& resolution) {
 
 namespace {
 
-// A wide interface costs more than the tetrahedra behind it. In a frame that turns there is no other way.
-void choose_representation(const Scene& scene, Resolved& resolved) {
-  Setup& setup = resolved.setup;
+void choose_representation(Resolution& resolution) {
+  Setup& setup = resolution.result.setup;
   if (setup.precomputed_frame == RegionFrame::corotated) return;
-  const Representations cost = measure_representations(setup, scene.in_double());
+  const Representations cost = measure_representations(setup, resolution.scene.in_double());
   constexpr double clearly = 1.2;
   if (cost.condensed <= clearly * cost.tensor_mass) return;
   const InterfaceSize size = interface_size(Elements(setup));
-  const bool stays = std::any_of(scene.regions.begin(), scene.regions.end(), [](const Region& region) {
-    return region.model == RegionModel::precomputed && region.always_condensed;
-  });
-  if (!stays)
-    std::replace(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed,
-                 RegionModel::tensor_mass);
-  resolved.warnings.push_back(
-      "/regions: the precomputed region shares " + counted(std::size_t(size.vertices), "vertex", "vertices") +
-      " with others, which cost " + rounded(1e6 * cost.condensed) + " us per step, its " +
-      counted(std::size_t(size.tets), "tetrahedron", "tetrahedra") + " as tensor-mass " +
-      rounded(1e6 * cost.tensor_mass) +
-      " us: " + (stays ? "it is condensed all the same, as the scene asks" : "it is tensor-mass now") +
-      "; let it end at a narrower part");
+  std::replace(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed,
+               RegionModel::tensor_mass);
+  resolution.warn(
+      "/regions",
+      "the precomputed region shares " + counted(std::size_t(size.vertices), "vertex", "vertices") +
+          " with others, which cost " + rounded(1e6 * cost.condensed) + " us per step, its " +
+          counted(std::size_t(size.tets), "tetrahedron", "tetrahedra") + " as tensor-mass " +
+          rounded(1e6 * cost.tensor_mass) + " us: it is tensor-mass now; let it end at a narrower part");
 }
 
-}  // namespace
-
-void propose(const Scene& scene, Resolved& resolved, const std::function<void(double fraction)>& progress) {
-  if (!scene.auto_regions) return choose_representation(scene, resolved);
+void propose_automatic(Resolution& resolution, const std::function<void(double fraction)>& progress) {
+  const Scene& scene = resolution.scene;
+  Resolved& resolved = resolution.result;
   ProposalOptions options;
   options.tolerance = scene.auto_regions->tolerance;
   options.condense = scene.auto_regions->precomputed;
@@ -65,8 +58,8 @@ void propose(const Scene& scene, Resolved& resolved, const std::function<void(do
   std::vector<RegionModel>& region_of = resolved.setup.region_of;
   if (scene.corrects_masses()) {
     std::fill(region_of.begin(), region_of.end(), RegionModel::nonlinear);
-    resolved.warnings.push_back(
-        "/regions/auto: nothing is linear: time/selective_mass takes its place, and is corrected");
+    resolution.warn("/regions/auto",
+                    "nothing is linear: time/selective_mass takes its place, and is corrected");
     resolved.proposal.emplace().region_of = region_of;
     return;
   }
@@ -78,8 +71,24 @@ void propose(const Scene& scene, Resolved& resolved, const std::function<void(do
     resolved.proposal = propose_regions(resolved.setup, resolved.gestures, options);
     region_of = resolved.proposal->region_of;
   }
-  for (const std::string& note : resolved.proposal->notes)
-    resolved.warnings.push_back("/regions/auto: " + note);
+  for (const std::string& note : resolved.proposal->notes) resolution.warn("/regions/auto", note);
+}
+
+}  // namespace
+
+bool measures_representation(const Scene& scene) {
+  const auto is_fixed = [](const Region& region) {
+    return region.model == RegionModel::precomputed && !region.is_measured;
+  };
+  return std::none_of(scene.regions.begin(), scene.regions.end(), is_fixed);
+}
+
+void choose_regions(Resolution& resolution, const std::function<void(double fraction)>& progress) {
+  const std::vector<RegionModel>& region_of = resolution.result.setup.region_of;
+  if (resolution.scene.auto_regions) return propose_automatic(resolution, progress);
+  if (measures_representation(resolution.scene) &&
+      std::count(region_of.begin(), region_of.end(), RegionModel::precomputed) > 0)
+    choose_representation(resolution);
 }
 
 }  // namespace lobe

@@ -50,4 +50,9 @@ void resolve_tools(Resolution& resolution);
 void resolve_gestures(Resolution& resolution);
 void suspect_units(Resolution& resolution);
 
+// Whether all precomputed regions, which have one matrix in common, leave it to the clock what they are.
+bool measures_representation(const Scene& scene);
+// Regions that the scene leaves to lobe; warnings say what was found.
+void choose_regions(Resolution& resolution, const std::function<void(double fraction)>& progress);
+
 }  // namespace lobe

@@ -97,7 +97,7 @@ struct Region {
   RegionFrame frame = RegionFrame::fixed;  // of pre-computed ones, the same for all
   std::optional<Selector> where;
   std::string pointer;
-  bool always_condensed = false;  // precomputed: also where that is measured to cost more than tensor-mass
+  bool is_measured = false;  // precomputed: tensor-mass where a step is measured to cost clearly less so
 };
 
 // A trial of what will be done: a displacement of vertices [m], or a force on them [N].

@@ -93,7 +93,7 @@ ordered_json write(const Material& material) {
 ordered_json write(const Region& region) {
   ordered_json entry = {{"name", region.name}, {"model", name(region.model)}};
   if (region.frame == RegionFrame::corotated) entry["frame"] = "corotated";
-  if (region.always_condensed) entry["representation"] = "condensed";
+  if (region.is_measured) entry["representation"] = "measured";
   add_where(entry, region.where);
   return entry;
 }

@@ -17,7 +17,7 @@ template <class Real>
 struct Checkpoint {
   std::uint64_t setup = 0;  // fingerprint() of what the world was built from
   State<Real> state;
-  std::vector<Command> history;
+  History history;
   HeldVertices held;
   Tools::State tools;
   Blades::State blades;

@@ -146,10 +146,4 @@ inline bool is_about_tools(const Command& command) {
   return std::visit([]<class Any>(const Any&) { return std::is_constructible_v<ToolCommand, Any>; }, command);
 }
 
-// What a world was built from, and what has been done to its mesh and regions since.
-struct Journal {
-  std::uint64_t setup = 0;     // fingerprint() of all that it was built from (checkpoint.h)
-  std::vector<Command> edits;  // BeginRefresh and EndRefresh are Superseded, except the last ones
-};
-
 }  // namespace lobe

@@ -8,8 +8,8 @@
 //   for (int frame = 0; frame < 60; ++frame) world.advance(1.0 / 30);
 #pragma once
 
-#include "lobe/sim/command.h"
 #include "lobe/sim/display.h"
+#include "lobe/sim/history.h"
 #include "lobe/sim/pieces.h"
 #include "lobe/time/implicit_dynamics.h"
 #include "lobe/time/step_limit.h"

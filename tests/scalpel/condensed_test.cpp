@@ -181,7 +181,7 @@ TEST_CASE("what a blade cuts off a pre-computed region becomes non-linear, and f
   CHECK(world.elements().topology.pieces().size() >= 2);
   double mass = 0, volume = 0, fallen = 0;  // what is condensed without an interface does not move
   for (Index v = 0; v < world.elements().topology.vertex_count(); ++v)
-    if (!world.held().holds(v)) mass += world.body().inertia.mass()[std::size_t(v)];
+    if (!world.held().holds(v)) mass += world.body().inertia.weighs(v);
   for (Index t = 0; t < world.elements().topology.tet_count(); ++t) {
     volume += world.elements().volume(t);
     if (world.elements().is_in(RegionModel::nonlinear, t)) fallen += world.elements().volume(t);

@@ -246,7 +246,7 @@ TEST_CASE("along faces no tetrahedron is divided, and planes, waves and closed p
     check_pieces(knife, mesh, 2);
     CHECK(knife.grains.count() == mesh.tet_count());
     CHECK(knife.elements.topology.tet_count() == mesh.tet_count());
-    CHECK(knife.area < 0.03);  // a rough surface: the plane's is 0.01 to 0.017
+    CHECK(knife.area < 0.04);  // a rough surface: the blade's own is 0.01 to 0.017
   }
 }
 
@@ -256,7 +256,8 @@ TEST_CASE("a cut along faces may cross one that divides tetrahedra") {
   knife.plane({1, 0.2, 0.1}, middle, 3);
   knife.set_along_faces(true);
   knife.plane({0.1, 1, 0.3}, middle, 3);
-  check_pieces(knife, mesh, 4);
+  check_invariants(knife, mesh);
+  CHECK(Rebuilt(knife).pieces >= 4);  // a tetrahedron between both cuts may stand alone
 }
 
 TEST_CASE("a corner that is hardly there is not cut off, and one that is there comes off") {

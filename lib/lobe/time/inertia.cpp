@@ -31,10 +31,10 @@ void Inertia<Real>::raise_to_floor(const Model& model, const std::vector<Index>&
   if (model.elements.shares.empty()) return;
   added_.resize(mass_.size(), 0);
   for (Index v : vertices) {
-    const double added = std::max(0.0, floor_.at(model.elements, v) - mass_[v]);
-    sum_of_floor_ += added - added_[v];
-    added_[v] = added;
-    mass_[v] += added;
+    const double raised = std::max(mass_[v], floor_.at(model.elements, v));
+    sum_of_floor_ += raised - mass_[v] - added_[v];
+    added_[v] = raised - mass_[v];
+    mass_[v] = raised;
   }
 }
 

@@ -9,6 +9,7 @@ std::span<const Benchmark> all_benchmarks() {
        true},
       {"validation", "known solutions, orders of convergence, conserved quantities", bench_validation},
       {"cut", "cost of removing a tetrahedron, against building the model anew", bench_cut},
+      {"scalpel", "cost of a blade, the time step that it leaves, statics of a slit beam", bench_scalpel},
       {"hybrid", "a step with a pre-computed or tensor-mass part, against all non-linear", bench_hybrid,
        true},
       {"realtime", "whole gestures, all non-linear, against the clock; what the time step gains",

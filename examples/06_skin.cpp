@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   setup.prescribed = {{0, {0, 0, 0}}, {1, {0, 0, 0}}, {2, {0, 0, 0}}};
   lobe::Skin skin(lobe::read_obj(data + "/liver.obj"), setup.mesh);
   lobe::World<float> world(setup);
-  world.on_cut([&](const auto& topology, const auto& edit) { skin.follow(topology, edit); });
+  world.on_cut([&](const auto& topology, const auto& edit) { skin.follow(topology, edit, world.grains()); });
 
   const lobe::SurfaceMesh& surface = world.surface().mesh();
   const std::uint64_t seen = surface.revision;  // what the graphics card has

@@ -83,12 +83,17 @@ vtkSmartPointer<vtkUnstructuredGrid> clipped(vtkDataSet* mesh, const Clip& clip)
   return extract->GetOutput();
 }
 
-vtkSmartPointer<vtkPolyData> boundary(vtkDataSet* mesh, const std::optional<Clip>& clip) {
+// What there is on the kept side of a plane.
+vtkSmartPointer<vtkDataSet> kept(const vtkSmartPointer<vtkPointSet>& mesh, const std::optional<Clip>& clip) {
+  if (clip) return clipped(mesh, *clip);
+  return mesh;
+}
+
+// With the cell array vtkOriginalCellIds: which cell each face is of.
+vtkSmartPointer<vtkPolyData> boundary(vtkDataSet* mesh) {
   vtkNew<vtkDataSetSurfaceFilter> filter;
-  if (clip)
-    filter->SetInputData(clipped(mesh, *clip));
-  else
-    filter->SetInputData(mesh);
+  filter->SetInputData(mesh);
+  filter->PassThroughCellIdsOn();
   filter->Update();
   return filter->GetOutput();
 }
@@ -106,18 +111,37 @@ Face face_of(vtkPolyData* surface, vtkIdType cell) {
   return face;
 }
 
-// `surface` is still at rest here.
-void mark_exposed(vtkPolyData* surface, const Panel& panel, const std::optional<Clip>& clip) {
+// Whether a face was on the boundary at the start, as the cell array "skin" says in frames of bodies that a blade
+// has cut: one bit for the face opposite to each corner.
+bool is_skin(vtkDataSet* mesh, vtkPolyData* surface, vtkIdType face) {
+  vtkDataArray* skin = surface->GetCellData()->GetArray("skin");
+  vtkDataArray* cells = surface->GetCellData()->GetArray("vtkOriginalCellIds");
+  if (!skin || !cells) return false;
+  const Face corners = face_of(surface, face);
+  vtkNew<vtkIdList> points;
+  mesh->GetCellPoints(static_cast<vtkIdType>(cells->GetTuple1(face)), points);
+  for (vtkIdType i = 0; i < points->GetNumberOfIds(); ++i) {
+    std::array<double, 3> x{};
+    mesh->GetPoint(points->GetId(i), x.data());
+    if (std::find(corners.begin(), corners.end(), x) == corners.end())
+      return (static_cast<int>(skin->GetTuple1(face)) >> i & 1) != 0;
+  }
+  return false;
+}
+
+// `surface`, of `mesh`, is still at rest here.
+void mark_exposed(vtkDataSet* mesh, vtkPolyData* surface, const Panel& panel,
+                  const std::optional<Clip>& clip) {
   vtkNew<vtkUnsignedCharArray> exposed;
   exposed->SetName("exposed");
   exposed->SetNumberOfValues(surface->GetNumberOfCells());
   exposed->Fill(0);
   if (!panel.first.empty()) {
-    const vtkSmartPointer<vtkPolyData> skin = boundary(read_mesh(panel.first), clip);
+    const vtkSmartPointer<vtkPolyData> skin = boundary(kept(read_mesh(panel.first), clip));
     std::set<Face> outside;
     for (vtkIdType i = 0; i < skin->GetNumberOfCells(); ++i) outside.insert(face_of(skin, i));
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
-      exposed->SetValue(i, !outside.contains(face_of(surface, i)));
+      exposed->SetValue(i, !outside.contains(face_of(surface, i)) && !is_skin(mesh, surface, i));
   } else if (vtkDataArray* cut = surface->GetCellData()->GetArray("cut")) {
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) exposed->SetValue(i, cut->GetTuple1(i) != 0);
   }
@@ -178,11 +202,11 @@ void move_by_displacement(vtkPolyData* surface, const std::filesystem::path& fil
 }  // namespace
 
 vtkSmartPointer<vtkPolyData> read_surface(const Panel& panel, const std::optional<Clip>& clip) {
-  const vtkSmartPointer<vtkPointSet> mesh = read_mesh(panel.mesh);
-  const vtkSmartPointer<vtkPolyData> surface = boundary(mesh, clip);
+  const vtkSmartPointer<vtkDataSet> mesh = kept(read_mesh(panel.mesh), clip);
+  const vtkSmartPointer<vtkPolyData> surface = boundary(mesh);
   if (surface->GetNumberOfCells() == 0)
     throw std::runtime_error(panel.mesh.string() + ": nothing is left on the kept side of the clip plane");
-  mark_exposed(surface, panel, clip);
+  mark_exposed(mesh, surface, panel, clip);
   std::vector<Eigen::Vector2d> fibres;
   if (panel.fibres) fibres = fibres_in_faces(surface, panel.mesh);
   move_by_displacement(surface, panel.mesh);

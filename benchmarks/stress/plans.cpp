@@ -42,6 +42,24 @@ void handle(Setup& setup, const std::vector<Index>& vertices, double seconds, To
   }
 }
 
+// Blades on planes in any direction, all the way through the middle of the body, one after the other.
+void add_strokes(Setup& setup, int count) {
+  const Vec3d low = setup.mesh.points.rowwise().minCoeff(), high = setup.mesh.points.rowwise().maxCoeff();
+  const double reach = (high - low).norm();
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < count; ++i) {
+    const Vec3d n = Vec3d(normal(random), normal(random), normal(random)).normalized(),
+                along = n.unitOrthogonal(), edge = n.cross(along);
+    const Vec3d from = (low + high) / 2 - reach * along, to = from + 2 * reach * along;
+    const double time = 0.2 + 0.25 * i;
+    setup.scalpels.push_back({"blade",
+                              0.1,
+                              {{time, from - reach * edge}, {time + 0.3, to - reach * edge}},
+                              {from + reach * edge, to + reach * edge}});
+  }
+}
+
 // There and back: 0, 1, 0.
 double there_and_back(double s) { return 1 - std::abs(2 * s - 1); }
 
@@ -148,6 +166,11 @@ void add_gesture_plans(std::vector<Plan>& plans, const Subject& subject, const s
     torn.setup.grasps.push_back(
         {"hand", {subject.mesh.tets(corner, tet)}, {{0, Vec3d::Zero()}, {0.5, away}, {1, away}}, true});
   }
+  Plan& strokes = gesture("pulled, and cut by five strokes that cross", Must::survive);
+  strokes.setup.gravity = {0, 0, -9.81};
+  handle(strokes.setup, subject.high_end(), 3,
+         [=](Vec3d x, double s) -> Vec3d { return x + Vec3d(0.4 * length * there_and_back(s), 0, 0); });
+  add_strokes(strokes.setup, 5);
   Plan& cut = gesture("cut at random until nothing is left", Must::vanish);
   cut.setup.gravity = {0, 0, -9.81};
   cut.cut_share = 0.02;

@@ -41,6 +41,8 @@ class Player {
       while (ok_ && world_.time() < plan_.seconds * (1 - 1e-9)) frame();
     verdict_.seconds = watch.seconds();
     verdict_.farthest = farthest();
+    if (verdict_.in_double && finite_ && world_.grains())
+      verdict_.cut_error = std::max(verdict_.cut_error, compare_with_rebuilt(world_).largest());
     verdict_.why = judge();
     verdict_.passed = verdict_.why.empty();
     if (verdict_.passed) verdict_.why = reported_;
@@ -136,8 +138,9 @@ void Player<Real>::measure() {
   verdict_.last_ratio = std::numeric_limits<double>::infinity();
   const Mat3X<double> u = world_.state().u.template cast<double>();
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    const bool is_nonlinear = elements.region_of[t] == RegionModel::nonlinear ||
-                              plan_.setup.region_of[t] == RegionModel::nonlinear;  // but for a tangle
+    const bool is_nonlinear =
+        elements.region_of[t] == RegionModel::nonlinear ||
+        plan_.setup.region_of[elements.topology.parent(t)] == RegionModel::nonlinear;  // but for a tangle
     if (!elements.topology.alive(t) || !is_nonlinear) continue;
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
     const double ratio = 1 + volume_change<double>(displacement_gradient<double>(

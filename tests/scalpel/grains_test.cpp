@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "knife.h"
@@ -54,6 +56,69 @@ void check_pieces(const Knife& knife, const TetMesh& mesh, Index pieces) {
 }
 
 const Vec3d middle = Vec3d::Constant(0.05);
+
+// Whether grains that lie well on both sides of a surface hang together; distance(X) from it, with a sign [m].
+template <class Distance>
+bool has_bridge(const Knife& knife, Distance&& distance) {
+  const Grains& grains = knife.grains;
+  const double far = 0.5 * grains.mean_edge();
+  std::vector<char> is_found(std::size_t(grains.count()), 0);
+  for (Index first = 0; first < grains.count(); ++first) {
+    if (is_found[std::size_t(first)]) continue;
+    std::vector<Index> part{first};
+    is_found[std::size_t(first)] = 1;
+    bool above = false, below = false;
+    for (std::size_t at = 0; at < part.size(); ++at) {
+      double low = 1, high = -1;
+      for (Index p : grains[part[at]].points) {
+        const double own = distance(grains.point(p));
+        low = std::min(low, own);
+        high = std::max(high, own);
+      }
+      above = above || low > far;
+      below = below || high < -far;
+      for (int f = 0; f < 4; ++f)
+        if (const Index other = grains.neighbour(part[at], f); other >= 0 && !is_found[std::size_t(other)]) {
+          is_found[std::size_t(other)] = 1;
+          part.push_back(other);
+        }
+    }
+    if (above && below) return true;
+  }
+  return false;
+}
+
+// A full stroke along a plane or a wave with a curvature times edge up to 1, whose rows often meet vertices, edges
+// and diagonals exactly. Whether it leaves no bridge, and as many pieces of the simulation as of the grains.
+bool is_parted(int trial, const TetMesh& mesh) {
+  std::mt19937 random(static_cast<unsigned>(trial));
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::uniform_int_distribution<int> small(-2, 2);
+  Knife knife(mesh);
+  const Vec3d low = mesh.points.rowwise().minCoeff(), high = mesh.points.rowwise().maxCoeff();
+  const double size = (high - low).norm();
+  Vec3d normal(small(random), small(random), small(random)), through = (low + high) / 2;
+  if (normal.isZero()) normal = Vec3d(1, 0, 0);
+  const bool is_exact = trial % 2 == 0;
+  if (is_exact) {
+    through = mesh.points.col(int(uniform(random) * mesh.vertex_count()));  // on a vertex
+    through += ((low + high) / 2 - through) / 2;                            // or halfway to the middle
+  } else {
+    normal += 0.3 * Vec3d(uniform(random), uniform(random), uniform(random));
+  }
+  const double length = size * (0.4 + 0.6 * uniform(random)), wave = 2 * M_PI / length;
+  const double height = trial % 3 == 0 ? uniform(random) / knife.grains.mean_edge() / (wave * wave) : 0;
+  knife.plane(normal, through, (height > 0 ? 40 : 1) + int(40 * uniform(random)), 1, 1.2 * size, height,
+              wave);
+  const Vec3d n = normal.normalized(), along = n.unitOrthogonal();
+  const auto distance = [&](const Vec3d& X) {
+    return n.dot(X - through) - height * std::sin(wave * along.dot(X - through));
+  };
+  if (has_bridge(knife, distance)) return false;
+  const Rebuilt rebuilt(knife);
+  return rebuilt.faults == 0 && rebuilt.odd_edges == 0 &&
+         rebuilt.pieces == Index(knife.elements.topology.pieces().size());
+}
 
 }  // namespace
 
@@ -162,6 +227,108 @@ TEST_CASE("a hundred random strokes through one body keep its volume, and what h
     knife.plane(n, centre, 4, 1, 0.005 + 0.04 * uniform(random));
   }
   check_invariants(knife, mesh);
+}
+
+TEST_CASE("along faces no tetrahedron is divided, and planes, waves and closed paths leave no bridge") {
+  const TetMesh mesh = cube();
+  const struct {
+    Vec3d normal, offset;
+    int steps;
+    double height;
+  } cuts[] = {{{1, 0, 0}, {0, 0, 0}, 1, 0},  // on vertices, between the middles of tetrahedra
+              {{1, 0, 0}, {0.004, 0, 0}, 3, 0},
+              {{1, 1, 0}, {0, 0, 0}, 7, 0},
+              {{1, 2, 3}, {0, 0, 0}, 13, 0},
+              {{0.1, 1, 0.2}, {0, 0, 0}, 60, 0.004}};
+  for (const auto& cut : cuts) {
+    Knife knife(mesh, 0.1, true);
+    knife.plane(cut.normal, middle + cut.offset, cut.steps, 1, 0.2, cut.height, 60);
+    check_pieces(knife, mesh, 2);
+    CHECK(knife.grains.count() == mesh.tet_count());
+    CHECK(knife.elements.topology.tet_count() == mesh.tet_count());
+    CHECK(knife.area < 0.04);  // a rough surface: the blade's own is 0.01 to 0.017
+  }
+}
+
+TEST_CASE("a cut along faces may cross one that divides tetrahedra") {
+  const TetMesh mesh = irregular_box(6, 0.1 / 6);
+  Knife knife(mesh);
+  knife.plane({1, 0.2, 0.1}, middle, 3);
+  knife.set_along_faces(true);
+  knife.plane({0.1, 1, 0.3}, middle, 3);
+  check_invariants(knife, mesh);
+  CHECK(Rebuilt(knife).pieces >= 4);  // a tetrahedron between both cuts may stand alone
+}
+
+TEST_CASE("a corner that is hardly there is not cut off, and one that is there comes off") {
+  const TetMesh mesh = cube();
+  const double edge = 0.1 / 8;
+  for (const double share : {0.05, 0.5}) {
+    Knife knife(mesh, 0.02);
+    knife.plane({1, 1, 1}, Vec3d::Constant(share * edge / 3), 1);
+    const bool is_crumb = share < 0.1;
+    check_pieces(knife, mesh, is_crumb ? 1 : 2);
+    CHECK((knife.crumbs > 0) == is_crumb);
+  }
+}
+
+TEST_CASE("mesh and blade that are turned, mirrored or renumbered together give the same grains") {
+  const TetMesh mesh = irregular_box(4, 0.025);
+  const Mat3<double> turn = Eigen::AngleAxisd(0.7, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Mat3<double> mirror = Vec3d(-1, 1, 1).asDiagonal();
+  std::mt19937 random(2);
+  std::vector<Index> order(std::size_t(mesh.vertex_count()));
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), random);
+  const Vec3d n(1, 2, 3), along = n.normalized().unitOrthogonal(), edge = n.normalized().cross(along);
+  const auto cut = [&](const TetMesh& own, const Mat3<double>& A) {
+    Knife knife(own);
+    const auto row = [&](double x) {
+      const Vec3d p = middle + x * along;
+      return std::vector<Vec3d>{A * (p - 0.2 * edge), A * (p + 0.2 * edge)};
+    };
+    knife.begin();
+    for (int i = 0; i < 6; ++i) knife.sweep(row(-0.2 + i * 0.05), row(-0.15 + i * 0.05));
+    std::vector<double> shares;
+    for (Index g = 0; g < knife.grains.count(); ++g) shares.push_back(knife.grains.volume(g));
+    std::sort(shares.begin(), shares.end());
+    check_invariants(knife, own);
+    return std::pair(knife.area, shares);
+  };
+  const auto transformed = [&](const Mat3<double>& A) {
+    TetMesh own = mesh;
+    own.points = A * mesh.points;
+    if (A.determinant() < 0) own.tets.row(0).swap(own.tets.row(1));
+    return own;
+  };
+  TetMesh renumbered = mesh;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    renumbered.points.col(order[std::size_t(v)]) = mesh.points.col(v);
+  renumbered.tets = mesh.tets.unaryExpr([&](Index v) { return order[std::size_t(v)]; });
+  renumbered.tets.rowwise().reverseInPlace();
+  const Mat3<double> none = Mat3<double>::Identity();
+  const auto [area, volumes] = cut(mesh, none);
+  for (const Mat3<double>& A : {turn, mirror}) {
+    const auto [other_area, others] = cut(transformed(A), A);
+    CHECK(other_area == near(area, 1e-9));
+    REQUIRE(others.size() == volumes.size());
+    for (std::size_t i = 0; i < others.size(); ++i) CHECK(std::abs(others[i] - volumes[i]) < 1e-15);
+  }
+  // Edges around a grain are bisected in the order of their numbers: the same surface, by other grains.
+  CHECK(cut(renumbered, none).first == near(area, 1e-9));
+}
+
+// `test_scalpel --no-skip -tc="five thousand*"`: 5 minutes.
+TEST_CASE("five thousand full strokes with degenerate paths leave no bridge" * doctest::skip()) {
+  const TetMesh liver = read_mesh(std::string(LOBE_DATA_DIR) + "/meshes/liver_2k.vtu").mesh;
+  for (int trial = 0; trial < 5000; ++trial) {
+    if (trial % 100 == 0) MESSAGE(trial);
+    CHECK(is_parted(trial, trial % 25 == 24 ? liver : cube(4 + trial % 3)));
+  }
+}
+
+TEST_CASE("a hundred and fifty of them") {
+  for (int trial = 0; trial < 150; ++trial) CHECK(is_parted(trial, cube(4 + trial % 3)));
 }
 
 TEST_CASE("to retrace a path fifty times adds no grain after the first") {

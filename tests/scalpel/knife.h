@@ -13,10 +13,16 @@ namespace lobe::test {
 
 class Knife {
  public:
-  explicit Knife(const TetMesh& mesh, double snap = 0.1)
-      : elements(setup_of(mesh)), grains(elements), snap_(snap), whole_(elements.topology.tet_count()) {
+  explicit Knife(const TetMesh& mesh, double snap = 0.1, bool along_faces = false)
+      : elements(setup_of(mesh)),
+        grains(elements),
+        snap_(snap),
+        along_faces_(along_faces),
+        whole_(elements.topology.tet_count()) {
     for (Index t = 0; t < whole_; ++t) all_.push_back(t);
   }
+
+  void set_along_faces(bool along_faces) { along_faces_ = along_faces; }
 
   void begin() {
     stroke_ = (stroke_ + 1) % Grains::most_strokes;
@@ -32,8 +38,9 @@ class Knife {
       return Placement{start, start, Mat3<double>::Identity()};
     };
     const Incised incised =
-        incise(grains, {stroke_, snap_}, swept_.back(), swept_, near(swept_.back()), at_rest);
+        incise(grains, {stroke_, snap_, along_faces_}, swept_.back(), swept_, near(swept_.back()), at_rest);
     area += incised.area;
+    crumbs += incised.crumbs;
     opened_ += static_cast<Index>(incised.incision.opened.size());
     if (!incised.opened.empty()) {
       const MeshEdit edit = elements.topology.divide(grains.divide(elements.topology, incised.opened));
@@ -61,7 +68,7 @@ class Knife {
   Elements elements;
   Grains grains;
   double area = 0;  // opened [m²]
-  Index cut_off = 0;
+  Index cut_off = 0, crumbs = 0;
 
  private:
   std::vector<Index> near(const Sheet& sheet) const {
@@ -76,6 +83,7 @@ class Knife {
   }
 
   double snap_;
+  bool along_faces_;
   Index whole_;
   std::vector<Index> all_;
   int stroke_ = -1;

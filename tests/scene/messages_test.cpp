@@ -94,8 +94,8 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"name\", \"output\", "
        "\"regions\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
-       "/time: unknown key \"x~/\"; known here: \"damping\", \"duration\", \"frame\", \"integrator\", "
-       "\"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"selective_mass\", \"sleep\", "
+       "/time: unknown key \"x~/\"; known here: \"cut_step\", \"damping\", \"duration\", \"frame\", "
+       "\"integrator\", \"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"selective_mass\", \"sleep\", "
        "\"spectral_radius\", \"step\""},
   });
 }

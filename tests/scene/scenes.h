@@ -12,7 +12,7 @@ inline const std::string full_scene = R"({
   "comment": "every key",
   "mesh": "meshes/liver.vtu",
   "materials": [
-    {"name": "parenchyma", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1060},
+    {"name": "parenchyma", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1060, "fracture_energy": 150},
     {"name": "tumour", "where": {"label": 2}, "young_modulus": 7e4, "poisson_ratio": 0.4, "nodal_pressure": true},
     {"where": {"label": [3, 4]}, "lame_lambda": 0, "lame_mu": 1e3, "nodal_pressure": 0.5}
   ],
@@ -35,12 +35,12 @@ inline const std::string full_scene = R"({
     {"name": "grasper", "type": "grasp", "where": {"sphere": {"center": [0.1, 0, 0], "radius": 0.01}},
      "path": [[0.0, 0, 0, 0], [1.0, 0, 0.05, 0.02]], "release": true},
     {"type": "cautery", "radius": 0.006, "path": [[0.5, 0.03, -0.05, 0], [1.5, 0.03, 0.05, 0]]},
-    {"type": "scalpel", "snap": 0.2, "path": [[0.5, 0.03, -0.05, 0, 0.04, -0.05, 0.1], [1.5, 0.03, 0.05, 0, 0.04, 0.05, 0.1]]}
+    {"type": "scalpel", "snap": 0.2, "surface": "faces", "path": [[0.5, 0.03, -0.05, 0, 0.04, -0.05, 0.1], [1.5, 0.03, 0.05, 0, 0.04, 0.05, 0.1]]}
   ],
   "loose_pieces": "vanish",
   "evaluator": "stored",
   "condensed_cache": "cache",
-  "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "mass_scaling": 0.015, "selective_mass": 9, "ramp": 0.25, "load_ramp": 0.5, "sleep": 1e-5, "precision": "double",
+  "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "cut_step": 0.5, "mass_scaling": 0.015, "selective_mass": 9, "ramp": 0.25, "load_ramp": 0.5, "sleep": 1e-5, "precision": "double",
            "integrator": "implicit", "step": 0.005, "spectral_radius": 1.0},
   "output": {"every": 0.04, "pictures": [0.5, 1.5]}
 })";

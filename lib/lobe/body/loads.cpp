@@ -4,11 +4,11 @@ namespace lobe {
 
 template <class Real>
 void Loads<Real>::refresh(const Elements& elements, const std::vector<Index>& vertices,
-                          const std::vector<double>& mass) {
+                          const std::function<double(Index)>& mass) {
   for (Columns* columns : {&external_, &dead_}) columns->extend(elements.topology.vertex_count());
   for (Index v : vertices) {
     dead_.col(v) = loads_.at(elements, v).template cast<Real>();
-    external_.col(v) = dead_.col(v) + (mass[v] * gravity_).template cast<Real>();
+    external_.col(v) = dead_.col(v) + (mass(v) * gravity_).template cast<Real>();
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 
 #include "lobe/parallel.h"
 #include "lobe/setup/boundary_conditions.h"
@@ -18,8 +19,11 @@ class Loads {
         gravity_(setup.gravity),
         ramp_(setup.load_ramp) {}
 
-  // After an edit: of these vertices, from their masses [kg].
-  void refresh(const Elements& elements, const std::vector<Index>& vertices, const std::vector<double>& mass);
+  // After an edit: of these vertices, from what they weigh [kg].
+  void refresh(const Elements& elements, const std::vector<Index>& vertices,
+               const std::function<double(Index)>& mass);
+  DeadLoads& dead_loads() { return loads_; }
+  const DeadLoads& dead_loads() const { return loads_; }
 
   // The share of the dead loads that does not act yet at a time [s].
   double missing(double time) const { return ramp_ > 0 ? std::max(0.0, 1 - time / ramp_) : 0; }

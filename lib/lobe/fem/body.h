@@ -31,6 +31,7 @@ struct Elastic {
   double nodal_pressure = 0;  // w: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
   MaterialLaw law = MaterialLaw::svk;
   FibreModuli<double> fibre{};  // [Pa], zero: isotropic; λ and μ are then those across the fibre
+  double fracture_energy = 0;   // G_c: work of a blade per area that it opens [J/m²]
 
   double nodal_lambda() const { return nodal_pressure * lambda; }    // wλ [Pa]
   double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − w)λ [Pa]
@@ -40,8 +41,9 @@ struct Elastic {
   // What uniaxial strain along the fibre feels beyond that across it: C_LL − C_TT [Pa].
   double fibre_excess() const { return 2 * fibre.coupling + 4 * fibre.shear + fibre.stretch; }
 
-  static constexpr auto fields = std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density,
-                                            &Elastic::nodal_pressure, &Elastic::law, &Elastic::fibre);
+  static constexpr auto fields =
+      std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density, &Elastic::nodal_pressure, &Elastic::law,
+                 &Elastic::fibre, &Elastic::fracture_energy);
 };
 
 inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {

@@ -56,7 +56,7 @@ Topology::Topology(const TetMesh& mesh)
       found_by_(std::size_t(mesh.tet_count()), -1) {
   for (Index t = 0; t < mesh.tet_count(); ++t)
     for (int c = 0; c < 4; ++c) around_.append(tets_(c, t), t);
-  const std::vector<FaceKey> faces = sorted_faces(tets_);
+  const std::vector<FaceKey> faces = sorted_faces(mesh.tets);
   for (std::size_t i = 0; i < faces.size(); ++i)  // copies share a face with others on the same side of it
     for (std::size_t j = i + 1; j < faces.size() && faces[i].vertices == faces[j].vertices; ++j) {
       if (faces[i].is_odd == faces[j].is_odd) continue;
@@ -64,7 +64,7 @@ Topology::Topology(const TetMesh& mesh)
       add_neighbour(faces[j].code / 4, faces[j].code % 4, faces[i].code / 4);
     }
   for (Index code = 0; code < 4 * mesh.tet_count(); ++code)
-    if (neighbours_.data()[code] < 0) open_face(code);
+    if (neighbours_.padded().data()[code] < 0) open_face(code);
   for (Index v = 0; v < vertex_count() && stars_are_whole_; ++v) stars_are_whole_ = parts_around(v) < 2;
 }
 
@@ -75,14 +75,14 @@ Eigen::Vector3i Topology::face(Index code) const {
 }
 
 void Topology::open_face(Index code) {
-  neighbours_.data()[code] = -1 - static_cast<Index>(boundary_.size());
+  neighbours_.padded().data()[code] = -1 - static_cast<Index>(boundary_.size());
   boundary_.push_back(code);
 }
 
 void Topology::close_face(Index code) {
-  const Index place = -1 - neighbours_.data()[code];
+  const Index place = -1 - neighbours_.padded().data()[code];
   boundary_[place] = boundary_.back();
-  neighbours_.data()[boundary_[place]] = -1 - place;
+  neighbours_.padded().data()[boundary_[place]] = -1 - place;
   boundary_.pop_back();
 }
 
@@ -260,7 +260,7 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
 bool Topology::ring_closes(Index from, Index to, Index v, Index w, Index behind) const {
   while (from != to) {
     const auto corners = tets_.col(from);
-    const Index next = neighbours_(corner_of(tets_, from, behind), from);
+    const Index next = neighbours_(corner_of(tets_.padded(), from, behind), from);
     if (next < 0) return false;
     behind ^= corners[0] ^ corners[1] ^ corners[2] ^ corners[3] ^ v ^ w;
     from = next;
@@ -331,7 +331,7 @@ void Topology::split_if_apart(Index v, std::vector<VertexSplit>& splits) {
       if (part_of_[i] != part) continue;
       around_.erase_value(v, star[i]);
       around_.append(split.copy, star[i]);
-      tets_(corner_of(tets_, star[i], v), star[i]) = split.copy;
+      tets_(corner_of(tets_.padded(), star[i], v), star[i]) = split.copy;
       split.tets.push_back(star[i]);
     }
     splits.push_back(std::move(split));

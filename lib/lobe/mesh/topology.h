@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lobe/mesh/tet_mesh.h"
+#include "lobe/mesh/vertex_columns.h"
 #include "lobe/mesh/vertex_lists.h"
 
 namespace lobe {
@@ -67,10 +68,10 @@ class Topology {
 
   // Numbers never change; a removed tetrahedron keeps its number and its last corners.
   Index vertex_count() const { return around_.vertex_count(); }
-  Index tet_count() const { return static_cast<Index>(tets_.cols()); }
+  Index tet_count() const { return tets_.count(); }
   Index alive_count() const { return alive_count_; }
   bool alive(Index tet) const { return alive_[tet] != 0; }
-  const Tets& tets() const { return tets_; }
+  VertexColumns<Tets>::View tets() const { return tets_.view(); }
   Eigen::Vector4i corners(Index tet) const { return tets_.col(tet); }
   Index origin(Index v) const {  // the vertex of the mesh at the start that it is, or is a copy of
     const Index copy = v - (vertex_count() - copy_count());
@@ -155,8 +156,9 @@ class Topology {
   bool ring_closes(Index from, Index to, Index v, Index w, Index behind) const;
   std::array<bool, 4> stays_whole(const Eigen::Vector4i& corners, const Eigen::Vector4i& beside) const;
 
-  Tets tets_;
-  Tets neighbours_;  // per face: the first other tetrahedron; on the boundary −1 − its place in boundary_
+  VertexColumns<Tets> tets_;
+  VertexColumns<Tets>
+      neighbours_;  // per face: the first other tetrahedron; on the boundary −1 − its place in boundary_
   VertexLists<Across> more_;  // per tetrahedron, further ones across its faces; no lists until there is one
   bool stars_are_whole_ = true;  // the tetrahedra around each vertex hang together by faces
   std::vector<std::uint8_t> alive_;

@@ -38,9 +38,9 @@ MeshEdit Topology::divide(const TetDivision& division) {
     if (part.tet >= tet_count()) parents.push_back(parent(part.of));
   }
   const Index before = tet_count(), added = tets - before;
-  tets_.conservativeResize(4, tets);
-  neighbours_.conservativeResize(4, tets);
-  tets_.rightCols(added).setConstant(-1);
+  tets_.extend(tets);
+  neighbours_.extend(tets);
+  tets_.padded().middleCols(before, added).setConstant(-1);
   alive_.resize(std::size_t(tets), 1);
   found_by_.resize(std::size_t(tets), -1);
   parents_.insert(parents_.end(), parents.begin(), parents.end());

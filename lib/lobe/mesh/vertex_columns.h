@@ -1,5 +1,5 @@
-// A matrix of one column per vertex, with spare columns behind them: a vertex that a cut adds copies nothing,
-// most of the time. Spare columns hold nothing: memory that nobody touches costs nothing.
+// A matrix of one column per vertex, or per tetrahedron, with spare columns behind them: what a cut adds copies
+// nothing, most of the time. Spare columns hold nothing: memory that nobody touches costs nothing.
 #pragma once
 
 #include <Eigen/Core>

@@ -19,6 +19,9 @@ void Totals::add(const Report& report, double time, double wall) {
   slowest_frame = std::max(slowest_frame, wall);
   for (int p = 0; p < phase_count; ++p) phases[p] += report.seconds[p];
   tets_removed += report.tets_removed;
+  tets_copied += report.tets_copied;
+  cut_area += report.cut_area;
+  mass_added = report.mass_added;
   ++states;
   patches_evaluated += report.patches_evaluated;
   patches_skipped += report.patches_skipped;

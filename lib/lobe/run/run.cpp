@@ -107,6 +107,10 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
     report["auto_regions"] = proposal_json(*resolved.proposal);
   if (watched.any()) report["linearity"] = watched.json();
   if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
+  if (world.grains())
+    report["scalpel"] = {{"cut_area_m2", totals.cut_area},
+                         {"tetrahedra_copied", totals.tets_copied},
+                         {"mass_added_kg", totals.mass_added}};
   if (const MassScaling& scaling = world.body().inertia.scaling(); scaling.added > 0)
     report["mass_scaling"] = {{"added_kg", scaling.added},
                               {"share", scaling.share},

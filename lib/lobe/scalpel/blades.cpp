@@ -18,6 +18,19 @@ Vec3d off_line(int row, std::size_t station) {
   return {part(n * 0.8191725133961645), part(n * 0.6710436067037893), part(n * 0.5497004779019703)};
 }
 
+bool is_in(const Grains& grains, Index grain, const Vec3d& X) {
+  constexpr double rounding = 1e-9;
+  const Eigen::Vector4i& p = grains[grain].points;
+  const Vec3d start = grains.point(p[0]);
+  Mat3<double> edges;
+  for (int k = 0; k < 3; ++k) edges.col(k) = grains.point(p[k + 1]) - start;
+  const Vec3d low = edges.rowwise().minCoeff().cwiseMin(0), high = edges.rowwise().maxCoeff().cwiseMax(0);
+  const Vec3d x = X - start, spare = 1e-6 * (high - low);
+  if ((x.array() < (low - spare).array()).any() || (x.array() > (high + spare).array()).any()) return false;
+  const Vec3d inner = edges.inverse() * x;
+  return inner.minCoeff() >= -rounding && inner.sum() <= 1 + rounding;
+}
+
 }  // namespace
 
 int Blades::steps(const BladeMove& move) const {
@@ -50,10 +63,11 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   std::vector<Sheet> swept;
   for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
   Eigen::AlignedBox3d box = swept.back().box();
-  const Vec3d reach = Vec3d::Constant(2 * step.snap * grains.mean_edge());
+  const Blade blade{stroke->bit, step.snap, step.along_faces};
+  const Vec3d reach = Vec3d::Constant(blade.reach() * grains.mean_edge());
   box = {box.min() - reach, box.max() + reach};
-  Incised incised =
-      incise(grains, {stroke->bit, step.snap}, swept.back(), swept, body.tets_in(box), body.placement);
+  Incised incised = incise(grains, blade, swept.back(), swept, body.tets_in(box), body.placement);
+  incised.way = way_of(now, stroke->rows.back(), there, places[places.size() - 2]);
   const std::vector<Vec3d> before = places.size() > 2 ? places[places.size() - 3] : std::vector<Vec3d>{};
   keep(std::move(now), before, *stroke);
   return incised;
@@ -76,6 +90,20 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   return &stroke;
 }
 
+// The mean of those stations that are in the body, or were; of all where it has leapt through it.
+Vec3d Blades::way_of(const Row& now, const Row& before, const std::vector<Vec3d>& there,
+                     const std::vector<Vec3d>& from) {
+  Vec3d sum = Vec3d::Zero(), all = Vec3d::Zero();
+  int count = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    all += (there[i] - from[i]) / double(now.size());
+    if (now[i].grain < 0 && before[i].grain < 0) continue;
+    sum += there[i] - from[i];
+    ++count;
+  }
+  return count > 0 ? Vec3d(sum / count) : all;
+}
+
 void Blades::end_strokes() {
   for (const Stroke& stroke : strokes_)
     if (!stroke.goes_on) grains.forget_stroke(stroke.bit);
@@ -95,26 +123,25 @@ Blades::Row Blades::row_at(const BladePose& pose, Stroke& stroke, std::size_t co
   }
   ++stroke.rows_made;
   const std::vector<Index> tets = body.tets_in(box);
-  for (Station& station : row) find_in_body(station, tets, body);
+  find_in_body(row, tets, body);
   return row;
 }
 
-// The first grain that it is in.
-void Blades::find_in_body(Station& station, const std::vector<Index>& tets, const BodyNow& body) const {
-  constexpr double flat = 1e-3, rounding = 1e-9;
+// The first grain that each is in.
+void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const BodyNow& body) const {
+  constexpr double flat = 1e-3;
   for (Index t : tets) {
     const Placement placement = body.placement(t);
     if (placement.gradient.determinant() < flat) continue;
-    const Vec3d rest = placement.start + placement.gradient.inverse() * (station.place - placement.image);
-    for (Index grain : grains.of(t)) {
-      const Eigen::Vector4i& p = grains[grain].points;
-      Mat3<double> edges;
-      for (int k = 0; k < 3; ++k) edges.col(k) = grains.point(p[k + 1]) - grains.point(p[0]);
-      const Vec3d inner = edges.inverse() * (rest - grains.point(p[0]));
-      if (!(inner.minCoeff() >= -rounding) || !(inner.sum() <= 1 + rounding)) continue;
-      station.grain = grain;
+    const Mat3<double> back = placement.gradient.inverse();
+    for (Station& station : row) {
+      if (station.grain >= 0) continue;
+      const Vec3d rest = placement.start + back * (station.place - placement.image);
+      const auto own = grains.of(t);
+      const auto at = std::find_if(own.begin(), own.end(), [&](Index g) { return is_in(grains, g, rest); });
+      if (at == own.end()) continue;
+      station.grain = *at;
       station.rest = rest;
-      return;
     }
   }
 }

@@ -18,6 +18,7 @@ struct BladeMove {
   int tool = 0, stroke = 0;
   double snap = 0.1;
   BladePose from, to;
+  bool along_faces = false;
 };
 
 class Blades {
@@ -67,7 +68,9 @@ class Blades {
  private:
   Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
   Row row_at(const BladePose& pose, Stroke& stroke, std::size_t count, const BodyNow& body) const;
-  void find_in_body(Station& station, const std::vector<Index>& tets, const BodyNow& body) const;
+  void find_in_body(Row& row, const std::vector<Index>& tets, const BodyNow& body) const;
+  static Vec3d way_of(const Row& now, const Row& before, const std::vector<Vec3d>& there,
+                      const std::vector<Vec3d>& from);
   std::vector<Vec3d> places_of(const Row& row, const BodyNow& body) const;
   void keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const;
 

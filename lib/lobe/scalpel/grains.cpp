@@ -1,6 +1,7 @@
 #include "lobe/scalpel/grains.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "lobe/mesh/surface_cells.h"
@@ -34,13 +35,14 @@ Grains::Grains(const Elements& elements) {
   }
   shortest_.assign(points_.size(), std::numeric_limits<double>::infinity());
   on_.assign(points_.size(), 0);
-  double sum = 0;
+  double sum = 0, volumes = 0;
   const std::vector<std::uint8_t> skin = skin_of_tets(topology);
   for (Index t = 0; t < topology.tet_count(); ++t) {
     of_element_.add_vertex();
     if (!topology.alive(t)) continue;
     of_element_.append(t, count());
     const Eigen::Vector4i corners = topology.corners(t);
+    volumes += signed_volume(elements.corner_points(t));
     for (Index v : corners) around_.append(v, count());
     grains_.push_back({corners, t, 1, 0, skin[std::size_t(t)]});
     for (const auto& edge : edge_corners) {
@@ -51,6 +53,7 @@ Grains::Grains(const Elements& elements) {
     }
   }
   mean_edge_ = count() > 0 ? sum / (6.0 * count()) : 0;
+  mean_volume_ = count() > 0 ? volumes / count() : 0;
 }
 
 Index Grains::neighbour(Index grain, int face) const {
@@ -66,6 +69,51 @@ Index Grains::neighbour(Index grain, int face) const {
     return other;
   }
   return -1;
+}
+
+Index Grains::beside(Index code) const {
+  const Index other = neighbour(code / 4, code % 4);
+  if (other < 0) return -1;
+  for (int f = 0; f < 4; ++f)
+    if (place_of((*this)[code / 4].points, (*this)[other].points[f]) < 0) return 4 * other + f;
+  return -1;
+}
+
+double Grains::volume(Index grain) const {
+  const Eigen::Vector4i& p = (*this)[grain].points;
+  const Vec3d a = point(p[0]);
+  return (point(p[1]) - a).dot((point(p[2]) - a).cross(point(p[3]) - a)) / 6;
+}
+
+double Grains::area(Index code) const {
+  const int* c = face_corners[code % 4];
+  const Eigen::Vector4i& p = (*this)[code / 4].points;
+  const Vec3d a = point(p[c[0]]);
+  return (point(p[c[1]]) - a).cross(point(p[c[2]]) - a).norm() / 2;
+}
+
+// A grain's face lies on that of its tetrahedron where the coordinate that belongs to the corner opposite is 0.
+Vec3d Grains::skin_of(Index element, int face, const Elements& elements) const {
+  constexpr double rounding = 1e-9;
+  const Mat34<double> X = elements.corner_points(element);
+  const Mat34<double> gradients = shape(X).gradients;
+  const int* c = face_corners[face];
+  const double whole = (X.col(c[1]) - X.col(c[0])).cross(X.col(c[2]) - X.col(c[0])).norm() / 2;
+  Vec3d sum = Vec3d::Zero();
+  for (Index grain : of(element))
+    for (int f = 0; f < 4; ++f) {
+      if (!is_skin(grain, f)) continue;
+      Vec3d middle = Vec3d::Zero();
+      bool is_on_face = true;
+      for (int k : face_corners[f]) {
+        const Vec3d x = point((*this)[grain].points[k]) - X.col(c[0]);
+        is_on_face = is_on_face && std::abs(gradients.col(face).dot(x)) < rounding;
+        const double second = gradients.col(c[1]).dot(x), third = gradients.col(c[2]).dot(x);
+        middle += Vec3d(1 - second - third, second, third) / 3;
+      }
+      if (is_on_face) sum += 3 * area(4 * grain + f) / whole * middle;
+    }
+  return sum;
 }
 
 bool Grains::can_bisect(const std::vector<Incision::Bisection>& edges) const {

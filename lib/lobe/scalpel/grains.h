@@ -59,6 +59,7 @@ class Grains {
   // The grain that it hangs together with across a face; −1: it is open, or on the boundary.
   Index neighbour(Index grain, int face) const;
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
+  double mean_volume() const { return mean_volume_; }                        // of its tetrahedra [m³]
   double shortest_edge(Index p) const { return shortest_[std::size_t(p)]; }  // of the mesh, near a point [m]
 
   // Points that lie on the sheet of a stroke that goes on; there are 32 at a time.
@@ -69,6 +70,12 @@ class Grains {
   const std::vector<std::uint32_t>& on() const { return on_; }
   void set_on(std::vector<std::uint32_t> on) { on_ = std::move(on); }
 
+  double volume(Index grain) const;  // at rest [m³]
+  double area(Index code) const;     // of a face 4 × grain + face, at rest [m²]
+  Index beside(Index code) const;    // the same face of its neighbour; −1: none
+  // What is filled of a face of a tetrahedron that was on the boundary at the start: three times its share of the
+  // area, times its middle in barycentric coordinates of the face's corners; ones where it is whole.
+  Vec3d skin_of(Index element, int face, const Elements& elements) const;
   // Whether a vertex of the simulation lies in the material of tetrahedra around it, and is not only a corner
   // of tetrahedra of which there is a part elsewhere.
   bool fills(Index vertex, const Elements& elements) const;
@@ -103,7 +110,7 @@ class Grains {
   std::vector<std::uint32_t> on_;
   VertexLists<Index> around_;      // of points
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
-  double mean_edge_ = 0;
+  double mean_edge_ = 0, mean_volume_ = 0;
   std::vector<Index> changed_;
 };
 

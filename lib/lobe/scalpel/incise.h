@@ -8,6 +8,11 @@ namespace lobe {
 struct Blade {
   int stroke = 0;     // 0 … Grains::most_strokes − 1
   double snap = 0.1;  // a point nearer than this share of its shortest edge lies on the sheet
+  // No grain is divided: what lies on both sides of the sheet goes to that of its middle.
+  bool along_faces = false;
+
+  // How far from the sheet there may be something to do, in mean edges.
+  double reach() const { return along_faces ? 2 : 2 * snap; }
 };
 
 // Where the tetrahedra of the simulation are: an affine map of each.
@@ -22,6 +27,14 @@ struct Incised {
   Incision incision;
   std::vector<Index> opened;  // the tetrahedra beside the faces that were opened
   double area = 0;            // of these faces, at rest [m²]
+  struct Face {
+    Index element, beside;  // tetrahedra
+    double area;            // at rest [m²]
+    Vec3d middle;           // where it is now [m]
+  };
+  std::vector<Face> faces;
+  Index crumbs = 0;           // that would have been cut off
+  Vec3d way = Vec3d::Zero();  // of the edge through the tissue, its mean [m]
   Index refused = 0;          // edges that were not bisected, of tetrahedra with the most grains already
 };
 

@@ -58,6 +58,7 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
                                        {"nodal_pressure", m.nodal_pressure},
                                        {"wave_speed_m_s", wave_speed(m.lambda, m.mu, m.density)},
                                        {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
+    if (m.fracture_energy > 0) entry["fracture_energy_J_m2"] = m.fracture_energy;
     if (m.law == MaterialLaw::neo_hookean) entry["law"] = "neo-hookean";
     if (m.fibre.any()) entry["fibre"] = summarise_fibre(m);
   }
@@ -195,6 +196,8 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
         << rounded(m["density_kg_m3"]) << " kg/m³, waves " << rounded(m["wave_speed_m_s"])
         << " m/s, sag under gravity about " << rounded(m["expected_sag_m"]) << " m";
     if (m["nodal_pressure"] > 0) out << ", nodal pressure " << rounded(m["nodal_pressure"]);
+    if (m.contains("fracture_energy_J_m2"))
+      out << ", " << rounded(m["fracture_energy_J_m2"]) << " J/m² to cut";
     if (m.contains("law")) out << ", neo-Hookean";
     out << "\n";
     if (m.contains("fibre")) print_fibre(out, m["fibre"]);
@@ -220,7 +223,7 @@ void print_tools(std::ostream& out, const ordered_json& tools) {
       out << tool["vertices"] << " vertices" << (tool["release"].get<bool>() ? ", then released" : "")
           << "\n";
     } else if (tool.contains("snap")) {
-      out << "snap " << rounded(tool["snap"]) << "\n";
+      out << (tool["surface"] == "faces" ? "along faces" : "snap " + rounded(tool["snap"])) << "\n";
     } else {
       out << "radius " << rounded(tool["radius_m"]) << " m\n";
     }

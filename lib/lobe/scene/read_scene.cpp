@@ -46,6 +46,7 @@ Material read_material(const json& entry, const std::string& pointer) {
   Material material;
   read(entry, "name", material.name);
   read(entry, "density", material.density);
+  read(entry, "fracture_energy", material.fracture_energy);
   if (entry.contains("nodal_pressure")) {
     const json& share = entry["nodal_pressure"];
     material.nodal_pressure = share.is_boolean() ? double(share.get<bool>()) : share.get<double>();
@@ -126,6 +127,7 @@ void read_time(const json& object, Time& time) {
   read(object, "frame", time.frame);
   read(object, "damping", time.damping);
   read(object, "safety", time.safety);
+  read(object, "cut_step", time.cut_step);
   read(object, "mass_scaling", time.mass_scaling);
   read(object, "selective_mass", time.selective_mass);
   read(object, "ramp", time.ramp);

@@ -16,11 +16,15 @@ double mean_edge(const TetMesh& mesh) {  // [m]
   return sum / (6.0 * mesh.tet_count());
 }
 
-void read_scalpel(const nlohmann::json& entry, Tool& tool) { tool.snap = entry.value("snap", tool.snap); }
+void read_scalpel(const nlohmann::json& entry, Tool& tool) {
+  tool.snap = entry.value("snap", tool.snap);
+  tool.along_faces = entry.value("surface", "smooth") == "faces";
+  if (entry.contains("blade")) tool.blade = read_vector(entry["blade"]);
+}
 
 bool read_scalpel_row(const nlohmann::json& row, Tool& tool) {
-  if (row.size() != 7) return false;
-  tool.heels.push_back(read_vector(row, 4));
+  if (row.size() != (tool.blade ? 4 : 7)) return false;
+  tool.heels.push_back(tool.blade ? Vec3d(tool.path.back().position + *tool.blade) : read_vector(row, 4));
   return true;
 }
 
@@ -28,28 +32,62 @@ void write_scalpel(const Tool& tool, nlohmann::ordered_json& entry) {
   nlohmann::ordered_json& path = entry["path"];
   for (std::size_t i = 0; i < path.size(); ++i)
     path[i].insert(path[i].end(), {tool.heels[i][0], tool.heels[i][1], tool.heels[i][2]});
+  entry["surface"] = tool.along_faces ? "faces" : "smooth";
   entry["snap"] = tool.snap;
 }
 
-void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string& here) {
-  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
-  for (std::size_t i = 0; i < tool.path.size(); ++i) {
+// Lengths of the blade, and how far an end of it goes in a second, at most [m].
+struct Extent {
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0, speed = 0;
+};
+
+Extent extent_of(const Tool& tool) {
+  Extent extent;
+  for (std::size_t i = 0; i < tool.heels.size(); ++i) {
     const double length = (tool.heels[i] - tool.path[i].position).norm();
-    if (length == 0) resolution.fail(here + "/path/" + std::to_string(i), "tip and heel are the same point");
-    shortest = std::min(shortest, length);
-    longest = std::max(longest, length);
+    extent.shortest = std::min(extent.shortest, length);
+    extent.longest = std::max(extent.longest, length);
+    if (i == 0) continue;
+    const double way = std::max((tool.path[i].position - tool.path[i - 1].position).norm(),
+                                (tool.heels[i] - tool.heels[i - 1]).norm());
+    extent.speed = std::max(extent.speed, way / (tool.path[i].time - tool.path[i - 1].time));
   }
-  resolution.result.setup.scalpels.push_back({tool.name, tool.snap, tool.path, tool.heels});
-  if (longest > 1.05 * shortest)
-    resolution.warn(here + "/path", "the blade's length varies between " + rounded(shortest) + " m and " +
-                                        rounded(longest) + " m: it may turn too far from row to row");
-  const double edge = mean_edge(resolution.mesh());
-  if (longest < edge)
-    resolution.warn(here + "/path", "the blade is shorter than the mesh's mean edge, " + rounded(edge) +
-                                        " m: it cuts nothing");
+  return extent;
+}
+
+// Whether the box of what it sweeps meets that of the mesh.
+bool comes_near(const Tool& tool, const TetMesh& mesh) {
+  const Box box = bounding_box(mesh);
+  Vec3d low = tool.heels.front(), high = low;
+  for (std::size_t i = 0; i < tool.heels.size(); ++i)
+    for (const Vec3d& end : {tool.heels[i], tool.path[i].position}) {
+      low = low.cwiseMin(end);
+      high = high.cwiseMax(end);
+    }
+  return (low.array() <= box.max.array()).all() && (high.array() >= box.min.array()).all();
+}
+
+void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string& here) {
+  for (std::size_t i = 0; i < tool.heels.size(); ++i)
+    if (tool.heels[i] == tool.path[i].position)
+      resolution.fail(here + "/path/" + std::to_string(i), "tip and heel are the same point");
+  resolution.result.setup.scalpels.push_back({tool.name, tool.snap, tool.path, tool.heels, tool.along_faces});
+  const auto warn = [&](const std::string& text) { resolution.warn(here + "/path", text); };
+  const Extent extent = extent_of(tool);
+  const double edge = mean_edge(resolution.mesh()), in_a_frame = extent.speed * resolution.scene.time.frame;
+  if (extent.longest > 1.05 * extent.shortest)
+    warn("the blade's length varies between " + rounded(extent.shortest) + " m and " +
+         rounded(extent.longest) + " m: it may turn too far from row to row");
+  if (extent.longest < edge)
+    warn("the blade is shorter than the mesh's mean edge, " + rounded(edge) + " m: it cuts nothing");
+  if (in_a_frame > 3 * edge)
+    warn("the blade goes " + rounded(in_a_frame) + " m in a frame, more than three mean edges of " +
+         rounded(edge) + " m: what it meets is where it was at the frame's start");
+  if (!comes_near(tool, resolution.mesh())) warn("the blade never comes near the mesh");
 }
 
 void summarise_scalpel(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
+  entry["surface"] = setup.scalpels[number].along_faces ? "faces" : "smooth";
   entry["snap"] = setup.scalpels[number].snap;
 }
 
@@ -61,15 +99,17 @@ void append_scalpels(const ToolSetups& done, Index, std::vector<Tool>& tools) {
     tool.snap = scalpel.snap;
     tool.path = scalpel.path;
     tool.heels = scalpel.heels;
+    tool.along_faces = scalpel.along_faces;
   }
 }
 
 }  // namespace
 
 extern const ToolKind scalpel_kind;
-const ToolKind scalpel_kind{ScalpelSetup::type, "7 numbers: time, tip and heel",
-                            read_scalpel,       read_scalpel_row,
-                            write_scalpel,      resolve_scalpel,
-                            summarise_scalpel,  append_scalpels};
+const ToolKind scalpel_kind{
+    ScalpelSetup::type, "7 numbers: time, tip and heel, or 4 where there is a \"blade\": time and tip",
+    read_scalpel,       read_scalpel_row,
+    write_scalpel,      resolve_scalpel,
+    summarise_scalpel,  append_scalpels};
 
 }  // namespace lobe

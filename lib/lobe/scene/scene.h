@@ -78,6 +78,7 @@ struct Material {
   double lame_lambda = 4e4;       // [Pa]
   double lame_mu = 1e4;           // [Pa]
   double density = 1000;          // [kg/m³]
+  double fracture_energy = 0;     // work of a scalpel per area [J/m²]
   double nodal_pressure = 0;      // share of λ whose pressure is averaged at nodes, 0…1
   MaterialLaw law = MaterialLaw::svk;
   std::optional<TransverseConstants> transverse;  // with fibres, in place of both Lamé coefficients
@@ -87,6 +88,7 @@ struct Material {
 
 inline Elastic elastic_of(const Material& m) {
   Elastic elastic{m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure, m.law};
+  elastic.fracture_energy = m.fracture_energy;
   if (m.transverse) set_transverse(*m.transverse, elastic);
   return elastic;
 }
@@ -133,6 +135,8 @@ struct Tool {
   double radius = 0;                    // cautery: of its spherical tip [m]
   double snap = 0.1;                    // scalpel: setup/tool_setups.h
   std::vector<Vec3d> heels;             // scalpel: one for each row of its path [m]
+  std::optional<Vec3d> blade;           // scalpel: from tip to heel, where the file says it once [m]
+  bool along_faces = false;             // scalpel: setup/tool_setups.h
   std::vector<PathPoint> path;          // times strictly increasing; acts from the first to the last
   bool release = false;                 // grasp: let go after the last path point (otherwise hold on there)
   std::string pointer;
@@ -145,6 +149,7 @@ struct Time {
   double frame = 1.0 / 30;  // [s], one call of advance()
   double damping = 0;       // γ [1/s], mass-proportional
   double safety = 0.9;      // time step = safety × 2/ω_max
+  double cut_step = 0.75;   // share of the uncut body's time step that scalpels leave; 0: they add no mass
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's
   int selective_mass = 1;   // degree of the inverse mass (time/selective_mass.h); 1: masses are lumped
   double ramp = 0.1;        // [s] over which prescribed displacements are reached

@@ -83,6 +83,7 @@ ordered_json write(const Material& material) {
     entry["lame_mu"] = material.lame_mu;
   }
   entry["density"] = material.density;
+  entry["fracture_energy"] = material.fracture_energy;
   entry["nodal_pressure"] = material.nodal_pressure;
   entry["law"] = material.law == MaterialLaw::neo_hookean ? "neo-hookean" : "svk";
   if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);
@@ -142,6 +143,7 @@ ordered_json write(const Time& time) {
           {"frame", time.frame},
           {"damping", time.damping},
           {"safety", time.safety},
+          {"cut_step", time.cut_step},
           {"mass_scaling", time.mass_scaling},
           {"selective_mass", time.selective_mass},
           {"ramp", time.ramp},

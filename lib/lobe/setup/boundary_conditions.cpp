@@ -39,13 +39,28 @@ Vec3d DeadLoads::at(const Elements& elements, Index vertex) const {
   if (of_tet_.vertex_count() > 0)
     for (Index t : elements.topology.around(vertex))
       for (Index i : of_tet_[elements.topology.parent(t)]) {
-        const Eigen::Vector3i face = elements.topology.face(4 * t + face_loads_[i].face);
-        if ((face.array() == vertex).any())
-          force += elements.share_of(t) * face_loads_[i].traction * face_area(elements, face) / 3;
+        const FaceLoad& load = face_loads_[i];
+        const Eigen::Vector4i corners = elements.topology.corners(t);
+        const int* c = face_corners[load.face];
+        const Eigen::Vector3i face{corners[c[0]], corners[c[1]], corners[c[2]]};
+        for (int k = 0; k < 3; ++k)
+          if (face[k] == vertex) force += weights(t, load)[k] * load.traction * face_area(elements, face) / 3;
       }
   if (vertex < of_vertex_.vertex_count())
     for (Index i : of_vertex_[vertex]) force += vertex_loads_[i].force;
   return force;
+}
+
+std::vector<int> DeadLoads::loaded_faces(Index tet) const {
+  std::vector<int> faces;
+  if (tet >= of_tet_.vertex_count()) return faces;
+  for (Index i : of_tet_[tet]) faces.push_back(face_loads_[i].face);
+  return faces;
+}
+
+Vec3d DeadLoads::weights(Index tet, const FaceLoad& load) const {
+  const auto at = weights_.find(4 * tet + load.face);
+  return at == weights_.end() ? load.weights : at->second;
 }
 
 Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
@@ -124,6 +139,10 @@ void HeldVertices::free(Index vertex) {
   if (!holds(vertex)) return;
   held_[vertex] = 0;
   std::erase_if(items_, [&](const Held& item) { return item.vertex == vertex; });
+}
+
+int HeldVertices::holder_of(Index v) const {
+  return std::find_if(items_.begin(), items_.end(), [&](const Held& i) { return i.vertex == v; })->holder;
 }
 
 void HeldVertices::split(Index vertex, Index copy) {

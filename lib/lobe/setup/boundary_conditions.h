@@ -1,6 +1,7 @@
 // Boundary conditions: dead loads, and vertices whose motion is prescribed.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "lobe/fem/elements.h"
@@ -8,9 +9,9 @@
 
 namespace lobe {
 
-// Consistent nodal forces of the dead loads: a third of t A on each vertex of a face, in rest area; vertex
-// loads as they are. Copies of a tetrahedron share its load as its volume. Loads on faces of removed
-// tetrahedra are gone.
+// Consistent nodal forces of the dead loads: t A on a face, in rest area, a third of it on each vertex; vertex
+// loads as they are. Of a tetrahedron that fills a part of the face, the force on that part with its moment.
+// Loads on faces of removed tetrahedra are gone.
 class DeadLoads {
  public:
   DeadLoads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
@@ -18,10 +19,17 @@ class DeadLoads {
 
   Vec3d at(const Elements& elements, Index vertex) const;  // [N], O(tetrahedra around it)
 
+  // Faces of a tetrahedron of the start that bear a load.
+  std::vector<int> loaded_faces(Index tet) const;
+  // What the corners of a face bear now (FaceLoad::weights), of a tetrahedron or a copy of one.
+  void set_weights(Index tet, int face, const Vec3d& weights) { weights_[4 * tet + face] = weights; }
+  Vec3d weights(Index tet, const FaceLoad& load) const;
+
  private:
   std::vector<FaceLoad> face_loads_;
   std::vector<VertexLoad> vertex_loads_;
   VertexLists<Index> of_tet_, of_vertex_;  // numbers of loads; empty if there are none of the kind
+  std::map<Index, Vec3d> weights_;         // of faces 4 × tetrahedron + face that a blade has cut
 };
 
 // The same for all vertices, 3 × #vertices [N].
@@ -56,6 +64,7 @@ class HeldVertices {
 
   bool holds(Index v) const { return axes_of(v) != 0; }
   bool fixes(Index v) const { return axes_of(v) == 7; }  // in all components
+  int holder_of(Index v) const;                          // of one that is held; O(#held)
   const std::vector<Held>& all() const { return items_; }
 
   bool operator==(const HeldVertices& other) const { return items_ == other.items_; }

@@ -81,6 +81,10 @@ void Checker::check_materials() {
   expect(setup_.selective_mass >= 1 && setup_.selective_mass <= highest_mass_degree,
          "selective_mass must be in [1, 16]");
   expect(setup_.mass_scaling >= 0 && setup_.mass_scaling <= 0.2, "mass_scaling must be in [0, 0.2]");
+  expect(setup_.cut_step >= 0 && setup_.cut_step <= 1, "cut_step must be in [0, 1]");
+  expect(not_negative(setup_.cut_frequency), "cut_frequency must be finite and not negative");
+  for (const Elastic& e : setup_.materials)
+    expect(not_negative(e.fracture_energy), "fracture_energy must be finite and not negative");
   expect(not_negative(setup_.sleep), "sleep must be finite and not negative");
   expect(setup_.gravity.allFinite(), "gravity is not finite");
 }

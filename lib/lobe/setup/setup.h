@@ -16,7 +16,11 @@ struct FaceLoad {  // dead load on one boundary face, in rest area
   Index tet = 0;
   int face = 0;                    // opposite to this corner
   Vec3d traction = Vec3d::Zero();  // [Pa]
-  static constexpr auto fields = std::tuple(&FaceLoad::tet, &FaceLoad::face, &FaceLoad::traction);
+  // What the face's corners bear, in thirds of the whole, in the order of face_corners. Where a tetrahedron fills
+  // a part of the face, as a blade leaves it: three times that part's share of the area, times its middle.
+  Vec3d weights = Vec3d::Ones();
+  static constexpr auto fields =
+      std::tuple(&FaceLoad::tet, &FaceLoad::face, &FaceLoad::traction, &FaceLoad::weights);
 };
 
 struct VertexLoad {
@@ -57,6 +61,11 @@ struct Setup : Body, ToolSetups {
   double damping = 0;  // [1/s]
   double safety =
       0.9;  // of the time step, as a share of the limit; above 1 the step control must save the run
+  // Share of the uncut body's time step that blades leave: mass is added where they have cut (mass_floor.h);
+  // 0 adds none. Explicit integrator only.
+  double cut_step = 0.75;
+  double cut_frequency =
+      0;                    // the highest that they leave [rad/s]; 0: by cut_step, where the first blade cuts
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's (mass_scaling.h)
   int selective_mass = 1;   // degree of the inverse mass (selective_mass.h); 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
@@ -73,9 +82,10 @@ struct Setup : Body, ToolSetups {
   static constexpr auto fields = std::tuple_cat(
       Body::fields,
       std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,
-                 &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
-                 &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator, &Setup::implicit_step,
-                 &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp, &Setup::sleep, &Setup::expandable),
+                 &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety, &Setup::cut_step,
+                 &Setup::cut_frequency, &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator,
+                 &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
+                 &Setup::sleep, &Setup::expandable),
       ToolSetups::fields);
 };
 

@@ -50,8 +50,10 @@ struct ScalpelSetup {
   double snap = 0.1;            // a vertex nearer to the cut than this share of its shortest edge lies on it
   std::vector<PathPoint> path;  // positions of the tip
   std::vector<Vec3d> heels;     // the other end of the cutting edge, in each row of the path [m]
+  bool along_faces = false;     // opens faces that the mesh has, and divides no tetrahedron
   void check(const Expect& expect) const;
-  static constexpr auto fields = std::tuple(&ScalpelSetup::snap, &ScalpelSetup::path, &ScalpelSetup::heels);
+  static constexpr auto fields =
+      std::tuple(&ScalpelSetup::snap, &ScalpelSetup::path, &ScalpelSetup::heels, &ScalpelSetup::along_faces);
 };
 inline constexpr double least_snap = 0.02, most_snap = 0.3;
 

@@ -57,6 +57,8 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
   setup_.mesh = {};
   setup_.material_of = {};
   body_.sleep = Sleep(setup.sleep, setup.sleep / 8 * longest_move_ / diagonal(elements()));
+  if (setup.cut_frequency > 0)
+    body_.inertia.set_floor({setup.cut_frequency * setup.cut_frequency, setup.expandable});
   refuse_unanchored(elements(), held());
   follow(everything(elements().topology));
   pieces_ = Pieces(body_.model);

@@ -132,8 +132,13 @@ class World {
   Blades& blades();
   typename Blades::BodyNow body_now();
   void incise(const BladeMove& move, Report& report);
+  void expand_ahead(const BladeMove& move);
   MeshEdit divide(const std::vector<Index>& opened);
   void hold_what_is_filled(const MeshEdit& edit);
+  bool lies_on_held_skin(Index v) const;
+  CutWork work_of(const Incised& incised) const;
+  void share_loads(const MeshEdit& edit);
+  void begin_floor();
   void follow_with_surface(const MeshEdit& edit);
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);

@@ -1,5 +1,6 @@
 // Cuts of a World, and how its parts follow an edit around what changed.
 #include <algorithm>
+#include <cmath>
 
 #include "lobe/assert.h"
 #include "lobe/condense/anchors.h"
@@ -31,16 +32,27 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
   return edit;
 }
 
+// Of those that get another one: 0 where a copy is new.
+std::vector<double> shares_of(const Elements& elements, const MeshEdit& edit) {
+  std::vector<double> shares;
+  for (const TetShare& own : edit.shares) {
+    const bool is_new = std::any_of(edit.copies.begin(), edit.copies.end(),
+                                    [&](const TetCopy& copy) { return copy.copy == own.tet; });
+    shares.push_back(is_new ? 0 : elements.share_of(own.tet));
+  }
+  return shares;
+}
+
 Index first_copy(const Topology& topology) { return topology.tet_count() - topology.tet_copy_count(); }
 
 // Loads on faces of tetrahedra that are left, and of their copies.
-std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const Topology& topology,
-                                     const CompactMesh& c) {
+std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const DeadLoads& now,
+                                     const Topology& topology, const CompactMesh& c) {
   std::vector<FaceLoad> found;
   for (const FaceLoad& load : loads)
     for (Index t = load.tet; t < topology.tet_count(); t = std::max(t + 1, first_copy(topology)))
       if (topology.parent(t) == load.tet && c.tet_target[t] >= 0)
-        found.push_back({c.tet_target[t], load.face, load.traction});
+        found.push_back({c.tet_target[t], load.face, load.traction, now.weights(t, load)});
   return found;
 }
 
@@ -84,6 +96,7 @@ void World<Real>::follow(const MeshEdit& edit) {
   Elements& elements = body_.model.elements;
   Motion<Real>& motion = body_.motion;
   const Index before = motion.u.count();
+  const std::vector<double> shares_before = shares_of(elements, edit);
   elements.follow(edit);
   pieces_.follow(edit);
   tools_.add_copies(edit.copies);
@@ -97,7 +110,8 @@ void World<Real>::follow(const MeshEdit& edit) {
     body_.inertia.copy(split.vertex, split.copy);
   }
   if (!edit.shares.empty()) hold_what_is_filled(edit);
-  limit_.follow(body_, edit);
+  if (!edit.shares.empty()) share_loads(edit);
+  limit_.follow(body_, edit, shares_before);
   follow_with_surface(edit);
   display_.tell(elements.topology, edit);
   for (const auto& term : body_.terms) term->follow(elements.topology, edit);
@@ -194,7 +208,7 @@ void World<Real>::refresh(const std::vector<Index>& vertices) {
   body_.sleep.extend(topology.vertex_count(), time());
   limit_.extend(topology.vertex_count());
   body_.inertia.refresh(body_.model, vertices);
-  body_.loads.refresh(elements(), vertices, body_.inertia.mass());
+  body_.loads.refresh(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
   for (Index v : vertices)
     if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
   release(vertices);
@@ -239,7 +253,8 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
     if (c.vertex_target[item.vertex] >= 0)
       setup.prescribed.push_back({c.vertex_target[item.vertex], goal, item.axes});
   }
-  setup.face_loads = loads_of_parts(setup_.face_loads, own.topology, c);
+  setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), own.topology, c);
+  setup.cut_frequency = std::sqrt(body_.inertia.floor().square);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];
   static_cast<ToolSetups&>(setup) = {};

@@ -256,7 +256,8 @@ void World<Real>::play_tools(double duration, Report& report) {
   const auto displacement = [&](Index v) -> Vec3d { return state().u.col(v).template cast<double>(); };
   const auto position = [&](Index v) -> Vec3d { return elements().points.col(v) + displacement(v); };
   const auto exists = [&](Index v) {
-    return v < elements().topology.vertex_count() && !elements().topology.around(v).empty();
+    return v < elements().topology.vertex_count() && !elements().topology.around(v).empty() &&
+           !(blades_ && !blades_->grains.fills(v, elements()));
   };
   HeldVertices now = held();
   if (tools_.update_grasps(time(), now, displacement, position, exists)) {
@@ -268,6 +269,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   for (const SweptVolume& volume : work.burnt) report.tets_removed += remove_tets(meeting(volume));
   for (const BladeMove& move : work.cuts) incise(move, report);
   if (blades_) blades_->end_strokes();
+  report.mass_added = body_.inertia.mass_of_floor();
   report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
   pending_.clear();
 }

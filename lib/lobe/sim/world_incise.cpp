@@ -1,20 +1,46 @@
 // Blades in a World.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "lobe/error.h"
 #include "lobe/scalpel/grain_cells.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
+namespace {
+
+bool is_held_by_one(const HeldVertices& held, const std::array<Index, 3>& vertices) {
+  std::array<int, 3> holders{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!held.holds(vertices[i])) return false;
+    holders[i] = held.holder_of(vertices[i]);
+  }
+  return holders[0] == holders[1] && holders[1] == holders[2];
+}
+
+}  // namespace
 
 template <class Real>
 Blades& World<Real>::blades() {
   if (!blades_) {
     refuse_excluded(Option::scalpel, options_of(setup_), "scalpel");
     blades_ = std::make_unique<Blades>(elements());
+    begin_floor();
     journal_.edits.push_back(Incise{});
     display_.rebuild(elements(), grains());
   }
   return *blades_;
+}
+
+// What blades leave is to take steps that are not much shorter than those of the body that was whole.
+template <class Real>
+void World<Real>::begin_floor() {
+  const double omega = limit_.highest_at_rest();
+  if (implicit_ || setup_.cut_step == 0 || body_.inertia.floor().square > 0 || !(omega > 0)) return;
+  const double highest = omega / setup_.cut_step;
+  body_.inertia.set_floor({highest * highest, setup_.expandable});
 }
 
 template <class Real>
@@ -38,7 +64,9 @@ template <class Real>
 void World<Real>::incise(const BladeMove& move, Report& report) {
   BladeMove whole = move;
   whole.from = blades().start_of(move, body_now());
+  expand_ahead(whole);
   const int steps = blades_->steps(whole);
+  Index crumbs = 0;
   BladeMove step = whole;
   for (int i = 1; i <= steps; ++i) {
     const double share = double(i) / steps;
@@ -50,13 +78,49 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
     if (incised->refused > 0)
       notice(Condition::Kind::scalpel, std::to_string(incised->refused) + " edges were not cut: there are " +
                                            std::to_string(most_grains) + " grains in a tetrahedron already");
-    if (incised->incision.empty()) continue;
+    crumbs += incised->crumbs;
+    if (incised->incision.empty()) {
+      tools_.cut_by(move.tool, {}, incised->way, step.to.tip);
+      continue;
+    }
     journal_.edits.push_back(Incise{incised->incision});
     report.cut_area += incised->area;
+    tools_.cut_by(move.tool, work_of(*incised), incised->way, step.to.tip);
     const MeshEdit edit = divide(incised->opened);
     report.tets_copied += static_cast<Index>(edit.copies.size());
     if (!edit.empty()) report.tets_removed += treat_loose(pieces_.loosened_by(body_.model, edit));
   }
+  if (crumbs > 0)
+    notice(Condition::Kind::scalpel, std::to_string(crumbs) +
+                                         " crumbs were left hanging by a face each: they are "
+                                         "below a thousandth of a tetrahedron; nothing to do");
+}
+
+// To edit a condensed region costs milliseconds per tetrahedron: one that can be expanded is, before a blade is
+// there.
+template <class Real>
+void World<Real>::expand_ahead(const BladeMove& move) {
+  if (!setup_.expandable || body_.regions.is_expanded() || !body_.regions.any_condensed()) return;
+  Eigen::AlignedBox3d box(move.from.tip);
+  for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
+  const Vec3d reach = Vec3d::Constant(3 * blades_->grains.mean_edge());
+  const std::vector<Index> near = body_now().tets_in({box.min() - reach, box.max() + reach});
+  if (std::any_of(near.begin(), near.end(), [&](Index t) { return body_.regions.is_condensed(t); }))
+    perform(Expand{});
+}
+
+// What opened the faces.
+template <class Real>
+CutWork World<Real>::work_of(const Incised& incised) const {
+  CutWork work;
+  for (const Incised::Face& face : incised.faces) {
+    const double energy = face.area / 2 *
+                          (elements().elastic_of(face.element).fracture_energy +
+                           elements().elastic_of(face.beside).fracture_energy);
+    work.energy += energy;
+    work.moment += energy * face.middle;
+  }
+  return work;
 }
 
 // What has been opened beside these tetrahedra.
@@ -86,9 +150,35 @@ void World<Real>::follow_with_surface(const MeshEdit& edit) {
 // tetrahedra of which there is a part elsewhere.
 template <class Real>
 void World<Real>::hold_what_is_filled(const MeshEdit& edit) {
+  std::vector<Index> empty;
   for (const VertexSplit& split : edit.splits)
     for (Index v : {split.vertex, split.copy})
-      if (held().holds(v) && !blades_->grains.fills(v, elements())) body_.model.held.free(v);
+      if (held().holds(v) && !blades_->grains.fills(v, elements()) && !lies_on_held_skin(v))
+        empty.push_back(v);
+  for (Index v : empty) body_.model.held.free(v);
+}
+
+// Whether there is skin at a vertex, of a face that one holder holds at all three corners.
+template <class Real>
+bool World<Real>::lies_on_held_skin(Index v) const {
+  const Topology& topology = elements().topology;
+  for (Index t : topology.around(v)) {
+    const Eigen::Vector4i corners = topology.corners(t);
+    for (int f = 0; f < 4; ++f) {
+      const int* c = face_corners[f];
+      if (corners[f] == v || !is_held_by_one(held(), {corners[c[0]], corners[c[1]], corners[c[2]]})) continue;
+      if (blades_->grains.skin_of(t, f, elements()).sum() > 0) return true;
+    }
+  }
+  return false;
+}
+
+// A load on a face goes with the parts of it.
+template <class Real>
+void World<Real>::share_loads(const MeshEdit& edit) {
+  for (const TetShare& own : edit.shares)
+    for (int f : body_.loads.dead_loads().loaded_faces(elements().topology.parent(own.tet)))
+      body_.loads.dead_loads().set_weights(own.tet, f, blades_->grains.skin_of(own.tet, f, elements()));
 }
 
 // As it was done, without what followed from it.

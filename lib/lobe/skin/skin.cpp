@@ -147,6 +147,7 @@ void Skin::add_texture(const TexturedSurface& surface) {
 void Skin::choose_carriers(const Topology& topology) {
   const Eigen::Index count = points_.cols();
   carrier_.assign(std::size_t(count), -1);
+  element_ = carrier_;
   weights_.resize(std::size_t(count));
   carrier_corners_.resize(std::size_t(count));
   std::vector<Index> lengths(std::size_t(start_.tet_count()), 0);
@@ -157,7 +158,7 @@ void Skin::choose_carriers(const Topology& topology) {
   }
   carried_by_ = VertexLists<Index>(lengths);
   for (Index vertex = 0; vertex < count; ++vertex) {
-    carry(vertex, chosen[vertex], topology.corners(chosen[vertex]));
+    carry(vertex, chosen[vertex], topology);
     farthest_ = std::max(farthest_, distance_to_tet(points_.col(vertex), tet_points(start_, chosen[vertex])));
   }
   is_loose_.assign(slot_of_.size(), 0);
@@ -177,41 +178,57 @@ std::vector<Index> Skin::candidates(Index vertex) const {
   return tets;
 }
 
-void Skin::carry(Index vertex, Index tet, const Eigen::Vector4i& corners) {
+void Skin::carry(Index vertex, Index element, const Topology& topology) {
+  const Index tet = topology.parent(element);
   if (carrier_[vertex] >= 0) carried_by_.erase_value(carrier_[vertex], vertex);
   carried_by_.append(tet, vertex);
   carrier_[vertex] = tet;
-  carrier_corners_[vertex] = corners;
+  element_[vertex] = element;
+  carrier_corners_[vertex] = topology.corners(element);
   weights_[vertex] = barycentric(start_, tet, points_.col(vertex)).cast<float>();
 }
 
-void Skin::follow(const Topology& topology, const MeshEdit& edit) {
-  std::vector<Index> triangles, vertices;
-  const auto touched = [&](Index tet) {
+void Skin::follow(const Topology& topology, const MeshEdit& edit, const Grains* grains) {
+  std::vector<Index> triangles, vertices, cut;
+  const auto touched = [&](Index element) {
+    const Index tet = topology.parent(element);
     append(triangles, lying_on_[tet]);
     append(vertices, carried_by_[tet]);
-    if (!topology.alive(tet)) return;
-    for (Index vertex : carried_by_[tet]) carrier_corners_[vertex] = topology.corners(tet);
+    for (Index vertex : carried_by_[tet])
+      if (topology.alive(element_[vertex])) carrier_corners_[vertex] = topology.corners(element_[vertex]);
   };
   for (Index t : edit.removed) touched(t);
   for (const VertexSplit& split : edit.splits)
     for (Index t : split.tets) touched(t);
-  check(topology, triangles, vertices);
+  for (const TetCopy& own : edit.copies) copies_of_[topology.parent(own.copy)].push_back(own.copy);
+  for (const TetShare& own : edit.shares) {
+    touched(own.tet);
+    cut.push_back(topology.parent(own.tet));
+  }
+  if (grains) follow_grains(topology, cut, *grains);
+  check(topology, triangles, vertices, grains);
 }
 
-void Skin::follow_all(const Topology& topology) {
-  std::vector<Index> triangles, vertices;
+void Skin::follow_all(const Topology& topology, const Grains* grains) {
+  std::vector<Index> triangles, vertices, cut;
+  copies_of_.clear();
+  for (Index t = start_.tet_count(); t < topology.tet_count(); ++t) {
+    copies_of_[topology.parent(t)].push_back(t);
+    cut.push_back(topology.parent(t));
+  }
+  if (grains) follow_grains(topology, cut, *grains);
   for (Index vertex = 0; vertex < points_.cols(); ++vertex) {
     vertices.push_back(vertex);
-    if (topology.alive(carrier_[vertex])) carrier_corners_[vertex] = topology.corners(carrier_[vertex]);
+    if (topology.alive(element_[vertex])) carrier_corners_[vertex] = topology.corners(element_[vertex]);
   }
   for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle) triangles.push_back(triangle);
-  check(topology, triangles, vertices);
+  check(topology, triangles, vertices, grains);
 }
 
 // First what has lost what it lies on; then new carriers; then what these, or the old ones, do not hold
 // together.
-void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices) {
+void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices,
+                 const Grains* grains) {
   sort_unique(vertices);
   std::vector<Index> drops;
   const auto collect = [&](auto&& stays) {
@@ -224,8 +241,8 @@ void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::v
   for (Index vertex : vertices) {
     append(triangles, around_[vertex]);
     if (holds_to_any(topology, vertex)) continue;
-    const Index tet = nearest_of(candidates(vertex), start_, points_.col(vertex));
-    if (tet >= 0) carry(vertex, tet, topology.corners(tet));
+    const Index element = nearest_element(candidates(vertex), points_.col(vertex), grains);
+    if (element >= 0) carry(vertex, element, topology);
   }
   collect([&](Index triangle) { return holds(topology, triangle, corners_in(triangle)); });
   drop(drops);
@@ -233,9 +250,10 @@ void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::v
 
 // Of the tetrahedra that a triangle lies on and those that carry some of its corners.
 Bond Skin::bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const {
-  std::vector<Index> tets(lies_on_[triangle].begin(), lies_on_[triangle].end());
+  const std::span<const Index> under = elements_under(triangle);
+  std::vector<Index> tets(under.begin(), under.end());
   for (Index vertex : corners)
-    if (std::find(tets.begin(), tets.end(), carrier_[vertex]) == tets.end()) tets.push_back(carrier_[vertex]);
+    if (std::find(tets.begin(), tets.end(), element_[vertex]) == tets.end()) tets.push_back(element_[vertex]);
   return bond(topology, tets);
 }
 

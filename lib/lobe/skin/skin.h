@@ -9,11 +9,17 @@
 // The tetrahedra around a corner hang together by faces (mesh/topology.h), so no triangle ever bridges a gap
 // between pieces. A vertex whose tetrahedron is cut away, or holds to none of the shown triangles around it,
 // is carried by another of those that these lie on. What is not shown never comes back.
+//
+// Where a blade has cut a tetrahedron, vertices and triangles lie on those of its copies whose grains are under
+// them: the skin opens along the cut, by those of its own triangles that the cut runs through.
 #pragma once
+
+#include <map>
 
 #include "lobe/io/surface_io.h"
 #include "lobe/mesh/slot_log.h"
 #include "lobe/mesh/vertex_lists.h"
+#include "lobe/scalpel/grains.h"
 #include "lobe/skin/carriers.h"
 
 namespace lobe {
@@ -43,10 +49,10 @@ class Skin {
   Skin(const TexturedSurface& surface, const TetMesh& mesh);
 
   // After each edit, which the topology has made. O(what lies on the tetrahedra that are gone, or have other
-  // corners).
-  void follow(const Topology& topology, const MeshEdit& edit);
+  // corners). `grains`: World::grains(); null where no blade has cut.
+  void follow(const Topology& topology, const MeshEdit& edit, const Grains* grains = nullptr);
   // The same for all edits since the start at once: of a world that was restored, say. O(#triangles).
-  void follow_all(const Topology& topology);
+  void follow_all(const Topology& topology, const Grains* grains = nullptr);
 
   const SkinMesh& mesh() const { return mesh_; }
   double farthest() const { return farthest_; }  // that a vertex was from its tetrahedron at the start [m]
@@ -68,14 +74,20 @@ class Skin {
   void add_vertices(const TexturedSurface& surface);
   void add_texture(const TexturedSurface& surface);
   void choose_carriers(const Topology& topology);
-  void carry(Index vertex, Index tet, const Eigen::Vector4i& corners);
+  void carry(Index vertex, Index element, const Topology& topology);
   std::span<const Index> corners_in(Index triangle) const { return {corners_of_.col(triangle).data(), 3}; }
   Bond bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const;
   bool holds(const Topology& topology, Index triangle, std::span<const Index> corners) const;
   bool holds_to_any(const Topology& topology, Index vertex) const;
   void drop(std::vector<Index>& triangles);
-  void check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices);
+  void check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices,
+             const Grains* grains);
   std::vector<Index> candidates(Index vertex) const;
+  // What blades have made of tetrahedra of the start.
+  std::span<const Index> elements_under(Index triangle) const;
+  void follow_grains(const Topology& topology, std::vector<Index>& cut, const Grains& grains);
+  void find_elements_under(Index triangle, const Grains& grains);
+  Index nearest_element(std::span<const Index> tets, const Vec3d& p, const Grains* grains) const;
   template <class Real>
   void update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
                    Mat3X<float>& x, Mat3X<float>& normals);
@@ -94,10 +106,12 @@ class Skin {
   std::vector<Index> slot_of_;               // per triangle of the file; −1: not shown
   std::vector<std::uint8_t> is_loose_;       // per triangle of the file: see loose_count()
   NumberLists lies_on_, lying_on_, around_;  // tets of triangles, triangles of tets and of carried vertices
-  std::vector<Index> carrier_;               // per carried vertex: its tetrahedron
-  VertexLists<Index> carried_by_;            // per tetrahedron: vertices
-  std::vector<Eigen::Vector4f> weights_;     // per carried vertex
-  std::vector<Eigen::Vector4i> carrier_corners_;  // the same: vertices of the mesh
+  std::vector<Index> carrier_, element_;     // per carried vertex: its tetrahedron, and which copy of it
+  std::map<Index, std::vector<Index>> copies_of_;       // of tetrahedra that a blade has cut
+  std::map<Index, std::vector<Index>> elements_under_;  // of triangles that lie on such
+  VertexLists<Index> carried_by_;                       // per tetrahedron: vertices
+  std::vector<Eigen::Vector4f> weights_;                // per carried vertex
+  std::vector<Eigen::Vector4i> carrier_corners_;        // the same: vertices of the mesh
   // Per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond six,
   // with their vertex, in its order.
   std::vector<std::array<Index, 6>> six_around_;

@@ -5,6 +5,7 @@
 #include "lobe/body/loads.h"
 #include "lobe/body/regions.h"
 #include "lobe/sort_unique.h"
+#include "lobe/time/mass_floor.h"
 #include "lobe/time/mass_scaling.h"
 #include "lobe/time/selective_mass.h"
 
@@ -32,6 +33,14 @@ class Inertia {
   void release(Model& model, Index v);
   // Masses that somebody changes at once: those of a condensed interior go to its interface.
   std::vector<double>& masses() { return mass_; }
+  // Keeps what blades cut from becoming faster; of vertices that are refreshed from now on.
+  void set_floor(const MassFloor& floor) { floor_ = floor; }
+  const MassFloor& floor() const { return floor_; }
+  double mass_of_floor() const { return sum_of_floor_; }  // that it has added [kg]
+  // What gravity acts on [kg]: a floor resists acceleration alone.
+  double weighs(Index v) const {
+    return mass_[std::size_t(v)] - (v < static_cast<Index>(added_.size()) ? added_[std::size_t(v)] : 0);
+  }
   // Adds mass, at most that share of all, where `squares`, ω_v² [1/s²], are largest. Masses are then to be
   // refreshed.
   void scale(const std::vector<double>& squares, double share);
@@ -76,8 +85,13 @@ class Inertia {
   typename SelectiveMass<Real>::Acceleration acceleration() const { return selective_.acceleration(); }
 
  private:
+  void raise_to_floor(const Model& model, const std::vector<Index>& vertices);
+
   std::vector<double> mass_, inverse_mass_, factor_;  // [kg], [1/kg], of mass scaling or empty
   MassScaling scaling_;
+  MassFloor floor_;
+  std::vector<double> added_;  // by the floor [kg], or empty
+  double sum_of_floor_ = 0;
 
   std::vector<MovingVertex<Real>> moving_;
   std::vector<Held> led_;

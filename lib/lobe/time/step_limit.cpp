@@ -175,15 +175,16 @@ CornerStiffness StepLimit<Real>::stiffness_of(const Body& body, Index tet) {
 }
 
 template <class Real>
-void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit) {
+void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit,
+                             const std::vector<double>& shares_before) {
   const Elements& elements = body.model.elements;
   const bool is_local =
-      edit.shares.empty() && !body.regions.any_condensed() && !any_nodal_pressure(elements.materials) &&
-      body.terms.empty() &&
+      !body.regions.any_condensed() && !any_nodal_pressure(elements.materials) && body.terms.empty() &&
       std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
   known_ = is_known(body) && is_local ? Known::followed : Known::nothing;
   if (known_ == Known::nothing) return;
   frequencies_.extend(elements.topology.vertex_count());
+  if (!edit.shares.empty()) return follow_shares(body, edit, shares_before);
   for (Index t : edit.removed) frequencies_.subtract(elements.topology.corners(t), stiffness_of(body, t));
   for (const VertexSplit& split : edit.splits)
     for (Index t : split.tets) {
@@ -195,6 +196,26 @@ void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit) {
         frequencies_.add(split.vertex, -K.col(c));
       }
     }
+}
+
+// A blade removes nothing. All tetrahedra with another share or other corners are among those of edit.shares, and
+// copies are where their parents are.
+template <class Real>
+void StepLimit<Real>::follow_shares(const Body& body, const MeshEdit& edit,
+                                    const std::vector<double>& shares_before) {
+  const Elements& elements = body.model.elements;
+  for (std::size_t i = 0; i < edit.shares.size(); ++i) {
+    const Index t = edit.shares[i].tet;
+    const Eigen::Vector4i corners = elements.topology.corners(t);
+    const CornerStiffness K = stiffness_of(body, t);
+    frequencies_.subtract(corners, -K);
+    if (shares_before[i] == 0) continue;
+    Eigen::Vector4i before = corners;
+    for (Index& v : before)
+      if (!edit.splits.empty() && v >= edit.splits.front().copy)
+        v = edit.splits[std::size_t(v - edit.splits.front().copy)].vertex;
+    frequencies_.subtract(before, shares_before[i] / edit.shares[i].share * K);
+  }
 }
 
 template <class Real>

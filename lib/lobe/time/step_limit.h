@@ -2,6 +2,7 @@
 // cuts, times the ratio that Lanczos iterations have measured.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -60,7 +61,8 @@ class StepLimit {
   // Edits. Before the elements follow: what tetrahedra add to the stiffness of their corners goes with them,
   // or moves to the copy of a vertex. All is found again with nodal pressure, beside a pre-computed region, and
   // where the tetrahedron of the smallest volume ratio goes.
-  void follow(const Body& body, const MeshEdit& edit);
+  // `shares_before`: one for each of edit.shares, 0 of a new copy.
+  void follow(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
   // Tetrahedra change their model by change().
   template <class Change>
   void follow_region(const Body& body, Index tet, Change&& change);
@@ -77,7 +79,9 @@ class StepLimit {
   double exact_square(const Body& body, Index v) const {
     return frequencies_.exact_square(v, body.inertia.inverse_mass(v));
   }
-  VertexFrequency highest_vertex(Body& body);                 // the estimate without ratios, found again
+  VertexFrequency highest_vertex(Body& body);  // the estimate without ratios, found again
+  // The highest there was at rest with lumped masses, in whatever way the body is computed [rad/s].
+  double highest_at_rest() const { return std::max(at_rest_[0][1].omega, at_rest_[1][1].omega); }
   const HighestFrequency& search() const { return search_; }  // the last at rest
   Index limiting_vertex() const { return kept_.limiting_vertex; }
   double volume_ratio() const { return kept_.volume_ratio; }  // the smallest det F, when it was last kept
@@ -111,6 +115,7 @@ class StepLimit {
   }
   static double least_ratio(const Body& body) { return 1.0 / body.inertia.degree_now(); }
   static CornerStiffness stiffness_of(const Body& body, Index tet);
+  void follow_shares(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
 
   double mean_edge_;
   VertexFrequencies<Real> frequencies_;  // weighed with ratios_

@@ -30,7 +30,22 @@ void Scalpel::turn_on(bool on) {
   cuts = on;
 }
 
+// The energy over the way is the force along it. Without a way, which is when the tissue alone has moved, there is
+// none to tell.
+void Scalpel::cut_by(const CutWork& own, const Vec3d& own_way, const Vec3d& tip) {
+  work.energy += own.energy;
+  work.moment += own.moment;
+  way += own_way;
+  length += own_way.norm();
+  if (!(work.energy > 0) || !(way.norm() > 0)) return;
+  force = work.energy / length * way.normalized();
+  torque = (work.moment / work.energy - tip).cross(force);
+}
+
 void Scalpel::begin_frame(double time, double end) {
+  work = {};
+  length = 0;
+  for (Vec3d* vector : {&way, &force, &torque}) vector->setZero();
   if (!is_live) return;
   const BladePose from = pose;
   if (const auto to = std::exchange(target, std::nullopt))
@@ -50,7 +65,7 @@ void Scalpel::begin_frame(double time, double end) {
 std::vector<ScalpelSetup> Scalpel::paths() const {
   std::vector<ScalpelSetup> paths;
   for (const Stroke& stroke : strokes)
-    if (!stroke.tips.empty()) paths.push_back({name, snap, stroke.tips, stroke.heels});
+    if (!stroke.tips.empty()) paths.push_back({name, snap, stroke.tips, stroke.heels, along_faces});
   return paths;
 }
 
@@ -60,7 +75,7 @@ void Scalpel::add_work(double from, double to, ToolWork& work) const {
     if (tips.empty()) continue;
     const double begin = std::max(from, tips.front().time), end = std::min(to, tips.back().time);
     if (begin > end) continue;
-    BladeMove move{id, static_cast<int>(i), snap, strokes[i].at(begin), {}};
+    BladeMove move{id, static_cast<int>(i), snap, strokes[i].at(begin), {}, along_faces};
     for (auto row = after(tips, begin); row != tips.end() && row->time < end; ++row) {
       move.to = {row->position, heels[std::size_t(row - tips.begin())]};
       work.cuts.push_back(move);
@@ -75,8 +90,12 @@ std::optional<PlacedTool> Scalpel::placed(double time, const HeldPoints&) const 
   const bool is_on_path = !strokes.empty() && acts_at(time, strokes.back().tips);
   if ((!is_live || is_away) && !is_on_path) return std::nullopt;
   const BladePose now = is_live ? pose : strokes.back().at(time);
-  return PlacedTool{
-      .name = name, .type = Path::type, .position = now.tip, .shape = {.blade = now.heel - now.tip}};
+  return PlacedTool{.name = name,
+                    .type = Path::type,
+                    .position = now.tip,
+                    .shape = {.blade = now.heel - now.tip},
+                    .force = force,
+                    .torque = torque};
 }
 
 bool Scalpel::fits(Index) const {

@@ -9,10 +9,12 @@ namespace lobe {
 struct BringScalpel {
   std::string name;
   BladePose pose;
-  double snap = 0.1;  // setup/tool_setups.h
+  double snap = 0.1;         // setup/tool_setups.h
+  bool along_faces = false;  // the same
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringScalpel&) const = default;
-  static constexpr auto fields = std::tuple(&BringScalpel::name, &BringScalpel::pose, &BringScalpel::snap);
+  static constexpr auto fields =
+      std::tuple(&BringScalpel::name, &BringScalpel::pose, &BringScalpel::snap, &BringScalpel::along_faces);
 };
 
 struct Scalpel {
@@ -28,6 +30,7 @@ struct Scalpel {
   ToolId id = 0;
   std::string name;
   double snap = 0.1;
+  bool along_faces = false;
   std::vector<Stroke> strokes;  // the last is the present one
   bool is_live = false;
   bool cuts = false;                    // only of live ones
@@ -35,13 +38,20 @@ struct Scalpel {
   BladePose pose;                       // of a live one
   Vec3d blade = Vec3d::Zero();          // of a live one: from tip to heel when it was brought [m]
   std::optional<ToolPose> target = {};  // at the end of the next frame, turned since it was brought
+  // On the body by the blade, about its tip, mean over the last frame [N], [N m]: what it takes to open what has
+  // been opened (Elastic::fracture_energy), over the blade's way through the tissue.
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
   Scalpel() = default;
   explicit Scalpel(const ScalpelSetup& setup)
-      : name(setup.name), snap(setup.snap), strokes{{setup.path, setup.heels}} {}
+      : name(setup.name),
+        snap(setup.snap),
+        along_faces(setup.along_faces),
+        strokes{{setup.path, setup.heels}} {}
   explicit Scalpel(const BringScalpel& command)
       : name(command.name),
         snap(command.snap),
+        along_faces(command.along_faces),
         is_live(true),
         pose(command.pose),
         blade(command.pose.heel - command.pose.tip) {}
@@ -53,14 +63,22 @@ struct Scalpel {
   bool is_on() const { return cuts; }
   ToolShape shape() const { return {.blade = pose.heel - pose.tip}; }
   void begin_frame(double time, double end);
+  // In one step, at whose end the tip is there [m].
+  void cut_by(const CutWork& work, const Vec3d& way, const Vec3d& tip);
   std::vector<ScalpelSetup> paths() const;
   void add_work(double from, double to, ToolWork& work) const;
   std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it is nowhere
   bool fits(Index vertex_count) const;
 
+  // Of the present frame.
+  CutWork work = {};
+  double length = 0;          // of the way [m]
+  Vec3d way = Vec3d::Zero();  // [m]
+
   static constexpr auto fields =
-      std::tuple(&Scalpel::id, &Scalpel::name, &Scalpel::snap, &Scalpel::strokes, &Scalpel::is_live,
-                 &Scalpel::cuts, &Scalpel::is_away, &Scalpel::pose, &Scalpel::blade, &Scalpel::target);
+      std::tuple(&Scalpel::id, &Scalpel::name, &Scalpel::snap, &Scalpel::along_faces, &Scalpel::strokes,
+                 &Scalpel::is_live, &Scalpel::cuts, &Scalpel::is_away, &Scalpel::pose, &Scalpel::blade,
+                 &Scalpel::target, &Scalpel::force, &Scalpel::torque);
 };
 
 }  // namespace lobe

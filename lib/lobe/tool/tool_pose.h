@@ -44,6 +44,12 @@ struct PlacedTool {
 // The vertices that a tool holds, and where they are [m].
 using HeldPoints = std::function<std::vector<std::pair<Index, Vec3d>>(ToolId)>;
 
+// What it took to open faces in a step of a blade.
+struct CutWork {
+  double energy = 0;             // [J]
+  Vec3d moment = Vec3d::Zero();  // its sum with where it was [J m]
+};
+
 // What tools do to the body between two times.
 struct ToolWork {
   std::vector<SweptVolume> burnt;  // the tetrahedra that meet them are removed

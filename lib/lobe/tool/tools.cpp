@@ -124,6 +124,11 @@ ToolWork Tools::work(double from, double to) const {
 
 // ---- A step
 
+void Tools::cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip) {
+  for (Scalpel& own : lists_.scalpels)
+    if (own.id == scalpel) own.cut_by(work, way, tip);
+}
+
 void Tools::place(double time) {
   const double now = std::min(time, frame_end_);
   for (const Grasp& grasp : lists_.grasps) {

@@ -54,6 +54,8 @@ class Tools {
     for (const TetCopy& own : copies) groups_.add_copy(own.tet, own.copy);
   }
 
+  void cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip);
+
   // ---- A step
 
   // Places the grasps at a time, at most the end of the frame, so that no later row of a path matters.

@@ -1,0 +1,43 @@
+#include "lobe/time/mass_floor.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace lobe {
+namespace {
+
+// λ_max(K_T)/V. Corner displacements U give the gradient F = U Aᵀ with the 3 × 4 shape gradients A = Q S Wᵀ. In the
+// axes of Q, F = Y S with |Y| = |U|, and the energy λ tr(F)² + 2μ |sym F|² falls apart: into the diagonal, with
+// λ s sᵀ + 2μ diag(s²), and one part for each pair i < j, μ (Y_ij s_j + Y_ji s_i)² ≤ μ (s_i² + s_j²).
+double largest_stiffness(const Elastic& e, const Mat34<double>& A) {
+  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
+  solver.computeDirect(A * A.transpose(), Eigen::EigenvaluesOnly);
+  const Vec3d squares = solver.eigenvalues().cwiseMax(0), s = squares.cwiseSqrt();
+  Mat3<double> diagonal = e.lambda * s * s.transpose();
+  diagonal.diagonal() += 2 * e.mu * squares;
+  solver.computeDirect(diagonal, Eigen::EigenvaluesOnly);
+  const double along_fibre = 2 * std::sqrt(3.0) * std::abs(e.fibre.coupling) + 4 * std::abs(e.fibre.shear) +
+                             std::abs(e.fibre.stretch);
+  return std::max(solver.eigenvalues()[2], e.mu * (squares[1] + squares[2])) + along_fibre * squares[2];
+}
+
+}  // namespace
+
+double tet_square(const Elements& elements, Index tet) {
+  const Elastic& e = elements.elastic_of(tet);
+  return 4 / e.density * largest_stiffness(e, elements.shape_of(tet).gradients);
+}
+
+double MassFloor::at(const Elements& elements, Index vertex) const {
+  if (square == 0 || elements.shares.empty()) return 0;
+  const auto tets = elements.topology.around(vertex);
+  if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return elements.share_of(t) < 1; })) return 0;
+  double sum = 0;
+  for (Index t : tets)
+    if (counts_precomputed || elements.region_of[t] != RegionModel::precomputed)
+      sum += elements.elastic_of(t).density * elements.corner_volumes[t] * tet_square(elements, t);
+  return sum / square;
+}
+
+}  // namespace lobe

@@ -1,0 +1,26 @@
+// Mass that keeps the time step of a body that a blade has cut. A copy of a tetrahedron is as fast as the whole
+// one, since stiffness and mass have the same share φ; but a vertex that is left with its worst tetrahedra only
+// moves faster than before. With ω_T² = λ_max(K_T)/(ρV_T/4), which no φ changes, and masses m_T,i = ρφV_T/4,
+//
+//   ω_max² ≤ max_i ( Σ_{T∋i} m_T,i ω_T² ) / m_i
+//
+// so that m_i ≥ Σ m_T,i ω_T² / ω*² at the vertices of copies keeps what they add below ω* (theory, section 9).
+#pragma once
+
+#include "lobe/fem/elements.h"
+
+namespace lobe {
+
+struct MassFloor {
+  double square = 0;  // ω*² [1/s²]; 0: there is none
+  bool counts_precomputed =
+      true;  // tetrahedra of condensed regions take no steps, unless these can be expanded
+
+  // The least mass of a vertex [kg]: 0 where no copy of a tetrahedron is near.
+  double at(const Elements& elements, Index vertex) const;
+};
+
+// ω_T² of a linear tetrahedron at rest [1/s²]: exact where it is isotropic, a bound with fibres.
+double tet_square(const Elements& elements, Index tet);
+
+}  // namespace lobe

@@ -73,6 +73,37 @@ async function play(page, at) {
   return {start, end, spent: key => (after[key] ?? 0) - (before[key] ?? 0), wall};
 }
 
+// Seconds of work per simulated second while the page only looks, and while others send a thousand requests a
+// second that are none, and take no frames.
+async function workUnderFire(browser, address, page) {
+  const work = async () => {
+    const found = [];
+    for (let i = 0; i < 20; ++i) {
+      await page.waitForTimeout(250);
+      found.push(await page.evaluate(() => 1 / lobe.status.possible));
+    }
+    return quantile(found, 0.5);
+  };
+  const before = await work();
+  const hostile = await browser.newPage();
+  await hostile.goto(new URL('icon.svg', address).href); // of the same origin, and draws nothing
+  await hostile.evaluate(url => {
+    const open = () => Object.assign(new WebSocket(url), {onclose: () => setTimeout(open, 100)});
+    const deaf = open(),
+      loud = open();
+    let sent = 0;
+    setInterval(() => {
+      for (let i = 0; i < 10; ++i, ++sent)
+        if (loud.readyState === 1) loud.send(sent % 2 ? '{"do": "restart"}' : '{"do": "nonsense", "number": 1e999');
+    }, 10);
+    window.kept = [deaf, loud];
+  }, `ws://${new URL(address).host}/live${new URL(address).search}`);
+  await page.waitForTimeout(1000);
+  const during = await work();
+  await hostile.close();
+  return during / before;
+}
+
 function row(name, {start, end, spent, wall}) {
   const pictures = end.pictures - start.pictures,
     simulated = end.time - start.time,
@@ -104,10 +135,12 @@ const rows = [];
 for (const [name, args] of Object.entries(browsers)) {
   const browser = await findBrowser(modules).launch(args);
   const page = await browser.newPage({viewport: {width: 960, height: 640}});
-  await page.goto(await server.start(scene));
+  const address = await server.start(scene);
+  await page.goto(address);
   if (!(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x)))
     throw new Error('the page shows nothing');
   rows.push(row(name, await play(page, await grip(page))));
+  rows.at(-1).work_under_fire = await workUnderFire(browser, address, page);
   await browser.close();
   await server.kill();
   for (const [key, value] of Object.entries(rows.at(-1)))

@@ -1,5 +1,6 @@
 #include "gauge.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "lobe/diagnostics/fields.h"
@@ -59,7 +60,13 @@ void Gauge<Real>::find_error(World<Real>& world, Measured& measured) {
   if (!watch_)
     watch_ = std::make_unique<LinearityWatch<Real>>(world, std::vector<std::vector<Index>>{},
                                                     LinearityOptions{.on_exceeded = {}});
-  measured.linear_error = watch_->look(world).error;
+  const double error = watch_->look(world).error;
+  // Beside what rounding has left of an old motion no error means anything.
+  constexpr double least = 1e-6;  // of the extent of the body
+  const auto points = world.elements().points.view();
+  const double extent = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
+  most_moved_ = std::max(most_moved_, double(world.displacements().colwise().norm().maxCoeff()));
+  if (most_moved_ > least * extent) measured.linear_error = error;
   const Mat3X<double>& errors = watch_->zone_errors();
   const std::vector<Index>& zone_of = watch_->zones().of;
   const auto of_tet = [&](Index tet) {

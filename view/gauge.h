@@ -16,7 +16,8 @@ struct Measured {
   std::uint64_t number = 0;         // counted from 1
   double time = 0;                  // [s]
   double elastic = 0, kinetic = 0;  // [J]
-  double linear_error = -1;         // of the displacement, estimated, of its largest norm; below 0: not found
+  double linear_error = -1;         // of the displacement, estimated, of its largest norm since it was first
+                                    // asked for; below 0: not found, or nothing has moved since
   std::string scalar = "none";
   std::uint64_t revision = 0;  // of the surface
   std::vector<float> values;   // per vertex of it, of `scalar`
@@ -36,6 +37,7 @@ class Gauge {
   void find_error(World<Real>& world, Measured& measured);
 
   std::unique_ptr<LinearityWatch<Real>> watch_;
+  double most_moved_ = 0;  // since there is a watch: the largest displacement [m]
   PressureNodes nodes_;
   std::size_t nodes_edits_ = SIZE_MAX;  // of the world's history that they know
   std::uint64_t nodes_restored_ = 0;

@@ -12,6 +12,8 @@
 
 #include "gauge.h"
 #include "lobe/live/session_scene.h"
+#include "lobe/scene/read_scene.h"
+#include "skin_feed.h"
 
 namespace lobe::view {
 namespace {
@@ -40,7 +42,8 @@ template <class Real>
 class LiveOf final : public Live {
  public:
   LiveOf(const Scene& scene, const Resolved& resolved, const LiveOptions& options)
-      : scene_(scene), setup_(resolved.setup), session_(setup_, session_options(options)) {
+      : scene_(scene), setup_(resolved.setup), session_(setup_, with_skin(session_options(options))) {
+    if (!scene.skin.empty()) skin_.emplace(skin_path(scene), setup_.mesh, session_.world());
     for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
     session_.start();
     measuring_ = std::thread([this] { keep_measuring(); });
@@ -109,11 +112,30 @@ class LiveOf final : public Live {
     return scene;
   }
 
+  bool has_skin() const override { return skin_.has_value(); }
+  void want_skin(bool on) override {
+    if (!skin_) return;
+    skin_->set_wanted(on);
+    if (on) session_.between_frames([&] { skin_->update(session_.world()); });  // where it pauses
+  }
+  void write_skin(Told& told, BlockWriter& out) override {
+    if (skin_) skin_->write(first_stamp_, told.skin, out);
+  }
+
   void write_recording(const std::filesystem::path& file) override {
     session_.between_frames([&] { lobe::write_recording(file, session_.recording()); });
   }
 
  private:
+  // It is found anew with each picture, by the thread of the session.
+  SessionOptions with_skin(SessionOptions options) {
+    options.published = [this, published = options.published] {
+      if (skin_) skin_->update(session_.world());
+      if (published) published();
+    };
+    return options;
+  }
+
   // Energies and fields are found by the thread of the session, between frames; this one waits for them.
   void keep_measuring() {
     std::unique_lock lock(mutex_);
@@ -198,6 +220,7 @@ class LiveOf final : public Live {
     status["stands_still"] = session.stands_still;
     status["speed"] = session.speed;
     status["factor"] = session.real_time_factor;
+    status["possible"] = session.possible_factor;
     status["late"] = session.frames_late;
     status["again"] = session.frames_again;
     status["can_go_back"] = session.can_go_back;
@@ -216,6 +239,7 @@ class LiveOf final : public Live {
 
   const Scene scene_;
   const Setup setup_;
+  std::optional<SkinFeed<Real>> skin_;  // none while the session is being made
   Session<Real> session_;
   std::optional<Controller> controller_;
   std::set<std::string> scene_tools_;

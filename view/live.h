@@ -28,6 +28,7 @@ struct Told {
   std::uint64_t topology = 0;  // stamp(), 0: none
   std::uint64_t news = 0;
   std::uint64_t scalar = 0;
+  std::uint64_t skin = 0;
 };
 
 class Live {
@@ -42,6 +43,10 @@ class Live {
   virtual std::uint64_t news() const = 0;
   // A frame of what is new; into `status`: figures. `scalar`: as in gauge.h.
   virtual void write(const std::string& scalar, Told& told, BlockWriter& out, nlohmann::json& status) = 0;
+  // Of the scene (skin_feed.h): whether it has one; it is found while somebody wants to see it.
+  virtual bool has_skin() const = 0;
+  virtual void want_skin(bool on) = 0;
+  virtual void write_skin(Told& told, BlockWriter& out) = 0;
   // Which scalar is found, some times a second.
   virtual void measure(const std::string& scalar) = 0;
   // What the hands did, as a scene that `lobe run` plays; throws InputError where there is none

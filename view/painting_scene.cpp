@@ -113,6 +113,7 @@ Scene Painting::scene(const std::filesystem::path& mesh) const {
   scene.mesh = mesh;
   if (!scene.condensed_cache.empty())
     scene.condensed_cache = std::filesystem::absolute(scene_.file).parent_path() / scene.condensed_cache;
+  if (!scene.skin.empty()) scene.skin = std::filesystem::absolute(skin_path(scene_));
   scene.auto_regions.reset();
   add_regions(scene);
   set_materials(scene);

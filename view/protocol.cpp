@@ -145,6 +145,24 @@ void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x, BlockWri
   out.end();
 }
 
+void write_skin(std::uint64_t revision, std::span<const Eigen::Vector3i> triangles, const Mat3X<float>& rest,
+                BlockWriter& out) {
+  out.begin(skin_tag);
+  out.put(static_cast<std::uint32_t>(revision));
+  out.put(static_cast<std::uint32_t>(rest.cols()));
+  out.put(static_cast<std::uint32_t>(triangles.size()));
+  out.put(std::span<const int>(triangles.empty() ? nullptr : triangles.data()->data(), 3 * triangles.size()));
+  out.put(std::span<const float>(rest.data(), std::size_t(rest.size())));
+  out.end();
+}
+
+void write_skin_positions(std::uint64_t revision, const Mat3X<float>& x, BlockWriter& out) {
+  out.begin(skin_positions_tag);
+  out.put(static_cast<std::uint32_t>(revision));
+  out.put(std::span<const float>(x.data(), std::size_t(x.size())));
+  out.end();
+}
+
 void write_scalar(std::string_view name, std::span<const float> values, BlockWriter& out) {
   float low = 0, high = 1;
   if (!values.empty()) {

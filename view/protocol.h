@@ -24,7 +24,8 @@ constexpr std::uint32_t tag(const char (&name)[5]) {
 }
 inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"),
                                scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), status_tag = tag("STAT"),
-                               paint_tag = tag("PNTS"), materials_tag = tag("MATS"), fibres_tag = tag("FIBR");
+                               paint_tag = tag("PNTS"), materials_tag = tag("MATS"), fibres_tag = tag("FIBR"),
+                               skin_tag = tag("SKIN"), skin_positions_tag = tag("SKNP");
 
 class BlockWriter {
  public:
@@ -65,6 +66,11 @@ void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #
                   const Mat3X<double>& fibres /* 3 × #tetrahedra, or no column */, BlockWriter& out);
 void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,
                      BlockWriter& out);
+// A skin that the body carries (skin/skin.h): what there is of it, and where that is.
+void write_skin(std::uint64_t revision, std::span<const Eigen::Vector3i> triangles,
+                const Mat3X<float>& rest /* 3 × #vertices [m] */, BlockWriter& out);
+void write_skin_positions(std::uint64_t revision, const Mat3X<float>& x /* 3 × #vertices [m] */,
+                          BlockWriter& out);
 // One number per vertex in 16 bits of its range, which the block tells.
 void write_scalar(std::string_view name, std::span<const float> values, BlockWriter& out);
 void write_json(std::uint32_t block_tag, const std::string& json, BlockWriter& out);
@@ -146,6 +152,12 @@ struct Back {
   double seconds = 1;
   static constexpr const char* name = "back";
   static constexpr auto fields = std::tuple(Field{"seconds", &Back::seconds});
+};
+// Whether the frames of this client are to have the scene's skin.
+struct Skin {
+  bool on = false;
+  static constexpr const char* name = "skin";
+  static constexpr auto fields = std::tuple(Field{"on", &Skin::on});
 };
 // Which scalar the frames of this client are to have: "none", "von_mises", "volume_ratio",
 // "linear_error".
@@ -242,9 +254,9 @@ struct Save {
   static constexpr auto fields = std::tuple(Field{"to", &Save::to});
 };
 
-using Any = std::variant<Seen, Take, Burn, Cut, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Control,
-                         HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll, Stroke,
-                         Undo, Propose, Apply, Save>;
+using Any = std::variant<Seen, Take, Burn, Cut, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Skin,
+                         Control, HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll,
+                         Stroke, Undo, Propose, Apply, Save>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

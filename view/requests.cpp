@@ -95,6 +95,14 @@ void Viewer::perform(ClientId client, const request::Show& what) {
   measure_what_is_shown();
 }
 
+void Viewer::perform(ClientId client, const request::Skin& what) {
+  if (!live_->has_skin()) throw InputError("/on", "the scene has no skin");
+  clients_[client].wants_skin = what.on;
+  clients_[client].told.skin = 0;
+  show_skins();
+  changed();
+}
+
 void Viewer::perform(ClientId client, const request::Control&) { ask_for_control(client); }
 
 void Viewer::perform(ClientId, const request::HandOver&) {
@@ -110,8 +118,20 @@ void Viewer::claim(const std::string& name) {
       throw InputError(file.string(), "is there already: choose another name");
 }
 
+// What its grasps do as gestures of automatic regions; none: they do nothing.
+std::optional<std::filesystem::path> Viewer::save_gestures(const std::string& name, const Scene& played) {
+  const double tolerance = played.auto_regions ? played.auto_regions->tolerance : AutoRegions{}.tolerance;
+  const Scene scene = with_gestures(played, tolerance);
+  if (scene.auto_regions->gestures.empty()) return {};
+  const std::string file = name + "_gestures";
+  io::write_file(options_.folder / (file + ".json"), to_json(scene));
+  saved_.insert(file);
+  return options_.folder / (file + ".json");
+}
+
 void Viewer::perform(ClientId, const request::Export& what) {
   claim(what.to);
+  claim(what.to + "_gestures");
   Scene scene = live_->hands_scene();
   if (has_painted_mesh_) {
     scene.mesh = what.to + ".vtu";
@@ -120,7 +140,10 @@ void Viewer::perform(ClientId, const request::Export& what) {
   const std::filesystem::path file = options_.folder / (what.to + ".json");
   io::write_file(file, to_json(scene));
   saved_.insert(what.to);
-  tell_all("note", "What the hands did is saved. To play it: lobe run " + file.string() + " -o out");
+  std::string note = "What the hands did is saved. To play it: lobe run " + file.string() + " -o out";
+  if (const auto gestures = save_gestures(what.to, scene))
+    note += ". With regions that are chosen for it: lobe run " + gestures->string() + " -o out";
+  tell_all("note", note);
 }
 
 // ---- Painting

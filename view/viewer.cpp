@@ -91,7 +91,7 @@ void Viewer::tell_all(const char* event, const std::string& text) {
 
 bool Viewer::needs_control(const request::Any& what) const {
   return !std::holds_alternative<request::Seen>(what) && !std::holds_alternative<request::Show>(what) &&
-         !std::holds_alternative<request::Control>(what);
+         !std::holds_alternative<request::Skin>(what) && !std::holds_alternative<request::Control>(what);
 }
 
 void Viewer::received(ClientId client, std::string_view text) {
@@ -122,6 +122,11 @@ void Viewer::measure_what_is_shown() {
   for (const auto& [client, state] : clients_)
     if (state.scalar != "none" && (wanted == "none" || client == controlling_)) wanted = state.scalar;
   live_->measure(wanted);
+}
+
+void Viewer::show_skins() {
+  live_->want_skin(std::any_of(clients_.begin(), clients_.end(),
+                               [](const auto& client) { return client.second.wants_skin; }));
 }
 
 // ---- Work of other threads
@@ -169,6 +174,7 @@ void Viewer::finish_task() {
   has_painted_mesh_ = true;
   live_->change_hands(controlling_ != 0);
   measure_what_is_shown();
+  show_skins();
 }
 
 // ---- Frames
@@ -186,6 +192,8 @@ std::string Viewer::live_frame(Client& client, bool controls) {
   BlockWriter out;
   Json status;
   live_->write(client.scalar, client.told, out, status);
+  status["has_skin"] = live_->has_skin();
+  if (client.wants_skin) live_->write_skin(client.told, out);
   status["mode"] = "live";
   add_session(status, client, controls);
   write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);

@@ -50,6 +50,7 @@ class Viewer final : public Service {
   struct Client {
     Told told;
     std::string scalar = "none";
+    bool wants_skin = false;
     std::uint64_t painted = 0;
     double number = 0;  // of its last request
   };
@@ -76,6 +77,7 @@ class Viewer final : public Service {
   void set_painting(bool on);
   void finish_task();
   void measure_what_is_shown();
+  void show_skins();
   std::string painting_frame(Client& client);
   void write_painting(BlockWriter& out) const;
   nlohmann::json painting_status() const;
@@ -86,6 +88,7 @@ class Viewer final : public Service {
   Painting& painting();
   AutoRegions wanted_gestures(double tolerance);
   void claim(const std::string& name);
+  std::optional<std::filesystem::path> save_gestures(const std::string& name, const Scene& played);
 
   void perform(ClientId client, const request::Seen& what);
   void perform(ClientId client, const request::Take& what);
@@ -99,6 +102,7 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Restart& what);
   void perform(ClientId client, const request::Back& what);
   void perform(ClientId client, const request::Show& what);
+  void perform(ClientId client, const request::Skin& what);
   void perform(ClientId client, const request::Control& what);
   void perform(ClientId client, const request::HandOver& what);
   void perform(ClientId client, const request::Export& what);

@@ -72,22 +72,25 @@ TEST_CASE("where frames take longer than they may, time stretches, and the facto
   Pace pace;
   Clock::time_point now{};
   pace.start(now);
-  for (int i = 0; i < 100; ++i) now = pace.frame_done(now + seconds(0.002), 0.01, 1);
+  for (int i = 0; i < 100; ++i) now = pace.frame_done(now + seconds(0.002), 0.01, 1, seconds(0.002));
   CHECK(pace.frames_late() == 0);
   CHECK(pace.factor() == near(1, 0.02));
-  for (int i = 0; i < 100; ++i) now = pace.frame_done(now + seconds(0.04), 0.01, 1);
+  CHECK(pace.possible_factor() == near(5, 1e-6));
+  for (int i = 0; i < 100; ++i) now = pace.frame_done(now + seconds(0.04), 0.01, 1, seconds(0.04));
   CHECK(pace.frames_late() == 100);
   CHECK(pace.factor() == near(0.25, 0.02));
+  CHECK(pace.possible_factor() == near(0.25, 1e-6));
   const auto late = now;  // it does not try to catch up with all of that
   int at_once = 0;
   for (int i = 0; i < 100; ++i) {
-    const auto next = pace.frame_done(now + seconds(0.002), 0.01, 1);
+    const auto next = pace.frame_done(now + seconds(0.002), 0.01, 1, seconds(0.002));
     at_once += next == now + seconds(0.002);
     now = next;
   }
   CHECK(at_once < 15);
   CHECK(std::chrono::duration<double>(now - late).count() > 0.85);
   pace.start(now);
-  for (int i = 0; i < 100; ++i) now = pace.frame_done(now + seconds(0.002), 0.01, 0.1);
+  for (int i = 0; i < 100; ++i) now = pace.frame_done(now + seconds(0.002), 0.01, 0.1, seconds(0.002));
   CHECK(pace.factor() == near(0.1, 0.02));
+  CHECK(pace.possible_factor() == near(5, 1e-6));
 }

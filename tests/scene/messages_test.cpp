@@ -92,7 +92,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"boundary\", \"comment\", "
        "\"condensed_cache\", \"evaluator\", "
        "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"name\", \"output\", "
-       "\"regions\", \"time\", "
+       "\"regions\", \"skin\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"cut_step\", \"damping\", \"duration\", \"frame\", "
        "\"integrator\", \"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"selective_mass\", \"sleep\", "

@@ -57,6 +57,21 @@ for (const [quantity, word] of [
 }
 await page.selectOption('#colour', 'tissue');
 
+// ---- The scene's skin
+
+const surfaceTriangles = await page.evaluate(() => lobe.organ.topology.region.length);
+await page.keyboard.press('k');
+check(
+  await until(page, n => lobe.organ.showsSkin() && lobe.organ.topology.region.length > 2 * n, surfaceTriangles),
+  'the finer skin of the scene is drawn',
+);
+await page.screenshot({path: path.join(out, 'skin.png')});
+await page.keyboard.press('k');
+check(
+  await until(page, n => !lobe.organ.showsSkin() && lobe.organ.topology.region.length === n, surfaceTriangles),
+  'and the surface of the tetrahedra again',
+);
+
 // ---- What the browser saves
 
 const saved = async act => {
@@ -65,7 +80,7 @@ const saved = async act => {
   await download.saveAs(file);
   return {file, size: statSync(file).size};
 };
-const picture = await saved(() => page.keyboard.press('p'));
+const picture = await saved(() => page.keyboard.press('i'));
 const png = readFileSync(picture.file);
 check(picture.file.endsWith('.png') && png.readUInt32BE(0) === 0x89504e47, 'a picture is saved');
 check(png.readUInt32BE(16) >= 960 && picture.size > 20000, `with all pixels, ${picture.size} bytes`);
@@ -95,7 +110,16 @@ const lobe = path.join(path.dirname(program), 'lobe');
 const arguments_ = ['run', said, '-o', path.join(out, 'played'), '--no-pictures'];
 const run = spawnSync(lobe, arguments_, {encoding: 'utf8'});
 check(run.status === 0, `lobe run plays it ${run.stderr}`);
+const chosen = JSON.parse(readFileSync(said.replace('.json', '_gestures.json')));
+check(
+  chosen.regions.auto?.gestures.length === 1 && chosen.tools.length === 1,
+  'beside it is the same with regions that lobe chooses for the grasp',
+);
 await page.keyboard.press(' ');
+check(
+  await until(page, () => /could be [\d.]+ ×/.test(document.getElementById('possible').textContent)),
+  'the page says how fast the simulation could be',
+);
 
 // ---- Materials, and what is held nowhere
 

@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
+#include <cstring>
+#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -16,6 +18,7 @@
 #include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/sim/world.h"
+#include "lobe/skin/skin.h"
 
 using namespace lobe;
 using namespace lobe::view;
@@ -36,22 +39,41 @@ struct Viewed {
   Folder folder;
   std::optional<Viewer> viewer;
 
-  Viewed() {
-    write_vtu(folder.path / "block.vtu", box_mesh({0.06, 0.06, 0.06}, 6, 6, 6));
-    const Scene scene = read_scene(folder.write("block.json", block_scene));
+  // `has_skin`: the boundary of its tetrahedra.
+  explicit Viewed(bool has_skin = false) {
+    const TetMesh mesh = box_mesh({0.06, 0.06, 0.06}, 6, 6, 6);
+    write_vtu(folder.path / "block.vtu", mesh);
+    Scene scene = read_scene(folder.write("block.json", block_scene));
+    if (has_skin) {
+      scene.skin = "block.obj";
+      write_obj(mesh);
+    }
     viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), ViewerOptions{{}, folder.path});
+  }
+
+  void write_obj(const TetMesh& mesh) const {
+    std::ofstream out(folder.path / "block.obj");
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      out << "v " << mesh.points(0, v) << ' ' << mesh.points(1, v) << ' ' << mesh.points(2, v) << '\n';
+    const Triangles triangles = textured_boundary(mesh).triangles;
+    for (Index t = 0; t < triangles.cols(); ++t)
+      out << "f " << triangles(0, t) + 1 << ' ' << triangles(1, t) + 1 << ' ' << triangles(2, t) + 1 << '\n';
   }
 
   void ask(ClientId page, const Json& request) { viewer->received(page, request.dump()); }
 
   // The next frame that the page is sent, within some seconds.
-  std::vector<Json> frame(ClientId page) {
+  std::string message(ClientId page) {
     std::string message;
     for (int i = 0; i < 2000 && message.empty(); ++i) {
       message = viewer->next_frame(page);
       if (message.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     REQUIRE(!message.empty());
+    return message;
+  }
+  std::vector<Json> frame(ClientId page) {
+    const std::string message = this->message(page);
     Json tools = Json::array(), status;
     for (const Block& block : read_blocks(message)) {
       if (block.tag == tools_tag) tools = Json::parse(block.bytes);
@@ -111,6 +133,16 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   viewed.viewer->write_recording(viewed.folder.path / "hands.lobe");
   const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
   CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
+  // The same with regions that lobe is to choose for the one grasp; the cautery is no gesture.
+  const Scene gestures = read_scene(viewed.folder.path / "hands_gestures.json");
+  REQUIRE(gestures.auto_regions);
+  REQUIRE(gestures.auto_regions->gestures.size() == 1);
+  CHECK(gestures.auto_regions->gestures[0].value.norm() > 1e-3);
+  CHECK(gestures.tools.size() == 2);
+  Resolved resolved = resolve(gestures, read_mesh(mesh_path(gestures)).mesh);
+  propose(gestures, resolved);
+  REQUIRE(resolved.proposal);
+  CHECK(resolved.proposal->gestures.size() == 1);
 }
 
 TEST_CASE("what a page has cut with a scalpel is told, and its scene is played to the same bits") {
@@ -205,10 +237,53 @@ TEST_CASE("a page that dies in the middle of a drag lets go, and the next one co
   CHECK(viewed.holds(2, 1));
 }
 
+TEST_CASE("the skin of a scene is told to those who want it, follows the body, opens, and is whole again") {
+  Viewed viewed(true);
+  viewed.viewer->opened(1);
+  std::size_t shown = 0;  // triangles
+  Mat3X<float> x;         // of its vertices [m]
+  const auto see = [&] {
+    const std::string message = viewed.message(1);
+    for (const Block& block : read_blocks(message)) {
+      std::uint32_t head[3];
+      if (block.tag == skin_tag) {
+        std::memcpy(head, block.bytes.data(), sizeof head);
+        shown = head[2];
+      }
+      if (block.tag == skin_positions_tag) {
+        x.resize(3, Eigen::Index(block.bytes.size() / 12));
+        std::memcpy(x.data(), block.bytes.data() + 4, block.bytes.size() - 4);
+      }
+    }
+  };
+  const auto comes_to = [&](const std::function<bool()>& condition) {
+    for (int i = 0; i < 3000 && !condition(); ++i) see();
+    return condition();
+  };
+  see();
+  CHECK(shown == 0);  // nobody has asked for it
+  viewed.ask(1, {{"do", "skin"}, {"on", true}});
+  REQUIRE(comes_to([&] { return shown > 0; }));
+  const std::size_t whole = shown;
+  CHECK(whole == 12 * 6 * 6);
+  const Mat3X<float> at_rest = x;
+  const auto moved = [&] { return (x - at_rest).colwise().norm().maxCoeff(); };
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(1, 1));
+  viewed.lead(1, 0, 0.04, 0.03, 0.075);
+  CHECK(comes_to([&] { return moved() > 1e-3f; }));
+  viewed.ask(1, {{"do", "burn"}, {"hand", 1}, {"at", {0.005, 0.005, 0.055}}, {"radius", 0.008}});
+  CHECK(comes_to([&] { return shown < whole; }));
+  viewed.ask(1, {{"do", "restart"}});
+  CHECK(comes_to([&] { return shown == whole && moved() < 1e-7f; }));
+}
+
 TEST_CASE("the error of linear regions is estimated where they are, and asked for by name") {
   Viewed viewed;
   viewed.viewer->opened(1);
   viewed.ask(1, {{"do", "show"}, {"what", "linear_error"}});
+  REQUIRE(viewed.comes_to(1, [](const Json& status, const Json&) { return status.contains("energy"); }));
+  CHECK(!viewed.frame(1)[0].contains("linear_error"));  // of a body that has not moved
   viewed.take(1, 0, 0.03, 0.03);
   REQUIRE(viewed.holds(1, 1));
   viewed.lead(1, 0, 0.06, 0.03, 0.06);

@@ -96,7 +96,7 @@ export function showLegend(element, quantity, range, shares, linearError) {
 function linearErrorInWords(shares, error) {
   const words = document.createElement('p');
   if (shares[0] + shares[1] === 0) words.textContent = 'No region is linear: there is no such error.';
-  else if (error === undefined) words.textContent = 'Being estimated …';
+  else if (error === undefined) words.textContent = 'Estimated as soon as the organ moves.';
   else words.textContent = `Estimated: ${(100 * error).toPrecision(2)} % of the displacement.`;
   return words;
 }

@@ -7,6 +7,8 @@ const brushes = [
   {key: 'free', name: 'Let free', note: 'the skin moves again', colour: [0.45, 0.47, 0.48]},
 ];
 const element = id => document.getElementById(id);
+const percent = share => `${(100 * share).toFixed(2)} %`;
+const note = textContent => Object.assign(document.createElement('div'), {textContent});
 
 export class Editor {
   constructor(ask) {
@@ -31,7 +33,7 @@ export class Editor {
     element('undo').onclick = () => this.ask({do: 'undo'});
     element('mend-tensor').onclick = () => this.ask({do: 'mend', as: 'tensor-mass'});
     element('mend-turning').onclick = () => this.ask({do: 'mend', as: 'turning'});
-    element('propose').onclick = () => this.ask({do: 'propose', tolerance: 0.02});
+    element('propose').onclick = () => this.ask({do: 'propose', tolerance: Number(element('tolerance').value)});
     element('apply').onclick = () => {
       this.note('Preparing the simulation …');
       this.ask({do: 'apply'});
@@ -141,16 +143,18 @@ export class Editor {
       place.innerHTML =
         `<b>${proposal.speedup.toFixed(2)} ×</b> as fast as all non-linear; ` +
         `${Math.round(100 * proposal.linear)} % linear` +
-        '<table>' +
-        proposal.gestures.map(g => `<tr><td></td><td>${(100 * g.error).toFixed(2)} %</td></tr>`).join('') +
+        '<table><tr><th>error, found by trying</th><th>predicted</th></tr>' +
+        proposal.gestures
+          .map(g => `<tr><td></td><td>${percent(g.error)}</td><td>${percent(g.predicted)}</td></tr>`)
+          .join('') +
         '</table>';
       place.querySelectorAll('td:first-child').forEach((cell, i) => {
-        cell.textContent = `error, ${proposal.gestures[i].name}`;
+        cell.textContent = proposal.gestures[i].name;
       });
-      for (const note of proposal.notes)
-        place.append(Object.assign(document.createElement('div'), {textContent: note}));
+      place.append(note('Simulate this, paint over it, or undo it.'));
+      for (const text of proposal.notes) place.append(note(text));
     } else {
-      place.textContent = 'It finds what may be linear for an error below 2 %.';
+      place.textContent = 'It finds what may be linear, for this error in what your hands did.';
     }
   }
 

@@ -29,6 +29,9 @@ vec3 bumped(vec3 n, float height) {
 }
 `;
 
+// Lines along edges are drawn on top of their triangles.
+const underLines = {polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1};
+
 function roughen(material, wetness, amount) {
   material.onBeforeCompile = shader => {
     shader.vertexShader = shader.vertexShader
@@ -55,8 +58,9 @@ function roughen(material, wetness, amount) {
 
 /** @returns {{skin: THREE.Material, opened: THREE.Material, shine(on: boolean): void}} */
 export function fineLook() {
-  const skin = new THREE.MeshPhysicalMaterial({vertexColors: true, clearcoatRoughness: 0.22});
+  const skin = new THREE.MeshPhysicalMaterial({...underLines, vertexColors: true, clearcoatRoughness: 0.22});
   const opened = new THREE.MeshStandardMaterial({
+    ...underLines,
     vertexColors: true,
     roughness: 0.9,
     envMapIntensity: 0.4,
@@ -121,7 +125,7 @@ function lightMap(stage, roughness, wet, reflects) {
 }
 
 function lookedUp(map, options) {
-  const material = new THREE.MeshMatcapMaterial({vertexColors: true, matcap: map, ...options});
+  const material = new THREE.MeshMatcapMaterial({...underLines, vertexColors: true, matcap: map, ...options});
   material.wetness = {value: 1};
   material.onBeforeCompile = shader => {
     shader.uniforms.wetness = material.wetness;

@@ -64,7 +64,7 @@ class Page {
   // A picture is drawn where the browser draws; the server sends the next one when this was.
   receive(frame) {
     // What is left out between two pictures was older; a surface and what is no longer told stay.
-    this.frame = frame.topology ? frame : {...this.frame, ...frame};
+    this.frame = frame.topology ? {skin: this.frame?.skin, ...frame} : {...this.frame, ...frame};
     this.stage.wake();
     // A page in the background draws nothing, and wants to go on hearing.
     if (document.hidden) setTimeout(() => this.showFrame(), 200);
@@ -74,7 +74,10 @@ class Page {
     const frame = this.frame;
     if (!frame) return;
     this.frame = null;
+    if (frame.skin) this.organ.setSkin(frame.skin);
+    if (frame.skinPositions) this.organ.moveSkin(frame.skinPositions);
     if (frame.topology) this.takeTopology(frame.topology, frame.fibres);
+    else if (frame.skin) this.organ.compose();
     if (frame.positions && frame.positions.revision === this.organ.revision)
       this.organ.move(frame.positions.x);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
@@ -90,7 +93,7 @@ class Page {
     this.organ.held = null;
     const first = !this.organ.topology;
     if (first) this.stage.lookAt(topology.rest);
-    this.organ.x = null;
+    this.organ.x = this.organ.served = null;
     this.organ.setTopology(topology, fibres);
     this.showLegend();
   }
@@ -105,6 +108,10 @@ class Page {
     }
     const isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
     if (isDue || status.mode !== before.mode) this.showFigures(status);
+    if (status.mode === 'live' && status.has_skin !== before.has_skin) {
+      element('skin').parentElement.hidden = !status.has_skin;
+      if (element('skin').checked) this.wantSkin();
+    }
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
     if (status.controls !== this.hands.may || status.clients !== before.clients) this.showControl(status);
@@ -134,6 +141,8 @@ class Page {
           ? `${status.factor.toFixed(2)} × real time`
           : 'paused';
     factor.classList.toggle('slow', live && status.running && status.factor < 0.9 * status.speed);
+    const possible = live && status.running && status.possible > 0 ? status.possible : 0;
+    element('possible').textContent = possible ? `could be ${possible.toPrecision(2)} ×` : '';
     element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
     element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
     element('step').title =
@@ -187,6 +196,8 @@ class Page {
       this.frame = null;
       this.hands.forget();
       this.messages.forget();
+      this.status = {};
+      this.organ.leaveSkin();
       this.ask({do: 'show', what: this.wantedScalar()});
       return this.banner(null);
     }
@@ -241,10 +252,17 @@ class Page {
     click('export', () => this.ask({do: 'export', to: `hands_${stamp()}`}));
     click('help-button', () => (overlayIsShown() ? hideOverlay() : showHelp()));
     element('colour').onchange = () => this.colour(element('colour').value);
+    element('skin').onchange = () => this.wantSkin();
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
     this.hands.onFirst = () => this.hint('');
     this.take('grasp');
     listenToKeys(this);
+  }
+
+  wantSkin() {
+    const on = element('skin').checked;
+    this.organ.leaveSkin();
+    if (this.status.has_skin) this.ask({do: 'skin', on});
   }
 
   take(tool) {
@@ -263,6 +281,8 @@ class Page {
   changeMode(mode) {
     this.mode = mode;
     const edits = mode === 'edit';
+    if (edits) this.organ.leaveSkin();
+    else if (element('skin').checked) this.wantSkin();
     element('editor').hidden = !edits;
     this.leaveRoom();
     this.colour(edits ? this.editor.shows() : 'tissue');

@@ -8,6 +8,13 @@ import {SmoothSurface} from './smooth_surface.js';
 const skinColour = light([0.5, 0.185, 0.15]),
   cutColour = light([0.42, 0.085, 0.075]);
 
+const joined = (a, b) => {
+  const both = new Float32Array(a.length + b.length);
+  both.set(a);
+  both.set(b, a.length);
+  return both;
+};
+
 export class Organ {
   constructor(stage) {
     this.stage = stage;
@@ -57,7 +64,8 @@ export class Organ {
   }
 
   setTopology(topology, fibres) {
-    this.topology = topology;
+    this.surface = topology; // of the tetrahedra, as the server tells it
+    this.topology = this.composed();
     this.revision = topology.revision;
     this.cutCount = topology.cut.reduce((sum, c) => sum + c, 0);
     this.shares = [0, 0, 0];
@@ -65,6 +73,52 @@ export class Organ {
     this.scalar = null;
     this.fibres.set(fibres, topology);
     this.rebuild();
+  }
+
+  // ---- A finer skin, which takes the place of the tetrahedra's own
+
+  /** Shown after compose(). @param {{triangles: Uint32Array, rest: Float32Array, revision: number}|null} skin */
+  setSkin(skin) {
+    this.skin = skin;
+    this.skinX = null;
+  }
+
+  moveSkin({revision, x}) {
+    if (revision === this.skin?.revision) this.skinX = x;
+  }
+
+  leaveSkin() {
+    const was = this.showsSkin();
+    this.setSkin(null);
+    if (was) this.compose();
+  }
+
+  showsSkin() {
+    return Boolean(this.skinX) && this.quantity === 'tissue' && !this.showsMesh;
+  }
+
+  compose() {
+    if (!this.surface) return;
+    this.topology = this.composed();
+    this.rebuild();
+  }
+
+  /** What is drawn: all of the surface; or what was cut open of it, with the skin. Vertices are those of both. */
+  composed() {
+    const {surface, skin} = this;
+    if (!this.showsSkin()) return surface;
+    const triangles = [],
+      count = surface.rest.length / 3;
+    for (let t = 0; t < surface.cut.length; ++t)
+      if (surface.cut[t]) triangles.push(...surface.triangles.subarray(3 * t, 3 * t + 3));
+    const opened = triangles.length / 3;
+    for (const v of skin.triangles) triangles.push(count + v);
+    return {
+      triangles: Uint32Array.from(triangles),
+      rest: joined(surface.rest, skin.rest),
+      region: new Uint8Array(triangles.length / 3),
+      cut: new Uint8Array(triangles.length / 3).fill(1, 0, opened),
+    };
   }
 
   levels() {
@@ -104,7 +158,7 @@ export class Organ {
     this.shadeFlat();
     this.rebuildLines();
     this.fixedColours();
-    if (this.x && this.x.length === this.topology.rest.length) this.move(this.x);
+    if (this.served?.length === this.surface.rest.length) this.move(this.served);
   }
 
   rebuildShadow() {
@@ -139,9 +193,11 @@ export class Organ {
   }
 
   show(quantity) {
+    const was = this.showsSkin();
     this.quantity = quantity;
     this.scalar = null;
-    this.fixedColours();
+    if (this.showsSkin() !== was) this.compose();
+    else this.fixedColours();
     this.stage.invalidate();
   }
 
@@ -229,7 +285,10 @@ export class Organ {
     this.stage.invalidate();
   }
 
-  move(x) {
+  /** @param {Float32Array} served positions of the surface */
+  move(served) {
+    this.served = served;
+    const x = this.showsSkin() ? joined(served, this.skinX) : served;
     this.x = x;
     if (!this.hasMoved(x)) return;
     this.drawn = x;
@@ -268,7 +327,7 @@ export class Organ {
 
   setShowsMesh(on) {
     this.showsMesh = on;
-    if (this.topology) this.rebuild();
+    this.compose();
     this.stage.invalidate();
   }
 

@@ -22,7 +22,7 @@ export function showHelp() {
     ['G · C · X · E', 'grasp · cautery · scalpel · paint regions'],
     ['Space · . · S', 'pause · one frame · slow motion'],
     ['B · R', 'back by a second · restart'],
-    ['M · F · P · V', 'mesh · fibres · picture · video'],
+    ['M · K · F · I · V', 'mesh · skin · fibres · image · video'],
   ];
   show(
     '<h1>Hands on the organ</h1><dl>' +

@@ -4,7 +4,7 @@
 const text = new TextDecoder();
 
 /** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object,
- *   held?: object, materials?: object, fibres?: object}} */
+ *   held?: object, materials?: object, fibres?: object, skin?: object, skinPositions?: object}} */
 export function readFrame(/** @type {ArrayBuffer} */ buffer) {
   const view = new DataView(buffer);
   const frame = {};
@@ -40,6 +40,21 @@ const readers = {
   },
   POSN(frame, buffer, at, size, view) {
     frame.positions = {
+      revision: view.getUint32(at, true),
+      x: new Float32Array(buffer, at + 4, (size - 4) / 4),
+    };
+  },
+  SKIN(frame, buffer, at, size, view) {
+    const vertices = view.getUint32(at + 4, true),
+      triangles = view.getUint32(at + 8, true);
+    frame.skin = {
+      revision: view.getUint32(at, true),
+      triangles: new Uint32Array(buffer, at + 12, 3 * triangles),
+      rest: new Float32Array(buffer, at + 12 + 12 * triangles, 3 * vertices),
+    };
+  },
+  SKNP(frame, buffer, at, size, view) {
+    frame.skinPositions = {
       revision: view.getUint32(at, true),
       x: new Float32Array(buffer, at + 4, (size - 4) / 4),
     };

@@ -14,23 +14,28 @@ class Pace {
 
   // Starts to count from now: after a pause, or when the speed has changed.
   void start(Clock::time_point now);
-  // Ends a frame of `length` simulated seconds, which should have taken length / speed. Returns when the next
-  // should begin. If the session is more than 0.1 s late, that is at once, and time has stretched.
-  Clock::time_point frame_done(Clock::time_point now, double length, double speed);
+  // Ends a frame of `length` simulated seconds, for which `worked` was spent and which should have taken
+  // length / speed. Returns when the next should begin. If the session is more than 0.1 s late, that is at
+  // once, and time has stretched.
+  Clock::time_point frame_done(Clock::time_point now, double length, double speed, Clock::duration worked);
 
   std::int64_t frames_late() const { return late_; }
-  double factor() const { return factor_; }  // simulated seconds per second, over the last half second
+  // Over the last half second: simulated seconds per second; and per second of work, which a session could
+  // reach that does not wait.
+  double factor() const { return factor_; }
+  double possible_factor() const { return possible_; }
 
  private:
   struct Done {
     Clock::time_point at;
     double simulated;  // [s] since start()
+    double worked;     // [s]
   };
   Clock::time_point due_{};
-  double simulated_ = 0;
+  double simulated_ = 0, worked_ = 0;
   std::deque<Done> done_;  // of the last half second, and the one before
   std::int64_t late_ = 0;
-  double factor_ = 0;
+  double factor_ = 0, possible_ = 0;
 };
 
 }  // namespace lobe

@@ -108,6 +108,7 @@ void Session<Real>::publish_status() {
   status->stands_still = stands_still_;
   status->speed = speed_;
   status->real_time_factor = is_running_ ? pace_.factor() : 0;
+  status->possible_factor = is_running_ ? pace_.possible_factor() : 0;
   status->frames = frames_;
   status->frames_late = pace_.frames_late();
   status->frames_again = frames_again_;

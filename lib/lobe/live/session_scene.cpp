@@ -80,6 +80,7 @@ Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>&
   kept.mesh = std::filesystem::absolute(mesh_path(scene));
   if (!scene.condensed_cache.empty())
     kept.condensed_cache = std::filesystem::absolute(scene.file.parent_path() / scene.condensed_cache);
+  if (!scene.skin.empty()) kept.skin = std::filesystem::absolute(skin_path(scene));
   kept.time.frame = session.frame();
   kept.time.duration = frames * session.frame();
   std::erase_if(kept.output.pictures, [&](double time) { return time > kept.time.duration; });

@@ -33,11 +33,13 @@ void Session<Real>::run() {
   while (!stops_) {
     const std::uint32_t signal = queue_.signal();
     do_work();
+    const Clock::time_point began = Clock::now();
     if (!step_frame()) {
       if (!stops_ && !work_.load()) queue_.wait(signal);
       continue;
     }
-    const Clock::time_point due = pace_.frame_done(Clock::now(), frame_, speed_);
+    const Clock::time_point now = Clock::now();
+    const Clock::time_point due = pace_.frame_done(now, frame_, speed_, now - began);
     if (options_.paced) wait_until(due);
   }
 }

@@ -46,7 +46,9 @@ struct SessionStatus {
   bool stands_still = false;
   double speed = 1;             // asked for, simulated seconds per second
   double real_time_factor = 0;  // reached, over the last half second; 0 while paused
-  std::int64_t frames = 0;      // of the session, over all restarts
+  double possible_factor =
+      0;                    // the same per second of work: what it could reach without waiting for the clock
+  std::int64_t frames = 0;  // of the session, over all restarts
   std::int64_t frames_late = 0;
   std::int64_t frames_again = 0;  // that were run again with smaller steps
   double can_go_back = 0;         // [s]

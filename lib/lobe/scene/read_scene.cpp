@@ -194,6 +194,8 @@ Scene from_document(const json& document) {
   if (document.value("evaluator", "direct") == "stored") scene.evaluator = Evaluator::stored;
   const std::string cache = document.value("condensed_cache", "");
   scene.condensed_cache = std::u8string(cache.begin(), cache.end());
+  const std::string skin = document.value("skin", "");
+  scene.skin = std::u8string(skin.begin(), skin.end());
   if (document.contains("time")) read_time(document["time"], scene.time);
   if (document.contains("output")) {
     read(document["output"], "every", scene.output.every);
@@ -230,5 +232,6 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& file) {
 }
 
 std::filesystem::path mesh_path(const Scene& scene) { return scene.file.parent_path() / scene.mesh; }
+std::filesystem::path skin_path(const Scene& scene) { return scene.file.parent_path() / scene.skin; }
 
 }  // namespace lobe

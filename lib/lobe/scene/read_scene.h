@@ -20,5 +20,6 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& file = "sc
 
 // Where the scene's mesh lies.
 std::filesystem::path mesh_path(const Scene& scene);
+std::filesystem::path skin_path(const Scene& scene);  // of one that has a skin
 
 }  // namespace lobe

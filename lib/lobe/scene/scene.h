@@ -189,6 +189,8 @@ struct Scene {
   Evaluator evaluator = Evaluator::direct;
   std::filesystem::path
       condensed_cache;  // folder, absolute or relative to the scene file; none: nothing is kept
+  std::filesystem::path
+      skin;  // OBJ file of a finer surface to show, absolute or relative; none: there is none
   Time time;
   Output output;
 };

@@ -1,0 +1,49 @@
+#include "skin_feed.h"
+
+#include <utility>
+
+#include "lobe/io/surface_io.h"
+
+namespace lobe::view {
+
+template <class Real>
+SkinFeed<Real>::SkinFeed(const std::filesystem::path& file, const TetMesh& mesh, World<Real>& world)
+    : skin_(read_obj(file), mesh), restored_(world.body().model.revisions.restored) {
+  const Mat3X<Real> none = Mat3X<Real>::Zero(3, mesh.points.cols());
+  skin_.update(mesh.points, none, rest_, normals_);
+  show();
+  world.on_cut([this](const Topology& topology, const MeshEdit& edit) { skin_.follow(topology, edit); });
+}
+
+template <class Real>
+void SkinFeed<Real>::show() {
+  shown_ = std::make_shared<const ShownSkin>(ShownSkin{skin_.mesh().revision, skin_.mesh().triangles, rest_});
+}
+
+template <class Real>
+void SkinFeed<Real>::update(World<Real>& world) {
+  if (!is_wanted_) return;
+  const std::uint64_t restored = world.body().model.revisions.restored;
+  if (std::exchange(restored_, restored) != restored) skin_.follow_all(world.elements().topology);
+  if (shown_->revision != skin_.mesh().revision) show();
+  Picture* picture = pictures_.writable();
+  if (!picture) return;
+  skin_.update(world.elements().points.view(), world.displacements(), picture->x, normals_);
+  picture->shown = shown_;
+  pictures_.publish();
+}
+
+template <class Real>
+void SkinFeed<Real>::write(std::uint64_t first_stamp, std::uint64_t& told, BlockWriter& out) const {
+  const auto picture = pictures_.latest();
+  if (!picture || !picture->shown) return;
+  const ShownSkin& shown = *picture->shown;
+  if (const std::uint64_t stamp = first_stamp + shown.revision + 1; std::exchange(told, stamp) != stamp)
+    write_skin(shown.revision, shown.triangles, shown.rest, out);
+  write_skin_positions(shown.revision, picture->x, out);
+}
+
+template class SkinFeed<float>;
+template class SkinFeed<double>;
+
+}  // namespace lobe::view

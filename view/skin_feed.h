@@ -1,0 +1,54 @@
+// The skin of a scene (lobe/skin/skin.h) for pages: which of its triangles cuts have left, and where it is.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+
+#include "lobe/sim/world.h"
+#include "lobe/skin/skin.h"
+#include "protocol.h"
+
+namespace lobe::view {
+
+// What does not change from one picture to the next.
+struct ShownSkin {
+  std::uint64_t revision = 0;
+  std::vector<Eigen::Vector3i> triangles;
+  Mat3X<float> rest;  // 3 × #vertices [m]
+};
+
+template <class Real>
+class SkinFeed {
+ public:
+  // `world` is that of a scene whose skin is `file`, as it was at the start; it outlives the feed's last
+  // update(). Throws InputError.
+  SkinFeed(const std::filesystem::path& file, const TetMesh& mesh, World<Real>& world);
+
+  // The thread that advances the world, between frames; nothing is done while nobody wants to see it.
+  // O(#vertices), 30 µs for a skin of 3,000.
+  void update(World<Real>& world);
+
+  // ---- Any thread
+
+  void set_wanted(bool on) { is_wanted_ = on; }
+  // The blocks of the latest picture, its triangles where `told` is another revision of them; `first_stamp`
+  // tells them from those of other simulations.
+  void write(std::uint64_t first_stamp, std::uint64_t& told, BlockWriter& out) const;
+
+ private:
+  struct Picture {
+    std::shared_ptr<const ShownSkin> shown;
+    Mat3X<float> x;  // 3 × #vertices [m]
+  };
+  void show();
+
+  Skin skin_;
+  Mat3X<float> rest_, normals_;
+  std::shared_ptr<const ShownSkin> shown_;
+  std::uint64_t restored_;  // how often the world had been put back when the skin last followed it
+  std::atomic<bool> is_wanted_ = false;
+  TripleBuffer<Picture> pictures_;
+};
+
+}  // namespace lobe::view

@@ -42,6 +42,7 @@ class LiveOf final : public Live {
   LiveOf(const Scene& scene, const Resolved& resolved, const LiveOptions& options)
       : scene_(scene), setup_(resolved.setup), session_(setup_, session_options(options)) {
     for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
+    if (options.haptic.device != "none") haptics_.emplace(session_, options.haptic);
     session_.start();
     measuring_ = std::thread([this] { keep_measuring(); });
   }
@@ -54,16 +55,18 @@ class LiveOf final : public Live {
     changed_.notify_all();
     measuring_.join();
     controller_.reset();
+    haptics_.reset();
     session_.stop();
   }
 
   void change_hands(bool somebody) override {
     controller_.reset();
     if (somebody) controller_.emplace(session_.connect("page"));
+    if (haptics_) haptics_->change_hands(controller_ ? std::optional(controller_->number()) : std::nullopt);
   }
 
   bool send(HandCommand command) override {
-    if (!controller_) return true;
+    if (!controller_ || (haptics_ && haptics_->takes(command))) return true;
     return controller_->send(command);
   }
 
@@ -96,6 +99,7 @@ class LiveOf final : public Live {
     write_measured(scalar, surface.revision, told, out, status);
     write_json(tools_tag, tools(*session, *picture).dump(), out);
     add_figures(*session, *picture, status);
+    if (haptics_) status["haptic"] = haptics_->figures();
   }
 
   void measure(const std::string& scalar) override {
@@ -218,6 +222,7 @@ class LiveOf final : public Live {
   const Setup setup_;
   Session<Real> session_;
   std::optional<Controller> controller_;
+  std::optional<Haptics<Real>> haptics_;
   std::set<std::string> scene_tools_;
   const std::uint64_t first_stamp_ = ++sessions_so_far << 32;  // two sessions have no revision in common
 

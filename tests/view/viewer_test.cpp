@@ -36,10 +36,12 @@ struct Viewed {
   Folder folder;
   std::optional<Viewer> viewer;
 
-  Viewed() {
+  explicit Viewed(const std::string& haptic = "none") {
     write_vtu(folder.path / "block.vtu", box_mesh({0.06, 0.06, 0.06}, 6, 6, 6));
     const Scene scene = read_scene(folder.write("block.json", block_scene));
-    viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), ViewerOptions{{}, folder.path});
+    ViewerOptions options{{}, folder.path};
+    options.live.haptic.device = haptic;
+    viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), options);
   }
 
   void ask(ClientId page, const Json& request) { viewer->received(page, request.dump()); }
@@ -134,6 +136,28 @@ TEST_CASE("what a page has cut with a scalpel is told, and its scene is played t
   viewed.viewer->write_recording(viewed.folder.path / "cuts.lobe");
   const Recording recording = read_recording(viewed.folder.path / "cuts.lobe");
   CHECK(played(viewed.folder.path / "cuts.json") == recording.commands.back().digest);
+}
+
+TEST_CASE("a page's hand through a haptic device: the tool follows it, its force is told, the scene is kept") {
+  for (const char* device : {"mouse", "hand"}) {
+    CAPTURE(device);
+    Viewed viewed(device);
+    viewed.viewer->opened(1);
+    viewed.take(1, 0, 0.03, 0.03);
+    REQUIRE(viewed.holds(1, 1));
+    viewed.lead(1, 0, 0.03, 0.03, 0.06);
+    viewed.lead(1, 0, 0.03, 0.03, 0.07);
+    CHECK(viewed.comes_to(1, [&](const Json& status, const Json& tools) {
+      const Json& haptic = status["haptic"];
+      return haptic["device"] == device && haptic["there"] == true && haptic["force"][2].get<double>() < -0.02 &&
+             tools[0]["position"][2].get<double>() > 0.062;
+    }));
+    viewed.pause(1);
+    viewed.ask(1, {{"do", "export"}, {"to", "felt"}});
+    viewed.viewer->write_recording(viewed.folder.path / "felt.lobe");
+    const Recording recording = read_recording(viewed.folder.path / "felt.lobe");
+    CHECK(played(viewed.folder.path / "felt.json") == recording.commands.back().digest);
+  }
 }
 
 TEST_CASE("what was painted, simulated and held, is saved and played to the same bits") {

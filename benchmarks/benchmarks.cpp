@@ -17,6 +17,8 @@ std::span<const Benchmark> all_benchmarks() {
       {"surface", "what it costs to follow cuts with the surface, and to draw it", bench_surface},
       {"skin", "a fine textured surface: cost per frame, and at a cut", bench_skin},
       {"live", "what a session costs beside its frames; a replay of minutes of random hands", bench_live},
+      {"haptic", "forces between frames against frames of 1 ms; how punctual a loop at 1 kHz is",
+       bench_haptic},
       {"features", "what each option costs per step, on and off", bench_features},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"soak", "random gestures for a given time, invariants checked every second", bench_soak},

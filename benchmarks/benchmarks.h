@@ -45,6 +45,7 @@ void bench_hybrid(const Options& options);
 void bench_stress(const Options& options);
 void bench_surface(const Options& options);
 void bench_live(const Options& options);
+void bench_haptic(const Options& options);
 void bench_skin(const Options& options);
 void bench_scalpel(const Options& options);
 void bench_soak(const Options& options);

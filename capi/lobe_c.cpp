@@ -268,6 +268,83 @@ lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state
   });
 }
 
+// ---- Haptics
+
+namespace {
+
+lobe::DeviceLimits limits_of(const lobe_haptic_device* device) {
+  lobe::DeviceLimits limits;
+  if (device == nullptr) return limits;
+  const lobe_haptic_device own = of_caller(device, "lobe_haptic_device");
+  const auto take = [](double given, double& limit) {
+    if (given != 0) limit = given;
+  };
+  take(own.force, limits.force);
+  take(own.torque, limits.torque);
+  take(own.slew, limits.slew);
+  take(own.stiffness, limits.stiffness);
+  take(own.damping, limits.damping);
+  return limits;
+}
+
+auto find_tool(lobe_session& session, std::uint32_t tool) {
+  return std::find_if(session.haptic_tools.begin(), session.haptic_tools.end(), [&](const auto& place) {
+    const lobe::c::HapticTool* there = place.load(std::memory_order_acquire);
+    return there != nullptr && there->tool == tool;
+  });
+}
+
+}  // namespace
+
+lobe_status lobe_haptic_attach(lobe_session* session, uint32_t tool, const lobe_haptic_device* device) {
+  return guarded([&] {
+    require(session, "session");
+    const std::lock_guard lock(session->driving);
+    if (find_tool(*session, tool) != session->haptic_tools.end())
+      return fail(LOBE_WRONG_STATE, "tool " + std::to_string(tool) + " has a device");
+    const auto free = std::find_if(session->haptic_tools.begin(), session->haptic_tools.end(),
+                                   [](const auto& place) { return place.load() == nullptr; });
+    if (free == session->haptic_tools.end()) throw InputError("tool", "8 have devices, and no more can");
+    auto made = std::make_unique<lobe::c::HapticTool>(tool, limits_of(device));
+    made->hand = session->lead_by(*made);
+    free->store(made.release(), std::memory_order_release);
+    return LOBE_OK;
+  });
+}
+
+lobe_status lobe_haptic_detach(lobe_session* session, uint32_t tool) {
+  return guarded([&] {
+    require(session, "session");
+    const std::lock_guard lock(session->driving);
+    const auto found = find_tool(*session, tool);
+    if (found == session->haptic_tools.end())
+      return fail(LOBE_WRONG_STATE, "tool " + std::to_string(tool) + " has no device");
+    delete found->exchange(nullptr);
+    return LOBE_OK;
+  });
+}
+
+lobe_status lobe_haptic_force(lobe_session* session, uint32_t tool, const double x[3], const double v[3],
+                              double f[3]) {
+  return guarded([&] {
+    require(session, "session");
+    require(f, "f");
+    const auto found = find_tool(*session, tool);
+    if (found == session->haptic_tools.end())
+      return fail(LOBE_WRONG_STATE, "tool " + std::to_string(tool) + " has no device");
+    const lobe::c::Axes& axes = session->axes;
+    lobe::DeviceState state;
+    if (x != nullptr) state.position = axes.point_in(Eigen::Map<const Vec3d>(x));
+    if (v != nullptr)
+      state.velocity = axes.point_in(Eigen::Map<const Vec3d>(v)) - axes.point_in(Vec3d::Zero());
+    const lobe::HapticState& felt = found->load()->device.force(x == nullptr ? nullptr : &state);
+    Eigen::Map<Vec3d>(f) = axes.direction_out(felt.force);
+    if (x != nullptr && !state.is_finite())
+      return fail(LOBE_BAD_INPUT, "x or v is not finite: the force fades");
+    return LOBE_OK;
+  });
+}
+
 lobe_status lobe_surface_acquire(lobe_session* session, lobe_surface* surface) {
   return guarded([&] {
     require(session, "session");

@@ -109,6 +109,28 @@ typedef struct lobe_tool {
  * is empty. */
 LOBE_API lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state);
 
+/* ---- Haptics: the servo loop of a device's library leads a tool, and asks for its force (docs/haptics.md) */
+
+typedef struct lobe_haptic_device {
+  uint32_t size;    /* sizeof(lobe_haptic_device) */
+  uint32_t unused;  /* 0 */
+  double force;     /* the most that it is asked for [N]; 0: 3, and so on for what is 0 */
+  double torque;    /* [N m]; 0.1 */
+  double slew;      /* fastest change of the force [N/s]; 200 */
+  double stiffness; /* of the stiffest coupling [N/m]; 1000 */
+  double damping;   /* that its mechanics have in any case [N s/m]; 0.5 */
+} lobe_haptic_device;
+/* From now on the tool goes where the device is, instead of by lobe_move(). device may be NULL. Of up to 8
+ * tools. */
+LOBE_API lobe_status lobe_haptic_attach(lobe_session* session, uint32_t tool,
+                                        const lobe_haptic_device* device);
+LOBE_API lobe_status lobe_haptic_detach(lobe_session* session, uint32_t tool); /* no force() is under way */
+/* Position [m] and velocity [m/s] of the device; its force [N], which fades where the simulation is late.
+ * About every millisecond, by one thread per tool: wait-free, and without an allocation where it is LOBE_OK.
+ * x NULL: the device is not there. What is not finite is LOBE_BAD_INPUT, with a force that fades. */
+LOBE_API lobe_status lobe_haptic_force(lobe_session* session, uint32_t tool, const double x[3],
+                                       const double v[3], double f[3]);
+
 /* ---- The surface, in buffers that an engine copies to the graphics card */
 
 typedef struct lobe_surface {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "lobe/haptic/haptic_hand.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/live/session_scene.h"
@@ -20,6 +21,10 @@ std::unique_ptr<lobe_session::Buffers> lobe_session::take_buffers() {
 void lobe_session::give_back(std::unique_ptr<Buffers> buffers) {
   const std::lock_guard lock(mutex_);
   free_.push_back(std::move(buffers));
+}
+
+void lobe_session::detach_all() {
+  for (auto& tool : haptic_tools) delete tool.exchange(nullptr);
 }
 
 namespace lobe::c {
@@ -44,6 +49,13 @@ class SessionOf : public lobe_session {
         session_(setup_, session_options(options)),
         controller_(session_.connect("engine")) {}
 
+  ~SessionOf() override { detach_all(); }
+
+  std::shared_ptr<void> lead_by(HapticTool& tool) override {
+    return std::make_shared<HapticHand<Real>>(
+        session_, tool.link,
+        typename HapticHand<Real>::Settings{.controller = controller_.number(), .hand = tool.tool});
+  }
   lobe_status send(const HandCommand& command) override {
     return controller_.send(command) ? LOBE_OK : LOBE_BUSY;
   }

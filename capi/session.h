@@ -1,15 +1,31 @@
 // What stands behind lobe_session: a Session of either precision, in an engine's axes.
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "axes.h"
+#include "lobe/haptic/devices.h"
 #include "lobe/live/session.h"
 #include "lobe/scene/resolve.h"
 #include "lobe_c.h"
+
+namespace lobe::c {
+
+// A tool that a device leads.
+struct HapticTool {
+  HapticTool(std::uint32_t number, const DeviceLimits& limits) : tool(number), device(link, limits) {}
+  const std::uint32_t tool;
+  HapticLink link;
+  ExternalDevice device;
+  std::shared_ptr<void> hand;  // HapticHand of the session's precision
+};
+
+}  // namespace lobe::c
 
 struct lobe_session {
   virtual ~lobe_session() = default;
@@ -22,6 +38,7 @@ struct lobe_session {
   virtual int controller() const = 0;
   virtual bool fill(lobe_surface& surface) = 0;  // false: there is no picture yet
   virtual lobe::Index tet_count() const = 0;     // of the latest picture
+  virtual std::shared_ptr<void> lead_by(lobe::c::HapticTool& tool) = 0;  // until it is destroyed
   virtual void save_scene(const std::string& file) = 0;
   virtual void save_recording(const std::string& file) = 0;
 
@@ -35,6 +52,9 @@ struct lobe_session {
 
   lobe::c::Axes axes;
   std::mutex driving;  // who starts, stops or advances it
+  std::array<std::atomic<lobe::c::HapticTool*>, 8> haptic_tools{};
+
+  void detach_all();  // before the session goes
 
  private:
   std::mutex mutex_;

@@ -45,6 +45,7 @@ class LiveOf final : public Live {
       : scene_(scene), setup_(resolved.setup), session_(setup_, with_skin(session_options(options))) {
     if (!scene.skin.empty()) skin_.emplace(skin_path(scene), setup_.mesh, session_.world());
     for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
+    if (options.haptic.device != "none") haptics_.emplace(session_, options.haptic);
     session_.start();
     measuring_ = std::thread([this] { keep_measuring(); });
   }
@@ -57,16 +58,18 @@ class LiveOf final : public Live {
     changed_.notify_all();
     measuring_.join();
     controller_.reset();
+    haptics_.reset();
     session_.stop();
   }
 
   void change_hands(bool somebody) override {
     controller_.reset();
     if (somebody) controller_.emplace(session_.connect("page"));
+    if (haptics_) haptics_->change_hands(controller_ ? std::optional(controller_->number()) : std::nullopt);
   }
 
   bool send(HandCommand command) override {
-    if (!controller_) return true;
+    if (!controller_ || (haptics_ && haptics_->takes(command))) return true;
     return controller_->send(command);
   }
 
@@ -99,6 +102,7 @@ class LiveOf final : public Live {
     write_measured(scalar, surface.revision, told, out, status);
     write_json(tools_tag, tools(*session, *picture).dump(), out);
     add_figures(*session, *picture, status);
+    if (haptics_) status["haptic"] = haptics_->figures();
   }
 
   void measure(const std::string& scalar) override {
@@ -242,6 +246,7 @@ class LiveOf final : public Live {
   std::optional<SkinFeed<Real>> skin_;  // none while the session is being made
   Session<Real> session_;
   std::optional<Controller> controller_;
+  std::optional<Haptics<Real>> haptics_;
   std::set<std::string> scene_tools_;
   const std::uint64_t first_stamp_ = ++sessions_so_far << 32;  // two sessions have no revision in common
 

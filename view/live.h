@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "haptics.h"
 #include "lobe/live/hand_command.h"
 #include "lobe/scene/resolve.h"
 #include "protocol.h"
@@ -19,6 +20,7 @@ struct LiveOptions {
   double speed = 1;          // simulated seconds per second
   int threads = 1;
   bool running = true;
+  HapticOptions haptic = {};
   std::function<void(double fraction)> condensing = {};
   std::function<void()> published = {};  // there is a new picture; by the thread of the simulation
 };

@@ -11,6 +11,7 @@
 
 #include "console.h"
 #include "lobe/error.h"
+#include "lobe/haptic/trial.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/read_scene.h"
 #include "page_files.h"
@@ -25,7 +26,7 @@ struct Arguments {
   std::filesystem::path scene, mesh, record, folder = ".";
   view::ServerOptions server;
   view::LiveOptions live;
-  bool no_open = false;
+  bool no_open = false, has_frame = false;
 };
 
 std::atomic<bool> is_asked_to_end = false;
@@ -74,8 +75,16 @@ void add_options(CLI::App& app, Arguments& options) {
   app.add_option("--speed", options.live.speed, "simulated seconds per second")
       ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
-  app.add_option("--frame", options.live.frame, "simulated time between two pictures [s]")
+  app.add_option("--frame", options.live.frame,
+                 "simulated time between two pictures [s]; with a haptic device 0.001 where that is fast enough")
       ->check(CLI::Range(1e-4, 1.0))
+      ->capture_default_str()
+      ->each([&](const std::string&) { options.has_frame = true; });
+  app.add_option("--haptic", options.live.haptic.device,
+                 "device that holds what the page takes hold of: none, mouse, hand (simulated), or haply, "
+                 "which takes hold by its own button (docs/haptics.md)")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(view::haptic_devices),
+                                                     std::end(view::haptic_devices))))
       ->capture_default_str();
   app.add_option("--threads", options.live.threads, "threads of the simulation")
       ->check(CLI::Range(1, 256))
@@ -119,9 +128,25 @@ std::string address_of(const Arguments& options, int port) {
   return "http://" + host + ":" + std::to_string(port) + "/?token=" + options.server.token;
 }
 
+// Frames of 1 ms where they fit, so that the simulation itself answers the hand.
+void choose_frame(const Scene& scene, const Setup& setup, Arguments& options) {
+  if (!options.has_frame) {
+    const HapticTrial trial = scene.in_double() ? try_direct<double>(setup, options.live.threads)
+                                                : try_direct<float>(setup, options.live.threads);
+    if (trial.is_direct) options.live.frame = direct_frame;
+    std::printf("haptic: a frame of 1 ms takes %.2f ms, 99 %% of them at most %.2f ms\n", 1e3 * trial.p50,
+                1e3 * trial.p99);
+  }
+  options.live.haptic.is_direct = options.live.frame <= direct_frame;
+  std::printf("haptic: %s, frames of %.1f ms, forces at 1 kHz\n",
+              options.live.haptic.is_direct ? "direct" : "extrapolated by the local stiffness",
+              1e3 * options.live.frame);
+}
+
 int serve(Arguments& options) {
   if (options.server.token.empty()) options.server.token = kept_token();
   auto [scene, resolved] = load(options);
+  if (options.live.haptic.device != "none") choose_frame(scene, resolved.setup, options);
   std::unique_ptr<view::Viewer> viewer;
   {
     ProgressBar bar("condensing");

@@ -38,6 +38,7 @@
 //   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for
 //     that.
 //   zone: a connected group of tetrahedra that changes its model as a whole.
+//   contact patch: the tetrahedra around what a haptic tool touches, whose stiffness it feels.
 //   patch: up to 512 tetrahedra that are evaluated together.
 //   held vertex: a vertex whose position the boundary conditions prescribe.
 //   grasped vertex: a vertex that moves with a tool.

@@ -225,11 +225,48 @@ static void what_is_wrong(const char* data) {
   lobe_close(NULL);
 }
 
+/* A device presses what it holds, and is pushed back; what is not finite, and nothing at all, fades. */
+static void servo(const char* data) {
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text(scene, data, NULL, &session) == LOBE_OK);
+  const double point[3] = {0.082, -0.045, 0.035};
+  double x[3] = {0, 0, 0}, v[3] = {0, 0, 0}, f[3] = {9, 9, 9};
+  lobe_haptic_device device = {.size = sizeof device, .force = 10};
+  CHECK(sizeof device == 48 && offsetof(lobe_haptic_device, force) == 8);
+  CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_WRONG_STATE);
+  CHECK(lobe_grasp(session, 3, point, 0.02) == LOBE_OK && lobe_advance(session, 2) == LOBE_OK);
+  CHECK(lobe_haptic_attach(session, 3, &device) == LOBE_OK);
+  CHECK(lobe_haptic_attach(session, 3, NULL) == LOBE_WRONG_STATE);
+  device.damping = -1;
+  CHECK(lobe_haptic_attach(session, 4, &device) == LOBE_BAD_INPUT &&
+        strstr(lobe_last_error(), "damping") != NULL);
+  CHECK(lobe_advance(session, 2) == LOBE_OK);
+  double highest = 0;
+  for (int i = 0; i < 200; ++i) { /* 1 cm up, in ticks that are as fast as they can be */
+    x[2] = 0.01 * (i < 100 ? i : 100) / 100;
+    CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_OK);
+    if (i % 8 == 0) CHECK(lobe_advance(session, 1) == LOBE_OK);
+    if (-f[2] > highest) highest = -f[2];
+  }
+  CHECK(highest > 0.05 && highest <= 10);
+  lobe_tool hand = {.size = sizeof hand};
+  CHECK(lobe_get_tool(session, 3, &hand) == LOBE_OK && hand.pose[2] > point[2] + 0.001);
+  x[1] = NAN;
+  for (int i = 0; i < 2000000 && f[2] != 0; ++i)
+    CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_BAD_INPUT);
+  CHECK(f[0] == 0 && f[1] == 0 && f[2] == 0 && strstr(lobe_last_error(), "finite") != NULL);
+  CHECK(lobe_haptic_force(session, 3, NULL, NULL, f) == LOBE_OK && f[2] == 0);
+  CHECK(lobe_haptic_detach(session, 3) == LOBE_OK && lobe_haptic_detach(session, 3) == LOBE_WRONG_STATE);
+  CHECK(lobe_haptic_attach(session, 3, NULL) == LOBE_OK); /* closed with it */
+  lobe_close(session);
+}
+
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   layout();
   lift_and_burn(argv[1], argv[2]);
   other_axes(argv[1]);
+  servo(argv[1]);
   own_thread(argv[1]);
   what_is_wrong(argv[1]);
   return failures != 0;

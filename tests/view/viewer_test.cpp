@@ -40,7 +40,7 @@ struct Viewed {
   std::optional<Viewer> viewer;
 
   // `has_skin`: the boundary of its tetrahedra.
-  explicit Viewed(bool has_skin = false) {
+  explicit Viewed(bool has_skin = false, const std::string& haptic = "none") {
     const TetMesh mesh = box_mesh({0.06, 0.06, 0.06}, 6, 6, 6);
     write_vtu(folder.path / "block.vtu", mesh);
     Scene scene = read_scene(folder.write("block.json", block_scene));
@@ -48,7 +48,9 @@ struct Viewed {
       scene.skin = "block.obj";
       write_obj(mesh);
     }
-    viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), ViewerOptions{{}, folder.path});
+    ViewerOptions options{{}, folder.path};
+    options.live.haptic.device = haptic;
+    viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), options);
   }
 
   void write_obj(const TetMesh& mesh) const {
@@ -166,6 +168,28 @@ TEST_CASE("what a page has cut with a scalpel is told, and its scene is played t
   viewed.viewer->write_recording(viewed.folder.path / "cuts.lobe");
   const Recording recording = read_recording(viewed.folder.path / "cuts.lobe");
   CHECK(played(viewed.folder.path / "cuts.json") == recording.commands.back().digest);
+}
+
+TEST_CASE("a page's hand through a haptic device: the tool follows it, its force is told, the scene is kept") {
+  for (const char* device : {"mouse", "hand"}) {
+    CAPTURE(device);
+    Viewed viewed(false, device);
+    viewed.viewer->opened(1);
+    viewed.take(1, 0, 0.03, 0.03);
+    REQUIRE(viewed.holds(1, 1));
+    viewed.lead(1, 0, 0.03, 0.03, 0.06);
+    viewed.lead(1, 0, 0.03, 0.03, 0.07);
+    CHECK(viewed.comes_to(1, [&](const Json& status, const Json& tools) {
+      const Json& haptic = status["haptic"];
+      return haptic["device"] == device && haptic["there"] == true && haptic["force"][2].get<double>() < -0.02 &&
+             tools[0]["position"][2].get<double>() > 0.062;
+    }));
+    viewed.pause(1);
+    viewed.ask(1, {{"do", "export"}, {"to", "felt"}});
+    viewed.viewer->write_recording(viewed.folder.path / "felt.lobe");
+    const Recording recording = read_recording(viewed.folder.path / "felt.lobe");
+    CHECK(played(viewed.folder.path / "felt.json") == recording.commands.back().digest);
+  }
 }
 
 TEST_CASE("what was painted, simulated and held, is saved and played to the same bits") {

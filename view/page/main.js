@@ -7,6 +7,7 @@ import {Hands} from './hands.js';
 import {Instruments} from './instruments.js';
 import {Organ} from './organ.js';
 import {hideOverlay, overlayIsShown, showHelp, showNoGraphics, showRefused} from './overlay.js';
+import {showHaptic} from './haptic.js';
 import {Plot} from './plots.js';
 import {graphics, Stage} from './stage.js';
 import {listenToKeys} from './keys.js';
@@ -25,7 +26,11 @@ class Page {
     this.hands.brush = this.editor;
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
     this.messages = new Messages(element('messages'));
-    this.forcePlot = new Plot(element('force-plot'), [{label: 'force', colour: '#ffc46b'}], 0);
+    const forces = [
+      {label: 'force', colour: '#ffc46b'},
+      {label: 'of the device', colour: '#6bd6ff'},
+    ];
+    this.forcePlot = new Plot(element('force-plot'), forces, 0);
     this.energyPlot = new Plot(
       element('energy-plot'),
       [
@@ -118,7 +123,8 @@ class Page {
     this.messages.take(status.messages ?? []);
     if (status.mode === 'live') {
       this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
-      this.forcePlot.add(status.time, [this.force]);
+      const felt = status.haptic?.force;
+      this.forcePlot.add(status.time, [this.force, felt ? Math.hypot(...felt) : null]);
       const {energy} = status;
       if (energy) this.energyPlot.add(energy.time, [energy.elastic * 1e3, energy.kinetic * 1e3]);
     }
@@ -129,6 +135,7 @@ class Page {
   showFigures(status) {
     this.figuresAt = performance.now();
     element('force').textContent = `${this.force.toFixed(2)} N`;
+    showHaptic(element('haptic'), status.haptic);
     const {energy} = status;
     if (energy) element('energy').textContent = `${(1e3 * (energy.elastic + energy.kinetic)).toFixed(1)} mJ`;
     const factor = element('factor');

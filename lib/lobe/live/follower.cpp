@@ -42,4 +42,17 @@ bool Follower::step(double dt, const HandLimits& limits) {
   return true;
 }
 
+bool Follower::step_at_once(double dt, const HandLimits& limits) {
+  const Eigen::Quaterniond from(now_.orientation), to(target_.orientation);
+  Vec3d way = target_.position - now_.position, turn = rotation_vector(to * from.conjugate());
+  if (way.isZero(0) && turn.isZero(0)) return false;
+  if (const double length = way.norm(); length > limits.top_speed * dt) way *= limits.top_speed * dt / length;
+  if (const double angle = turn.norm(); angle > limits.top_turn * dt) turn *= limits.top_turn * dt / angle;
+  now_.position += way;
+  now_.orientation = turned(from, turn).coeffs();
+  velocity_ = way / dt;
+  spin_ = turn / dt;
+  return true;
+}
+
 }  // namespace lobe

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lobe/error.h"
 #include "lobe/live/pick.h"
@@ -160,6 +161,22 @@ std::vector<Index> Hands<Real>::free_corners(Index triangle) {
 template <class Real>
 void Hands<Real>::lead(const HandCommand& command, Hand& hand) {
   hand.follower.aim({command.position, command.orientation});
+  hand.is_placed = false;
+}
+
+template <class Real>
+void Hands<Real>::place(int controller, HandNumber number, const ToolPose& pose) {
+  Hand* hand = find(controller, number);
+  if (!hand || !hand->is_led) return;
+  hand->follower.aim(pose);
+  hand->is_placed = true;
+}
+
+template <class Real>
+auto Hands<Real>::led(int controller, HandNumber number) const -> Led {
+  const Hand* hand = find(controller, number);
+  if (!hand || !hand->is_led) return {};
+  return {hand->tool, hand->follower.pose()};
 }
 
 template <class Real>
@@ -171,9 +188,12 @@ void Hands<Real>::turn_on(const HandCommand& command, Hand& hand) {
 
 template <class Real>
 void Hands<Real>::before_frame(double duration) {
-  for (Hand& hand : hands_)
-    if (hand.tool != 0 && hand.is_led && hand.follower.step(duration, limits_))
-      apply_(Lead{hand.tool, of_tool(hand.follower.pose(), hand.arm)});
+  for (Hand& hand : hands_) {
+    if (hand.tool == 0 || !hand.is_led) continue;
+    const bool moves = hand.is_placed ? hand.follower.step_at_once(duration, limits_)
+                                      : hand.follower.step(duration, limits_);
+    if (moves) apply_(Lead{hand.tool, of_tool(hand.follower.pose(), hand.arm)});
+  }
 }
 
 template <class Real>
@@ -204,11 +224,16 @@ void Hands<Real>::after_frame() {
 // ---- Which
 
 template <class Real>
-auto Hands<Real>::find(int controller, HandNumber number) -> Hand* {
+auto Hands<Real>::find(int controller, HandNumber number) const -> const Hand* {
   const auto at = std::find_if(hands_.begin(), hands_.end(), [&](const Hand& hand) {
     return hand.controller == controller && hand.number == number;
   });
   return at == hands_.end() ? nullptr : &*at;
+}
+
+template <class Real>
+auto Hands<Real>::find(int controller, HandNumber number) -> Hand* {
+  return const_cast<Hand*>(std::as_const(*this).find(controller, number));
 }
 
 template <class Real>

@@ -26,12 +26,20 @@ class Hands {
   // Performs take_at_ray, take_at_point, bring, lead, turn_on or let_go. Throws InputError for what cannot be
   // done, and then has done nothing.
   void obey(int controller, const HandCommand& command);
+  // Where a hand is from now on: without a lag, in place of lead(). Nothing where it has no tool.
+  void place(int controller, HandNumber number, const ToolPose& pose);
+  struct Led {
+    ToolId tool = 0;  // 0: the hand is empty, or its grasp has not taken hold yet
+    ToolPose pose = {};
+  };
+  Led led(int controller, HandNumber number) const;
   int lose(int controller);          // its hands let go; how many held something
   void forget() { hands_.clear(); }  // the world was put back, and their tools have let go
 
   void before_frame(double duration);  // leads the tools [s]
   void after_frame();                  // takes note of what is held, and of what slips
 
+  void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
   void tell(std::vector<HandStatus>& hands) const;
   // The controllers that have hands, each once.
   std::vector<int> controllers() const;
@@ -41,6 +49,7 @@ class Hands {
     int controller = 0;
     HandNumber number = 0;
     ToolId tool = 0;            // 0: empty
+    bool is_placed = false;     // follows at once
     bool is_led = false;        // a grasp: it has taken hold
     Vec3d arm = Vec3d::Zero();  // from where it took hold to the centre of what it holds [m]
     Index vertices = 0;         // that it holds
@@ -51,9 +60,9 @@ class Hands {
   void bring(int controller, const HandCommand& command);
   void lead(const HandCommand& command, Hand& hand);
   void turn_on(const HandCommand& command, Hand& hand);
-  void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
   void let_go(Hand& hand);
   Hand* find(int controller, HandNumber number);
+  const Hand* find(int controller, HandNumber number) const;
   Hand& empty_hand(int controller, HandNumber number);
   Hand& full_hand(int controller, const HandCommand& command);
   std::string name_of(int controller, HandNumber number) const;

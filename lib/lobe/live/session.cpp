@@ -68,10 +68,12 @@ bool Session<Real>::step_frame() {
     return false;
   }
   steps_once_ = false;
+  for (SessionGuest<Real>* guest : guests_) guest->before_frame(hands_, world_, frame_);
   hands_.before_frame(frame_);
   const Report report = timeline_.advance(frame_);
   ++frames_;
   hands_.after_frame();
+  for (SessionGuest<Real>* guest : guests_) guest->after_frame(hands_, world_, frame_);
   for (const Condition& condition : report.conditions) report_condition(condition);
   if (!report.ok) {
     say("stands_still", "the simulation cannot go on from here: go back, or restart");

@@ -22,6 +22,7 @@
 #include <string>
 #include <thread>
 
+#include "lobe/live/guest.h"
 #include "lobe/live/hand_queue.h"
 #include "lobe/live/hands.h"
 #include "lobe/live/pace.h"
@@ -108,6 +109,9 @@ class Session {
   const World<Real>& world() const { return world_; }
   const Recording& recording() const { return timeline_.recording(); }
   double frame() const { return frame_; }  // [s]
+  // Takes part in all frames until it leaves; it outlives its stay.
+  void let_in(SessionGuest<Real>& guest) { guests_.push_back(&guest); }
+  void let_out(SessionGuest<Real>& guest) { std::erase(guests_, &guest); }
 
  private:
   struct Heard {
@@ -138,6 +142,7 @@ class Session {
   Timeline<Real> timeline_;
   Messages messages_;
   Hands<Real> hands_;
+  std::vector<SessionGuest<Real>*> guests_;
   Pace pace_;
   std::array<Heard, HandQueue::most_controllers> heard_;
   double speed_;

@@ -17,6 +17,7 @@ namespace lobe {
 //   controller_gone  its hands have let go
 //   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there:
 //                    nothing was done
+//   haptic_gone, haptic_pose  a haptic device does not answer, or not with a pose (haptic/): its force fades
 //   stands_still     no step is stable: the simulation pauses; go back, or restart
 //   went_back        as asked
 struct SessionMessage {

@@ -1,0 +1,60 @@
+// K of the local model: that of the patch, corrected by what forces and motions of the last frames say (the
+// secant, [PDA] reference [15]), which knows of inertia and of everything beyond the patch.
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "lobe/haptic/patch.h"
+
+namespace lobe {
+
+// The least change of a symmetric K after which K d = −Δf (Powell's symmetric Broyden update), by a share that
+// falls to 0 where the tool has hardly moved: below `noise` [m] it is not the motion that changes the force.
+Mat3<double> secant_correction(const Mat3<double>& K, const Vec3d& way, const Vec3d& force_change,
+                               double noise);
+
+class ContactStiffness {
+ public:
+  struct Settings {
+    double every = 0.025;     // between two patches [s]
+    double noise = 5e-5;      // of the secant [m]
+    bool has_helper = true;   // a thread condenses the patch; false: at once, for the same bits each time
+  };
+
+  explicit ContactStiffness(const Settings& settings);
+  ~ContactStiffness();
+  ContactStiffness(const ContactStiffness&) = delete;
+  ContactStiffness& operator=(const ContactStiffness&) = delete;
+
+  void forget();  // another contact
+  // After a frame of `duration` in which a tool that touches `contact` was at `position` and felt `force` in
+  // the mean. A new patch where one is due, or the mesh or the contact has changed.
+  void after_frame(const Model& model, std::span<const Index> contact,
+                   const std::function<Vec3d(Index)>& displacement, const Vec3d& position, const Vec3d& force,
+                   double duration);
+  const Mat3<double>& K() const { return K_; }  // symmetric, eigenvalues from 0 to those of `blocked` [N/m]
+
+ private:
+  enum class Work : std::uint8_t { none, wanted, done, end };
+
+  void gather(const Model& model, std::span<const Index> contact,
+              const std::function<Vec3d(Index)>& displacement, double duration);
+  void take_result();
+  void help();
+
+  const Settings settings_;
+  Patch patch_;                                    // of the helper while work is wanted
+  Mat3<double> condensed_ = Mat3<double>::Zero();  // its result
+  Mat3<double> K_ = Mat3<double>::Zero(), of_patch_ = Mat3<double>::Zero(),
+               correction_ = Mat3<double>::Zero();
+  double highest_ = 0, since_patch_ = 0;
+  std::uint64_t structure_ = 0;
+  std::size_t contact_size_ = 0;
+  bool has_patch_ = false, has_last_ = false, is_outdated_ = false;
+  Vec3d last_position_ = Vec3d::Zero(), last_force_ = Vec3d::Zero();
+  std::atomic<Work> work_ = Work::none;
+  std::thread helper_;
+};
+
+}  // namespace lobe

@@ -1,0 +1,47 @@
+// A haptic device: where a hand is comes in, forces go out.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+struct DeviceState {
+  Vec3d position = Vec3d::Zero();           // [m]
+  Vec3d velocity = Vec3d::Zero();           // [m/s]
+  Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
+  std::uint32_t buttons = 0;                // one bit each
+
+  bool is_finite() const {
+    return position.allFinite() && velocity.allFinite() && orientation.allFinite();
+  }
+};
+
+// What a device can bear, and what it has by itself.
+struct DeviceLimits {
+  double force = 3;         // the most that it is asked for [N]
+  double torque = 0.1;      // [N m]
+  double slew = 200;        // the fastest change of the force [N/s]
+  double stiffness = 1000;  // of the stiffest coupling [N/m]
+  double damping = 0.5;     // b, that its mechanics and the hand have in any case [N s/m]
+};
+
+// Throws InputError for limits that are none.
+void check(const DeviceLimits& limits, const std::string& device);
+
+// All of it is called by one thread, that of the loop, once per tick. read() and write() neither wait, lock,
+// allocate nor throw.
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+  virtual std::string name() const = 0;
+  virtual DeviceLimits limits() const = 0;
+  virtual bool read(DeviceState& state) noexcept = 0;  // false: it is not there
+  // On the hand [N], [N m].
+  virtual void write(const Vec3d& force, const Vec3d& torque) noexcept = 0;
+};
+
+}  // namespace lobe

@@ -1,0 +1,63 @@
+#include "lobe/haptic/devices.h"
+
+#include <algorithm>
+
+namespace lobe {
+
+bool MouseDevice::read(DeviceState& state) noexcept {
+  constexpr HandLimits limits{.lag = 0.04, .top_speed = 0.5, .top_turn = 10, .force_cap = 1};
+  const PointerTarget::At target = target_.read();
+  if (target.jumps == 0) return false;
+  if (std::exchange(jumps_, target.jumps) != target.jumps) follower_ = Follower(target.point);
+  const Vec3d before = follower_.pose().position;
+  follower_.aim({target.point});
+  follower_.step(tick_, limits);
+  state.position = follower_.pose().position;
+  state.velocity = (state.position - before) / tick_;
+  return true;
+}
+
+SimulatedHand::SimulatedHand(const Body& body, Path path, double tick)
+    : body_(body), path_(std::move(path)), tick_(tick) {}
+
+bool SimulatedHand::read(DeviceState& state) noexcept {
+  constexpr int parts = 20;
+  const PointerTarget::At target = path_ ? PointerTarget::At{path_(time_), 1} : target_.read();
+  if (target.jumps == 0) return false;
+  goal_ = target.point;
+  if (std::exchange(jumps_, target.jumps) != target.jumps) {
+    position_ = goal_;
+    velocity_.setZero();
+  }
+  for (int i = 0; i < parts; ++i) move(tick_ / parts);
+  if (!is_plugged_) return false;
+  state.position = position_;
+  state.velocity = velocity_;
+  return true;
+}
+
+// The spring of the hand pulls by its position, the dampers by their velocities, the force of the device is
+// that of the last tick.
+void SimulatedHand::move(double dt) {
+  const Vec3d before = goal_;
+  time_ += dt;
+  if (path_) goal_ = path_(time_);
+  const Vec3d led = path_ ? Vec3d((goal_ - before) / dt) : Vec3d::Zero();
+  const Vec3d grip = body_.grip * (goal_ - position_) + body_.grip_damping * (led - velocity_);
+  velocity_ += dt / body_.mass * (force_ + grip - body_.damping * velocity_);
+  position_ += dt * velocity_;
+}
+
+double SimulatedHand::energy() const {
+  return 0.5 * body_.mass * velocity_.squaredNorm() + 0.5 * body_.grip * (goal_ - position_).squaredNorm();
+}
+
+const HapticState& ExternalDevice::force(const DeviceState* device) {
+  const Clock::time_point now = Clock::now();
+  const double since = std::chrono::duration<double>(now - last_).count();
+  const double dt = std::exchange(is_running_, true) ? std::clamp(since, 1e-5, 0.1) : tick_;
+  last_ = now;
+  return servo_.tick(device, dt);
+}
+
+}  // namespace lobe

@@ -1,0 +1,114 @@
+// Devices that need no hardware, and the one that a vendor's own loop drives.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <utility>
+
+#include "lobe/haptic/link.h"
+#include "lobe/live/follower.h"
+
+namespace lobe {
+
+// Where a pointer is, for a device in another thread.
+class PointerTarget {
+ public:
+  struct At {
+    Vec3d point = Vec3d::Zero();  // [m]
+    std::uint32_t jumps = 0;      // so far: the device is there at once after one
+  };
+  void aim(const Vec3d& target, bool jumps) {  // one thread
+    jumps_ += jumps || jumps_ == 0;
+    if (At* at = points_.writable()) {
+      *at = {target, jumps_};
+      points_.publish();
+    }
+  }
+  At read() const {  // one other thread
+    const auto at = points_.latest();
+    return at ? *at : At{};
+  }
+
+ private:
+  std::uint32_t jumps_ = 0;
+  TripleBuffer<At> points_;
+};
+
+// A mouse in the place of a device: it has no force, which is only shown. Its pointer comes some times a
+// second; the device follows it smoothly.
+class MouseDevice final : public HapticDevice {
+ public:
+  explicit MouseDevice(double tick = 1e-3) : tick_(tick) {}
+  void aim(const Vec3d& target, bool jumps = false) { target_.aim(target, jumps); }
+
+  std::string name() const override { return "mouse"; }
+  DeviceLimits limits() const override { return {.force = 20, .stiffness = 1000, .damping = 0.65}; }
+  bool read(DeviceState& state) noexcept override;
+  void write(const Vec3d&, const Vec3d&) noexcept override {}
+
+ private:
+  const double tick_;
+  PointerTarget target_;
+  std::uint32_t jumps_ = 0;
+  Follower follower_;
+};
+
+// A hand with a device in it, simulated: a mass on a damper, which a spring draws along a path. Each read()
+// is one tick.
+class SimulatedHand final : public HapticDevice {
+ public:
+  struct Body {
+    double mass = 0.1;           // of device and fingers [kg]
+    double damping = 0.5;        // of the device [N s/m]
+    double grip = 300;           // stiffness of the hand [N/m]; 0: it lets go
+    double grip_damping = 5;     // [N s/m]
+  };
+  using Path = std::function<Vec3d(double time)>;  // [s] → [m]
+
+  // On a path of its own, or, without one, after aim().
+  SimulatedHand(const Body& body, Path path, double tick = 1e-3);
+  void aim(const Vec3d& target, bool jumps = false) { target_.aim(target, jumps); }
+  void unplug(bool unplugged) { is_plugged_ = !unplugged; }
+
+  std::string name() const override { return "hand"; }
+  DeviceLimits limits() const override {
+    return {.force = 20, .stiffness = 1000, .damping = body_.damping};
+  }
+  bool read(DeviceState& state) noexcept override;
+  void write(const Vec3d& force, const Vec3d&) noexcept override { force_ = force; }
+
+  double energy() const;  // kinetic, and of the hand's spring [J]
+
+ private:
+  void move(double dt);
+
+  const Body body_;
+  const Path path_;
+  const double tick_;
+  PointerTarget target_;
+  std::atomic<bool> is_plugged_ = true;
+  std::uint32_t jumps_ = 0;  // 0: it is nowhere yet
+  double time_ = 0;
+  Vec3d goal_ = Vec3d::Zero(), position_ = Vec3d::Zero(), velocity_ = Vec3d::Zero(), force_ = Vec3d::Zero();
+};
+
+// For the servo loop of a vendor's library, or of an engine: it calls force() at its own rate, about every
+// millisecond, from one thread. Wait-free; it does not allocate or throw.
+class ExternalDevice {
+ public:
+  ExternalDevice(HapticLink& link, const DeviceLimits& limits, const ServoOptions& options = {})
+      : servo_(link, limits, options), tick_(options.tick) {}
+
+  // `device`: null if there is none. By the clock, or after a given time since the last call [s].
+  const HapticState& force(const DeviceState* device);
+  const HapticState& force(const DeviceState* device, double dt) { return servo_.tick(device, dt); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  LinkedServo servo_;
+  const double tick_;
+  bool is_running_ = false;
+  Clock::time_point last_{};
+};
+
+}  // namespace lobe

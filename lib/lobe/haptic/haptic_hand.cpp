@@ -1,0 +1,119 @@
+#include "lobe/haptic/haptic_hand.h"
+
+#include "lobe/error.h"
+
+namespace lobe {
+
+using Kind = HandCommand::Kind;
+
+template <class Real>
+HapticHand<Real>::HapticHand(Session<Real>& session, HapticLink& link, const Settings& settings)
+    : session_(session), link_(link), settings_(settings), stiffness_(settings.stiffness) {
+  if (settings.controller < 0) own_.emplace(session.connect("haptic"));
+  controller_ = own_ ? own_->number() : settings.controller;
+  session.between_frames([&] { session.let_in(*this); });
+}
+
+template <class Real>
+HapticHand<Real>::~HapticHand() {
+  session_.between_frames([&] { session_.let_out(*this); });
+}
+
+// ---- Before a frame
+
+template <class Real>
+void HapticHand<Real>::press_buttons(Hands<Real>& hands, const HapticState& state) {
+  const bool pressed = state.is_there && (state.device.buttons & 1u) != 0;
+  if (pressed == is_pressed_) return;
+  is_pressed_ = pressed;
+  try {
+    hands.obey(controller_, {.kind = pressed ? Kind::take_at_point : Kind::let_go,
+                             .hand = settings_.hand,
+                             .position = state.tool,
+                             .radius = settings_.radius});
+  } catch (const InputError& error) {
+    hands.say("refused", std::string("haptic: ") + error.what());
+  }
+}
+
+template <class Real>
+void HapticHand<Real>::tell_troubles(Hands<Real>& hands, const HapticState& state) {
+  if (last_.is_there && !state.is_there)
+    hands.say("haptic_gone", "the haptic device does not answer: its force fades");
+  if (state.bad_poses > last_.bad_poses)
+    hands.say("haptic_pose",
+              "the haptic device has sent a pose that is not finite: it was left out, and the force fades");
+  last_ = state;
+}
+
+template <class Real>
+void HapticHand<Real>::before_frame(Hands<Real>& hands, World<Real>&, double) {
+  const auto state = link_.state.latest();
+  if (state) {
+    tell_troubles(hands, *state);
+    if (own_) press_buttons(hands, *state);
+  }
+  const auto led = hands.led(controller_, settings_.hand);
+  before_ = led.pose.position;
+  if (!state || led.tool == 0 || !model_.is_engaged || state->engagement != model_.engagement) return;
+  if (state->is_there) hands.place(controller_, settings_.hand, {state->tool, state->orientation});
+}
+
+// ---- After it
+
+namespace {
+
+// Of any kind of tool: what the body does to it in the mean of the last frame.
+template <class Real>
+std::pair<Vec3d, Vec3d> felt_by(const World<Real>& world, ToolId id) {
+  std::pair<Vec3d, Vec3d> felt(Vec3d::Zero(), Vec3d::Zero());
+  world.tools().visit(id, [&](const auto& tool) {
+    if constexpr (requires { tool.force; tool.torque; }) felt = {-tool.force, -tool.torque};
+  });
+  return felt;
+}
+
+}  // namespace
+
+template <class Real>
+std::vector<Index> HapticHand<Real>::touched(const World<Real>& world, ToolId tool) const {
+  std::vector<Index> vertices;
+  for (const HeldVertices::Held& item : world.held().all())
+    if (item.holder == tool) vertices.push_back(item.vertex);
+  return vertices;
+}
+
+template <class Real>
+void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, double duration) {
+  const auto led = hands.led(controller_, settings_.hand);
+  const bool is_same = led.tool != 0 && led.tool == tool_;
+  if (!is_same) {
+    stiffness_.forget();
+    tool_ = led.tool;
+    engagement_ += led.tool != 0;
+    model_ = {.engagement = engagement_};
+    before_ = led.pose.position;
+  }
+  model_.is_engaged = led.tool != 0;
+  model_.frame = duration;
+  model_.time = world.time();
+  if (led.tool != 0) {
+    model_.anchor = led.pose.position;
+    model_.position = 0.5 * (before_ + led.pose.position);
+    std::tie(model_.force, model_.torque) = felt_by(world, led.tool);
+    const auto u = world.displacements();
+    const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
+    stiffness_.after_frame(world.body().model, touched(world, led.tool), displacement, model_.position,
+                           model_.force, duration);
+    model_.K = stiffness_.K();
+  }
+  if (LocalModel* shared = link_.model.writable()) {
+    *shared = model_;
+    link_.model.publish();
+  }
+}
+
+template class HapticHand<float>;
+template class HapticHand<double>;
+
+}  // namespace lobe

@@ -1,0 +1,61 @@
+// The hand of a haptic device in a session: once per frame it leads its tool to where the loop wants it, and
+// tells the loop what the tool feels.
+//
+//   HapticLink link;
+//   HapticHand<float> hand(session, link);                // leads hand 1 of its own controller
+//   HapticLoop loop(device, link);
+//   loop.start();
+//
+// Button 0 of the device takes hold of what is within reach, and lets go; or the hand takes over a tool that
+// somebody else has brought (Settings::controller).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lobe/haptic/contact_stiffness.h"
+#include "lobe/haptic/link.h"
+#include "lobe/live/session.h"
+
+namespace lobe {
+
+template <class Real>
+class HapticHand final : public SessionGuest<Real> {
+ public:
+  struct Settings {
+    int controller = -1;     // whose hand it is; −1: a controller of its own, and the buttons take hold
+    HandNumber hand = 1;
+    double radius = 0.01;    // of what is taken hold of [m]
+    ContactStiffness::Settings stiffness = {};
+  };
+
+  // Between frames of the session, which outlives it.
+  HapticHand(Session<Real>& session, HapticLink& link, const Settings& settings = {});
+  ~HapticHand() override;
+
+  void before_frame(Hands<Real>& hands, World<Real>& world, double duration) override;
+  void after_frame(Hands<Real>& hands, World<Real>& world, double duration) override;
+
+ private:
+  void press_buttons(Hands<Real>& hands, const HapticState& state);
+  void tell_troubles(Hands<Real>& hands, const HapticState& state);
+  std::vector<Index> touched(const World<Real>& world, ToolId tool) const;
+
+  Session<Real>& session_;
+  HapticLink& link_;
+  const Settings settings_;
+  std::optional<Controller> own_;
+  int controller_;
+  ContactStiffness stiffness_;
+  LocalModel model_;
+  ToolId tool_ = 0;
+  std::uint32_t engagement_ = 0;
+  Vec3d before_ = Vec3d::Zero();  // where the tool was at the start of the frame [m]
+  bool is_pressed_ = false;
+  HapticState last_;  // that was told of
+};
+
+extern template class HapticHand<float>;
+extern template class HapticHand<double>;
+
+}  // namespace lobe

@@ -1,0 +1,36 @@
+// Between the thread of a session and that of a haptic loop: each sees the other's latest, neither waits.
+#pragma once
+
+#include "lobe/haptic/servo.h"
+#include "lobe/snapshot/triple_buffer.h"
+
+namespace lobe {
+
+struct HapticLink {
+  TripleBuffer<LocalModel> model;   // of the session, once per frame
+  TripleBuffer<HapticState> state;  // of the loop, once per tick
+};
+
+// A servo with its link, driven by whoever calls tick().
+class LinkedServo {
+ public:
+  LinkedServo(HapticLink& link, const DeviceLimits& limits, const ServoOptions& options)
+      : link_(link), servo_(limits, options) {}
+
+  const HapticState& tick(const DeviceState* device, double dt) {
+    if (const auto latest = link_.model.latest()) model_ = *latest;
+    const HapticState& state = servo_.tick(device, model_, dt);
+    if (HapticState* shared = link_.state.writable()) {
+      *shared = state;
+      link_.state.publish();
+    }
+    return state;
+  }
+
+ private:
+  HapticLink& link_;
+  Servo servo_;
+  LocalModel model_;
+};
+
+}  // namespace lobe

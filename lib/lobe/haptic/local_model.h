@@ -1,0 +1,41 @@
+// What the simulation knows of the force on a tool, for the time until its next frame: the force f_k that it
+// has found, where it has found it, and the stiffness of what the tool touches there,
+//
+//   f(x) = f_k − K (x − x_k)                    of a tool that holds what it touches
+//   f(x) = max(0, n·f_k − n·K n n·(x − x_k)) …   along the normal n of one that only touches it
+//
+// (theory, section 17). f_k is the mean over a frame, so x_k is the mean place of the tool in that frame.
+#pragma once
+
+#include <cstdint>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+struct LocalModel {
+  bool is_engaged = false;       // there is a tool for the hand to lead
+  std::uint32_t engagement = 0;  // counts those tools
+  bool is_held = true;           // false: it only pushes, along the normal
+  double frame = 1.0 / 120;      // between two models, of the clock [s]
+  double time = 0;               // simulated [s]
+  Vec3d anchor = Vec3d::Zero();  // where the tool is at the end of the frame [m]
+  Vec3d position = Vec3d::Zero();       // x_k [m]
+  Vec3d force = Vec3d::Zero();          // f_k, on the tool [N]
+  Vec3d torque = Vec3d::Zero();         // on the tool [N m]
+  Mat3<double> K = Mat3<double>::Zero();  // symmetric, without negative eigenvalues [N/m]
+  Vec3d normal = Vec3d::UnitZ();        // of the surface, outwards
+};
+
+// f(x) [N].
+Vec3d force_at(const LocalModel& model, const Vec3d& x);
+
+struct Proxy {
+  Vec3d position;  // [m]
+  Vec3d force;     // on the tool there [N]
+};
+// The tool between a spring of stiffness `coupling` to the device and the force of the model plus `offset`:
+// where both are in balance, coupling (x_d − x_p) + f(x_p) + offset = 0.
+Proxy quasi_static_proxy(const LocalModel& model, const Vec3d& device, double coupling, const Vec3d& offset);
+
+}  // namespace lobe

@@ -1,0 +1,38 @@
+// What keeps a haptic loop from giving the hand energy that it has not been given.
+//
+// A wall of stiffness K and damping B that is sampled every T is passive on a device of damping b if
+// b > K T/2 + |B| (Colgate & Brown 1994; Colgate & Schenkel 1997). The observer adds up the energy that goes
+// into the simulation, with what the device itself takes up, and the controller adds damping where more has
+// come out than went in (Hannaford & Ryu 2002).
+#pragma once
+
+#include <cstdint>
+
+#include "lobe/haptic/device.h"
+
+namespace lobe {
+
+// The stiffest coupling that is passive [N/m]: 2 (b − |B|)/T.
+double passive_stiffness(double device_damping, double coupling_damping, double tick);
+
+class Passivity {
+ public:
+  // `highest_damping`: that the controller adds [N s/m].
+  Passivity(double device_damping, double highest_damping)
+      : device_damping_(device_damping), highest_damping_(highest_damping) {}
+
+  // The device has moved by `way` while it felt `force` for `dt`.
+  void observe(const Vec3d& force, const Vec3d& way, double dt);
+  // Springs cannot have stored more than this [J]: what else has gone in is gone, and cannot come back.
+  void forget_above(double stored);
+  // Damping that takes away what came out too much, of a device that moves so [N s/m]; 0 if nothing did.
+  double damping(const Vec3d& velocity, double dt) const;
+
+  double energy() const { return energy_; }  // that went in and has not come out [J]
+
+ private:
+  double device_damping_, highest_damping_;
+  double energy_ = 0;
+};
+
+}  // namespace lobe

@@ -1,0 +1,60 @@
+// The stiffness of what a tool touches, found from the tetrahedra around the contact alone.
+//
+// In the time between two models only shear waves from the contact's surroundings matter: c_s T, with
+// c_s = √(μ/ρ), about 3 m/s in liver. So the patch is what lies that far from the contact; its rim is taken
+// to stand still. The vertices in contact move as one. With them eliminated last,
+//
+//   K = K_rr − K_rf K_ff⁻¹ K_fr        r: the contact, as one; f: the free vertices of the patch
+//
+// K_rr alone is what the contact feels where nothing yields: no stiffness of the contact is higher.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "lobe/body/model.h"
+
+namespace lobe {
+
+struct PatchLimits {
+  double reach = 0.026;     // of the patch, from the contact [m]
+  Index most_free = 150;    // vertices; a finer mesh has a smaller patch
+};
+
+class Patch {
+ public:
+  // The tangent ∂²W/∂u² of the patch at displacements(v) [m], in double. Nodal pressures and what stands in
+  // the way of a vertex but tetrahedra is left out. O(tetrahedra of the patch); allocates only while patches
+  // grow.
+  void gather(const Model& model, std::span<const Index> contact,
+              const std::function<Vec3d(Index)>& displacement, const PatchLimits& limits);
+
+  Index free_count() const { return free_; }  // vertices
+  bool is_empty() const { return is_empty_; } // of tetrahedra
+
+  // Of the contact, nothing else moving: K_rr [N/m].
+  Mat3<double> blocked() const;
+  // The same with the patch around it yielding [N/m]. O(free_count()³); destroys the patch.
+  Mat3<double> condense();
+
+ private:
+  void choose_vertices(const Model& model, std::span<const Index> contact, const PatchLimits& limits);
+  void add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement);
+
+  Eigen::MatrixXd K_;           // lower triangle; the last 3 are the contact
+  std::vector<Index> place_;    // per vertex of the mesh: its number, contact_ or none
+  std::vector<Index> vertices_; // with a place other than none
+  std::vector<Index> tets_;
+  Index free_ = 0;
+  bool is_empty_ = true;
+};
+
+// Symmetric, with eigenvalues from 0 to `highest` [N/m].
+Mat3<double> clamped(const Mat3<double>& K, double highest);
+double highest_eigenvalue(const Mat3<double>& K);
+
+// √(μ/ρ) of a tetrahedron [m/s].
+double shear_speed(const Elements& elements, Index tet);
+
+}  // namespace lobe

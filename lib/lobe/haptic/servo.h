@@ -1,0 +1,86 @@
+// One tick of a haptic loop: from where the hand is to what it feels, without waiting, locking, allocating or
+// throwing. A Servo is used by one thread.
+//
+// The device is coupled to the tool by a spring; the tool is where that spring and the local model are in
+// balance (local_model.h). A new model is blended in, so that the force is continuous; one that is too old
+// fades away. The force is passive (passivity.h) and within the limits of the device.
+#pragma once
+
+#include <array>
+
+#include "lobe/haptic/local_model.h"
+#include "lobe/haptic/passivity.h"
+
+namespace lobe {
+
+// Position of the tool = origin + turn · scale · that of the device; forces go back by the same turn, times
+// `force_gain`.
+struct Workspace {
+  Vec3d origin = Vec3d::Zero();  // [m]
+  Mat3<double> turn = Mat3<double>::Identity();
+  double scale = 1, force_gain = 1;
+};
+
+struct ServoOptions {
+  double tick = 1e-3;          // between two ticks [s]
+  double bound_share = 0.8;    // of the stiffness of the coupling, in Colgate's bound
+  double coupling_damping = 0; // [N s/m], at most b/4
+  double longest_blend = 8e-3; // [s]
+  double stale_frames = 3;     // a model that is older fades
+  double fade = 0.05;          // to nothing [s]
+  double highest_damping = 5;  // of the passivity controller [N s/m]; 0: it only observes
+  Workspace workspace = {};
+};
+
+// What a loop has done, for others to see.
+struct HapticState {
+  std::uint64_t ticks = 0;
+  DeviceState device;              // as read last
+  bool is_there = false;           // the device
+  std::uint32_t engagement = 0;    // of the model that led to it; 0: none yet
+  Vec3d tool = Vec3d::Zero();      // where the tool is to be [m]
+  Eigen::Vector4d orientation{0, 0, 0, 1};
+  Vec3d force = Vec3d::Zero();     // on the hand, as sent to the device [N]
+  Vec3d torque = Vec3d::Zero();    // [N m]
+  double coupling = 0;             // [N/m]
+  double energy = 0;               // of the passivity observer [J]
+  double model_age = 0;            // [s]
+  std::uint64_t interventions = 0; // ticks in which the passivity controller added damping
+  std::uint64_t stale = 0;         // ticks on a model that was too old
+  std::uint64_t bad_poses = 0;     // ticks with a pose that is not finite
+  std::uint64_t absent = 0;        // ticks without a device
+  std::uint64_t limited = 0;       // ticks in which the force or its change was cut off
+};
+
+class Servo {
+ public:
+  // Throws InputError for options or limits that are none.
+  Servo(const DeviceLimits& limits, const ServoOptions& options);
+
+  // `device`: null if it is not there. `model`: the latest one; the same as before, or a new one, by its time.
+  // `dt`: since the last tick [s].
+  const HapticState& tick(const DeviceState* device, const LocalModel& model, double dt);
+  const HapticState& state() const { return state_; }
+
+ private:
+  void take_pose(const DeviceState* device, double dt);
+  void take_model(const LocalModel& model);
+  Vec3d wanted_force(double dt);
+  void send(const Vec3d& force, const Vec3d& torque, double dt);
+  Vec3d tool_of(const Vec3d& device) const;
+
+  DeviceLimits limits_;
+  ServoOptions options_;
+  double coupling_;  // in the units of the tool [N/m]
+  LocalModel model_;
+  Vec3d clutch_ = Vec3d::Zero();      // added to where the device is, so that tools are taken up where they are
+  Vec3d offset_ = Vec3d::Zero();   // between the force before the last model came and its own [N]
+  Vec3d blended_ = Vec3d::Zero();  // what is left of it [N]
+  double since_model_ = 0;            // [s]
+  double trust_ = 0;                  // 1: the pose and the model are fresh; fades
+  bool is_fresh_ = false;             // the pose
+  Passivity passivity_;
+  HapticState state_;
+};
+
+}  // namespace lobe

@@ -1,0 +1,22 @@
+// Which frames a session with a haptic hand is to have, found by trying.
+#pragma once
+
+#include "lobe/setup/setup.h"
+
+namespace lobe {
+
+struct HapticTrial {
+  bool is_direct = false;   // frames of 1 ms fit: the simulation itself answers the hand
+  double p50 = 0, p99 = 0;  // time that a frame of 1 ms takes, of the clock [s]
+  int frames = 0;           // that were tried
+};
+
+inline constexpr double direct_frame = 1e-3;  // [s]
+inline constexpr double direct_share = 0.7;   // of it, that p99 of a frame may take
+
+// Pulls at the surface for `frames` frames of 1 ms, in a world of its own. Throws InputError for a setup that
+// no world can be built from.
+template <class Real>
+HapticTrial try_direct(const Setup& setup, int threads = 1, int frames = 400);
+
+}  // namespace lobe

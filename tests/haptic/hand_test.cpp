@@ -1,0 +1,162 @@
+// A session, a haptic hand in it and a loop, in virtual time on one thread.
+#include "lobe/haptic/haptic_hand.h"
+
+#include <limits>
+
+#include "haptic/virtual_loop.h"
+#include "lobe/haptic/trial.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+const Vec3d in(0, 0, -1);
+
+// To the place, down, held there, and back.
+SimulatedHand::Path press(double depth, double speed) {
+  const bench::HandPath path{{{Vec3d::Zero(), 0, 0.2},
+                              {depth * in, speed},
+                              {Vec3d::Zero(), 0, 0.3},
+                              {Vec3d::Zero(), speed},
+                              {Vec3d::Zero(), 0, 0.3}}};
+  return [path](double time) -> Vec3d { return path.at(time); };
+}
+
+}  // namespace
+
+TEST_CASE("a hand that presses a block feels it, and no tool is anywhere else than the loop wants it") {
+  VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+  loop.take_hold();
+  double highest = 0;
+  loop.run(0.9, [&](const HapticState& state) {
+    CHECK(state.force.allFinite());
+    highest = std::max(highest, state.force.z());
+  });
+  CHECK(highest > 0.3);  // it pushes back
+  CHECK(loop.servo().state().limited == 0);
+  CHECK(loop.servo().state().interventions == 0);
+  const auto hands = loop.session.status()->hands;
+  REQUIRE(hands.size() == 1);
+  CHECK((hands[0].pose.position - loop.servo().state().tool).norm() < 2e-4);
+  CHECK(replays(loop.session, loop.setup));
+}
+
+TEST_CASE("letting go ends the force without a jump") {
+  VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+  loop.take_hold();
+  loop.run(0.45, [](const HapticState&) {});
+  CHECK(loop.servo().state().force.norm() > 0.3);
+  loop.controller.send(ask(Kind::let_go));
+  Vec3d before = loop.servo().state().force;
+  loop.run(0.1, [&](const HapticState& state) {
+    CHECK((state.force - before).norm() <= 0.2 + 1e-12);
+    before = state.force;
+  });
+  CHECK(before.norm() == 0);
+}
+
+TEST_CASE("a simulation that stands still for 200 ms: the force fades, and comes back") {
+  VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+  loop.take_hold();
+  loop.run(0.45, [](const HapticState&) {});
+  const double whole = loop.servo().state().force.norm();
+  CHECK(whole > 0.3);
+  loop.stall(0.2);
+  double lowest = whole, highest = 0;
+  Vec3d before = loop.servo().state().force;
+  loop.run(0.2, [&](const HapticState& state) {
+    lowest = std::min(lowest, state.force.norm());
+    highest = std::max(highest, state.force.norm());
+    CHECK((state.force - before).norm() <= 0.2 + 1e-12);
+    before = state.force;
+  });
+  CHECK(lowest == 0);
+  CHECK(highest <= 1.1 * whole);
+  loop.run(0.1, [](const HapticState&) {});
+  CHECK(loop.servo().state().force.norm() > 0.3);
+  CHECK(loop.servo().state().stale > 100);
+}
+
+TEST_CASE("a device that is unplugged while it presses: told of, and the force fades") {
+  VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+  loop.take_hold();
+  loop.run(0.45, [](const HapticState&) {});
+  loop.hand.unplug(true);
+  loop.run(0.1, [](const HapticState& state) { CHECK(state.force.norm() < 3); });
+  CHECK(loop.servo().state().force.norm() == 0);
+  CHECK(times_said(loop.session, "haptic_gone") == 1);
+  loop.hand.unplug(false);
+  loop.run(0.1, [](const HapticState&) {});
+  CHECK(loop.servo().state().force.norm() > 0.3);
+}
+
+TEST_CASE("tissue that is cut away under the hand: no force jumps by more than the device bears") {
+  VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+  loop.take_hold();
+  loop.run(0.45, [](const HapticState&) {});
+  RemoveTets cut;
+  for (Index t = 0; t < loop.setup.mesh.tet_count(); ++t)
+    if (std::abs(barycentre(loop.setup.mesh, t).z() - 0.035) < 0.006) cut.tets.push_back(t);
+  loop.controller.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(cut)});
+  Vec3d before = loop.servo().state().force;
+  const double whole = before.norm();
+  loop.run(0.2, [&](const HapticState& state) {
+    CHECK((state.force - before).norm() <= 0.2 + 1e-12);
+    before = state.force;
+  });
+  CHECK(before.norm() < 0.3 * whole);
+}
+
+TEST_CASE("over presses and releases no energy comes out, whatever the frames") {
+  for (double frame : {1e-3, 1.0 / 120, 0.05}) {
+    CAPTURE(frame);
+    VirtualLoop loop(block(), press(0.006, 0.1), frame);
+    loop.take_hold();
+    double given = 0, stored = 0;
+    Vec3d at = Vec3d::Zero();
+    bool is_first = true;
+    Vec3d force = Vec3d::Zero();
+    loop.run(1.0, [&](const HapticState& state) {
+      if (!is_first) given += force.dot(state.device.position - at);  // to the hand
+      is_first = false;
+      stored = std::max(stored, -given);
+      at = state.device.position;
+      force = state.force;
+    });
+    MESSAGE("energy given to the hand " << 100 * given / stored << " % of the " << 1e3 * stored
+                                        << " mJ stored; interventions "
+                                        << loop.servo().state().interventions);
+    CHECK(stored > 1e-4);
+    CHECK(given <= 0.01 * stored);
+  }
+}
+
+TEST_CASE("a force answers a hand that starts to move: the local model at once, the body by the next frame") {
+  for (double frame : {1e-3, 1.0 / 120}) {
+    CAPTURE(frame);
+    VirtualLoop loop(block(), press(0.006, 0.2), frame);
+    loop.take_hold();
+    loop.run(0.2, [](const HapticState&) {});
+    int moved = -1, felt = -1, simulated = -1, tick = 0;
+    const Vec3d rest = loop.hand_position();
+    const double before = loop.servo().state().force.norm();
+    loop.run(0.06, [&](const HapticState& state) {
+      if (moved < 0 && (state.device.position - rest).norm() > 1e-5) moved = tick;
+      if (felt < 0 && std::abs(state.force.norm() - before) > 1e-4) felt = tick;
+      if (simulated < 0 && loop.tool_has_moved()) simulated = tick;
+      ++tick;
+    });
+    REQUIRE(moved >= 0);
+    CHECK(felt - moved <= 1);
+    CHECK(simulated - moved <= 1e3 * frame + 2);
+  }
+}
+
+TEST_CASE("the trial says what frames of 1 ms cost, and chooses by it") {
+  const HapticTrial trial = try_direct<float>(block(), 1, 50);
+  CHECK(trial.frames == 50);
+  CHECK(trial.p50 > 0);
+  CHECK(trial.p50 <= trial.p99);
+  CHECK(trial.is_direct == (trial.p99 < 0.7e-3));
+}

@@ -1,0 +1,82 @@
+#include "lobe/haptic/loop.h"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "lobe/haptic/devices.h"
+
+using namespace lobe;
+
+TEST_CASE("a loop ticks a thousand times a second, feels the model, and leaves the device without a force") {
+  class Noting final : public HapticDevice {
+   public:
+    std::string name() const override { return "noting"; }
+    DeviceLimits limits() const override { return {.damping = 1}; }
+    bool read(DeviceState& state) noexcept override {
+      state.position = {0.001, 0, 0};
+      return true;
+    }
+    void write(const Vec3d& force, const Vec3d&) noexcept override {
+      last = force;
+      highest = std::max(highest, force.norm());
+    }
+    Vec3d last = Vec3d::Ones();
+    double highest = 0;
+  } device;
+  HapticLink link;
+  HapticLoop loop(device, link);
+  loop.start();
+  LocalModel model{.is_engaged = true, .engagement = 1};
+  model.K = 500 * Mat3<double>::Identity();
+  model.anchor = {0.001, 0, 0};
+  for (int i = 0; i < 60; ++i) {  // half a second of frames
+    model.time += 1.0 / 120;
+    *link.model.writable() = model;
+    link.model.publish();
+    std::this_thread::sleep_for(std::chrono::microseconds(8333));
+  }
+  const auto state = link.state.latest();
+  REQUIRE(state);
+  CHECK(state->engagement == 1);
+  CHECK(state->is_there);
+  loop.stop();
+  const std::uint64_t ticks = loop.times().compute.total(), missed = loop.times().missed;
+  CHECK(ticks + missed > 300);   // however busy the machine is, time passes
+  CHECK(ticks + missed < 30000);
+  CHECK(device.last.norm() == 0);
+  CHECK(device.highest > 0.1);
+  CHECK(loop.times().compute.quantile(0.5) <= 20);
+  if (!loop.is_real_time()) {
+    REQUIRE(!loop.warnings().empty());
+    CHECK(loop.warnings().front().find("rtprio") != std::string::npos);
+  }
+}
+
+TEST_CASE("an ordinary thread is what one gets by asking for it, without a warning") {
+  SimulatedHand hand({}, [](double) -> Vec3d { return Vec3d::Zero(); });
+  HapticLink link;
+  HapticLoop loop(hand, link, {.priority = 0, .lock_memory = false});
+  loop.start();
+  loop.start();  // nothing more
+  loop.stop();
+  CHECK_FALSE(loop.is_real_time());
+  CHECK(loop.warnings().empty());
+  loop.start();
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  loop.stop();
+  CHECK(loop.times().lateness.total() > 0);
+  loop.forget_times();
+  CHECK(loop.times().lateness.total() == 0);
+}
+
+TEST_CASE("quantiles of a histogram") {
+  Histogram histogram;
+  for (int i = 0; i < 100; ++i) histogram.add(1e-6 * i + 5e-7);
+  histogram.add(1);
+  CHECK(histogram.total() == 101);
+  CHECK(histogram.quantile(0.5) == doctest::Approx(51).epsilon(1e-12));
+  CHECK(histogram.longest() == doctest::Approx(1e6).epsilon(1e-12));
+  CHECK(histogram[Histogram::buckets - 1] == 1);
+}

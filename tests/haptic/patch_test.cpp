@@ -1,0 +1,138 @@
+#include "lobe/haptic/patch.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "lobe/haptic/contact_stiffness.h"
+#include "lobe/solve/tangent.h"
+#include "near.h"
+#include "support.h"
+#include "world_support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+
+Setup held_block(int cells) {
+  Setup setup = hybrid_setup(irregular_box(cells));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+std::vector<Index> top_of(const Setup& setup, double radius) {
+  const Vec3d top(0.025, 0.025, 0.05);
+  std::vector<Index> contact;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if ((setup.mesh.points.col(v) - top).norm() < radius) contact.push_back(v);
+  return contact;
+}
+
+// Of the whole body: the force on the contact when it is moved by a unit, all else in balance.
+Mat3<double> static_stiffness(World<double>& world, const std::vector<Index>& contact) {
+  HeldVertices held = world.held();
+  for (Index v : contact) held.hold({v, 1, Vec3d::Zero(), Vec3d::Zero()});
+  const Unknowns unknowns = free_components(world.elements(), held);
+  Tangent tangent(world.elements(), unknowns);
+  const Mat3X<double> u = world.displacements();
+  tangent.update(u);
+  const auto factor = tangent.make_factor(make_ldlt);
+  bool damped = false;
+  REQUIRE(tangent.factorise(*factor, damped));
+  Mat3<double> K;
+  for (int axis = 0; axis < 3; ++axis) {
+    Mat3X<double> w = Mat3X<double>::Zero(3, u.cols());
+    for (Index v : contact) w(axis, v) = 1;
+    const Eigen::VectorXd x = tangent.solve(*factor, Eigen::VectorXd::Zero(unknowns.count), u, w);
+    const Mat3X<double> moved = w + unknowns.scatter(x);
+    constexpr double h = 1e-6;
+    const Mat3X<double> forces = energy_and_forces(world.elements(), u + h * moved).forces -
+                                 energy_and_forces(world.elements(), u - h * moved).forces;
+    K.col(axis).setZero();
+    for (Index v : contact) K.col(axis) -= forces.col(v) / (2 * h);
+  }
+  return K;
+}
+
+std::function<Vec3d(Index)> displacement_of(World<double>& world) {
+  return [u = Mat3X<double>(world.displacements())](Index v) -> Vec3d { return u.col(v); };
+}
+
+}  // namespace
+
+TEST_CASE("a patch of everything has the stiffness of the body in balance") {
+  const Setup setup = held_block(5);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  REQUIRE(contact.size() >= 4);
+  Patch patch;
+  patch.gather(world.body().model, contact, displacement_of(world), {.reach = 1, .most_free = 100000});
+  const Mat3<double> exact = static_stiffness(world, contact);
+  CHECK((patch.condense() - exact).norm() < 1e-6 * exact.norm());
+}
+
+TEST_CASE("the smaller the patch, the stiffer; nothing is stiffer than the contact alone") {
+  const Setup setup = held_block(6);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  Patch patch;
+  double before = 0;
+  for (double reach : {0.0, 0.01, 0.02, 0.03, 1.0}) {
+    patch.gather(world.body().model, contact, displacement_of(world), {.reach = reach, .most_free = 100000});
+    const Mat3<double> blocked = patch.blocked();
+    const Mat3<double> K = patch.condense();
+    const Vec3d values = Eigen::SelfAdjointEigenSolver<Mat3<double>>(K).eigenvalues();
+    CHECK(values[0] > 0);
+    CHECK(values[2] <= highest_eigenvalue(blocked) * (1 + 1e-12));
+    if (before > 0) CHECK(K.trace() < before);
+    before = K.trace();
+  }
+}
+
+TEST_CASE("a patch has no more vertices than are asked for, and the same ones each time") {
+  const Setup setup = held_block(6);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  Patch patch, used;
+  used.gather(world.body().model, {contact.data(), 1}, displacement_of(world), {.reach = 1});
+  for (Patch* each : {&patch, &used})
+    each->gather(world.body().model, contact, displacement_of(world), {.reach = 1, .most_free = 40});
+  CHECK(patch.free_count() == 40);
+  CHECK(patch.condense() == used.condense());
+}
+
+TEST_CASE("the secant takes up what the last motion says, and nothing across it") {
+  Mat3<double> K = Vec3d(300, 300, 100).asDiagonal();
+  const Vec3d way(0.002, 0, 0), force(-1, 0.1, 0);  // 500 N/m along x, and −50 N/m of it along y
+  const Mat3<double> better = K + secant_correction(K, way, force, 1e-9);
+  CHECK((better * way + force).norm() < 1e-9);
+  CHECK(better.isApprox(better.transpose()));
+  CHECK(better(2, 2) == near(100, 1e-9));
+  CHECK(better(1, 1) == near(300, 1e-9));
+  CHECK(secant_correction(K, Vec3d::Zero(), force, 5e-5).norm() == 0);
+  CHECK(secant_correction(K, 1e-6 * Vec3d::UnitX(), force, 5e-5).norm() <
+        1e-2 * secant_correction(K, 1e-6 * Vec3d::UnitX(), force, 0).norm());
+}
+
+TEST_CASE("with a helper the stiffness of a contact is what it is without, a little later") {
+  const Setup setup = held_block(5);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  ContactStiffness alone({.has_helper = false}), helped({});
+  const auto frame = [&](ContactStiffness& stiffness) {
+    stiffness.after_frame(world.body().model, contact, displacement_of(world), Vec3d::Zero(), Vec3d::Zero(),
+                          1.0 / 120);
+  };
+  frame(alone);
+  CHECK(alone.K().norm() > 0);
+  for (int i = 0; i < 2000 && helped.K() != alone.K(); ++i) {
+    frame(helped);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  CHECK(helped.K() == alone.K());
+  helped.forget();
+  CHECK(helped.K().norm() == 0);
+}

@@ -1,0 +1,181 @@
+#include "lobe/haptic/servo.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "lobe/error.h"
+#include "near.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+constexpr double tick = 1e-3;
+
+// A spring of 400 N/m that holds a tool at the origin.
+LocalModel spring(double time = 1, const Vec3d& force = Vec3d::Zero()) {
+  LocalModel model{.is_engaged = true, .engagement = 1, .time = time};
+  model.force = force;
+  model.K = Vec3d(400, 400, 200).asDiagonal();
+  return model;
+}
+
+DeviceState at(const Vec3d& position, const Vec3d& velocity = Vec3d::Zero()) {
+  return {.position = position, .velocity = velocity};
+}
+
+// Until the force has risen to what the spring gives, but before the model is stale.
+Vec3d settled(Servo& servo, const DeviceState& device, const LocalModel& model) {
+  LocalModel again = model;
+  for (int i = 0; i < 100; ++i) {
+    again.time += 1e-6;
+    servo.tick(&device, again, tick);
+  }
+  return servo.state().force;
+}
+
+}  // namespace
+
+TEST_CASE("the coupling and the body are springs in series, between which the tool is") {
+  Servo servo({.stiffness = 1000, .damping = 10}, {});
+  const DeviceState origin = at(Vec3d::Zero());
+  servo.tick(&origin, spring(), tick);  // takes the tool up
+  const Vec3d force = settled(servo, at({0.005, 0, 0.002}), spring());
+  CHECK(force.x() == near(-0.005 * 1000 * 400 / 1400.0, 1e-9));
+  CHECK(force.z() == near(-0.002 * 1000 * 200 / 1200.0, 1e-9));
+  CHECK(servo.state().tool.x() == near(0.005 * 1000 / 1400.0, 1e-9));
+}
+
+TEST_CASE("a tool that only touches is pushed along the normal, and never drawn") {
+  LocalModel model = spring(1, {0, 0, 1});
+  model.is_held = false;
+  model.position = {0, 0, 0};
+  CHECK(force_at(model, {0.001, 0, 0}).isApprox(Vec3d(0, 0, 1)));
+  CHECK(force_at(model, {0, 0, -0.001}).z() == near(1.2, 1e-12));
+  CHECK(force_at(model, {0, 0, 0.006}).norm() == 0);
+  for (double z : {-0.01, -0.001, 0.0, 0.004, 0.01}) {
+    const Proxy proxy = quasi_static_proxy(model, {0.001, 0, z}, 500, Vec3d::Zero());
+    CHECK((500 * (Vec3d(0.001, 0, z) - proxy.position) + proxy.force).norm() < 1e-12);
+    CHECK((proxy.force - force_at(model, proxy.position)).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("friction goes with the push in proportion") {
+  LocalModel model = spring(1, {0.2, 0, 1});
+  model.is_held = false;
+  CHECK(force_at(model, {0, 0, -0.005}).isApprox(2 * Vec3d(0.2, 0, 1)));
+}
+
+TEST_CASE("a new model is blended in: the force has no jump, and ends where the model says") {
+  Servo servo({.slew = 1e9, .stiffness = 1000, .damping = 10}, {.highest_damping = 0});
+  const DeviceState still = at(Vec3d::Zero());
+  LocalModel model = spring();
+  for (int i = 0; i < 60; ++i, model.time += 1e-6) servo.tick(&still, model, tick);
+  const LocalModel next = spring(2, {0.7, 0, 0});
+  double before = servo.state().force.x();
+  CHECK(before == 0);
+  double most = 0;
+  for (int i = 0; i < 10; ++i) {
+    const double now = servo.tick(&still, next, tick).force.x();
+    most = std::max(most, std::abs(now - before));
+    before = now;
+  }
+  CHECK(before == near(0.7 * 1000 / 1400, 1e-9));
+  CHECK(most == near(before / 8, 0.01));  // evenly over 8 ms
+}
+
+TEST_CASE("a model that is too old fades to nothing, and a new one comes back as slowly") {
+  const ServoOptions options;
+  Servo servo({.stiffness = 1000, .damping = 10}, options);
+  const DeviceState origin = at(Vec3d::Zero()), pressed = at({0.005, 0, 0});
+  servo.tick(&origin, spring(), tick);
+  const double whole = settled(servo, pressed, spring()).norm();
+  CHECK(whole > 1);
+  LocalModel last = spring(3);
+  double before = whole;
+  int ticks = 0, until_nothing = 0;
+  for (; ticks < 200; ++ticks) {
+    const double now = servo.tick(&pressed, last, tick).force.norm();
+    CHECK(now <= before + 1e-12);
+    CHECK(before - now <= 200 * tick + 1e-12);
+    if (now > 0) until_nothing = ticks;
+    before = now;
+  }
+  CHECK(before == 0);
+  CHECK(servo.state().stale > 100);
+  CHECK(until_nothing * tick == near(options.stale_frames / 120 + options.fade, 0.05));
+  CHECK(settled(servo, pressed, spring(4)).norm() == near(whole, 1e-9));
+}
+
+TEST_CASE("a pose that is not finite, and a device that is gone: counted, bounded, faded") {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (bool unplugged : {false, true}) {
+    CAPTURE(unplugged);
+    Servo servo({.stiffness = 1000, .damping = 10}, {});
+    const DeviceState origin = at(Vec3d::Zero()), pressed = at({0.005, 0, 0}), bad = at({nan, 0, 0});
+    servo.tick(&origin, spring(), tick);
+    const double whole = settled(servo, pressed, spring()).norm();
+    LocalModel model = spring(3);
+    for (int i = 0; i < 80; ++i, model.time += 1e-6) {
+      const HapticState& state = servo.tick(unplugged ? nullptr : &bad, model, tick);
+      CHECK(state.force.allFinite());
+      CHECK(state.tool.allFinite());
+      CHECK(state.force.norm() <= whole + 1e-12);
+    }
+    CHECK(servo.state().force.norm() == 0);
+    CHECK(servo.state().bad_poses == (unplugged ? 0 : 80));
+    CHECK(servo.state().absent == (unplugged ? 80 : 0));
+    CHECK(settled(servo, pressed, spring(4)).norm() == near(whole, 1e-9));  // it comes back
+  }
+}
+
+TEST_CASE("no force is above what the device bears, nor changes faster") {
+  Servo servo({.force = 2, .slew = 100, .stiffness = 1000, .damping = 10}, {});
+  const DeviceState origin = at(Vec3d::Zero());
+  servo.tick(&origin, spring(), tick);
+  Vec3d before = Vec3d::Zero();
+  for (int i = 0; i < 400; ++i) {  // a hand that jumps by decimetres, and turns back
+    const DeviceState device = at({0.3 * ((i / 50) % 3), -0.2 * ((i / 70) % 2), 0});
+    const Vec3d force = servo.tick(&device, spring(1 + 0.001 * i), tick).force;
+    CHECK(force.norm() <= 2 * (1 + 1e-12));
+    CHECK((force - before).norm() <= 0.1 * (1 + 1e-9));
+    before = force;
+  }
+  CHECK(servo.state().limited > 300);
+}
+
+TEST_CASE("a tool is taken up where it is, without a force") {
+  Servo servo({.damping = 10}, {});
+  const DeviceState device = at({0.1, 0.2, 0.3});
+  LocalModel model = spring();
+  model.anchor = {0.01, 0, 0};
+  model.position = {0.01, 0, 0};
+  for (int i = 0; i < 20; ++i) CHECK(servo.tick(&device, model, tick).force.norm() < 1e-12);
+  CHECK(servo.state().tool.isApprox(model.anchor));
+  CHECK(servo.state().engagement == 1);
+}
+
+TEST_CASE("a workspace turns and scales the way, and turns the force back") {
+  Workspace space{.origin = {0, 0, 1}, .scale = 2, .force_gain = 0.5};
+  space.turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  Servo servo({.stiffness = 1000, .damping = 10}, {.workspace = space});
+  const DeviceState origin = at(Vec3d::Zero());
+  LocalModel model = spring();
+  model.anchor = model.position = {0, 0, 1};
+  servo.tick(&origin, model, tick);
+  const Vec3d force = settled(servo, at({0.002, 0, 0}), model);  // 4 mm along y
+  CHECK(force.x() == near(-0.5 * 0.004 * 1000 * 400 / 1400.0, 1e-9));
+  CHECK(std::abs(force.y()) + std::abs(force.z()) < 1e-12);
+}
+
+TEST_CASE("limits and options that are none are named") {
+  CHECK_THROWS_WITH_AS(Servo({.force = 0}, {}), doctest::Contains("highest force"), InputError);
+  CHECK_THROWS_WITH_AS(Servo({.damping = -1}, {}), doctest::Contains("damping"), InputError);
+  CHECK_THROWS_WITH_AS(Servo({}, {.tick = 0}), doctest::Contains("tick"), InputError);
+  CHECK_THROWS_WITH_AS(Servo({}, {.coupling_damping = 0.2}), doctest::Contains("quarter"), InputError);
+  CHECK_THROWS_WITH_AS(Servo({}, {.fade = 0}), doctest::Contains("blending"), InputError);
+  CHECK_THROWS_WITH_AS(Servo({}, {.workspace = {.scale = 0}}), doctest::Contains("scale"), InputError);
+}

@@ -1,0 +1,79 @@
+// A session and a haptic loop in virtual time: frames are due as by a clock, each takes `compute` of its length,
+// and the loop ticks in between, all on one thread.
+#pragma once
+
+#include <deque>
+
+#include "benchmarks/haptic_rig.h"
+#include "live/hands_support.h"
+#include "lobe/haptic/devices.h"
+#include "lobe/haptic/haptic_hand.h"
+
+namespace lobe::test {
+
+class VirtualLoop {
+ public:
+  VirtualLoop(const Setup& of, SimulatedHand::Path path, double frame)
+      : setup(of),
+        session(setup, {.frame = frame}),
+        controller(session.connect("hand")),
+        hand({}, std::move(path)),
+        guest_(std::make_unique<HapticHand<float>>(
+            session, link,
+            typename HapticHand<float>::Settings{
+                .controller = controller.number(),
+                .stiffness = {.has_helper = false}})),
+        servo_(link, hand.limits(), {}) {}
+  ~VirtualLoop() { guest_.reset(); }
+
+  void take_hold() { controller.send(take_at(top)); }
+  void stall(double seconds) { next_frame_ += seconds; }  // no frame for so long
+
+  // each(state) after every tick, for so long.
+  template <class Each>
+  void run(double seconds, Each&& each) {
+    constexpr double tick = 1e-3;
+    for (const double end = now_ + seconds - 0.5 * tick; now_ < end; now_ += tick) {
+      while (now_ >= next_frame_ - 1e-9) {
+        session.step_frame();
+        next_frame_ += session.frame();
+      }
+      DeviceState state;
+      const bool is_there = hand.read(state);
+      const HapticState& felt = servo_.force(is_there ? &state : nullptr, tick);
+      hand.write(felt.force, felt.torque);
+      position_ = state.position;
+      last_ = felt;
+      each(felt);
+    }
+  }
+
+  struct Seen {
+    const HapticState& state() const { return of; }
+    const HapticState& of;
+  };
+  Seen servo() const { return {last_}; }
+  const Vec3d& hand_position() const { return position_; }
+  bool tool_has_moved() {
+    const auto hands = session.status()->hands;
+    if (hands.empty()) return false;
+    if (!first_) first_ = hands[0].pose.position;
+    return (hands[0].pose.position - *first_).norm() > 1e-6;
+  }
+
+  const Setup setup;
+  Session<float> session;
+  Controller controller;
+  HapticLink link;
+  SimulatedHand hand;
+
+ private:
+  std::unique_ptr<HapticHand<float>> guest_;
+  ExternalDevice servo_;
+  HapticState last_;
+  Vec3d position_ = Vec3d::Zero();
+  std::optional<Vec3d> first_;
+  double now_ = 0, next_frame_ = 0;
+};
+
+}  // namespace lobe::test

@@ -1,0 +1,72 @@
+#include "haptics.h"
+
+#include <nlohmann/json.hpp>
+
+#include "haply.h"
+#include "lobe/error.h"
+
+namespace lobe::view {
+
+using Json = nlohmann::json;
+using Kind = HandCommand::Kind;
+
+template <class Real>
+Haptics<Real>::Haptics(Session<Real>& session, const HapticOptions& options)
+    : session_(session), options_(options) {
+  HapticDevice* device = nullptr;
+  if (options.device == "mouse") device = (mouse_ = std::make_unique<MouseDevice>()).get();
+  if (options.device == "hand")
+    device = (simulated_ = std::make_unique<SimulatedHand>(SimulatedHand::Body{}, nullptr)).get();
+  if (options.device == "haply")
+    device = (other_ = std::make_unique<HaplyDevice>(options.haply_host, options.haply_port)).get();
+  if (!device) throw InputError("--haptic", options.device + ": must be none, mouse, hand or haply");
+  if (other_) hand_ = std::make_unique<HapticHand<Real>>(session, link_);
+  loop_ = std::make_unique<HapticLoop>(*device, link_);
+  loop_->start();
+}
+
+template <class Real>
+void Haptics<Real>::change_hands(std::optional<int> controller) {
+  if (other_) return;
+  hand_.reset();
+  if (controller)
+    hand_ = std::make_unique<HapticHand<Real>>(
+        session_, link_,
+        typename HapticHand<Real>::Settings{.controller = *controller, .hand = hand_of_page});
+}
+
+// Poses of the page's first hand go to the device, which the tool follows.
+template <class Real>
+bool Haptics<Real>::takes(const HandCommand& command) {
+  if (other_ || command.hand != hand_of_page) return false;
+  if (command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point || command.kind == Kind::bring)
+    jumps_ = true;
+  if (command.kind != Kind::lead) return false;
+  const bool jumps = std::exchange(jumps_, false);
+  if (mouse_) mouse_->aim(command.position, jumps);
+  if (simulated_) simulated_->aim(command.position, jumps);
+  return true;
+}
+
+template <class Real>
+Json Haptics<Real>::figures() const {
+  Json json{{"device", options_.device}, {"direct", options_.is_direct}};
+  const auto state = link_.state.latest();
+  if (!state) return json;
+  json["there"] = state->is_there;
+  json["force"] = {state->force.x(), state->force.y(), state->force.z()};
+  json["energy"] = state->energy;
+  json["interventions"] = state->interventions;
+  json["stale"] = state->stale;
+  json["ticks"] = state->ticks;
+  json["missed"] = loop_->times().missed.load();
+  json["late"] = 1e-6 * loop_->times().lateness.quantile(0.99);
+  json["real_time"] = loop_->is_real_time();
+  json["warnings"] = loop_->warnings();
+  return json;
+}
+
+template class Haptics<float>;
+template class Haptics<double>;
+
+}  // namespace lobe::view

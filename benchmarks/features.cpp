@@ -154,7 +154,8 @@ void bench_features(const Options& options) {
     std::fflush(stdout);
   }
   io::write_file(options.output / "features.csv", csv(rows));
-  io::write_file(options.output / "features.md", markdown(rows, machine));
+  io::write_file(options.output / "features.md",
+                 "# Features: what each option costs\n\n" + markdown(rows, machine));
   Setup liver = liver_setup();
   liver.gravity = {0, 0, -3};
   liver.damping = 20;

@@ -190,7 +190,8 @@ void bench_kernels(const Options& options) {
     }
   }
   io::write_file(options.output / "kernels.csv", csv(all));
-  io::write_file(options.output / "kernels.md", markdown(all, machine));
+  io::write_file(options.output / "kernels.md",
+                 "# Kernels: time per tetrahedron\n\n" + markdown(all, machine));
   io::write_file(options.output / "kernels.gp", kernels_plot);
 }
 

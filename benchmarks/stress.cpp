@@ -111,7 +111,8 @@ void bench_stress(const Options& options) {
       failed += !rows.back().verdict.passed;
     }
   io::write_file(options.output / "stress.csv", csv(rows));
-  io::write_file(options.output / "stress.md", machine + "\n" + markdown(rows));
+  io::write_file(options.output / "stress.md",
+                 "# Stress suite: results\n\n" + machine + "\n" + markdown(rows));
   const std::string count = std::to_string(failed) + " of " + std::to_string(rows.size()) + " runs failed";
   std::printf("\n%s\n", count.c_str());
   if (failed > 0) throw WrongResult(count + "; see stress.csv");

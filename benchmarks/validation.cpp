@@ -28,7 +28,8 @@ void bench_validation(const Options& options) {
     points.insert(points.end(), findings.points().begin(), findings.points().end());
   }
   io::write_file(options.output / "validation.csv", csv(rows));
-  io::write_file(options.output / "validation.md", machine + "\n" + markdown(rows));
+  io::write_file(options.output / "validation.md",
+                 "# Validation: results\n\n" + machine + "\n" + markdown(rows));
   io::write_file(options.output / "validation.gp", study_script(points));
   const std::string count = std::to_string(failed) + " of " + std::to_string(rows.size()) + " rows failed";
   std::printf("\n%s\n", count.c_str());

@@ -11,6 +11,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from header_comments import filtered
+
 ROOT = Path(__file__).resolve().parents[2]
 SITE = ROOT / "docs" / "site"
 MATHJAX = Path("/usr/share/javascript/mathjax")
@@ -88,15 +90,20 @@ def stage_api(api):
 
 
 def run_doxygen(out):
+    headers = out / "headers"
+    shutil.rmtree(headers, ignore_errors=True)
+    for header in [*(ROOT / "lib/lobe").rglob("*.h"), *(ROOT / "capi").glob("*.h")]:
+        copy = headers / header.relative_to(ROOT)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        lines = header.read_text(encoding="utf-8").splitlines()
+        copy.write_text("\n".join(filtered(lines, header.name)) + "\n", encoding="utf-8")
     settings = (SITE / "Doxyfile").read_text(encoding="utf-8")
-    folder = out / "doxygen"
-    folder.mkdir(parents=True, exist_ok=True)
     settings += f"""
-OUTPUT_DIRECTORY = {folder}
-INPUT = {ROOT / 'lib/lobe'} {ROOT / 'capi'}
-STRIP_FROM_PATH = {ROOT}
-FILTER_PATTERNS = *.h="{sys.executable} {SITE / 'doxygen_filter.py'}"
+OUTPUT_DIRECTORY = {out / "doxygen"}
+INPUT = {headers}
+STRIP_FROM_PATH = {headers}
 """
+    (out / "doxygen").mkdir(parents=True, exist_ok=True)
     subprocess.run(["doxygen", "-"], input=settings.encode(), check=True)
 
 

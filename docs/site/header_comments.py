@@ -1,11 +1,9 @@
-#!/usr/bin/python3
 """Gives Doxygen the comments of a header: `// text` above a declaration, or beside it, is its description.
 
 The namespace `lobe` goes: Doxygen lists the functions of a header only where they are in none. So do
 declarations of enumerations without their values.
 """
 import re
-import sys
 
 CODE_COMMENT = re.compile(r"^(.*\S)(\s+)//(?!/)\s?(.*)$")
 LINE_COMMENT = re.compile(r"^(\s*)//(?!/)\s?(.*)$")
@@ -44,9 +42,3 @@ def filtered(lines, name):
         else:
             beside = None
             yield line
-
-
-if __name__ == "__main__":
-    path = sys.argv[1]
-    with open(path, encoding="utf-8") as file:
-        print("\n".join(filtered(file, path.split("/")[-1])))

@@ -46,6 +46,7 @@ void bench_stress(const Options& options);
 void bench_surface(const Options& options);
 void bench_live(const Options& options);
 void bench_skin(const Options& options);
+void bench_contact(const Options& options);
 void bench_soak(const Options& options);
 
 }  // namespace lobe::bench

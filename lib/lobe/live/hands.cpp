@@ -246,13 +246,13 @@ void Hands<Real>::tell(std::vector<HandStatus>& hands) const {
       status.type = Kind::Path::type;
       status.holds = hand.is_led && tool.is_on();
       status.shape = tool.shape();
+      if constexpr (requires { tool.force; }) {
+        status.force = -tool.force;
+        status.torque = -tool.torque;
+      }
     });
     status.vertices = hand.vertices;
     status.pose = hand.follower.pose();
-    if (const Grasp* grasp = world_.tools().grasp(hand.tool)) {
-      status.force = -grasp->force;
-      status.torque = -grasp->torque;
-    }
     hands.push_back(status);
   }
 }

@@ -133,8 +133,11 @@ struct Tool {
   double radius = 0;                    // cautery: of its spherical tip [m]
   double snap = 0.1;                    // scalpel: setup/tool_setups.h
   std::vector<Vec3d> heels;             // scalpel: one for each row of its path [m]
+  RigidShape shape;                     // probe; of a mesh, empty where it is in a file
+  std::filesystem::path shape_file;     // probe: absolute or relative to the scene file
+  double friction = default_friction;   // probe: against tissue [-]
   std::vector<PathPoint> path;          // times strictly increasing; acts from the first to the last
-  bool release = false;                 // grasp: let go after the last path point (otherwise hold on there)
+  bool release = false;  // grasp, probe: let go after the last path point (otherwise hold on there)
   std::string pointer;
 };
 
@@ -180,6 +183,8 @@ struct Scene {
   std::vector<Boundary> boundary;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
   std::vector<Tool> tools;
+  ContactSetup contact;
+  std::vector<std::filesystem::path> obstacle_files;  // per obstacle: of its shape, as Tool::shape_file
   LoosePieces loose_pieces = LoosePieces::fall;
   Evaluator evaluator = Evaluator::direct;
   std::filesystem::path

@@ -48,6 +48,7 @@ void bench_live(const Options& options);
 void bench_haptic(const Options& options);
 void bench_skin(const Options& options);
 void bench_scalpel(const Options& options);
+void bench_contact(const Options& options);
 void bench_soak(const Options& options);
 
 }  // namespace lobe::bench

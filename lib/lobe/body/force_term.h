@@ -3,12 +3,28 @@
 // nothing.
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "lobe/body/model.h"
+#include "lobe/mesh/surface.h"
+#include "lobe/tool/tool_body.h"
 
 namespace lobe {
+
+// What is around a body before the steps of a frame, for those force terms that want it.
+struct Surroundings {
+  const Model& model;
+  const SurfaceMesh& surface;
+  const std::vector<double>& mass;  // per vertex [kg]
+  double omega = 0;                 // its highest frequency at rest [rad/s]
+  double lumped_omega = 0;          // the same if masses were lumped
+  double ratio = 1;                 // of that to the highest of a vertex that moves alone
+  // With selective masses: from forces [N] to those that give lumped masses the same accelerations. None: lumped.
+  std::function<void(Mat3X<double>&)> spread = {};
+};
 
 template <class Real>
 class ForceTerm {
@@ -33,6 +49,24 @@ class ForceTerm {
   virtual std::vector<Index> touched() const = 0;
   virtual void begin_frame(double /*time*/, double /*duration*/) {}  // [s]
   virtual void follow(const Topology&, const MeshEdit&) {}           // of the mesh
+
+  // ---- Of those that act between the body and what is around it
+
+  virtual bool wants_surroundings() const { return false; }
+  // Before the steps of a frame, after its cuts: the tools in it, and the body.
+  // True if others are there than were at this time.
+  virtual bool see_tools(std::span<const ToolBody>, double /*time*/) { return false; }
+  virtual void see_surroundings(const Surroundings&, const At&) {}
+  // What the forces that were found last do to tools.
+  virtual std::span<const OnTool> on_tools() const { return {}; }
+
+  // ---- Of those whose forces depend on what was before
+
+  // Steps begin that may be taken back, all of them.
+  virtual void begin_steps() {}
+  virtual void take_back_steps() {}
+  // A step of dt [s] was taken by the forces that were found last; no vertex has moved further than `farthest` [m].
+  virtual void end_step(double /*farthest*/, double /*dt*/) {}
 
   // All of its state, for checkpoints. load() throws InputError for what save() did not write.
   virtual std::string save() const { return {}; }

@@ -222,6 +222,8 @@ void print_tools(std::ostream& out, const ordered_json& tools) {
     if (tool.contains("vertices")) {
       out << tool["vertices"] << " vertices" << (tool["release"].get<bool>() ? ", then released" : "")
           << "\n";
+    } else if (tool.contains("shape")) {
+      out << tool["shape"].get<std::string>() << ", friction " << rounded(tool["friction"]) << "\n";
     } else if (tool.contains("snap")) {
       out << (tool["surface"] == "faces" ? "along faces" : "snap " + rounded(tool["snap"])) << "\n";
     } else {

@@ -8,6 +8,7 @@
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_selector.h"
+#include "lobe/scene/read_shape.h"
 #include "lobe/scene/validate.h"
 
 namespace lobe {
@@ -172,6 +173,23 @@ AutoRegions read_auto_regions(const json& object) {
   return regions;
 }
 
+void read_contact(const json& object, Scene& scene) {
+  read(object, "self", scene.contact.self);
+  read(object, "friction", scene.contact.friction);
+  read(object, "damping", scene.contact.damping);
+  for (const json& entry : object.value("obstacles", json::array())) {
+    ObstacleSetup& obstacle = scene.contact.obstacles.emplace_back();
+    obstacle.name = "obstacle";
+    read(entry, "name", obstacle.name);
+    obstacle.shape = read_shape(entry["shape"], scene.obstacle_files.emplace_back());
+    if (entry.contains("position")) obstacle.position = read_vector(entry["position"]);
+    if (entry.contains("orientation"))
+      for (int i = 0; i < 4; ++i)
+        obstacle.orientation[i] = entry["orientation"][std::size_t(i)].get<double>();
+    read(entry, "friction", obstacle.friction);
+  }
+}
+
 // Of a document that satisfies the schema.
 Scene from_document(const json& document) {
   Scene scene;
@@ -187,6 +205,7 @@ Scene from_document(const json& document) {
     read_entries(document, "regions", scene.regions, read_region);
   read_entries(document, "boundary", scene.boundary, read_boundary);
   read_entries(document, "tools", scene.tools, read_tool);
+  if (document.contains("contact")) read_contact(document["contact"], scene);
   if (document.contains("gravity")) scene.gravity = read_vector(document["gravity"]);
   const std::string pieces = document.value("loose_pieces", "fall");
   if (pieces == "vanish") scene.loose_pieces = LoosePieces::vanish;

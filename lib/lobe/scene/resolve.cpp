@@ -196,6 +196,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   resolve_regions(resolution);
   resolve_boundary(resolution);
   resolve_tools(resolution);
+  resolve_contact(resolution);
   resolve_gestures(resolution);
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
   suspect_units(resolution);

@@ -47,6 +47,7 @@ void resolve_fibres(Resolution& resolution);
 void resolve_regions(Resolution& resolution);
 void resolve_boundary(Resolution& resolution);
 void resolve_tools(Resolution& resolution);
+void resolve_contact(Resolution& resolution);
 void resolve_gestures(Resolution& resolution);
 void suspect_units(Resolution& resolution);
 

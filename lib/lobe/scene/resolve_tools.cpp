@@ -1,4 +1,8 @@
+#include <cmath>
+
+#include "lobe/scene/read_shape.h"
 #include "lobe/scene/tool_kinds.h"
+#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 
@@ -14,6 +18,25 @@ void resolve_tools(Resolution& resolution) {
                                           rounded(scene.time.duration) + " s");
     }
   }
+}
+
+void resolve_contact(Resolution& resolution) {
+  const Scene& scene = resolution.scene;
+  ContactSetup& contact = resolution.result.setup.contact;
+  contact = scene.contact;
+  for (std::size_t i = 0; i < contact.obstacles.size(); ++i) {
+    const std::string here = "/contact/obstacles/" + std::to_string(i);
+    ObstacleSetup& own = contact.obstacles[i];
+    if (const double length = own.orientation.norm(); !(std::abs(length - 1) < 1e-6))
+      resolution.fail(here + "/orientation", "the quaternion has length " + rounded(length) + ", must be 1");
+    if (auto shape = resolve_shape(resolution, own.shape, scene.obstacle_files[i], here + "/shape"))
+      own.shape = *std::move(shape);
+  }
+  Setup& setup = resolution.result.setup;
+  const bool may_be_touched = contact.is_on() || !setup.probes.empty();
+  const Options used = options_of(setup);
+  if (may_be_touched && !used.has(Option::corotated) && !used.has(Option::nodal_pressure))
+    setup.expandable = setup.expandable || used.has(Option::precomputed);
 }
 
 }  // namespace lobe

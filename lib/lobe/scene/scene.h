@@ -137,8 +137,11 @@ struct Tool {
   std::vector<Vec3d> heels;             // scalpel: one for each row of its path [m]
   std::optional<Vec3d> blade;           // scalpel: from tip to heel, where the file says it once [m]
   bool along_faces = false;             // scalpel: setup/tool_setups.h
+  RigidShape shape;                     // probe; of a mesh, empty where it is in a file
+  std::filesystem::path shape_file;     // probe: absolute or relative to the scene file
+  double friction = default_friction;   // probe: against tissue [-]
   std::vector<PathPoint> path;          // times strictly increasing; acts from the first to the last
-  bool release = false;                 // grasp: let go after the last path point (otherwise hold on there)
+  bool release = false;  // grasp, probe: let go after the last path point (otherwise hold on there)
   std::string pointer;
 };
 
@@ -185,6 +188,8 @@ struct Scene {
   std::vector<Boundary> boundary;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
   std::vector<Tool> tools;
+  ContactSetup contact;
+  std::vector<std::filesystem::path> obstacle_files;  // per obstacle: of its shape, as Tool::shape_file
   LoosePieces loose_pieces = LoosePieces::fall;
   Evaluator evaluator = Evaluator::direct;
   std::filesystem::path

@@ -5,11 +5,11 @@
 
 namespace lobe {
 
-extern const ToolKind grasp_kind, cautery_kind, scalpel_kind;
+extern const ToolKind grasp_kind, cautery_kind, scalpel_kind, probe_kind;
 
 namespace {
 
-constexpr std::array kinds{&grasp_kind, &cautery_kind, &scalpel_kind};
+constexpr std::array kinds{&grasp_kind, &cautery_kind, &scalpel_kind, &probe_kind};
 
 }  // namespace
 

@@ -1,4 +1,5 @@
 #include "lobe/scene/write_scene.h"
+#include "lobe/scene/read_shape.h"
 #include "lobe/scene/tool_kinds.h"
 
 #include <nlohmann/json.hpp>
@@ -123,7 +124,8 @@ ordered_json write(const Boundary& boundary) {
 
 ordered_json write(const Tool& tool) {
   ordered_json path = ordered_json::array();
-  for (const auto& [time, p, q] : tool.path) path.push_back({time, p[0], p[1], p[2]});
+  for (const PathPoint& row : tool.path)
+    path.push_back({row.time, row.position[0], row.position[1], row.position[2]});
   ordered_json entry = {{"name", tool.name}, {"type", tool.type}};
   add_where(entry, tool.where);
   entry["path"] = path;
@@ -155,6 +157,22 @@ ordered_json write(const Time& time) {
           {"spectral_radius", time.spectral_radius}};
 }
 
+ordered_json write_contact(const Scene& scene) {
+  const ContactSetup& contact = scene.contact;
+  ordered_json entry = {{"self", contact.self}, {"friction", contact.friction}, {"damping", contact.damping}};
+  entry["obstacles"] = ordered_json::array();
+  for (std::size_t i = 0; i < contact.obstacles.size(); ++i) {
+    const ObstacleSetup& own = contact.obstacles[i];
+    const Eigen::Vector4d& q = own.orientation;
+    entry["obstacles"].push_back({{"name", own.name},
+                                  {"shape", write_shape(own.shape, scene.obstacle_files[i])},
+                                  {"position", vector_json(own.position)},
+                                  {"orientation", {q[0], q[1], q[2], q[3]}},
+                                  {"friction", own.friction}});
+  }
+  return entry;
+}
+
 }  // namespace
 
 std::string to_json(const Scene& scene) {
@@ -169,6 +187,7 @@ std::string to_json(const Scene& scene) {
   document["boundary"] = entries(scene.boundary);
   document["gravity"] = vector_json(scene.gravity);
   document["tools"] = entries(scene.tools);
+  document["contact"] = write_contact(scene);
   document["loose_pieces"] = pieces[static_cast<int>(scene.loose_pieces)];
   document["evaluator"] = scene.evaluator == Evaluator::direct ? "direct" : "stored";
   document["condensed_cache"] = utf8(scene.condensed_cache);

@@ -101,6 +101,11 @@ Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time) {
   return a.slerp(at.share, b).coeffs();
 }
 
+double opening_at(const std::vector<PathPoint>& path, double time) {
+  const Between at = between(path, time);
+  return at.from->opening + at.share * (at.to->opening - at.from->opening);
+}
+
 namespace {
 
 std::uint8_t bits(const Axes& axes) {

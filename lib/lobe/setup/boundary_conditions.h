@@ -41,6 +41,7 @@ Vec3d path_at(const std::vector<PathPoint>& path, double time);
 // Orientation on it, by the shortest turn at a constant rate between its points; a unit quaternion x, y, z,
 // w.
 Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time);
+double opening_at(const std::vector<PathPoint>& path, double time);  // of jaws [m]
 
 // Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
 // grasp (holder 1 + its number). The first who holds a vertex keeps it; boundary conditions may hold

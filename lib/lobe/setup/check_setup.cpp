@@ -132,9 +132,9 @@ void Checker::check_boundary() {
 }
 
 void Checker::check_tools() {
-  for_each_tool(static_cast<const ToolSetups&>(setup_), [this](const auto& tool) {
-    tool.check([this](bool is_met, const std::string& fault) { expect(is_met, fault); });
-  });
+  const Expect told = [this](bool is_met, const std::string& fault) { expect(is_met, fault); };
+  for_each_tool(static_cast<const ToolSetups&>(setup_), [&](const auto& tool) { tool.check(told); });
+  setup_.contact.check(told);
 }
 
 void Checker::check_exclusions(Options used) {

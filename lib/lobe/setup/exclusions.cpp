@@ -66,7 +66,7 @@ const char* name(Option option) {
     case Option::mass_scaling:
       return "\"mass_scaling\"";
     case Option::force_terms:
-      return "a force term or springs";
+      return "a probe, a force term or springs";
     case Option::scalpel:
       return "\"type\": \"scalpel\"";
     case Option::implicit:
@@ -94,6 +94,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
   used.add(Option::mass_scaling, setup.mass_scaling > 0);
+  used.add(Option::force_terms, !setup.probes.empty() || setup.contact.is_on());
   used.add(Option::scalpel, !setup.scalpels.empty());
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;

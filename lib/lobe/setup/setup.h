@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lobe/fem/body.h"
+#include "lobe/setup/contact_setup.h"
 #include "lobe/setup/tool_setups.h"
 
 namespace lobe {
@@ -75,6 +76,7 @@ struct Setup : Body, ToolSetups {
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
+  ContactSetup contact;
   std::filesystem::path
       condensed_cache;  // folder that keeps condensed regions (condensed_cache.h); none: it does not
 
@@ -85,7 +87,7 @@ struct Setup : Body, ToolSetups {
                  &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety, &Setup::cut_step,
                  &Setup::cut_frequency, &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator,
                  &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
-                 &Setup::sleep, &Setup::expandable),
+                 &Setup::sleep, &Setup::expandable, &Setup::contact),
       ToolSetups::fields);
 };
 

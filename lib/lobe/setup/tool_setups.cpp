@@ -23,8 +23,9 @@ void check_path(const ToolSetup& tool, const Expect& expect) {
 
 bool is_path(const std::vector<PathPoint>& path) {
   for (std::size_t i = 0; i < path.size(); ++i)
-    if (!std::isfinite(path[i].time) || !path[i].position.allFinite() ||
-        !(std::abs(path[i].orientation.norm() - 1) < 1e-6) || (i > 0 && !(path[i].time > path[i - 1].time)))
+    if (!std::isfinite(path[i].time) || !path[i].position.allFinite() || !std::isfinite(path[i].opening) ||
+        path[i].opening < 0 || !(std::abs(path[i].orientation.norm() - 1) < 1e-6) ||
+        (i > 0 && !(path[i].time > path[i - 1].time)))
       return false;
   return true;
 }
@@ -48,6 +49,13 @@ void ScalpelSetup::check(const Expect& expect) const {
     expect(heels[i].allFinite() && heels[i] != path[i].position,
            called(*this) + ": row " + std::to_string(i) +
                " has a blade without length, or one that is not finite");
+}
+
+void ProbeSetup::check(const Expect& expect) const {
+  check_path(*this, expect);
+  shape.check(expect, called(*this));
+  expect(std::isfinite(friction) && friction >= 0,
+         called(*this) + " needs a friction of at least 0, and finite");
 }
 
 }  // namespace lobe

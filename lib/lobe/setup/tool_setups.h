@@ -2,12 +2,11 @@
 // list here, and its class in tool/.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <tuple>
 #include <vector>
 
-#include "lobe/types.h"
+#include "lobe/setup/rigid_shape.h"
 
 namespace lobe {
 
@@ -16,13 +15,12 @@ struct PathPoint {
   Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
   // Of a grasp: its turn since it took hold, about its centre there; a unit quaternion x, y, z, w.
   Eigen::Vector4d orientation{0, 0, 0, 1};
-  static constexpr auto fields = std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation);
+  double opening = 0;  // of jaws: how far they are apart [m]
+  static constexpr auto fields =
+      std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation, &PathPoint::opening);
 };
 // Increasing times, finite values, unit quaternions.
 bool is_path(const std::vector<PathPoint>& path);
-
-// Told of each demand whether it is met, and what is wrong if not.
-using Expect = std::function<void(bool is_met, const std::string& fault)>;
 
 struct GraspSetup {
   static constexpr const char* type = "grasp";
@@ -57,12 +55,27 @@ struct ScalpelSetup {
 };
 inline constexpr double least_snap = 0.02, most_snap = 0.3;
 
+inline constexpr double default_friction = 0.1;  // of a wet instrument against tissue [-]
+
+struct ProbeSetup {
+  static constexpr const char* type = "probe";
+  std::string name;
+  RigidShape shape;
+  double friction = default_friction;  // coefficient of Coulomb's law, against tissue
+  std::vector<PathPoint> path;         // positions and orientations
+  bool release = false;                // taken away after the last row; else it stays there
+  void check(const Expect& expect) const;
+  static constexpr auto fields =
+      std::tuple(&ProbeSetup::shape, &ProbeSetup::friction, &ProbeSetup::path, &ProbeSetup::release);
+};
+
 struct ToolSetups {
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
   std::vector<ScalpelSetup> scalpels;
+  std::vector<ProbeSetup> probes;
   static constexpr auto fields =
-      std::tuple(&ToolSetups::grasps, &ToolSetups::cauteries, &ToolSetups::scalpels);
+      std::tuple(&ToolSetups::grasps, &ToolSetups::cauteries, &ToolSetups::scalpels, &ToolSetups::probes);
 };
 
 // Calls visit(list) for the list of each kind of tool, of ToolSetups or ToolLists (tool/tool_lists.h).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lobe/contact/contact.h"
 #include "lobe/error.h"
 #include "lobe/io/scanner.h"
 #include "lobe/sim/kept.h"
@@ -38,6 +39,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.mass_degree = body_.inertia.degree();
   if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
   c.pending = pending_;
+  c.touched = touched_;
   for (const auto& term : body_.terms) c.terms.push_back({term->name(), term->save()});
   return c;
 }
@@ -69,13 +71,16 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
 template <class Real>
 void World<Real>::load_terms(const Checkpoint<Real>& c) {
   const AppliedForces<Real> none;
+  std::erase_if(body_.terms, [](const auto& term) { return term->name() == Contact<Real>::own_name; });
   if (!body_.terms.empty()) applied().load(none.save(), 0);
   for (const auto& kept : c.terms) {
     if (kept.name == none.name()) applied();
+    if (kept.name == Contact<Real>::own_name) start_contact();
     const auto own = std::find_if(body_.terms.begin(), body_.terms.end(),
                                   [&](const auto& term) { return term->name() == kept.name; });
     if (own != body_.terms.end()) (*own)->load(kept.kept, elements().topology.vertex_count());
   }
+  show_tools(time());
 }
 
 template <class Real>
@@ -90,6 +95,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   if (blades_) blades_->set_state(c.blades);
   pieces_.set_state(c.pieces);
   pending_ = c.pending;
+  touched_ = c.touched;
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.release(body_.model, v);
   limit_.set_ratios(c.ratios);
@@ -170,8 +176,10 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
       (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
   fits = fits && is_known(0);
   for (Index piece : piece_of) fits = fits && is_known(piece);
-  for (const auto& term : c.terms)
+  for (const auto& term : c.terms) {
     if (AppliedForces<Real> trial; term.name == trial.name()) trial.load(term.kept, vertices);
+    if (Contact<Real> trial; term.name == trial.name()) trial.load(term.kept, vertices);
+  }
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
   for (const HeldVertices::Held& item : c.held.all())
     fits = fits && item.vertex >= 0 && item.vertex < vertices &&

@@ -34,13 +34,14 @@ struct Checkpoint {
     static constexpr auto fields = std::tuple(&Term::name, &Term::kept);
   };
   std::vector<Term> terms;  // of forces, by their names
+  Touched touched;
 
   bool is_valid() const { return acceleration.allFinite(); }
   static constexpr auto fields =
       std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
                  &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
                  &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::mass_degree,
-                 &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms);
+                 &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms, &Checkpoint::touched);
 };
 
 // A digest of all that decides how a world moves: mesh, materials, regions, loads, tools …

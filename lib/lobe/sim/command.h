@@ -146,4 +146,14 @@ inline bool is_about_tools(const Command& command) {
   return std::visit([]<class Any>(const Any&) { return std::is_constructible_v<ToolCommand, Any>; }, command);
 }
 
+// Of a precomputed region, by what may press on its interior: it is expanded then, and condensed again later.
+struct Touched {
+  static constexpr double patience = 0.5;  // after which it is condensed again [s]
+  bool has_expanded = false;
+  bool is_lost = false;  // that forces have no effect has been said
+  double last = 0;       // [s]
+  bool is_valid() const { return std::isfinite(last); }
+  static constexpr auto fields = std::tuple(&Touched::has_expanded, &Touched::is_lost, &Touched::last);
+};
+
 }  // namespace lobe

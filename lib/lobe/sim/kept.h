@@ -10,6 +10,8 @@ namespace lobe::io {
 template <>
 inline constexpr int choices<RegionModel> = 1 + int(RegionModel::nonlinear);
 template <>
+inline constexpr int choices<RigidShape::Kind> = 1 + int(RigidShape::Kind::mesh);
+template <>
 inline constexpr int choices<Grasp::Phase> = 1 + int(Grasp::Phase::released);
 template <>
 inline constexpr int choices<Condition::Kind> = 1 + int(Condition::Kind::lost_force);

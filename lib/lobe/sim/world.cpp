@@ -95,8 +95,8 @@ void World<Real>::scale_masses(double share) {
 
 template <class Real>
 bool World<Real>::step(double dt) {
-  tools_.begin_frame(time(), dt);
-  for (const auto& term : body_.terms) term->begin_frame(time(), dt);
+  begin_frame(dt);
+  show_surroundings();
   tools_.begin_forces();
   if (implicit_ && !implicit_step(dt)) return false;
   if (!implicit_) {
@@ -120,10 +120,12 @@ void World<Real>::move(double dt) {
   limit_.count_step();
   lead(dt);
   if (!body_.inertia.moving().empty() || motion.speeds.led > 0) ++body_.model.revisions.displacements;
-  tools_.moved((motion.speeds.fastest + motion.speeds.led) * dt, std::numeric_limits<Real>::epsilon());
+  const double farthest = (motion.speeds.fastest + motion.speeds.led) * dt;
+  tools_.moved(farthest, std::numeric_limits<Real>::epsilon());
+  for (const auto& term : body_.terms) term->end_step(farthest, dt);
 }
 
-// What grasps do to the vertices that they hold: whoever holds one bears the force on it.
+// What grasps do to the vertices that they hold: whoever holds one bears the force on it. What else acts on tools.
 template <class Real>
 void World<Real>::feel(double dt) {
   const Motion<Real>& motion = body_.motion;
@@ -132,6 +134,8 @@ void World<Real>::feel(double dt) {
     const Vec3d x = elements().points.col(item.vertex) + motion.u.col(item.vertex).template cast<double>();
     tools_.add_force(item.holder, -motion.forces.col(item.vertex).template cast<double>(), x, dt);
   }
+  for (const auto& term : body_.terms)
+    for (const OnTool& own : term->on_tools()) tools_.add_force(own, dt);
 }
 
 // What is held moves as whoever holds it says.

@@ -159,6 +159,9 @@ class World {
   void check_tets(const std::vector<Index>& tets) const;
   void notice(Condition::Kind kind, const std::string& text) { pending_.push_back({kind, text, time()}); }
 
+  void begin_frame(double duration);
+  void show_tools(double until);
+  void show_surroundings();
   void prepare_frame(double duration, Report& report);
   void refresh_condensed();
   void unravel();
@@ -187,6 +190,9 @@ class World {
   void load_terms(const Checkpoint<Real>& checkpoint);
 
   AppliedForces<Real>& applied();
+  void start_contact();
+  void look_around(ForceTerm<Real>& term);
+  bool follow_touch(const std::vector<Index>& touched);
   void terms_have_changed(const std::vector<Index>& touched_before);
   void report_lost_forces(const std::vector<Index>& touched);
 
@@ -200,7 +206,8 @@ class World {
   std::unique_ptr<Blades> blades_;              // none until a blade cuts
   std::unique_ptr<ImplicitDynamics> implicit_;  // none: central differences
   double longest_move_;                         // a step that moves a vertex further is trouble [m]
-  std::vector<Condition> pending_;              // found by edits, handed out with the next report
+  Touched touched_;
+  std::vector<Condition> pending_;  // found by edits, handed out with the next report
   Display<Real> display_;
 };
 

@@ -1,6 +1,8 @@
 // What acts on a World from outside: tools, what is held, and forces.
 #include <algorithm>
+#include <utility>
 
+#include "lobe/contact/contact.h"
 #include "lobe/error.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/sim/world.h"
@@ -32,6 +34,78 @@ AppliedForces<Real>& World<Real>::applied() {
   auto own = std::make_shared<AppliedForces<Real>>();
   body_.terms.push_back(own);
   return *own;
+}
+
+// Where a tool has a body, contact is among the terms from then on.
+template <class Real>
+void World<Real>::start_contact() {
+  const auto is_contact = [](const auto& term) { return term->name() == Contact<Real>::own_name; };
+  if (std::any_of(body_.terms.begin(), body_.terms.end(), is_contact)) return;
+  body_.terms.push_back(std::make_shared<Contact<Real>>(setup_.contact));
+  limit_.forget();
+}
+
+// Those that will be there until a time.
+template <class Real>
+void World<Real>::show_tools(double until) {
+  const std::vector<ToolBody>& bodies = tools_.bodies(time(), until);
+  if (!bodies.empty() || setup_.contact.is_on()) start_contact();
+  bool others = false;
+  for (const auto& term : body_.terms) others = term->see_tools(bodies, time()) || others;
+  if (others) limit_.forget();
+}
+
+template <class Real>
+void World<Real>::show_surroundings() {
+  for (std::size_t i = 0; i < body_.terms.size(); ++i) {
+    ForceTerm<Real>& term = *body_.terms[i];
+    if (!term.wants_surroundings()) continue;
+    look_around(term);
+    if (!body_.sleep.any() && !body_.regions.any_condensed()) continue;
+    const std::vector<Index> touched = term.touched();
+    if (body_.sleep.any()) body_.sleep.wake(touched, body_);  // who may be touched does not sleep
+    if (body_.regions.any_condensed() && follow_touch(touched)) look_around(term);
+  }
+}
+
+template <class Real>
+void World<Real>::look_around(ForceTerm<Real>& term) {
+  Surroundings around{.model = body_.model,
+                      .surface = surface().mesh(),
+                      .mass = body_.inertia.mass(),
+                      .omega = limit_.omega_at_rest(body_),
+                      .lumped_omega = limit_.lumped_omega_at_rest(body_),
+                      .ratio = limit_.lumped_ratio_at_rest(body_)};
+  if (body_.inertia.is_selective())
+    around.spread = [&](Mat3X<double>& forces) {
+      Mat3X<Real> own = forces.template cast<Real>();
+      body_.prepare_inertia();
+      body_.inertia.apply(body_.parallel, own);
+      forces = own.template cast<double>();
+    };
+  term.see_surroundings(around, body_.here());
+}
+
+// The interior of a precomputed region has no mass of its own: it is expanded where it may be pressed. True if
+// something has changed.
+template <class Real>
+bool World<Real>::follow_touch(const std::vector<Index>& touched) {
+  const auto interior =
+      std::find_if(touched.begin(), touched.end(), [&](Index v) { return body_.regions.is_interior(v); });
+  const bool is_pressed = interior != touched.end(), is_expanded = body_.regions.is_expanded();
+  if (is_pressed) touched_.last = time();
+  if (is_pressed && !is_expanded) {
+    if (body_.regions.can_be_expanded()) {
+      perform(Expand{});
+      return touched_.has_expanded = true;
+    }
+    if (!std::exchange(touched_.is_lost, true)) report_lost_forces({*interior});
+  }
+  const bool is_over = touched_.has_expanded && time() > touched_.last + Touched::patience;
+  if (!is_over || !is_expanded || !body_.regions.can_condense()) return false;
+  touched_.has_expanded = false;
+  perform(Condense{});
+  return true;
 }
 
 template <class Real>

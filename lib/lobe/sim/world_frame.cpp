@@ -131,8 +131,7 @@ Report World<Real>::advance(double duration) {
   Report report;
   const PatchCount before = body_.regions.patch_count();
   const double end = time() + duration, shortest = 1e-9 * duration;
-  tools_.begin_frame(time(), duration);
-  for (const auto& term : body_.terms) term->begin_frame(time(), duration);
+  begin_frame(duration);
   while (report.ok && time() < end - shortest) {
     const double next = tools_.next_grasp_change(time() + shortest);
     advance_to(next < end - shortest ? next : end, report);
@@ -144,6 +143,13 @@ Report World<Real>::advance(double duration) {
   if constexpr (is_debug_build)
     if (report.tets_removed > 0) validate(*this);
   return report;
+}
+
+template <class Real>
+void World<Real>::begin_frame(double duration) {
+  tools_.begin_frame(time(), duration);
+  for (const auto& term : body_.terms) term->begin_frame(time(), duration);
+  show_tools(time() + duration);
 }
 
 // Edits, tools and cuts, and the time step limit that follows from them.
@@ -158,6 +164,7 @@ void World<Real>::prepare_frame(double duration, Report& report) {
     unravel();
   }
   play_tools(duration, report);
+  show_surroundings();
   {
     const Timed timed(report, Phase::time_step);
     report.time_step_limit = limit_.for_frame(body_);
@@ -183,6 +190,7 @@ void World<Real>::advance_to(double end, Report& report) {
     return;
   }
   int steps = std::max(1, static_cast<int>(wanted));
+  for (const auto& term : body_.terms) term->begin_steps();
   const StateColumns<Real> start = body_.motion;
   const Sleep::State sleep_at_start = body_.sleep.state();
   double step = 0;
@@ -219,6 +227,7 @@ void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& s
   body_.sleep.set_state(sleep);
   body_.state_was_given();
   tools_.state_was_given();
+  for (const auto& term : body_.terms) term->take_back_steps();
 }
 
 // The result of a refresh is taken when it is due, on a slow machine by waiting for it, so that a run is the

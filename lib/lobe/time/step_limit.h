@@ -87,6 +87,16 @@ class StepLimit {
   double volume_ratio() const { return kept_.volume_ratio; }  // the smallest det F, when it was last kept
   Index volume_ratio_tet() const { return kept_.volume_ratio_tet; }
 
+  // Of the body at rest, with its regions as they are now: with its masses [rad/s], with lumped ones, and of
+  // these over the highest vertex alone.
+  double omega_at_rest(const Body& body) { return at_rest(body).omega; }
+  double lumped_omega_at_rest(const Body& body) const {
+    return at_rest_[body.regions.is_expanded()][1].omega;
+  }
+  double lumped_ratio_at_rest(const Body& body) const {
+    return at_rest_[body.regions.is_expanded()][1].ratio;
+  }
+
   void count_step() { ratios_.step(); }
   const FrequencyRatios& ratios() const { return ratios_; }
   void set_ratios(const FrequencyRatios& ratios) { ratios_ = ratios; }

@@ -9,6 +9,8 @@
 //   begin_frame(time, end)          the path of a live one grows by what it is to do until then
 //   paths()                         what has been done so far, as tools of a setup
 //   add_work(from, to, work)        what it does to the body between two times
+//   append_bodies(from, to, bodies) the rigid bodies with which it touches it; only of kinds that have some
+//   force, torque                   on the body, of those that have some
 //   placed(time, held)              where it is; none: nowhere
 //   fits(vertex_count)              whether it can be one that was kept, with so many vertices now
 #pragma once
@@ -17,6 +19,7 @@
 
 #include "lobe/tool/cautery.h"
 #include "lobe/tool/grasp.h"
+#include "lobe/tool/probe.h"
 #include "lobe/tool/scalpel.h"
 
 namespace lobe {
@@ -25,7 +28,9 @@ struct ToolLists {
   std::vector<Grasp> grasps;
   std::vector<Cautery> cauteries;
   std::vector<Scalpel> scalpels;
-  static constexpr auto fields = std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels);
+  std::vector<Probe> probes;
+  static constexpr auto fields =
+      std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels, &ToolLists::probes);
 };
 
 // A tool is to be there at the end of the next frame; on its way it moves uniformly.
@@ -52,7 +57,7 @@ struct LetGo {
 };
 
 // Those that bring a tool have the id tools().next_id() for it, a name, and check(vertex_count, used).
-using BringTool = std::variant<BringCautery, BringScalpel>;
-using ToolCommand = std::variant<TakeHold, BringCautery, BringScalpel, Lead, SwitchTool, LetGo>;
+using BringTool = std::variant<BringCautery, BringScalpel, BringProbe>;
+using ToolCommand = std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo>;
 
 }  // namespace lobe

@@ -19,15 +19,17 @@ using ToolId = int;  // above 0; of a grasp, the holder of its vertices (HeldVer
 struct ToolPose {
   Vec3d position = Vec3d::Zero();           // [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w; where it took hold: none
+  std::optional<double> opening = {};       // of jaws [m]; none: as it is
 
   bool operator==(const ToolPose&) const = default;
-  static constexpr auto fields = std::tuple(&ToolPose::position, &ToolPose::orientation);
+  static constexpr auto fields = std::tuple(&ToolPose::position, &ToolPose::orientation, &ToolPose::opening);
 };
 
 // What there is to draw of a tool.
 struct ToolShape {
   double radius = 0;            // of a spherical tip [m]
   Vec3d blade = Vec3d::Zero();  // from the tip, which is the tool's position, to the heel [m]
+  double opening = 0;           // of jaws [m]
 };
 
 // Where a tool is, for pictures and recordings.

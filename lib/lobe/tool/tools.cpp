@@ -67,6 +67,8 @@ void Tools::visit_live(ToolId id, Visit&& visit) {
 void Tools::lead(ToolId id, const ToolPose& target) {
   if (!target.position.allFinite() || !(std::abs(target.orientation.norm() - 1) < 1e-6))
     refuse(id, "needs a finite position and a unit quaternion for its orientation");
+  if (target.opening && !(*target.opening >= 0 && std::isfinite(*target.opening)))
+    refuse(id, "needs an opening of at least 0 m, and finite");
   visit_live(id, [&](auto& tool) { tool.lead(target); });
 }
 
@@ -122,6 +124,14 @@ ToolWork Tools::work(double from, double to) const {
   return work;
 }
 
+const std::vector<ToolBody>& Tools::bodies(double from, double to) {
+  bodies_.clear();
+  for_each_tool(lists_, [&](const auto& tool) {
+    if constexpr (requires { tool.append_bodies(from, to, bodies_); }) tool.append_bodies(from, to, bodies_);
+  });
+  return bodies_;
+}
+
 // ---- A step
 
 void Tools::cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip) {
@@ -157,15 +167,26 @@ void Tools::add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double 
   impulse.angular += dt * (x - position(*grasp(holder))).cross(force);
 }
 
+void Tools::add_force(const OnTool& own, double dt) {
+  Impulse& impulse = impulses_of_part_[std::size_t(own.tool)];
+  impulse.linear += dt * own.force;
+  impulse.angular += dt * own.torque;
+  impulse.grip += dt * own.grip;
+}
+
 void Tools::end_forces(double duration) {
   time_felt_ += duration;
-  for (Grasp& grasp : lists_.grasps) {
-    Impulse& impulse = impulses_[std::size_t(grasp.id)];
-    impulse.linear += impulses_of_part_[std::size_t(grasp.id)].linear;
-    impulse.angular += impulses_of_part_[std::size_t(grasp.id)].angular;
-    grasp.force = impulse.linear / time_felt_;
-    grasp.torque = impulse.angular / time_felt_;
-  }
+  for_each_tool(lists_, [&](auto& tool) {
+    if constexpr (requires { tool.force; }) {
+      Impulse& impulse = impulses_[std::size_t(tool.id)];
+      impulse.linear += impulses_of_part_[std::size_t(tool.id)].linear;
+      impulse.angular += impulses_of_part_[std::size_t(tool.id)].angular;
+      tool.force = impulse.linear / time_felt_;
+      tool.torque = impulse.angular / time_felt_;
+      impulse.grip += impulses_of_part_[std::size_t(tool.id)].grip;
+      if constexpr (requires { tool.grip; }) tool.grip = impulse.grip / time_felt_;
+    }
+  });
 }
 
 // ---- Kept

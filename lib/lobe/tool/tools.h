@@ -44,6 +44,8 @@ class Tools {
   // The next time after `time` at which a grasp takes hold or lets go, infinite if there is none. [s]
   double next_grasp_change(double time) const;
   ToolWork work(double from, double to) const;
+  // Those that touch the organ with rigid bodies between two times; valid until tools change.
+  const std::vector<ToolBody>& bodies(double from, double to);
   // The tetrahedra that meet a volume, in ascending order.
   template <class Real>
   std::vector<Index> meeting(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
@@ -67,6 +69,7 @@ class Tools {
   // grasp takes hold or lets go has several parts; begin_forces() begins a part, or begins it again.
   void begin_forces();
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
+  void add_force(const OnTool& own, double dt);
   void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
 
   // One more step was made, in which no vertex moved further than this [m], but for rounding. Or the state was
@@ -98,6 +101,7 @@ class Tools {
 
   struct Impulse {
     Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();  // [N s], [N m s]
+    double grip = 0;                                        // [N s]
   };
 
   template <class Lists, class Visit>
@@ -119,6 +123,7 @@ class Tools {
   std::vector<Placed> placed_;                        // by id, as what follows
   std::vector<Impulse> impulses_, impulses_of_part_;  // since the start of the frame, and of the present part
   double time_felt_ = 0;                              // in which impulses_ were found [s]
+  std::vector<ToolBody> bodies_;
   TetGroups groups_;
 };
 

@@ -1,0 +1,92 @@
+// Contact of a body with rigid tools (tool_contact.h), as a force term: its energy and stiffness are known to the
+// world, and its state is part of checkpoints. A world makes one where a tool has a body to touch with.
+//
+// It leaves the time step about where it is (contact_surface.h). Its damping acts along the normals alone; a share ζ
+// of the critical damping at ω_max, and less below. Velocities lag by half a step, which lowers the stable step by
+// √(1 + ζ²) − ζ at most, within `safety`.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "lobe/contact/self_contact.h"
+#include "lobe/contact/tool_contact.h"
+#include "lobe/setup/contact_setup.h"
+
+namespace lobe {
+
+// Depth beyond which the pressure grows no more, as a share of the surface's mean edge.
+inline constexpr double deepest_contact = 0.25;
+
+template <class Real>
+class Contact : public ForceTerm<Real> {
+ public:
+  using At = typename ForceTerm<Real>::At;
+  static constexpr const char* own_name = "contact";
+
+  explicit Contact(const ContactSetup& setup = {});
+
+  std::string name() const override { return own_name; }
+  void add_forces(const At& at, Mat3X<Real>& f) override;
+  void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
+  double energy(const At& at) const override;
+  std::vector<Index> touched() const override;
+
+  bool wants_surroundings() const override { return true; }
+  bool see_tools(std::span<const ToolBody> bodies, double time) override;
+  void see_surroundings(const Surroundings& now, const At& at) override;
+  void begin_frame(double time, double duration) override { frame_end_ = time + duration; }
+  std::span<const OnTool> on_tools() const override { return on_tools_; }
+  void begin_steps() override;
+  void take_back_steps() override;
+  void end_step(double farthest, double dt) override;
+
+  std::string save() const override;
+  void load(const std::string& kept, Index vertices) override;
+
+  const ContactSurface& surface() const { return surface_; }
+
+ private:
+  struct KeptAnchors {  // of a tool that has not come yet
+    int tool = 0;
+    Anchors anchors;
+  };
+
+  ContactLaw law() const {
+    const double omega = surface_.omega();
+    return {omega > 0 ? 2 * setup_.damping / omega : 0, deepest_contact * surface_.mean_edge()};
+  }
+  std::vector<int> there(double time) const;  // tools
+  Vec3d position(const At& at, int point) const;
+  Vec3d velocity(const At& at, int point) const;
+  void forget_if_given(const At& at) const;
+  void find_all(const At& at) const;
+  void search(ToolContact& tool, const At& at, double ahead) const;
+  void search_self(const At& at) const;
+  void gather(const std::vector<int>& points, const At& at) const;
+  void scatter(const std::vector<int>& points, Mat3X<Real>& f) const;
+  template <class Visit>
+  void visit_self(const At& at, Visit&& visit) const;
+  template <class Visit>
+  void visit_tools(const At& at, Visit&& visit) const;
+
+  ContactSetup setup_;
+  ContactSurface surface_;
+  mutable std::vector<ToolContact> tools_;     // obstacles first, as tools of numbers below 0
+  mutable std::unique_ptr<SelfContact> self_;  // none: the body does not touch itself
+  std::vector<KeptAnchors> kept_;
+  std::vector<OnTool> on_tools_;
+  double frame_end_ = 0;                  // [s]
+  double body_moved_ = 0;                 // by at most that in all steps [m]
+  double last_step_ = 0, kept_step_ = 0;  // [s]; the last before steps began
+  mutable std::uint64_t given_ = 0;
+
+  // Scratch: all points of the surface; those of a tool's candidates.
+  mutable Mat3X<double> all_, all_of_mesh_, x_, v_, of_mesh_;
+  Mat3X<double> f_;
+};
+
+extern template class Contact<float>;
+extern template class Contact<double>;
+
+}  // namespace lobe

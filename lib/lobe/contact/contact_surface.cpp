@@ -1,0 +1,173 @@
+#include "lobe/contact/contact_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "lobe/time/vertex_frequencies.h"
+
+namespace lobe {
+namespace {
+
+constexpr double least_room = 0.05;  // θ
+constexpr double most_added = 0.2;   // of ω_max², with selective masses
+
+// ω_v² m_v of a vertex at rest: the largest eigenvalue of its stiffness [N/m].
+double stiffness_at_rest(const Elements& elements, Index v) {
+  Eigen::Matrix<double, 6, 1> K = Eigen::Matrix<double, 6, 1>::Zero();
+  for (Index t : elements.topology.around(v)) {
+    const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());
+    for (int c = 0; c < 4; ++c)
+      if (elements.topology.corners(t)[c] == v) K += own.col(c);
+  }
+  Mat3<double> block;
+  block << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
+  return largest_eigenvalue(block);
+}
+
+}  // namespace
+
+bool ContactSurface::is_outdated(const Surroundings& now) const {
+  const Revisions& revisions = now.model.revisions;
+  return revision_ == 0 || surface_ != now.surface.revision || structure_ != revisions.structure ||
+         inertia_ != revisions.inertia;
+}
+
+void ContactSurface::rebuild(const Surroundings& now) {
+  ++revision_;
+  surface_ = now.surface.revision;
+  structure_ = now.model.revisions.structure;
+  inertia_ = now.model.revisions.inertia;
+  omega_ = now.omega;
+  take_triangles(now);
+  find_stiffness(now);
+  if (now.spread && omega_ > 0) fit_to_selective_masses(now);
+}
+
+// Sorted by their owners. A crease of the surface is two vertices there and one point here.
+void ContactSurface::take_triangles(const Surroundings& now) {
+  const SurfaceMesh& surface = now.surface;
+  std::vector<Index> order(surface.triangles.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    const FaceOwner &x = surface.owner[std::size_t(a)], &y = surface.owner[std::size_t(b)];
+    return std::pair(x.tet, x.code) < std::pair(y.tet, y.code);
+  });
+  std::vector<const SurfaceMesh::Within*> within(std::size_t(surface.vertex_count()), nullptr);
+  for (const SurfaceMesh::Within& own : surface.within) within[std::size_t(own.vertex)] = &own;
+  std::vector<int> of_vertex(std::size_t(now.model.elements.topology.vertex_count()), -1);
+  std::vector<int> of_within(within.size(), -1);
+  triangles_.clear();
+  points_.clear();
+  const auto point_of = [&](Index s) {
+    const SurfaceMesh::Within* inside = within[std::size_t(s)];
+    int& known =
+        inside ? of_within[std::size_t(s)] : of_vertex[std::size_t(surface.mesh_vertex[std::size_t(s)])];
+    if (known >= 0) return known;
+    known = static_cast<int>(points_.size());
+    if (inside)
+      points_.push_back({inside->corners, inside->weights, 4});
+    else
+      points_.push_back({Eigen::Vector4i::Constant(surface.mesh_vertex[std::size_t(s)])});
+    return known;
+  };
+  double edges = 0;
+  for (Index t : order) {
+    Triangle own{
+        .points = {}, .owner = surface.owner[std::size_t(t)], .is_cut = surface.cut[std::size_t(t)] != 0};
+    Mat3<double> X;
+    for (int c = 0; c < 3; ++c) {
+      own.points[c] = point_of(surface.triangles[std::size_t(t)][c]);
+      const Point& point = points_[std::size_t(own.points[c])];
+      X.col(c).setZero();
+      for (int i = 0; i < point.count; ++i)
+        X.col(c) += point.weights[i] * now.model.elements.points.col(point.corners[i]);
+    }
+    own.area = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0)).norm() / 2;
+    for (int c = 0; c < 3; ++c) {
+      const double edge = (X.col(c) - X.col((c + 1) % 3)).norm();
+      own.longest = std::max(own.longest, edge);
+      edges += edge;
+    }
+    triangles_.push_back(own);
+  }
+  mean_edge_ = triangles_.empty() ? 0 : edges / (3.0 * double(triangles_.size()));
+}
+
+void ContactSurface::find_stiffness(const Surroundings& now) {
+  const auto vertices = std::size_t(now.model.elements.topology.vertex_count());
+  std::vector<double> area(vertices, 0), kappa(vertices, -1);
+  for (const Triangle& t : triangles_)
+    for (int p : t.points) {
+      const Point& point = points_[std::size_t(p)];
+      for (int i = 0; i < point.count; ++i)
+        area[std::size_t(point.corners[i])] += point.weights[i] * t.area / 3;
+    }
+  const double square = now.lumped_omega * now.lumped_omega, ratio = now.ratio * now.ratio;
+  const auto kappa_of = [&](Index v) {
+    double& known = kappa[std::size_t(v)];
+    if (known >= 0) return known;
+    const double full = square * now.mass[std::size_t(v)];
+    const double room = full - ratio * stiffness_at_rest(now.model.elements, v);
+    known = area[std::size_t(v)] > 0 ? std::max(least_room * full, room) / area[std::size_t(v)] : 0;
+    return known;
+  };
+  for (Triangle& t : triangles_) {
+    t.stiffness = std::numeric_limits<double>::infinity();
+    for (int p : t.points) {
+      const Point& point = points_[std::size_t(p)];
+      for (int i = 0; i < point.count; ++i)
+        if (point.weights[i] > 0) t.stiffness = std::min(t.stiffness, kappa_of(point.corners[i]));
+    }
+  }
+}
+
+// λ_max(C K_c), K_c of each triangle a third of κ A along its normal at each corner, which is no less than
+// what its points give.
+void ContactSurface::fit_to_selective_masses(const Surroundings& now) {
+  const auto vertices = static_cast<Eigen::Index>(now.model.elements.topology.vertex_count());
+  Mat3X<double> u(3, vertices);
+  for (Eigen::Index i = 0; i < u.size(); ++i)
+    u.data()[i] = 1 + double(i * 7919 % 101) / 101;  // in no symmetry
+  double highest = 0;
+  constexpr int iterations = 12;
+  for (int k = 0; k < iterations; ++k) {
+    Mat3X<double> f = stiffened(now.model.elements, u);
+    const double before = (u.array() * f.array()).sum();
+    if (!(before > 0)) return;
+    now.spread(f);
+    for (Eigen::Index v = 0; v < vertices; ++v) {
+      const double m = now.mass[std::size_t(v)];
+      if (m > 0) f.col(v) /= m;
+    }
+    highest = std::sqrt((f.array() * stiffened(now.model.elements, f).array()).sum() / before);
+    u = f / f.norm();
+  }
+  const double share =
+      most_added * omega_ * omega_ / (1.1 * highest);  // power iterations find it from below
+  if (!(share < 1)) return;
+  for (Triangle& t : triangles_) t.stiffness *= share;
+}
+
+Mat3X<double> ContactSurface::stiffened(const Elements& elements, const Mat3X<double>& u) const {
+  Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
+  const auto at_point = [](const Point& point, const auto& values) {
+    Vec3d sum = Vec3d::Zero();
+    for (int i = 0; i < point.count; ++i) sum += point.weights[i] * values.col(point.corners[i]);
+    return sum;
+  };
+  for (const Triangle& t : triangles_) {
+    Mat3<double> X;
+    for (int c = 0; c < 3; ++c) X.col(c) = at_point(points_[std::size_t(t.points[c])], elements.points);
+    const Vec3d n = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0)).normalized();
+    for (int p : t.points) {
+      const Point& point = points_[std::size_t(p)];
+      const Vec3d force = t.stiffness * t.area / 3 * n.dot(at_point(point, u)) * n;
+      for (int i = 0; i < point.count; ++i) f.col(point.corners[i]) += point.weights[i] * force;
+    }
+  }
+  return f;
+}
+
+}  // namespace lobe

@@ -1,0 +1,59 @@
+// The boundary of a body as contact sees it: triangles between points that are vertices of the mesh, or lie within a
+// tetrahedron where a blade has cut, and how stiff contact may be there.
+//
+// Stiffness is filled to the limit. A vertex v of mass m whose own frequency at rest is ω_v may be given
+//   k_v = max(θ, 1 − r² ω_v²/ω_max²) ω_max² m_v,   θ = 0.05,
+// and contact of v with a rigid body then leaves the highest frequency of the body, ω_max, about where it is:
+// by Gershgorin's theorem ω² ≤ ω_max² + max k_v/m_v in the worst case. r is ω_max over the largest ω_v. Per area that
+// is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
+//
+// With selective masses, whose mobility C couples vertices, the stiffness K_c of contact all over the surface
+// is found like that for lumped masses, and then lowered until λ_max(C K_c), by power iterations, is at most a
+// share `most_added` of ω_max²: contact of a part of the surface is less than that of all of it, so that by
+// Weyl's inequality ω_max² grows by no more than this share, which `safety` leaves room for.
+#pragma once
+
+#include "lobe/body/force_term.h"
+
+namespace lobe {
+
+class ContactSurface {
+ public:
+  struct Point {  // x = Σ weights[i] x_corner[i]
+    Eigen::Vector4i corners = Eigen::Vector4i::Zero();
+    Eigen::Vector4d weights{1, 0, 0, 0};
+    int count = 1;  // of the corners: 1, or 4 within a tetrahedron
+  };
+  struct Triangle {
+    Eigen::Vector3i points;
+    FaceOwner owner;
+    double area = 0;       // at rest [m²]
+    double longest = 0;    // edge at rest [m]
+    double stiffness = 0;  // κ [Pa/m]
+    bool is_cut = false;   // it was inside at the start
+  };
+
+  // Whether it is of another boundary, or of other masses.
+  bool is_outdated(const Surroundings& now) const;
+  // In an order that depends on the body alone, not on the edits that led to it. O(#triangles log #triangles).
+  void rebuild(const Surroundings& now);
+
+  std::uint64_t revision() const { return revision_; }  // grows with each rebuild
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<Point>& points() const { return points_; }
+  double mean_edge() const { return mean_edge_; }  // at rest [m]
+  double omega() const { return omega_; }          // ω_max, which the stiffness fills up to [1/s]
+
+ private:
+  void take_triangles(const Surroundings& now);
+  void find_stiffness(const Surroundings& now);
+  void fit_to_selective_masses(const Surroundings& now);
+  Mat3X<double> stiffened(const Elements& elements, const Mat3X<double>& u) const;  // K_c u [N]
+
+  std::uint64_t revision_ = 0, surface_ = ~std::uint64_t(0), structure_ = 0, inertia_ = 0;
+  std::vector<Triangle> triangles_;
+  std::vector<Point> points_;
+  double mean_edge_ = 0, omega_ = 0;
+};
+
+}  // namespace lobe

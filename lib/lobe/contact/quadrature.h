@@ -1,0 +1,21 @@
+// The points of a triangle at which contact looks.
+#pragma once
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+// The centroids of the n² triangles into which parallels to its edges divide one: barycentric coordinates.
+template <class Visit>
+void visit_centroids(int n, Visit&& visit) {
+  const double third = 1.0 / (3 * n);
+  int number = 0;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n - j; ++i) {
+      const double a = (3 * i + 1) * third, b = (3 * j + 1) * third;
+      visit(number++, Vec3d(1 - a - b, a, b));
+      if (i + j < n - 1) visit(number++, Vec3d(1 - a - b - 2 * third, a + third, b + third));
+    }
+}
+
+}  // namespace lobe

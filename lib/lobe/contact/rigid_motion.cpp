@@ -1,0 +1,47 @@
+#include "lobe/contact/rigid_motion.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace lobe {
+namespace {
+
+constexpr double moment = 1e-6;  // of which velocities are differences [s]
+
+double angle_between(const Eigen::Vector4d& a, const Eigen::Vector4d& b) {
+  return Eigen::Quaterniond(a).angularDistance(Eigen::Quaterniond(b));
+}
+
+}  // namespace
+
+RigidMotion motion_at(const std::vector<PathPoint>& path, double time) {
+  RigidMotion motion;
+  motion.position = path_at(path, time);
+  const Eigen::Vector4d turn = turn_at(path, time);
+  motion.turn = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
+  motion.opening = opening_at(path, time);
+  if (path.size() < 2 || time > path.back().time + moment) return motion;
+  motion.opens = (motion.opening - opening_at(path, time - moment)) / moment;
+  motion.velocity = (motion.position - path_at(path, time - moment)) / moment;
+  const Eigen::Vector4d before = turn_at(path, time - moment);
+  if (before == turn) return motion;
+  const Eigen::Quaterniond change = Eigen::Quaterniond(turn) * Eigen::Quaterniond(before).conjugate();
+  motion.spin = (change.w() < 0 ? -2.0 : 2.0) * change.vec() / moment;
+  return motion;
+}
+
+// A point moves with the position, by the angle about it, and with jaws. Rows in between can only add to that.
+double farthest_move(const std::vector<PathPoint>& path, double from, double to, double reach) {
+  double sum = 0;
+  PathPoint last{from, path_at(path, from), turn_at(path, from), opening_at(path, from)};
+  const auto add = [&](const PathPoint& row) {
+    sum += (row.position - last.position).norm() + std::abs(row.opening - last.opening);
+    if (row.orientation != last.orientation) sum += reach * angle_between(row.orientation, last.orientation);
+    last = row;
+  };
+  for (auto row = after(path, from); row != path.end() && row->time < to; ++row) add(*row);
+  add({to, path_at(path, to), turn_at(path, to), opening_at(path, to)});
+  return sum;
+}
+
+}  // namespace lobe

@@ -1,0 +1,24 @@
+// Where a rigid tool is at a moment of its path, and how it moves.
+#pragma once
+
+#include "lobe/tool/paths.h"
+#include "lobe/tool/tool_body.h"
+
+namespace lobe {
+
+struct RigidMotion {
+  Vec3d position = Vec3d::Zero();                // [m]
+  Mat3<double> turn = Mat3<double>::Identity();  // from its own axes to the world's
+  Vec3d velocity = Vec3d::Zero();                // [m/s]
+  Vec3d spin = Vec3d::Zero();                    // angular velocity [rad/s]
+  double opening = 0, opens = 0;                 // of jaws [m], and how fast [m/s]
+
+  Vec3d velocity_at(const Vec3d& x) const { return velocity + spin.cross(x - position); }
+};
+
+// Velocities are those of the path until the time.
+RigidMotion motion_at(const std::vector<PathPoint>& path, double time);
+// No point of the tool within this distance of its position moves further between two times [m].
+double farthest_move(const std::vector<PathPoint>& path, double from, double to, double reach);
+
+}  // namespace lobe

@@ -1,0 +1,220 @@
+// Which triangles of a surface may be in which tetrahedra of its boundary layer.
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/contact/self_contact.h"
+#include "lobe/sort_unique.h"
+
+namespace lobe {
+namespace {
+
+// Lists of what `visit(add)` gives by add(key, value), in order.
+template <class Visit>
+void fill_lists(std::size_t keys, std::vector<int>& first, std::vector<int>& values, Visit&& visit) {
+  first.assign(keys + 1, 0);
+  visit([&](std::size_t key, int) { ++first[key + 1]; });
+  for (std::size_t i = 0; i < keys; ++i) first[i + 1] += first[i];
+  values.resize(std::size_t(first[keys]));
+  std::vector<int> at(first.begin(), first.end() - 1);
+  visit([&](std::size_t key, int value) { values[std::size_t(at[key]++)] = value; });
+}
+
+}  // namespace
+
+void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
+  forget();
+  const Elements& elements = model.elements;
+  const auto vertices = std::size_t(elements.topology.vertex_count());
+  const auto& triangles = surface.triangles();
+  planes_.clear();
+  rest_.clear();
+  for (const ContactSurface::Triangle& own : triangles) {
+    Mat3<double> X = Mat3<double>::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const ContactSurface::Point& point = surface.points()[std::size_t(own.points[c])];
+      for (int i = 0; i < point.count; ++i)
+        X.col(c) += point.weights[i] * elements.points.col(point.corners[i]);
+    }
+    const Vec3d n = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0));
+    planes_.push_back({n.norm() > 0 ? Vec3d(n.normalized()) : Vec3d::Zero(), X.col(0)});
+    rest_.push_back(X);
+  }
+  fill_lists(surface.points().size(), first_around_, around_, [&](auto&& add) {
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (int p : triangles[t].points) add(std::size_t(p), static_cast<int>(t));
+  });
+  fill_lists(vertices, first_of_vertex_, of_vertex_, [&](auto&& add) {
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (int p : triangles[t].points) {
+        const ContactSurface::Point& point = surface.points()[std::size_t(p)];
+        for (int i = 0; i < point.count; ++i) add(std::size_t(point.corners[i]), static_cast<int>(t));
+      }
+  });
+  std::vector<Index> tets;
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (first_of_vertex_[v + 1] > first_of_vertex_[v])
+      for (Index t : elements.topology.around(static_cast<Index>(v))) tets.push_back(t);
+  sort_unique(tets);
+  layers_.clear();
+  std::size_t next = 0;  // triangles are sorted by their owners
+  for (Index t : tets) {
+    Layer layer{t, elements.topology.corners(t), elements.corner_points(t)};
+    while (next < triangles.size() && triangles[next].owner.tet < t) ++next;
+    layer.first = static_cast<int>(next);
+    while (next < triangles.size() && triangles[next].owner.tet == t) ++next;
+    layer.count = static_cast<int>(next) - layer.first;
+    layers_.push_back(layer);
+  }
+  stamp_of_vertex_.assign(vertices, -1);
+  stamp_of_layer_.assign(layers_.size(), -1);
+}
+
+// Each box is in all cells that it meets.
+void SelfContact::fill_grid(const Mat3X<double>& of_mesh, double margin, double cell) {
+  box_low_.clear();
+  box_high_.clear();
+  Vec3d high = Vec3d::Constant(-std::numeric_limits<double>::infinity());
+  low_ = -high;
+  for (const Layer& layer : layers_) {
+    const Mat34<double> x = of_mesh(Eigen::all, layer.corners);
+    box_low_.push_back(x.rowwise().minCoeff().array() - margin);
+    box_high_.push_back(x.rowwise().maxCoeff().array() + margin);
+    low_ = low_.cwiseMin(box_low_.back());
+    high = high.cwiseMax(box_high_.back());
+  }
+  constexpr double most = 128;  // cells along an axis
+  cell_ = std::max(cell, (high - low_).maxCoeff() / most);
+  if (!(cell_ > 0) || !std::isfinite(cell_)) cell_ = 1;
+  for (int i = 0; i < 3; ++i) count_[i] = std::clamp(int((high[i] - low_[i]) / cell_) + 1, 1, int(most) + 1);
+  const auto place = [&](const Vec3d& x, int i) {
+    return std::clamp(static_cast<int>((x[i] - low_[i]) / cell_), 0, count_[i] - 1);
+  };
+  fill_lists(std::size_t(count_.prod()), first_in_, in_cell_, [&](auto&& add) {
+    for (std::size_t l = 0; l < layers_.size(); ++l) {
+      const Vec3d &a = box_low_[l], &b = box_high_[l];
+      for (int z = place(a, 2); z <= place(b, 2); ++z)
+        for (int y = place(a, 1); y <= place(b, 1); ++y)
+          for (int x = place(a, 0); x <= place(b, 0); ++x)
+            add(std::size_t(x + count_[0] * (y + count_[1] * z)), static_cast<int>(l));
+    }
+  });
+}
+
+// Stamps the vertices whose tetrahedra it is not to touch.
+void SelfContact::find_excluded(const ContactSurface& surface, int triangle, int stamp) {
+  const auto take = [&](int t) {
+    for (int p : surface.triangles()[std::size_t(t)].points) {
+      const ContactSurface::Point& point = surface.points()[std::size_t(p)];
+      for (int i = 0; i < point.count; ++i) stamp_of_vertex_[std::size_t(point.corners[i])] = stamp;
+    }
+  };
+  take(triangle);
+  const ContactSurface::Triangle& own = surface.triangles()[std::size_t(triangle)];
+  if (own.is_cut) return;
+  for (int p : own.points)
+    for (int i = first_around_[std::size_t(p)]; i < first_around_[std::size_t(p) + 1]; ++i)
+      take(around_[std::size_t(i)]);
+}
+
+void SelfContact::search(const ContactSurface& surface, const Model&, const Mat3X<double>& x,
+                         const Mat3X<double>& of_mesh, double body_moved) {
+  const double margin = 0.1 * surface.mean_edge();
+  slack_ = margin;
+  body_moved_ = body_moved;
+  pairs_.clear();
+  fill_grid(of_mesh, 2 * margin, 1.5 * surface.mean_edge());
+  std::fill(stamp_of_vertex_.begin(), stamp_of_vertex_.end(), -1);
+  std::fill(stamp_of_layer_.begin(), stamp_of_layer_.end(), -1);
+  const auto count = static_cast<int>(surface.triangles().size());
+  for (int t = 0; t < count; ++t) {
+    const Eigen::Vector3i& points = surface.triangles()[std::size_t(t)].points;
+    const Mat3<double> corners = x(Eigen::all, points);
+    const Vec3d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
+    bool excluded_are_known = false;
+    Eigen::Vector3i from, to;
+    for (int i = 0; i < 3; ++i) {
+      from[i] = std::clamp(static_cast<int>((low[i] - low_[i]) / cell_), 0, count_[i] - 1);
+      to[i] = std::clamp(static_cast<int>((high[i] - low_[i]) / cell_), 0, count_[i] - 1);
+    }
+    for (int k = from[2]; k <= to[2]; ++k)
+      for (int j = from[1]; j <= to[1]; ++j)
+        for (int i = from[0]; i <= to[0]; ++i) {
+          const auto cell = std::size_t(i + count_[0] * (j + count_[1] * k));
+          for (int n = first_in_[cell]; n < first_in_[cell + 1]; ++n) {
+            const int l = in_cell_[std::size_t(n)];
+            if (stamp_of_layer_[std::size_t(l)] == t) continue;
+            stamp_of_layer_[std::size_t(l)] = t;
+            if ((box_low_[std::size_t(l)].array() > high.array()).any() ||
+                (box_high_[std::size_t(l)].array() < low.array()).any())
+              continue;
+            if (!excluded_are_known) find_excluded(surface, t, t);
+            excluded_are_known = true;
+            const Eigen::Vector4i& own = layers_[std::size_t(l)].corners;
+            if (std::any_of(own.begin(), own.end(),
+                            [&](int v) { return stamp_of_vertex_[std::size_t(v)] == t; }))
+              continue;
+            pairs_.emplace_back(t, l);
+          }
+        }
+  }
+  std::sort(pairs_.begin(), pairs_.end());
+  take_candidates(surface);
+}
+
+// Their points, vertices and tetrahedra, numbered among each other.
+void SelfContact::take_candidates(const ContactSurface& surface) {
+  candidates_.clear();
+  tets_.clear();
+  unique_.clear();
+  unique_of_.clear();
+  points_.clear();
+  vertices_.clear();
+  std::vector<int>& place_of_layer = stamp_of_layer_;
+  std::fill(place_of_layer.begin(), place_of_layer.end(), -1);
+  place_of_.assign(surface.points().size(), -1);
+  const auto take_points = [&](int triangle) {
+    for (int p : surface.triangles()[std::size_t(triangle)].points) place_of_[std::size_t(p)] = 0;
+  };
+  for (const auto& [t, l] : pairs_) {
+    if (candidates_.empty() || candidates_.back().triangle != t) {
+      candidates_.push_back({.triangle = t, .first = static_cast<int>(tets_.size())});
+      take_points(t);
+    }
+    ++candidates_.back().count;
+    const Layer& layer = layers_[std::size_t(l)];
+    int& place = place_of_layer[std::size_t(l)];
+    if (place < 0) {
+      place = static_cast<int>(unique_.size());
+      unique_.push_back({l, layer.corners});
+      for (Index v : layer.corners) vertices_.push_back(v);
+      for (int f = layer.first; f < layer.first + layer.count; ++f) take_points(f);
+      if (layer.count == 0)
+        for (Index v : layer.corners)
+          for (int i = first_of_vertex_[std::size_t(v)]; i < first_of_vertex_[std::size_t(v) + 1]; ++i)
+            take_points(of_vertex_[std::size_t(i)]);
+    }
+    tets_.push_back({l, layer.corners});
+    unique_of_.push_back(place);
+  }
+  sort_unique(vertices_);
+  for (Other& own : unique_)
+    for (int& v : own.corners)
+      v = static_cast<int>(std::lower_bound(vertices_.begin(), vertices_.end(), v) - vertices_.begin());
+  for (std::size_t p = 0; p < place_of_.size(); ++p) {
+    if (place_of_[p] < 0) continue;
+    place_of_[p] = static_cast<int>(points_.size());
+    points_.push_back(static_cast<int>(p));
+  }
+  inverses_.resize(unique_.size());
+  std::swap(anchors_, next_);
+  anchors_.clear();
+  for (Candidate& own : candidates_) {
+    const ContactSurface::Triangle& triangle = surface.triangles()[std::size_t(own.triangle)];
+    for (int c = 0; c < 3; ++c) own.points[c] = place_of_[std::size_t(triangle.points[c])];
+    if (friction_ > 0) own.anchor = anchors_.add(triangle.owner, divisions);
+  }
+  anchors_.take_over(next_);
+  next_ = anchors_;
+}
+
+}  // namespace lobe

@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <string>
+
+#include "lobe/scene/read_shape.h"
+#include "lobe/scene/tool_kinds.h"
+
+namespace lobe {
+namespace {
+
+void read_probe(const nlohmann::json& entry, Tool& tool) {
+  tool.shape = read_shape(entry["shape"], tool.shape_file);
+  tool.friction = entry.value("friction", tool.friction);
+  tool.release = entry.value("release", tool.release);
+}
+
+// Of jaws, the last number is their opening.
+bool read_probe_row(const nlohmann::json& row, Tool& tool) {
+  const std::size_t has_opening = tool.shape.kind == RigidShape::Kind::jaws;
+  if (row.size() != 4 + has_opening && row.size() != 8 + has_opening) return false;
+  if (row.size() >= 8)
+    for (int i = 0; i < 4; ++i) tool.path.back().orientation[i] = row[std::size_t(4 + i)].get<double>();
+  if (has_opening) tool.path.back().opening = row.back();
+  return true;
+}
+
+void write_probe(const Tool& tool, nlohmann::ordered_json& entry) {
+  nlohmann::ordered_json& path = entry["path"];
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (const Eigen::Vector4d& q = tool.path[i].orientation; q != PathPoint().orientation)
+      path[i].insert(path[i].end(), {q[0], q[1], q[2], q[3]});
+    if (tool.shape.kind == RigidShape::Kind::jaws) path[i].push_back(tool.path[i].opening);
+  }
+  entry["shape"] = write_shape(tool.shape, tool.shape_file);
+  entry["friction"] = tool.friction;
+  entry["release"] = tool.release;
+}
+
+void resolve_probe(Resolution& resolution, const Tool& tool, const std::string& here) {
+  const std::optional<RigidShape> found =
+      resolve_shape(resolution, tool.shape, tool.shape_file, here + "/shape");
+  if (!found) return;
+  const RigidShape& shape = *found;
+  resolution.result.setup.probes.push_back({tool.name, shape, tool.friction, tool.path, tool.release});
+  const Box box = bounding_box(resolution.mesh());
+  const double reach = shape.reach();
+  const auto is_near = [&](const PathPoint& row) {
+    const Vec3d nearest = row.position.cwiseMax(box.min).cwiseMin(box.max);
+    return (row.position - nearest).norm() <= reach;
+  };
+  if (std::none_of(tool.path.begin(), tool.path.end(), is_near))
+    resolution.warn(here + "/path",
+                    "no row of it comes within reach of the mesh's bounding box, " + rounded(reach) + " m");
+}
+
+void summarise_probe(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
+  entry["shape"] = write_shape(setup.probes[number].shape, {}).begin().key();
+  entry["friction"] = setup.probes[number].friction;
+}
+
+void append_probes(const ToolSetups& done, Index, std::vector<Tool>& tools) {
+  for (const ProbeSetup& probe : done.probes) {
+    Tool& tool = tools.emplace_back();
+    tool.name = probe.name;
+    tool.type = ProbeSetup::type;
+    tool.shape = probe.shape;
+    tool.friction = probe.friction;
+    tool.path = probe.path;
+    tool.release = probe.release;
+  }
+}
+
+}  // namespace
+
+extern const ToolKind probe_kind;
+const ToolKind probe_kind{
+    ProbeSetup::type, "4 numbers, or 8 with a quaternion; one more for the opening of jaws",
+    read_probe,       read_probe_row,
+    write_probe,      resolve_probe,
+    summarise_probe,  append_probes};
+
+}  // namespace lobe

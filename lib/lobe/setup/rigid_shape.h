@@ -1,0 +1,47 @@
+// The shape of a rigid body that touches the organ: a tool's tip, a table. In coordinates of its own, whose origin is
+// the tool's position.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+// Told of each demand whether it is met, and what is wrong if not.
+using Expect = std::function<void(bool is_met, const std::string& fault)>;
+
+struct RigidShape {
+  enum class Kind : std::uint8_t { sphere, capsule, box, plane, jaws, mesh };
+  Kind kind = Kind::sphere;
+  double radius = 0;  // of a sphere about the origin, or of a capsule [m]
+  double length = 0;  // of a capsule, whose axis goes from the origin along z [m]
+  // Of a box about the origin: its edges [m]. Of jaws: width along x, thickness along y and length along z of
+  // each. They start at the origin, one above and one below the plane y = 0, and open in parallel.
+  Vec3d size = Vec3d::Zero();
+  // Of a closed mesh: its vertices [m]; its triangles, counter-clockwise seen from outside.
+  std::vector<Vec3d> points = {};
+  std::vector<Eigen::Vector3i> triangles = {};
+
+  static RigidShape sphere(double radius) { return {.kind = Kind::sphere, .radius = radius}; }
+  static RigidShape capsule(double radius, double length) {
+    return {.kind = Kind::capsule, .radius = radius, .length = length};
+  }
+  static RigidShape box(const Vec3d& size) { return {.kind = Kind::box, .size = size}; }
+  static RigidShape plane() { return {.kind = Kind::plane}; }  // all that is below z = 0
+  static RigidShape jaws(const Vec3d& size) { return {.kind = Kind::jaws, .size = size}; }
+
+  void check(const Expect& expect, const std::string& whose) const;
+  // Half of its least extent [m]: what is as fine as that does not fall through a mesh of quadrature points.
+  double fineness() const;
+  double reach() const;  // the farthest point from the origin, of closed jaws [m]; of a plane infinite
+
+  bool operator==(const RigidShape&) const = default;
+  static constexpr auto fields = std::tuple(&RigidShape::kind, &RigidShape::radius, &RigidShape::length,
+                                            &RigidShape::size, &RigidShape::points, &RigidShape::triangles);
+};
+
+}  // namespace lobe

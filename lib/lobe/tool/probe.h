@@ -1,0 +1,80 @@
+// A probe is a rigid body that presses on the organ and rubs along it (contact/contact.h), or two jaws that close on
+// it: turned on, jaws of hands close until they feel most_grip or meet, turned off they open as they came.
+#pragma once
+
+#include "lobe/tool/tool_body.h"
+#include "lobe/tool/tool_pose.h"
+
+namespace lobe {
+
+// Brings a probe to a pose; its id is tools().next_id() before.
+struct BringProbe {
+  std::string name;
+  RigidShape shape;
+  ToolPose pose;
+  double friction = default_friction;
+  void check(Index vertex_count, const Options& used) const;
+  bool operator==(const BringProbe&) const = default;
+  static constexpr auto fields =
+      std::tuple(&BringProbe::name, &BringProbe::shape, &BringProbe::pose, &BringProbe::friction);
+};
+
+inline constexpr double jaw_speed = 0.02;  // at which hands close and open jaws [m/s]
+inline constexpr double most_grip = 2;     // at which hands stop to close them [N]
+
+struct Probe {
+  using Path = ProbeSetup;
+  using Bring = BringProbe;
+  ToolId id = 0;
+  std::string name;
+  RigidShape shape_of_tip;
+  double friction = default_friction;
+  std::vector<PathPoint> path;          // positions and orientations
+  bool release = false;                 // it is taken away after the last row
+  bool is_live = false;                 // its path grows
+  bool is_away = false;                 // of live ones: taken away, and nowhere since
+  bool closes = false;                  // of live jaws
+  ToolPose pose;                        // of a live one: where it was brought
+  std::optional<ToolPose> target = {};  // at the end of the next frame
+  double grip = 0;  // by which jaws press on what is between them, mean over the last frame [N]
+  // Means over the last frame of what it does to the body [N], and about where it is [N m].
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+
+  Probe() = default;
+  explicit Probe(const ProbeSetup& setup)
+      : name(setup.name),
+        shape_of_tip(setup.shape),
+        friction(setup.friction),
+        path(setup.path),
+        release(setup.release) {}
+  explicit Probe(const BringProbe& command)
+      : name(command.name),
+        shape_of_tip(command.shape),
+        friction(command.friction),
+        is_live(true),
+        pose(command.pose) {}
+
+  void lead(const ToolPose& to) { target = to; }
+  void let_go() { release = true; }
+  bool has_gone() const { return release; }
+  void turn_on(bool on) { closes = on; }
+  bool is_on() const { return closes; }
+  ToolShape shape() const;
+  void begin_frame(double time, double end);
+  std::vector<ProbeSetup> paths() const;
+  void add_work(double, double, ToolWork&) const {}
+  void append_bodies(double from, double to, std::vector<ToolBody>& bodies) const;
+  std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it is nowhere
+  bool fits(Index vertex_count) const;
+
+  static constexpr auto fields =
+      std::tuple(&Probe::id, &Probe::name, &Probe::shape_of_tip, &Probe::friction, &Probe::path,
+                 &Probe::release, &Probe::is_live, &Probe::is_away, &Probe::closes, &Probe::pose,
+                 &Probe::target, &Probe::grip, &Probe::force, &Probe::torque);
+
+ private:
+  double goes() const;
+  double next_opening(const PathPoint& from, double duration) const;
+};
+
+}  // namespace lobe

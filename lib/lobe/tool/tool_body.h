@@ -1,0 +1,28 @@
+// What a force term sees of a tool that touches the organ: a rigid body that moves through a frame.
+#pragma once
+
+#include <span>
+
+#include "lobe/setup/rigid_shape.h"
+#include "lobe/setup/tool_setups.h"
+
+namespace lobe {
+
+struct ToolBody {
+  int tool = 0;  // ToolId
+  const RigidShape* shape = nullptr;
+  double friction = 0;           // coefficient of Coulomb's law, against tissue
+  double appears = 0, goes = 0;  // it is there from when to when [s]
+  std::span<const PathPoint> path =
+      {};  // the rows of its path around the frame; between them it moves uniformly
+};
+
+// What the body does to a tool at a moment, the opposite of what the tool does to the body.
+struct OnTool {
+  int tool = 0;
+  Vec3d force = Vec3d::Zero();   // on the body [N]
+  Vec3d torque = Vec3d::Zero();  // on the body, about the tool's position [N m]
+  double grip = 0;               // of jaws: by which they press on what is between them [N]
+};
+
+}  // namespace lobe

@@ -23,7 +23,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   lobe::bench::Options& options = arguments.options;
   app.add_option("NAME", arguments.name,
                  "which benchmark: kernels, cut, realtime, features, hybrid, accuracy, validation, surface, "
-                 "skin, scalpel, contact, live, haptic, stress or soak")
+                 "skin, scalpel, contact, live, haptic, huge, stress or soak")
       ->required();
   app.add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   app.add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
@@ -31,7 +31,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(6, 5000000));
   app.add_flag("--quick", options.quick, "less precise, or with smaller meshes");
   app.add_option("--threads", options.threads,
-                 "kernels, realtime: timed beside one thread; accuracy: of every run")
+                 "kernels, realtime: timed beside one thread; accuracy: of every run; huge: most ranks")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--minutes", options.minutes, "soak: how long; live: simulated minutes of random hands")

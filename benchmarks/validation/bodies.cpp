@@ -75,7 +75,16 @@ void load_faces(Setup& setup, const Condition& holds, const Field& traction) {
   }
 }
 
+namespace {
+std::function<Mat3X<double>(const Setup&)> other_solver;
+}  // namespace
+
+void solve_equilibria_by(std::function<Mat3X<double>(const Setup&)> solver) {
+  other_solver = std::move(solver);
+}
+
 Mat3X<double> equilibrium(const Setup& setup) {
+  if (other_solver) return other_solver(setup);
   StaticResult result = solve_static(setup);
   if (!result.converged) throw std::runtime_error("static solver: " + result.reason);
   return std::move(result.u);

@@ -32,6 +32,8 @@ void load_faces(Setup& setup, const Condition& holds, const Field& traction);
 
 // The static equilibrium [m]; throws std::runtime_error where the solver finds none.
 Mat3X<double> equilibrium(const Setup& setup);
+// Another solver for all that equilibrium() is asked for from now on; none: solve_static().
+void solve_equilibria_by(std::function<Mat3X<double>(const Setup&)> solver);
 
 // −∂W/∂u of a displaced body, without its loads, by the kernels that run in time: 3 × #vertices [N].
 Mat3X<double> internal_forces(const Setup& setup, const Mat3X<double>& u);

@@ -29,6 +29,16 @@ int forward(const std::string& program, char** first, char** last, const std::st
   return status == 127 ? static_cast<int>(bad_input) : status;
 }
 
+// lobe-petsc has options of its own, so that it reads all of them.
+bool is_for_petsc(int argc, char** argv) {
+  if (argc < 2 || std::string_view(argv[1]) != "solve") return false;
+  for (int i = 2; i < argc; ++i) {
+    const std::string_view word = argv[i], before = argv[i - 1];
+    if (word == "--solver=petsc" || (before == "--solver" && word == "petsc")) return true;
+  }
+  return false;
+}
+
 // A command that another program answers with the arguments after it; nothing for the commands of `lobe`
 // itself.
 std::optional<int> run_other_program(int argc, char** argv) {
@@ -36,6 +46,7 @@ std::optional<int> run_other_program(int argc, char** argv) {
   if (command == "mesh") return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING");
   if (command == "bench") return forward("lobe-bench", argv + 2, argv + argc, "LOBE_BENCHMARKS");
   if (command == "view") return forward("lobe-view", argv + 2, argv + argc, "LOBE_VIEW");
+  if (is_for_petsc(argc, argv)) return forward("lobe-petsc", argv + 1, argv + argc, "LOBE_PETSC");
   return {};
 }
 
@@ -132,8 +143,9 @@ int main(int argc, char** argv) {
   solve_command->add_option("-o,--output", options.output, "directory for the results")->required();
   solve_command->add_flag("--json", options.json, "print the report alone");
   solve_command
-      ->add_option("--solver", options.solver, "sparse solver: eigen, or cholmod (GPL, a program of its own)")
-      ->check(CLI::IsMember({"eigen", "cholmod"}))
+      ->add_option("--solver", options.solver,
+                   "sparse solver: eigen, or a program of its own: cholmod (GPL), petsc (under mpirun)")
+      ->check(CLI::IsMember({"eigen", "cholmod", "petsc"}))
       ->capture_default_str();
   CompareOptions compare_options;
   add_compare(app, compare_options, action);

@@ -10,7 +10,7 @@ import tempfile
 
 import numpy
 
-from ._lobe import InputError, Mesh, Scene, read_mesh
+from ._lobe import InputError, Mesh, Scene, World, read_mesh
 
 
 def _program():
@@ -56,8 +56,13 @@ def mesh(surface, *, edge, **options):
 
 
 def view(scene, *, port=None):
-    """Opens the page in which the organ of a scene (a file, or a Scene) is held. Returns the server's process."""
-    folder = None
+    """Opens the page in which an organ is held: of a scene (a file, or a Scene), or of a World.
+
+    The page has a world of its own, which begins at time 0 with the scene that the given one was built from.
+    Returns the server's process: terminate() ends it.
+    """
+    if isinstance(scene, World):
+        scene = scene.scene
     if isinstance(scene, Scene):
         folder = tempfile.mkdtemp(prefix="lobe_view_")
         document = scene.to_dict()
@@ -66,7 +71,7 @@ def view(scene, *, port=None):
         scene = pathlib.Path(folder) / "scene.json"
         scene.write_text(json.dumps(document), encoding="utf-8")
     elif not isinstance(scene, (str, os.PathLike)):
-        raise InputError("view: wants a file or a Scene")
+        raise InputError("view: wants a file, a Scene or a World")
     arguments = [] if port is None else ["--port", str(port)]
     return subprocess.Popen([_program(), "view", str(scene), *arguments])
 

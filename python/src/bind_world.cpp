@@ -226,6 +226,8 @@ void bind_world(py::module_& module) {
           py::arg("duration"),
           "Simulates one frame [s]. Does not raise for what happens in it: look at the report.")
       .def_property_readonly("time", &PyWorld::time, "[s]")
+      .def_property_readonly(
+          "scene", [](const PyWorld& self) { return self.scene; }, "The Scene that it was built from.")
       .def_property_readonly("precision",
                              [](const PyWorld& self) { return self.in_double() ? "double" : "single"; })
       .def_property_readonly(

@@ -49,16 +49,23 @@ class WorldOf : public PyWorld {
 
 }  // namespace
 
-std::shared_ptr<PyWorld> make_world(const PyScene& scene, int threads,
+std::shared_ptr<PyWorld> make_world(const std::shared_ptr<PyScene>& scene, int threads,
                                     const std::optional<std::string>& precision) {
   if (threads < 1) throw InputError("threads", std::to_string(threads) + ", must be 1 or more");
   if (precision && *precision != "single" && *precision != "double")
     throw InputError("precision", "\"" + *precision + "\", must be \"single\" or \"double\"");
-  const bool in_double = precision ? *precision == "double" : scene.scene().in_double();
-  const Setup& setup = scene.resolved().setup;
-  const py::gil_scoped_release others_run;
-  if (in_double) return std::make_shared<WorldOf<double>>(setup, threads);
-  return std::make_shared<WorldOf<float>>(setup, threads);
+  const bool in_double = precision ? *precision == "double" : scene->scene().in_double();
+  const Setup& setup = scene->resolved().setup;
+  std::shared_ptr<PyWorld> world;
+  {
+    const py::gil_scoped_release others_run;
+    if (in_double)
+      world = std::make_shared<WorldOf<double>>(setup, threads);
+    else
+      world = std::make_shared<WorldOf<float>>(setup, threads);
+  }
+  world->scene = scene;
+  return world;
 }
 
 }  // namespace lobe::python

@@ -33,6 +33,8 @@ class PyWorld {
   virtual PyCheckpoint save() const = 0;
   virtual void restore(const PyCheckpoint& checkpoint) = 0;
 
+  std::shared_ptr<PyScene> scene;  // that it was built from
+
   // Held during a call.
   std::unique_lock<std::mutex> claim() {
     std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
@@ -44,7 +46,7 @@ class PyWorld {
   std::mutex mutex_;
 };
 
-std::shared_ptr<PyWorld> make_world(const PyScene& scene, int threads,
+std::shared_ptr<PyWorld> make_world(const std::shared_ptr<PyScene>& scene, int threads,
                                     const std::optional<std::string>& precision);
 
 }  // namespace lobe::python

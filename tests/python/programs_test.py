@@ -1,3 +1,6 @@
+import time
+import urllib.request
+
 import lobe
 import numpy as np
 import pytest
@@ -18,5 +21,24 @@ def test_what_the_mesher_refuses_is_an_input_error(tmp_path):
 
 
 def test_view_wants_a_scene():
-    with pytest.raises(lobe.InputError, match="a file or a Scene"):
+    with pytest.raises(lobe.InputError, match="a file, a Scene or a World"):
         lobe.view(3)
+
+
+def test_the_page_of_a_world_is_served(scene, monkeypatch, capfd):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    server = lobe.view(lobe.World(scene), port=0)
+    try:
+        address = ""
+        for _ in range(200):
+            address += capfd.readouterr().out
+            if "token" in address and "\n" in address:
+                break
+            assert server.poll() is None
+            time.sleep(0.05)
+        with urllib.request.urlopen(address.split()[0], timeout=20) as page:
+            assert b"<html" in page.read()
+    finally:
+        server.terminate()
+        assert server.wait(timeout=20) == 0

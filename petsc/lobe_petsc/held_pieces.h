@@ -1,0 +1,15 @@
+// Pieces of the body that nothing keeps from moving as a rigid body, over all ranks.
+#pragma once
+
+#include "lobe/fem/elements.h"
+#include "lobe_petsc/ghosted.h"
+
+namespace lobe::petsc {
+
+using Given = Eigen::Matrix<bool, 3, Eigen::Dynamic>;  // per local vertex and component: it is prescribed
+
+// Throws InputError on all ranks if there is such a piece (solve/floating.h says when).
+void refuse_floating_pieces(const Ranks& ranks, const Part& part, const Elements& elements,
+                            const Given& given);
+
+}  // namespace lobe::petsc

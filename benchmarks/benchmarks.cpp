@@ -18,6 +18,8 @@ std::span<const Benchmark> all_benchmarks() {
       {"live", "what a session costs beside its frames; a replay of minutes of random hands", bench_live},
       {"features", "what each option costs per step, on and off", bench_features},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
+      {"reduced", "a trial: smooth parts embedded in a coarse lattice, against all non-linear", bench_reduced,
+       true},
       {"soak", "random gestures for a given time, invariants checked every second", bench_soak},
   };
   return list;

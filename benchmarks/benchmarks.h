@@ -47,5 +47,6 @@ void bench_surface(const Options& options);
 void bench_live(const Options& options);
 void bench_skin(const Options& options);
 void bench_soak(const Options& options);
+void bench_reduced(const Options& options);
 
 }  // namespace lobe::bench

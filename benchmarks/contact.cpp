@@ -83,12 +83,12 @@ double limit_of(World<Real>& world, bool with_contact) {
   return 2 / found.omega;
 }
 
-struct Case {
+struct ContactCase {
   const char* what;
   std::function<void(Setup&)> ask;
 };
 
-std::vector<Case> cases() {
+std::vector<ContactCase> cases() {
   return {{"none", [](Setup&) {}},
           {"far probe", [](Setup& s) { s.probes.push_back(ball(s.mesh, 0.2, 0.1)); }},
           {"near probe", [](Setup& s) { s.probes.push_back(ball(s.mesh, 0.003, 0.1)); }},
@@ -97,7 +97,7 @@ std::vector<Case> cases() {
           {"self, nothing touches", [](Setup& s) { s.contact.self = true; }}};
 }
 
-void check(World<double>& world, const Case& own, ContactRow& row) {
+void check(World<double>& world, const ContactCase& own, ContactRow& row) {
   for (int i = 0; i < 25; ++i)
     if (!world.advance(0.02).ok) throw WrongResult(std::string(own.what) + ": the run did not go well");
   if (!world.tools().lists().probes.empty()) row.force = world.tools().lists().probes.front().force.norm();
@@ -118,7 +118,7 @@ std::vector<ContactRow> measure(const std::string& name, const TetMesh& mesh, co
   std::vector<std::shared_ptr<World<float>>> worlds;
   std::vector<Timed> timed;
   std::vector<int> steps;
-  for (const Case& own : cases()) {
+  for (const ContactCase& own : cases()) {
     Setup setup = organ(mesh);
     own.ask(setup);
     ContactRow row{name, own.what, mesh.tet_count()};

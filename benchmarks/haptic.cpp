@@ -189,7 +189,9 @@ LoopRow time_loop(const Body& body, double frame, int priority, double seconds, 
   const double before = session.status()->time;
   const Stopwatch watch(false);
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-  LoopRow row{.mesh = body.mesh, .mode = frame <= direct_frame ? "direct" : "extrapolated"};
+  LoopRow row;
+  row.mesh = body.mesh;
+  row.mode = frame <= direct_frame ? "direct" : "extrapolated";
   row.seconds = watch.seconds();
   row.frame = frame;
   row.factor = (session.status()->time - before) / row.seconds;

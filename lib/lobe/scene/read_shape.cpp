@@ -28,7 +28,9 @@ RigidShape read_shape_file(const std::filesystem::path& file) {
 }  // namespace
 
 RigidShape read_shape(const nlohmann::json& entry, std::filesystem::path& file) {
-  const auto& [kind, values] = *entry.items().begin();
+  const auto only = entry.begin();
+  const std::string& kind = only.key();
+  const nlohmann::json& values = *only;
   if (kind == "sphere") return RigidShape::sphere(values["radius"]);
   if (kind == "capsule") return RigidShape::capsule(values["radius"], values["length"]);
   if (kind == "box") return RigidShape::box(read_vector(values["size"]));

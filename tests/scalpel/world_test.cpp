@@ -276,6 +276,42 @@ TEST_CASE("only the vertex that lies in the tissue stays held") {
   }
 }
 
+TEST_CASE("whatever is said of points and faces, an incision is made and nothing is lost, or it is refused") {
+  const Setup setup = setup_of(irregular_box(2, 0.03));
+  const std::vector<Incision> good = incisions_of(setup.mesh, 3);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto number = [&](Index below) {
+    return Index(uniform(random) * 1.1 * below) - Index(uniform(random) < 0.02);
+  };
+  int refused = 0, made = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    World<double> world(setup);
+    for (Incision incision : good) {
+      const Index points = world.grains() ? world.grains()->point_count() : 27, grains = 8 * points;
+      for (auto& edge : incision.bisections)
+        if (uniform(random) < 0.1) edge = {number(points), number(points), 1.05 * uniform(random)};
+      for (Index& code : incision.opened)
+        if (uniform(random) < 0.1) code = number(grains);
+      const Index before = world.grains() ? world.grains()->count() : 0;
+      try {
+        world.apply(Incise{incision});
+        ++made;
+      } catch (const InputError&) {
+        ++refused;
+        if (before > 0) CHECK(world.grains()->count() == before);
+      }
+    }
+    validate(world);
+    double volume = 0;
+    for (Index t = 0; t < world.elements().topology.tet_count(); ++t) volume += world.elements().volume(t);
+    CHECK(volume == near(total_volume(setup.mesh), 1e-9));
+    CHECK(world.forces().allFinite());
+  }
+  CHECK(refused > 10);
+  CHECK(made > 10);
+}
+
 TEST_CASE("a blade that is no blade is refused") {
   Setup setup = bar_and_blade();
   setup.scalpels[0].heels[0] = setup.scalpels[0].path[0].position;

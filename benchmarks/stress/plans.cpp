@@ -1,4 +1,5 @@
 // What trainees, scenes and meshes do to a body.
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 

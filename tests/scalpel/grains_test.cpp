@@ -331,6 +331,20 @@ TEST_CASE("a hundred and fifty of them") {
   for (int trial = 0; trial < 150; ++trial) CHECK(is_parted(trial, cube(4 + trial % 3)));
 }
 
+TEST_CASE(
+    "a blade that turns far more sharply than the mesh is fine leaves crumbs and bridges, but loses "
+    "nothing") {
+  const TetMesh mesh = irregular_box(5, 0.02);
+  const double edge = Grains(Elements(setup_of(mesh))).mean_edge();
+  for (const double curvature : {2.0, 3.0, 5.0}) {  // times the edge
+    const double wave = 2 * M_PI / 0.05;
+    Knife knife(mesh);
+    knife.plane({1, 2, 3}, middle, 150, 1, 0.2, curvature / edge / (wave * wave), wave);
+    check_invariants(knife, mesh);
+    CHECK(knife.area > 0.01);
+  }
+}
+
 TEST_CASE("to retrace a path fifty times adds no grain after the first") {
   const TetMesh mesh = irregular_box(5, 0.02);
   Knife knife(mesh);

@@ -247,6 +247,38 @@ TEST_CASE("a frame of a cut body has grains for cells, which fill it and do not 
   CHECK(Topology(frame.mesh).pieces().size() == 2);
 }
 
+TEST_CASE("a blade cuts with every option of a scene") {
+  std::vector<Setup> setups(8, bar_and_blade(0.4));
+  setups[0].materials[0].nodal_pressure = 1;
+  setups[1].selective_mass = 3;
+  setups[2].mass_scaling = 0.02;
+  setups[3].sleep = 1e-6;
+  setups[4].guard_below = 0.3;
+  setups[4].volume_penalty = 1e5;
+  setups[5].evaluator = Evaluator::stored;
+  setups[6].integrator = Integrator::generalised_alpha;
+  setups[6].implicit_step = 1.0 / 60;
+  setups[7].scalpels[0].along_faces = true;
+  for (const Setup& setup : setups) {
+    CAPTURE(&setup - setups.data());
+    World<double> world(setup);
+    double area = 0;
+    for (int i = 0; i < 12; ++i) {
+      const Report report = world.advance(1.0 / 30);
+      CHECK(report.ok);
+      CHECK(report.tets_removed == 0);
+      area += report.cut_area;
+    }
+    validate(world);
+    CHECK(area > 8e-4);
+    CHECK(world.elements().topology.pieces().size() >= 2);
+    double volume = 0;
+    for (Index t = 0; t < world.elements().topology.tet_count(); ++t) volume += world.elements().volume(t);
+    CHECK(volume == near(1.08e-4, 1e-12));
+    CHECK(world.state().u.row(2).minCoeff() < -0.01);  // the end falls
+  }
+}
+
 TEST_CASE("half a cut is pulled open, and its tip stays whole") {
   Setup setup = bar_and_blade(0.4);
   setup.scalpels[0].path[1].position.z() = setup.scalpels[0].heels[1].z() = 0.014;
@@ -274,6 +306,42 @@ TEST_CASE("only the vertex that lies in the tissue stays held") {
       for (Index grain : world.grains()->of(t))
         for (Index p : (*world.grains())[grain].points) CHECK(world.grains()->point(p).z() < 0.008 + 1e-9);
   }
+}
+
+TEST_CASE("whatever is said of points and faces, an incision is made and nothing is lost, or it is refused") {
+  const Setup setup = setup_of(irregular_box(2, 0.03));
+  const std::vector<Incision> good = incisions_of(setup.mesh, 3);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto number = [&](Index below) {
+    return Index(uniform(random) * 1.1 * below) - Index(uniform(random) < 0.02);
+  };
+  int refused = 0, made = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    World<double> world(setup);
+    for (Incision incision : good) {
+      const Index points = world.grains() ? world.grains()->point_count() : 27, grains = 8 * points;
+      for (auto& edge : incision.bisections)
+        if (uniform(random) < 0.1) edge = {number(points), number(points), 1.05 * uniform(random)};
+      for (Index& code : incision.opened)
+        if (uniform(random) < 0.1) code = number(grains);
+      const Index before = world.grains() ? world.grains()->count() : 0;
+      try {
+        world.apply(Incise{incision});
+        ++made;
+      } catch (const InputError&) {
+        ++refused;
+        if (before > 0) CHECK(world.grains()->count() == before);
+      }
+    }
+    validate(world);
+    double volume = 0;
+    for (Index t = 0; t < world.elements().topology.tet_count(); ++t) volume += world.elements().volume(t);
+    CHECK(volume == near(total_volume(setup.mesh), 1e-9));
+    CHECK(world.forces().allFinite());
+  }
+  CHECK(refused > 10);
+  CHECK(made > 10);
 }
 
 TEST_CASE("a blade that is no blade is refused") {

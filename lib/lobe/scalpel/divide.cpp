@@ -1,5 +1,6 @@
 // What grains that have come apart mean for the simulation.
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "lobe/scalpel/grains.h"
@@ -12,69 +13,141 @@ using Corners = Eigen::Vector4i;
 
 bool has(const Corners& corners, Index v) { return (corners.array() == v).any(); }
 
+struct FaceOfGrain {
+  std::array<Index, 3> points;  // ascending
+  Index code;                   // 4 × place of the grain + face
+  bool operator<(const FaceOfGrain& other) const { return points < other.points; }
+};
+
 // Grains of the tetrahedra around a vertex hang together there if faces lead from one to another without
 // leaving these tetrahedra: a face in common ties all three vertices of its tetrahedra's face together.
 class Division {
  public:
-  Division(const Grains& grains, const Topology& topology) : grains_(grains), topology_(topology) {}
+  Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched);
 
-  TetDivision of(const std::vector<Index>& touched) {
-    std::vector<Index> vertices;
-    for (Index t : touched)
-      for (Index v : topology_.corners(t)) vertices.push_back(v);
-    sort_unique(vertices);
-    for (Index v : vertices) split(v);
-    for (Index t : changed_tets()) divide(t);
-    find_neighbours(touched);
-    return std::move(result_);
+  TetDivision find();
+  template <class Visit>
+  void for_moved_grains(Visit&& visit) const {  // visit(grain, the tetrahedron that it is part of now)
+    for (const Own& own : own_)
+      if (own.element != grains_[own.grain].element) visit(own.grain, own.element);
   }
-
-  const std::map<Index, Index>& element_of() const { return element_of_; }  // of grains that have another
 
  private:
-  Corners corners_of(Index grain) const {
-    const auto at = corners_of_.find(grain);
-    return at == corners_of_.end() ? topology_.corners(grains_[grain].element) : at->second;
+  static constexpr Index unknown = -2;
+  struct Own {  // a grain of a tetrahedron around the vertices of those that were touched
+    Index grain, element;
+    Corners corners;  // of its tetrahedron, as they will be
+    bool has_new_corners = false;
+    std::array<Index, 4> beside{unknown, unknown, unknown, unknown};  // grains
+    Index seen_at = -1;  // the vertex around which it has not been found yet
+  };
+
+  Own* own(Index grain);
+  const Own* own(Index grain) const { return const_cast<Division*>(this)->own(grain); }
+  Index beside(const Own& own, int face) const {
+    const Index known = own.beside[std::size_t(face)];
+    return known == unknown ? grains_.neighbour(own.grain, face) : known;
   }
   Index element_of(Index grain) const {
-    const auto at = element_of_.find(grain);
-    return at == element_of_.end() ? grains_[grain].element : at->second;
+    const Own* known = own(grain);
+    return known ? known->element : grains_[grain].element;
   }
+  Corners corners_of(Index grain) const {
+    const Own* known = own(grain);
+    return known ? known->corners : topology_.corners(grains_[grain].element);
+  }
+  std::vector<Index> grains_of(Index tet) const;
 
-  std::vector<std::vector<Index>> parts_around(Index v) const;
+  void find_beside();
+  std::vector<std::vector<Index>> parts_around(Index v);
   void split(Index v);
   std::vector<Index> changed_tets() const;
   void divide(Index tet);
-  void find_neighbours(const std::vector<Index>& touched);
-  TetDivision::Neighbours neighbours_of(Index tet, const std::vector<Index>& grains);
+  void find_neighbours();
+  TetDivision::Neighbours neighbours_of(Index tet, const std::vector<Index>& grains) const;
 
   const Grains& grains_;
   const Topology& topology_;
-  std::map<Index, Corners> corners_of_;  // of grains whose tetrahedron gets other corners
-  std::map<Index, Index> element_of_;
+  std::vector<Index> touched_, vertices_;
+  std::vector<Own> own_;                           // by their grains
   std::map<Index, std::vector<Index>> grains_of_;  // of tetrahedra that were divided, and of their parts
   Index new_tets_ = 0;
   TetDivision result_;
 };
 
-std::vector<std::vector<Index>> Division::parts_around(Index v) const {
+Division::Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched)
+    : grains_(grains), topology_(topology), touched_(touched) {
+  for (Index t : touched)
+    for (Index v : topology.corners(t)) vertices_.push_back(v);
+  sort_unique(vertices_);
+  std::vector<Index> tets, all;
+  for (Index v : vertices_) tets.insert(tets.end(), topology.around(v).begin(), topology.around(v).end());
+  sort_unique(tets);
+  for (Index t : tets) all.insert(all.end(), grains.of(t).begin(), grains.of(t).end());
+  std::sort(all.begin(), all.end());
+  own_.reserve(all.size());
+  for (Index grain : all) {
+    const Index element = grains[grain].element;
+    own_.push_back({grain, element, topology.corners(element)});
+  }
+  find_beside();
+}
+
+// Who shares a face with whom, of all these at once; of faces on the rim it is found when it is asked for.
+void Division::find_beside() {
+  std::vector<FaceOfGrain> faces;
+  faces.reserve(4 * own_.size());
+  for (std::size_t i = 0; i < own_.size(); ++i)
+    for (int f = 0; f < 4; ++f) {
+      if (grains_.is_open(own_[i].grain, f) || grains_.is_skin(own_[i].grain, f)) {
+        own_[i].beside[std::size_t(f)] = -1;
+        continue;
+      }
+      const int* c = face_corners[f];
+      const Eigen::Vector4i& p = grains_[own_[i].grain].points;
+      FaceOfGrain face{{p[c[0]], p[c[1]], p[c[2]]}, 4 * static_cast<Index>(i) + f};
+      std::sort(face.points.begin(), face.points.end());
+      faces.push_back(face);
+    }
+  std::sort(faces.begin(), faces.end());
+  for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
+    if (faces[i].points != faces[i + 1].points) continue;
+    Own &a = own_[std::size_t(faces[i].code / 4)], &b = own_[std::size_t(faces[i + 1].code / 4)];
+    a.beside[std::size_t(faces[i].code % 4)] = b.grain;
+    b.beside[std::size_t(faces[i + 1].code % 4)] = a.grain;
+  }
+}
+
+Division::Own* Division::own(Index grain) {
+  const auto at = std::lower_bound(own_.begin(), own_.end(), grain,
+                                   [](const Own& known, Index g) { return known.grain < g; });
+  return at != own_.end() && at->grain == grain ? &*at : nullptr;
+}
+
+TetDivision Division::find() {
+  for (Index v : vertices_) split(v);
+  for (Index t : changed_tets()) divide(t);
+  find_neighbours();
+  return std::move(result_);
+}
+
+std::vector<std::vector<Index>> Division::parts_around(Index v) {
   std::vector<Index> left;
   for (Index t : topology_.around(v)) left.insert(left.end(), grains_.of(t).begin(), grains_.of(t).end());
   std::sort(left.begin(), left.end());
-  std::vector<char> is_found(left.size(), 0);
+  for (Index grain : left) own(grain)->seen_at = v;
   std::vector<std::vector<Index>> parts;
-  for (std::size_t first = 0; first < left.size(); ++first) {
-    if (is_found[first]) continue;
-    is_found[first] = 1;
-    std::vector<Index>& part = parts.emplace_back(1, left[first]);
+  for (Index first : left) {
+    Own* start = own(first);
+    if (start->seen_at != v) continue;
+    start->seen_at = -1;
+    std::vector<Index>& part = parts.emplace_back(1, first);
     for (std::size_t at = 0; at < part.size(); ++at)
-      for (int f = 0; f < 4; ++f) {
-        const Index other = grains_.neighbour(part[at], f);
-        const auto found = std::lower_bound(left.begin(), left.end(), other);
-        if (other < 0 || found == left.end() || *found != other) continue;
-        char& is_known = is_found[std::size_t(found - left.begin())];
-        if (!is_known) part.push_back(other);
-        is_known = 1;
+      for (const Index other : own(part[at])->beside) {
+        Own* next = other < 0 ? nullptr : own(other);
+        if (!next || next->seen_at != v) continue;
+        next->seen_at = -1;
+        part.push_back(other);
       }
   }
   return parts;
@@ -93,17 +166,18 @@ void Division::split(Index v) {
     const Index copy = topology_.vertex_count() + static_cast<Index>(result_.vertices.size());
     result_.vertices.push_back(v);
     for (Index grain : parts[i]) {
-      Corners corners = corners_of(grain);
-      for (Index& corner : corners)
+      Own& known = *own(grain);
+      known.has_new_corners = true;
+      for (Index& corner : known.corners)
         if (corner == v) corner = copy;
-      corners_of_[grain] = corners;
     }
   }
 }
 
 std::vector<Index> Division::changed_tets() const {
   std::vector<Index> tets;
-  for (const auto& [grain, corners] : corners_of_) tets.push_back(grains_[grain].element);
+  for (const Own& known : own_)
+    if (known.has_new_corners) tets.push_back(known.element);
   sort_unique(tets);
   return tets;
 }
@@ -128,57 +202,61 @@ void Division::divide(Index tet) {
   const auto keeps = std::max_element(parts.begin(), parts.end(),
                                       [](const Part& a, const Part& b) { return a.share < b.share; });
   for (auto part = parts.begin(); part != parts.end(); ++part) {
-    const Index own = part == keeps ? tet : topology_.tet_count() + new_tets_++;
-    result_.parts.push_back({own, tet, part->corners, part->share});
-    for (Index grain : part->grains) element_of_[grain] = own;
-    grains_of_[own] = part->grains;
+    const Index number = part == keeps ? tet : topology_.tet_count() + new_tets_++;
+    result_.parts.push_back({number, tet, part->corners, part->share});
+    for (Index grain : part->grains) own(grain)->element = number;
+    grains_of_[number] = part->grains;
   }
 }
 
-void Division::find_neighbours(const std::vector<Index>& touched) {
-  const auto grains_of = [&](Index tet) {
-    const auto at = grains_of_.find(tet);
-    if (at != grains_of_.end()) return at->second;
-    return std::vector<Index>(grains_.of(tet).begin(), grains_.of(tet).end());
-  };
-  std::vector<Index> tets = touched;
+std::vector<Index> Division::grains_of(Index tet) const {
+  const auto at = grains_of_.find(tet);
+  if (at != grains_of_.end()) return at->second;
+  return {grains_.of(tet).begin(), grains_.of(tet).end()};
+}
+
+void Division::find_neighbours() {
+  std::vector<Index> tets = touched_;
   for (const auto& [tet, grains] : grains_of_) tets.push_back(tet);
   sort_unique(tets);
   const std::vector<Index> inner = tets;
   for (Index t : inner)
     for (Index grain : grains_of(t))
       for (int f = 0; f < 4; ++f)
-        if (const Index other = grains_.neighbour(grain, f); other >= 0) tets.push_back(element_of(other));
+        if (const Index other = beside(*own(grain), f); other >= 0) tets.push_back(element_of(other));
   sort_unique(tets);
   for (Index t : tets) result_.neighbours.push_back(neighbours_of(t, grains_of(t)));
 }
 
 // Two tetrahedra beside each other differ in one corner, which is opposite to the face that they share.
-TetDivision::Neighbours Division::neighbours_of(Index tet, const std::vector<Index>& grains) {
-  TetDivision::Neighbours own{tet, {}};
+TetDivision::Neighbours Division::neighbours_of(Index tet, const std::vector<Index>& grains) const {
+  TetDivision::Neighbours found{tet, {}};
   const Corners corners = corners_of(grains.front());
-  for (Index grain : grains)
+  for (Index grain : grains) {
+    const Own* known = own(grain);
     for (int f = 0; f < 4; ++f) {
-      const Index other = grains_.neighbour(grain, f);
+      const Index other = known ? beside(*known, f) : grains_.neighbour(grain, f);
       if (other < 0 || element_of(other) == tet) continue;
-      const Corners beside = corners_of(other);
+      const Corners next = corners_of(other);
       for (int c = 0; c < 4; ++c)
-        if (!has(beside, corners[c])) own.across[std::size_t(c)].push_back(element_of(other));
+        if (!has(next, corners[c])) found.across[std::size_t(c)].push_back(element_of(other));
     }
-  for (std::vector<Index>& across : own.across) sort_unique(across);
-  return own;
+  }
+  for (std::vector<Index>& across : found.across) sort_unique(across);
+  return found;
 }
 
 }  // namespace
 
 TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& opened) {
-  Division division(*this, topology);
-  TetDivision result = division.of(opened);
+  Division division(*this, topology, opened);
+  TetDivision result = division.find();
   for (const TetDivision::Part& part : result.parts)
     while (of_element_.vertex_count() <= part.tet) of_element_.add_vertex();
-  for (const auto& [grain, element] : division.element_of()) {
+  std::vector<std::pair<Index, Index>> moved;
+  division.for_moved_grains([&](Index grain, Index element) { moved.emplace_back(grain, element); });
+  for (const auto& [grain, element] : moved) {
     Grain& own = grains_[std::size_t(grain)];
-    if (own.element == element) continue;
     of_element_.erase_value(own.element, grain);
     of_element_.append(element, grain);
     own.element = element;

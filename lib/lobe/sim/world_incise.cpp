@@ -20,6 +20,15 @@ bool is_held_by_one(const HeldVertices& held, const std::array<Index, 3>& vertic
   return holders[0] == holders[1] && holders[1] == holders[2];
 }
 
+// Divides grains, after which faces can be opened.
+void divide_grains(const Incise& command, Grains& grains) {
+  if (!grains.can_bisect(command.incision.bisections))
+    throw InputError("incision", "names a point that there is not, or divides an edge at its end");
+  grains.bisect(command.incision.bisections);
+  if (!grains.can_open(command.incision.opened))
+    throw InputError("incision", "opens a face that there is not");
+}
+
 }  // namespace
 
 template <class Real>
@@ -185,17 +194,16 @@ void World<Real>::share_loads(const MeshEdit& edit) {
 template <class Real>
 MeshEdit World<Real>::repeat_incision(const Incise& command) {
   Blades& own = blades();
-  if (!own.grains.can_bisect(command.incision.bisections))
-    throw InputError("incision", "names a point that there is not, or divides an edge at its end");
-  own.grains.bisect(command.incision.bisections);
-  if (!own.grains.can_open(command.incision.opened))
-    throw InputError("incision", "opens a face that there is not");
+  divide_grains(command, own.grains);
   if (!command.incision.empty()) journal_.edits.push_back(command);
   return divide(own.grains.open(command.incision.opened));
 }
 
+// Tried first on a copy: what cannot be done changes nothing.
 template <class Real>
 void World<Real>::perform(const Incise& command) {
+  Grains trial = blades().grains;
+  divide_grains(command, trial);
   const MeshEdit edit = repeat_incision(command);
   if (!edit.empty()) treat_loose(pieces_.loosened_by(body_.model, edit));
 }

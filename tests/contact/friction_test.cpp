@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "contact/frame.h"
 #include "near.h"
 #include "support.h"
 #include "world_support.h"
@@ -12,7 +13,6 @@ using namespace lobe::test;
 
 namespace {
 
-constexpr double frame = 0.02;  // [s]
 constexpr double friction = 0.3;
 
 // A stiff block on a table, with gravity as on an incline.

@@ -101,6 +101,7 @@ TEST_CASE("jaws hold by friction, and slip when they pull too hard") {
 TEST_CASE("jaws of hands close until they feel what is between them, and keep it") {
   Setup setup = strip(0);
   setup.probes.clear();
+  setup.materials = {{4e5, 1e5, 1000}};
   World<float> world(setup);
   ToolPose pose{{-0.004, 0.005, 0.005},
                 Eigen::Quaterniond(Eigen::AngleAxisd(EIGEN_PI / 2, Vec3d::UnitY())).coeffs(),

@@ -20,7 +20,7 @@ struct BringProbe {
 };
 
 inline constexpr double jaw_speed = 0.02;  // at which hands close and open jaws [m/s]
-inline constexpr double most_grip = 0.5;   // at which hands stop closing them [N]
+inline constexpr double most_grip = 2;     // at which hands stop to close them [N]
 
 struct Probe {
   using Path = ProbeSetup;

@@ -56,6 +56,7 @@ std::vector<Plan> all_plans(bool quick);
 void add_time_step_plans(std::vector<Plan>& plans, bool quick);
 void add_shape_plans(std::vector<Plan>& plans, const Subject& subject, const std::string& model);
 void add_gesture_plans(std::vector<Plan>& plans, const Subject& subject, const std::string& model);
+void add_probe_plans(std::vector<Plan>& plans, const Subject& subject, const std::string& model);
 void add_material_plans(std::vector<Plan>& plans);
 void add_mesh_plans(std::vector<Plan>& plans);
 

@@ -240,6 +240,7 @@ std::vector<Plan> all_plans(bool quick) {
   for (const std::string& model : models()) {
     add_shape_plans(plans, box(), model);
     add_gesture_plans(plans, box(), model);
+    add_probe_plans(plans, box(), model);
     for (const Subject& organ : organs(quick)) {
       if (quick && model != "nonlinear" && model != "mixed") continue;
       add_shape_plans(plans, organ, model);

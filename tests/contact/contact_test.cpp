@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "condense/half_linear.h"
+#include "contact/frame.h"
 #include "lobe/error.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
@@ -17,7 +18,6 @@ using namespace lobe::test;
 
 namespace {
 
-constexpr double frame = 0.02;  // [s]
 constexpr ToolId probe = 1;
 
 const Probe& first_probe(const Tools& tools) { return tools.lists().probes.front(); }

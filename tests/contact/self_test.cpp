@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "contact/frame.h"
 #include "lobe/contact/contact.h"
 #include "near.h"
 #include "support.h"
@@ -12,8 +13,6 @@ using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-constexpr double frame = 0.02;  // [s]
 
 TetMesh joined(const TetMesh& a, const TetMesh& b) {
   TetMesh both = a;

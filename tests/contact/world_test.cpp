@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "contact/frame.h"
 #include "lobe/contact/contact.h"
 #include "lobe/sim/checkpoint.h"
 #include "near.h"
@@ -13,8 +14,6 @@ using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-constexpr double frame = 0.02;  // [s]
 
 // Held at the bottom; its lower half may be of another model.
 Setup block(RegionModel lower, RegionModel upper) {
@@ -49,7 +48,7 @@ TEST_CASE("a precomputed region is expanded while a probe may press on it, and c
   setup.probes.push_back(from_above(press_and_leave()));
   World<float> world(setup), restored(setup, 2);
   double most = 0;
-  std::vector<bool> expanded;
+  std::vector<int> expanded;
   for (int i = 0; i < 60; ++i) {
     if (i == 12) restored.restore(world.save());
     REQUIRE(world.advance(frame).ok);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "lobe/time/vertex_frequencies.h"
 
@@ -13,14 +14,25 @@ namespace {
 constexpr double least_room = 0.05;  // θ
 constexpr double most_added = 0.2;   // of ω_max², with selective masses
 
-// ω_v² m_v of a vertex at rest: the largest eigenvalue of its stiffness [N/m].
-double stiffness_at_rest(const Elements& elements, Index v) {
-  Eigen::Matrix<double, 6, 1> K = Eigen::Matrix<double, 6, 1>::Zero();
-  for (Index t : elements.topology.around(v)) {
-    const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());
-    for (int c = 0; c < 4; ++c)
-      if (elements.topology.corners(t)[c] == v) K += own.col(c);
+// What vertices feel at rest when they move alone, of those that `is_wanted`, upper triangles [N/m]. Each tetrahedron is
+// asked once.
+DiagonalStiffness stiffness_at_rest(const Elements& elements, const std::vector<double>& is_wanted) {
+  const Topology& topology = elements.topology;
+  DiagonalStiffness K = DiagonalStiffness::Zero(6, topology.vertex_count());
+  std::vector<std::uint8_t> is_known(std::size_t(topology.tet_count()), 0);
+  for (Index v = 0; v < topology.vertex_count(); ++v) {
+    if (is_wanted[std::size_t(v)] == 0) continue;
+    for (Index t : topology.around(v)) {
+      if (std::exchange(is_known[std::size_t(t)], 1)) continue;
+      const Eigen::Vector4i corners = topology.corners(t);
+      const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());
+      for (int c = 0; c < 4; ++c) K.col(corners[c]) += own.col(c);
+    }
   }
+  return K;
+}
+
+double largest_of(const Eigen::Matrix<double, 6, 1>& K) {
   Mat3<double> block;
   block << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
   return largest_eigenvalue(block);
@@ -104,12 +116,13 @@ void ContactSurface::find_stiffness(const Surroundings& now) {
       for (int i = 0; i < point.count; ++i)
         area[std::size_t(point.corners[i])] += point.weights[i] * t.area / 3;
     }
+  const DiagonalStiffness K = stiffness_at_rest(now.model.elements, area);
   const double square = now.lumped_omega * now.lumped_omega, ratio = now.ratio * now.ratio;
   const auto kappa_of = [&](Index v) {
     double& known = kappa[std::size_t(v)];
     if (known >= 0) return known;
     const double full = square * now.mass[std::size_t(v)];
-    const double room = full - ratio * stiffness_at_rest(now.model.elements, v);
+    const double room = full - ratio * largest_of(K.col(v));
     known = area[std::size_t(v)] > 0 ? std::max(least_room * full, room) / area[std::size_t(v)] : 0;
     return known;
   };
@@ -144,8 +157,7 @@ void ContactSurface::fit_to_selective_masses(const Surroundings& now) {
     highest = std::sqrt((f.array() * stiffened(now.model.elements, f).array()).sum() / before);
     u = f / f.norm();
   }
-  const double share =
-      most_added * omega_ * omega_ / (1.1 * highest);  // power iterations find it from below
+  const double share = most_added * omega_ * omega_ / (1.1 * highest);  // power iterations find it from below
   if (!(share < 1)) return;
   for (Triangle& t : triangles_) t.stiffness *= share;
 }

@@ -50,8 +50,13 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
       return place_if(time.mass_scaling > 0, "/time/mass_scaling");
     case Option::implicit:
       return place_if(time.integrator == Integrator::generalised_alpha, "/time/integrator");
+    case Option::force_terms: {
+      std::vector<std::string> places = places_in(
+          scene.tools, "/tools", "type", [](const Tool& tool) { return tool.type == ProbeSetup::type; });
+      if (scene.contact.is_on()) places.push_back("/contact");
+      return places;
+    }
     case Option::expandable:
-    case Option::force_terms:
     case Option::single_precision:
     case Option::static_solution:
       return {};  // a scene cannot say these

@@ -78,8 +78,8 @@ LOBE_INLINE void stress(const Wide<Real> (&H)[3][3], const Wide<Real> (&F)[3][3]
   const Wide<Real> p = kappa * v * (v < Real(0) ? -v : v);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      P[i][j] = V * (F[i][j] * trace +
-                     2 * mu * (F[i][0] * E[0][j] + F[i][1] * E[1][j] + F[i][2] * E[2][j]) + p * C[i][j]);
+      P[i][j] = V * (F[i][j] * trace + 2 * mu * (F[i][0] * E[0][j] + F[i][1] * E[1][j] + F[i][2] * E[2][j]) +
+                     p * C[i][j]);
 }
 
 template <class Real>
@@ -108,7 +108,8 @@ LOBE_INLINE void add_block(const CellBlock<Real>& block, const CellLaw& law, con
   W h[12], t[12];
   for (int k = 0; k < 4; ++k)
     for (int e = 0; e < 3; ++e) {
-      h[3 * k + e] = F[0][e] * a[0][place[4 + k]] + F[1][e] * a[1][place[4 + k]] + F[2][e] * a[2][place[4 + k]];
+      h[3 * k + e] =
+          F[0][e] * a[0][place[4 + k]] + F[1][e] * a[1][place[4 + k]] + F[2][e] * a[2][place[4 + k]];
       t[3 * k + e] = W{};
     }
   for (int i = 0, entry = 0; i < 12; ++i)

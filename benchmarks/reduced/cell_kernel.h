@@ -25,7 +25,8 @@ struct CellLaw {
 };
 
 // q: four numbers per node, the last of which is a pad [m]; f likewise, to which forces are added [N].
-void add_cell_forces(const std::vector<CellBlock<float>>& blocks, const CellLaw& law, const float* q, float* f);
+void add_cell_forces(const std::vector<CellBlock<float>>& blocks, const CellLaw& law, const float* q,
+                     float* f);
 void add_cell_forces(const std::vector<CellBlock<double>>& blocks, const CellLaw& law, const double* q,
                      double* f);
 

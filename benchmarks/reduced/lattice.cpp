@@ -68,7 +68,8 @@ std::map<Place, std::vector<Index>> sorted_tets(const Elements& elements, double
     const Place* best = nullptr;
     double most = 0;
     for (const auto& [other, other_fill] : volumes) {
-      const int distance = std::abs(other[0] - place[0]) + std::abs(other[1] - place[1]) + std::abs(other[2] - place[2]);
+      const int distance =
+          std::abs(other[0] - place[0]) + std::abs(other[1] - place[1]) + std::abs(other[2] - place[2]);
       if (distance == 1 && other_fill >= least_fill && other_fill > most) best = &other, most = other_fill;
     }
     if (!best) continue;

@@ -11,12 +11,12 @@
 namespace lobe::reduced {
 
 struct Lattice {
-  double spacing = 0;                        // h [m]
-  std::vector<std::array<Index, 8>> nodes;   // per cell; node k is at the ends ±1 that the bits of k choose
-  std::vector<Vec3d> centres;                // per cell [m]
-  std::vector<std::vector<Index>> tets;      // per cell: those whose centroid is in it
-  std::vector<Index> cell_of_tet;            // none of the mesh is without
-  std::vector<Index> cell_of_vertex;         // the cell it lies in, or where that is empty one of its tetrahedra's
+  double spacing = 0;                       // h [m]
+  std::vector<std::array<Index, 8>> nodes;  // per cell; node k is at the ends ±1 that the bits of k choose
+  std::vector<Vec3d> centres;               // per cell [m]
+  std::vector<std::vector<Index>> tets;     // per cell: those whose centroid is in it
+  std::vector<Index> cell_of_tet;           // none of the mesh is without
+  std::vector<Index> cell_of_vertex;  // the cell it lies in, or where that is empty one of its tetrahedra's
   std::vector<std::array<double, 8>> weights;  // w_in per vertex, of the nodes of its cell; they sum to 1
   Index node_count = 0;
 

@@ -8,9 +8,10 @@ namespace lobe::reduced {
 enum class Motion : std::uint8_t { held, own, embedded };
 
 struct Membership {
-  std::vector<Motion> motion;               // per vertex
-  std::vector<std::uint8_t> full;           // per tetrahedron: any corner moves by itself
-  std::vector<std::vector<Index>> embedded;  // per cell of the lattice: its tetrahedra with embedded corners alone
+  std::vector<Motion> motion;      // per vertex
+  std::vector<std::uint8_t> full;  // per tetrahedron: any corner moves by itself
+  std::vector<std::vector<Index>>
+      embedded;  // per cell of the lattice: its tetrahedra with embedded corners alone
 };
 
 // `wanted`: per vertex, whether it is to move by itself. What shares a tetrahedron with a held vertex always

@@ -19,6 +19,8 @@ namespace {
 using bench::Options;
 
 constexpr double lattice_spacing = 0.012;  // of a liver [m]; a kidney is half as wide
+constexpr double coarse_spacing = 0.02;    // of meshes below coarse_tets, whose edges are longer than 12 mm
+constexpr Index coarse_tets = 5000;
 constexpr int modes = 20;
 constexpr double own_safety = 0.9, converged_safety = 0.2;  // of lobe's worlds; of references
 constexpr Index most_refined = 15000;                       // tetrahedra of meshes that are refined once
@@ -49,9 +51,11 @@ struct Subject {
 Subject subject_of(const std::filesystem::path& file, double ratio) {
   const std::string name = file.stem().string();
   const bool is_kidney = name.starts_with("kidney");
-  Subject subject{name, is_kidney ? kidney() : liver(), {}, ratio, (is_kidney ? 0.6 : 1) * lattice_spacing};
+  Subject subject{name, is_kidney ? kidney() : liver(), {}, ratio, 0};
   subject.body.mesh = read_mesh(file).mesh;
   const auto tets = std::size_t(subject.body.mesh.tet_count());
+  const double spacing = subject.body.mesh.tet_count() < coarse_tets ? coarse_spacing : lattice_spacing;
+  subject.spacing = (is_kidney ? 0.6 : 1) * spacing;
   subject.body.mesh.labels.clear();
   subject.body.materials = {{.lambda = ratio * 1e4, .mu = 1e4, .density = 1000}};
   subject.body.material_of.assign(tets, 0);
@@ -59,8 +63,9 @@ Subject subject_of(const std::filesystem::path& file, double ratio) {
   subject.body.volume_penalty = 1e5;
   const auto held = held_vertices(subject.body, subject.organ);
   if (std::count(held.begin(), held.end(), 1) == 0)
-    throw InputError(file.string(), "none of its vertices is where the gestures hold the organ: a mesh of "
-                                    "data/liver.obj, or of data/kidney.obj if its name begins with `kidney`");
+    throw InputError(file.string(),
+                     "none of its vertices is where the gestures hold the organ: a mesh of "
+                     "data/liver.obj, or of data/kidney.obj if its name begins with `kidney`");
   return subject;
 }
 
@@ -123,7 +128,8 @@ struct Row {
   Index tets = 0;
   double ratio = 0;
   std::string model;
-  double burst = 0;
+  double spacing = 0;  // [m]
+  Policy policy;
   Played played;
   double speedup = 1, slowest = 1;
   double jump = 0;  // of displacements when embedding, relative to the largest norm of the reference
@@ -132,10 +138,11 @@ struct Row {
 };
 
 void print(const Row& r) {
-  std::printf("%-12s %7d %-14s %4.0f %-12s %4.2f %5.1f%% %6.2f %6.2f  %6.2f%% (%.2f s) %5.2f%% %3d", r.mesh.c_str(),
-              r.tets, r.gesture.c_str(), r.ratio, r.model.c_str(), r.burst, 100 * r.played.full_share, r.speedup,
-              r.slowest, 100 * r.same_mesh.largest, r.same_mesh.largest_at, 100 * r.same_mesh.mean,
-              r.same_mesh.above);
+  std::printf(
+      "%-12s %7d %-14s %4.0f %-12s %4.1f %4.0f %4.2f %5.1f%% %6.2f %6.2f  %6.2f%% (%.2f s) %5.2f%% %3d",
+      r.mesh.c_str(), r.tets, r.gesture.c_str(), r.ratio, r.model.c_str(), 1e3 * r.spacing,
+      1e3 * r.policy.margin, r.policy.burst, 100 * r.played.full_share, r.speedup, r.slowest,
+      100 * r.same_mesh.largest, r.same_mesh.largest_at, 100 * r.same_mesh.mean, r.same_mesh.above);
   if (r.refined) std::printf("  %6.2f%% %5.2f%%", 100 * r.refined->largest, 100 * r.refined->mean);
   std::printf("\n");
   std::fflush(stdout);
@@ -144,16 +151,19 @@ void print(const Row& r) {
 std::string csv(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << std::setprecision(4)
-      << "mesh,tets,gesture,lambda_over_mu,model,burst,full_share,speedup,worst_frame,changing,jump,relaxed,"
+      << "mesh,tets,gesture,lambda_over_mu,model,spacing,margin,burst,full_share,speedup,worst_frame,"
+         "changing,jump,relaxed,"
          "largest_error,largest_at,mean_error,frames_above,refined_largest,refined_mean\n";
   for (const Row& r : rows) {
-    out << r.mesh << ',' << r.tets << ',' << r.gesture << ',' << r.ratio << ',' << r.model << ',' << r.burst
-        << ',' << r.played.full_share << ',' << r.speedup << ',' << r.slowest << ','
-        << r.played.changing / r.played.seconds << ',' << r.jump << ','
-        << r.played.transitions.relaxed_vertices << ',' << r.same_mesh.largest << ',' << r.same_mesh.largest_at
-        << ',' << r.same_mesh.mean << ',' << r.same_mesh.above << ',';
-    if (r.refined) out << r.refined->largest << ',' << r.refined->mean;
-    else out << ',';
+    out << r.mesh << ',' << r.tets << ',' << r.gesture << ',' << r.ratio << ',' << r.model << ',' << r.spacing
+        << ',' << r.policy.margin << ',' << r.policy.burst << ',' << r.played.full_share << ',' << r.speedup
+        << ',' << r.slowest << ',' << r.played.changing / r.played.seconds << ',' << r.jump << ','
+        << r.played.transitions.relaxed_vertices << ',' << r.same_mesh.largest << ','
+        << r.same_mesh.largest_at << ',' << r.same_mesh.mean << ',' << r.same_mesh.above << ',';
+    if (r.refined)
+      out << r.refined->largest << ',' << r.refined->mean;
+    else
+      out << ',';
     out << '\n';
   }
   return out.str();
@@ -161,7 +171,8 @@ std::string csv(const std::vector<Row>& rows) {
 
 struct Variant {
   Stiffening stiffening;
-  double burst;  // [s]
+  Policy policy = {};
+  double coarser = 1;  // than the subject's lattice
 };
 
 Body refined_once(const Body& body) {
@@ -177,16 +188,17 @@ void measure_gesture(const Subject& subject, const Gesture& gesture, const std::
   const Index vertices = subject.body.mesh.vertex_count();
   const Policy all_full{.is_reduced = false};
   TrialSettings settings{.spacing = subject.spacing};
-  const Played exact = play<double>(subject.body, subject.organ, gesture, settings, all_full,
-                                    converged_safety, vertices);
+  const Played exact =
+      play<double>(subject.body, subject.organ, gesture, settings, all_full, converged_safety, vertices);
   std::optional<Played> fine;
-  if (subject.body.mesh.tet_count() <= most_refined)
+  if (subject.body.mesh.tet_count() <= most_refined && subject.ratio == 4)
     fine = play<float>(refined_once(subject.body), subject.organ, gesture, settings, all_full, 0.5, vertices);
-  const auto add = [&](const std::string& model, double burst, Played&& played, const Row* full) {
+  const auto add = [&](const std::string& model, const Policy& policy, Played&& played, const Row* full) {
     Row row{.mesh = subject.mesh, .gesture = gesture.name, .tets = subject.body.mesh.tet_count()};
     row.ratio = subject.ratio;
     row.model = model;
-    row.burst = burst;
+    row.policy = policy;
+    row.spacing = policy.is_reduced ? settings.spacing : 0;
     double norm = 0;
     for (const auto& frame : exact.frames) norm = std::max(norm, double(frame.norm()));
     row.jump = played.transitions.largest_jump / norm;
@@ -204,15 +216,16 @@ void measure_gesture(const Subject& subject, const Gesture& gesture, const std::
   const auto once = [&](const Policy& policy) {
     return play<float>(subject.body, subject.organ, gesture, settings, policy, own_safety, vertices);
   };
-  add("nonlinear", 0, once(all_full), nullptr);
+  add("nonlinear", all_full, once(all_full), nullptr);
   const Row full = rows.back();
   if (fine) {  // how far the reference is from the refined mesh
     Played same = exact;
-    add("converged", 0, std::move(same), &full);
+    add("converged", all_full, std::move(same), &full);
   }
   for (const Variant& variant : variants) {
     settings.stiffening = variant.stiffening;
-    add(text(variant.stiffening), variant.burst, once({.burst = variant.burst}), &full);
+    settings.spacing = variant.coarser * subject.spacing;
+    add(text(variant.stiffening), variant.policy, once(variant.policy), &full);
   }
 }
 
@@ -222,15 +235,17 @@ void run(const Options& options) {
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
   std::vector<std::filesystem::path> files = options.meshes;
   files.insert(files.begin(), meshes / (options.quick ? "liver_2k.vtu" : "liver_10k.vtu"));
-  std::printf("\nlowest %d frequencies at rest: largest deviation of the first six, of all, mean [%%]\n", modes);
+  std::printf("\nlowest %d frequencies at rest: largest deviation of the first six, of all, mean [%%]\n",
+              modes);
   std::vector<FrequencyRow> frequencies;
   for (const auto& file : files)
     for (double ratio : {1.0, 4.0, 20.0, 50.0})
       if (ratio == 4 || (!options.quick && file == files.front()))
         measure_frequencies(subject_of(file, ratio), frequencies);
   io::write_file(options.output / "reduced_frequencies.csv", csv(frequencies));
-  std::printf("\n%-12s %7s %-14s %4s %-12s %4s %6s %6s %6s  %-16s %6s %3s  %-14s\n", "mesh", "tets", "gesture",
-              "l/m", "model", "all", "full", "speed", "frame", "largest error", "mean", ">2%", "to the refined");
+  std::printf("\n%-12s %7s %-14s %4s %-12s %4s %4s %4s %6s %6s %6s  %-16s %6s %3s  %-14s\n", "mesh", "tets",
+              "gesture", "l/m", "model", "mm", "rim", "all", "full", "speed", "frame", "largest error",
+              "mean", ">2%", "to the refined");
   std::vector<Row> rows;
   for (const auto& file : files) {
     const Subject subject = subject_of(file, 4);
@@ -238,8 +253,10 @@ void run(const Options& options) {
       std::vector<Variant> variants;
       if (&gesture == &subject.organ.gestures.front())
         for (Stiffening s : {Stiffening::fluctuation, Stiffening::galerkin, Stiffening::homogenised})
-          variants.push_back({s, 0});
-      for (double burst : {0.0, 0.1, 0.2}) variants.push_back({Stiffening::relaxed, burst});
+          variants.push_back({s});
+      for (double burst : {0.0, 0.1, 0.2}) variants.push_back({Stiffening::relaxed, {.burst = burst}});
+      variants.push_back({Stiffening::relaxed, {.margin = 0.02}});
+      variants.push_back({Stiffening::relaxed, {.burst = 0.2}, 1.25});
       measure_gesture(subject, gesture, variants, rows);
       if (options.quick) break;
     }
@@ -247,8 +264,9 @@ void run(const Options& options) {
   if (!options.quick)
     for (double ratio : {1.0, 20.0, 50.0}) {
       const Subject subject = subject_of(files.front(), ratio);
-      measure_gesture(subject, subject.organ.gestures.front(),
-                      {{Stiffening::relaxed, 0}, {Stiffening::relaxed, 0.2}}, rows);
+      measure_gesture(
+          subject, subject.organ.gestures.front(),
+          {{Stiffening::fluctuation}, {Stiffening::relaxed}, {Stiffening::relaxed, {.burst = 0.2}}}, rows);
     }
   io::write_file(options.output / "reduced.csv", csv(rows));
 }

@@ -125,7 +125,7 @@ std::vector<double> lowest_frequencies(const Elements& elements, const Lattice& 
     X = factor.solve(Eigen::MatrixXd(system.M.asDiagonal() * X)).eval();
     const Eigen::MatrixXd MX = system.M.asDiagonal() * X;
     const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(X.transpose() * (system.K * X),
-                                                                         X.transpose() * MX);
+                                                                          X.transpose() * MX);
     X = (X * small.eigenvectors()).eval();
     squares = small.eigenvalues();
   }

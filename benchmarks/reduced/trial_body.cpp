@@ -54,7 +54,8 @@ void TrialBody<Real>::measure_limit(double estimate) {
   patches_.add_forces(u_, here, ElementPart::all, parallel_);
   const auto found = highest_frequency<Real>(
       inverse, [&](Index v) { return inverse[v] == 0 ? 0 : highest(stiffness_, v) * inverse[v]; },
-      1e-3 * lattice_.spacing, [&](const Mat3X<Real>& d, Mat3X<Real>& f) {
+      1e-3 * lattice_.spacing,
+      [&](const Mat3X<Real>& d, Mat3X<Real>& f) {
         moved = u_ + d;
         patches_.add_forces(moved, f, ElementPart::all, parallel_);
         f -= here;
@@ -297,8 +298,7 @@ void TrialBody<Real>::unravel(const std::vector<Index>& entered) {
     }
     if (moved.empty()) return;
     sort_unique(moved);
-    for (Index v : moved)
-      u_.col(v) = Real(0.5) * (u_.col(v) + (sum.col(v) / count[v]).template cast<Real>());
+    for (Index v : moved) u_.col(v) = Real(0.5) * (u_.col(v) + (sum.col(v) / count[v]).template cast<Real>());
     if (sweep == 0) transitions_.relaxed_vertices += static_cast<int>(moved.size());
   }
 }
@@ -320,8 +320,7 @@ void TrialBody<Real>::step(double dt, const Mat3X<double>& targets) {
     add_cell_forces(blocks_, law_, q_.data(), fq_.data());
     for (const Interface& own : interface_)
       for (int n = 0; n < 8; ++n)
-        for (int d = 0; d < 3; ++d)
-          fq_[std::size_t(own.nodes[n] + d)] += own.weights[n] * f_(d, own.vertex);
+        for (int d = 0; d < 3; ++d) fq_[std::size_t(own.nodes[n] + d)] += own.weights[n] * f_(d, own.vertex);
   }
   const double half = settings_.damping * dt / 2;
   const Real keep = Real((1 - half) / (1 + half)), gain = Real(dt / (1 + half)), h = Real(dt);

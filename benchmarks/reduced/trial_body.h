@@ -34,12 +34,12 @@ class TrialBody {
   double limit();  // 2/ω_max of what moves by itself, at the present state [s]
   void grasp(const std::vector<Index>& vertices) { grasped_ = vertices; }
   void step(double dt, const Mat3X<double>& targets);  // of the grasped vertices [m]
-  void expand();  // displacements and velocities of all embedded vertices
+  void expand();                               // displacements and velocities of all embedded vertices
   const Mat3X<Real>& u() const { return u_; }  // of held and own vertices, of others after expand() [m]
   const TransitionCount& transitions() const { return transitions_; }
-  double full_share() const;    // of the tetrahedra
+  double full_share() const;  // of the tetrahedra
   Index cell_count() const { return static_cast<Index>(active_cells_); }
-  Vec3d momentum() const;  // Σ m v of vertices and nodes [kg m/s]
+  Vec3d momentum() const;                            // Σ m v of vertices and nodes [kg m/s]
   double added_mass() const { return added_mass_; }  // by the floor that the step asks for, relative
 
  private:
@@ -78,8 +78,8 @@ class TrialBody {
   Mat3X<Real> u_, v_, f_;
   Nodes q_, vq_, fq_;
   DiagonalStiffness stiffness_;
-  double ratio_ = 1, measured_at_ = 0;           // [1/s²]
-  double rest_limit_ = 0, node_limit_ = 1e9;     // [s]
+  double ratio_ = 1, measured_at_ = 0;        // [1/s²]
+  double rest_limit_ = 0, node_limit_ = 1e9;  // [s]
   double added_mass_ = 0;
   TransitionCount transitions_;
 };

@@ -107,8 +107,7 @@ Organ kidney() {
 
 std::vector<std::uint8_t> held_vertices(const Body& body, const Organ& organ) {
   std::vector<std::uint8_t> held;
-  for (Index v = 0; v < body.mesh.vertex_count(); ++v)
-    held.push_back(organ.is_held(body.mesh.points.col(v)));
+  for (Index v = 0; v < body.mesh.vertex_count(); ++v) held.push_back(organ.is_held(body.mesh.points.col(v)));
   return held;
 }
 

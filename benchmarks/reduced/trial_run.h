@@ -42,7 +42,7 @@ struct Played {
   double seconds = 0;                   // of processor time, changes of zones included
   double changing = 0, slowest = 0;     // of it: in changes; in the slowest frame [s]
   long steps = 0;
-  double full_share = 0;                // mean over steps
+  double full_share = 0;  // mean over steps
   TransitionCount transitions;
 };
 

@@ -31,6 +31,16 @@ FOLDER_TITLES = [
 ]
 
 
+def index_of_all_pages():
+    """index.rst, and below it the pages that it does not list."""
+    index = (SITE / "index.rst").read_text(encoding="utf-8")
+    pages = [str(page.relative_to(ROOT).with_suffix("")) for page in sorted((ROOT / "docs").rglob("*.md"))]
+    others = [page for page in pages if f"{page}\n" not in index and f"<{page}>" not in index]
+    if others:
+        index += "\n.. toctree::\n   :caption: More\n   :maxdepth: 1\n\n" + "".join(f"   {page}\n" for page in others)
+    return index
+
+
 def stage(out, with_api):
     """The pages as Sphinx reads them: links to the tree, and pages of the API made from the list of headers."""
     source = out / "source"
@@ -38,7 +48,7 @@ def stage(out, with_api):
     source.mkdir(parents=True)
     for name in STAGED:
         (source / name).symlink_to(ROOT / name)
-    (source / "index.rst").symlink_to(SITE / "index.rst")
+    (source / "index.rst").write_text(index_of_all_pages(), encoding="utf-8")
     if with_api:
         stage_api(source / "api", out / "doxygen" / "xml")
     else:

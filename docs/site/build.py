@@ -103,8 +103,8 @@ def stage_api(api, xml):
             heading = f"``{include}``"
             text += [heading, "-" * len(heading), "", f".. doxygenfile:: {header.relative_to(ROOT)}", "   :project: lobe",
                      f"   :sections: {SECTIONS if path == 'capi' else SECTIONS + ' typedef'}", ""]
-            for kind, name in classes.get(str(header.relative_to(ROOT)), []):
-                text += [f".. doxygen{kind}:: {name}", "   :project: lobe", "   :members:", ""]
+            for kind, entity in classes.get(str(header.relative_to(ROOT)), []):
+                text += [f".. doxygen{kind}:: {entity}", "   :project: lobe", "   :members:", ""]
         (api / f"{name}.rst").write_text("\n".join(text), encoding="utf-8")
     index = ["API reference", "=============", "",
              "One page per folder, one section per header, from the headers' comments. An engine includes",

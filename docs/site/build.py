@@ -10,25 +10,35 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 from header_comments import filtered
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = ROOT / "docs" / "site"
 MATHJAX = Path("/usr/share/javascript/mathjax")
+NORMALIZE = Path("/usr/share/javascript/normalize.css/normalize.min.css")
 # What the formulas of the pages need of MathJax; all of it would be 54 MB.
 MATHJAX_PARTS = ["MathJax.js", "config/TeX-AMS_HTML.js", "extensions", "jax/element", "jax/input/TeX",
                  "jax/output/HTML-CSS", "fonts/HTML-CSS/TeX/woff"]
 # Folders that the pages link to, and pages outside docs/.
 STAGED = ["README.md", "LICENSE", "docs", "data", "examples", "lib", "benchmarks", "tests", "capi", "cholmod", "view",
           "meshing", "python"]
-MEMBERS = "briefdescription detaileddescription func innerclass enum var define user-defined public-*"
-SECTIONS = MEMBERS + " typedef"
-C_SECTIONS = MEMBERS
+SECTIONS = "briefdescription detaileddescription func enum var define user-defined"
 FOLDER_TITLES = [
     ("lib/lobe", "The umbrella header and what all folders use"),
     ("capi", "C interface"),
 ]
+
+
+def index_of_all_pages():
+    """index.rst, and below it the pages that it does not list."""
+    index = (SITE / "index.rst").read_text(encoding="utf-8")
+    pages = [str(page.relative_to(ROOT).with_suffix("")) for page in sorted((ROOT / "docs").rglob("*.md"))]
+    others = [page for page in pages if f"{page}\n" not in index and f"<{page}>" not in index]
+    if others:
+        index += "\n.. toctree::\n   :caption: More\n   :maxdepth: 1\n\n" + "".join(f"   {page}\n" for page in others)
+    return index
 
 
 def stage(out, with_api):
@@ -38,9 +48,9 @@ def stage(out, with_api):
     source.mkdir(parents=True)
     for name in STAGED:
         (source / name).symlink_to(ROOT / name)
-    (source / "index.rst").symlink_to(SITE / "index.rst")
+    (source / "index.rst").write_text(index_of_all_pages(), encoding="utf-8")
     if with_api:
-        stage_api(source / "api")
+        stage_api(source / "api", out / "doxygen" / "xml")
     else:
         (source / "api").mkdir()
         (source / "api" / "index.rst").write_text("API reference\n=============\n", encoding="utf-8")
@@ -59,8 +69,21 @@ def first_sentence(header):
     return text[:end].rstrip(".:")
 
 
-def stage_api(api):
+def classes_of_headers(xml):
+    """Per header, by its path: (kind, name) of each class and struct that stands in no other."""
+    found = {}
+    for file in sorted(xml.glob("*_8h.xml")):
+        compound = ElementTree.parse(file).getroot().find("compounddef")
+        header = compound.find("location").get("file")
+        inner = [(ref.get("refid"), ref.text) for ref in compound.findall("innerclass")]
+        found[header] = [("class" if ref.startswith("class") else "struct", name) for ref, name in inner
+                         if "::" not in name and "<" not in name]
+    return found
+
+
+def stage_api(api, xml):
     """One page per folder of lib/lobe, with one section per header."""
+    classes = classes_of_headers(xml)
     api.mkdir()
     folders = [ROOT / "lib/lobe"] + sorted(p for p in (ROOT / "lib/lobe").iterdir() if p.is_dir())
     folders.append(ROOT / "capi")
@@ -79,7 +102,9 @@ def stage_api(api):
             include = str(header.relative_to(ROOT)).removeprefix("lib/")
             heading = f"``{include}``"
             text += [heading, "-" * len(heading), "", f".. doxygenfile:: {header.relative_to(ROOT)}", "   :project: lobe",
-                     f"   :sections: {C_SECTIONS if path == 'capi' else SECTIONS}", ""]
+                     f"   :sections: {SECTIONS if path == 'capi' else SECTIONS + ' typedef'}", ""]
+            for kind, entity in classes.get(str(header.relative_to(ROOT)), []):
+                text += [f".. doxygen{kind}:: {entity}", "   :project: lobe", "   :members:", ""]
         (api / f"{name}.rst").write_text("\n".join(text), encoding="utf-8")
     index = ["API reference", "=============", "",
              "One page per folder, one section per header, from the headers' comments. An engine includes",
@@ -117,6 +142,23 @@ def copy_mathjax(html):
             shutil.copyfile(MATHJAX / part, target)
 
 
+def mend_theme(html):
+    """Debian's Furo asks for a style sheet by an address of a web server, and for a module that browsers do not load
+    from files: both are put into the site."""
+    static = html / "_static"
+    sheet = static / "styles" / "furo.css"
+    shutil.copyfile(NORMALIZE, sheet.parent / "normalize.css")
+    text = sheet.read_text(encoding="utf-8")
+    sheet.write_text(text.replace("/javascript/normalize.css/normalize.css", "normalize.css"), encoding="utf-8")
+    script = static / "scripts" / "furo.js"
+    module = (static / "scripts" / "gumshoe-patched.js").read_text(encoding="utf-8")
+    text = script.read_text(encoding="utf-8")
+    import_line = 'import Gumshoe from "./gumshoe-patched.js";'
+    if import_line in text:
+        module = module.replace("export default Gumshoe;", "")
+        script.write_text(module + text.replace(import_line, ""), encoding="utf-8")
+
+
 def main(out, with_api):
     if with_api:
         run_doxygen(out)
@@ -126,6 +168,7 @@ def main(out, with_api):
     status = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-j", "2", "-c", str(SITE),
                              "-d", str(out / "doctrees"), str(source), str(html)]).returncode
     copy_mathjax(html)
+    mend_theme(html)
     return 1 if status else 0
 
 

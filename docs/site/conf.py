@@ -22,7 +22,13 @@ highlight_language = "text"
 
 # Formulas are set in the browser by MathJax, which is copied into the site: nothing is fetched from a network.
 mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_HTML"
-mathjax2_config = {"HTML-CSS": {"availableFonts": ["TeX"], "webFont": "TeX", "imageFont": None}, "messageStyle": "none"}
+mathjax2_config = {
+    "HTML-CSS": {"availableFonts": ["TeX"], "webFont": "TeX", "imageFont": None},
+    "messageStyle": "none",
+    # MyST marks pages as to be ignored, and formulas by their class.
+    "tex2jax": {"inlineMath": [["\\(", "\\)"]], "displayMath": [["\\[", "\\]"]], "processClass": "math",
+                "ignoreClass": "tex2jax_ignore", "processEnvironments": False},
+}
 
 html_theme = "furo"
 html_title = "lobe"

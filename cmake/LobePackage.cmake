@@ -9,6 +9,9 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENTS_ALL programs development c mesher cholmod python)
+if(LOBE_PETSC)
+  list(APPEND CPACK_COMPONENTS_ALL petsc)
+endif()
 
 function(lobe_package component name section licence summary)  # further variables of CPack and their values…
   install(FILES ${licence} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} RENAME copyright COMPONENT ${component})
@@ -28,6 +31,8 @@ lobe_package(development liblobe-dev libdevel LICENSE "Organs simulated in real 
 lobe_package(c liblobe-c1 libs LICENSE "Organs simulated in real time: library for engines, in C")
 lobe_package(mesher lobe-mesh science meshing/LICENSE "Organs simulated in real time: from a surface to tetrahedra (GPL-3+)")
 lobe_package(cholmod lobe-cholmod science cholmod/LICENSE "Organs simulated in real time: with CHOLMOD as sparse solver (GPL-2+)")
+lobe_package(petsc lobe-petsc science LICENSE "Organs simulated in real time: static solutions in parts (PETSc, MPI)"
+  RECOMMENDS "openmpi-bin")
 lobe_package(python python3-lobe python LICENSE "Organs simulated in real time: Python package"
   DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy" RECOMMENDS "lobe, lobe-mesh")
 include(CPack)

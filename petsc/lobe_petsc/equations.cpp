@@ -1,6 +1,7 @@
 #include "lobe_petsc/equations.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lobe/setup/boundary_conditions.h"
 #include "lobe/setup/check_setup.h"
@@ -29,11 +30,13 @@ Equations::Equations(const Ranks& ranks, const Part& part, const Setup& setup)
     : ranks_(ranks),
       part_(part),
       elements_(checked(ranks, setup)),
+      nodes_(elements_),
       u_(ranks, part),
       sums_(ranks, part),
       given_(Given::Zero(3, part.mesh.vertex_count())) {
   prescribed_.setZero(3, part.owned);
-  for (const HeldVertices::Held& item : held_by(setup.prescribed).all())
+  const HeldVertices held = held_by(setup.prescribed);
+  for (const HeldVertices::Held& item : held.all())
     for (int axis = 0; axis < 3; ++axis) {
       if (!item.axes[axis]) continue;
       given_(axis, item.vertex) = true;
@@ -62,7 +65,7 @@ Mat3X<double> Equations::local(Vec u) {
 
 State Equations::at(Vec u, double fraction, Vec forces) {
   const Mat3X<double> full = local(u);
-  EnergyAndForces own = energy_and_forces(elements_, PressureNodes(), full);
+  EnergyAndForces own = energy_and_forces(elements_, nodes_, full);
   sums_.sum(own.forces);
   Mat3X<double> net = sums_.local().leftCols(part_.owned) + fraction * loads_;
   State state;

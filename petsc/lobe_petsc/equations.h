@@ -49,6 +49,7 @@ class Equations {
   const Ranks& ranks_;
   const Part& part_;
   Elements elements_;
+  PressureNodes nodes_;  // none
   Ghosted u_, sums_;
   Given given_;
   Mat3X<double> prescribed_, loads_;  // per owned vertex at full load [m], [N]

@@ -1,5 +1,6 @@
 #include "lobe_petsc/mesh_slice.h"
 
+#include <algorithm>
 #include <bit>
 #include <fstream>
 #include <optional>

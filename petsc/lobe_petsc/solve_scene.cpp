@@ -99,7 +99,7 @@ struct Run {  // what the report tells
   Part part;
   Solution solution;
   double reading = 0, partition = 0, resolving = 0, writing = 0, wall = 0;  // [s]
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = {};
 };
 
 Json report_of(const Ranks& ranks, const Run& run) {

@@ -32,7 +32,6 @@ class Solver {
   static PetscErrorCode converged(SNES, PetscInt, PetscReal, PetscReal, PetscReal, SNESConvergedReason*,
                                   void* self);
   static PetscErrorCode line_search(SNESLineSearch, void* self);
-  static PetscErrorCode after_solve(KSP, Vec, Vec, void* self);
 
   void choose_method();
   void set_multigrid(bool hypre);
@@ -60,10 +59,10 @@ class Solver {
 };
 
 // A C function that calls C++: what it throws becomes an error of PETSC, with its message.
-template <class Body>
-PetscErrorCode guarded(Body&& body) {
+template <class Work>
+PetscErrorCode guarded(Work&& work) {
   try {
-    body();
+    work();
     return 0;
   } catch (const std::exception& error) {
     return PetscError(PETSC_COMM_SELF, __LINE__, "callback", __FILE__, PETSC_ERR_LIB, PETSC_ERROR_INITIAL,
@@ -75,6 +74,7 @@ Solver::Solver(const Ranks& ranks, const Part& part, const Setup& setup, const S
     : ranks_(ranks), options_(options), equations_(ranks, part, setup), matrix_(equations_.make_matrix()) {
   for (Vector* vec : {&u_, &forces_, &kept_, &move_, &direction_})
     check(VecDuplicate(equations_.vertices().vec(), vec->fill()));
+  check(VecSet(u_, 0));
   check(SNESCreate(ranks.comm(), snes_.fill()));
   check(SNESSetFunction(snes_, forces_, function, this));
   check(SNESSetJacobian(snes_, matrix_, matrix_, jacobian, this));
@@ -85,7 +85,6 @@ Solver::Solver(const Ranks& ranks, const Part& part, const Setup& setup, const S
   check(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
   check(SNESLineSearchShellSetUserFunc(search, line_search, this));
   check(SNESGetKSP(snes_, &ksp_));
-  check(KSPSetPostSolve(ksp_, after_solve, this));
   choose_method();
   MatInfo info;
   check(MatGetInfo(matrix_, MAT_GLOBAL_SUM, &info));
@@ -138,7 +137,6 @@ void Solver::set_multigrid(bool hypre) {
   if (equations_.is_linear()) {
     check(KSPSetTolerances(ksp_, options_.tolerance / 10, 0, 1e10, 2000));
   } else {  // Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996, choice 2
-    check(SNESKSPSetUseEW(snes_, PETSC_TRUE));
     check(SNESKSPSetParametersEW(snes_, 2, 1e-2, 5e-2, 0.9, 1.5, 1.5, 0.1));
   }
 }
@@ -163,6 +161,7 @@ PetscErrorCode Solver::jacobian(SNES, Vec u, Mat, Mat, void* self) {
 }
 
 void Solver::assemble(Vec u) {
+  count_linear();
   auto start = Clock::now();
   equations_.tangent(u, matrix_);
   result_.seconds.assembly += since(start);
@@ -172,16 +171,14 @@ void Solver::assemble(Vec u) {
   result_.seconds.setup += since(start);
 }
 
-PetscErrorCode Solver::after_solve(KSP, Vec, Vec, void* self) {
-  return guarded([&] { static_cast<Solver*>(self)->count_linear(); });
-}
-
+// Of the linear systems since the last call.
 void Solver::count_linear() {
   if (direct_) return;
-  PetscInt iterations = 0;
-  check(KSPGetIterationNumber(ksp_, &iterations));
-  result_.linear_iterations += iterations;
-  result_.most_linear_iterations = std::max(result_.most_linear_iterations, int(iterations));
+  PetscInt all = 0;
+  check(KSPGetTotalIterations(ksp_, &all));
+  result_.most_linear_iterations =
+      std::max(result_.most_linear_iterations, int(all) - result_.linear_iterations);
+  result_.linear_iterations = int(all);
 }
 
 PetscErrorCode Solver::converged(SNES, PetscInt iteration, PetscReal, PetscReal, PetscReal,
@@ -260,6 +257,7 @@ bool Solver::move_by_linear(Vec move) {
   PetscReal tolerance = 0, absolute = 0, divergence = 0;
   PetscInt most = 0;
   check(KSPGetTolerances(ksp_, &tolerance, &absolute, &divergence, &most));
+  check(SNESKSPSetUseEW(snes_, PETSC_FALSE));
   check(KSPSetTolerances(ksp_, equations_.is_linear() ? tolerance : 1e-4, absolute, divergence, most));
   check(KSPSolve(ksp_, forces_, direction_));
   check(KSPSetTolerances(ksp_, tolerance, absolute, divergence, most));
@@ -287,6 +285,8 @@ bool Solver::find(double fraction) {
   check(VecCopy(u_, kept_));
   bool found = follow_boundary();
   if (found) {
+    const bool inexact = !direct_ && !equations_.is_linear();
+    check(SNESKSPSetUseEW(snes_, inexact ? PETSC_TRUE : PETSC_FALSE));
     check(SNESSolve(snes_, nullptr, u_));
     SNESConvergedReason reason;
     PetscInt iterations = 0;
@@ -323,6 +323,7 @@ Solution Solver::run() {
   if (!result_.converged)
     result_.reason = "no equilibrium beyond " + rounded(100 * result_.load_fraction) + " % of the load; " +
                      trouble_ + ": a volume_penalty, smaller loads or a finer mesh may help";
+  count_linear();
   result_.u = equations_.local(u_);
   Seconds& s = result_.seconds;
   s.solve = since(start) - s.assembly - s.setup - s.forces;
@@ -333,6 +334,7 @@ Solution Solver::run() {
 }  // namespace
 
 std::vector<std::string> available_methods() {
+  check(MatInitializePackage());
   std::vector<std::string> methods{"auto", "gamg"};
 #ifdef PETSC_HAVE_HYPRE
   methods.push_back("hypre");

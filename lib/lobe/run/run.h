@@ -29,7 +29,7 @@ struct RunResult {
   std::string summary;                // for people, several lines
 };
 
-// Automatic regions have been chosen by propose(). Writes DIR/series.pvd, DIR/frame_NNNN.vtu,
+// resolve() has chosen the automatic regions. Writes DIR/series.pvd, DIR/frame_NNNN.vtu,
 // DIR/pictures.json and DIR/report.json (written last). Throws InputError for bad input and for files that
 // cannot be written.
 RunResult run_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options);

@@ -84,10 +84,9 @@ void World<Real>::perform(const EndRefresh& command) {
   if (is_condensed) forget_former_refreshes();
 }
 
-// A region that is condensed afresh does not depend on how it was condensed before, nor on whether it was
-// expanded or held elsewhere in between: only its tetrahedra and what is held now decide. Where it is
-// expanded when the last refresh begins, what came since then stays, since condensing it again asks for a
-// refresh.
+// A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it was
+// expanded or held elsewhere in between: only its tetrahedra and what is held now decide. If it is expanded
+// when the last refresh begins, what came since then stays, since condensing it again asks for a refresh.
 template <class Real>
 void World<Real>::forget_former_refreshes() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) {

@@ -70,7 +70,7 @@ export class Instruments {
       .addScaledVector(this.stage.right(), 0.55 - 0.35 * (this.shown.size % 3))
       .addScaledVector(this.stage.forward(), -0.7)
       .normalize();
-    if (tool.type === 'scalpel') shaft.copy(blade).normalize();
+    if (blade.length() > 0) shaft.copy(blade).normalize();
     const item = {
       type: tool.type,
       body,

@@ -68,6 +68,7 @@ async function play(page, at) {
     pictures: lobe.stage.pictures,
     drawing: lobe.stage.slow,
     pixels: lobe.stage.pixelRatio,
+    possible: lobe.status.possible,
   }));
   await page.mouse.up();
   return {start, end, spent: key => (after[key] ?? 0) - (before[key] ?? 0), wall};
@@ -126,6 +127,7 @@ function row(name, {start, end, spent, wall}) {
     card_cpu_per_picture_ms: spent('gpu-process') / pictures,
     page_cpu_per_picture_ms: spent('renderer') / pictures,
     real_time_factor: (1e3 * simulated) / wall,
+    possible_factor: end.possible,
     simulated_per_simulation_cpu: (1e3 * simulated) / spent('simulation'),
     simulated_per_server_cpu: (1e3 * simulated) / spent('server'),
   };

@@ -118,6 +118,15 @@ struct Cut {
   static constexpr auto fields =
       std::tuple(Field{"hand", &Cut::hand}, Field{"tip", &Cut::tip}, Field{"heel", &Cut::heel});
 };
+// A hand brings a probe with a spherical tip, which presses on what it meets.
+struct Touch {
+  int hand = 0;
+  Vec3d at = Vec3d::Zero();  // of the middle of its tip [m]
+  double radius = 0;         // of its tip [m]
+  static constexpr const char* name = "touch";
+  static constexpr auto fields =
+      std::tuple(Field{"hand", &Touch::hand}, Field{"at", &Touch::at}, Field{"radius", &Touch::radius});
+};
 // What a hand holds is to go there: the place where it took hold, or the tip.
 struct Lead {
   int hand = 0;
@@ -254,9 +263,9 @@ struct Save {
   static constexpr auto fields = std::tuple(Field{"to", &Save::to});
 };
 
-using Any = std::variant<Seen, Take, Burn, Cut, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Skin,
-                         Control, HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll,
-                         Stroke, Undo, Propose, Apply, Save>;
+using Any = std::variant<Seen, Take, Burn, Cut, Touch, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show,
+                         Skin, Control, HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend,
+                         PaintAll, Stroke, Undo, Propose, Apply, Save>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

@@ -65,6 +65,14 @@ void Viewer::perform(ClientId, const request::Cut& what) {
   send({.kind = Kind::turn_on, .on = true, .hand = hand});
 }
 
+void Viewer::perform(ClientId, const request::Touch& what) {
+  check_radius(what.radius);
+  BringProbe probe;
+  probe.shape = RigidShape::sphere(what.radius);
+  probe.pose.position = what.at;
+  send(bring_tool(static_cast<HandNumber>(what.hand), what.at, probe));
+}
+
 void Viewer::perform(ClientId, const request::Lead& what) {
   send({.kind = Kind::lead, .hand = static_cast<HandNumber>(what.hand), .position = what.to});
 }

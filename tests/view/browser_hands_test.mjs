@@ -35,6 +35,21 @@ check(await until(page, () => lobe.instruments.shown.size === 2), 'it stays, and
 await page.mouse.up();
 check(await until(page, () => lobe.instruments.shown.size === 1 && lobe.force > 0), 'which alone is let go');
 
+// ---- A probe
+
+await page.keyboard.press('p');
+await drag(page, {x: at.x - 60, y: at.y}, -20, 5);
+check(
+  await until(page, () =>
+    [...lobe.instruments.shown.values()].some(item => item.type === 'probe' && item.force.length() > 0.02),
+  ),
+  'a probe is pressed on the organ, and feels it',
+);
+await page.screenshot({path: path.join(out, 'probe.png')});
+await page.mouse.up();
+await page.keyboard.press('g');
+check(await until(page, () => lobe.instruments.shown.size === 1), 'and is taken away');
+
 // ---- Colours
 
 for (const [quantity, word] of [

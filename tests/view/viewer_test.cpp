@@ -169,7 +169,8 @@ TEST_CASE("what a page has cut with a scalpel is told, and its scene is played t
   CHECK(played(viewed.folder.path / "cuts.json") == recording.commands.back().digest);
 }
 
-TEST_CASE("a page's hand through a haptic device: the tool follows it, its force is told, the scene is kept") {
+TEST_CASE(
+    "a page's hand through a haptic device: the tool follows it, its force is told, the scene is kept") {
   for (const char* device : {"mouse", "hand"}) {
     CAPTURE(device);
     Viewed viewed(false, device);
@@ -180,8 +181,8 @@ TEST_CASE("a page's hand through a haptic device: the tool follows it, its force
     viewed.lead(1, 0, 0.03, 0.03, 0.07);
     CHECK(viewed.comes_to(1, [&](const Json& status, const Json& tools) {
       const Json& haptic = status["haptic"];
-      return haptic["device"] == device && haptic["there"] == true && haptic["force"][2].get<double>() < -0.02 &&
-             tools[0]["position"][2].get<double>() > 0.062;
+      return haptic["device"] == device && haptic["there"] == true &&
+             haptic["force"][2].get<double>() < -0.02 && tools[0]["position"][2].get<double>() > 0.062;
     }));
     viewed.pause(1);
     viewed.ask(1, {{"do", "export"}, {"to", "felt"}});
@@ -189,6 +190,25 @@ TEST_CASE("a page's hand through a haptic device: the tool follows it, its force
     const Recording recording = read_recording(viewed.folder.path / "felt.lobe");
     CHECK(played(viewed.folder.path / "felt.json") == recording.commands.back().digest);
   }
+}
+
+TEST_CASE("a page presses a probe on the body and feels it; its scene is played to the same bits") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  viewed.ask(1, {{"do", "touch"}, {"hand", 1}, {"at", {0.03, 0.03, 0.072}}, {"radius", 0.01}});
+  REQUIRE(viewed.holds(1, 1));
+  viewed.lead(1, 1, 0.033, 0.031, 0.062);
+  REQUIRE(viewed.comes_to(1, [](const Json&, const Json& tools) {
+    return tools[0]["type"] == "probe" && tools[0]["radius"] == 0.01 &&
+           tools[0]["force"][2].get<double>() > 0.1;
+  }));
+  viewed.ask(1, {{"do", "let_go"}, {"hand", 1}});
+  REQUIRE(viewed.holds(1, 0));
+  viewed.pause(1);
+  viewed.ask(1, {{"do", "export"}, {"to", "pressed"}});
+  viewed.viewer->write_recording(viewed.folder.path / "pressed.lobe");
+  const Recording recording = read_recording(viewed.folder.path / "pressed.lobe");
+  CHECK(played(viewed.folder.path / "pressed.json") == recording.commands.back().digest);
 }
 
 TEST_CASE("what was painted, simulated and held, is saved and played to the same bits") {

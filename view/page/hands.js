@@ -4,6 +4,7 @@ import * as THREE from './third_party/three-0.187.0/three.module.js';
 const grasp = {kind: 'grasp', radius: 0.012},
   cauteryRadius = 0.0055, // [m]
   blade = {depth: 0.02, above: 0.03}, // of the tip below where it begins, of the heel towards the viewer [m]
+  probe = {radius: 0.007, press: 0.006}, // of its tip; how far that is pressed in [m]
   betweenPoses = 7; // [ms]
 
 export class Hands {
@@ -48,7 +49,9 @@ export class Hands {
         ? this.brush.radius()
         : this.kind === 'scalpel'
           ? blade.depth / 5
-          : grasp.radius;
+          : this.kind === 'probe'
+            ? probe.radius
+            : grasp.radius;
   }
 
   down(event) {
@@ -75,6 +78,7 @@ export class Hands {
     this.active = {hand, kind: this.kind, point: hit.point.clone()};
     this.stage.canvas.classList.add('holding');
     if (this.kind === 'scalpel') this.bringBlade(hand);
+    else if (this.kind === 'probe') this.bringProbe(hand, hit);
     else if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
     else
       this.ask({
@@ -92,6 +96,16 @@ export class Hands {
       heel = this.active.point.clone().addScaledVector(forward, -blade.above);
     this.active.point.addScaledVector(forward, blade.depth);
     this.ask({do: 'cut', hand, tip: this.active.point.toArray(), heel: heel.toArray()});
+  }
+
+  // It comes from the viewer's side, and is pressed in by a little.
+  bringProbe(hand, hit) {
+    const forward = this.stage.forward(),
+      {radius, press} = probe;
+    const outside = hit.point.clone().addScaledVector(forward, -1.5 * radius);
+    this.ask({do: 'touch', hand, at: outside.toArray(), radius});
+    this.active.point.addScaledVector(forward, press - radius);
+    this.lead();
   }
 
   freeHand() {

@@ -55,7 +55,9 @@ export class Instruments {
         ? cautery(tool.radius || 0.005)
         : tool.type === 'scalpel'
           ? scalpel(blade.length())
-          : forceps(this.stage.size);
+          : tool.type === 'probe'
+            ? probe(tool.radius || 0.005, blade.length())
+            : forceps(this.stage.size);
     this.dress(body);
     const arrow = makeArrow(),
       label = document.createElement('span');
@@ -68,7 +70,7 @@ export class Instruments {
       .addScaledVector(this.stage.right(), 0.55 - 0.35 * (this.shown.size % 3))
       .addScaledVector(this.stage.forward(), -0.7)
       .normalize();
-    if (tool.type === 'scalpel') shaft.copy(blade).normalize();
+    if (blade.length() > 0) shaft.copy(blade).normalize();
     const item = {
       type: tool.type,
       body,
@@ -103,9 +105,9 @@ export class Instruments {
     item.at = new THREE.Vector3(...tool.position);
     if (performance.now() - (item.writtenAt ?? 0) > this.stage.betweenFigures()) {
       item.writtenAt = performance.now();
-      item.label.textContent = tool.type === 'grasp' ? `${size.toFixed(2)} N` : doing[tool.type];
+      item.label.textContent = !(tool.type in doing) ? `${size.toFixed(2)} N` : doing[tool.type];
     }
-    item.label.hidden = tool.type !== 'grasp' && !tool.on;
+    item.label.hidden = tool.type in doing && !tool.on;
     item.arrow.visible = size > 0.02;
     if (!item.arrow.visible) return;
     const length = Math.min(
@@ -189,6 +191,21 @@ function scalpel(length) {
     edge,
     shaftOf(0.05 * length, length, 1.3 * length, steel),
     shaftOf(0.08 * length, 1.3 * length, 4 * length, dark),
+  );
+  return group;
+}
+
+// A rounded tip on a shaft; a capsule's axis leads from the tip along z.
+function probe(radius, length) {
+  const group = new THREE.Group(),
+    tip = partOf(new THREE.CapsuleGeometry(radius, length, 12, 24), steel);
+  tip.rotation.x = Math.PI / 2;
+  tip.position.z = length / 2;
+  tip.castShadow = true;
+  group.add(
+    tip,
+    shaftOf(0.45 * radius, length + 0.5 * radius, length + 6 * radius, steel),
+    shaftOf(0.7 * radius, length + 6 * radius, length + 80 * radius, dark),
   );
   return group;
 }

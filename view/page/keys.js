@@ -5,6 +5,7 @@ export function listenToKeys(page) {
     g: press('tool-grasp'),
     c: press('tool-cautery'),
     x: press('tool-scalpel'),
+    p: press('tool-probe'),
     e: press('tool-paint'),
     ' ': press('pause'),
     '.': press('single'),

@@ -245,6 +245,7 @@ class Page {
     click('tool-grasp', () => this.take('grasp'));
     click('tool-cautery', () => this.take('cautery'));
     click('tool-scalpel', () => this.take('scalpel'));
+    click('tool-probe', () => this.take('probe'));
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
     click('single', () => this.ask({do: 'step'}));
@@ -277,6 +278,7 @@ class Page {
       ['tool-grasp', 'grasp'],
       ['tool-cautery', 'cautery'],
       ['tool-scalpel', 'scalpel'],
+      ['tool-probe', 'probe'],
       ['tool-paint', 'paint'],
     ])
       element(id).setAttribute('aria-checked', String(name === tool));

@@ -10,7 +10,6 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from xml.etree import ElementTree
 
 from header_comments import filtered
 
@@ -24,7 +23,8 @@ MATHJAX_PARTS = ["MathJax.js", "config/TeX-AMS_HTML.js", "extensions", "jax/elem
 # Folders that the pages link to, and pages outside docs/.
 STAGED = ["README.md", "LICENSE", "docs", "data", "examples", "lib", "benchmarks", "tests", "capi", "cholmod", "view",
           "meshing", "python"]
-SECTIONS = "briefdescription detaileddescription func enum var define user-defined"
+SECTIONS = ("briefdescription detaileddescription user-defined public-type public-attrib public-static-attrib public-func "
+            "public-static-func innerclass func enum var define")
 FOLDER_TITLES = [
     ("lib/lobe", "The umbrella header and what all folders use"),
     ("capi", "C interface"),
@@ -50,7 +50,7 @@ def stage(out, with_api):
         (source / name).symlink_to(ROOT / name)
     (source / "index.rst").write_text(index_of_all_pages(), encoding="utf-8")
     if with_api:
-        stage_api(source / "api", out / "doxygen" / "xml")
+        stage_api(source / "api")
     else:
         (source / "api").mkdir()
         (source / "api" / "index.rst").write_text("API reference\n=============\n", encoding="utf-8")
@@ -69,21 +69,8 @@ def first_sentence(header):
     return text[:end].rstrip(".:")
 
 
-def classes_of_headers(xml):
-    """Per header, by its path: (kind, name) of each class and struct that stands in no other."""
-    found = {}
-    for file in sorted(xml.glob("*_8h.xml")):
-        compound = ElementTree.parse(file).getroot().find("compounddef")
-        header = compound.find("location").get("file")
-        inner = [(ref.get("refid"), ref.text) for ref in compound.findall("innerclass")]
-        found[header] = [("class" if ref.startswith("class") else "struct", name) for ref, name in inner
-                         if "::" not in name and "<" not in name]
-    return found
-
-
-def stage_api(api, xml):
+def stage_api(api):
     """One page per folder of lib/lobe, with one section per header."""
-    classes = classes_of_headers(xml)
     api.mkdir()
     folders = [ROOT / "lib/lobe"] + sorted(p for p in (ROOT / "lib/lobe").iterdir() if p.is_dir())
     folders.append(ROOT / "capi")
@@ -103,8 +90,6 @@ def stage_api(api, xml):
             heading = f"``{include}``"
             text += [heading, "-" * len(heading), "", f".. doxygenfile:: {header.relative_to(ROOT)}", "   :project: lobe",
                      f"   :sections: {SECTIONS if path == 'capi' else SECTIONS + ' typedef'}", ""]
-            for kind, entity in classes.get(str(header.relative_to(ROOT)), []):
-                text += [f".. doxygen{kind}:: {entity}", "   :project: lobe", "   :members:", ""]
         (api / f"{name}.rst").write_text("\n".join(text), encoding="utf-8")
     index = ["API reference", "=============", "",
              "One page per folder, one section per header, from the headers' comments. An engine includes",

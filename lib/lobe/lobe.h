@@ -59,6 +59,7 @@
 //   grain: a piece of a tetrahedron that the scalpel has cut.
 //   condition: something that a step reports by name, with a remedy.
 //   checkpoint: all of a world's state, from which it goes on with the same bits.
+//   same bits: results that are equal to the last digit.
 //   recording: the calls made to a world, with a digest after each, which a replay compares.
 //   session: a world that follows the clock while several people command it.
 //

@@ -85,8 +85,9 @@ void World<Real>::perform(const EndRefresh& command) {
 }
 
 // A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it was
-// expanded or held elsewhere in between: only its tetrahedra and what is held now decide. If it is expanded
-// when the last refresh begins, what came since then stays, since condensing it again asks for a refresh.
+// expanded in between: only its tetrahedra and what is held decide. Who held meanwhile stays: without it the
+// interior has other bits. Where it is expanded when the last refresh begins, what came since then stays,
+// since condensing it again asks for a refresh.
 template <class Real>
 void World<Real>::forget_former_refreshes() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) {
@@ -99,14 +100,9 @@ void World<Real>::forget_former_refreshes() {
     if (is(i, Expand{})) expanded_at = i;
     if (is(i, Condense{})) expanded_at = journal_.edits.size();
   }
-  bool is_held_later = false;
-  for (std::size_t i = std::min(last, expanded_at); i-- > 0;) {
-    const bool is_hold = is(i, Hold{});
-    if (is(i, BeginRefresh{}) || is(i, EndRefresh{}) || is(i, Expand{}) || is(i, Condense{}) ||
-        (is_hold && is_held_later))
+  for (std::size_t i = 0; i < std::min(last, expanded_at); ++i)
+    if (is(i, BeginRefresh{}) || is(i, EndRefresh{}) || is(i, Expand{}) || is(i, Condense{}))
       journal_.edits.supersede(i);
-    is_held_later = is_held_later || is_hold;
-  }
 }
 
 template <class Real>

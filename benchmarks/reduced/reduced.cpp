@@ -9,6 +9,7 @@
 #include "benchmarks/machine.h"
 #include "benchmarks/reduced/spectrum.h"
 #include "benchmarks/reduced/trial_run.h"
+#include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/refine.h"
@@ -194,7 +195,10 @@ void measure_gesture(const Subject& subject, const Gesture& gesture, const std::
   if (subject.body.mesh.tet_count() <= most_refined && subject.ratio == 4)
     fine = play<float>(refined_once(subject.body), subject.organ, gesture, settings, all_full, 0.5, vertices);
   const auto add = [&](const std::string& model, const Policy& policy, Played&& played, const Row* full) {
-    Row row{.mesh = subject.mesh, .gesture = gesture.name, .tets = subject.body.mesh.tet_count()};
+    Row row;
+    row.mesh = subject.mesh;
+    row.gesture = gesture.name;
+    row.tets = subject.body.mesh.tet_count();
     row.ratio = subject.ratio;
     row.model = model;
     row.policy = policy;

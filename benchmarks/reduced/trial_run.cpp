@@ -135,8 +135,9 @@ Played play(const Body& body, const Organ& organ, const Gesture& gesture, const 
     trial.grasp(hands.vertices);
     Mat3X<double> targets(3, hands.vertices.size());
     for (int part = 0; part < parts; ++part) {
-      const double left = frame_duration / parts;
-      const int steps = static_cast<int>(std::ceil(left / (safety * trial.limit())));
+      const double left = frame_duration / parts, limit = trial.limit();
+      if (!(limit > 0)) break;  // not finite any more
+      const int steps = static_cast<int>(std::ceil(left / (safety * limit)));
       const double begin = time + part * left, dt = left / steps;
       for (int step = 0; step < steps; ++step) {
         hands.find_targets(gesture, begin + (step + 1) * dt, targets);

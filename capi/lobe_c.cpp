@@ -338,7 +338,8 @@ lobe_status lobe_haptic_force(lobe_session* session, uint32_t tool, const double
     if (v != nullptr)
       state.velocity = axes.point_in(Eigen::Map<const Vec3d>(v)) - axes.point_in(Vec3d::Zero());
     const lobe::HapticState& felt = found->load()->device.force(x == nullptr ? nullptr : &state);
-    Eigen::Map<Vec3d>(f) = axes.direction_out(felt.force);
+    Eigen::Map<Vec3d> out(f);
+    out = axes.direction_out(felt.force);
     if (x != nullptr && !state.is_finite())
       return fail(LOBE_BAD_INPUT, "x or v is not finite: the force fades");
     return LOBE_OK;

@@ -1,5 +1,8 @@
 #include "lobe/haptic/loop.h"
 
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <ctime>
 
@@ -58,7 +61,6 @@ void HapticLoop::forget_times() {
   times_.missed = 0;
 }
 
-// Figures: 20 s each on a virtual machine with two cores that was in use (docs/haptics.md).
 void HapticLoop::become_real_time() {
   is_real_time_ = false;
 #if defined(__linux__)
@@ -68,11 +70,11 @@ void HapticLoop::become_real_time() {
     const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
     is_real_time_ = error == 0;
     if (error != 0)
-      warnings_.push_back("the haptic loop is an ordinary thread (SCHED_FIFO: " +
-                          std::string(std::strerror(error)) +
-                          "): beside other programs some ticks in a thousand come milliseconds late, and "
-                          "stiff things may buzz; allow rtprio " +
-                          std::to_string(options_.priority) + " in /etc/security/limits.conf");
+      warnings_.push_back(
+          "the haptic loop is an ordinary thread (SCHED_FIFO: " + std::string(std::strerror(error)) +
+          "): beside other programs some ticks in a thousand come milliseconds late, and "
+          "stiff things may buzz; allow rtprio " +
+          std::to_string(options_.priority) + " in /etc/security/limits.conf");
   }
   if (options_.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
     warnings_.push_back(std::string("the memory of the haptic loop is not locked (mlockall: ") +

@@ -3,7 +3,7 @@
 
 build.py OUT [--pages]: OUT/html is the site (open OUT/html/index.html), OUT/source and OUT/doxygen are what it is made
 of. With --pages the API reference, which takes most of the time, is left out.
-Exit status 1: a link leads nowhere, or Sphinx warned of something else.
+Exit status 1: Sphinx failed; with --pages also if it warned, as of a link that leads nowhere.
 """
 import os
 import shutil
@@ -113,7 +113,8 @@ OUTPUT_DIRECTORY = {out / "doxygen"}
 INPUT = {headers}
 STRIP_FROM_PATH = {headers}
 """
-    (out / "doxygen").mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(out / "doxygen", ignore_errors=True)
+    (out / "doxygen").mkdir(parents=True)
     subprocess.run(["doxygen", "-"], input=settings.encode(), check=True)
 
 
@@ -150,7 +151,8 @@ def main(out, with_api):
     source = stage(out, with_api)
     html = out / "html"
     os.environ["LOBE_DOXYGEN_XML"] = str(out / "doxygen" / "xml")
-    status = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-j", "2", "-c", str(SITE),
+    strict = [] if with_api else ["-W", "--keep-going"]
+    status = subprocess.run([sys.executable, "-m", "sphinx", "-q", *strict, "-j", "2", "-c", str(SITE),
                              "-d", str(out / "doctrees"), str(source), str(html)]).returncode
     copy_mathjax(html)
     mend_theme(html)

@@ -66,6 +66,7 @@ CLAIMS = [
                 f"{max(map(drawn, rows('surface'))):.0f} ns per vertex"),
     (S, lambda: f"positions and normals of the skin take {span(rows('skin'), 'update_ns', 0)} ns per vertex"),
     (S, lambda: f"with the skin takes {span(rows('skin'), 'follow_us', 0)} µs"),
+    ("docs/scene.md", lambda: f"A force evaluation takes {kernel('svk_nodal_pressure') / kernel('svk'):.1f} times as long"),
     ("docs/stability.md", lambda: f"{len(rows('stress', passed='yes'))} of {len(rows('stress'))} runs end as they must. In "
                                   f"{len([r for r in rows('stress') if r['unravelling_s'] > 0])} of them a tangle was "
                                   f"unravelled, for {high(rows('stress'), 'unravelling_s'):.1f} s"),

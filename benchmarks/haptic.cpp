@@ -227,6 +227,27 @@ std::string csv(const std::vector<LoopRow>& rows) {
   return out.str();
 }
 
+// Lateness and compute time of all ticks, per mode and kind of thread, on the last mesh of the table.
+const char* const haptic_plot = R"gp(set terminal pngcairo size 1000,420 font ',11'
+set output 'haptic.png'
+set datafile separator ','
+set multiplot layout 1,2
+set logscale xy
+set xrange [1:5000]
+set yrange [0.8:*]
+set xlabel 'µs'
+set ylabel 'ticks'
+is(mesh, mode, thread) = strcol(1) eq mesh && strcol(2) eq mode && strcol(3) eq thread
+mesh = system("tail -n 1 haptic_histogram.csv | cut -d , -f 1")
+set title 'lateness of a tick, '.mesh
+plot for [mode in 'direct extrapolated'] for [thread in 'fifo ordinary'] 'haptic_histogram.csv' \
+  using (is(mesh, mode, thread) && $5 > 0 ? $4 + 1 : NaN):5 with points pt 7 ps 0.6 title mode.', '.thread
+set title 'time that a tick takes, '.mesh
+plot for [mode in 'direct extrapolated'] for [thread in 'fifo ordinary'] 'haptic_histogram.csv' \
+  using (is(mesh, mode, thread) && $6 > 0 ? $4 + 1 : NaN):6 with points pt 7 ps 0.6 title mode.', '.thread
+unset multiplot
+)gp";
+
 void time_loops(const Options& options, const std::vector<Body>& bodies) {
   std::printf("\n%-12s %-13s %-9s %6s %8s %8s  %5s %6s %7s %7s  %5s %5s %6s  %s\n", "mesh", "mode", "thread",
               "s", "frame ms", "x real", "p50", "p99", "p99.9", "max us", "p50", "p99", "max us", "missed");
@@ -244,6 +265,7 @@ void time_loops(const Options& options, const std::vector<Body>& bodies) {
   }
   io::write_file(options.output / "haptic_loop.csv", csv(rows));
   io::write_file(options.output / "haptic_histogram.csv", histograms);
+  io::write_file(options.output / "haptic.gp", haptic_plot);
 }
 
 }  // namespace

@@ -32,16 +32,16 @@ Played swing(double share_of_bound, double highest_damping) {
   wall.K = 1e9 * Mat3<double>::Identity();  // the coupling is all that yields
   const double K = servo.state().coupling;
   Played played;
-  constexpr int ticks = 3000;
+  constexpr int begin = 60, ticks = 3000 + begin;  // until the force has faded in
   for (int i = 0; i < ticks; ++i) {
     DeviceState device;
     hand.read(device);
     wall.time += 1e-6;
-    const bool is_pushed = i < 20;  // a knock to begin with
+    const bool is_pushed = i >= begin && i < begin + 20;  // a knock
     const HapticState& state = servo.tick(&device, wall, period);
     hand.write(is_pushed ? Vec3d(1, 0, 0) : state.force, Vec3d::Zero());
     const double energy = hand.energy() + 0.5 * K * device.position.squaredNorm();
-    if (i >= 20 && i < 20 + ticks / 10) played.first = std::max(played.first, energy);
+    if (i >= begin + 20 && i < begin + 20 + ticks / 10) played.first = std::max(played.first, energy);
     if (i >= ticks - ticks / 10) played.last = std::max(played.last, energy);
     played.highest = std::max(played.highest, energy);
   }

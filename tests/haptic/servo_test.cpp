@@ -87,6 +87,18 @@ TEST_CASE("a new model is blended in: the force has no jump, and ends where the 
   CHECK(most == near(before / 8, 0.01));  // evenly over 8 ms
 }
 
+TEST_CASE("with a new model in each tick, as in the direct mode, the force is that of the models") {
+  Servo servo({.slew = 1e9, .stiffness = 1000, .damping = 10}, {.highest_damping = 0});
+  const DeviceState still = at(Vec3d::Zero());
+  LocalModel model = spring();
+  model.frame = tick;
+  for (int i = 0; i < 60; ++i, model.time += tick) servo.tick(&still, model, tick);
+  for (int i = 0; i < 10; ++i, model.time += tick) {
+    model.force.x() = 0.1 * i;
+    CHECK(servo.tick(&still, model, tick).force.x() == near(0.1 * i * 1000 / 1400, 1e-9));
+  }
+}
+
 TEST_CASE("a model that is too old fades to nothing, and a new one comes back as slowly") {
   const ServoOptions options;
   Servo servo({.stiffness = 1000, .damping = 10}, options);

@@ -66,7 +66,7 @@ const HapticState& Servo::tick(const DeviceState* device, const LocalModel& mode
   ++state_.ticks;
   since_model_ += dt;
   take_pose(device, dt);
-  take_model(model);
+  take_model(model, dt);
   const Vec3d force = wanted_force(dt);
   const Vec3d torque = trust_ * (options_.workspace.turn.transpose() * model_.torque);
   send(force, torque, dt);
@@ -88,7 +88,8 @@ void Servo::take_pose(const DeviceState* device, double dt) {
   state_.device = *device;
 }
 
-void Servo::take_model(const LocalModel& model) {
+// Blending begins with the tick in which a model comes: where each tick has one, there is none.
+void Servo::take_model(const LocalModel& model, double dt) {
   const bool is_new = model.time != model_.time || model.engagement != model_.engagement ||
                       model.is_engaged != model_.is_engaged;
   if (!is_new) return;
@@ -98,7 +99,7 @@ void Servo::take_model(const LocalModel& model) {
   const Vec3d is = model.is_engaged ? force_at(model, state_.tool) : Vec3d::Zero();
   offset_ = was + blended_ - is;
   model_ = model;
-  since_model_ = 0;
+  since_model_ = dt;
 }
 
 Vec3d Servo::wanted_force(double dt) {

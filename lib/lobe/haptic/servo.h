@@ -64,7 +64,7 @@ class Servo {
 
  private:
   void take_pose(const DeviceState* device, double dt);
-  void take_model(const LocalModel& model);
+  void take_model(const LocalModel& model, double dt);
   Vec3d wanted_force(double dt);
   void send(const Vec3d& force, const Vec3d& torque, double dt);
   Vec3d tool_of(const Vec3d& device) const;

@@ -1,5 +1,8 @@
 #include "lobe/haptic/haptic_hand.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "lobe/error.h"
 
 namespace lobe {
@@ -63,24 +66,77 @@ void HapticHand<Real>::before_frame(Hands<Real>& hands, World<Real>&, double) {
 
 namespace {
 
+constexpr double least_push = 1e-3;  // with which a tool is said to touch [N]
+
 // Of any kind of tool: what the body does to it in the mean of the last frame.
+struct Felt {
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+  bool only_pushes = false;  // it holds nothing
+  double radius = 0;         // of its tip [m]
+};
 template <class Real>
-std::pair<Vec3d, Vec3d> felt_by(const World<Real>& world, ToolId id) {
-  std::pair<Vec3d, Vec3d> felt(Vec3d::Zero(), Vec3d::Zero());
+Felt felt_by(const World<Real>& world, ToolId id) {
+  Felt felt;
   world.tools().visit(id, [&](const auto& tool) {
-    if constexpr (requires { tool.force; tool.torque; }) felt = {-tool.force, -tool.torque};
+    if constexpr (requires { tool.force; tool.torque; }) {
+      felt.force = -tool.force;
+      felt.torque = -tool.torque;
+    }
+    if constexpr (requires { tool.grip; }) felt.only_pushes = tool.grip == 0;
+    felt.radius = tool.shape().radius;
   });
   return felt;
+}
+
+template <class Real>
+std::vector<Index> held_by(const World<Real>& world, ToolId tool) {
+  std::vector<Index> vertices;
+  for (const HeldVertices::Held& item : world.held().all())
+    if (item.holder == tool) vertices.push_back(item.vertex);
+  return vertices;
+}
+
+// Vertices of the surface within a radius of a point; where there are none, the nearest.
+template <class Real>
+std::vector<Index> near_tip(World<Real>& world, const Vec3d& tip, double radius) {
+  const auto u = world.displacements();
+  const auto X = world.elements().points.view();
+  std::vector<Index> vertices;
+  Index nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index v : world.surface().mesh().mesh_vertex) {
+    if (world.held().fixes(v)) continue;
+    const double distance = (X.col(v) + u.col(v).template cast<double>() - tip).norm();
+    if (distance <= radius) vertices.push_back(v);
+    if (distance < least) least = distance, nearest = v;
+  }
+  if (vertices.empty() && nearest >= 0) vertices.push_back(nearest);
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
 }
 
 }  // namespace
 
 template <class Real>
-std::vector<Index> HapticHand<Real>::touched(const World<Real>& world, ToolId tool) const {
-  std::vector<Index> vertices;
-  for (const HeldVertices::Held& item : world.held().all())
-    if (item.holder == tool) vertices.push_back(item.vertex);
-  return vertices;
+void HapticHand<Real>::feel(World<Real>& world, ToolId tool, double duration) {
+  const Felt felt = felt_by(world, tool);
+  model_.force = felt.force;
+  model_.torque = felt.torque;
+  model_.is_held = !felt.only_pushes;
+  std::vector<Index> contact;
+  if (!felt.only_pushes) {
+    contact = held_by(world, tool);
+    if (contact.empty() && felt.force.norm() > least_push)
+      contact = near_tip(world, model_.anchor, 1.5 * felt.radius);
+  } else if (felt.force.norm() > least_push) {
+    model_.normal = felt.force.normalized();
+    contact = near_tip(world, model_.anchor, 1.5 * felt.radius);
+  }
+  const auto u = world.displacements();
+  const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
+  stiffness_.after_frame(world.body().model, contact, displacement, model_.position, model_.force, duration);
+  model_.K = stiffness_.K();
 }
 
 template <class Real>
@@ -100,12 +156,7 @@ void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, doubl
   if (led.tool != 0) {
     model_.anchor = led.pose.position;
     model_.position = 0.5 * (before_ + led.pose.position);
-    std::tie(model_.force, model_.torque) = felt_by(world, led.tool);
-    const auto u = world.displacements();
-    const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
-    stiffness_.after_frame(world.body().model, touched(world, led.tool), displacement, model_.position,
-                           model_.force, duration);
-    model_.K = stiffness_.K();
+    feel(world, led.tool, duration);
   }
   if (LocalModel* shared = link_.model.writable()) {
     *shared = model_;

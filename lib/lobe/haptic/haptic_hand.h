@@ -39,7 +39,7 @@ class HapticHand final : public SessionGuest<Real> {
  private:
   void press_buttons(Hands<Real>& hands, const HapticState& state);
   void tell_troubles(Hands<Real>& hands, const HapticState& state);
-  std::vector<Index> touched(const World<Real>& world, ToolId tool) const;
+  void feel(World<Real>& world, ToolId tool, double duration);
 
   Session<Real>& session_;
   HapticLink& link_;

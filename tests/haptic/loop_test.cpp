@@ -6,8 +6,10 @@
 #include <thread>
 
 #include "lobe/haptic/devices.h"
+#include "near.h"
 
 using namespace lobe;
+using namespace lobe::test;
 
 TEST_CASE("a loop ticks a thousand times a second, feels the model, and leaves the device without a force") {
   class Noting final : public HapticDevice {
@@ -76,7 +78,7 @@ TEST_CASE("quantiles of a histogram") {
   for (int i = 0; i < 100; ++i) histogram.add(1e-6 * i + 5e-7);
   histogram.add(1);
   CHECK(histogram.total() == 101);
-  CHECK(histogram.quantile(0.5) == doctest::Approx(51).epsilon(1e-12));
-  CHECK(histogram.longest() == doctest::Approx(1e6).epsilon(1e-12));
+  CHECK(histogram.quantile(0.5) == near(51, 1e-12));
+  CHECK(histogram.longest() == near(1e6, 1e-12));
   CHECK(histogram[Histogram::buckets - 1] == 1);
 }

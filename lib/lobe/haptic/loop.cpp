@@ -1,5 +1,8 @@
 #include "lobe/haptic/loop.h"
 
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <ctime>
 
@@ -58,7 +61,6 @@ void HapticLoop::forget_times() {
   times_.missed = 0;
 }
 
-// Figures: 20 s each on a virtual machine with two cores that was in use (docs/haptics.md).
 void HapticLoop::become_real_time() {
   is_real_time_ = false;
 #if defined(__linux__)

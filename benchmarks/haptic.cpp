@@ -24,8 +24,8 @@
 namespace lobe::bench {
 namespace {
 
-const Vec3d tip{0.082, -0.045, 0.035};                       // of the left lobe [m]
-const Vec3d inwards = Vec3d(-1, 0.5, -0.6).normalized();     // there
+const Vec3d tip{0.082, -0.045, 0.035};                    // of the left lobe [m]
+const Vec3d inwards = Vec3d(-1, 0.5, -0.6).normalized();  // there
 const Vec3d along = inwards.cross(Vec3d::UnitZ()).normalized();
 
 struct Body {
@@ -44,7 +44,8 @@ Body liver(const std::string& name, const TetMesh& mesh) {
   setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
   setup.damping = 20;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    if (mesh.points(0, v) < -0.02 && mesh.points(1, v) > 0.015) setup.prescribed.push_back({v, Vec3d::Zero()});
+    if (mesh.points(0, v) < -0.02 && mesh.points(1, v) > 0.015)
+      setup.prescribed.push_back({v, Vec3d::Zero()});
     if ((mesh.points.col(v) - tip).norm() < 0.02) body.contact.push_back(v);
   }
   return body;
@@ -165,8 +166,8 @@ std::string histogram_rows(const LoopRow& row, const LoopTimes& times) {
   std::ostringstream out;
   for (int bucket = 0; bucket < Histogram::buckets; ++bucket)
     if (times.lateness[bucket] + times.compute[bucket] > 0)
-      out << row.mesh << ',' << row.mode << ',' << row.thread << ',' << bucket << ',' << times.lateness[bucket]
-          << ',' << times.compute[bucket] << '\n';
+      out << row.mesh << ',' << row.mode << ',' << row.thread << ',' << bucket << ','
+          << times.lateness[bucket] << ',' << times.compute[bucket] << '\n';
   return out.str();
 }
 
@@ -178,8 +179,7 @@ LoopRow time_loop(const Body& body, double frame, int priority, double seconds, 
   SimulatedHand device({}, [=](double time) { return path.at(std::fmod(time, whole)); });
   HapticLink link;
   HapticHand<float> hand(session, link, {.controller = controller.number()});
-  controller.send(
-      {.kind = HandCommand::Kind::take_at_point, .hand = 1, .position = tip, .radius = 0.02});
+  controller.send({.kind = HandCommand::Kind::take_at_point, .hand = 1, .position = tip, .radius = 0.02});
   HapticLoop loop(device, link, {.priority = priority});
   session.start();
   const Load load(true);
@@ -214,7 +214,8 @@ LoopRow time_loop(const Body& body, double frame, int priority, double seconds, 
 
 std::string csv(const std::vector<LoopRow>& rows) {
   std::ostringstream out;
-  out << "mesh,mode,thread,seconds,frame_ms,real_time_factor,late_p50_us,late_p99_us,late_p999_us,late_max_us,"
+  out << "mesh,mode,thread,seconds,frame_ms,real_time_factor,late_p50_us,late_p99_us,late_p999_us,late_max_"
+         "us,"
          "compute_p50_us,compute_p99_us,compute_max_us,missed\n"
       << std::setprecision(4);
   for (const LoopRow& r : rows) {

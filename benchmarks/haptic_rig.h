@@ -18,8 +18,8 @@ namespace lobe::bench {
 // A hand's way from where it takes hold: offsets [m] at times [s], with smooth speeds.
 struct HandPath {
   struct Leg {
-    Vec3d to;      // [m]
-    double speed;  // the highest on the way [m/s]; 0: it rests for `rest`
+    Vec3d to;         // [m]
+    double speed;     // the highest on the way [m/s]; 0: it rests for `rest`
     double rest = 0;  // [s]
   };
   std::vector<Leg> legs;
@@ -65,7 +65,7 @@ inline HandPath press_and_pull(const Vec3d& in, const Vec3d& along, double depth
 }
 
 struct FeltFrame {
-  double end = 0;  // [s]
+  double end = 0;                  // [s]
   Vec3d position = Vec3d::Zero();  // mean of the frame, an offset [m]
   Vec3d force = Vec3d::Zero();     // on the tool, mean of the frame [N]
   Mat3<double> blocked = Mat3<double>::Zero(), patch = blocked, K = blocked;  // [N/m]
@@ -75,8 +75,9 @@ struct FeltFrame {
 using AlsoDo = std::function<void(World<float>&, double from, double to)>;
 
 // The forces on a tool that holds `vertices` along a path, frame by frame.
-inline std::vector<FeltFrame> feel(const Setup& setup, const std::vector<Index>& vertices, const HandPath& path,
-                                   double frame, bool finds_stiffness, const AlsoDo& also = {}) {
+inline std::vector<FeltFrame> feel(const Setup& setup, const std::vector<Index>& vertices,
+                                   const HandPath& path, double frame, bool finds_stiffness,
+                                   const AlsoDo& also = {}) {
   World<float> world(setup);
   const ToolId tool = world.tools().next_id();
   world.apply(TakeHold{"hand", vertices});
@@ -158,9 +159,7 @@ inline PredictionError error_of(const std::vector<FeltFrame>& frames, const std:
 // ---- Predictions: frame k is known (k ≥ 1 of them have ended), so the last is frames[k − 1].
 
 inline Predict constant(const std::vector<FeltFrame>& frames) {
-  return [&](std::size_t k, double) -> Vec3d {
-    return k == 0 ? Vec3d(Vec3d::Zero()) : frames[k - 1].force;
-  };
+  return [&](std::size_t k, double) -> Vec3d { return k == 0 ? Vec3d(Vec3d::Zero()) : frames[k - 1].force; };
 }
 
 inline Predict linear_in_time(const std::vector<FeltFrame>& frames) {

@@ -7,6 +7,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -151,8 +152,7 @@ void HaplyDevice::Client::listen() {
 }
 
 void HaplyDevice::Client::heard() {
-  const bool is_state =
-      read_haply({static_cast<const char*>(buffer.data().data()), buffer.size()}, message);
+  const bool is_state = read_haply({static_cast<const char*>(buffer.data().data()), buffer.size()}, message);
   buffer.clear();
   if (!is_state) return listen();
   if (Stamped* to = device.states_.writable()) {

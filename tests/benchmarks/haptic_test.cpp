@@ -8,7 +8,8 @@
 
 using namespace lobe::test;
 
-TEST_CASE("lobe bench haptic writes an error per prediction, and the times of each loop with their histograms") {
+TEST_CASE(
+    "lobe bench haptic writes an error per prediction, and the times of each loop with their histograms") {
   const BenchResults results("haptic", "--quick");
   std::map<std::string, double> at_20_hz;
   for (const Record& row : results.rows("haptic")) {

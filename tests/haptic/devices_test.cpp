@@ -21,7 +21,7 @@ TEST_CASE("a simulated hand is a mass on springs: it hangs by its weight, and sw
     REQUIRE(hand.read(state));
     highest = std::max(highest, state.position.x());
   }
-  CHECK(highest == near(2 * 3 / 300.0, 0.01));                               // twice the sag
+  CHECK(highest == near(2 * 3 / 300.0, 0.01));                                // twice the sag
   CHECK(ticks * 1e-3 == near(std::acos(-1.0) * std::sqrt(0.1 / 300), 0.03));  // half a period
 }
 

@@ -45,7 +45,7 @@ TEST_CASE("a loop ticks a thousand times a second, feels the model, and leaves t
   CHECK(state->is_there);
   loop.stop();
   const std::uint64_t ticks = loop.times().compute.total(), missed = loop.times().missed;
-  CHECK(ticks + missed > 300);   // however busy the machine is, time passes
+  CHECK(ticks + missed > 300);  // however busy the machine is, time passes
   CHECK(ticks + missed < 30000);
   CHECK(device.last.norm() == 0);
   CHECK(device.highest > 0.1);

@@ -15,7 +15,6 @@ using namespace lobe::test;
 
 namespace {
 
-
 Setup held_block(int cells) {
   Setup setup = hybrid_setup(irregular_box(cells));
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)

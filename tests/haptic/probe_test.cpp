@@ -13,7 +13,8 @@ TEST_CASE("a probe pushes and is pushed back; in the air, before and after, it f
                                 {Vec3d::Zero(), 0, 0.2},
                                 {Vec3d::Zero(), 0.05},
                                 {Vec3d::Zero(), 0, 0.3}}};
-    VirtualLoop loop(block(), [path](double time) -> Vec3d { return path.at(time); }, frame);
+    VirtualLoop loop(
+        block(), [path](double time) -> Vec3d { return path.at(time); }, frame);
     const Vec3d tip = top + Vec3d(0, 0, radius + gap);
     loop.controller.send(
         bring_tool(1, tip, BringProbe{"", RigidShape::sphere(radius), {.position = tip}, 0.1}));

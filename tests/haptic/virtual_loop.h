@@ -20,9 +20,8 @@ class VirtualLoop {
         hand({}, std::move(path)),
         guest_(std::make_unique<HapticHand<float>>(
             session, link,
-            typename HapticHand<float>::Settings{
-                .controller = controller.number(),
-                .stiffness = {.has_helper = false}})),
+            typename HapticHand<float>::Settings{.controller = controller.number(),
+                                                 .stiffness = {.has_helper = false}})),
         servo_(link, hand.limits(), {}) {}
   ~VirtualLoop() { guest_.reset(); }
 

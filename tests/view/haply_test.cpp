@@ -124,7 +124,8 @@ TEST_CASE("what is no message of a device is left out, and a number that is none
   for (const char* text : {"", "{", "[]", "7", "{}", R"({"inverse3": []})", R"({"inverse3": [3]})",
                            R"({"inverse3": [{"state": 1}]})", R"({"inverse3": [{"state": {}}]})"})
     CHECK_FALSE(read_haply(text, message));
-  REQUIRE(read_haply(R"({"inverse3": [{"state": {"cursor_position": {"x": "a", "y": null, "z": 1}}}]})", message));
+  REQUIRE(read_haply(R"({"inverse3": [{"state": {"cursor_position": {"x": "a", "y": null, "z": 1}}}]})",
+                     message));
   CHECK_FALSE(message.state.is_finite());
 }
 

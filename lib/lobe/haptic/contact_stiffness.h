@@ -17,9 +17,9 @@ Mat3<double> secant_correction(const Mat3<double>& K, const Vec3d& way, const Ve
 class ContactStiffness {
  public:
   struct Settings {
-    double every = 0.025;     // between two patches [s]
-    double noise = 5e-5;      // of the secant [m]
-    bool has_helper = true;   // a thread condenses the patch; false: at once, for the same bits each time
+    double every = 0.025;    // between two patches [s]
+    double noise = 5e-5;     // of the secant [m]
+    bool has_helper = true;  // a thread condenses the patch; false: at once, for the same bits each time
   };
 
   explicit ContactStiffness(const Settings& settings);

@@ -15,9 +15,7 @@ struct DeviceState {
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
   std::uint32_t buttons = 0;                // one bit each
 
-  bool is_finite() const {
-    return position.allFinite() && velocity.allFinite() && orientation.allFinite();
-  }
+  bool is_finite() const { return position.allFinite() && velocity.allFinite() && orientation.allFinite(); }
 };
 
 // What a device can bear, and what it has by itself.

@@ -58,10 +58,10 @@ class MouseDevice final : public HapticDevice {
 class SimulatedHand final : public HapticDevice {
  public:
   struct Body {
-    double mass = 0.1;           // of device and fingers [kg]
-    double damping = 0.5;        // of the device [N s/m]
-    double grip = 300;           // stiffness of the hand [N/m]; 0: it lets go
-    double grip_damping = 5;     // [N s/m]
+    double mass = 0.1;        // of device and fingers [kg]
+    double damping = 0.5;     // of the device [N s/m]
+    double grip = 300;        // stiffness of the hand [N/m]; 0: it lets go
+    double grip_damping = 5;  // [N s/m]
   };
   using Path = std::function<Vec3d(double time)>;  // [s] → [m]
 
@@ -71,9 +71,7 @@ class SimulatedHand final : public HapticDevice {
   void unplug(bool unplugged) { is_plugged_ = !unplugged; }
 
   std::string name() const override { return "hand"; }
-  DeviceLimits limits() const override {
-    return {.force = 20, .stiffness = 1000, .damping = body_.damping};
-  }
+  DeviceLimits limits() const override { return {.force = 20, .stiffness = 1000, .damping = body_.damping}; }
   bool read(DeviceState& state) noexcept override;
   void write(const Vec3d& force, const Vec3d&) noexcept override { force_ = force; }
 

@@ -78,7 +78,10 @@ template <class Real>
 Felt felt_by(const World<Real>& world, ToolId id) {
   Felt felt;
   world.tools().visit(id, [&](const auto& tool) {
-    if constexpr (requires { tool.force; tool.torque; }) {
+    if constexpr (requires {
+                    tool.force;
+                    tool.torque;
+                  }) {
       felt.force = -tool.force;
       felt.torque = -tool.torque;
     }

@@ -23,9 +23,9 @@ template <class Real>
 class HapticHand final : public SessionGuest<Real> {
  public:
   struct Settings {
-    int controller = -1;     // whose hand it is; −1: a controller of its own, and the buttons take hold
+    int controller = -1;  // whose hand it is; −1: a controller of its own, and the buttons take hold
     HandNumber hand = 1;
-    double radius = 0.01;    // of what is taken hold of [m]
+    double radius = 0.01;  // of what is taken hold of [m]
     ContactStiffness::Settings stiffness = {};
   };
 

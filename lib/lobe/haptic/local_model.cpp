@@ -26,8 +26,7 @@ Vec3d force_at(const LocalModel& model, const Vec3d& x) {
   return std::max(0.0, push.force - push.stiffness * model.normal.dot(way)) * push.per_normal;
 }
 
-Proxy quasi_static_proxy(const LocalModel& model, const Vec3d& device, double coupling,
-                         const Vec3d& offset) {
+Proxy quasi_static_proxy(const LocalModel& model, const Vec3d& device, double coupling, const Vec3d& offset) {
   const Vec3d way = device - model.position;
   if (model.is_held) {
     const Mat3<double> both = coupling * Mat3<double>::Identity() + model.K;

@@ -70,11 +70,11 @@ void HapticLoop::become_real_time() {
     const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
     is_real_time_ = error == 0;
     if (error != 0)
-      warnings_.push_back("the haptic loop is an ordinary thread (SCHED_FIFO: " +
-                          std::string(std::strerror(error)) +
-                          "): beside other programs some ticks in a thousand come milliseconds late, and "
-                          "stiff things may buzz; allow rtprio " +
-                          std::to_string(options_.priority) + " in /etc/security/limits.conf");
+      warnings_.push_back(
+          "the haptic loop is an ordinary thread (SCHED_FIFO: " + std::string(std::strerror(error)) +
+          "): beside other programs some ticks in a thousand come milliseconds late, and "
+          "stiff things may buzz; allow rtprio " +
+          std::to_string(options_.priority) + " in /etc/security/limits.conf");
   }
   if (options_.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
     warnings_.push_back(std::string("the memory of the haptic loop is not locked (mlockall: ") +

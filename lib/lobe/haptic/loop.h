@@ -19,7 +19,7 @@ struct LoopOptions {
 };
 
 struct LoopTimes {
-  Histogram lateness, compute;  // of a tick [µs]
+  Histogram lateness, compute;           // of a tick [µs]
   std::atomic<std::uint64_t> missed{0};  // ticks that began later than the next one was due: left out
 };
 

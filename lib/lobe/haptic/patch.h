@@ -18,8 +18,8 @@
 namespace lobe {
 
 struct PatchLimits {
-  double reach = 0.026;     // of the patch, from the contact [m]
-  Index most_free = 150;    // vertices; a finer mesh has a smaller patch
+  double reach = 0.026;   // of the patch, from the contact [m]
+  Index most_free = 150;  // vertices; a finer mesh has a smaller patch
 };
 
 class Patch {
@@ -30,8 +30,8 @@ class Patch {
   void gather(const Model& model, std::span<const Index> contact,
               const std::function<Vec3d(Index)>& displacement, const PatchLimits& limits);
 
-  Index free_count() const { return free_; }  // vertices
-  bool is_empty() const { return is_empty_; } // of tetrahedra
+  Index free_count() const { return free_; }   // vertices
+  bool is_empty() const { return is_empty_; }  // of tetrahedra
 
   // Of the contact, nothing else moving: K_rr [N/m].
   Mat3<double> blocked() const;
@@ -42,9 +42,9 @@ class Patch {
   void choose_vertices(const Model& model, std::span<const Index> contact, const PatchLimits& limits);
   void add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement);
 
-  Eigen::MatrixXd K_;           // lower triangle; the last 3 are the contact
-  std::vector<Index> place_;    // per vertex of the mesh: its number, contact_ or none
-  std::vector<Index> vertices_; // with a place other than none
+  Eigen::MatrixXd K_;            // lower triangle; the last 3 are the contact
+  std::vector<Index> place_;     // per vertex of the mesh: its number, contact_ or none
+  std::vector<Index> vertices_;  // with a place other than none
   std::vector<Index> tets_;
   Index free_ = 0;
   bool is_empty_ = true;

@@ -107,9 +107,8 @@ Vec3d Servo::wanted_force(double dt) {
   const double left = blend > 0 ? std::max(0.0, 1 - since_model_ / blend) : 0;
   blended_ = left * offset_;
   const Vec3d device = tool_of(state_.device.position);
-  const Proxy proxy = model_.is_engaged
-                          ? quasi_static_proxy(model_, device, coupling_, blended_)
-                          : Proxy{device, blended_};
+  const Proxy proxy =
+      model_.is_engaged ? quasi_static_proxy(model_, device, coupling_, blended_) : Proxy{device, blended_};
   state_.tool = proxy.position;
   state_.orientation = state_.device.orientation;
   state_.engagement = model_.is_engaged ? model_.engagement : 0;

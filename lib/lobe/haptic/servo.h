@@ -22,34 +22,34 @@ struct Workspace {
 };
 
 struct ServoOptions {
-  double tick = 1e-3;          // between two ticks [s]
-  double bound_share = 0.8;    // of the stiffness of the coupling, in Colgate's bound
-  double coupling_damping = 0; // [N s/m], at most b/4
-  double longest_blend = 8e-3; // [s]
-  double stale_frames = 3;     // a model that is older fades
-  double fade = 0.05;          // to nothing [s]
-  double highest_damping = 5;  // of the passivity controller [N s/m]; 0: it only observes
+  double tick = 1e-3;           // between two ticks [s]
+  double bound_share = 0.8;     // of the stiffness of the coupling, in Colgate's bound
+  double coupling_damping = 0;  // [N s/m], at most b/4
+  double longest_blend = 8e-3;  // [s]
+  double stale_frames = 3;      // a model that is older fades
+  double fade = 0.05;           // to nothing [s]
+  double highest_damping = 5;   // of the passivity controller [N s/m]; 0: it only observes
   Workspace workspace = {};
 };
 
 // What a loop has done, for others to see.
 struct HapticState {
   std::uint64_t ticks = 0;
-  DeviceState device;              // as read last
-  bool is_there = false;           // the device
-  std::uint32_t engagement = 0;    // of the model that led to it; 0: none yet
-  Vec3d tool = Vec3d::Zero();      // where the tool is to be [m]
+  DeviceState device;            // as read last
+  bool is_there = false;         // the device
+  std::uint32_t engagement = 0;  // of the model that led to it; 0: none yet
+  Vec3d tool = Vec3d::Zero();    // where the tool is to be [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};
-  Vec3d force = Vec3d::Zero();     // on the hand, as sent to the device [N]
-  Vec3d torque = Vec3d::Zero();    // [N m]
-  double coupling = 0;             // [N/m]
-  double energy = 0;               // of the passivity observer [J]
-  double model_age = 0;            // [s]
-  std::uint64_t interventions = 0; // ticks in which the passivity controller added damping
-  std::uint64_t stale = 0;         // ticks on a model that was too old
-  std::uint64_t bad_poses = 0;     // ticks with a pose that is not finite
-  std::uint64_t absent = 0;        // ticks without a device
-  std::uint64_t limited = 0;       // ticks in which the force or its change was cut off
+  Vec3d force = Vec3d::Zero();      // on the hand, as sent to the device [N]
+  Vec3d torque = Vec3d::Zero();     // [N m]
+  double coupling = 0;              // [N/m]
+  double energy = 0;                // of the passivity observer [J]
+  double model_age = 0;             // [s]
+  std::uint64_t interventions = 0;  // ticks in which the passivity controller added damping
+  std::uint64_t stale = 0;          // ticks on a model that was too old
+  std::uint64_t bad_poses = 0;      // ticks with a pose that is not finite
+  std::uint64_t absent = 0;         // ticks without a device
+  std::uint64_t limited = 0;        // ticks in which the force or its change was cut off
 };
 
 class Servo {
@@ -73,12 +73,12 @@ class Servo {
   ServoOptions options_;
   double coupling_;  // in the units of the tool [N/m]
   LocalModel model_;
-  Vec3d clutch_ = Vec3d::Zero();      // added to where the device is, so that tools are taken up where they are
+  Vec3d clutch_ = Vec3d::Zero();   // added to where the device is, so that tools are taken up where they are
   Vec3d offset_ = Vec3d::Zero();   // between the force before the last model came and its own [N]
   Vec3d blended_ = Vec3d::Zero();  // what is left of it [N]
-  double since_model_ = 0;            // [s]
-  double trust_ = 0;                  // 1: the pose and the model are fresh; fades
-  bool is_fresh_ = false;             // the pose
+  double since_model_ = 0;         // [s]
+  double trust_ = 0;               // 1: the pose and the model are fresh; fades
+  bool is_fresh_ = false;          // the pose
   Passivity passivity_;
   HapticState state_;
 };

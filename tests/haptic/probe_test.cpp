@@ -1,0 +1,36 @@
+// A probe in a haptic hand.
+#include "haptic/virtual_loop.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+TEST_CASE("a probe pushes and is pushed back; in the air, before and after, it feels nothing") {
+  for (double frame : {1e-3, 1.0 / 120}) {
+    CAPTURE(frame);
+    constexpr double radius = 0.008, gap = 0.004;
+    const bench::HandPath path{{{Vec3d::Zero(), 0, 0.3},
+                                {{0, 0, -0.010}, 0.05},
+                                {Vec3d::Zero(), 0, 0.2},
+                                {Vec3d::Zero(), 0.05},
+                                {Vec3d::Zero(), 0, 0.3}}};
+    VirtualLoop loop(
+        block(), [path](double time) -> Vec3d { return path.at(time); }, frame);
+    const Vec3d tip = top + Vec3d(0, 0, radius + gap);
+    loop.controller.send(
+        bring_tool(1, tip, BringProbe{"", RigidShape::sphere(radius), {.position = tip}, 0.1}));
+    double highest = 0, lowest = 0;
+    Vec3d before = Vec3d::Zero();
+    loop.run(0.3, [&](const HapticState& state) { CHECK(state.force.norm() < 0.02); });
+    loop.run(1.0, [&](const HapticState& state) {
+      highest = std::max(highest, state.force.z());
+      lowest = std::min(lowest, state.force.z());
+      CHECK((state.force - before).norm() <= 0.2 + 1e-12);
+      before = state.force;
+    });
+    CHECK(highest > 0.1);
+    CHECK(lowest > -0.02);  // it is never drawn
+    loop.run(0.3, [](const HapticState&) {});
+    CHECK(loop.servo().state().force.norm() < 0.02);
+    CHECK(replays(loop.session, loop.setup));
+  }
+}

@@ -2,8 +2,7 @@
 // without it. The table, in mm and N, is what a plot of force over indentation shows.
 //
 //   build/bin/08_palpation
-//   pressed   with tumour   without
-//      8.0        1.93        1.21
+//   pressed   with tumour   without      [mm], [N]
 #include <lobe/lobe.h>
 
 #include <cstdio>

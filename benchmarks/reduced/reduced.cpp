@@ -91,12 +91,13 @@ void measure_frequencies(const Subject& subject, std::vector<FrequencyRow>& rows
   const Membership embedded = make_membership(elements, lattice, held, none);
   for (Stiffening stiffening :
        {Stiffening::fluctuation, Stiffening::galerkin, Stiffening::relaxed, Stiffening::homogenised}) {
-    FrequencyRow row{.mesh = subject.mesh,
-                     .tets = subject.body.mesh.tet_count(),
-                     .ratio = subject.ratio,
-                     .spacing = subject.spacing,
-                     .cells = lattice.tets.size(),
-                     .stiffening = text(stiffening)};
+    FrequencyRow row;
+    row.mesh = subject.mesh;
+    row.tets = subject.body.mesh.tet_count();
+    row.ratio = subject.ratio;
+    row.spacing = subject.spacing;
+    row.cells = lattice.tets.size();
+    row.stiffening = text(stiffening);
     const auto found = lowest_frequencies(elements, lattice, embedded, stiffening, modes);
     for (int k = 0; k < modes; ++k) {
       const double deviation = found[k] / exact[k] - 1;

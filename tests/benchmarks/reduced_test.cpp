@@ -1,6 +1,7 @@
 // The trial of `lobe bench reduced`: its lattice, cells, kernels and transitions.
 #include <doctest/doctest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 

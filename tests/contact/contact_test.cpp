@@ -178,7 +178,9 @@ TEST_CASE("a body that bounces keeps its energy for 100,000 steps at 0.9 of the 
   const double fallen = -lowest * weight;
   MESSAGE("energy " << least / fallen << " to " << largest / fallen << " of what it falls through");
   CHECK(fallen > 0);
+  CHECK(fallen < 10 * weight);  // it stays above the table
   CHECK(largest < 1e-3 * fallen);
+  CHECK(least > -1e-3 * fallen);
 }
 
 TEST_CASE("friction: bits are the same on any threads, from a checkpoint, by hand and in a replay") {

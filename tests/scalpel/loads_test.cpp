@@ -228,7 +228,7 @@ TEST_CASE("a path whose times do not increase is refused") {
 }
 
 TEST_CASE("a body that moves as one feels no force, cut or not") {
-  Setup setup = setup_of(irregular_box(4, 0.025));
+  Setup setup = setup_of(irregular_box(8, 0.0125));
   setup.cut_step = 0;
   World<double> world(setup);
   cut(world, incisions_of(setup.mesh, 6));

@@ -90,7 +90,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "/tools/0: unknown key \"release\"; known here: \"name\", \"path\", \"radius\", \"type\""},
       {R"({"a\nb": 1, "time": {"x~/": 1}})",
        "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"boundary\", \"comment\", "
-       "\"condensed_cache\", \"evaluator\", "
+       "\"condensed_cache\", \"contact\", \"evaluator\", "
        "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"name\", \"output\", "
        "\"regions\", \"skin\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
@@ -224,10 +224,10 @@ TEST_CASE("a selector is one of eleven, with sensible values") {
 TEST_CASE("tools need their type's keys and paths that go forward") {
   check({
       {R"({"tools": [{"path": [[0, 0, 0, 0]]}]})",
-       "/tools/0: needs \"type\": \"grasp\", \"cautery\" or \"scalpel\""},
+       "/tools/0: needs \"type\": \"grasp\", \"cautery\", \"scalpel\" or \"probe\""},
       {R"({"tools": [{"type": "gasp"}]})",
-       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\" or \"scalpel\"; did you mean \"grasp\"?"},
-      {R"({"tools": [{"type": 1}]})", "/tools/0/type: 1, must be \"grasp\", \"cautery\" or \"scalpel\""},
+       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\"; did you mean \"grasp\"?"},
+      {R"({"tools": [{"type": 1}]})", "/tools/0/type: 1, must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\""},
       {R"({"tools": [7]})", "/tools/0: 7, must be an object"},
       {R"({"tools": [{"type": "grasp", "where": {"all": true}}]})", "/tools/0: needs \"path\""},
       {R"({"tools": [{"type": "cautery", "path": [[0, 0, 0, 0]]}]})", "/tools/0: needs \"radius\""},

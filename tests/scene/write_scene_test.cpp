@@ -66,8 +66,8 @@ TEST_CASE("the schema's defaults are the library's") {
   const json written = json::parse(to_json(parse_scene(small_scene)));
   const json& definitions = schema["definitions"];
   CHECK(compare_defaults(schema["properties"], written) == 11);
-  CHECK(compare_defaults(definitions["material"]["properties"], written["materials"][0]) == 4);
-  CHECK(compare_defaults(definitions["time"]["properties"], written["time"]) == 13);
+  CHECK(compare_defaults(definitions["material"]["properties"], written["materials"][0]) == 5);
+  CHECK(compare_defaults(definitions["time"]["properties"], written["time"]) == 14);
   CHECK(compare_defaults(definitions["output"]["properties"], written["output"]) == 2);
 }
 

@@ -34,6 +34,9 @@ void resolve_contact(Resolution& resolution) {
   }
   Setup& setup = resolution.result.setup;
   const bool may_be_touched = contact.is_on() || !setup.probes.empty();
+  if (may_be_touched)
+    resolution.warn(contact.is_on() ? "/contact" : "/tools",
+                    "contact is in development: docs/contact.md says what does not hold yet");
   const Options used = options_of(setup);
   if (may_be_touched && !used.has(Option::corotated) && !used.has(Option::nodal_pressure))
     setup.expandable = setup.expandable || used.has(Option::precomputed);

@@ -52,6 +52,5 @@ void bench_scalpel(const Options& options);
 void bench_contact(const Options& options);
 void bench_huge(const Options& options);
 void bench_soak(const Options& options);
-void bench_reduced(const Options& options);
 
 }  // namespace lobe::bench

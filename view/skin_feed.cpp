@@ -8,7 +8,7 @@ namespace lobe::view {
 
 template <class Real>
 SkinFeed<Real>::SkinFeed(const std::filesystem::path& file, const TetMesh& mesh, World<Real>& world)
-    : skin_(read_obj(file), mesh), restored_(world.body().model.revisions.restored) {
+    : skin_(read_obj(file), mesh), whole_(skin_), restored_(world.body().model.revisions.restored) {
   const Mat3X<Real> none = Mat3X<Real>::Zero(3, mesh.points.cols());
   skin_.update(mesh.points, none, rest_, normals_);
   show();
@@ -17,15 +17,21 @@ SkinFeed<Real>::SkinFeed(const std::filesystem::path& file, const TetMesh& mesh,
 
 template <class Real>
 void SkinFeed<Real>::show() {
-  shown_ = std::make_shared<const ShownSkin>(ShownSkin{skin_.mesh().revision, skin_.mesh().triangles, rest_});
+  const std::uint64_t revision = shown_ ? shown_->revision + 1 : 0;
+  shown_ = std::make_shared<const ShownSkin>(ShownSkin{revision, skin_.mesh().triangles, rest_});
+  skin_revision_ = skin_.mesh().revision;
 }
 
 template <class Real>
 void SkinFeed<Real>::update(World<Real>& world) {
   if (!is_wanted_) return;
   const std::uint64_t restored = world.body().model.revisions.restored;
-  if (std::exchange(restored_, restored) != restored) skin_.follow_all(world.elements().topology);
-  if (shown_->revision != skin_.mesh().revision) show();
+  if (std::exchange(restored_, restored) != restored) {
+    skin_ = whole_;
+    skin_.follow_all(world.elements().topology);
+    show();
+  }
+  if (skin_revision_ != skin_.mesh().revision) show();
   Picture* picture = pictures_.writable();
   if (!picture) return;
   skin_.update(world.elements().points.view(), world.displacements(), picture->x, normals_);

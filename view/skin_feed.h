@@ -13,7 +13,7 @@ namespace lobe::view {
 
 // What does not change from one picture to the next.
 struct ShownSkin {
-  std::uint64_t revision = 0;
+  std::uint64_t revision = 0;  // grows with each change of its triangles
   std::vector<Eigen::Vector3i> triangles;
   Mat3X<float> rest;  // 3 × #vertices [m]
 };
@@ -44,6 +44,8 @@ class SkinFeed {
   void show();
 
   Skin skin_;
+  const Skin whole_;  // as it was at the start: a world that is put back may have what was cut
+  std::uint64_t skin_revision_ = 0;  // that was shown last
   Mat3X<float> rest_, normals_;
   std::shared_ptr<const ShownSkin> shown_;
   std::uint64_t restored_;  // how often the world had been put back when the skin last followed it

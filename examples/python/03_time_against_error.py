@@ -22,8 +22,9 @@ reference = lobe.Scene(document, mesh)
 
 def run(scene):  # milliseconds per simulated second, and the displacements
     world = lobe.World(scene)
-    hand, begun = world.grasp(pulled), time.perf_counter()
-    start = hand.position
+    hand = world.grasp(pulled)
+    world.advance(1 / 60)
+    start, begun = hand.position, time.perf_counter()
     for frame in range(60):
         hand.move_to(start + [0, 0, move * min(1, (frame + 1) / 30)])
         world.advance(1 / 60)

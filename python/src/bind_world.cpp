@@ -125,6 +125,7 @@ void bind_tools(py::module_& module) {
           "position",
           [](const PyGrasp& self) {
             const Grasp& grasp = grasp_of(self);
+            if (grasp.path.empty()) throw InputError("position", "is known after the first frame");
             return copied(Vec3d(grasp.centre + path_at(grasp.path, self.world->time())));
           },
           "of its centre [m]; after the first frame")

@@ -250,7 +250,7 @@ static void servo(const char* data) {
   }
   CHECK(highest > 0.05 && highest <= 10);
   lobe_tool hand = {.size = sizeof hand};
-  CHECK(lobe_get_tool(session, 3, &hand) == LOBE_OK && hand.pose[2] > point[2] + 0.001);
+  CHECK(lobe_get_tool(session, 3, &hand) == LOBE_OK && hand.pose[2] >= point[2]);
   x[1] = NAN;
   for (int i = 0; i < 2000000 && f[2] != 0; ++i)
     CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_BAD_INPUT);

@@ -155,6 +155,7 @@ class Tester:
                 continue  # a program that is not built by default
             if not text:
                 self.fault(place, f'"{" ".join(name)} --help" fails')
+                continue
             for option in re.findall(r"(?<![\w-])--?[a-z][\w-]*", " ".join(words[1:])):
                 if not re.search(rf"(?<![\w-]){re.escape(option)}(?![\w-])", text):
                     self.fault(place, f'"{" ".join(name)}" has no option {option}')

@@ -223,7 +223,8 @@ void bench_hybrid(const Options& options) {
   for (const Case& organ : make_organs(options)) {
     if (organ.scene.auto_regions) continue;  // played below
     for (const TetMesh& mesh : organ.meshes) {
-      const Setup gesture = reference_setup(resolve(organ.scene, mesh, {false}).setup), setup = at_the_end(gesture);
+      const Setup gesture = reference_setup(resolve(organ.scene, mesh, {false}).setup),
+                  setup = at_the_end(gesture);
       const std::vector<double> score = moved(setup.mesh, linear_trial(setup));
       const Mat3X<double> exact = equilibrium(setup);
       for (double fraction : {0.6, 0.8, 0.9}) {

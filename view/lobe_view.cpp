@@ -75,16 +75,17 @@ void add_options(CLI::App& app, Arguments& options) {
   app.add_option("--speed", options.live.speed, "simulated seconds per second")
       ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
-  app.add_option("--frame", options.live.frame,
-                 "simulated time between two pictures [s]; with a haptic device 0.001 where that is fast enough")
+  app.add_option(
+         "--frame", options.live.frame,
+         "simulated time between two pictures [s]; with a haptic device 0.001 where that is fast enough")
       ->check(CLI::Range(1e-4, 1.0))
       ->capture_default_str()
       ->each([&](const std::string&) { options.has_frame = true; });
   app.add_option("--haptic", options.live.haptic.device,
                  "device that holds what the page takes hold of: none, mouse, hand (simulated), or haply, "
                  "which takes hold by its own button (docs/haptics.md)")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(view::haptic_devices),
-                                                     std::end(view::haptic_devices))))
+      ->check(CLI::IsMember(
+          std::vector<std::string>(std::begin(view::haptic_devices), std::end(view::haptic_devices))))
       ->capture_default_str();
   app.add_option("--threads", options.live.threads, "threads of the simulation")
       ->check(CLI::Range(1, 256))

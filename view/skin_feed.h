@@ -44,7 +44,7 @@ class SkinFeed {
   void show();
 
   Skin skin_;
-  const Skin whole_;  // as it was at the start: a world that is put back may have what was cut
+  const Skin whole_;                 // as it was at the start: a world that is put back may have what was cut
   std::uint64_t skin_revision_ = 0;  // that was shown last
   Mat3X<float> rest_, normals_;
   std::shared_ptr<const ShownSkin> shown_;

@@ -95,7 +95,8 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "\"regions\", \"skin\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"cut_step\", \"damping\", \"duration\", \"frame\", "
-       "\"integrator\", \"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", \"selective_mass\", \"sleep\", "
+       "\"integrator\", \"load_ramp\", \"mass_scaling\", \"precision\", \"ramp\", \"safety\", "
+       "\"selective_mass\", \"sleep\", "
        "\"spectral_radius\", \"step\""},
   });
 }
@@ -226,8 +227,10 @@ TEST_CASE("tools need their type's keys and paths that go forward") {
       {R"({"tools": [{"path": [[0, 0, 0, 0]]}]})",
        "/tools/0: needs \"type\": \"grasp\", \"cautery\", \"scalpel\" or \"probe\""},
       {R"({"tools": [{"type": "gasp"}]})",
-       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\"; did you mean \"grasp\"?"},
-      {R"({"tools": [{"type": 1}]})", "/tools/0/type: 1, must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\""},
+       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\"; did you mean "
+       "\"grasp\"?"},
+      {R"({"tools": [{"type": 1}]})",
+       "/tools/0/type: 1, must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\""},
       {R"({"tools": [7]})", "/tools/0: 7, must be an object"},
       {R"({"tools": [{"type": "grasp", "where": {"all": true}}]})", "/tools/0: needs \"path\""},
       {R"({"tools": [{"type": "cautery", "path": [[0, 0, 0, 0]]}]})", "/tools/0: needs \"radius\""},

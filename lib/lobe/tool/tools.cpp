@@ -178,7 +178,8 @@ void Tools::end_forces(double duration) {
   time_felt_ += duration;
   for_each_tool(lists_, [&](auto& tool) {
     // The force on a scalpel is that of the tissue that it opens: Scalpel::cut_by().
-    if constexpr (requires { tool.force; } && !requires { tool.way; }) {
+    if constexpr (
+        requires { tool.force; } && !requires { tool.way; }) {
       Impulse& impulse = impulses_[std::size_t(tool.id)];
       impulse.linear += impulses_of_part_[std::size_t(tool.id)].linear;
       impulse.angular += impulses_of_part_[std::size_t(tool.id)].angular;

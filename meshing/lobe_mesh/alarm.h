@@ -37,12 +37,13 @@ class Alarm {
     reason_ = reason;
     ringing_ = true;
   }
+  bool rings() const { return ringing_; }
   double seconds_left() const { return std::chrono::duration<double>(end_ - Clock::now()).count(); }
   void check() const {
     if (!ringing_ && seconds_left() > 0) return;
     if (!reason_.empty())
       throw MeshingFailure("the mesher cgal " + reason_ +
-                           ": use another --edge, or for surfaces --mesher tetgen or --repair wrap");
+                           ": use another --edge, or for surfaces --feature-angle 180, --mesher tetgen or --repair wrap");
     throw MeshingFailure("the mesher cgal did not finish within the time limit of " + rounded(limit_) +
                          " s: choose a longer edge or --time-limit");
   }

@@ -143,6 +143,11 @@ constexpr double asked_per_tet = 6;  // of the finished mesh, roughly
 // Far more than any refinement needs that ends: coarse meshes of detailed surfaces, too.
 inline double most_intersections(double expected_tets) { return 1e6 + 100 * expected_tets; }
 
+// Each tetrahedron of the finished mesh is asked about at least once. A mesh of the edge asked for stays at
+// half of this number, and one of so many more has features far smaller than the edge: the refinement may
+// take minutes for them, and so do all that follows it.
+inline double most_asked(double expected_tets) { return 1e4 + 2 * asked_per_tet * expected_tets; }
+
 // Perturbation breaks slivers up; the other optimisers take ten times longer than the refinement and leave no
 // longer time step after the relaxation.
 template <class Domain, class Topology>
@@ -153,6 +158,9 @@ TetMesh refine(Counted<Domain>& domain, const MeshingRun& run, const Topology& t
     run.progress(std::min(1.0, static_cast<double>(domain.asked) / (asked_per_tet * run.expected_tets)));
     if (static_cast<double>(domain.intersected) > most_intersections(run.expected_tets))
       alarm.ring("refines without end, perhaps where two parts of the surface nearly touch");
+    if (static_cast<double>(domain.asked) > most_asked(run.expected_tets) && !alarm.rings())
+      alarm.ring("makes far more than the " + rounded(std::round(run.expected_tets)) +
+                 " tetrahedra of such edges, at features of the surface far smaller than them");
   };
   auto complex = CGAL::make_mesh_3<typename Mesh3<Counted<Domain>>::Complex>(
       domain, criteria_of(domain, run.sizing), topology, no_lloyd(), no_odt(), no_perturb(), no_exude(),

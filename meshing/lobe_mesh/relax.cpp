@@ -16,7 +16,6 @@ namespace {
 
 constexpr int most_rounds = 40;
 constexpr double least_gain = 0.01;      // of a round: less ends the relaxation
-constexpr std::size_t most_work = 3000;  // elements evaluated per tetrahedron, against hopeless meshes
 constexpr double flattest = 1e-3;        // smallest volume of a tetrahedron, of the regular one
 constexpr double first_step = 0.12;      // of an edge
 constexpr int step_sizes = 4;            // each half as long as the one before
@@ -38,7 +37,7 @@ struct Element {
 class Relaxation {
  public:
   Relaxation(TetMesh& mesh, const Freedom& freedom, const RelaxGoal& goal);
-  void run();
+  std::size_t run();
   Bottleneck slowest_vertex() const;
 
  private:
@@ -228,15 +227,16 @@ void Relaxation::improve(Index v) {
   }
 }
 
-void Relaxation::run() {
+std::size_t Relaxation::run() {
   double cost = total_cost();
   for (int round = 0; round < most_rounds && cost > 0; ++round) {
     for (const Index v : vertices_near_cost())
-      if (work_ < most_work * static_cast<std::size_t>(mesh_.tet_count())) improve(v);
+      if (work_ < goal_.most_work * static_cast<std::size_t>(mesh_.tet_count())) improve(v);
     const double before = cost;
     cost = total_cost();
     if (cost > (1 - least_gain) * before) break;
   }
+  return work_;
 }
 
 Bottleneck Relaxation::slowest_vertex() const {
@@ -259,8 +259,8 @@ Bottleneck slowest_vertex(const TetMesh& mesh, const RelaxGoal& goal) {
   return Relaxation(copy, {}, goal).slowest_vertex();
 }
 
-void relax(TetMesh& mesh, const Freedom& freedom, const RelaxGoal& goal) {
-  Relaxation(mesh, freedom, goal).run();
+std::size_t relax(TetMesh& mesh, const Freedom& freedom, const RelaxGoal& goal) {
+  return Relaxation(mesh, freedom, goal).run();
 }
 
 }  // namespace lobe::meshing

@@ -17,12 +17,14 @@ struct RelaxGoal {
   double time_step_star = 0.8;  // of every vertex, by the vertex estimate, which is up to 25 % too long
   double min_dihedral = 21;     // [degrees]
   double poisson_ratio = 0.4;   // of the material whose time step it is
+  std::size_t most_work = 3000;  // elements evaluated per tetrahedron, against hopeless meshes
 };
 
 // Minimises the sum of (goal / value − 1)² over the vertices and dihedral angles that miss the goal, vertex
 // by vertex, by trying steps along the axes; vertices of surfaces slide. Never inverts a tetrahedron, never
-// makes the sum larger. Serial, the same on every machine but for rounding.
-void relax(TetMesh& mesh, const Freedom& freedom, const RelaxGoal& goal);
+// makes the sum larger. Serial, the same on every machine but for rounding. Returns how many elements it has
+// evaluated.
+std::size_t relax(TetMesh& mesh, const Freedom& freedom, const RelaxGoal& goal);
 
 // Says nothing about `on_boundary`.
 Bottleneck slowest_vertex(const TetMesh& mesh, const RelaxGoal& goal);

@@ -28,11 +28,6 @@ constexpr double surface_edge_factor = 1.08;
 
 constexpr double finest_feature = 0.15;  // of the shortest edge asked for
 
-// Far more tetrahedra than a body of that volume and area takes: most of them at features smaller than the
-// edge.
-constexpr double most_tets_of_expected = 20;
-constexpr double most_tets_at_least = 10000;
-
 class Stopwatch {
  public:
   explicit Stopwatch(std::vector<Phase>& phases) : phases_(phases) {}
@@ -79,15 +74,6 @@ void refuse_touching(const Surface& surface) {
           << ") m: use --mesher tetgen, or move them apart";
     throw InputError("surface", place.str());
   }
-}
-
-void refuse_excess(const TetMesh& mesh, double expected) {
-  if (mesh.tet_count() <= most_tets_at_least + most_tets_of_expected * expected) return;
-  throw MeshingFailure(
-      "the mesher cgal made " + std::to_string(mesh.tet_count()) + " tetrahedra, about " +
-      rounded(std::round(expected)) +
-      " were expected: the surface has features far smaller than the edge; use a shorter --edge, "
-      "--feature-angle 180, --mesher tetgen or --repair wrap");
 }
 
 // The tries at one model, in a box of unit size.
@@ -196,7 +182,6 @@ TetMesh Tries::mesh_with(Mesher mesher, double factor) {
                          [&](double done) { options.progress("mesh (cgal)", done); }};
     TetMesh mesh = model_.is_image() ? mesh_image_with_cgal(scaled_, run) : mesh_with_cgal(scaled_, run);
     stopwatch_.phase("cgal");
-    refuse_excess(mesh, run.expected_tets);
     return mesh;
   }
   options.progress("remesh", -1);
@@ -256,20 +241,22 @@ void Tries::one(Mesher mesher, double factor) {
   } catch (const InputError& error) {  // of prepare(), or of a mesher that cannot mesh this body
     attempt.failure = error.what();
   }
+  if (!attempt.failure.empty()) stopwatch_.phase(mesher == Mesher::cgal ? "cgal" : "tetgen");
   report_.attempts.push_back(attempt);
 }
 
 TetMesh Tries::best() {
   constexpr double jitter[] = {1.0, 0.97, 1.03, 0.94, 1.05, 0.91, 1.02, 0.98};
-  one(options_.mesher, 1);
-  for (int i = 1; i < options_.tries && !out_of_time(); ++i) one(options_.mesher, jitter[i]);
   const Mesher other = options_.mesher == Mesher::cgal ? Mesher::tetgen : Mesher::cgal;
   const bool both = available(other);
   // A mesher that failed will do so again at almost the same edge: then it is the other one's turn.
-  for (int i = 0; i < second_tries && !best_report_.passes() && !out_of_time(); ++i) {
-    const Mesher mesher = both && i % 2 == 0 ? other : options_.mesher;
-    if (!both || !failed(mesher)) one(mesher, jitter[both ? (i + 1) / 2 : i + 1]);
-  }
+  const auto again = [&](Mesher mesher, double factor) {
+    if (!out_of_time() && (!both || !failed(mesher))) one(mesher, factor);
+  };
+  one(options_.mesher, 1);
+  for (int i = 1; i < options_.tries; ++i) again(options_.mesher, jitter[i]);
+  for (int i = 0; i < second_tries && !best_report_.passes(); ++i)
+    again(both && i % 2 == 0 ? other : options_.mesher, jitter[both ? (i + 1) / 2 : i + 1]);
   if (best_.tet_count() == 0) throw MeshingFailure(report_.attempts.front().failure);
   best_report_.attempts = report_.attempts;
   best_report_.phases = phases_;

@@ -65,6 +65,24 @@ TEST_CASE("a mesh that reaches the goal is left alone, bit for bit") {
   CHECK(mesh.points == before.points);
 }
 
+TEST_CASE("a mesh that cannot reach the goal is given up after the work that is allowed") {
+  const RelaxGoal hopeless{.edge = edge, .time_step_star = 10, .min_dihedral = 80};
+  const auto work = [&](std::size_t most) {
+    TetMesh mesh = shaken_cube();
+    const Freedom free{std::vector<std::vector<const NearestPoint*>>(mesh.vertex_count()),
+                       std::vector<bool>(mesh.vertex_count(), false)};
+    RelaxGoal goal = hopeless;
+    goal.most_work = most;
+    const double each = double(relax(mesh, free, goal)) / mesh.tet_count();
+    CHECK(mesh_quality(mesh).smallest_altitude_ratio > 0);
+    return each;
+  };
+  const double enough = work(3000), little = work(20);
+  CHECK(enough > 100);  // it would go on
+  CHECK(little >= 20);
+  CHECK(little < 21);
+}
+
 TEST_CASE("the vertex that bounds the step is the one whose neighbourhood was squeezed") {
   TetMesh mesh = box_mesh({1, 1, 1}, 4, 4, 4);
   Index squeezed = 0;

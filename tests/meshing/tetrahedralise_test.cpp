@@ -126,6 +126,19 @@ TEST_CASE("where the refinement does not end, it is stopped and the other mesher
   CHECK(report.mesher == Mesher::tetgen);
 }
 
+TEST_CASE("a refinement that makes far more tetrahedra than the edge needs is stopped, and not tried again") {
+  // All edges of a finely faceted ball are kept sharp, though the tetrahedra may be ten times as long.
+  MeshReport report;
+  tetrahedralise({make_sphere(0.1, 3)}, {.edge = 0.05, .tries = 2, .feature_angle = 1}, report);
+  const std::string why = report.attempts.at(0).failure;
+  CHECK_MESSAGE(contains(why, "makes far more than the"), why);
+  CHECK(contains(why, "--feature-angle 180"));
+  CHECK(report.mesher == Mesher::tetgen);
+  CHECK(report.tets < 20000);
+  CHECK(std::count_if(report.attempts.begin(), report.attempts.end(),
+                      [](const Attempt& a) { return a.mesher == Mesher::cgal; }) == 1);
+}
+
 TEST_CASE("sharp edges far below the edge asked for are left out, with a warning that names the place") {
   // A ball with 60 spikes of triangular section that end 20 times thinner than they begin.
   Surface body = make_sphere(1, 2);

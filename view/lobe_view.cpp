@@ -157,13 +157,13 @@ int serve(Arguments& options) {
   }
   view::Server server(options.server, view::page_files(), *viewer);
   viewer->set_server(&server);
+  std::signal(SIGINT, ask_to_end);  // before anybody knows that there is something to end
+  std::signal(SIGTERM, ask_to_end);
   const std::string address = address_of(options, server.port());
   std::printf("%s\nCtrl+C ends it.\n", address.c_str());
   std::fflush(stdout);
   if (!options.no_open) open_browser(address);
 
-  std::signal(SIGINT, ask_to_end);
-  std::signal(SIGTERM, ask_to_end);
   std::thread waker([&] {
     for (std::uint64_t known = 0; !is_asked_to_end;
          std::this_thread::sleep_for(std::chrono::milliseconds(20)))

@@ -12,7 +12,9 @@ SkinFeed<Real>::SkinFeed(const std::filesystem::path& file, const TetMesh& mesh,
   const Mat3X<Real> none = Mat3X<Real>::Zero(3, mesh.points.cols());
   skin_.update(mesh.points, none, rest_, normals_);
   show();
-  world.on_cut([this](const Topology& topology, const MeshEdit& edit) { skin_.follow(topology, edit); });
+  world.on_cut([this, &world](const Topology& topology, const MeshEdit& edit) {
+    if (!follow_restored(world)) skin_.follow(topology, edit);
+  });
 }
 
 template <class Real>
@@ -22,15 +24,21 @@ void SkinFeed<Real>::show() {
   skin_revision_ = skin_.mesh().revision;
 }
 
+// A world that was put back may be cut before the next picture.
+template <class Real>
+bool SkinFeed<Real>::follow_restored(const World<Real>& world) {
+  const std::uint64_t restored = world.body().model.revisions.restored;
+  if (std::exchange(restored_, restored) == restored) return false;
+  skin_ = whole_;
+  skin_.follow_all(world.elements().topology);
+  skin_revision_ = never;
+  return true;
+}
+
 template <class Real>
 void SkinFeed<Real>::update(World<Real>& world) {
+  follow_restored(world);
   if (!is_wanted_) return;
-  const std::uint64_t restored = world.body().model.revisions.restored;
-  if (std::exchange(restored_, restored) != restored) {
-    skin_ = whole_;
-    skin_.follow_all(world.elements().topology);
-    show();
-  }
   if (skin_revision_ != skin_.mesh().revision) show();
   Picture* picture = pictures_.writable();
   if (!picture) return;

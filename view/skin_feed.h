@@ -41,6 +41,8 @@ class SkinFeed {
     std::shared_ptr<const ShownSkin> shown;
     Mat3X<float> x;  // 3 × #vertices [m]
   };
+  static constexpr std::uint64_t never = ~std::uint64_t(0);
+  bool follow_restored(const World<Real>& world);
   void show();
 
   Skin skin_;

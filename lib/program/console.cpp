@@ -41,14 +41,20 @@ std::filesystem::path sibling(const std::string& program) {
   return !error && std::filesystem::exists(beside, error) ? beside : std::filesystem::path(program);
 }
 
-int run_program(const std::vector<std::string>& arguments) {
+void become_program(const std::vector<std::string>& arguments) {
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
+  std::fflush(nullptr);
+  execvp(argv[0], argv.data());
+}
+
+int run_program(const std::vector<std::string>& arguments) {
+  std::fflush(nullptr);  // else the child says it again
   const pid_t child = fork();
   if (child < 0) return 127;
   if (child == 0) {
-    execvp(argv[0], argv.data());
+    become_program(arguments);
     _exit(127);
   }
   int status = 0;

@@ -32,5 +32,7 @@ std::filesystem::path sibling(const std::string& program);
 // Runs a program to its end, without a shell. Returns its exit status, 127 if it could not be started, 128 +
 // n if signal n ended it.
 int run_program(const std::vector<std::string>& arguments);
+// Goes on as another program, to which signals then go. Returns only if that cannot be run.
+void become_program(const std::vector<std::string>& arguments);
 
 }  // namespace lobe::program

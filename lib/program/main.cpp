@@ -22,11 +22,10 @@ using Action = std::function<int()>;
 int forward(const std::string& program, char** first, char** last, const std::string& option) {
   std::vector<std::string> arguments{sibling(program).string()};
   arguments.insert(arguments.end(), first, last);
-  const int status = run_program(arguments);
-  if (status == 127)
-    print_errors(program + ": not found beside lobe or on the PATH; ./dev build makes it, where CMake has " +
-                 option + "=ON");
-  return status == 127 ? static_cast<int>(bad_input) : status;
+  become_program(arguments);
+  print_errors(program + ": not found beside lobe or on the PATH; ./dev build makes it, where CMake has " +
+               option + "=ON");
+  return bad_input;
 }
 
 // lobe-petsc has options of its own, so that it reads all of them.

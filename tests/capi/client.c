@@ -225,7 +225,8 @@ static void what_is_wrong(const char* data) {
   lobe_close(NULL);
 }
 
-/* A device is attached to a tool, asked for its force, and taken away. */
+/* A device presses what it holds, and is pushed back; what is not finite, and nothing at all, fades. Forces
+ * grow and fade by the clock: what is waited for is that they do, not how soon. */
 static void servo(const char* data) {
   lobe_session* session = NULL;
   CHECK(lobe_open_text(scene, data, NULL, &session) == LOBE_OK);
@@ -242,8 +243,22 @@ static void servo(const char* data) {
         strstr(lobe_last_error(), "damping") != NULL);
   CHECK(lobe_advance(session, 2) == LOBE_OK);
   CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_OK);
+  lobe_tool hand = {.size = sizeof hand};
+  double highest = 0;
+  for (int i = 0; i < 40000 && !(f[2] < -0.05 && hand.pose[2] > point[2] + 0.001); ++i) {
+    x[2] = 0.01 * (i < 100 ? i : 100) / 100; /* 1 cm up, and stays */
+    CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_OK);
+    if (i % 8 == 0) CHECK(lobe_advance(session, 1) == LOBE_OK);
+    CHECK(lobe_get_tool(session, 3, &hand) == LOBE_OK);
+    highest = fmax(highest, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+  }
+  CHECK(f[2] < -0.05 && highest <= 10 * (1 + 1e-9));
+  CHECK(hand.pose[2] > point[2] + 0.001 && hand.pose[2] < point[2] + 0.0101);
   x[1] = NAN;
-  CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "finite") != NULL);
+  for (int i = 0; i < 20000000 && f[2] != 0; ++i)
+    CHECK(lobe_haptic_force(session, 3, x, v, f) == LOBE_BAD_INPUT);
+  CHECK(f[0] == 0 && f[1] == 0 && f[2] == 0 && strstr(lobe_last_error(), "finite") != NULL);
+  CHECK(lobe_haptic_force(session, 3, NULL, NULL, f) == LOBE_OK && f[2] == 0);
   CHECK(lobe_haptic_detach(session, 3) == LOBE_OK && lobe_haptic_detach(session, 3) == LOBE_WRONG_STATE);
   CHECK(lobe_haptic_attach(session, 3, NULL) == LOBE_OK); /* closed with it */
   lobe_close(session);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <thread>
 
 #include "folder.h"
@@ -19,6 +20,7 @@
 #include "lobe/scene/read_scene.h"
 #include "lobe/sim/world.h"
 #include "lobe/skin/skin.h"
+#include "skin_feed.h"
 
 using namespace lobe;
 using namespace lobe::view;
@@ -126,6 +128,8 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   viewed.take(1, 0, 0.03, 0.03);
   REQUIRE(viewed.holds(1, 1));
   viewed.lead(1, 0, 0.04, 0.03, 0.07);
+  REQUIRE(viewed.comes_to(
+      1, [](const Json&, const Json& tools) { return tools[0]["position"][2].get<double>() > 0.065; }));
   viewed.ask(1, {{"do", "burn"}, {"hand", 1}, {"at", {0.005, 0.005, 0.055}}, {"radius", 0.008}});
   REQUIRE(
       viewed.comes_to(1, [](const Json& status, const Json&) { return status["tets"].get<int>() < 1296; }));
@@ -139,7 +143,7 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   const Scene gestures = read_scene(viewed.folder.path / "hands_gestures.json");
   REQUIRE(gestures.auto_regions);
   REQUIRE(gestures.auto_regions->gestures.size() == 1);
-  CHECK(gestures.auto_regions->gestures[0].value.norm() > 1e-4);
+  CHECK(gestures.auto_regions->gestures[0].value.norm() > 1e-3);
   CHECK(gestures.tools.size() == 2);
   const Resolved resolved = resolve(gestures, read_mesh(mesh_path(gestures)).mesh);
   REQUIRE(resolved.proposal);
@@ -322,6 +326,38 @@ TEST_CASE("the skin of a scene is told to those who want it, follows the body, o
   CAPTURE(moved());
   CHECK(shown == whole);
   CHECK(is_back);
+}
+
+TEST_CASE(
+    "a skin of a world that was put back and cut at once, while nobody looked, is that of the one cut") {
+  const Viewed viewed(true);
+  const Scene scene = read_scene(viewed.folder.path / "block.json");
+  const Setup setup = resolve(scene, read_mesh(mesh_path(scene)).mesh).setup;
+  const auto triangles = [&](bool is_put_back) {
+    World<float> world(setup);
+    SkinFeed<float> feed(viewed.folder.path / "block.obj", setup.mesh, world);
+    const auto start = world.save();
+    if (is_put_back) {
+      std::vector<Index> first(40);
+      std::iota(first.begin(), first.end(), 0);
+      world.apply(RemoveTets{first});
+      world.restore(start);
+    }
+    world.apply(RemoveTets{{1290, 1291, 1292}});
+    feed.set_wanted(true);
+    feed.update(world);
+    std::uint64_t told = 0;
+    BlockWriter out;
+    feed.write(0, told, out);
+    const std::string message = out.take();
+    const std::vector<Block> blocks = read_blocks(message);
+    REQUIRE(blocks.size() == 2);
+    std::uint32_t head[3];
+    std::memcpy(head, blocks[0].bytes.data(), sizeof head);
+    return head[2];
+  };
+  CHECK(triangles(false) < 12 * 6 * 6);
+  CHECK(triangles(true) == triangles(false));
 }
 
 TEST_CASE("the error of linear regions is estimated where they are, and asked for by name") {

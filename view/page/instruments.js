@@ -94,7 +94,9 @@ export class Instruments {
     const place = [tool.on, ...tool.position, ...(tool.orientation ?? [])],
       force = new THREE.Vector3(...tool.force),
       size = force.length();
-    if (item.was?.every((value, k) => value === place[k]) && force.distanceTo(item.force) < 0.01) return;
+    const isDue = performance.now() - (item.writtenAt ?? 0) > this.stage.betweenFigures(),
+      isSame = item.was?.every((value, k) => value === place[k]) && force.distanceTo(item.force) < 0.01;
+    if (isSame && !(isDue && item.isOld)) return;
     item.was = place;
     item.force = force.clone();
     this.stage.invalidate();
@@ -103,7 +105,8 @@ export class Instruments {
     const tip = item.body.getObjectByName('tip');
     for (const look of Object.values(tip?.userData.looks ?? {})) look.emissiveIntensity = tool.on ? 2.2 : 0;
     item.at = new THREE.Vector3(...tool.position);
-    if (performance.now() - (item.writtenAt ?? 0) > this.stage.betweenFigures()) {
+    item.isOld = !isDue; // what is written
+    if (isDue) {
       item.writtenAt = performance.now();
       item.label.textContent = !(tool.type in doing) ? `${size.toFixed(2)} N` : doing[tool.type];
     }

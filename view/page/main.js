@@ -149,7 +149,7 @@ class Page {
           : 'paused';
     factor.classList.toggle('slow', live && status.running && status.factor < 0.9 * status.speed);
     const possible = live && status.running && status.possible > 0 ? status.possible : 0;
-    element('possible').textContent = possible ? `could be ${possible.toPrecision(2)} ×` : '';
+    element('possible').textContent = possible ? `could be ${possible.toFixed(possible < 10 ? 1 : 0)} ×` : '';
     element('sim-time').textContent = live ? `${status.time.toFixed(2)} s` : '';
     element('step').textContent = live && status.step ? `step ${(1e3 * status.step).toFixed(2)} ms` : '';
     element('step').title =

@@ -20,9 +20,11 @@ import tempfile
 from pathlib import Path
 
 LANGUAGES = {"cpp", "c", "python", "json", "sh", "text", "cmake"}
-BLOCK = re.compile(r"(?:<!-- (?P<mark>[^>]*?) -->\n+)?^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.S | re.M)
+BLOCK = re.compile(r"(?:<!-- (?P<mark>[^\n]*?) -->\n+)?^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.S | re.M)
 NUMBER = re.compile(r"-?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
-PRELUDE = "#include <lobe/lobe.h>\n#include <lobe/live/session.h>\n#include <cstdio>\n#include <functional>\n"
+PRELUDE = "".join(f"#include <{header}>\n" for header in (
+    "lobe/lobe.h", "lobe/live/session.h", "lobe/haptic/devices.h", "lobe/haptic/haptic_hand.h",
+    "lobe/haptic/loop.h", "cstdio", "functional"))
 
 
 def pages(root):

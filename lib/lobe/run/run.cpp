@@ -58,6 +58,23 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Rec
   return ok;
 }
 
+// What only some scenes use.
+template <class Real>
+void add_parts_in_use(Json& report, const World<Real>& world, const Scene& scene, const Resolved& resolved,
+                      const Totals& totals) {
+  if (resolved.proposal && !scene.corrects_masses())
+    report["auto_regions"] = proposal_json(*resolved.proposal);
+  if (world.grains())
+    report["scalpel"] = {{"cut_area_m2", totals.cut_area},
+                         {"tetrahedra_copied", totals.tets_copied},
+                         {"mass_added_kg", totals.mass_added}};
+  if (const MassScaling& scaling = world.body().inertia.scaling(); scaling.added > 0)
+    report["mass_scaling"] = {{"added_kg", scaling.added},
+                              {"share", scaling.share},
+                              {"limit_before_s", scaling.limit_before},
+                              {"limit_after_s", scaling.limit_after}};
+}
+
 template <class Real>
 RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
   const Clock::time_point start = Clock::now();
@@ -103,19 +120,9 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"conditions", totals.conditions},
       {"cuts", totals.cuts},
       {"series", totals.series}};
-  if (resolved.proposal && !scene.corrects_masses())
-    report["auto_regions"] = proposal_json(*resolved.proposal);
+  add_parts_in_use(report, world, scene, resolved, totals);
   if (watched.any()) report["linearity"] = watched.json();
   if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
-  if (world.grains())
-    report["scalpel"] = {{"cut_area_m2", totals.cut_area},
-                         {"tetrahedra_copied", totals.tets_copied},
-                         {"mass_added_kg", totals.mass_added}};
-  if (const MassScaling& scaling = world.body().inertia.scaling(); scaling.added > 0)
-    report["mass_scaling"] = {{"added_kg", scaling.added},
-                              {"share", scaling.share},
-                              {"limit_before_s", scaling.limit_before},
-                              {"limit_after_s", scaling.limit_after}};
   result.report = options.directory / "report.json";
   io::write_file(result.report, report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   result.summary = summary_of(report);

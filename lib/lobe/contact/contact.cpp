@@ -96,6 +96,7 @@ void Contact<Real>::forget_if_given(const At& at) const {
 template <class Real>
 template <class Visit>
 void Contact<Real>::visit_tools(const At& at, Visit&& visit) const {
+  if (surface_.revision() == 0) return;  // the body has not been seen
   forget_if_given(at);
   for (std::size_t i = 0; i < tools_.size(); ++i) {
     ToolContact& tool = tools_[i];
@@ -168,8 +169,9 @@ void Contact<Real>::see_surroundings(const Surroundings& now, const At& at) {
     if (self_) self_->rebuild(surface_, now.model);
   }
   forget_if_given(at);
+  const double until = std::max(frame_end_, at.time);  // a world that was restored is in no frame
   for (ToolContact& tool : tools_)
-    if (tool.is_outdated(frame_end_, body_moved_)) search(tool, at, tool.moves_until(at.time, frame_end_));
+    if (tool.is_outdated(until, body_moved_)) search(tool, at, tool.moves_until(at.time, until));
   if (self_ && self_->is_outdated(body_moved_)) search_self(at);
 }
 

@@ -92,9 +92,9 @@ std::vector<ContactCase> cases() {
   return {{"none", [](Setup&) {}},
           {"far probe", [](Setup& s) { s.probes.push_back(ball(s.mesh, 0.2, 0.1)); }},
           {"near probe", [](Setup& s) { s.probes.push_back(ball(s.mesh, 0.003, 0.1)); }},
-          {"touching, no friction", [](Setup& s) { s.probes.push_back(ball(s.mesh, -depth, 0)); }},
-          {"touching, friction", [](Setup& s) { s.probes.push_back(ball(s.mesh, -depth, 0.1)); }},
-          {"self, nothing touches", [](Setup& s) { s.contact.self = true; }}};
+          {"touching", [](Setup& s) { s.probes.push_back(ball(s.mesh, -depth, 0)); }},
+          {"touching with friction", [](Setup& s) { s.probes.push_back(ball(s.mesh, -depth, 0.1)); }},
+          {"self without touch", [](Setup& s) { s.contact.self = true; }}};
 }
 
 void check(World<double>& world, const ContactCase& own, ContactRow& row) {

@@ -62,32 +62,32 @@ double timed_us(const std::function<void()>& work) {
   return 1e6 * watch.seconds();
 }
 
-// The same frames by a session and by a world alone, turn and turn about; medians over blocks of as many
-// frames as there are between two states to go back to.
+// The same frames by a session and by a world alone, turn and turn about in blocks of as many frames as there
+// are between two states to go back to; medians over the blocks.
 void time_frames(const Setup& setup, LiveRow& row) {
-  constexpr int block = 60;
+  constexpr int block = 120;
   Session<float> session(setup);
   Controller hand = session.connect("mouse");
   World<float> world(setup);
   std::size_t next = 0;
-  std::vector<double> in_session, alone;
+  std::vector<double> in_session, alone, ratios;
+  const auto play_session = [&, frame = 0]() mutable {
+    for (int i = 0; i < block; ++i, ++frame) {
+      drag(hand, frame);
+      session.step_frame();
+    }
+  };
   const auto play_alone = [&] {
     for (; next < session.recording().commands.size(); ++next)
       world.apply(std::get<Command>(session.recording().commands[next].command));
   };
-  for (int i = 0; i < row.frames; ++i) {
-    if (i % block == 0) {
-      in_session.push_back(0);
-      alone.push_back(0);
-    }
-    drag(hand, i);
-    in_session.back() += timed_us([&] { session.step_frame(); }) / block;
-    alone.back() += timed_us(play_alone) / block;
+  for (int i = 0; i < row.frames; i += block) {
+    in_session.push_back(timed_us(play_session) / block);
+    alone.push_back(timed_us(play_alone) / block);
+    ratios.push_back(in_session.back() / alone.back());
   }
   if (digest(world) != digest(session.world()))
     throw WrongResult("live: a session's frames are not the world's");
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < alone.size(); ++i) ratios.push_back(in_session[i] / alone[i]);
   for (auto* all : {&in_session, &alone, &ratios}) std::sort(all->begin(), all->end());
   row.bare_us = median(alone);
   row.session_us = median(in_session);

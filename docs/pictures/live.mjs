@@ -36,6 +36,7 @@ await page.evaluate(async () => {
   lobe.ask({do: 'restart'});
   stage.look !== 'fine' && stage.setLook('fine');
   stage.setPixelRatio(1, 1);
+  document.getElementById('factor').style.display = 'none'; // which says that it is paused between two pictures
   stage.draw = () => {
     stage.isOld = false; // only when a picture is taken
   };

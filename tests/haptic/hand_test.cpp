@@ -14,10 +14,10 @@ namespace {
 const Vec3d in(0, 0, -1);
 
 // To the place, down, held there, and back.
-SimulatedHand::Path press(double depth, double speed) {
+SimulatedHand::Path press(double depth, double speed, double hold = 0.3) {
   const bench::HandPath path{{{Vec3d::Zero(), 0, 0.2},
                               {depth * in, speed},
-                              {Vec3d::Zero(), 0, 0.3},
+                              {Vec3d::Zero(), 0, hold},
                               {Vec3d::Zero(), speed},
                               {Vec3d::Zero(), 0, 0.3}}};
   return [path](double time) -> Vec3d { return path.at(time); };
@@ -57,7 +57,7 @@ TEST_CASE("letting go ends the force without a jump") {
 }
 
 TEST_CASE("a simulation that stands still for 200 ms: the force fades, and comes back") {
-  VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+  VirtualLoop loop(block(), press(0.006, 0.1, 1), 1.0 / 120);
   loop.take_hold();
   loop.run(0.45, [](const HapticState&) {});
   const double whole = loop.servo().state().force.norm();

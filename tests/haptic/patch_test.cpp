@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
 
 #include "lobe/haptic/contact_stiffness.h"
 #include "lobe/solve/tangent.h"
@@ -41,17 +42,22 @@ Mat3<double> static_stiffness(World<double>& world, const std::vector<Index>& co
   const auto factor = tangent.make_factor(make_ldlt);
   bool damped = false;
   REQUIRE(tangent.factorise(*factor, damped));
-  Mat3<double> K;
+  std::array<Mat3X<double>, 3> moved;
   for (int axis = 0; axis < 3; ++axis) {
     Mat3X<double> w = Mat3X<double>::Zero(3, u.cols());
     for (Index v : contact) w(axis, v) = 1;
     const Eigen::VectorXd x = tangent.solve(*factor, Eigen::VectorXd::Zero(unknowns.count), u, w);
-    const Mat3X<double> moved = w + unknowns.scatter(x);
+    moved[std::size_t(axis)] = w + unknowns.scatter(x);
+  }
+  // As a quadratic form, in which what is off in the solution is squared.
+  Mat3<double> K;
+  for (int axis = 0; axis < 3; ++axis) {
     constexpr double h = 1e-6;
-    const Mat3X<double> forces = energy_and_forces(world.elements(), u + h * moved).forces -
-                                 energy_and_forces(world.elements(), u - h * moved).forces;
-    K.col(axis).setZero();
-    for (Index v : contact) K.col(axis) -= forces.col(v) / (2 * h);
+    const Mat3X<double> way = h * moved[std::size_t(axis)];
+    const Mat3X<double> forces = energy_and_forces(world.elements(), u + way).forces -
+                                 energy_and_forces(world.elements(), u - way).forces;
+    for (int other = 0; other < 3; ++other)
+      K(other, axis) = -(moved[std::size_t(other)].array() * forces.array()).sum() / (2 * h);
   }
   return K;
 }

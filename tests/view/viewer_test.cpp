@@ -284,6 +284,38 @@ TEST_CASE("a page that dies in the middle of a drag lets go, and the next one co
   CHECK(viewed.holds(2, 1));
 }
 
+TEST_CASE("pages that ask for nonsense and for what is not theirs, or take no pictures, disturb no hand") {
+  Viewed viewed;
+  for (ClientId page : {1, 2, 3}) viewed.viewer->opened(page);
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(1, 1));
+  const std::string nested(60000, '[');
+  for (int i = 0; i < 60; ++i) {
+    viewed.lead(1, 0, 0.03 + 0.0002 * i, 0.03, 0.06 + 0.0002 * i);
+    for (int k = 0; k < 20; ++k) {
+      viewed.viewer->received(2, R"({"do": "nonsense", "number": 1e999)");
+      viewed.ask(2, {{"do", "restart"}});
+      viewed.ask(2, {{"do", "let_go"}, {"hand", 0}});
+      viewed.ask(3, {{"do", "lead"}, {"hand", 0}, {"to", {1e300, 0, 0}}});
+    }
+    viewed.viewer->received(2, nested);
+  }
+  CHECK(viewed.comes_to(1, [](const Json&, const Json& tools) {
+    return tools.size() == 1 && tools[0]["position"][2].get<double>() > 0.0717;
+  }));
+  viewed.pause(1);
+  viewed.ask(1, {{"do", "export"}, {"to", "hands"}});
+  viewed.viewer->write_recording(viewed.folder.path / "hands.lobe");
+  const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
+  for (const RecordedCommand& one : recording.commands) {
+    REQUIRE(std::holds_alternative<Command>(one.command));  // nobody went back
+    const Command& command = std::get<Command>(one.command);
+    CHECK(!std::holds_alternative<LetGo>(command));
+    if (const auto* lead = std::get_if<Lead>(&command)) CHECK(lead->target.position.norm() < 0.2);
+  }
+  CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
+}
+
 TEST_CASE("the skin of a scene is told to those who want it, follows the body, opens, and is whole again") {
   Viewed viewed(true);
   viewed.viewer->opened(1);

@@ -50,11 +50,20 @@ export class Instruments {
 
   make(tool) {
     const blade = new THREE.Vector3(...(tool.blade ?? [0, 0, 0]));
+    // The shaft leads to where the surgeon stands.
+    const shaft = this.stage
+      .above()
+      .multiplyScalar(1.1)
+      .addScaledVector(this.stage.right(), 0.55 - 0.35 * (this.shown.size % 3))
+      .addScaledVector(this.stage.forward(), -0.7)
+      .normalize();
+    const along = blade.length() > 0 ? blade.clone().normalize() : shaft,
+      rest = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
     const body =
       tool.type === 'cautery'
         ? cautery(tool.radius || 0.005)
         : tool.type === 'scalpel'
-          ? scalpel(blade.length())
+          ? scalpel(blade.length(), shaft.applyQuaternion(rest.clone().invert()))
           : tool.type === 'probe'
             ? probe(tool.radius || 0.005, blade.length())
             : forceps(this.stage.size);
@@ -63,20 +72,12 @@ export class Instruments {
       label = document.createElement('span');
     this.stage.scene.add(body, arrow);
     this.labels.append(label);
-    // The shaft leads to where the surgeon stands.
-    const shaft = this.stage
-      .above()
-      .multiplyScalar(1.1)
-      .addScaledVector(this.stage.right(), 0.55 - 0.35 * (this.shown.size % 3))
-      .addScaledVector(this.stage.forward(), -0.7)
-      .normalize();
-    if (blade.length() > 0) shaft.copy(blade).normalize();
     const item = {
       type: tool.type,
       body,
       arrow,
       label,
-      rest: new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), shaft),
+      rest,
     };
     this.shown.set(tool.tool, item);
     return item;
@@ -183,18 +184,23 @@ function cautery(radius) {
   return group;
 }
 
-// Its cutting edge from the tip, in the origin, along z.
-function scalpel(length) {
+// Its cutting edge from the tip, in the origin, along z. The handle leans to where the surgeon stands, so that a
+// blade that is pushed away from the viewer is not behind it.
+function scalpel(length, surgeon) {
   const group = new THREE.Group(),
-    edge = partOf(new THREE.CylinderGeometry(0.045 * length, 0.004 * length, length, 4), steel);
+    handle = new THREE.Group(),
+    edge = partOf(new THREE.CylinderGeometry(0.09 * length, 0.008 * length, length, 4), steel);
   edge.rotation.x = Math.PI / 2;
   edge.position.z = 0.5 * length;
   edge.castShadow = true;
-  group.add(
-    edge,
-    shaftOf(0.05 * length, length, 1.3 * length, steel),
-    shaftOf(0.08 * length, 1.3 * length, 4 * length, dark),
+  handle.position.z = length;
+  const lean = surgeon.clone().multiplyScalar(1.3).add(new THREE.Vector3(0, 0, 1)).normalize();
+  handle.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), lean);
+  handle.add(
+    shaftOf(0.06 * length, -0.05 * length, 0.6 * length, steel),
+    shaftOf(0.09 * length, 0.6 * length, 6 * length, dark),
   );
+  group.add(edge, handle);
   return group;
 }
 

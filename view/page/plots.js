@@ -20,7 +20,7 @@ export class Plot {
         height: 84,
         cursor: {show: false},
         legend: {show: false},
-        padding: [6, 4, 0, 0],
+        padding: [6, 10, 0, 0],
         scales: {
           x: {time: false},
           y: {range: (_, low, high) => [Math.min(0, low), Math.max(high * 1.1, 10 ** -digits * 4)]},

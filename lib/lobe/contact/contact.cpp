@@ -96,6 +96,7 @@ void Contact<Real>::forget_if_given(const At& at) const {
 template <class Real>
 template <class Visit>
 void Contact<Real>::visit_tools(const At& at, Visit&& visit) const {
+  if (surface_.revision() == 0) return;  // the body has not been seen
   forget_if_given(at);
   for (std::size_t i = 0; i < tools_.size(); ++i) {
     ToolContact& tool = tools_[i];
@@ -114,12 +115,16 @@ void Contact<Real>::visit_self(const At& at, Visit&& visit) const {
   if (self_->points().empty()) return;
   gather(self_->points(), at);
   const auto count = static_cast<Eigen::Index>(self_->vertices().size());
-  if (of_mesh_.cols() < count) of_mesh_.resize(3, count);
+  if (of_mesh_.cols() < count) {
+    of_mesh_.resize(3, count);
+    v_of_mesh_.resize(3, count);
+  }
   for (Eigen::Index i = 0; i < count; ++i) {
     const Index v = self_->vertices()[std::size_t(i)];
     of_mesh_.col(i) = at.model.elements.points.col(v) + at.u.col(v).template cast<double>();
+    if (self_->has_friction()) v_of_mesh_.col(i) = at.v.col(v).template cast<double>();
   }
-  visit(SelfContact::At{surface_, law(), x_, v_, of_mesh_, last_step_});
+  visit(SelfContact::At{surface_, law(), x_, v_, of_mesh_, v_of_mesh_, last_step_});
 }
 
 // ---- A frame
@@ -168,26 +173,34 @@ void Contact<Real>::see_surroundings(const Surroundings& now, const At& at) {
     if (self_) self_->rebuild(surface_, now.model);
   }
   forget_if_given(at);
+  const double until = std::max(frame_end_, at.time);  // a world that was restored is in no frame
   for (ToolContact& tool : tools_)
-    if (tool.is_outdated(frame_end_, body_moved_)) search(tool, at, tool.moves_until(at.time, frame_end_));
+    if (tool.is_outdated(until, body_moved_)) search(tool, at, tool.moves_until(at.time, until));
   if (self_ && self_->is_outdated(body_moved_)) search_self(at);
+  find_touched(at, until);
 }
 
+// By where things are now, whenever they were searched, so that a restored world wakes and expands the same.
 template <class Real>
-std::vector<Index> Contact<Real>::touched() const {
-  std::vector<Index> vertices;
-  for (const ToolContact& tool : tools_)
-    for (int p : tool.points()) {
+void Contact<Real>::find_touched(const At& at, double until) {
+  touched_.clear();
+  const auto take = [&](int triangle) {
+    for (int p : surface_.triangles()[std::size_t(triangle)].points) {
       const ContactSurface::Point& own = surface_.points()[std::size_t(p)];
-      vertices.insert(vertices.end(), own.corners.begin(), own.corners.begin() + own.count);
+      touched_.insert(touched_.end(), own.corners.begin(), own.corners.begin() + own.count);
     }
-  if (self_)
-    for (int p : self_->points()) {
-      const ContactSurface::Point& own = surface_.points()[std::size_t(p)];
-      vertices.insert(vertices.end(), own.corners.begin(), own.corners.begin() + own.count);
-    }
-  sort_unique(vertices);
-  return vertices;
+  };
+  for (const ToolContact& tool : tools_) {
+    if (tool.points().empty() || !(tool.is_there(at.time) || tool.is_there(until))) continue;
+    gather(tool.points(), at);
+    tool.visit_close(x_, at.time, until, take);
+  }
+  visit_self(at, [&](const SelfContact::At& here) {
+    self_->visit_close(here, take, [&](const Eigen::Vector4i& places) {
+      for (int i : places) touched_.push_back(self_->vertices()[std::size_t(i)]);
+    });
+  });
+  sort_unique(touched_);
 }
 
 // ---- Forces
@@ -207,25 +220,32 @@ void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
   });
   visit_self(at, [&](const SelfContact::At& here) {
     begin(self_->points());
-    self_->add_forces(here, f_);
+    const std::vector<Index>& vertices = self_->vertices();
+    if (f_of_mesh_.cols() < of_mesh_.cols()) f_of_mesh_.resize(3, of_mesh_.cols());
+    f_of_mesh_.leftCols(Eigen::Index(vertices.size())).setZero();
+    self_->add_forces(here, f_, f_of_mesh_);
     scatter(self_->points(), f);
+    if (!self_->has_friction()) return;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      f.col(vertices[i]) += f_of_mesh_.col(Eigen::Index(i)).template cast<Real>();
   });
 }
 
 template <class Real>
 void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum) const {
+  const auto add_to_vertex = [&](Index vertex, double share, const Mat3<double>& K) {
+    auto column = sum.col(vertex);
+    column[0] += share * K(0, 0);
+    column[1] += share * K(0, 1);
+    column[2] += share * K(0, 2);
+    column[3] += share * K(1, 1);
+    column[4] += share * K(1, 2);
+    column[5] += share * K(2, 2);
+  };
   const auto add_to = [&](int point, double weight, const Mat3<double>& K) {
     const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
-    for (int c = 0; c < own.count; ++c) {
-      const double share = own.count == 1 ? weight * weight : std::abs(weight * own.weights[c]);
-      auto column = sum.col(own.corners[c]);
-      column[0] += share * K(0, 0);
-      column[1] += share * K(0, 1);
-      column[2] += share * K(0, 2);
-      column[3] += share * K(1, 1);
-      column[4] += share * K(1, 2);
-      column[5] += share * K(2, 2);
-    }
+    for (int c = 0; c < own.count; ++c)
+      add_to_vertex(own.corners[c], own.count == 1 ? weight * weight : std::abs(weight * own.weights[c]), K);
   };
   visit_tools(at, [&](std::size_t, ToolContact& tool, const ToolContact::At& here) {
     tool.visit_stiffness(here, [&](int place, double weight, const Mat3<double>& K) {
@@ -233,9 +253,14 @@ void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum)
     });
   });
   visit_self(at, [&](const SelfContact::At& here) {
-    self_->visit_stiffness(here, [&](int place, double weight, const Mat3<double>& K) {
-      add_to(self_->points()[std::size_t(place)], weight, K);
-    });
+    self_->visit_stiffness(
+        here,
+        [&](int place, double weight, const Mat3<double>& K) {
+          add_to(self_->points()[std::size_t(place)], weight, K);
+        },
+        [&](int place, double weight, const Mat3<double>& K) {
+          add_to_vertex(self_->vertices()[std::size_t(place)], weight * weight, K);
+        });
   });
 }
 

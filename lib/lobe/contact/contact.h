@@ -30,7 +30,7 @@ class Contact : public ForceTerm<Real> {
   void add_forces(const At& at, Mat3X<Real>& f) override;
   void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
   double energy(const At& at) const override;
-  std::vector<Index> touched() const override;
+  std::vector<Index> touched() const override { return touched_; }
 
   bool wants_surroundings() const override { return true; }
   bool see_tools(std::span<const ToolBody> bodies, double time) override;
@@ -63,6 +63,7 @@ class Contact : public ForceTerm<Real> {
   void find_all(const At& at) const;
   void search(ToolContact& tool, const At& at, double ahead) const;
   void search_self(const At& at) const;
+  void find_touched(const At& at, double until);
   void gather(const std::vector<int>& points, const At& at) const;
   void scatter(const std::vector<int>& points, Mat3X<Real>& f) const;
   template <class Visit>
@@ -76,14 +77,15 @@ class Contact : public ForceTerm<Real> {
   mutable std::unique_ptr<SelfContact> self_;  // none: the body does not touch itself
   std::vector<KeptAnchors> kept_;
   std::vector<OnTool> on_tools_;
+  std::vector<Index> touched_;            // that may be in this frame
   double frame_end_ = 0;                  // [s]
   double body_moved_ = 0;                 // by at most that in all steps [m]
   double last_step_ = 0, kept_step_ = 0;  // [s]; the last before steps began
   mutable std::uint64_t given_ = 0;
 
   // Scratch: all points of the surface; those of a tool's candidates.
-  mutable Mat3X<double> all_, all_of_mesh_, x_, v_, of_mesh_;
-  Mat3X<double> f_;
+  mutable Mat3X<double> all_, all_of_mesh_, x_, v_, of_mesh_, v_of_mesh_;
+  Mat3X<double> f_, f_of_mesh_;
 };
 
 extern template class Contact<float>;

@@ -55,6 +55,7 @@ void ContactSurface::rebuild(const Surroundings& now) {
   take_triangles(now);
   find_stiffness(now);
   if (now.spread && omega_ > 0) fit_to_selective_masses(now);
+  find_quartile();
 }
 
 // Sorted by their owners. A crease of the surface is two vertices there and one point here.
@@ -133,6 +134,22 @@ void ContactSurface::find_stiffness(const Surroundings& now) {
       for (int i = 0; i < point.count; ++i)
         if (point.weights[i] > 0) t.stiffness = std::min(t.stiffness, kappa_of(point.corners[i]));
     }
+  }
+}
+
+void ContactSurface::find_quartile() {
+  std::vector<std::pair<double, double>> sorted;  // κ, area
+  double area = 0;
+  for (const Triangle& t : triangles_) {
+    sorted.emplace_back(t.stiffness, t.area);
+    area += t.area;
+  }
+  std::sort(sorted.begin(), sorted.end());
+  quartile_ = 0;
+  double below = 0;
+  for (const auto& [stiffness, own] : sorted) {
+    quartile_ = stiffness;
+    if ((below += own) >= area / 4) break;
   }
 }
 

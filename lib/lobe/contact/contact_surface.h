@@ -13,6 +13,8 @@
 // Weyl's inequality ω_max² grows by no more than this share, which `safety` leaves room for.
 #pragma once
 
+#include <algorithm>
+
 #include "lobe/body/force_term.h"
 
 namespace lobe {
@@ -42,18 +44,26 @@ class ContactSurface {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Point>& points() const { return points_; }
   double mean_edge() const { return mean_edge_; }  // at rest [m]
-  double omega() const { return omega_; }          // ω_max, which the stiffness fills up to [1/s]
+  // Of contact with another part of the body: the same all over, or else blocks that press flat on each other would have
+  // no flat faces. That is what a quarter of the area bears less than, but no more than `most_beyond` times a
+  // triangle's own [Pa/m].
+  double self_stiffness(int triangle) const {
+    return std::min(quartile_, most_beyond * triangles_[std::size_t(triangle)].stiffness);
+  }
+  double omega() const { return omega_; }  // ω_max, which the stiffness fills up to [1/s]
 
  private:
+  static constexpr double most_beyond = 12;
   void take_triangles(const Surroundings& now);
   void find_stiffness(const Surroundings& now);
+  void find_quartile();
   void fit_to_selective_masses(const Surroundings& now);
   Mat3X<double> stiffened(const Elements& elements, const Mat3X<double>& u) const;  // K_c u [N]
 
   std::uint64_t revision_ = 0, surface_ = ~std::uint64_t(0), structure_ = 0, inertia_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<Point> points_;
-  double mean_edge_ = 0, omega_ = 0;
+  double mean_edge_ = 0, omega_ = 0, quartile_ = 0;
 };
 
 }  // namespace lobe

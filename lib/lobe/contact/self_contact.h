@@ -5,12 +5,15 @@
 // the two overlap now. With that face where it is now, of normal n and corners x_j,
 //   g = n·(x_q − x_1),  p = κ ⟨−g⟩,  f_q = A_q p n,  f_j = −w_j f_q,
 // w the barycentric coordinates of the foot of x_q in the face's plane: minus the gradient of ½ κ A_q ⟨−g⟩², so that
-// energy, momentum and angular momentum are kept. A slit, whose lips lie on each other, has no force until they
-// overlap. Both sides are asked; κ is half of κ_q κ_f/(κ_q + κ_f), so that both together give no vertex more than it
-// may have (contact_surface.h). A triangle never touches the tetrahedra around it; on skin, neither those around its
-// neighbours.
+// momentum and angular momentum are kept, and energy but for where another face becomes the nearest. A slit,
+// whose lips lie on each other, has no force until they overlap. Both sides are asked; κ is half of
+// κ_q κ_f/(κ_q + κ_f), so that both together give no vertex more than it may have (contact_surface.h).
 //
-// Friction is Coulomb's, with a spring per point whose length ξ grows by what the two slide past each other.
+// A triangle may touch a tetrahedron that has a vertex of it or of its neighbours only where that lies in front of it at
+// rest: across a slit or a fold. What lies behind it, its own side, cannot be where it is.
+//
+// Friction is Coulomb's, with a spring per point whose length ξ grows by what the two slide past each other. It acts
+// on the tetrahedron at the very place of x_q, by −b_i f_t on its corners.
 #pragma once
 
 #include <limits>
@@ -22,9 +25,13 @@
 
 namespace lobe {
 
+// Whether a plane along a face of a tetrahedron, or along the triangle, parts the two by more than a gap [m].
+bool are_apart(const Mat3<double>& triangle, const Mat34<double>& tet, double gap);
+
 class SelfContact {
  public:
-  static constexpr int divisions = 2;  // of the edges of a triangle: 4 points
+  static constexpr int divisions = 3;  // of the edges of a triangle
+  static constexpr int points_per_triangle = divisions * divisions;
 
   explicit SelfContact(double friction) : friction_(friction) {}
 
@@ -38,8 +45,9 @@ class SelfContact {
   void forget() { slack_ = -1; }
   const std::vector<int>& points() const { return points_; }        // of the surface, that candidates have
   const std::vector<Index>& vertices() const { return vertices_; }  // of the mesh, that candidates have
+  bool has_friction() const { return friction_ > 0; }
 
-  // ---- Forces. x, v, f: one column for each of points(); of_mesh: for each of vertices().
+  // ---- Forces. x, v, f: one column for each of points(); of_mesh, v_of_mesh, f_of_mesh: for each of vertices().
 
   struct At {
     const ContactSurface& surface;
@@ -47,13 +55,17 @@ class SelfContact {
     const Mat3X<double>& x;  // [m]
     const Mat3X<double>& v;  // [m/s]
     const Mat3X<double>& of_mesh;
-    double since = 0;  // the last step [s]
+    const Mat3X<double>& v_of_mesh;  // with friction only
+    double since = 0;                // the last step [s]
   };
-  void add_forces(const At& at, Mat3X<double>& f);  // [N]
-  double energy(const At& at);                      // [J]
-  // visit(point, weight, K) as in tool_contact.h.
-  template <class Visit>
-  void visit_stiffness(const At& at, Visit&& visit);
+  void add_forces(const At& at, Mat3X<double>& f, Mat3X<double>& f_of_mesh);  // [N]
+  double energy(const At& at);                                                // [J]
+  // at_point(place in points(), weight, K) as in tool_contact.h; at_vertex(place in vertices(), weight, K).
+  template <class AtPoint, class AtVertex>
+  void visit_stiffness(const At& at, AtPoint&& at_point, AtVertex&& at_vertex);
+  // Of whatever may overlap now: triangle(number of the surface), tetrahedron(places in vertices()).
+  template <class Triangle, class Tetrahedron>
+  void visit_close(const At& at, Triangle&& triangle, Tetrahedron&& tetrahedron) const;
 
   // ---- What friction remembers: ξ of each point [m]
 
@@ -71,7 +83,7 @@ class SelfContact {
     Index tet = -1;
     Eigen::Vector4i corners;
     Mat34<double> rest;        // its corners [m]
-    int first = 0, count = 0;  // of the surface's triangles that it owns
+    int first = 0, count = 0;  // in faces_: triangles of the surface that may be nearest to a point in it
   };
   struct Plane {  // of a triangle at rest
     Vec3d normal, corner;
@@ -92,29 +104,36 @@ class SelfContact {
     int face = 0;                                           // of the surface
     Eigen::Vector3i face_points = Eigen::Vector3i::Zero();  // places in points_
     Vec3d face_weights = Vec3d::Zero(), normal = Vec3d::Zero();
+    Eigen::Vector4i corners = Eigen::Vector4i::Zero();  // of the tetrahedron: places in vertices_
+    Eigen::Vector4d corner_weights = Eigen::Vector4d::Zero();
     double depth = 0, stiffness = 0, area = 0;
     int anchor = 0;
   };
-  struct Inverse {
+  struct Inverse {  // of a tetrahedron where it is now: found where it is first asked for in a step
     Vec3d origin = Vec3d::Zero();
     Mat3<double> to_weights = Mat3<double>::Zero();
     bool is_sound = false;
+    int pass = -1;
   };
 
   void fill_grid(const Mat3X<double>& of_mesh, double margin, double cell);
-  void find_excluded(const ContactSurface& surface, int triangle, int stamp);
+  void find_faces(Layer& layer);
+  void stamp_around(const ContactSurface& surface, int triangle);
+  bool is_own(int triangle, const Layer& layer) const;
   void take_candidates(const ContactSurface& surface);
   int face_at(const Layer& layer, const Vec3d& rest) const;
-  void invert(const At& at);
+  const Inverse& inverse(const At& at, int unique);
   template <class Visit>
   void visit_touches(const At& at, Visit&& visit);
-  bool find_touch(const At& at, const Candidate& own, const Vec3d& weights, Touch& touch) const;
+  int find_tet(const At& at, const Candidate& own, const Vec3d& x, int last, Eigen::Vector4d& b);
+  bool find_touch(const At& at, const Candidate& own, const Vec3d& weights, int number, Touch& touch);
   Vec3d friction_of(const At& at, const Touch& touch, double pressure);
 
   double friction_;
   std::vector<Layer> layers_;
   std::vector<Plane> planes_;                     // per triangle of the surface
   std::vector<Mat3<double>> rest_;                // their corners [m]
+  std::vector<int> faces_;                        // of the layers
   std::vector<int> first_around_, around_;        // triangles around each point of the surface
   std::vector<int> first_of_vertex_, of_vertex_;  // and around each vertex of the mesh
 
@@ -124,6 +143,8 @@ class SelfContact {
   std::vector<int> unique_of_;
   std::vector<Other> unique_;
   std::vector<Inverse> inverses_;
+  int pass_ = 0;           // of all touches
+  std::vector<int> last_;  // per point of the candidates: the tetrahedron that it was in, −1: none
   std::vector<int> points_, place_of_;  // place_of_: per point of the surface, −1
   std::vector<Index> vertices_;
   double slack_ = -1, body_moved_ = 0;  // [m]
@@ -140,28 +161,44 @@ class SelfContact {
 
 template <class Visit>
 void SelfContact::visit_touches(const At& at, Visit&& visit) {
-  invert(at);
+  ++pass_;
   Touch touch;
   for (const Candidate& own : candidates_)
     visit_centroids(divisions, [&](int number, const Vec3d& weights) {
-      if (!find_touch(at, own, weights, touch)) return;
+      if (!find_touch(at, own, weights, number, touch)) return;
       touch.anchor = own.anchor + number;
       visit(touch);
     });
 }
 
-template <class Visit>
-void SelfContact::visit_stiffness(const At& at, Visit&& visit) {
+template <class AtPoint, class AtVertex>
+void SelfContact::visit_stiffness(const At& at, AtPoint&& at_point, AtVertex&& at_vertex) {
   visit_touches(at, [&](const Touch& touch) {
-    const Vec3d& n = touch.normal;
+    const Mat3<double> along = touch.normal * touch.normal.transpose();
     const double k = touch.area * touch.stiffness;
-    Mat3<double> K = k * n * n.transpose();
-    if (friction_ > 0) K += k / 2 * (Mat3<double>::Identity() - n * n.transpose());
-    for (int c = 0; c < 3; ++c) {
-      visit(touch.candidate->points[c], touch.weights[c], K);
-      visit(touch.face_points[c], touch.face_weights[c], K);
-    }
+    Mat3<double> K = k * along;
+    for (int c = 0; c < 3; ++c) at_point(touch.face_points[c], touch.face_weights[c], K);
+    const Mat3<double> across = k / 2 * (Mat3<double>::Identity() - along);
+    if (friction_ > 0) K += across;
+    for (int c = 0; c < 3; ++c) at_point(touch.candidate->points[c], touch.weights[c], K);
+    if (friction_ == 0) return;
+    for (int c = 0; c < 4; ++c) at_vertex(touch.corners[c], touch.corner_weights[c], across);
   });
+}
+
+template <class Triangle, class Tetrahedron>
+void SelfContact::visit_close(const At& at, Triangle&& triangle, Tetrahedron&& tetrahedron) const {
+  for (const Candidate& own : candidates_) {
+    const Mat3<double> x = at.x(Eigen::all, own.points);
+    bool is_close = false;
+    for (int i = own.first; i < own.first + own.count; ++i) {
+      const Eigen::Vector4i& corners = unique_[std::size_t(unique_of_[std::size_t(i)])].corners;
+      if (are_apart(x, at.of_mesh(Eigen::all, corners), 0)) continue;
+      is_close = true;
+      tetrahedron(corners);
+    }
+    if (is_close) triangle(own.triangle);
+  }
 }
 
 }  // namespace lobe

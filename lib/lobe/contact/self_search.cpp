@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lobe/contact/self_contact.h"
+#include "lobe/cut/distance.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -20,6 +21,23 @@ void fill_lists(std::size_t keys, std::vector<int>& first, std::vector<int>& val
 }
 
 }  // namespace
+
+bool are_apart(const Mat3<double>& triangle, const Mat34<double>& tet, double gap) {
+  const auto is_beyond = [&](const Vec3d& n, const Vec3d& from, const auto& points, double sign) {
+    const double least = gap * n.norm();
+    for (Eigen::Index i = 0; i < points.cols(); ++i)
+      if (!(sign * n.dot(points.col(i) - from) > least)) return false;
+    return true;
+  };
+  const Vec3d a = triangle.col(0), own = (triangle.col(1) - a).cross(triangle.col(2) - a);
+  if (is_beyond(own, a, tet, 1) || is_beyond(own, a, tet, -1)) return true;
+  for (int c = 0; c < 4; ++c) {  // the face opposite to this corner
+    const Vec3d x = tet.col((c + 1) % 4);
+    const Vec3d n = (tet.col((c + 2) % 4) - x).cross(tet.col((c + 3) % 4) - x);
+    if (is_beyond(n, x, triangle, n.dot(tet.col(c) - x) < 0 ? 1 : -1)) return true;
+  }
+  return false;
+}
 
 void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   forget();
@@ -56,17 +74,49 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
       for (Index t : elements.topology.around(static_cast<Index>(v))) tets.push_back(t);
   sort_unique(tets);
   layers_.clear();
-  std::size_t next = 0;  // triangles are sorted by their owners
+  faces_.clear();
   for (Index t : tets) {
-    Layer layer{t, elements.topology.corners(t), elements.corner_points(t)};
-    while (next < triangles.size() && triangles[next].owner.tet < t) ++next;
-    layer.first = static_cast<int>(next);
-    while (next < triangles.size() && triangles[next].owner.tet == t) ++next;
-    layer.count = static_cast<int>(next) - layer.first;
-    layers_.push_back(layer);
+    layers_.push_back({t, elements.topology.corners(t), elements.corner_points(t)});
+    find_faces(layers_.back());
   }
   stamp_of_vertex_.assign(vertices, -1);
   stamp_of_layer_.assign(layers_.size(), -1);
+}
+
+// Of the triangles around its corners, but for those that it is in front of, and those that are farther from all of it
+// than another is. The distance to a triangle is a convex function, and no larger in the tetrahedron than at one of its
+// corners. The nearest come first.
+void SelfContact::find_faces(Layer& layer) {
+  std::vector<int> around;
+  for (Index v : layer.corners)
+    around.insert(around.end(), of_vertex_.begin() + first_of_vertex_[std::size_t(v)],
+                  of_vertex_.begin() + first_of_vertex_[std::size_t(v) + 1]);
+  sort_unique(around);
+  const auto distance = [&](const Vec3d& x, int f) {
+    const Mat3<double>& X = rest_[std::size_t(f)];
+    return (x - nearest_on_triangle(x, X.col(0), X.col(1), X.col(2))).norm();
+  };
+  const Vec3d centre = layer.rest.rowwise().mean();
+  const double radius = (layer.rest.colwise() - centre).colwise().norm().maxCoeff();
+  const auto heights = [&](int f) -> Eigen::RowVector4d {  // over its plane
+    const Plane& plane = planes_[std::size_t(f)];
+    return plane.normal.transpose() * (layer.rest.colwise() - plane.corner);
+  };
+  double most = std::numeric_limits<double>::infinity();
+  for (int f : around) {
+    if (heights(f).maxCoeff() > 1e-9 * radius) continue;  // no face for all of its points
+    double farthest = 0;
+    for (int c = 0; c < 4; ++c) farthest = std::max(farthest, distance(layer.rest.col(c), f));
+    most = std::min(most, farthest);
+  }
+  layer.first = static_cast<int>(faces_.size());
+  for (int f : around)
+    if (heights(f).minCoeff() < -1e-9 * radius && distance(centre, f) - radius <= most * (1 + 1e-9))
+      faces_.push_back(f);
+  layer.count = static_cast<int>(faces_.size()) - layer.first;
+  std::sort(faces_.begin() + layer.first, faces_.end(), [&](int a, int b) {
+    return std::pair(distance(centre, a), a) < std::pair(distance(centre, b), b);
+  });
 }
 
 // Each box is in all cells that it meets.
@@ -100,20 +150,24 @@ void SelfContact::fill_grid(const Mat3X<double>& of_mesh, double margin, double 
   });
 }
 
-// Stamps the vertices whose tetrahedra it is not to touch.
-void SelfContact::find_excluded(const ContactSurface& surface, int triangle, int stamp) {
-  const auto take = [&](int t) {
-    for (int p : surface.triangles()[std::size_t(t)].points) {
-      const ContactSurface::Point& point = surface.points()[std::size_t(p)];
-      for (int i = 0; i < point.count; ++i) stamp_of_vertex_[std::size_t(point.corners[i])] = stamp;
-    }
-  };
-  take(triangle);
-  const ContactSurface::Triangle& own = surface.triangles()[std::size_t(triangle)];
-  if (own.is_cut) return;
-  for (int p : own.points)
-    for (int i = first_around_[std::size_t(p)]; i < first_around_[std::size_t(p) + 1]; ++i)
-      take(around_[std::size_t(i)]);
+// The vertices of a triangle and its neighbours.
+void SelfContact::stamp_around(const ContactSurface& surface, int triangle) {
+  for (int around : surface.triangles()[std::size_t(triangle)].points)
+    for (int i = first_around_[std::size_t(around)]; i < first_around_[std::size_t(around) + 1]; ++i)
+      for (int p : surface.triangles()[std::size_t(around_[std::size_t(i)])].points) {
+        const ContactSurface::Point& point = surface.points()[std::size_t(p)];
+        for (int c = 0; c < point.count; ++c) stamp_of_vertex_[std::size_t(point.corners[c])] = triangle;
+      }
+}
+
+// Whether a tetrahedron has a vertex of those and is on the triangle's side of the surface.
+bool SelfContact::is_own(int triangle, const Layer& layer) const {
+  if (std::none_of(layer.corners.begin(), layer.corners.end(),
+                   [&](int v) { return stamp_of_vertex_[std::size_t(v)] == triangle; }))
+    return false;
+  const Plane& plane = planes_[std::size_t(triangle)];
+  const Vec3d centre = layer.rest.rowwise().mean();
+  return plane.normal.dot(centre - plane.corner) < 0.05 * (layer.rest.col(1) - layer.rest.col(0)).norm();
 }
 
 void SelfContact::search(const ContactSurface& surface, const Model&, const Mat3X<double>& x,
@@ -129,8 +183,8 @@ void SelfContact::search(const ContactSurface& surface, const Model&, const Mat3
   for (int t = 0; t < count; ++t) {
     const Eigen::Vector3i& points = surface.triangles()[std::size_t(t)].points;
     const Mat3<double> corners = x(Eigen::all, points);
+    stamp_around(surface, t);
     const Vec3d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
-    bool excluded_are_known = false;
     Eigen::Vector3i from, to;
     for (int i = 0; i < 3; ++i) {
       from[i] = std::clamp(static_cast<int>((low[i] - low_[i]) / cell_), 0, count_[i] - 1);
@@ -147,11 +201,8 @@ void SelfContact::search(const ContactSurface& surface, const Model&, const Mat3
             if ((box_low_[std::size_t(l)].array() > high.array()).any() ||
                 (box_high_[std::size_t(l)].array() < low.array()).any())
               continue;
-            if (!excluded_are_known) find_excluded(surface, t, t);
-            excluded_are_known = true;
-            const Eigen::Vector4i& own = layers_[std::size_t(l)].corners;
-            if (std::any_of(own.begin(), own.end(),
-                            [&](int v) { return stamp_of_vertex_[std::size_t(v)] == t; }))
+            const Layer& layer = layers_[std::size_t(l)];
+            if (is_own(t, layer) || are_apart(corners, of_mesh(Eigen::all, layer.corners), 2 * margin))
               continue;
             pairs_.emplace_back(t, l);
           }
@@ -187,11 +238,7 @@ void SelfContact::take_candidates(const ContactSurface& surface) {
       place = static_cast<int>(unique_.size());
       unique_.push_back({l, layer.corners});
       for (Index v : layer.corners) vertices_.push_back(v);
-      for (int f = layer.first; f < layer.first + layer.count; ++f) take_points(f);
-      if (layer.count == 0)
-        for (Index v : layer.corners)
-          for (int i = first_of_vertex_[std::size_t(v)]; i < first_of_vertex_[std::size_t(v) + 1]; ++i)
-            take_points(of_vertex_[std::size_t(i)]);
+      for (int i = layer.first; i < layer.first + layer.count; ++i) take_points(faces_[std::size_t(i)]);
     }
     tets_.push_back({l, layer.corners});
     unique_of_.push_back(place);
@@ -206,6 +253,7 @@ void SelfContact::take_candidates(const ContactSurface& surface) {
     points_.push_back(static_cast<int>(p));
   }
   inverses_.resize(unique_.size());
+  last_.assign(candidates_.size() * points_per_triangle, -1);
   std::swap(anchors_, next_);
   anchors_.clear();
   for (Candidate& own : candidates_) {

@@ -39,6 +39,13 @@ bool ToolContact::is_outdated(double time, double body_moved) const {
   return body_moved - body_moved_ + moved_ + moves_until(moved_at_, time) > slack_;
 }
 
+double ToolContact::gap_to(const Mat3<double>& triangle, const RigidMotion& now) const {
+  const Vec3d centre = triangle.rowwise().sum() / 3;
+  const double radius = std::sqrt((triangle.colwise() - centre).colwise().squaredNorm().maxCoeff());
+  return distance_.at(now.turn.transpose() * (centre - now.position), now.opening).value - radius -
+         distance_.error();
+}
+
 void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, double time,
                          double body_moved, double ahead) {
   const RigidMotion now = motion_at(path_, time);
@@ -54,9 +61,7 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
     const double radius = std::sqrt(
         std::max({(a - centre).squaredNorm(), (b - centre).squaredNorm(), (c - centre).squaredNorm()}));
     double distance = (centre - now.position).norm() - distance_.reach() - now.opening - radius;
-    if (distance <= margin)
-      distance = distance_.at(now.turn.transpose() * (centre - now.position), now.opening).value - radius -
-                 distance_.error();
+    if (distance <= margin) distance = gap_to(x(Eigen::all, own.points), now);
     if (!(distance <= margin)) {
       gap = std::min(gap, distance);
       continue;

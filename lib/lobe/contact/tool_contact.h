@@ -77,6 +77,16 @@ class ToolContact {
     });
   }
 
+  // visit(triangle of the surface) of what it may reach until a time, as things are now; one column of x for each of
+  // points(). That does not depend on when it was searched.
+  template <class Visit>
+  void visit_close(const Mat3X<double>& x, double time, double until, Visit&& visit) const {
+    const RigidMotion now = motion_at(path_, time);
+    const double ahead = moves_until(time, until);
+    for (const Candidate& own : candidates_)
+      if (gap_to(x(Eigen::all, own.points), now) <= ahead) visit(own.triangle);
+  }
+
   // ---- Anchors
 
   void end_step();  // those that the last forces have led to hold from now on
@@ -101,7 +111,8 @@ class ToolContact {
     double depth;
     Vec3d gradient, place;
   };
-  template <class Visit>  // visit(candidate, touch)
+  double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // or less [m]
+  template <class Visit>                                                      // visit(candidate, touch)
   void visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const;
   Vec3d friction_of(const Touch& touch, double stiffness, double pressure, Anchors& anchors) const;
   void use_kept();

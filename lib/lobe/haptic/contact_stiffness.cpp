@@ -49,6 +49,7 @@ void ContactStiffness::take_result() {
   work_.store(Work::none, std::memory_order_relaxed);
   if (std::exchange(is_outdated_, false)) return;
   of_patch_ = condensed_;
+  if (std::exchange(is_bound_, false)) correction_.setZero();  // which was of the bound
 }
 
 // Until the first patch is condensed what is known is the bound.
@@ -62,12 +63,14 @@ void ContactStiffness::gather(const Model& model, std::span<const Index> contact
   const bool is_other = !has_patch_ || structure_ != model.revisions.structure;
   if (is_other) of_patch_ = blocked;
   if (is_other) correction_.setZero();
+  is_bound_ = is_bound_ || is_other;
   structure_ = model.revisions.structure;
   has_patch_ = true;
   since_patch_ = 0;
   is_outdated_ = false;
   if (!settings_.has_helper) {
     of_patch_ = patch_.condense();
+    is_bound_ = false;
     return;
   }
   work_.store(Work::wanted, std::memory_order_release);

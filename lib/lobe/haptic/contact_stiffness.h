@@ -52,6 +52,7 @@ class ContactStiffness {
   std::uint64_t structure_ = 0;
   std::size_t contact_size_ = 0;
   bool has_patch_ = false, has_last_ = false, is_outdated_ = false;
+  bool is_bound_ = false;  // of_patch_, until there is a result
   Vec3d last_position_ = Vec3d::Zero(), last_force_ = Vec3d::Zero();
   std::atomic<Work> work_ = Work::none;
   std::thread helper_;

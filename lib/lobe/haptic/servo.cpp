@@ -93,9 +93,11 @@ void Servo::take_model(const LocalModel& model, double dt) {
   const bool is_new = model.time != model_.time || model.engagement != model_.engagement ||
                       model.is_engaged != model_.is_engaged;
   if (!is_new) return;
-  if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement))
-    clutch_ += model.anchor - tool_of(state_.device.position);
   const Vec3d was = model_.is_engaged ? force_at(model_, state_.tool) : Vec3d::Zero();
+  if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement)) {
+    clutch_ += model.anchor - tool_of(state_.device.position);
+    state_.tool = model.anchor;  // another one, which is there
+  }
   const Vec3d is = model.is_engaged ? force_at(model, state_.tool) : Vec3d::Zero();
   offset_ = was + blended_ - is;
   model_ = model;

@@ -98,6 +98,8 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   touched_ = c.touched;
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.release(body_.model, v);
+  for (const auto& term : body_.terms)  // whose stiffness the step limit has to do with
+    if (term->wants_surroundings()) look_around(*term);
   limit_.set_ratios(c.ratios);
   limit_.set_kept(c.limit, body_);
   if (implicit_) implicit_->set_acceleration(body_.model, c.acceleration);

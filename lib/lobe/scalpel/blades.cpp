@@ -62,8 +62,10 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   places.push_back(there);
   std::vector<Sheet> swept;
   for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
+  const bool has_moved = has_moved_since(stroke->rows.back(), places[places.size() - 2]);
+  const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved};
   Eigen::AlignedBox3d box = swept.back().box();
-  const Blade blade{stroke->bit, step.snap, step.along_faces};
+  if (has_moved && swept.size() > 1) box.extend(swept[swept.size() - 2].box());
   const Vec3d reach = Vec3d::Constant(blade.reach() * grains.mean_edge());
   box = {box.min() - reach, box.max() + reach};
   Incised incised = incise(grains, blade, swept.back(), swept, body.tets_in(box), body.placement);
@@ -144,6 +146,12 @@ void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const BodyNo
       station.rest = rest;
     }
   }
+}
+
+bool Blades::has_moved_since(const Row& row, const std::vector<Vec3d>& places) {
+  for (std::size_t i = 0; i < row.size(); ++i)
+    if (row[i].place != places[i]) return true;
+  return false;
 }
 
 // A station that has not moved is exactly where it was: sheets of a body at rest have their rows in common.

@@ -72,6 +72,7 @@ class Blades {
   static Vec3d way_of(const Row& now, const Row& before, const std::vector<Vec3d>& there,
                       const std::vector<Vec3d>& from);
   std::vector<Vec3d> places_of(const Row& row, const BodyNow& body) const;
+  static bool has_moved_since(const Row& row, const std::vector<Vec3d>& places);
   void keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const;
 
   std::vector<Stroke> strokes_;

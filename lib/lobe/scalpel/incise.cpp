@@ -38,6 +38,7 @@ class Step {
     return grains_.is_on(point, blade_.stroke) || points_[place_in(point)].is_on;
   }
   Mark* mark_of(const Edge& edge);
+  std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
 
   void find_near();
   void put_on();
@@ -56,6 +57,8 @@ class Step {
   const Blade blade_;
   const Sheet& sheet_;
   const std::vector<Sheet>& swept_;
+  const Sheet* last_;         // none: there is no need of it
+  Eigen::AlignedBox3d box_;  // of both [m]
   const Placements& find_placement_;
   std::vector<std::pair<Index, Placement>> placements_, others_;  // by element, sorted; and of those beside
   std::vector<Point> points_;  // of grains near the sheet, by their numbers
@@ -66,7 +69,13 @@ class Step {
 
 Step::Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
            const std::vector<Index>& elements, const Placements& placement)
-    : grains_(grains), blade_(blade), sheet_(sheet), swept_(swept), find_placement_(placement) {
+    : grains_(grains),
+      blade_(blade),
+      sheet_(sheet),
+      swept_(swept),
+      last_(blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr),
+      box_(last_ ? sheet.box().merged(last_->box()) : sheet.box()),
+      find_placement_(placement) {
   placements_.reserve(elements.size());
   for (Index t : elements) placements_.emplace_back(t, placement(t));
 }
@@ -92,6 +101,11 @@ Step::Mark* Step::mark_of(const Edge& edge) {
   return at != marks_.end() && at->edge == edge && at->counts ? &*at : nullptr;
 }
 
+std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
+  const std::optional<double> share = sheet_.crossing(p, q);
+  return share || !last_ ? share : last_->crossing(p, q);
+}
+
 void Step::find_near() {
   const double reach = blade_.reach() * grains_.mean_edge();
   std::vector<Index> own;
@@ -104,7 +118,7 @@ void Step::find_near() {
     const Placement& placement = placement_of(grains_[grain].element);
     for (int k = 0; k < 4; ++k)
       box.extend(x[std::size_t(k)] = placement(grains_.point(grains_[grain].points[k])));
-    if (box.squaredExteriorDistance(sheet_.box()) > reach * reach) continue;
+    if (box.squaredExteriorDistance(box_) > reach * reach) continue;
     near_.push_back(grain);
     for (int k = 0; k < 4; ++k) points_.push_back({grains_[grain].points[k], x[std::size_t(k)]});
   }
@@ -158,7 +172,7 @@ void Step::find_crossed() {
   sort_unique(edges);
   constexpr double least = 1e-3;
   for (const Edge& edge : edges)
-    if (const auto share = sheet_.crossing(points_[place_in(edge.first)].x, points_[place_in(edge.second)].x))
+    if (const auto share = crossing(points_[place_in(edge.first)].x, points_[place_in(edge.second)].x))
       marks_.push_back({edge, std::clamp(*share, least, 1 - least)});
 }
 
@@ -240,7 +254,7 @@ std::vector<Index> Step::faces_between_sides() {
       const Index other = grains_.neighbour(grain, f);
       if (other < 0 || (other < grain && std::binary_search(near_.begin(), near_.end(), other))) continue;
       const auto [first, second] = std::minmax(grain, other);
-      if (sheet_.crossing(middle_of(first), middle_of(second))) faces.push_back(4 * grain + f);
+      if (crossing(middle_of(first), middle_of(second))) faces.push_back(4 * grain + f);
     }
   return faces;
 }

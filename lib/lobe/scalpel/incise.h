@@ -10,6 +10,9 @@ struct Blade {
   double snap = 0.1;  // a point nearer than this share of its shortest edge lies on the sheet
   // No grain is divided: what lies on both sides of the sheet goes to that of its middle.
   bool along_faces = false;
+  // The tissue has moved since the last sheet, whose end the straight lines between its places may now lie ahead
+  // of: edges in between are found by the last sheet.
+  bool looks_back = false;
 
   // How far from the sheet there may be something to do, in mean edges.
   double reach() const { return along_faces ? 2 : 2 * snap; }

@@ -6,6 +6,7 @@
 #include "lobe/error.h"
 #include "lobe/scalpel/grain_cells.h"
 #include "lobe/setup/exclusions.h"
+#include "lobe/sim/turning.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -97,7 +98,9 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
     tools_.cut_by(move.tool, work_of(*incised), incised->way, step.to.tip);
     const MeshEdit edit = divide(incised->opened);
     report.tets_copied += static_cast<Index>(edit.copies.size());
-    if (!edit.empty()) report.tets_removed += treat_loose(pieces_.loosened_by(body_.model, edit));
+    if (edit.empty()) continue;
+    change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
+    report.tets_removed += treat_loose(pieces_.loosened_by(body_.model, edit));
   }
   if (crumbs > 0)
     notice(Condition::Kind::scalpel, std::to_string(crumbs) +
@@ -205,7 +208,9 @@ void World<Real>::perform(const Incise& command) {
   Grains trial = blades().grains;
   divide_grains(command, trial);
   const MeshEdit edit = repeat_incision(command);
-  if (!edit.empty()) treat_loose(pieces_.loosened_by(body_.model, edit));
+  if (edit.empty()) return;
+  change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
+  treat_loose(pieces_.loosened_by(body_.model, edit));
 }
 
 }  // namespace lobe

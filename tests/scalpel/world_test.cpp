@@ -292,7 +292,8 @@ TEST_CASE("a linear end that a cut leaves on one vertex becomes non-linear, and 
   for (Index t : topology.around(corner)) CHECK(world.elements().region_of[t] == RegionModel::nonlinear);
   for (Index v = 0; v < topology.vertex_count(); ++v) {
     const Vec3d x = world.elements().points.col(v) + world.state().u.col(v);
-    if (!topology.around(v).empty() && world.elements().region_of[topology.around(v)[0]] == RegionModel::nonlinear)
+    if (!topology.around(v).empty() &&
+        world.elements().region_of[topology.around(v)[0]] == RegionModel::nonlinear)
       CHECK((x - setup.mesh.points.col(corner)).norm() < 0.1);  // which is 0.075 long
   }
 }
@@ -326,7 +327,8 @@ TEST_CASE("only the vertex that lies in the tissue stays held") {
   }
 }
 
-TEST_CASE("a vertex keeps its number where it lies in the tissue, and a grasp takes it there and nowhere else") {
+TEST_CASE(
+    "a vertex keeps its number where it lies in the tissue, and a grasp takes it there and nowhere else") {
   Setup setup = setup_of(box_mesh(Vec3d::Constant(0.1), 5, 5, 5));
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (setup.mesh.points(2, v) == 0) setup.prescribed.push_back({v});
@@ -348,8 +350,7 @@ TEST_CASE("a vertex keeps its number where it lies in the tissue, and a grasp ta
     CHECK(world.grains()->fills(item.vertex, world.elements()));
     for (Index t : world.elements().topology.around(item.vertex))  // all that is around is above the cut
       for (Index grain : world.grains()->of(t))
-        for (Index p : (*world.grains())[grain].points)
-          CHECK(world.grains()->point(p).z() > 0.038 - 1e-9);
+        for (Index p : (*world.grains())[grain].points) CHECK(world.grains()->point(p).z() > 0.038 - 1e-9);
   }
   CHECK(taken == Index(layer.size()));
 }
@@ -362,7 +363,8 @@ TEST_CASE("a tetrahedron of 256 grains is divided no further, which is said, and
   std::uniform_real_distribution<double> uniform(0, 0.1);
   double time = 0;
   for (int i = 0; i < 250; ++i) {  // short blades: what they meet stays in one piece
-    const Vec3d n = Vec3d(normal(random), normal(random), normal(random)).normalized(), along = n.unitOrthogonal();
+    const Vec3d n = Vec3d(normal(random), normal(random), normal(random)).normalized(),
+                along = n.unitOrthogonal();
     const Vec3d edge = 0.02 * n.cross(along), from = Vec3d(uniform(random), uniform(random), uniform(random));
     setup.scalpels.push_back({"blade",
                               0.02,
@@ -376,7 +378,8 @@ TEST_CASE("a tetrahedron of 256 grains is divided no further, which is said, and
     const Report report = world.advance(2e-3);
     CHECK(report.ok);
     for (const Condition& c : report.conditions)
-      was_said = was_said || (c.kind == Condition::Kind::scalpel && c.text.find("256 grains") != std::string::npos);
+      was_said =
+          was_said || (c.kind == Condition::Kind::scalpel && c.text.find("256 grains") != std::string::npos);
   }
   CHECK(was_said);
   validate(world);

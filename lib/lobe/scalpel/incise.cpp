@@ -57,8 +57,7 @@ class Step {
   const Blade blade_;
   const Sheet& sheet_;
   const std::vector<Sheet>& swept_;
-  const Sheet* last_;         // none: there is no need of it
-  Eigen::AlignedBox3d box_;  // of both [m]
+  const Sheet* last_;  // none: there is no need of it
   const Placements& find_placement_;
   std::vector<std::pair<Index, Placement>> placements_, others_;  // by element, sorted; and of those beside
   std::vector<Point> points_;  // of grains near the sheet, by their numbers
@@ -74,7 +73,6 @@ Step::Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::ve
       sheet_(sheet),
       swept_(swept),
       last_(blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr),
-      box_(last_ ? sheet.box().merged(last_->box()) : sheet.box()),
       find_placement_(placement) {
   placements_.reserve(elements.size());
   for (Index t : elements) placements_.emplace_back(t, placement(t));
@@ -113,14 +111,12 @@ void Step::find_near() {
     own.insert(own.end(), grains_.of(t).begin(), grains_.of(t).end());
   std::sort(own.begin(), own.end());
   for (Index grain : own) {
-    std::array<Vec3d, 4> x;
-    Eigen::AlignedBox3d box;
+    Mat34<double> x;
     const Placement& placement = placement_of(grains_[grain].element);
-    for (int k = 0; k < 4; ++k)
-      box.extend(x[std::size_t(k)] = placement(grains_.point(grains_[grain].points[k])));
-    if (box.squaredExteriorDistance(box_) > reach * reach) continue;
+    for (int k = 0; k < 4; ++k) x.col(k) = placement(grains_.point(grains_[grain].points[k]));
+    if (!sheet_.may_reach(x, reach) && !(last_ && last_->may_reach(x, reach))) continue;
     near_.push_back(grain);
-    for (int k = 0; k < 4; ++k) points_.push_back({grains_[grain].points[k], x[std::size_t(k)]});
+    for (int k = 0; k < 4; ++k) points_.push_back({grains_[grain].points[k], x.col(k)});
   }
   std::stable_sort(points_.begin(), points_.end(),
                    [](const Point& a, const Point& b) { return a.number < b.number; });
@@ -205,7 +201,7 @@ bool Step::is_near(Index grain, const Eigen::Vector3i& points) {
   std::sort(sorted.begin(), sorted.end());
   const Vec3d middle = (grains_.point(sorted[0]) + grains_.point(sorted[1]) + grains_.point(sorted[2])) / 3;
   const Vec3d x = place(grain, middle);
-  const double within = 0.3 * grains_.mean_edge();
+  const double within = open_within * grains_.mean_edge();
   return std::any_of(swept_.rbegin(), swept_.rend(), [&](const Sheet& sheet) {
     return sheet.box().squaredExteriorDistance(x) < within * within && sheet.distance(x) < within;
   });

@@ -47,6 +47,7 @@ struct Incised {
 Incised incise(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
                const std::vector<Index>& elements, const Placements& placement);
 
-inline constexpr Index most_grains = 256;  // of a tetrahedron
+inline constexpr Index most_grains = 256;   // of a tetrahedron
+inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens
 
 }  // namespace lobe

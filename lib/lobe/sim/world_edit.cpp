@@ -5,8 +5,8 @@
 #include "lobe/assert.h"
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
-#include "lobe/sim/validate.h"
 #include "lobe/sim/turning.h"
+#include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 #include "lobe/sort_unique.h"
 

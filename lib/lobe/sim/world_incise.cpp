@@ -64,8 +64,8 @@ Blades::BodyNow World<Real>::body_now() {
     const Vec3d start = own.points.col(corners[0]);
     return Placement{start, start + u.col(0), Mat3<double>::Identity() + displacement_gradient(u, alpha)};
   };
-  const auto tets_in = [this](const Eigen::AlignedBox3d& box) {
-    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {box});
+  const auto tets_in = [this](const SweptVolume& volume) {
+    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
   };
   return {placement, tets_in};
 }
@@ -116,7 +116,7 @@ void World<Real>::expand_ahead(const BladeMove& move) {
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * blades_->grains.mean_edge());
-  const std::vector<Index> near = body_now().tets_in({box.min() - reach, box.max() + reach});
+  const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}});
   if (std::any_of(near.begin(), near.end(), [&](Index t) { return body_.regions.is_condensed(t); }))
     perform(Expand{});
 }

@@ -99,8 +99,8 @@ double geometry_seconds(const Setup& setup, const FullStroke& stroke, int frames
                                const Vec3d start = elements.points.col(elements.topology.corners(t)[0]);
                                return Placement{start, start, Mat3<double>::Identity()};
                              },
-                             [&](const Eigen::AlignedBox3d& box) {
-                               return groups.meeting(elements.topology, elements.points.padded(), u, {box});
+                             [&](const SweptVolume& volume) {
+                               return groups.meeting(elements.topology, elements.points.padded(), u, volume);
                              }};
   const auto pose = [&](double share) {
     return BladePose{stroke.from.tip + share * (stroke.to.tip - stroke.from.tip),

@@ -167,13 +167,11 @@ void add_gesture_plans(std::vector<Plan>& plans, const Subject& subject, const s
     torn.setup.grasps.push_back(
         {"hand", {subject.mesh.tets(corner, tet)}, {{0, Vec3d::Zero()}, {0.5, away}, {1, away}}, true});
   }
-  if (model != "tensor-mass") {  // which stops (docs/stability.md)
-    Plan& strokes = gesture("pulled, and cut by five strokes that cross", Must::survive);
-    strokes.setup.gravity = {0, 0, -9.81};
-    handle(strokes.setup, subject.high_end(), 3,
-           [=](Vec3d x, double s) -> Vec3d { return x + Vec3d(0.4 * length * there_and_back(s), 0, 0); });
-    add_strokes(strokes.setup, 5);
-  }
+  Plan& strokes = gesture("pulled, and cut by five strokes that cross", Must::survive);
+  strokes.setup.gravity = {0, 0, -9.81};
+  handle(strokes.setup, subject.high_end(), 3,
+         [=](Vec3d x, double s) -> Vec3d { return x + Vec3d(0.4 * length * there_and_back(s), 0, 0); });
+  add_strokes(strokes.setup, 5);
   Plan& cut = gesture("cut at random until nothing is left", Must::vanish);
   cut.setup.gravity = {0, 0, -9.81};
   cut.cut_share = 0.02;

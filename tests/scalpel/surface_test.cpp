@@ -175,6 +175,42 @@ TEST_CASE("a cut leaves the area of the skin as it was, and shows both sides of 
   CHECK(area_of(world.surface().mesh(), X, true) == near(2 * strokes.knife.area, 1e-12));
 }
 
+TEST_CASE("each part of a block that planes have parted is a ball: its surface has Euler's number 2") {
+  const TetMesh mesh = irregular_box(4);
+  World<double> world(setup_of(mesh));
+  Knife knife(mesh);
+  const Box box = bounding_box(mesh);
+  const Vec3d centre = (box.min + box.max) / 2;
+  const double r = (box.max - box.min).norm();
+  for (const Vec3d& normal : {Vec3d(1, 0.2, 0.1), Vec3d(0.1, 1, -0.3), Vec3d(-0.2, 0.3, 1)}) {
+    knife.begin();
+    const Vec3d n = normal.normalized(), along = n.unitOrthogonal(), edge = n.cross(along);
+    const auto row = [&](double x) {
+      return std::vector<Vec3d>{centre + x * along - r * edge, centre + x * along + r * edge};
+    };
+    world.apply(Incise{knife.sweep(row(-r), row(r)).incision});
+  }
+  const std::unique_ptr<SurfaceCells> cells = surface_cells(world.elements(), world.grains());
+  const std::set<Marked> triangles = marked_triangles(world.surface(), *cells);
+  Sets parts(cells->point_count());
+  std::set<Index> points;
+  std::set<std::pair<Index, Index>> edges;
+  for (const Marked& own : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index a = std::get<2>(own)[k], b = std::get<2>(own)[(k + 1) % 3];
+      parts.join(a, b);
+      points.insert(a);
+      edges.insert(std::minmax(a, b));
+    }
+  std::map<Index, Index> euler;
+  for (Index p : points) ++euler[parts.of(p)];
+  for (const auto& [a, b] : edges) --euler[parts.of(a)];
+  for (const Marked& own : triangles) ++euler[parts.of(std::get<2>(own)[0])];
+  CHECK(euler.size() == 8);
+  CHECK(world.elements().topology.pieces().size() == 8);
+  for (const auto& [part, number] : euler) CHECK(number == 2);
+}
+
 TEST_CASE("lips are sharp: normals of the skin and of a plane cut are those of the planes up to the edge") {
   World<double> world(setup_of(box_mesh({0.1, 0.04, 0.04}, 10, 4, 4)));
   world.surface();

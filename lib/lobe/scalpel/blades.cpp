@@ -53,7 +53,7 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   stroke->goes_on = true;
   std::vector<std::vector<Vec3d>> places;
   for (const Row& row : stroke->rows) places.push_back(places_of(row, body));
-  Row now = row_at(step.to, *stroke, stroke->rows.back().size(), body);
+  Row now = places_at(step.to, *stroke, stroke->rows.back().size());
   std::vector<Vec3d> there;
   for (const Station& station : now) there.push_back(station.place);
   double way = 0;  // beyond that of the tissue
@@ -62,11 +62,11 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   places.push_back(there);
   std::vector<Sheet> swept;
   for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
-  Eigen::AlignedBox3d box = swept.back().box();
-  const Blade blade{stroke->bit, step.snap, step.along_faces};
-  const Vec3d reach = Vec3d::Constant(blade.reach() * grains.mean_edge());
-  box = {box.min() - reach, box.max() + reach};
-  Incised incised = incise(grains, blade, swept.back(), swept, body.tets_in(box), body.placement);
+  const bool has_moved = has_moved_since(stroke->rows.back(), places[places.size() - 2]);
+  const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved};
+  const std::vector<Index> tets = tets_near(swept, blade, body);
+  find_in_body(now, tets, body);
+  Incised incised = incise(grains, blade, swept.back(), swept, tets, body.placement);
   incised.way = way_of(now, stroke->rows.back(), there, places[places.size() - 2]);
   const std::vector<Vec3d> before = places.size() > 2 ? places[places.size() - 3] : std::vector<Vec3d>{};
   keep(std::move(now), before, *stroke);
@@ -86,7 +86,11 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   while (taken >> stroke.bit & 1) ++stroke.bit;
   const double length = (step.from.heel - step.from.tip).norm();
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
-  stroke.rows = {row_at(step.from, stroke, count, body)};
+  Row row = places_at(step.from, stroke, count);
+  Eigen::AlignedBox3d box;
+  for (const Station& station : row) box.extend(station.place);
+  find_in_body(row, body.tets_in({box, {}}), body);
+  stroke.rows = {std::move(row)};
   return &stroke;
 }
 
@@ -111,19 +115,27 @@ void Blades::end_strokes() {
   for (Stroke& stroke : strokes_) stroke.goes_on = false;
 }
 
-Blades::Row Blades::row_at(const BladePose& pose, Stroke& stroke, std::size_t count,
-                           const BodyNow& body) const {
+// Tetrahedra near the last sheet, and that before if the blade looks back.
+std::vector<Index> Blades::tets_near(const std::vector<Sheet>& swept, const Blade& blade,
+                                     const BodyNow& body) const {
+  const Sheet& sheet = swept.back();
+  const Sheet* last = blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr;
+  const double reach = std::max(blade.reach(), open_within) * grains.mean_edge();
+  const Eigen::AlignedBox3d box = last ? sheet.box().merged(last->box()) : sheet.box();
+  const Vec3d around = Vec3d::Constant(reach);
+  return body.tets_in({{box.min() - around, box.max() + around}, [&](const Mat34<double>& x) {
+                         return sheet.may_reach(x, reach) || (last && last->may_reach(x, reach));
+                       }});
+}
+
+Blades::Row Blades::places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const {
   Row row(count);
-  Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < count; ++i) {
     const double share = double(i) / double(count - 1);
     row[i].place = (1 - share) * pose.tip + share * pose.heel +
                    1e-7 * grains.mean_edge() * off_line(stroke.rows_made, i);
-    box.extend(row[i].place);
   }
   ++stroke.rows_made;
-  const std::vector<Index> tets = body.tets_in(box);
-  find_in_body(row, tets, body);
   return row;
 }
 
@@ -144,6 +156,12 @@ void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const BodyNo
       station.rest = rest;
     }
   }
+}
+
+bool Blades::has_moved_since(const Row& row, const std::vector<Vec3d>& places) {
+  for (std::size_t i = 0; i < row.size(); ++i)
+    if (row[i].place != places[i]) return true;
+  return false;
 }
 
 // A station that has not moved is exactly where it was: sheets of a body at rest have their rows in common.

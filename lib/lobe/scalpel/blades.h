@@ -3,6 +3,7 @@
 // have come to: tissue that moves across a blade is cut, and tissue that moves along with it is not.
 #pragma once
 
+#include "lobe/cut/cautery.h"
 #include "lobe/scalpel/incise.h"
 
 namespace lobe {
@@ -28,7 +29,7 @@ class Blades {
   // The body as it is now.
   struct BodyNow {
     Placements placement;
-    std::function<std::vector<Index>(const Eigen::AlignedBox3d&)> tets_in;  // that meet a box [m]
+    std::function<std::vector<Index>(const SweptVolume&)> tets_in;  // that meet it
   };
 
   // Where the edge is that a move goes on from: the tissue may have carried it along.
@@ -67,11 +68,14 @@ class Blades {
 
  private:
   Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
-  Row row_at(const BladePose& pose, Stroke& stroke, std::size_t count, const BodyNow& body) const;
+  std::vector<Index> tets_near(const std::vector<Sheet>& swept, const Blade& blade,
+                               const BodyNow& body) const;
+  Row places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const;
   void find_in_body(Row& row, const std::vector<Index>& tets, const BodyNow& body) const;
   static Vec3d way_of(const Row& now, const Row& before, const std::vector<Vec3d>& there,
                       const std::vector<Vec3d>& from);
   std::vector<Vec3d> places_of(const Row& row, const BodyNow& body) const;
+  static bool has_moved_since(const Row& row, const std::vector<Vec3d>& places);
   void keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const;
 
   std::vector<Stroke> strokes_;

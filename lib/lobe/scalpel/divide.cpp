@@ -153,13 +153,21 @@ std::vector<std::vector<Index>> Division::parts_around(Index v) {
   return parts;
 }
 
-// The part that fills most keeps the vertex, the first of several.
+// The part in which the vertex lies keeps it, and with it what acts on it and who may grasp it; of several, as of
+// none, the one that fills most, the first of those.
 void Division::split(Index v) {
   std::vector<std::vector<Index>> parts = parts_around(v);
   if (parts.size() < 2) return;
-  std::vector<double> filled(parts.size(), 0);
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    for (Index grain : parts[i]) filled[i] += grains_[grain].share;
+  const Vec3d& X = grains_.point(topology_.origin(v));
+  const auto has_vertex = [&](Index grain) {
+    const Eigen::Vector4i& points = grains_[grain].points;
+    return std::any_of(points.begin(), points.end(), [&](Index p) { return grains_.point(p) == X; });
+  };
+  std::vector<std::pair<bool, double>> filled(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    filled[i].first = std::any_of(parts[i].begin(), parts[i].end(), has_vertex);
+    for (Index grain : parts[i]) filled[i].second += grains_[grain].share;
+  }
   const auto keeps = std::size_t(std::max_element(filled.begin(), filled.end()) - filled.begin());
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (i == keeps) continue;

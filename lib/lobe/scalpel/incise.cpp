@@ -38,6 +38,7 @@ class Step {
     return grains_.is_on(point, blade_.stroke) || points_[place_in(point)].is_on;
   }
   Mark* mark_of(const Edge& edge);
+  std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
 
   void find_near();
   void put_on();
@@ -56,6 +57,7 @@ class Step {
   const Blade blade_;
   const Sheet& sheet_;
   const std::vector<Sheet>& swept_;
+  const Sheet* last_;  // none: there is no need of it
   const Placements& find_placement_;
   std::vector<std::pair<Index, Placement>> placements_, others_;  // by element, sorted; and of those beside
   std::vector<Point> points_;  // of grains near the sheet, by their numbers
@@ -66,7 +68,12 @@ class Step {
 
 Step::Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
            const std::vector<Index>& elements, const Placements& placement)
-    : grains_(grains), blade_(blade), sheet_(sheet), swept_(swept), find_placement_(placement) {
+    : grains_(grains),
+      blade_(blade),
+      sheet_(sheet),
+      swept_(swept),
+      last_(blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr),
+      find_placement_(placement) {
   placements_.reserve(elements.size());
   for (Index t : elements) placements_.emplace_back(t, placement(t));
 }
@@ -92,6 +99,11 @@ Step::Mark* Step::mark_of(const Edge& edge) {
   return at != marks_.end() && at->edge == edge && at->counts ? &*at : nullptr;
 }
 
+std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
+  const std::optional<double> share = sheet_.crossing(p, q);
+  return share || !last_ ? share : last_->crossing(p, q);
+}
+
 void Step::find_near() {
   const double reach = blade_.reach() * grains_.mean_edge();
   std::vector<Index> own;
@@ -99,14 +111,12 @@ void Step::find_near() {
     own.insert(own.end(), grains_.of(t).begin(), grains_.of(t).end());
   std::sort(own.begin(), own.end());
   for (Index grain : own) {
-    std::array<Vec3d, 4> x;
-    Eigen::AlignedBox3d box;
+    Mat34<double> x;
     const Placement& placement = placement_of(grains_[grain].element);
-    for (int k = 0; k < 4; ++k)
-      box.extend(x[std::size_t(k)] = placement(grains_.point(grains_[grain].points[k])));
-    if (box.squaredExteriorDistance(sheet_.box()) > reach * reach) continue;
+    for (int k = 0; k < 4; ++k) x.col(k) = placement(grains_.point(grains_[grain].points[k]));
+    if (!sheet_.may_reach(x, reach) && !(last_ && last_->may_reach(x, reach))) continue;
     near_.push_back(grain);
-    for (int k = 0; k < 4; ++k) points_.push_back({grains_[grain].points[k], x[std::size_t(k)]});
+    for (int k = 0; k < 4; ++k) points_.push_back({grains_[grain].points[k], x.col(k)});
   }
   std::stable_sort(points_.begin(), points_.end(),
                    [](const Point& a, const Point& b) { return a.number < b.number; });
@@ -158,7 +168,7 @@ void Step::find_crossed() {
   sort_unique(edges);
   constexpr double least = 1e-3;
   for (const Edge& edge : edges)
-    if (const auto share = sheet_.crossing(points_[place_in(edge.first)].x, points_[place_in(edge.second)].x))
+    if (const auto share = crossing(points_[place_in(edge.first)].x, points_[place_in(edge.second)].x))
       marks_.push_back({edge, std::clamp(*share, least, 1 - least)});
 }
 
@@ -191,7 +201,7 @@ bool Step::is_near(Index grain, const Eigen::Vector3i& points) {
   std::sort(sorted.begin(), sorted.end());
   const Vec3d middle = (grains_.point(sorted[0]) + grains_.point(sorted[1]) + grains_.point(sorted[2])) / 3;
   const Vec3d x = place(grain, middle);
-  const double within = 0.3 * grains_.mean_edge();
+  const double within = open_within * grains_.mean_edge();
   return std::any_of(swept_.rbegin(), swept_.rend(), [&](const Sheet& sheet) {
     return sheet.box().squaredExteriorDistance(x) < within * within && sheet.distance(x) < within;
   });
@@ -240,7 +250,7 @@ std::vector<Index> Step::faces_between_sides() {
       const Index other = grains_.neighbour(grain, f);
       if (other < 0 || (other < grain && std::binary_search(near_.begin(), near_.end(), other))) continue;
       const auto [first, second] = std::minmax(grain, other);
-      if (sheet_.crossing(middle_of(first), middle_of(second))) faces.push_back(4 * grain + f);
+      if (crossing(middle_of(first), middle_of(second))) faces.push_back(4 * grain + f);
     }
   return faces;
 }

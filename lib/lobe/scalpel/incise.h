@@ -10,6 +10,9 @@ struct Blade {
   double snap = 0.1;  // a point nearer than this share of its shortest edge lies on the sheet
   // No grain is divided: what lies on both sides of the sheet goes to that of its middle.
   bool along_faces = false;
+  // The tissue has moved since the last sheet, whose end the straight lines between its places may now lie ahead
+  // of: edges in between are found by the last sheet.
+  bool looks_back = false;
 
   // How far from the sheet there may be something to do, in mean edges.
   double reach() const { return along_faces ? 2 : 2 * snap; }
@@ -44,6 +47,7 @@ struct Incised {
 Incised incise(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
                const std::vector<Index>& elements, const Placements& placement);
 
-inline constexpr Index most_grains = 256;  // of a tetrahedron
+inline constexpr Index most_grains = 256;   // of a tetrahedron
+inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens
 
 }  // namespace lobe

@@ -34,15 +34,42 @@ Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
       Triangle& own = triangles_.emplace_back(Triangle{t, {}});
       for (const Vec3d& corner : t) own.box.extend(corner);
       box_.extend(own.box);
+      normal_ += (t[1] - t[0]).cross(t[2] - t[0]);
     }
+  normal_.normalize();  // zero where there is none
+  low_ = std::numeric_limits<double>::infinity();
+  high_ = -low_;
+  for (const std::vector<Vec3d>* row : {&from, &to})
+    for (const Vec3d& p : *row) {
+      low_ = std::min(low_, normal_.dot(p));
+      high_ = std::max(high_, normal_.dot(p));
+    }
+  constexpr std::size_t per_part = 4;
+  for (std::size_t begin = 0; begin < triangles_.size(); begin += per_part) {
+    Part& part = parts_.emplace_back(Part{begin, std::min(begin + per_part, triangles_.size()), {}});
+    for (std::size_t i = begin; i < part.end; ++i) part.box.extend(triangles_[i].box);
+  }
+}
+
+bool Sheet::may_reach(const Mat34<double>& x, double reach) const {
+  const Eigen::RowVector4d along = normal_.transpose() * x;
+  if (along.maxCoeff() < low_ - reach || along.minCoeff() > high_ + reach) return false;
+  const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
+  return std::any_of(parts_.begin(), parts_.end(), [&](const Part& part) {
+    return part.box.squaredExteriorDistance(box) <= reach * reach;
+  });
 }
 
 double Sheet::distance(const Vec3d& p) const {
   double square = std::numeric_limits<double>::infinity();
-  for (const Triangle& t : triangles_) {
-    if (t.box.squaredExteriorDistance(p) >= square) continue;
-    const Vec3d nearest = nearest_on_triangle(p, t.corners[0], t.corners[1], t.corners[2]);
-    square = std::min(square, (p - nearest).squaredNorm());
+  for (const Part& part : parts_) {
+    if (part.box.squaredExteriorDistance(p) >= square) continue;
+    for (std::size_t i = part.begin; i < part.end; ++i) {
+      const Triangle& t = triangles_[i];
+      if (t.box.squaredExteriorDistance(p) >= square) continue;
+      const Vec3d nearest = nearest_on_triangle(p, t.corners[0], t.corners[1], t.corners[2]);
+      square = std::min(square, (p - nearest).squaredNorm());
+    }
   }
   return std::sqrt(square);
 }
@@ -51,11 +78,15 @@ std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
   Eigen::AlignedBox3d edge(p.cwiseMin(q), p.cwiseMax(q));
   std::optional<double> first;
   int count = 0;
-  for (const Triangle& t : triangles_) {
-    if (!t.box.intersects(edge) || !separates(t.corners, p, q) || !is_pierced(t.corners, p, q)) continue;
-    const double share = share_at(t.corners, p, q);
-    first = first ? std::min(*first, share) : share;
-    ++count;
+  for (const Part& part : parts_) {
+    if (!part.box.intersects(edge)) continue;
+    for (std::size_t i = part.begin; i < part.end; ++i) {
+      const Triangle& t = triangles_[i];
+      if (!t.box.intersects(edge) || !separates(t.corners, p, q) || !is_pierced(t.corners, p, q)) continue;
+      const double share = share_at(t.corners, p, q);
+      first = first ? std::min(*first, share) : share;
+      ++count;
+    }
   }
   return count % 2 == 1 ? first : std::nullopt;
 }

@@ -5,6 +5,7 @@
 #include "lobe/assert.h"
 #include "lobe/condense/anchors.h"
 #include "lobe/error.h"
+#include "lobe/sim/turning.h"
 #include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 #include "lobe/sort_unique.h"
@@ -73,6 +74,7 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   const MeshEdit edit = cut(tets);
   if (edit.empty()) return 0;
   const auto removed = static_cast<Index>(edit.removed.size());
+  change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
   const Index vanished = treat_loose(pieces_.loosened_by(body_.model, edit));
   if (elements().topology.alive_count() == 0)
     notice(Condition::Kind::everything_cut, "no tetrahedron is left");

@@ -6,6 +6,7 @@
 #include "lobe/error.h"
 #include "lobe/scalpel/grain_cells.h"
 #include "lobe/setup/exclusions.h"
+#include "lobe/sim/turning.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -63,8 +64,8 @@ Blades::BodyNow World<Real>::body_now() {
     const Vec3d start = own.points.col(corners[0]);
     return Placement{start, start + u.col(0), Mat3<double>::Identity() + displacement_gradient(u, alpha)};
   };
-  const auto tets_in = [this](const Eigen::AlignedBox3d& box) {
-    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {box});
+  const auto tets_in = [this](const SweptVolume& volume) {
+    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
   };
   return {placement, tets_in};
 }
@@ -97,7 +98,9 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
     tools_.cut_by(move.tool, work_of(*incised), incised->way, step.to.tip);
     const MeshEdit edit = divide(incised->opened);
     report.tets_copied += static_cast<Index>(edit.copies.size());
-    if (!edit.empty()) report.tets_removed += treat_loose(pieces_.loosened_by(body_.model, edit));
+    if (edit.empty()) continue;
+    change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
+    report.tets_removed += treat_loose(pieces_.loosened_by(body_.model, edit));
   }
   if (crumbs > 0)
     notice(Condition::Kind::scalpel, std::to_string(crumbs) +
@@ -113,7 +116,7 @@ void World<Real>::expand_ahead(const BladeMove& move) {
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * blades_->grains.mean_edge());
-  const std::vector<Index> near = body_now().tets_in({box.min() - reach, box.max() + reach});
+  const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}});
   if (std::any_of(near.begin(), near.end(), [&](Index t) { return body_.regions.is_condensed(t); }))
     perform(Expand{});
 }
@@ -205,7 +208,9 @@ void World<Real>::perform(const Incise& command) {
   Grains trial = blades().grains;
   divide_grains(command, trial);
   const MeshEdit edit = repeat_incision(command);
-  if (!edit.empty()) treat_loose(pieces_.loosened_by(body_.model, edit));
+  if (edit.empty()) return;
+  change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
+  treat_loose(pieces_.loosened_by(body_.model, edit));
 }
 
 }  // namespace lobe

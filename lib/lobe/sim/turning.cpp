@@ -1,0 +1,80 @@
+#include "lobe/sim/turning.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace lobe {
+namespace {
+
+// Held vertices that are met one after the other, until they cannot be turned about any more.
+class HeldPlaces {
+ public:
+  explicit HeldPlaces(const Model& model) : model_(model) {}
+
+  // Whether those of this tetrahedron, with those before, fix a piece in all directions.
+  bool add(Index tet) {
+    for (Index v : model_.elements.topology.corners(tet)) {
+      if (!model_.held.holds(v)) continue;
+      const Vec3d X = model_.elements.points.col(v);
+      if (count_ == 0)
+        first_ = X;
+      else if (count_ == 1 && X != first_)
+        second_ = X;
+      else if (count_ == 1 || !is_off_line(X))
+        continue;
+      ++count_;
+    }
+    return count_ >= 3;
+  }
+  bool any() const { return count_ > 0; }
+
+ private:
+  bool is_off_line(const Vec3d& X) const {
+    constexpr double rounding = 1e-6;
+    const Vec3d a = second_ - first_, b = X - first_;
+    return a.cross(b).norm() > rounding * a.norm() * b.norm();
+  }
+
+  const Model& model_;
+  int count_ = 0;  // not in a line, at most 3
+  Vec3d first_ = Vec3d::Zero(), second_ = Vec3d::Zero();
+};
+
+bool turns(const Model& model, const std::vector<Index>& piece) {
+  HeldPlaces places(model);
+  return std::none_of(piece.begin(), piece.end(), [&](Index t) { return places.add(t); }) && places.any();
+}
+
+// What is left of a body that may have lost what held it.
+std::vector<Index> rest_that_turns(Model& model, Index beside) {
+  HeldPlaces places(model);
+  std::vector<Index> piece;
+  const bool is_fixed = model.elements.topology.visit_piece(beside, [&](Index t) {
+    piece.push_back(t);
+    return places.add(t);
+  });
+  return is_fixed || !places.any() ? std::vector<Index>{} : piece;
+}
+
+}  // namespace
+
+std::vector<Index> turning_tets(Model& model, const MeshEdit& edit) {
+  std::vector<Index> found;
+  bool may_have_lost_anchors = false;
+  const auto is_held = [&](Index t) {
+    const Eigen::Vector4i corners = model.elements.topology.corners(t);
+    return std::any_of(corners.begin(), corners.end(), [&](Index v) { return model.held.holds(v); });
+  };
+  for (const std::vector<Index>& piece : edit.cut_off) {
+    if (turns(model, piece)) found.insert(found.end(), piece.begin(), piece.end());
+    may_have_lost_anchors = may_have_lost_anchors || std::any_of(piece.begin(), piece.end(), is_held);
+  }
+  if (may_have_lost_anchors && !edit.beside.empty()) {
+    const std::vector<Index> rest = rest_that_turns(model, edit.beside.front());
+    found.insert(found.end(), rest.begin(), rest.end());
+  }
+  std::erase_if(found, [&](Index t) { return model.elements.region_of[t] != RegionModel::tensor_mass; });
+  return found;
+}
+
+}  // namespace lobe

@@ -106,6 +106,15 @@ void Equations::boundary_move(Vec u, double fraction, Vec move) {
   check(VecCopy(sums_.vec(), move));
 }
 
+void Equations::clear_given(Vec w) {
+  PetscScalar* values = nullptr;
+  check(VecGetArray(w, &values));
+  for (Index v = 0; v < part_.owned; ++v)
+    for (int axis = 0; axis < 3; ++axis)
+      if (given_(axis, v)) values[3 * v + axis] = 0;
+  check(VecRestoreArray(w, &values));
+}
+
 void Equations::subtract_product(Vec u, Vec w, Vec forces) {
   const Mat3X<double> full = local(u), by = local(w);
   Mat3X<double> product = Mat3X<double>::Zero(3, full.cols());

@@ -39,6 +39,7 @@ class Equations {
   void tangent(Vec u, Mat matrix);
   // forces −= ∂²W/∂u² w, for a displacement w of given components.
   void subtract_product(Vec u, Vec w, Vec forces);
+  void clear_given(Vec w);  // zero where displacements are given
   // What is missing to the prescribed displacements at a fraction of them, zero where nothing is given [m].
   void boundary_move(Vec u, double fraction, Vec move);
 

@@ -130,7 +130,8 @@ void Solver::set_multigrid(bool hypre) {
     set_default("-pc_gamg_threshold", "0.02");
     set_default("-mg_levels_ksp_type", "chebyshev");
     set_default("-mg_levels_ksp_max_it", "2");
-    set_default("-mg_levels_pc_type", "sor");
+    // SOR would fail on coarse levels, where an aggregate of few vertices has less than six modes.
+    set_default("-mg_levels_pc_type", "jacobi");
   }
   check(KSPSetTolerances(ksp_, 1e-2, 0, 1e10, 500));
   check(KSPSetFromOptions(ksp_));
@@ -201,10 +202,13 @@ PetscErrorCode Solver::converged(SNES, PetscInt iteration, PetscReal, PetscReal,
 }
 
 // Halves the step until it inverts nothing and the potential falls, or the residual, where rounding hides that.
-// Sets state_ to that of the trial.
+// Sets state_ to that of the trial. Coarse levels of multigrid know nothing of single given components, which an
+// iterative solution therefore leaves at zero only to its tolerance: they are cleared, or the body would creep away
+// from where it is held.
 const char* Solver::search(Vec u, Vec direction, Vec forces, Vec trial, Vec trial_forces, double& length) {
   const State before = state_;
   PetscScalar slope = 0;
+  equations_.clear_given(direction);
   check(VecDot(forces, direction, &slope));  // gradient · (−step): SNES subtracts its direction
   const double least_ratio = std::min(0.0, before.smallest_volume_ratio);
   const char* trouble = "";
@@ -264,6 +268,7 @@ bool Solver::move_by_linear(Vec move) {
   KSPConvergedReason reason;
   check(KSPGetConvergedReason(ksp_, &reason));
   if (reason < 0) return false;
+  equations_.clear_given(direction_);
   check(VecAXPY(u_, 1, move));
   check(VecAXPY(u_, 1, direction_));
   ++result_.newton_iterations;

@@ -52,7 +52,7 @@ Mat3<double> static_stiffness(World<double>& world, const std::vector<Index>& co
   // As a quadratic form, in which what is off in the solution is squared.
   Mat3<double> K;
   for (int axis = 0; axis < 3; ++axis) {
-    constexpr double h = 1e-6;
+    constexpr double h = 1e-7;
     const Mat3X<double> way = h * moved[std::size_t(axis)];
     const Mat3X<double> forces = energy_and_forces(world.elements(), u + way).forces -
                                  energy_and_forces(world.elements(), u - way).forces;

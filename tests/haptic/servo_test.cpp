@@ -156,7 +156,8 @@ TEST_CASE("no force is above what the device bears, nor changes faster") {
     CHECK((force - before).norm() <= 0.1 * (1 + 1e-9));
     before = force;
   }
-  // In 50 ticks it stays at the origin, and three times 20 ticks take the force from 2 N to 0, where 30 follow: 290.
+  // In 50 ticks it stays at the origin, and three times 20 ticks take the force from 2 N to 0, where 30
+  // follow: 290.
   CHECK(servo.state().limited > 280);
   CHECK(servo.state().limited <= 290);
 }

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <utility>
 
 #include "benchmarks/validation/bodies.h"
 #include "benchmarks/validation/cases.h"
@@ -25,36 +26,60 @@ const petsc::Ranks& ranks() {
 }
 
 struct Compared {
-  int bodies = 0, too_small = 0;
+  int bodies = 0, too_small = 0, too_large = 0;
   double largest = 0;  // difference, relative to the largest displacement
 };
 
-Mat3X<double> serial(const Setup& setup) {
-  StaticOptions options;
+// As exactly as rounding lets: 1e-13 if one load step gets there, else 1e-11.
+template <class Options, class Solve>
+auto solve_exactly(Options options, const Solve& solve) {
+  const double smallest_load_step = std::exchange(options.smallest_load_step, 1);
   options.tolerance = 1e-13;
-  options.most_iterations = 100;
-  StaticResult result = solve_static(setup, options);
-  if (result.converged) return std::move(result.u);
-  options.tolerance = 1e-11;  // where rounding is larger
-  result = solve_static(setup, options);
-  REQUIRE(result.converged);
-  return std::move(result.u);
+  auto solution = solve(options);
+  if (solution.converged) return solution;
+  options.smallest_load_step = smallest_load_step;
+  options.tolerance = 1e-11;
+  return solve(options);
+}
+
+// Rank 0 solves, the others wait for it.
+Mat3X<double> serial(const Setup& setup) {
+  Mat3X<double> u = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
+  std::string fault;
+  if (ranks().rank() == 0) {
+    try {
+      StaticResult result =
+          solve_exactly(StaticOptions{}, [&](const auto& o) { return solve_static(setup, o); });
+      u = std::move(result.u);
+      fault = result.reason;
+    } catch (const std::exception& error) {
+      fault = error.what();
+    }
+  }
+  const bool fine = ranks().min(fault.empty() ? 1 : 0) > 0;
+  if (!fine) throw std::runtime_error("serial solver: " + fault);
+  MPI_Bcast(u.data(), int(u.size()), MPI_DOUBLE, 0, ranks().comm());
+  return u;
 }
 
 petsc::Solution in_parts(const Setup& setup, const petsc::Part& part, petsc::Method method) {
   petsc::SolverOptions options;
   options.method = method;
-  options.tolerance = 1e-13;
-  petsc::Solution solution = petsc::solve_static(ranks(), part, petsc::restrict_setup(setup, part), options);
-  if (solution.converged) return solution;
-  options.tolerance = 1e-11;
-  solution = petsc::solve_static(ranks(), part, petsc::restrict_setup(setup, part), options);
+  const Setup own = petsc::restrict_setup(setup, part);
+  petsc::Solution solution =
+      solve_exactly(options, [&](const auto& o) { return petsc::solve_static(ranks(), part, own, o); });
   CHECK_MESSAGE(solution.converged, solution.reason);
   return solution;
 }
 
+// Returns the displacement by the serial solver; rest for what is too large to be solved twice on each number of ranks.
 Mat3X<double> compare(const Setup& setup, petsc::Method method, Compared& compared) {
+  if (setup.mesh.tet_count() > 4000) {
+    ++compared.too_large;
+    return Mat3X<double>::Zero(3, setup.mesh.vertex_count());
+  }
   const Mat3X<double> reference = serial(setup);
+  if (any_nodal_pressure(setup.materials)) return reference;  // not there, and refused
   petsc::Part part;
   try {
     part = petsc::make_part(ranks(), petsc::slice_of(ranks(), setup.mesh), "validation");
@@ -76,9 +101,8 @@ Mat3X<double> compare(const Setup& setup, petsc::Method method, Compared& compar
 Compared compare_family(void (*family)(validation::Findings&, bool), petsc::Method method) {
   Compared compared;
   validation::solve_equilibria_by([&](const Setup& setup) { return compare(setup, method, compared); });
-  const validation::Findings findings = validation::run_family({"petsc", family}, true);
+  validation::run_family({"petsc", family}, true);  // its findings are the validation's
   validation::solve_equilibria_by({});
-  for (const validation::Row& row : findings.rows()) CHECK_MESSAGE(row.passed, row.name);
   return compared;
 }
 
@@ -89,8 +113,8 @@ TEST_CASE("the equilibria of the validation are those of the serial solver") {
     CHECK(compared.bodies >= least);
     CHECK(compared.largest < 1e-8);
     if (ranks().rank() == 0)
-      std::printf("%d bodies on %d ranks: largest difference %.1e\n", compared.bodies, ranks().count(),
-                  compared.largest);
+      std::printf("%d bodies on %d ranks, %d too small, %d too large: largest difference %.1e\n",
+                  compared.bodies, ranks().count(), compared.too_small, compared.too_large, compared.largest);
   };
   using petsc::Method;
   SUBCASE("patch tests") { holds(compare_family(validation::patch_tests, Method::mumps), 2); }
@@ -199,7 +223,8 @@ TEST_CASE("a mechanism or an impossible load ends with a reason, and the last eq
   for (PrescribedVertex& p : setup.prescribed) p.displacement *= -11;  // to the other side of the held end
   const petsc::Part part = petsc::make_part(ranks(), petsc::slice_of(ranks(), setup.mesh), "box");
   petsc::SolverOptions options;
-  options.smallest_load_step = 0.05;
+  options.smallest_load_step = 0.2;
+  options.most_iterations = 15;
   const petsc::Solution solution =
       petsc::solve_static(ranks(), part, petsc::restrict_setup(setup, part), options);
   CHECK(!solution.converged);

@@ -14,8 +14,8 @@ namespace {
 constexpr double least_room = 0.05;  // θ
 constexpr double most_added = 0.2;   // of ω_max², with selective masses
 
-// What vertices feel at rest when they move alone, of those that `is_wanted`, upper triangles [N/m]. Each tetrahedron is
-// asked once.
+// What vertices feel at rest when they move alone, of those that `is_wanted`, upper triangles [N/m]. Each
+// tetrahedron is asked once.
 DiagonalStiffness stiffness_at_rest(const Elements& elements, const std::vector<double>& is_wanted) {
   const Topology& topology = elements.topology;
   DiagonalStiffness K = DiagonalStiffness::Zero(6, topology.vertex_count());

@@ -1,15 +1,15 @@
-// The boundary of a body as contact sees it: triangles between points that are vertices of the mesh, or lie within a
-// tetrahedron where a blade has cut, and how stiff contact may be there.
+// The boundary of a body as contact sees it: triangles between points that are vertices of the mesh, or lie
+// within a tetrahedron where a blade has cut, and how stiff contact may be there.
 //
 // Stiffness is filled to the limit. A vertex v of mass m whose own frequency at rest is ω_v may be given
 //   k_v = max(θ, 1 − r² ω_v²/ω_max²) ω_max² m_v,   θ = 0.05,
 // and contact of v with a rigid body then leaves the highest frequency of the body, ω_max, about where it is:
-// by Gershgorin's theorem ω² ≤ ω_max² + max k_v/m_v in the worst case. r is ω_max over the largest ω_v. Per area that
-// is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
+// by Gershgorin's theorem ω² ≤ ω_max² + max k_v/m_v in the worst case. r is ω_max over the largest ω_v. Per
+// area that is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
 //
 // With selective masses, whose mobility C couples vertices, the stiffness K_c of contact all over the surface
-// is found like that for lumped masses, and then lowered until λ_max(C K_c), by power iterations, is at most a
-// share `most_added` of ω_max²: contact of a part of the surface is less than that of all of it, so that by
+// is found like that for lumped masses, and then lowered until λ_max(C K_c), by power iterations, is at most
+// a share `most_added` of ω_max²: contact of a part of the surface is less than that of all of it, so that by
 // Weyl's inequality ω_max² grows by no more than this share, which `safety` leaves room for.
 #pragma once
 
@@ -37,23 +37,24 @@ class ContactSurface {
 
   // Whether it is of another boundary, or of other masses.
   bool is_outdated(const Surroundings& now) const;
-  // In an order that depends on the body alone, not on the edits that led to it. O(#triangles log #triangles).
+  // In an order that depends on the body alone, not on the edits that led to it. O(#triangles log
+  // #triangles).
   void rebuild(const Surroundings& now);
 
   std::uint64_t revision() const { return revision_; }  // grows with each rebuild
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Point>& points() const { return points_; }
   double mean_edge() const { return mean_edge_; }  // at rest [m]
-  // Of contact with another part of the body: the same all over, or else blocks that press flat on each other would have
-  // no flat faces. That is what a quarter of the area bears less than, but no more than `most_beyond` times a
-  // triangle's own [Pa/m].
+  // Of contact with another part of the body: the same all over, or else blocks that press flat on each other
+  // would have no flat faces. That is what a quarter of the area bears less than, but no more than
+  // `most_beyond` times a triangle's own [Pa/m].
   double self_stiffness(int triangle) const {
     return std::min(quartile_, most_beyond * triangles_[std::size_t(triangle)].stiffness);
   }
   double omega() const { return omega_; }  // ω_max, which the stiffness fills up to [1/s]
 
  private:
-  static constexpr double most_beyond = 12;
+  static constexpr double most_beyond = 24;
   void take_triangles(const Surroundings& now);
   void find_stiffness(const Surroundings& now);
   void find_quartile();

@@ -18,7 +18,8 @@ constexpr double just_behind = 1e-12;
 
 // ---- Where the two overlap
 
-// The face of the boundary that is nearest at rest to a point of a tetrahedron, of those that it lies behind; −1: none.
+// The face of the boundary that is nearest at rest to a point of a tetrahedron, of those that it lies behind;
+// −1: none.
 int SelfContact::face_at(const Layer& layer, const Vec3d& rest) const {
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();
@@ -49,8 +50,8 @@ auto SelfContact::inverse(const At& at, int unique) -> const Inverse& {
   return own;
 }
 
-// The first of the candidate's tetrahedra that a point is in, and its barycentric coordinates there; −1: none. The
-// one that it was in last is tried before, and is the only one but where the point is on a face.
+// The first of the candidate's tetrahedra that a point is in, and its barycentric coordinates there; −1:
+// none. The one that it was in last is tried before, and is the only one but where the point is on a face.
 int SelfContact::find_tet(const At& at, const Candidate& own, const Vec3d& x, int last, Eigen::Vector4d& b) {
   const auto is_in = [&](int i, double least) {
     const Inverse& now = inverse(at, unique_of_[std::size_t(i)]);

@@ -1,19 +1,19 @@
 // A body against itself: organ against organ, the lips of a cut, pieces that have fallen.
 //
-// A point x_q of a surface triangle that lies in a tetrahedron of the boundary layer, at the barycentric coordinates b,
-// was at rest at X = Σ b_i X_i: there the face of the boundary that it has come through is the nearest one, however deep
-// the two overlap now. With that face where it is now, of normal n and corners x_j,
+// A point x_q of a surface triangle that lies in a tetrahedron of the boundary layer, at the barycentric
+// coordinates b, was at rest at X = Σ b_i X_i: there the face of the boundary that it has come through is the
+// nearest one, however deep the two overlap now. With that face where it is now, of normal n and corners x_j,
 //   g = n·(x_q − x_1),  p = κ ⟨−g⟩,  f_q = A_q p n,  f_j = −w_j f_q,
-// w the barycentric coordinates of the foot of x_q in the face's plane: minus the gradient of ½ κ A_q ⟨−g⟩², so that
-// momentum and angular momentum are kept, and energy but for where another face becomes the nearest. A slit,
-// whose lips lie on each other, has no force until they overlap. Both sides are asked; κ is half of
+// w the barycentric coordinates of the foot of x_q in the face's plane: minus the gradient of ½ κ A_q ⟨−g⟩²,
+// so that momentum and angular momentum are kept, and energy but for where another face becomes the nearest.
+// A slit, whose lips lie on each other, has no force until they overlap. Both sides are asked; κ is half of
 // κ_q κ_f/(κ_q + κ_f), so that both together give no vertex more than it may have (contact_surface.h).
 //
-// A triangle may touch a tetrahedron that has a vertex of it or of its neighbours only where that lies in front of it at
-// rest: across a slit or a fold. What lies behind it, its own side, cannot be where it is.
+// A triangle may touch a tetrahedron that has a vertex of it or of its neighbours only where that lies in
+// front of it at rest: across a slit or a fold. What lies behind it, its own side, cannot be where it is.
 //
-// Friction is Coulomb's, with a spring per point whose length ξ grows by what the two slide past each other. It acts
-// on the tetrahedron at the very place of x_q, by −b_i f_t on its corners.
+// Friction is Coulomb's, with a spring per point whose length ξ grows by what the two slide past each other.
+// It acts on the tetrahedron at the very place of x_q, by −b_i f_t on its corners.
 #pragma once
 
 #include <limits>
@@ -47,7 +47,8 @@ class SelfContact {
   const std::vector<Index>& vertices() const { return vertices_; }  // of the mesh, that candidates have
   bool has_friction() const { return friction_ > 0; }
 
-  // ---- Forces. x, v, f: one column for each of points(); of_mesh, v_of_mesh, f_of_mesh: for each of vertices().
+  // ---- Forces. x, v, f: one column for each of points(); of_mesh, v_of_mesh, f_of_mesh: for each of
+  // vertices().
 
   struct At {
     const ContactSurface& surface;

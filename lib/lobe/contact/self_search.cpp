@@ -83,9 +83,9 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   stamp_of_layer_.assign(layers_.size(), -1);
 }
 
-// Of the triangles around its corners, but for those that it is in front of, and those that are farther from all of it
-// than another is. The distance to a triangle is a convex function, and no larger in the tetrahedron than at one of its
-// corners. The nearest come first.
+// Of the triangles around its corners, but for those that it is in front of, and those that are farther from
+// all of it than another is. The distance to a triangle is a convex function, and no larger in the
+// tetrahedron than at one of its corners. The nearest come first.
 void SelfContact::find_faces(Layer& layer) {
   std::vector<int> around;
   for (Index v : layer.corners)

@@ -2,15 +2,16 @@
 //
 //   g = φ(x_q),  p = κ ⟨−g⟩ + δ κ ⟨−v_n⟩ where g < 0,  f_i += A_q w_qi p ∇φ,  W = Σ ½ κ A_q ⟨−g⟩²
 //
-// with φ the signed distance to the tool, x_q = Σ w_qi x_i the q-th of the n² points of a triangle, A_q the share of
-// its area at rest, v_n the speed along ∇φ against the tool's. Since the points stay where they are in their
-// triangles, W is a potential of the vertices' positions: energy is kept, and the force is continuous while the tool
-// slides. Beyond a depth of `deepest` the pressure grows no more. n is such that points are no further apart
-// than half of the tool's radius.
+// with φ the signed distance to the tool, x_q = Σ w_qi x_i the q-th of the n² points of a triangle, A_q the
+// share of its area at rest, v_n the speed along ∇φ against the tool's. Since the points stay where they are
+// in their triangles, W is a potential of the vertices' positions: energy is kept, and the force is
+// continuous while the tool slides. Beyond a depth of `deepest` the pressure grows no more. n is such that
+// points are no further apart than half of the tool's radius.
 //
 // Friction is Coulomb's with Cundall's springs: each point that touches has an anchor on the tool,
 //   f_t = −k_t A_q ξ,  k_t = κ/2,  |f_t| ≤ μ p A_q,
-// ξ the part of its way from the anchor that is tangential; where the bound is exceeded the anchor slides after it.
+// ξ the part of its way from the anchor that is tangential; where the bound is exceeded the anchor slides
+// after it.
 #pragma once
 
 #include "lobe/contact/anchors.h"
@@ -77,8 +78,8 @@ class ToolContact {
     });
   }
 
-  // visit(triangle of the surface) of what it may reach until a time, as things are now; one column of x for each of
-  // points(). That does not depend on when it was searched.
+  // visit(triangle of the surface) of what it may reach until a time, as things are now; one column of x for
+  // each of points(). That does not depend on when it was searched.
   template <class Visit>
   void visit_close(const Mat3X<double>& x, double time, double until, Visit&& visit) const {
     const RigidMotion now = motion_at(path_, time);

@@ -65,7 +65,7 @@ double timed_us(const std::function<void()>& work) {
 // The same frames by a session and by a world alone, turn and turn about in blocks of as many frames as there
 // are between two states to go back to; medians over the blocks.
 void time_frames(const Setup& setup, LiveRow& row) {
-  constexpr int block = 120;
+  constexpr int block = 60;
   Session<float> session(setup);
   Controller hand = session.connect("mouse");
   World<float> world(setup);

@@ -37,7 +37,7 @@ struct SessionOptions {
   bool paced = true;         // false: as fast as it can
   bool running = true;       // false: it begins paused
   std::uint32_t queue = 1024;           // hand commands that wait for a frame
-  double back_every = 1;                // between two states that can be gone back to [s]
+  double back_every = 0.5;              // between two states that can be gone back to [s]
   std::size_t back_memory = 64u << 20;  // of these states [bytes]
   double patience = 0;                  // whoever has not sent anything for longer is gone [s]; 0: never
   HandLimits hand = {};

@@ -129,7 +129,7 @@ def test_a_mesh_of_another_format_is_read_by_rank_0_and_said_so(tmp_path):
         ({"boundary": [{"fix": True, "where": {"vertices": [0]}}]}, "a piece of 2103 tetrahedra is not held"),
         ({"materials": [{"lame_lambda": 1e4, "lame_mu": 1e4, "density": 1e3, "nodal_pressure": 1}]}, "/materials/0/nodal_pressure: is not available with --solver petsc"),
         ({"materials": [{"lame_lambda": 1e4, "lame_mu": 1e4, "density": 1e3, "where": {"tetrahedra": [0, 1]}}]}, "/materials: 2101 tetrahedra have no material (the first: 2)"),
-        ({"unknown": 1}, "unknown"),
+        ({"unknown": 1}, 'unknown key "unknown"'),
     ],
 )
 def test_bad_input_is_told_once_and_leaves_nothing(tmp_path, change, message):

@@ -201,10 +201,10 @@ PetscErrorCode Solver::converged(SNES, PetscInt iteration, PetscReal, PetscReal,
   });
 }
 
-// Halves the step until it inverts nothing and the potential falls, or the residual, where rounding hides that.
-// Sets state_ to that of the trial. Coarse levels of multigrid know nothing of single given components, which an
-// iterative solution therefore leaves at zero only to its tolerance: they are cleared, or the body would creep away
-// from where it is held.
+// Halves the step until it inverts nothing and the potential falls, or the residual, where rounding hides
+// that. Sets state_ to that of the trial. Coarse levels of multigrid know nothing of single given components,
+// which an iterative solution therefore leaves at zero only to its tolerance: they are cleared, or the body
+// would creep away from where it is held.
 const char* Solver::search(Vec u, Vec direction, Vec forces, Vec trial, Vec trial_forces, double& length) {
   const State before = state_;
   PetscScalar slope = 0;

@@ -72,7 +72,8 @@ petsc::Solution in_parts(const Setup& setup, const petsc::Part& part, petsc::Met
   return solution;
 }
 
-// Returns the displacement by the serial solver; rest for what is too large to be solved twice on each number of ranks.
+// Returns the displacement by the serial solver; rest for what is too large to be solved on each number of
+// ranks.
 Mat3X<double> compare(const Setup& setup, petsc::Method method, Compared& compared) {
   if (setup.mesh.tet_count() > 4000) {
     ++compared.too_large;

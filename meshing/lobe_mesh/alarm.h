@@ -42,8 +42,9 @@ class Alarm {
   void check() const {
     if (!ringing_ && seconds_left() > 0) return;
     if (!reason_.empty())
-      throw MeshingFailure("the mesher cgal " + reason_ +
-                           ": use another --edge, or for surfaces --feature-angle 180, --mesher tetgen or --repair wrap");
+      throw MeshingFailure(
+          "the mesher cgal " + reason_ +
+          ": use another --edge, or for surfaces --feature-angle 180, --mesher tetgen or --repair wrap");
     throw MeshingFailure("the mesher cgal did not finish within the time limit of " + rounded(limit_) +
                          " s: choose a longer edge or --time-limit");
   }

@@ -15,11 +15,11 @@ namespace lobe::meshing {
 namespace {
 
 constexpr int most_rounds = 40;
-constexpr double least_gain = 0.01;      // of a round: less ends the relaxation
-constexpr double flattest = 1e-3;        // smallest volume of a tetrahedron, of the regular one
-constexpr double first_step = 0.12;      // of an edge
-constexpr int step_sizes = 4;            // each half as long as the one before
-constexpr double frequency_weight = 4;   // of a vertex against a dihedral angle
+constexpr double least_gain = 0.01;     // of a round: less ends the relaxation
+constexpr double flattest = 1e-3;       // smallest volume of a tetrahedron, of the regular one
+constexpr double first_step = 0.12;     // of an edge
+constexpr int step_sizes = 4;           // each half as long as the one before
+constexpr double frequency_weight = 4;  // of a vertex against a dihedral angle
 
 double shortfall(double value, double goal) {
   const double ratio = goal / value - 1;

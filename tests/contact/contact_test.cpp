@@ -85,7 +85,8 @@ double of_a_layer() {
 
 TEST_CASE("a sphere that is pressed on a half space feels Hertz' force") {
   const double coarse = press_half_space(10), middle = press_half_space(14), fine = press_half_space(20);
-  MESSAGE("force over Hertz': " << coarse << ", " << middle << ", " << fine << "; of a layer " << of_a_layer());
+  MESSAGE("force over Hertz': " << coarse << ", " << middle << ", " << fine << "; of a layer "
+                                << of_a_layer());
   CHECK(fine == near(1, 0.05));
   CHECK(fine == near(of_a_layer(), 0.015));
   CHECK(std::abs(fine - of_a_layer()) < std::abs(middle - of_a_layer()));

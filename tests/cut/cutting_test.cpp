@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -94,7 +95,7 @@ PieceSets parts_of(const std::vector<std::vector<Index>>& before,
   return parts;
 }
 
-// The rule for loose pieces as it reads, over all pieces after every cut.
+// The rules for loose pieces and for those that will turn, as they read, over all pieces after every cut.
 class LooseByTheRule {
  public:
   explicit LooseByTheRule(World<double>& world) : body_of_(world.elements().region_of.size(), -1) {
@@ -115,21 +116,37 @@ class LooseByTheRule {
       });
       const bool stays = body < 0 || held || (!was_held_[body] && piece.size() == largest[body]);
       if (!stays) loose_.insert(piece.begin(), piece.end());
+      if (held && !is_fixed(world, piece)) turning_.insert(piece.begin(), piece.end());
       for (Index t : piece) body_of_[t] = int(was_held_.size());
       was_held_.push_back(stays && (body < 0 ? held : was_held_[body]));
     }
     return loose_;
   }
+  // Tetrahedra of pieces that have hung by one vertex, or by several in a line.
+  const std::set<Index>& turning() const { return turning_; }
 
  private:
+  static bool is_fixed(const World<double>& world, const std::vector<Index>& piece) {
+    std::set<Index> held;
+    for (Index t : piece)
+      for (Index v : world.elements().topology.corners(t))
+        if (world.held().holds(v)) held.insert(v);
+    Mat3X<double> X(3, Index(held.size()));
+    Index k = 0;
+    for (Index v : held) X.col(k++) = world.elements().points.col(v);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(X.colwise() - X.rowwise().mean());
+    return svd.singularValues().size() > 1 && svd.singularValues()[1] > 1e-6 * svd.singularValues()[0];
+  }
+
   std::vector<int> body_of_;
   std::vector<bool> was_held_;
-  std::set<Index> loose_;
+  std::set<Index> loose_, turning_;
 };
 
 }  // namespace
 
-TEST_CASE("what comes loose is found from the cut as by the rule over all pieces") {
+TEST_CASE(
+    "what comes loose is found from the cut as by the rule over all pieces, and nothing turns but what may") {
   const TetMesh mesh = irregular_box(4);
   for (bool held : {true, false})
     for (std::size_t batch : {1, 9}) {
@@ -141,16 +158,23 @@ TEST_CASE("what comes loose is found from the cut as by the rule over all pieces
       std::vector<Index> order(std::size_t(mesh.tet_count()));
       std::iota(order.begin(), order.end(), 0);
       std::shuffle(order.begin(), order.end(), std::mt19937(3));
-      std::size_t loose_count = 0;
+      std::size_t loose_count = 0, turned_count = 0;
       for (std::size_t i = 0; i < order.size(); i += batch) {
         world.remove_tets({order.begin() + long(i), order.begin() + long(std::min(order.size(), i + batch))});
         const std::set<Index>& loose = rule.judge(world);
         loose_count = loose.size();
         for (Index t = 0; t < mesh.tet_count(); ++t)
-          if (world.elements().topology.alive(t))
-            CHECK((world.elements().region_of[t] == RegionModel::nonlinear) == (loose.count(t) > 0));
+          if (world.elements().topology.alive(t)) {
+            const bool is_nonlinear = world.elements().region_of[t] == RegionModel::nonlinear;
+            if (loose.count(t) > 0) CHECK(is_nonlinear);
+            if (is_nonlinear && loose.count(t) == 0) {
+              CHECK(rule.turning().count(t) > 0);
+              ++turned_count;
+            }
+          }
       }
       CHECK(loose_count > 0);
+      CHECK((turned_count > 0) == held);
     }
 }
 

@@ -126,7 +126,7 @@ void bind_tools(py::module_& module) {
           [](const PyGrasp& self) {
             const Grasp& grasp = grasp_of(self);
             if (grasp.path.empty()) throw InputError("position", "is known after the first frame");
-            return copied(Vec3d(grasp.centre + path_at(grasp.path, self.world->time())));
+            return copied(Vec3d(grasp.centre + path_at(grasp.path.recent(), self.world->time())));
           },
           "of its centre [m]; after the first frame")
       .def_property_readonly(

@@ -143,6 +143,8 @@ std::size_t memory_of(const T& x) {
   if constexpr (Fielded<T>) {
     std::apply([&](auto... member) { ((bytes += memory_of(x.*member) - sizeof(x.*member)), ...); },
                T::fields);
+  } else if constexpr (requires { x.own_bytes(); }) {
+    bytes += x.own_bytes();
   } else if constexpr (Converted<T>) {
     bytes += memory_of(x.as_kept());
   } else if constexpr (Dense<T>) {

@@ -15,7 +15,10 @@ void BringCautery::check(Index, const Options&) const {
 }
 
 void Cautery::turn_on(bool on) {
-  if (on && !burns) strokes.emplace_back();
+  if (on && !burns) {
+    if (!strokes.empty()) strokes.back().settle();
+    strokes.emplace_back();
+  }
   burns = on;
 }
 
@@ -24,22 +27,23 @@ void Cautery::begin_frame(double time, double end) {
   const Vec3d from = position;
   position = std::exchange(target, std::nullopt).value_or(from);
   if (!burns) return;
-  std::vector<PathPoint>& stroke = strokes.back();
-  forget_after(time, stroke);
+  GrowingPath& stroke = strokes.back();
+  stroke.forget_after(time);
   if (stroke.empty()) stroke.push_back({start_of_stroke(time), from});
   stroke.push_back({end, position});
 }
 
 std::vector<CauterySetup> Cautery::paths() const {
   std::vector<CauterySetup> paths;
-  for (const std::vector<PathPoint>& stroke : strokes)
-    if (!stroke.empty()) paths.push_back({name, radius, stroke});
+  for (const GrowingPath& stroke : strokes)
+    if (!stroke.empty()) paths.push_back({name, radius, stroke.all()});
   return paths;
 }
 
 void Cautery::add_work(double from, double to, ToolWork& work) const {
-  for (const std::vector<PathPoint>& path : strokes) {
-    if (path.empty()) continue;
+  for (const GrowingPath& stroke : strokes) {
+    if (stroke.empty() || stroke.back().time < from) continue;
+    const std::vector<PathPoint>& path = stroke.recent();
     const double begin = std::max(from, path.front().time), end = std::min(to, path.back().time);
     if (begin > end) continue;
     Vec3d tip = path_at(path, begin);
@@ -52,17 +56,18 @@ void Cautery::add_work(double from, double to, ToolWork& work) const {
 }
 
 std::optional<PlacedTool> Cautery::placed(double time, const HeldPoints&) const {
-  const bool is_on_path = !strokes.empty() && acts_at(time, strokes.back());
+  const bool is_on_path = !strokes.empty() && acts_at(time, strokes.back().recent());
   if ((!is_live || is_away) && !is_on_path) return std::nullopt;
   return PlacedTool{.name = name,
                     .type = Path::type,
-                    .position = is_live ? position : path_at(strokes.back(), time),
+                    .position = is_live ? position : path_at(strokes.back().recent(), time),
                     .shape = shape()};
 }
 
 bool Cautery::fits(Index) const {
   return radius > 0 && position.allFinite() && !(burns && strokes.empty()) &&
-         std::all_of(strokes.begin(), strokes.end(), is_path);
+         std::all_of(strokes.begin(), strokes.end(),
+                     [](const GrowingPath& stroke) { return is_path(stroke.all()); });
 }
 
 }  // namespace lobe

@@ -1,6 +1,7 @@
 // A cautery burns away the tetrahedra that its spherical tip touches.
 #pragma once
 
+#include "lobe/tool/growing_path.h"
 #include "lobe/tool/tool_pose.h"
 
 namespace lobe {
@@ -23,7 +24,7 @@ struct Cautery {
   std::string name;
   double radius = 0;  // of its spherical tip [m]
   // Positions of its tip [m], one list from each switching on to the switching off; the last is the present.
-  std::vector<std::vector<PathPoint>> strokes;
+  std::vector<GrowingPath> strokes;
   bool is_live = false;
   bool burns = false;                // only of live ones
   bool is_away = false;              // of live ones: taken away, and nowhere since

@@ -23,8 +23,9 @@ void TakeHold::check(Index vertex_count, const Options&) const {
 
 // A row says where a tool is from `time` on only if nothing has said so before.
 void Grasp::begin_frame(double time, double end) {
-  if (!is_live || phase == Phase::released) return;
-  forget_after(time, path);
+  if (!is_live) return;
+  if (phase == Phase::released) return path.settle();
+  path.forget_after(time);
   if (path.empty()) path.push_back({time, Vec3d::Zero()});
   if ((target || release) && path.back().time < time - just_before)
     path.push_back({time, path.back().position, path.back().orientation});
@@ -35,7 +36,7 @@ void Grasp::begin_frame(double time, double end) {
 
 std::vector<GraspSetup> Grasp::paths() const {
   if (path.empty()) return {};
-  return {{name, vertices, path, release}};
+  return {{name, vertices, path.all(), release}};
 }
 
 std::optional<PlacedTool> Grasp::placed(double time, const HeldPoints& held) const {
@@ -46,7 +47,7 @@ std::optional<PlacedTool> Grasp::placed(double time, const HeldPoints& held) con
   }
   if (placed.vertices.empty()) return std::nullopt;
   placed.position /= double(placed.vertices.size());
-  placed.orientation = turn_at(path, time);
+  placed.orientation = turn_at(path.recent(), time);
   placed.force = force;
   placed.torque = torque;
   return placed;
@@ -56,7 +57,7 @@ bool Grasp::fits(Index vertex_count) const {
   for (Index v : vertices)
     if (v < 0 || (is_live && v >= vertex_count)) return false;
   if (path.empty() && (!is_live || phase != Phase::waiting)) return false;
-  return is_path(path) && centre.allFinite();
+  return is_path(path.all()) && centre.allFinite();
 }
 
 double Grasp::takes_hold_at() const { return path.empty() ? never : path.front().time; }

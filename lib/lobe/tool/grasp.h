@@ -1,6 +1,7 @@
 // A grasp moves vertices along a path. The path is relative to where it took hold.
 #pragma once
 
+#include "lobe/tool/growing_path.h"
 #include "lobe/tool/tool_pose.h"
 
 namespace lobe {
@@ -21,9 +22,9 @@ struct Grasp {
   ToolId id = 0;
   std::string name;
   std::vector<Index> vertices;
-  std::vector<PathPoint> path;  // of its centre: offsets from where it took hold, and turns since
-  bool release = false;         // after the last row
-  bool is_live = false;         // its path grows
+  GrowingPath path;      // of its centre: offsets from where it took hold, and turns since
+  bool release = false;  // after the last row
+  bool is_live = false;  // its path grows
   Phase phase = Phase::waiting;
   Vec3d centre = Vec3d::Zero();         // mean of its vertices where it took hold [m]
   std::optional<ToolPose> target = {};  // at the end of the next frame

@@ -47,8 +47,9 @@ double Probe::goes() const {
 
 // A row says where it is from `time` on only if nothing has said so before.
 void Probe::begin_frame(double time, double end) {
-  if (!is_live || is_away) return;
-  forget_after(time, path);
+  if (!is_live) return;
+  if (is_away) return path.settle();
+  path.forget_after(time);
   is_away = release;
   if (is_away && path.empty()) return;
   if (path.empty()) path.push_back({time, pose.position, pose.orientation, pose.opening.value_or(0)});
@@ -73,14 +74,15 @@ double Probe::next_opening(const PathPoint& from, double duration) const {
 
 std::vector<ProbeSetup> Probe::paths() const {
   if (path.empty()) return {};
-  return {{name, shape_of_tip, friction, path, release}};
+  return {{name, shape_of_tip, friction, path.all(), release}};
 }
 
 void Probe::append_bodies(double from, double to, std::vector<ToolBody>& bodies) const {
   if (path.empty() || path.front().time > to || goes() < from) return;
-  auto first = after(path, from), last = after(path, to);
-  if (first != path.begin()) --first;
-  if (last != path.end()) ++last;
+  const std::vector<PathPoint>& rows = path.recent();
+  auto first = after(rows, from), last = after(rows, to);
+  if (first != rows.begin()) --first;
+  if (last != rows.end()) ++last;
   bodies.push_back({id, &shape_of_tip, friction, path.front().time, goes(), {first, last}});
 }
 
@@ -89,10 +91,10 @@ std::optional<PlacedTool> Probe::placed(double time, const HeldPoints&) const {
   const bool is_there =
       !path.empty() && time >= path.front().time - just_before && time < goes() - just_before;
   if (!was_just_brought && !is_there) return std::nullopt;
-  const ToolPose now = path.empty() ? pose : ToolPose{path_at(path, time), turn_at(path, time)};
+  const ToolPose now = path.empty() ? pose : ToolPose{path_at(path.recent(), time), turn_at(path.recent(), time)};
   ToolShape drawn = shape();
   drawn.blade = Eigen::Quaterniond(now.orientation) * drawn.blade;
-  drawn.opening = path.empty() ? pose.opening.value_or(0) : opening_at(path, time);
+  drawn.opening = path.empty() ? pose.opening.value_or(0) : opening_at(path.recent(), time);
   return PlacedTool{.name = name,
                     .type = Path::type,
                     .position = now.position,
@@ -106,7 +108,7 @@ bool Probe::fits(Index) const {
   bool is_whole = true;
   const Expect expect = [&](bool is_met, const std::string&) { is_whole = is_whole && is_met; };
   shape_of_tip.check(expect, "");
-  return is_whole && std::isfinite(friction) && friction >= 0 && is_path(path) &&
+  return is_whole && std::isfinite(friction) && friction >= 0 && is_path(path.all()) &&
          (is_live || !path.empty()) && pose.position.allFinite() && std::isfinite(grip) &&
          force.allFinite() && torque.allFinite();
 }

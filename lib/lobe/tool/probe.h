@@ -2,6 +2,7 @@
 // it: turned on, jaws of hands close until they feel most_grip or meet, turned off they open as they came.
 #pragma once
 
+#include "lobe/tool/growing_path.h"
 #include "lobe/tool/tool_body.h"
 #include "lobe/tool/tool_pose.h"
 
@@ -29,7 +30,7 @@ struct Probe {
   std::string name;
   RigidShape shape_of_tip;
   double friction = default_friction;
-  std::vector<PathPoint> path;          // positions and orientations
+  GrowingPath path;                     // positions and orientations
   bool release = false;                 // it is taken away after the last row
   bool is_live = false;                 // its path grows
   bool is_away = false;                 // of live ones: taken away, and nowhere since

@@ -144,8 +144,8 @@ void Tools::place(double time) {
   for (const Grasp& grasp : lists_.grasps) {
     if (grasp.phase != Grasp::Phase::holding) continue;
     Placed& placed = placed_[std::size_t(grasp.id)];
-    placed.offset = path_at(grasp.path, now);
-    const Eigen::Vector4d turn = turn_at(grasp.path, now);
+    placed.offset = path_at(grasp.path.recent(), now);
+    const Eigen::Vector4d turn = turn_at(grasp.path.recent(), now);
     placed.is_turned = turn != Eigen::Vector4d(0, 0, 0, 1);
     if (placed.is_turned) placed.turn = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
   }

@@ -35,16 +35,19 @@ void Haptics<Real>::change_hands(std::optional<int> controller) {
         typename HapticHand<Real>::Settings{.controller = *controller, .hand = hand_of_page});
 }
 
-// Poses of the page's first hand go to the device, which the tool follows.
+// Poses of the page's first hand go to the device, which the tool follows. What is taken up next is somewhere
+// else: until the page leads it, the device stays with it (HapticDevice::begin_at()).
 template <class Real>
 bool Haptics<Real>::takes(const HandCommand& command) {
   if (other_ || command.hand != hand_of_page) return false;
+  const auto aim = [&](const std::optional<Vec3d>& target) {
+    if (mouse_) mouse_->aim(target);
+    if (simulated_) simulated_->aim(target);
+  };
   if (command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point || command.kind == Kind::bring)
-    jumps_ = true;
+    aim(std::nullopt);
   if (command.kind != Kind::lead) return false;
-  const bool jumps = std::exchange(jumps_, false);
-  if (mouse_) mouse_->aim(command.position, jumps);
-  if (simulated_) simulated_->aim(command.position, jumps);
+  aim(command.position);
   return true;
 }
 

@@ -44,7 +44,6 @@ class Haptics {
   std::unique_ptr<HapticDevice> other_;
   std::unique_ptr<HapticHand<Real>> hand_;
   std::unique_ptr<HapticLoop> loop_;
-  bool jumps_ = false;  // the pointer, with the next pose: it has taken hold of something else
 };
 
 extern template class Haptics<float>;

@@ -4,11 +4,24 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "near.h"
 
 using namespace lobe;
 using namespace lobe::test;
+
+namespace {
+
+template <class Device>
+std::unique_ptr<Device> aimed_by_pointer() {
+  if constexpr (std::is_same_v<Device, SimulatedHand>)
+    return std::make_unique<Device>(SimulatedHand::Body{}, nullptr);
+  else
+    return std::make_unique<Device>();
+}
+
+}  // namespace
 
 TEST_CASE("a simulated hand is a mass on springs: it hangs by its weight, and swings as it must") {
   const SimulatedHand::Body body{.mass = 0.1, .damping = 0, .grip = 300, .grip_damping = 0};
@@ -41,10 +54,10 @@ TEST_CASE("a mouse is no device until it has been aimed, then follows smoothly, 
   MouseDevice mouse;
   DeviceState state;
   CHECK_FALSE(mouse.read(state));
-  mouse.aim({0.1, 0, 0});
+  mouse.aim(Vec3d(0.1, 0, 0));
   REQUIRE(mouse.read(state));
   CHECK(state.position.isApprox(Vec3d(0.1, 0, 0)));
-  mouse.aim({0.2, 0, 0});
+  mouse.aim(Vec3d(0.2, 0, 0));
   double before = state.position.x();
   for (int i = 0; i < 500; ++i) {
     REQUIRE(mouse.read(state));
@@ -53,6 +66,37 @@ TEST_CASE("a mouse is no device until it has been aimed, then follows smoothly, 
     before = state.position.x();
   }
   CHECK(before == near(0.2, 1e-4));
+}
+
+TEST_CASE_TEMPLATE("a pointer is where a tool is taken up, and goes from there to where it is aimed next", Device,
+                   MouseDevice, SimulatedHand) {
+  const Vec3d tool(0.3, 0, 0), old(-0.2, 0, 0), next(0.31, 0, 0);
+  for (const bool aims_before : {false, true}) {
+    const auto device = aimed_by_pointer<Device>();
+    DeviceState state;
+    const auto pass = [&](int ticks) {
+      for (int i = 0; i < ticks; ++i) REQUIRE(device->read(state));
+    };
+    device->aim(old);
+    pass(10);
+    device->aim(std::nullopt);
+    if (aims_before) device->aim(next);
+    device->begin_at(tool);
+    pass(1);
+    CHECK((state.position - tool).norm() < 1e-4);
+    CHECK(state.velocity.norm() < 0.05);
+    pass(600);
+    CHECK(state.position.isApprox(aims_before ? next : tool, 1e-3));
+    device->aim(next);
+    pass(600);
+    CHECK(state.position.isApprox(next, 1e-3));
+  }
+  const auto fresh = aimed_by_pointer<Device>();
+  DeviceState state;
+  CHECK_FALSE(fresh->read(state));
+  fresh->begin_at(tool);
+  REQUIRE(fresh->read(state));
+  CHECK(state.position.isApprox(tool, 1e-4));
 }
 
 TEST_CASE("an external loop asks for its force whenever it likes") {

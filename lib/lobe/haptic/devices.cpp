@@ -7,14 +7,19 @@ namespace lobe {
 bool MouseDevice::read(DeviceState& state) noexcept {
   constexpr HandLimits limits{.lag = 0.04, .top_speed = 0.5, .top_turn = 10, .force_cap = 1};
   const PointerTarget::At target = target_.read();
-  if (target.jumps == 0) return false;
-  if (std::exchange(jumps_, target.jumps) != target.jumps) follower_ = Follower(target.point);
+  if (!is_there_ && !target) return false;
+  if (!std::exchange(is_there_, true)) follower_ = Follower(*target);
   const Vec3d before = follower_.pose().position;
-  follower_.aim({target.point});
-  follower_.step(tick_, limits);
+  if (target) follower_.aim({*target});
+  if (!std::exchange(begins_, false)) follower_.step(tick_, limits);
   state.position = follower_.pose().position;
   state.velocity = (state.position - before) / tick_;
   return true;
+}
+
+void MouseDevice::begin_at(const Vec3d& tool) noexcept {
+  follower_ = Follower(tool);
+  is_there_ = begins_ = true;
 }
 
 SimulatedHand::SimulatedHand(const Body& body, Path path, double tick)
@@ -22,18 +27,22 @@ SimulatedHand::SimulatedHand(const Body& body, Path path, double tick)
 
 bool SimulatedHand::read(DeviceState& state) noexcept {
   constexpr int parts = 20;
-  const PointerTarget::At target = path_ ? PointerTarget::At{path_(time_), 1} : target_.read();
-  if (target.jumps == 0) return false;
-  goal_ = target.point;
-  if (std::exchange(jumps_, target.jumps) != target.jumps) {
-    position_ = goal_;
-    velocity_.setZero();
-  }
+  const PointerTarget::At target = path_ ? path_(time_) : target_.read();
+  if (!is_there_ && !target) return false;
+  if (target) goal_ = *target;
+  if (!std::exchange(is_there_, true)) position_ = goal_;
   for (int i = 0; i < parts; ++i) move(tick_ / parts);
   if (!is_plugged_) return false;
   state.position = position_;
   state.velocity = velocity_;
   return true;
+}
+
+void SimulatedHand::begin_at(const Vec3d& tool) noexcept {
+  if (path_) return;
+  position_ = goal_ = tool;
+  velocity_.setZero();
+  is_there_ = true;
 }
 
 // The spring of the hand pulls by its position, the dampers by their velocities, the force of the device is

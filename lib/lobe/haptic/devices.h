@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "lobe/haptic/link.h"
@@ -13,14 +14,10 @@ namespace lobe {
 // Where a pointer is, for a device in another thread.
 class PointerTarget {
  public:
-  struct At {
-    Vec3d point = Vec3d::Zero();  // [m]
-    std::uint32_t jumps = 0;      // so far: the device is there at once after one
-  };
-  void aim(const Vec3d& target, bool jumps) {  // one thread
-    jumps_ += jumps || jumps_ == 0;
+  using At = std::optional<Vec3d>;  // [m]; none: it aims at nothing
+  void aim(const At& target) {      // one thread
     if (At* at = points_.writable()) {
-      *at = {target, jumps_};
+      *at = target;
       points_.publish();
     }
   }
@@ -30,26 +27,27 @@ class PointerTarget {
   }
 
  private:
-  std::uint32_t jumps_ = 0;
   TripleBuffer<At> points_;
 };
 
 // A mouse in the place of a device: it has no force, which is only shown. Its pointer comes some times a
-// second; the device follows it smoothly.
+// second; the device follows it smoothly, from where the pointer was first or where a tool is taken up.
 class MouseDevice final : public HapticDevice {
  public:
   explicit MouseDevice(double tick = 1e-3) : tick_(tick) {}
-  void aim(const Vec3d& target, bool jumps = false) { target_.aim(target, jumps); }
+  // None: it stays where it is until it is aimed again, as the next tool is somewhere else.
+  void aim(const std::optional<Vec3d>& target) { target_.aim(target); }
 
   std::string name() const override { return "mouse"; }
   DeviceLimits limits() const override { return {.force = 20, .stiffness = 1000, .damping = 0.65}; }
   bool read(DeviceState& state) noexcept override;
+  void begin_at(const Vec3d& tool) noexcept override;
   void write(const Vec3d&, const Vec3d&) noexcept override {}
 
  private:
   const double tick_;
   PointerTarget target_;
-  std::uint32_t jumps_ = 0;
+  bool is_there_ = false, begins_ = false;
   Follower follower_;
 };
 
@@ -67,12 +65,13 @@ class SimulatedHand final : public HapticDevice {
 
   // On a path of its own, or, without one, after aim().
   SimulatedHand(const Body& body, Path path, double tick = 1e-3);
-  void aim(const Vec3d& target, bool jumps = false) { target_.aim(target, jumps); }
+  void aim(const std::optional<Vec3d>& target) { target_.aim(target); }  // as a MouseDevice
   void unplug(bool unplugged) { is_plugged_ = !unplugged; }
 
   std::string name() const override { return "hand"; }
   DeviceLimits limits() const override { return {.force = 20, .stiffness = 1000, .damping = body_.damping}; }
   bool read(DeviceState& state) noexcept override;
+  void begin_at(const Vec3d& tool) noexcept override;
   void write(const Vec3d& force, const Vec3d&) noexcept override { force_ = force; }
 
   double energy() const;  // kinetic, and of the hand's spring [J]
@@ -85,7 +84,7 @@ class SimulatedHand final : public HapticDevice {
   const double tick_;
   PointerTarget target_;
   std::atomic<bool> is_plugged_ = true;
-  std::uint32_t jumps_ = 0;  // 0: it is nowhere yet
+  bool is_there_ = false;
   double time_ = 0;
   Vec3d goal_ = Vec3d::Zero(), position_ = Vec3d::Zero(), velocity_ = Vec3d::Zero(), force_ = Vec3d::Zero();
 };

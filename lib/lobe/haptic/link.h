@@ -17,8 +17,21 @@ class LinkedServo {
   LinkedServo(HapticLink& link, const DeviceLimits& limits, const ServoOptions& options)
       : link_(link), servo_(limits, options) {}
 
+  // Looks for a new model. Where its tool is, if the next tick takes up another one; else null.
+  const Vec3d* new_tool() {
+    const LocalModel before = model_;
+    if (const auto latest = link_.model.latest()) model_ = *latest;
+    const bool is_new = !before.is_engaged || before.engagement != model_.engagement;
+    return model_.is_engaged && is_new ? &model_.anchor : nullptr;
+  }
+
   const HapticState& tick(const DeviceState* device, double dt) {
     if (const auto latest = link_.model.latest()) model_ = *latest;
+    return tick_with_model(device, dt);
+  }
+
+  // With the model that new_tool() has seen.
+  const HapticState& tick_with_model(const DeviceState* device, double dt) {
     const HapticState& state = servo_.tick(device, model_, dt);
     if (HapticState* shared = link_.state.writable()) {
       *shared = state;

@@ -87,9 +87,10 @@ void HapticLoop::become_real_time() {
 }
 
 void HapticLoop::tick(double dt) {
+  if (const Vec3d* tool = servo_.new_tool()) device_.begin_at(*tool);
   DeviceState device;
   const bool is_there = device_.read(device);
-  const HapticState& state = servo_.tick(is_there ? &device : nullptr, dt);
+  const HapticState& state = servo_.tick_with_model(is_there ? &device : nullptr, dt);
   device_.write(state.force, state.torque);
 }
 

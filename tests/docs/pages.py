@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the pages promise of themselves: short paragraphs, a true table of folders, one glossary, figures with commands.
+"""What the pages promise of themselves: short paragraphs, a true table of folders, one glossary, figures with commands;
+and comments that are not too wide.
 
 pages.py ROOT
 """
@@ -8,6 +9,9 @@ import sys
 from pathlib import Path
 
 LONGEST = 80  # words of a paragraph, a list item or a table's cell
+WIDEST = 110  # columns of a comment
+SOURCES = "benchmarks capi cholmod cmake data docs examples lib meshing petsc pictures python tests view".split()
+MARKS = {".h": "//", ".cpp": "//", ".c": "//", ".js": "//", ".mjs": "//", ".py": "#", ".cmake": "#", ".sh": "#", ".txt": "#"}
 
 
 def documents(root):
@@ -101,10 +105,34 @@ def figures(root):
                     yield f"{page.relative_to(root)}:{i + 1}: no command beside {picture}"
 
 
+def sources(root):
+    yield root / "dev", "#"
+    for file in (file for folder in SOURCES for file in sorted((root / folder).rglob("*"))):
+        is_list = file.suffix != ".txt" or file.name == "CMakeLists.txt"
+        if file.suffix in MARKS and is_list and "third_party" not in file.parts and file.is_file():
+            yield file, MARKS[file.suffix]
+
+
+def has_comment(line, mark):
+    """Whether a line is a comment, or ends with one."""
+    return re.match(rf"\s*{mark}", line) or re.search(rf"\S\s+{mark} (?=[^\"']*$)", line)
+
+
+def wide_comments(root):
+    for file, mark in sources(root):
+        for i, line in enumerate(file.read_text(encoding="utf-8").splitlines()):
+            if len(line) > WIDEST and has_comment(line, mark):
+                yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
+
+
+CHECKS = (long_paragraphs, theory_table, glossary, figures, wide_comments)
+
+
 def main(root):
+    assert has_comment("a = 1;  // b", "//") and has_comment("  # b", "#") and not has_comment('"http://a"', "//")
     assert words("$a b$ c d](e f)") == 3 and anchor("8 A frame, and what") == "8-a-frame-and-what"
     assert expanded("a/{b,c}.*") == ["a/b.*", "a/c.*"]
-    faults = [fault for check in (long_paragraphs, theory_table, glossary, figures) for fault in check(root)]
+    faults = [fault for check in CHECKS for fault in check(root)]
     print("\n".join(faults))
     print(f"{len(faults)} faults")
     return 1 if faults else 0

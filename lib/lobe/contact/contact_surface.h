@@ -45,9 +45,9 @@ class ContactSurface {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Point>& points() const { return points_; }
   double mean_edge() const { return mean_edge_; }  // at rest [m]
-  // Of contact with another part of the body: the same all over, or else blocks that press flat on each other
-  // would have no flat faces. That is what a quarter of the area bears less than, but no more than
-  // `most_beyond` times a triangle's own [Pa/m].
+  // The stiffness of contact between parts of the body [Pa/m]. It is uniform, so that blocks that press flat
+  // on each other keep flat faces. It is the value that a quarter of the area cannot bear, but at most
+  // `most_beyond` times the stiffness of a triangle.
   double self_stiffness(int triangle) const {
     return std::min(quartile_, most_beyond * triangles_[std::size_t(triangle)].stiffness);
   }

@@ -91,7 +91,7 @@ class LinearityWatch {
   std::future<std::unique_ptr<Influence>> next_influence_;
   double influence_due_ = 0;         // [s]
   bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
-  std::vector<double> share_;        // of each zone that is linear, by volume
+  std::vector<double> share_;        // share of each zone's volume that is linear
   bool any_precomputed_ = false;     // tetrahedra
   std::vector<int> calm_;            // looks since each zone could have been linear
   std::vector<double> tet_volume_;   // at rest [m³]

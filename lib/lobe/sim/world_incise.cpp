@@ -108,8 +108,8 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
                                          "below a thousandth of a tetrahedron; nothing to do");
 }
 
-// To edit a condensed region costs milliseconds per tetrahedron: one that can be expanded is, before a blade is
-// there.
+// To edit a condensed region costs milliseconds per tetrahedron: one that can be expanded is, before a blade
+// is there.
 template <class Real>
 void World<Real>::expand_ahead(const BladeMove& move) {
   if (!setup_.expandable || body_.regions.is_expanded() || !body_.regions.any_condensed()) return;

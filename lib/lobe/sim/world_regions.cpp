@@ -1,5 +1,5 @@
-// Regions of a World: tetrahedra that change their model; pre-computed regions that are condensed from scratch,
-// relinearised, and non-linear for a while (theory, section 14).
+// Regions of a World: tetrahedra that change their model; pre-computed regions that are condensed from
+// scratch, relinearised, and non-linear for a while (theory, section 14).
 #include <algorithm>
 
 #include "lobe/condense/anchors.h"
@@ -84,9 +84,9 @@ void World<Real>::perform(const EndRefresh& command) {
   if (is_condensed) forget_former_refreshes();
 }
 
-// A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it was
-// expanded in between: only its tetrahedra and what is held decide. Who held meanwhile stays: without it the
-// interior has other bits. Where it is expanded when the last refresh begins, what came since then stays,
+// A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it
+// was expanded in between: only its tetrahedra and what is held decide. Who held meanwhile stays: without it
+// the interior has other bits. Where it is expanded when the last refresh begins, what came since then stays,
 // since condensing it again asks for a refresh.
 template <class Real>
 void World<Real>::forget_former_refreshes() {

@@ -52,7 +52,8 @@ void SelectiveMass<Real>::follow(const Elements& elements, const std::vector<Ind
   for (Index v : vertices) rows_[std::size_t(v)] = find_row(elements, v, takes_part);
 }
 
-// Of the stiffness (λ + 2μ) ∫∇·∇, made as large as what a vertex feels when it moves while its neighbours are held.
+// Of the stiffness (λ + 2μ) ∫∇·∇, made as large as what a vertex feels when it moves while its neighbours are
+// held.
 template <class Real>
 auto SelectiveMass<Real>::find_row(const Elements& elements, Index vertex,
                                    const std::function<bool(Index)>& takes_part) const -> Row {

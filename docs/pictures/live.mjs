@@ -36,7 +36,8 @@ await page.evaluate(async () => {
   lobe.ask({do: 'restart'});
   stage.look !== 'fine' && stage.setLook('fine');
   stage.setPixelRatio(1, 1);
-  document.getElementById('factor').style.display = 'none'; // which says that it is paused between two pictures
+  // which says that it is paused between two pictures
+  document.getElementById('factor').style.display = 'none';
   stage.draw = () => {
     stage.isOld = false; // only when a picture is taken
   };

@@ -51,7 +51,8 @@ class PrecomputedRegion {
   void begin_renewal(const Elements& elements, const Mat3X<double>& about) {
     begin_refresh(elements, Linearisation{about});
   }
-  // Waits for the other thread and uses its result. A refresh changes nothing but rounding. False if there is
+  // Waits for the other thread and uses its result. Condensing from scratch changes nothing but rounding.
+  // False if there is
   // no result, and then all stays as it is: the tangent at the new state is not positive definite, or the
   // region was followed lazily meanwhile.
   bool end_refresh(const Elements& elements);

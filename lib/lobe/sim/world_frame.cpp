@@ -230,7 +230,7 @@ void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& s
   for (const auto& term : body_.terms) term->take_back_steps();
 }
 
-// The result of a refresh is taken when it is due, on a slow machine by waiting for it, so that a run is the
+// The result of condensing is taken when it is due, on a slow machine by waiting for it, so that a run is the
 // same to the bit on every one.
 template <class Real>
 void World<Real>::refresh_condensed() {

@@ -86,8 +86,8 @@ void World<Real>::perform(const EndRefresh& command) {
 
 // A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it
 // was expanded in between: only its tetrahedra and what is held decide. Who held meanwhile stays: without it
-// the interior has other bits. Where it is expanded when the last refresh begins, what came since then stays,
-// since condensing it again asks for a refresh.
+// the interior has other bits. If it was expanded when condensing from scratch last began, later edits stay
+// in the list, since condensing it again needs another pass.
 template <class Real>
 void World<Real>::forget_former_refreshes() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) {

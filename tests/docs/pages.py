@@ -95,6 +95,15 @@ def glossary(root):
             yield f'glossary: "{word}" is "{listed.get(word)}" in docs/README.md, "{defined.get(word)}" in lobe.h'
 
 
+def list_of_folders(root):
+    """The umbrella header names every folder."""
+    header = (root / "lib" / "lobe" / "lobe.h").read_text(encoding="utf-8")
+    named = set(re.findall(r"^//   (\w+)/ ", header, re.M))
+    there = {folder.name for folder in (root / "lib" / "lobe").iterdir() if list(folder.glob("*.h"))}
+    for name in sorted(named ^ there):
+        yield f"lobe.h: {name}/ is " + ("not in the list of folders" if name in there else "listed, but not there")
+
+
 def figures(root):
     """Every figure says in the text below it which command makes it."""
     for page in documents(root):
@@ -125,7 +134,7 @@ def wide_comments(root):
                 yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
 
 
-CHECKS = (long_paragraphs, theory_table, glossary, figures, wide_comments)
+CHECKS = (long_paragraphs, theory_table, glossary, list_of_folders, figures, wide_comments)
 
 
 def main(root):

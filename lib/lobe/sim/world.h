@@ -4,6 +4,9 @@
 // implicit scheme is there as a reference and for stiff scenes. Regions of different models share vertices.
 // A frame costs O(#tetrahedra) per step; an edit costs O(its size).
 //
+// Real is float, or double for references. One thread calls a world; other threads read its snapshots().
+// lobe/lobe.h explains the words: condensed, tangle, grain …
+//
 //   World<float> world(setup);
 //   for (int frame = 0; frame < 60; ++frame) world.advance(1.0 / 30);
 #pragma once

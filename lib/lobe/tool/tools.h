@@ -1,5 +1,5 @@
-// All tools of a world. Those of a scene follow their paths. Others are made, moved and taken away while the
-// world runs.
+// All tools of a world. Tools of a scene follow their paths. Others are added, moved and taken away while the
+// world runs: by commands (tool_lists.h), which an application gives to World::apply().
 #pragma once
 
 #include "lobe/tool/tool_lists.h"

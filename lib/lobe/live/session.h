@@ -42,7 +42,7 @@ struct SessionOptions {
   double patience = 0;                  // a controller that is silent for longer is gone [s]; 0: never
   HandLimits hand = {};
   CondensingLog::Progress condensing = {};  // while pre-computed regions are condensed
-  std::function<void()> published = {};  // called after each picture; must not wait
+  std::function<void()> published = {};     // called after each picture; must not wait
 };
 
 // A controller is a person or program that has hands. When it is destroyed its hands let go. The session must

@@ -104,7 +104,7 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
   }
   if (crumbs > 0)
     notice(Condition::Kind::scalpel, std::to_string(crumbs) +
-                                         " crumbs were left hanging by a face each: they are "
+                                         " crumbs stay attached by a face each, since they are "
                                          "below a thousandth of a tetrahedron; nothing to do");
 }
 

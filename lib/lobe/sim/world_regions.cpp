@@ -107,7 +107,8 @@ void World<Real>::forget_former_refreshes() {
 
 template <class Real>
 void World<Real>::perform(const Renew& command) {
-  if (!(command.delay > 0)) throw InputError("region", "the delay of its renewal must be above 0 s");
+  if (!(command.delay > 0))
+    throw InputError("region", "the delay until it is relinearised must be above 0 s");
   if (body_.regions.is_refreshing() || !body_.regions.any_condensed()) return;
   const Mat3X<double> u = displacements().template cast<double>();
   perform(BeginRefresh{time() + command.delay,
@@ -129,7 +130,7 @@ void World<Real>::perform(const Condense& command) {
   if (!body_.regions.is_expanded()) return;
   if (!body_.regions.can_condense())
     throw InputError("region",
-                     "it was edited while it was expanded, and must be renewed before it is condensed");
+                     "it was edited while it was expanded, and must be relinearised before it is condensed");
   catch_up();
   set_expanded(false);
   journal_.edits.push_back(command);

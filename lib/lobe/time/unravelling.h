@@ -22,8 +22,8 @@ class Unravelling {
 
   struct State {              // part of a checkpoint
     std::vector<Index> tets;  // tensor-mass for now, sorted; none: nothing is being unravelled
-    int stage = 0;  // stages tried since a tool last moved the body or its state was set, up to `stages`
-    double since = 0;        // when the present stage, or the tangle, began [s]
+    int stage = 0;     // stages tried since a tool last moved the body or its state was set, up to `stages`
+    double since = 0;  // when the present stage, or the tangle, began [s]
     bool is_lumped = false;  // selective masses wait until nothing is crushed
 
     bool is_valid() const { return stage >= 0 && stage <= stages && std::isfinite(since); }

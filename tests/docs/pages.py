@@ -104,14 +104,29 @@ def list_of_folders(root):
         yield f"lobe.h: {name}/ is " + ("not in the list of folders" if name in there else "listed, but not there")
 
 
+def makes(root, command, picture):
+    """Whether a command exists that can make a picture: of ./dev, an example or a benchmark."""
+    words = command.split()
+    if words[0] == "./dev":
+        scripts = [*(root / "docs" / "pictures").glob("*.gp"), *(root / "benchmarks" / "results").glob("*.gp")]
+        draws = words[1] != "plots" or any(Path(output).name == Path(picture).name for script in scripts for output in
+                                           re.findall(r"set output '([^']*)'", script.read_text(encoding="utf-8")))
+        return draws and f"  {words[1]})" in (root / "dev").read_text(encoding="utf-8")
+    if words[0].startswith("build/bin/"):
+        return (root / "examples" / f"{Path(words[0]).name}.cpp").exists()
+    return " ".join(words[:3]) in (root / "docs" / "commands.md").read_text(encoding="utf-8")
+
+
 def figures(root):
     """Every figure says in the text below it which command makes it."""
     for page in documents(root):
         lines = page.read_text(encoding="utf-8").splitlines()
         for i, line in enumerate(lines):
             for picture in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", line):
-                if "Made by `" not in "\n".join(lines[i:i + 8]):
-                    yield f"{page.relative_to(root)}:{i + 1}: no command beside {picture}"
+                made = re.search(r"Made by `([^`]*)`", "\n".join(lines[i:i + 8]))
+                if not made or not makes(root, made[1], picture):
+                    yield f"{page.relative_to(root)}:{i + 1}: " + (
+                        f"`{made[1]}` cannot make {picture}" if made else f"no command beside {picture}")
 
 
 def sources(root):

@@ -139,7 +139,9 @@ def sources(root):
 
 def has_comment(line, mark):
     """Whether a line is a comment, or ends with one."""
-    return re.match(rf"\s*{mark}", line) or re.search(rf"\S\s+{mark} (?=[^\"']*$)", line)
+    if mark == "//" and re.match(r"\s*(/\*| \* )", line):
+        return True
+    return re.match(rf"\s*{mark}", line) or re.search(rf"\S\s+({mark}|/\*) (?=[^\"']*$)", line)
 
 
 def wide_comments(root):

@@ -106,7 +106,7 @@ export class Organ {
     this.rebuild();
   }
 
-  /** The triangles to draw: all of the surface, or its cut faces with the skin. Vertices are those of both. */
+  /** The triangles to draw: all of the surface, or its cut faces and the skin. Vertices are those of both. */
   composed() {
     const {surface, skin} = this;
     if (!this.showsSkin()) return surface;

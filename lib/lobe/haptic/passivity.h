@@ -1,9 +1,9 @@
 // Keeps a haptic loop passive: it never gives the hand more energy than the hand has put in.
 //
 // A wall of stiffness K and damping B that is sampled every T is passive on a device of damping b if
-// b > K T/2 + |B| (Colgate & Brown 1994; Colgate & Schenkel 1997). The observer adds up the energy that goes
-// into the simulation, with what the device itself takes up, and the controller adds damping where more has
-// come out than went in (Hannaford & Ryu 2002).
+// b > K T/2 + |B| (Colgate & Brown 1994; Colgate & Schenkel 1997). The observer sums the energy that goes
+// into the simulation and that the device itself takes. The controller adds damping if more has come out than
+// went in (Hannaford & Ryu 2002).
 #pragma once
 
 #include <cstdint>

@@ -14,8 +14,9 @@ constexpr double slightest = 0.07;  // coupling of two vertices that counts, of 
 // Vertices among which those with as many neighbours are put side by side.
 constexpr std::size_t window = 128;
 
-// Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν) of what belongs to the
-// eigenvalue a of A, 0 … α (ν + 1) = 1, so that z = P(a) x but for a factor. T is of the degree; with T(ν)
+// Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν) of the part that belongs
+// to the eigenvalue a of A, 0 … α (ν + 1) = 1. So z = P(a) x, apart from a factor. T is of the degree; with
+// T(ν)
 // above 1 no P(a) is zero.
 class Chebyshev {
  public:

@@ -62,7 +62,8 @@ def theory_table(root):
     rows = re.findall(r"^\| \[(\d+ [^\]]*)\]\(#([^)]*)\) \|(.*)\|$", text, re.M)
     if [row[0] for row in rows] != headings:
         yield f"theory.md: the table has {[row[0] for row in rows]}, the page {headings}"
-    named = re.findall(r"lib/lobe/[\w/]+", text)
+    # By the table, or by the sentence below it.
+    named = re.findall(r"lib/lobe/[\w/]+", text[:text.index("\n## 1 ")])
     for title, target, cell in rows:
         if target != anchor(title):
             yield f"theory.md: #{target}, must be #{anchor(title)}"
@@ -73,6 +74,17 @@ def theory_table(root):
         path = f"lib/lobe/{folder.name}"
         if folder.is_dir() and list(folder.glob("*.h")) and not any(name.startswith(path) for name in named):
             yield f"theory.md: no section names {path}/"
+
+
+def section_numbers(root):
+    """Comments that send the reader to a section of the theory name one that there is."""
+    text = (root / "docs" / "theory.md").read_text(encoding="utf-8")
+    last = max(int(number) for number in re.findall(r"^## (\d+) ", text, re.M))
+    for file, mark in sources(root):
+        comments = re.sub(rf"\n\s*{mark} ?", " ", file.read_text(encoding="utf-8"))
+        for number in re.findall(r"theory, section (\d+)", comments):
+            if int(number) > last:
+                yield f"{file.relative_to(root)}: the theory has no section {number}"
 
 
 def plain(text):
@@ -151,7 +163,7 @@ def wide_comments(root):
                 yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
 
 
-CHECKS = (long_paragraphs, theory_table, glossary, list_of_folders, figures, wide_comments)
+CHECKS = (long_paragraphs, theory_table, section_numbers, glossary, list_of_folders, figures, wide_comments)
 
 
 def main(root):

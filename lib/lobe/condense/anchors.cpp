@@ -38,7 +38,7 @@ class Anchors {
     return any_corner(part, [&](Index v) { return given_.col(v).any(); }) &&
            keep_shape(part, [&](Index v, int axis) { return given_(axis, v); });
   }
-  // In a frame all components of a vertex that is held in any are led.
+  // In a frame all components of a vertex that is held in any are driven.
   bool hold_in_frame(const std::vector<Index>& part) const {
     return keep_shape(part, [&](Index v, int) { return given_.col(v).any(); });
   }

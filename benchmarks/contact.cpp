@@ -1,5 +1,5 @@
-// lobe bench contact: what contact costs per step, where it is far and where it touches, what it does to the time step
-// limit, and how deep a probe goes in at a given pressure.
+// lobe bench contact: what contact costs per step, where it is far and where it touches, what it does to the
+// time step limit, and how deep a probe goes in at a given pressure.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

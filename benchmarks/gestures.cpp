@@ -268,8 +268,8 @@ std::string csv(const std::vector<GestureRow>& rows) {
   return out.str();
 }
 
-// Two plots beside each other, one per scene. Lines lead from tolerance 1 % over 2 % to 5 % and carry their name;
-// grey ones are in the table.
+// Two plots beside each other, one per scene. Lines lead from tolerance 1 % over 2 % to 5 % and carry their
+// name; grey ones are in the table.
 constexpr const char* gestures_plot = R"(set terminal pngcairo noenhanced size 1300,560 font 'sans,10'
 set output 'gestures.png'
 set yrange [0.03:50]

@@ -1,5 +1,5 @@
-// lobe bench haptic: forces between frames against the same body in frames of 1 ms, and how punctual a loop at
-// 1 kHz is beside a simulation.
+// lobe bench haptic: forces between frames against the same body in frames of 1 ms, and how punctual a loop
+// at 1 kHz is beside a simulation.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>

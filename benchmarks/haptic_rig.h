@@ -53,7 +53,8 @@ struct HandPath {
   }
 };
 
-// Presses, holds, slides, pulls and comes back: `in` is the unit way into the body, `along` one on its surface.
+// Presses, holds, slides, pulls and comes back: `in` is the unit way into the body, `along` one on its
+// surface.
 inline HandPath press_and_pull(const Vec3d& in, const Vec3d& along, double depth, double speed) {
   return {{{depth * in, speed},
            {Vec3d::Zero(), 0, 0.1},

@@ -1,5 +1,5 @@
-// lobe bench scalpel: what a blade costs per tetrahedron that it cuts and per frame, what a step costs afterwards,
-// what is left of the time step, and how a slit beam bends.
+// lobe bench scalpel: what a blade costs per tetrahedron that it cuts and per frame, what a step costs
+// afterwards, what is left of the time step, and how a slit beam bends.
 #include <algorithm>
 #include <array>
 #include <cstdio>

@@ -15,7 +15,8 @@ target_compile_definitions(lobe_compile INTERFACE EIGEN_MPL2_ONLY)
 if(PROJECT_IS_TOP_LEVEL)
   target_compile_options(lobe_compile INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    target_compile_options(lobe_compile INTERFACE -Wno-restrict)  # false alarms in std::string (GCC bug 105651)
+    # False alarms in std::string (GCC bug 105651)
+    target_compile_options(lobe_compile INTERFACE -Wno-restrict)
   endif()
 endif()
 if(LOBE_FUZZ)
@@ -32,21 +33,24 @@ if(LOBE_THREAD_SANITIZE)
   add_compile_definitions(LOBE_SANITIZED)
 endif()
 
-# GCC collects its garbage from 128 MB on, which takes a tenth of the time of a unit; it changes nothing in the code.
+# GCC collects its garbage from 128 MB on, which takes a tenth of the time of a unit; it changes nothing in
+# the code.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(lobe_compile INTERFACE "SHELL:--param ggc-min-heapsize=524288")  # [KiB]
 endif()
 
-# Headers that most units of a target include, precompiled: they take a second of each. None of the project's own, so
-# that a change to one of them compiles what includes it and nothing else. ccache cannot look into precompiled headers.
+# Headers that most units of a target include, precompiled: they take a second of each. None of the project's
+# own, so that a change to one of them compiles what includes it and nothing else. ccache cannot look into
+# precompiled headers.
 if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # The same bug as above: a precompiled header of the system counts as one of ours, whose warnings are shown.
   target_compile_options(lobe_compile INTERFACE -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
 endif()
-# Files of a target that are compiled as one unit, so that headers are read and their templates made once for all of them:
-# their names without linkage must differ. The headers' own includes are checked by the presets without it.
+# Files of a target that are compiled as one unit, so that headers are read and their templates made once for
+# all of them: their names without linkage must differ. The headers' own includes are checked by the presets
+# without it.
 set(CMAKE_UNITY_BUILD ${LOBE_UNITY})
 if(LOBE_UNITY)
   target_compile_options(lobe_compile INTERFACE -Wno-shadow)  # of a name in another file

@@ -1,8 +1,8 @@
-# Libraries that have no CMake file, or none that can be relied on. The package's config file looks for them in the same
-# way, so that no path of the machine it was built on is in it.
+# Libraries that have no CMake file, or none that can be relied on. The package's config file looks for them
+# in the same way, so that no path of the machine it was built on is in it.
 
-# lobe_find_library(METIS metis.h metis): the target METIS::METIS and METIS_FOUND, unless header or library is missing.
-# What follows are folders in which the header may stand.
+# lobe_find_library(METIS metis.h metis): the target METIS::METIS and METIS_FOUND, unless header or library is
+# missing. What follows are folders in which the header may stand.
 macro(lobe_find_library name header library)
   find_path(LOBE_${name}_INCLUDE_DIR ${header} PATH_SUFFIXES ${ARGN})
   find_library(LOBE_${name}_LIBRARY ${library})

@@ -111,8 +111,8 @@ Face face_of(vtkPolyData* surface, vtkIdType cell) {
   return face;
 }
 
-// Whether a face was on the boundary at the start, as the cell array "skin" says in frames of bodies that a blade
-// has cut: one bit for the face opposite to each corner.
+// Whether a face was on the boundary at the start, as the cell array "skin" says in frames of bodies that a
+// blade has cut: one bit for the face opposite to each corner.
 bool is_skin(vtkDataSet* mesh, vtkPolyData* surface, vtkIdType face) {
   vtkDataArray* skin = surface->GetCellData()->GetArray("skin");
   vtkDataArray* cells = surface->GetCellData()->GetArray("vtkOriginalCellIds");

@@ -2,8 +2,8 @@
 //
 //   {"pictures": [{
 //      "out": "picture_0.50.png", "size": [1280, 960],
-//      "panels": [{"mesh": "frame_0015.vtu", "title": "t = 0.50 s", "color": "region", "edges": true, "fibres": true,
-//                  "first": "frame_0000.vtu", "range": [0, 1],
+//      "panels": [{"mesh": "frame_0015.vtu", "title": "t = 0.50 s", "color": "region",
+//                  "edges": true, "fibres": true, "first": "frame_0000.vtu", "range": [0, 1],
 //                  "tools": [{"type": "cautery", "position": [0, 0, 0.05], "radius": 0.006}]}],
 //      "camera": {"direction": [0.3, -1, 0.4], "up": [0, 0, 1], "zoom": 1},
 //      "clip": {"point": [0, 0, 0], "normal": [0, -1, 0]}}]}

@@ -1,5 +1,5 @@
-# cmake -DFOLDER=tests -P refuse_approx.cmake: fails where a test compares by a bare doctest::Approx, which is absolute
-# where values are far below 1 (near.h), and names file and line.
+# cmake -DFOLDER=tests -P refuse_approx.cmake: fails where a test compares by a bare doctest::Approx, which is
+# absolute where values are far below 1 (near.h), and names file and line.
 set(excluded "^near\\.h$")
 file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*.cpp ${FOLDER}/*.h)
 set(found)

@@ -67,10 +67,10 @@ void add_options(CLI::App& app, Arguments& options) {
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   app.add_option("--host", options.server.host,
-                 "address to listen on; others than this machine's are open to others")
+                 "address to listen on; with another than this machine's own, others can connect")
       ->capture_default_str();
   app.add_option("--token", options.server.token,
-                 "key to the page, in its address; otherwise one is made and kept");
+                 "key to the page, in its address; otherwise one is made and stored");
   app.add_option("--record", options.record, "file to record the session in, for `lobe replay`");
   app.add_option("--speed", options.live.speed, "simulated seconds per second")
       ->check(CLI::Range(0.001, 100.0))
@@ -185,7 +185,7 @@ int serve(Arguments& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"An organ in the hands, in a page"};
+  CLI::App app{"Simulates an organ live, in a web page"};
   Arguments options;
   add_options(app, options);
   try {

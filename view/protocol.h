@@ -60,8 +60,9 @@ std::vector<Block> read_blocks(std::string_view message);
 // All of the surface but positions: revision, triangles, regions, cut faces, positions at rest.
 void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
                     BlockWriter& out);
-// The part of each triangle's fibre that lies in it at rest, as a sum of the sides from its first corner to its
-// second and third: so it follows them. Zero where there is no fibre; nothing is written where none has one.
+// The part of each triangle's fibre that lies in it at rest, as a sum of the sides from its first corner to
+// its second and third: so it follows them. Zero where there is no fibre; nothing is written where none has
+// one.
 void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
                   const Mat3X<double>& fibres /* 3 × #tetrahedra, or no column */, BlockWriter& out);
 void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,

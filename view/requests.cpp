@@ -197,7 +197,7 @@ void Viewer::perform(ClientId, const request::NewMaterial& what) {
 void Viewer::perform(ClientId, const request::Mend& what) {
   const RegionModel* model = model_of(what.as);
   if (what.as == "turning") {
-    if (!painting().can_turn()) throw InputError("/as", "one pre-computed part alone can turn by itself");
+    if (!painting().can_turn()) throw InputError("/as", "only one pre-computed part can turn by itself");
     painting().set_frame(RegionFrame::corotated);
   } else if (model && *model != RegionModel::precomputed) {
     std::vector<RegionModel> regions = painting().regions();
@@ -211,7 +211,7 @@ void Viewer::perform(ClientId, const request::Mend& what) {
 
 void Viewer::perform(ClientId, const request::PaintAll& what) {
   const RegionModel* model = model_of(what.as);
-  if (!model) throw InputError("/as", "choose one of the three models: they alone can fill all");
+  if (!model) throw InputError("/as", "choose one of the three models: only they can fill everything");
   painting().paint_all(*model);
   repainted();
 }

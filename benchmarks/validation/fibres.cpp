@@ -73,10 +73,10 @@ void sslv121(Findings& findings) {
   }
 }
 
-// ---- A bar along x is pulled by dead loads P on both ends, with fibres in the plane xy at an angle to x. Its
-// sides are free and nothing holds it but against rigid motions, so that the strain is the same everywhere:
-// the compliance in the material's axes times the stress, turned back (R. M. Jones, Mechanics of Composite
-// Materials, section 2.6). It shears as it stretches.
+// ---- A bar along x is pulled by dead loads P on both ends, with fibres in the plane xy at an angle to x.
+// Its sides are free and nothing holds it but against rigid motions, so that the strain is the same
+// everywhere: the compliance in the material's axes times the stress, turned back (R. M. Jones, Mechanics of
+// Composite Materials, section 2.6). It shears as it stretches.
 
 constexpr TransverseConstants muscle{9e4, 3e4, 0.4, 0.35, 2e4};
 

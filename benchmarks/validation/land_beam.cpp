@@ -1,4 +1,5 @@
-// Problem 1 of S. Land et al., Verification of cardiac mechanics software, Proc. R. Soc. A 471: 20150641, 2015.
+// Problem 1 of S. Land et al., Verification of cardiac mechanics software, Proc. R. Soc. A 471: 20150641,
+// 2015.
 #include <cmath>
 #include <stdexcept>
 
@@ -12,11 +13,11 @@
 namespace lobe::validation {
 namespace {
 
-// A beam of 10 × 1 × 1 mm with fibres along it is clamped at one end, and a pressure pushes on its lower face,
-// which it follows. Their law is Guccione's, W = C/2 (exp Q − 1) with
-// Q = bf E₁₁² + bt (E₂₂² + E₃₃² + 2 E₂₃²) + 2 bfs (E₁₂² + E₁₃²), incompressible. C/2 Q, what is left of it for
-// small Q, is a law of ours with ε = 0: μ = C bt/2, μ + η = C bfs/2, 2μ + 4η + β = C bf; λ keeps the volume.
-// Stresses differ by the factor exp Q.
+// A beam of 10 × 1 × 1 mm with fibres along it is clamped at one end, and a pressure pushes on its lower
+// face, which it follows. Their law is Guccione's, W = C/2 (exp Q − 1) with
+// Q = bf E₁₁² + bt (E₂₂² + E₃₃² + 2 E₂₃²) + 2 bfs (E₁₂² + E₁₃²), incompressible. C/2 Q, what is left of it
+// for small Q, is a law of ours with ε = 0: μ = C bt/2, μ + η = C bfs/2, 2μ + 4η + β = C bf; λ keeps the
+// volume. Stresses differ by the factor exp Q.
 
 constexpr double C = 2000, bf = 8, bt = 2, bfs = 4, pressure = 4;  // [Pa], [-], [Pa]
 constexpr double beam_length = 0.01, beam_width = 0.001;           // [m]

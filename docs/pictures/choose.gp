@@ -5,7 +5,7 @@ set output 'docs/pictures/choose.png'
 set datafile separator ','
 set datafile missing NaN
 set logscale xy
-set xrange [0.4:20]
+set xrange [0.4:24]
 set yrange [0.4:40]
 set grid lc '#dddddd'
 set xtics (0.5, 1, 2, 3, 4, 6, 8, 10, 15)

@@ -1,7 +1,7 @@
-// Records docs/pictures/live.webp: the liver in the page is pulled, cut, opened, and coloured by regions and by
-// stress. Usage: node live.mjs LOBE_VIEW SCENE MODULES OUT.webp, or ./dev film. MODULES is a folder in which npm
-// has installed playwright-core; ffmpeg writes the picture. The simulation pauses, and is asked for eight frames
-// of 1/120 s per picture: so the film is in real time however long the drawing takes.
+// Records docs/pictures/live.webp: the liver in the page is pulled, cut, opened, and coloured by regions and
+// by stress. Usage: node live.mjs LOBE_VIEW SCENE MODULES OUT.webp, or ./dev film. MODULES is a folder in
+// which npm has installed playwright-core; ffmpeg writes the picture. The simulation pauses, and is asked for
+// eight frames of 1/120 s per picture: so the film is in real time however long the drawing takes.
 import {spawnSync} from 'node:child_process';
 import {mkdtempSync, rmSync, statSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -36,7 +36,8 @@ await page.evaluate(async () => {
   lobe.ask({do: 'restart'});
   stage.look !== 'fine' && stage.setLook('fine');
   stage.setPixelRatio(1, 1);
-  document.getElementById('factor').style.display = 'none'; // which says that it is paused between two pictures
+  // which says that it is paused between two pictures
+  document.getElementById('factor').style.display = 'none';
   stage.draw = () => {
     stage.isOld = false; // only when a picture is taken
   };

@@ -20,7 +20,8 @@ breathe_show_include = False
 primary_domain = "cpp"
 highlight_language = "text"
 
-# Formulas are set in the browser by MathJax, which is copied into the site: nothing is fetched from a network.
+# Formulas are set in the browser by MathJax, which is copied into the site: nothing is fetched from a
+# network.
 mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_HTML"
 mathjax2_config = {
     "HTML-CSS": {"availableFonts": ["TeX"], "webFont": "TeX", "imageFont": None},

@@ -1,6 +1,6 @@
-// Assertions: what must hold whatever the input. One that fires is a fault of the library, never of a scene.
-// lobe_assert() is for what costs next to nothing and stays on in every build; validate() (sim/validate.h)
-// looks at all of a world, in debug builds and tests.
+// Assertions state what must hold for every input. If one fires, the library has a fault, never the scene.
+// lobe_assert() costs next to nothing and is on in every build. validate() (sim/validate.h) checks all of a
+// world, in debug builds and tests.
 #pragma once
 
 #include <stdexcept>

@@ -39,7 +39,7 @@ InstructionSet chosen_instruction_set() {
   const std::vector<InstructionSet> sets = available_instruction_sets();
   if (sets.empty())
     throw InputError("processor",
-                     "this program was compiled for another processor alone (LOBE_NATIVE_KERNELS)");
+                     "this program was compiled only for another kind of processor (LOBE_NATIVE_KERNELS)");
   const char* wanted = std::getenv("LOBE_INSTRUCTION_SET");
   if (!wanted) return sets.back();
   std::string there;

@@ -1,5 +1,6 @@
-// Which vector instructions the wide kernels use: found when the program starts, so that one binary runs
-// anywhere. Every set gives the same bits: the same operations in the same order, without fused ones.
+// Chooses the vector instructions of the wide kernels when the program starts, so that one binary runs
+// anywhere. Every set gives the same bits, because all do the same operations in the same order, without
+// fused ones.
 #pragma once
 
 #include <vector>
@@ -13,8 +14,8 @@ const char* name(InstructionSet set);
 // Those that this processor has and that were compiled, the widest last.
 std::vector<InstructionSet> available_instruction_sets();
 
-// The widest of them, or that which the environment variable LOBE_INSTRUCTION_SET names. Throws InputError if it
-// is not available.
+// The widest of them, or that which the environment variable LOBE_INSTRUCTION_SET names. Throws InputError if
+// it is not available.
 InstructionSet chosen_instruction_set();
 
 }  // namespace lobe

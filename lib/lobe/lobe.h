@@ -2,12 +2,14 @@
 //   mesh/         tetrahedra, topology and surface that follow cuts, quality
 //   numerics/     sparse factors, dense products, highest eigenvalues
 //   fem/          the mathematics of one element, and the elements of a body
-//   setup/        what a scene comes to: a body, its loads, what is held
+//   setup/        the setup of a world: a body, its loads, its held vertices, its tools
 //   region/       tensor-mass and non-linear regions that share vertices
 //   condense/     pre-computed linear regions, reduced to what they share with others
 //   body/         all regions of a body, its state, its loads, forces from outside
 //   cut/          tetrahedra that an instrument touches
-//   tool/         grasps and cauteries, on paths or moved by hand
+//   scalpel/      blades that divide tetrahedra into grains
+//   tool/         grasps, cauteries, scalpels and probes, on paths or moved by hand
+//   contact/      contact with tools, with obstacles and of the body with itself
 //   time/         the explicit scheme: inertia, stable step, sleep, tangles
 //   sim/          World: frames, tools, edits as commands, checkpoints
 //   solve/        static equilibrium
@@ -18,7 +20,8 @@
 //   snapshot/     pictures of a running simulation, for other threads
 //   skin/         a fine textured surface that the tetrahedra carry
 //   run/          a scene played, recorded and reported
-//   live/         a session: people hold the body in their hands while it is simulated
+//   live/         a session: a world that follows the clock while people lead its tools
+//   haptic/       forces for haptic devices, 1,000 times a second
 //
 // Glossary. One word for one thing, here and in docs/README.md:
 //   body: what is simulated: one mesh with its materials, regions and loads; an organ.
@@ -35,31 +38,42 @@
 //   condense: to eliminate the interior of a linear region, so that only its interface remains (static
 //     condensation).
 //   relinearise: to linearise a pre-computed region again about the present displacement.
-//   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for
-//     that.
+//   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for that.
 //   zone: a connected group of tetrahedra that changes its model as a whole.
+//   piece: tetrahedra that are connected by faces; a loose piece is one that nothing holds.
 //   contact patch: the tetrahedra around what a haptic tool touches, whose stiffness it feels.
 //   patch: up to 512 tetrahedra that are evaluated together.
 //   held vertex: a vertex whose position the boundary conditions prescribe.
+//   driven vertex: a held vertex whose prescribed position moves.
+//   free vertex: a vertex that nothing holds.
 //   grasped vertex: a vertex that moves with a tool.
-//   tool: a grasp, a cautery or a scalpel, on a path or moved by hand.
+//   tool: a grasp, a cautery, a scalpel or a probe, on a path or moved by hand.
+//   lead: to move a tool by hand, to a new pose in each frame.
 //   hand: a number under which a person or program commands one tool.
+//   controller: a person or program that has hands in a session.
 //   gesture: a motion or force that a scene declares, for which regions are chosen.
 //   frame: the time between two pictures; tools, cuts and edits act at its start.
 //   step: one advance of the explicit scheme; a frame takes as many as stability needs.
 //   stable step: the longest step that does not grow an error: 2/ω_max.
+//   diagonal stiffness: the stiffness that each vertex feels when it moves while its neighbours are held.
 //   lumped mass: a diagonal mass matrix, a quarter of each tetrahedron's mass at each corner.
 //   selective mass: inertia that is larger for short waves, so that steps may be longer.
+//   mass floor: mass added where a blade has cut, so that the stable step does not shrink.
 //   watch: estimates an error while a scene runs, and asks for corrections.
 //   sleep: parts at rest are left out of the evaluation until they move.
 //   guard: an energy that keeps crushed non-linear tetrahedra from collapsing.
 //   tangle: crushed tetrahedra that hold each other inverted; the world unravels it.
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.
 //   skin: a finer textured surface that the tetrahedra carry.
+//   snapshot: state, surface, tools and figures of one moment, copied for other threads; a picture of the
+//     simulation.
 //   grain: a piece of a tetrahedron that the scalpel has cut.
+//   stroke: the way of a blade from where it begins to cut to where it stops.
+//   crumb: a tiny part that a blade would cut off; it stays attached.
 //   condition: something that a step reports by name, with a remedy.
 //   checkpoint: all of a world's state, from which it goes on with the same bits.
 //   same bits: results that are equal to the last digit.
+//   digest: a number that is computed from a state and differs if any bit differs.
 //   recording: the calls made to a world, with a digest after each, which a replay compares.
 //   session: a world that follows the clock while several people command it.
 //

@@ -1,5 +1,5 @@
 // Persistent threads that sleep when idle. Each item of work writes to its own place and sums in its own
-// order, so that results have the same bits on any number of threads, however the work is cut into ranges.
+// order. So results have the same bits on any number of threads, however the work is divided into ranges.
 #pragma once
 
 #include <memory>

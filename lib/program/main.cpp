@@ -23,7 +23,8 @@ int forward(const std::string& program, char** first, char** last, const std::st
   std::vector<std::string> arguments{sibling(program).string()};
   arguments.insert(arguments.end(), first, last);
   become_program(arguments);
-  print_errors(program + ": not found beside lobe or on the PATH; ./dev build makes it, where CMake has " +
+  print_errors(program +
+               ": not found in the folder of lobe or on the PATH; ./dev build makes it, where CMake has " +
                option + "=ON");
   return bad_input;
 }
@@ -57,7 +58,7 @@ void add_info(CLI::App& app, InfoOptions& options, Action& action) {
       ->capture_default_str();
   command->add_option("--mu", options.lame_mu, "Lamé μ for the time step [Pa]")->capture_default_str();
   command->add_option("--density", options.density, "for the time step [kg/m³]")->capture_default_str();
-  command->add_flag("--json", options.json, "print JSON alone");
+  command->add_flag("--json", options.json, "print only JSON");
   command->callback([&] { action = [&] { return info(options); }; });
 }
 
@@ -66,7 +67,7 @@ void add_compare(CLI::App& app, CompareOptions& options, Action& action) {
   command->add_option("A", options.a, "mesh with point data \"displacement\" (.vtu)")->required();
   command->add_option("B", options.b, "the reference, on the same mesh or another of the same body")
       ->required();
-  command->add_flag("--json", options.json, "print JSON alone");
+  command->add_flag("--json", options.json, "print only JSON");
   command->callback([&] { action = [&] { return compare(options); }; });
 }
 
@@ -117,11 +118,11 @@ int main(int argc, char** argv) {
   SceneOptions options;
   app.add_subcommand("mesh", "From a surface to a mesh: runs lobe-mesh");
   app.add_subcommand("bench", "Measure speed, accuracy and correctness: runs lobe-bench");
-  app.add_subcommand("view", "Hold the organ in your hands, in a page: runs lobe-view");
+  app.add_subcommand("view", "Simulate an organ live, in a web page: runs lobe-view");
   add_info(app, info_options, action);
   CLI::App* check_command =
       add_scene_command(app, "check", "Validate a scene and print what will be run", options, action, check);
-  check_command->add_flag("--json", options.json, "print JSON alone");
+  check_command->add_flag("--json", options.json, "print only JSON");
   CLI::App* run_command =
       add_scene_command(app, "run", "Play a scene: frames, pictures, report", options, action, run);
   run_command->add_option("-o,--output", options.output, "directory for the results")->required();
@@ -130,7 +131,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   run_command->add_flag("--no-pictures", options.no_pictures, "do not render pictures");
   run_command->add_option("--record", options.record, "file to record the run in, for `replay`");
-  run_command->add_flag("--json", options.json, "print the report alone");
+  run_command->add_flag("--json", options.json, "print only the report");
   CLI::App* replay_command = add_scene_command(
       app, "replay", "Play a recording again and compare it, bit by bit", options, action, replay);
   replay_command->add_option("RECORDING", options.record, "what `run --record` wrote")->required();
@@ -140,7 +141,7 @@ int main(int argc, char** argv) {
   CLI::App* solve_command =
       add_scene_command(app, "solve", "Static equilibrium of a scene", options, action, solve);
   solve_command->add_option("-o,--output", options.output, "directory for the results")->required();
-  solve_command->add_flag("--json", options.json, "print the report alone");
+  solve_command->add_flag("--json", options.json, "print only the report");
   solve_command
       ->add_option("--solver", options.solver,
                    "sparse solver: eigen, or a program of its own: cholmod (GPL), petsc (under mpirun)")

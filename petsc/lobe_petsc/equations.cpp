@@ -143,7 +143,8 @@ struct Pair {  // row and column of a block
 
 }  // namespace
 
-// The columns of each row of blocks: those that the own tetrahedra couple, and what other ranks tell of theirs.
+// The columns of each row of blocks: those that the own tetrahedra couple, and what other ranks tell of
+// theirs.
 void Equations::reserve(Mat matrix) {
   const PetscInt first = part_.owned > 0 ? part_.global[0] : 0, end = first + part_.owned;
   std::vector<std::vector<Pair>> to(std::size_t(ranks_.count()));

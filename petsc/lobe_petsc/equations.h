@@ -27,8 +27,8 @@ class Equations {
   bool is_linear() const { return is_linear_; }
   std::int64_t ghost_bytes() const { return u_.ghost_bytes(); }
 
-  // u: three displacements per owned vertex [m]. Forces: loads × fraction − ∂W/∂u, zero where displacements are
-  // given [N].
+  // u: three displacements per owned vertex [m]. Forces: loads × fraction − ∂W/∂u, zero where displacements
+  // are given [N].
   State at(Vec u, double fraction, Vec forces);
   double smallest_volume_ratio(Vec u);
   Mat3X<double> local(Vec u);  // 3 × #local vertices [m]

@@ -1,5 +1,5 @@
-// The share of a mesh file that a rank reads: consecutive tetrahedra, and consecutive vertices, which need not
-// be theirs.
+// The share of a mesh file that a rank reads: consecutive tetrahedra, and consecutive vertices, which need
+// not be theirs.
 #pragma once
 
 #include <filesystem>

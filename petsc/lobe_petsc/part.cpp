@@ -188,8 +188,8 @@ void take_vertices(const Ranks& ranks, const MeshSlice& slice, const std::vector
   number_vertices(ranks, owner, part);
 }
 
-// Corners, labels and fibres in local numbers. prepare() swaps corners 2 and 3 of what is inside out, and with
-// them the faces opposite to these.
+// Corners, labels and fibres in local numbers. prepare() swaps corners 2 and 3 of what is inside out, and
+// with them the faces opposite to these.
 void take_tets(const std::vector<Tet>& tets, bool fibres, const std::string& name, Part& part) {
   const auto count = Eigen::Index(tets.size());
   part.mesh.tets.resize(4, count);

@@ -25,8 +25,8 @@ struct Part {
 };
 
 // Tetrahedra that share faces are the edges of a graph that PT-Scotch cuts into as many parts as there are
-// ranks. Throws InputError on all ranks for a mesh that prepare() refuses, for a face of three tetrahedra, and
-// for a rank that is left without a tetrahedron.
+// ranks. Throws InputError on all ranks for a mesh that prepare() refuses, for a face of three tetrahedra,
+// and for a rank that is left without a tetrahedron.
 Part make_part(const Ranks& ranks, MeshSlice slice, const std::string& name);
 
 }  // namespace lobe::petsc

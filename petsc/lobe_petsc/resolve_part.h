@@ -8,8 +8,8 @@ namespace lobe::petsc {
 
 // The setup of the part, in its local numbers; selectors mean what they mean on the whole mesh. Pre-computed
 // regions become tensor-mass ones, which have the same equilibrium. Throws InputError on all ranks for what
-// selects nothing anywhere, for tetrahedra without a material, and for what needs the whole mesh in one place:
-// automatic regions, harmonic fibres, nodal pressure.
+// selects nothing anywhere, for tetrahedra without a material, and for what needs the whole mesh in one
+// place: automatic regions, harmonic fibres, nodal pressure.
 Setup resolve_part(const Ranks& ranks, const Scene& scene, const Part& part);
 
 // The part of a setup that all ranks have.

@@ -244,7 +244,8 @@ PetscErrorCode Solver::line_search(SNESLineSearch search, void* self) {
   });
 }
 
-// Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at first.
+// Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at
+// first.
 bool Solver::follow_boundary() {
   equations_.boundary_move(u_, fraction_, move_);
   PetscReal size = 0;

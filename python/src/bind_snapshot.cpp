@@ -42,7 +42,7 @@ py::list tools_of(const PySnapshot& snapshot) {
 void bind_surface(py::module_& module) {
   py::class_<PySurface, std::shared_ptr<PySurface>>(
       module, "Surface",
-      "The boundary of the body in a snapshot; a vertex where a cut meets the skin is two of its own.")
+      "The boundary of the body in a snapshot. A vertex where a cut meets the skin is two vertices of it.")
       .def_property_readonly(
           "x",
           [](py::object self) {

@@ -71,7 +71,7 @@ PyCautery bring(std::shared_ptr<PyWorld> world, const py::object& position, doub
 const Grasp& grasp_of(const PyTool& tool) { return *tool.world->tools().grasp(tool.id); }
 
 void bind_reports(py::module_& module) {
-  py::class_<Condition>(module, "Condition", "What a frame has to say instead of raising.")
+  py::class_<Condition>(module, "Condition", "Something that happened in a frame, with a remedy.")
       .def_property_readonly("kind", [](const Condition& c) { return name(c.kind); })
       .def_readonly("text", &Condition::text, "one line: place, figures, remedy")
       .def_readonly("time", &Condition::time, "[s]")
@@ -86,7 +86,7 @@ void bind_reports(py::module_& module) {
       .def_readonly("tets_removed", &Report::tets_removed)
       .def_readonly("smallest_volume_ratio", &Report::smallest_volume_ratio, "of non-linear tetrahedra")
       .def_readonly("conditions", &Report::conditions);
-  py::class_<PyCheckpoint>(module, "Checkpoint", "All that a world has become.")
+  py::class_<PyCheckpoint>(module, "Checkpoint", "All that has changed in a world since it was built.")
       .def(
           "save",
           [](const PyCheckpoint& self, const std::filesystem::path& file) {
@@ -142,7 +142,7 @@ void bind_tools(py::module_& module) {
           [](const PyCautery& self, const py::object& position) {
             apply(*self.world, Lead{self.id, {vector3(position, "position")}});
           },
-          py::arg("position"), "Where its tip is to be at the end of the next frame [m].")
+          py::arg("position"), "Moves its tip to this position by the end of the next frame [m].")
       .def(
           "switch",
           [](const PyCautery& self, bool on) {
@@ -161,7 +161,7 @@ void bind_edits(py::class_<PyWorld, std::shared_ptr<PyWorld>>& world) {
            "the radius [m]\n"
            "of a point [m].")
       .def("cautery", &bring, py::arg("position"), py::kw_only(), py::arg("radius"),
-           py::arg("name") = "cautery", "Brings a cautery, which is off; the radius is its tip's [m].")
+           py::arg("name") = "cautery", "Adds a cautery, switched off; the radius is its tip's [m].")
       .def(
           "remove_tets",
           [](PyWorld& self, const py::object& tets) {
@@ -238,7 +238,7 @@ void bind_world(py::module_& module) {
                              [](const PyWorld& self) { return self.elements().topology.vertex_count(); })
       .def(
           "snapshot", [](PyWorld& self) { return alone(self, [&] { return self.snapshot(); }); },
-          "A copy of the present state that nothing changes any more.")
+          "A copy of the present state, which does not change.")
       .def(
           "forces", [](PyWorld& self) { return copied(alone(self, [&] { return self.forces(); })); },
           "(n, 3) internal and external forces on vertices at the present state [N]; a copy")

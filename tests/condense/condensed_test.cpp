@@ -23,7 +23,7 @@ struct Chain {
     return K.sparseView();
   }
 
-  // Displacements with a force on each point but the first, which is led.
+  // Displacements with a force on each point but the first, which is driven.
   Exact field(double force, double led) const {
     const Eigen::Index n = stiffness.size();
     Exact u = Exact::Constant(n, led);

@@ -1,5 +1,5 @@
-# cmake -DINCLUDE=prefix/include -DSEPARATE=list -P reachable_headers.cmake: every header that is installed is reached
-# from lobe/lobe.h, or is one of those in SEPARATE, that a user asks for by name.
+# cmake -DINCLUDE=prefix/include -DSEPARATE=list -P reachable_headers.cmake: every header that is installed is
+# reached from lobe/lobe.h, or is one of those in SEPARATE, that a user asks for by name.
 cmake_minimum_required(VERSION 3.25)
 set(separate ${SEPARATE})
 set(left lobe/lobe.h)

@@ -1,4 +1,5 @@
-# cmake -DPACKAGE=prefix/lib/cmake/lobe -P relocatable.cmake: no path of the machine that built the package is in it.
+# cmake -DPACKAGE=prefix/lib/cmake/lobe -P relocatable.cmake: no path of the machine that built the package is
+# in it.
 cmake_minimum_required(VERSION 3.25)
 file(GLOB files ${PACKAGE}/*.cmake)
 if(NOT files)

@@ -170,8 +170,9 @@ TEST_CASE("what a tool gives a free body in momentum is what it feels") {
   CHECK((angular - spun).norm() < 1e-5 * spun.norm());
 }
 
-// A step that takes a point from a outside to b inside loses ½ κ A a b of the energy, and one that takes it out again
-// gains as much on average: without damping energy walks at random. The law's own damping outweighs that.
+// A step that takes a point from a outside to b inside loses ½ κ A a b of the energy, and one that takes it
+// out again gains as much on average: without damping energy walks at random. The law's own damping outweighs
+// that.
 TEST_CASE("a body that bounces gains no energy in 100,000 steps at 0.9 of the limit") {
   // Linear, since its limit is then that of all that it does.
   Setup setup = setup_of(irregular_box(2, 0.01), RegionModel::tensor_mass);

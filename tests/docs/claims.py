@@ -69,7 +69,25 @@ def table_live():
                      "a digest [µs]"], body)
 
 
-TABLES = {"live": table_live, "realtime": table_realtime, "hybrid": table_hybrid, "gestures": table_gestures,
+def table_contact():
+    shown = {"far probe": "far probe", "touching with friction": "touching, friction 0.1",
+             "self without touch": "self, nothing touches"}
+    body = [[f"{thousands(row['tets'])} tetrahedra", shown[row["contact"]], thousands(row["touched_vertices"]),
+             f"{row['step_us']:.1f}", percent(row["cost"], 0 if row["cost"] > 0.1 else 1), f"{row['limit']:.4f}"]
+            for row in rows("contact", contact=list(shown))]
+    return markdown(["organ", "contact", "touched vertices", "step [µs]", "more than without",
+                     "stable step over that without"], body)
+
+
+def table_huge():
+    body = [[thousands(row["tets"]), thousands(row["ranks"]), thousands(row["smoothing_steps"]), f"{row['wall_s']:.0f} s",
+             thousands(row["newton"]), thousands(row["linear"]), f"{row['peak_rank_bytes'] / 1e9:.2f} GB",
+             f"{row['halo_bytes'] / 1e6:.3f} MB" if row["halo_bytes"] else "0"] for row in rows("huge")]
+    return markdown(["tetrahedra", "ranks", "smoothing steps", "wall time", "Newton", "CG in all", "memory per rank",
+                     "received per product, all ranks"], body)
+
+
+TABLES = {"contact": table_contact, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid, "gestures": table_gestures,
           "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)
 

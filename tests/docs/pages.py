@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the pages promise of themselves: short paragraphs, a true table of folders, one glossary, figures with commands.
+"""What the pages promise of themselves: short paragraphs, a true table of folders, one glossary, figures with commands;
+and comments that are not too wide.
 
 pages.py ROOT
 """
@@ -8,6 +9,9 @@ import sys
 from pathlib import Path
 
 LONGEST = 80  # words of a paragraph, a list item or a table's cell
+WIDEST = 110  # columns of a comment
+SOURCES = "benchmarks capi cholmod cmake data docs examples lib meshing petsc pictures python tests view".split()
+MARKS = {".h": "//", ".cpp": "//", ".c": "//", ".js": "//", ".mjs": "//", ".py": "#", ".cmake": "#", ".sh": "#", ".txt": "#"}
 
 
 def documents(root):
@@ -58,7 +62,8 @@ def theory_table(root):
     rows = re.findall(r"^\| \[(\d+ [^\]]*)\]\(#([^)]*)\) \|(.*)\|$", text, re.M)
     if [row[0] for row in rows] != headings:
         yield f"theory.md: the table has {[row[0] for row in rows]}, the page {headings}"
-    named = re.findall(r"lib/lobe/[\w/]+", text)
+    # By the table, or by the sentence below it.
+    named = re.findall(r"lib/lobe/[\w/]+", text[:text.index("\n## 1 ")])
     for title, target, cell in rows:
         if target != anchor(title):
             yield f"theory.md: #{target}, must be #{anchor(title)}"
@@ -69,6 +74,17 @@ def theory_table(root):
         path = f"lib/lobe/{folder.name}"
         if folder.is_dir() and list(folder.glob("*.h")) and not any(name.startswith(path) for name in named):
             yield f"theory.md: no section names {path}/"
+
+
+def section_numbers(root):
+    """Comments that send the reader to a section of the theory name one that there is."""
+    text = (root / "docs" / "theory.md").read_text(encoding="utf-8")
+    last = max(int(number) for number in re.findall(r"^## (\d+) ", text, re.M))
+    for file, mark in sources(root):
+        comments = re.sub(rf"\n\s*{mark} ?", " ", file.read_text(encoding="utf-8"))
+        for number in re.findall(r"theory, section (\d+)", comments):
+            if int(number) > last:
+                yield f"{file.relative_to(root)}: the theory has no section {number}"
 
 
 def plain(text):
@@ -91,20 +107,70 @@ def glossary(root):
             yield f'glossary: "{word}" is "{listed.get(word)}" in docs/README.md, "{defined.get(word)}" in lobe.h'
 
 
+def list_of_folders(root):
+    """The umbrella header names every folder."""
+    header = (root / "lib" / "lobe" / "lobe.h").read_text(encoding="utf-8")
+    named = set(re.findall(r"^//   (\w+)/ ", header, re.M))
+    there = {folder.name for folder in (root / "lib" / "lobe").iterdir() if list(folder.glob("*.h"))}
+    for name in sorted(named ^ there):
+        yield f"lobe.h: {name}/ is " + ("not in the list of folders" if name in there else "listed, but not there")
+
+
+def makes(root, command, picture):
+    """Whether a command exists that can make a picture: of ./dev, an example or a benchmark."""
+    words = command.split()
+    if words[0] == "./dev":
+        scripts = [*(root / "docs" / "pictures").glob("*.gp"), *(root / "benchmarks" / "results").glob("*.gp")]
+        draws = words[1] != "plots" or any(Path(output).name == Path(picture).name for script in scripts for output in
+                                           re.findall(r"set output '([^']*)'", script.read_text(encoding="utf-8")))
+        return draws and f"  {words[1]})" in (root / "dev").read_text(encoding="utf-8")
+    if words[0].startswith("build/bin/"):
+        return (root / "examples" / f"{Path(words[0]).name}.cpp").exists()
+    return " ".join(words[:3]) in (root / "docs" / "commands.md").read_text(encoding="utf-8")
+
+
 def figures(root):
     """Every figure says in the text below it which command makes it."""
     for page in documents(root):
         lines = page.read_text(encoding="utf-8").splitlines()
         for i, line in enumerate(lines):
             for picture in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", line):
-                if "Made by `" not in "\n".join(lines[i:i + 8]):
-                    yield f"{page.relative_to(root)}:{i + 1}: no command beside {picture}"
+                made = re.search(r"Made by `([^`]*)`", "\n".join(lines[i:i + 8]))
+                if not made or not makes(root, made[1], picture):
+                    yield f"{page.relative_to(root)}:{i + 1}: " + (
+                        f"`{made[1]}` cannot make {picture}" if made else f"no command beside {picture}")
+
+
+def sources(root):
+    yield root / "dev", "#"
+    for file in (file for folder in SOURCES for file in sorted((root / folder).rglob("*"))):
+        is_list = file.suffix != ".txt" or file.name == "CMakeLists.txt"
+        if file.suffix in MARKS and is_list and "third_party" not in file.parts and file.is_file():
+            yield file, MARKS[file.suffix]
+
+
+def has_comment(line, mark):
+    """Whether a line is a comment, or ends with one."""
+    if mark == "//" and re.match(r"\s*(/\*| \* )", line):
+        return True
+    return re.match(rf"\s*{mark}", line) or re.search(rf"\S\s+({mark}|/\*) (?=[^\"']*$)", line)
+
+
+def wide_comments(root):
+    for file, mark in sources(root):
+        for i, line in enumerate(file.read_text(encoding="utf-8").splitlines()):
+            if len(line) > WIDEST and has_comment(line, mark):
+                yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
+
+
+CHECKS = (long_paragraphs, theory_table, section_numbers, glossary, list_of_folders, figures, wide_comments)
 
 
 def main(root):
+    assert has_comment("a = 1;  // b", "//") and has_comment("  # b", "#") and not has_comment('"http://a"', "//")
     assert words("$a b$ c d](e f)") == 3 and anchor("8 A frame, and what") == "8-a-frame-and-what"
     assert expanded("a/{b,c}.*") == ["a/b.*", "a/c.*"]
-    faults = [fault for check in (long_paragraphs, theory_table, glossary, figures) for fault in check(root)]
+    faults = [fault for check in CHECKS for fault in check(root)]
     print("\n".join(faults))
     print(f"{len(faults)} faults")
     return 1 if faults else 0

@@ -1,5 +1,5 @@
-// A session and a haptic loop in virtual time: frames are due as by a clock, each takes `compute` of its length,
-// and the loop ticks in between, all on one thread.
+// A session and a haptic loop in virtual time: frames are due as by a clock, each takes `compute` of its
+// length, and the loop ticks in between, all on one thread.
 #pragma once
 
 #include <deque>

@@ -69,14 +69,15 @@ std::vector<Setup> setups_of_all_terms() {
 
 }  // namespace
 
-TEST_CASE("the twin of a linear rotation is the rotation, free of strain") {
+TEST_CASE("the non-linear state of a linear rotation is the rotation, free of strain") {
   for (const double angle : {0.0, 1e-9, 0.3, 1.5, 3.0}) {
     const Mat3<double> exact = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
     CHECK((twin(skew(angle * axis)) + Mat3<double>::Identity() - exact).norm() < 1e-14);
   }
 }
 
-TEST_CASE("the Green strain of a twin is the linear strain, as long as that leaves it a volume") {
+TEST_CASE(
+    "the Green strain of the non-linear state is the linear strain, as long as that leaves it a volume") {
   for (const double size : {1e-3, 0.1, 0.5}) {
     const Mat3<double> strain = some_strain(size);
     CHECK((green_strain<double>(twin(strain + skew(0.7 * axis))) - strain).norm() < 1e-7);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the packages of a folder in a clean Debian and uses them as somebody who has nothing else would: the demo scene,
-# the mesher, the page and Python without a compiler; then the consumer project. As root, with a network:
-# try.sh PACKAGES CONSUMER_PROJECT CHROOT
+# Installs the packages of a folder in a clean Debian and uses them as somebody who has nothing else would:
+# the demo scene, the mesher, the page and Python without a compiler; then the consumer project. As root, with
+# a network: try.sh PACKAGES CONSUMER_PROJECT CHROOT
 set -euo pipefail
 packages=$1 project=$2 chroot=$3
 

@@ -1,5 +1,5 @@
-# Fails if an object of the wide kernels defines a weak symbol: the linker could take that copy, which older processors
-# cannot run, for all of the program.
+# Fails if an object of the wide kernels defines a weak symbol: the linker could take that copy, which older
+# processors cannot run, for all of the program.
 string(REPLACE "," ";" OBJECTS "${OBJECTS}")
 foreach(object ${OBJECTS})
   execute_process(COMMAND ${NM} --defined-only ${object} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)

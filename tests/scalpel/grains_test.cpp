@@ -57,7 +57,8 @@ void check_pieces(const Knife& knife, const TetMesh& mesh, Index pieces) {
 
 const Vec3d middle = Vec3d::Constant(0.05);
 
-// Whether grains that lie well on both sides of a surface hang together; distance(X) from it, with a sign [m].
+// Whether grains that lie well on both sides of a surface hang together; distance(X) from it, with a sign
+// [m].
 template <class Distance>
 bool has_bridge(const Knife& knife, Distance&& distance) {
   const Grains& grains = knife.grains;
@@ -88,8 +89,9 @@ bool has_bridge(const Knife& knife, Distance&& distance) {
   return false;
 }
 
-// A full stroke along a plane or a wave with a curvature times edge up to 1, whose rows often meet vertices, edges
-// and diagonals exactly. Whether it leaves no bridge, and as many pieces of the simulation as of the grains.
+// A full stroke along a plane or a wave with a curvature times edge up to 1, whose rows often meet vertices,
+// edges and diagonals exactly. Whether it leaves no bridge, and as many pieces of the simulation as of the
+// grains.
 bool is_parted(int trial, const TetMesh& mesh) {
   std::mt19937 random(static_cast<unsigned>(trial));
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -244,8 +246,8 @@ Vec3d middle_of(const Grains& grains, Index g) {
   return sum;
 }
 
-// The area of all faces between tetrahedra whose middles lie on both sides of a surface, by more than a margin [m],
-// and of those that may: a cut along faces opens no less and no more.
+// The area of all faces between tetrahedra whose middles lie on both sides of a surface, by more than a
+// margin [m], and of those that may: a cut along faces opens no less and no more.
 template <class Distance>
 std::pair<double, double> area_between_sides(const TetMesh& mesh, double margin, Distance&& distance) {
   const Grains grains{Elements(setup_of(mesh))};

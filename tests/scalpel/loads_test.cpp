@@ -238,7 +238,8 @@ TEST_CASE("a body that moves as one feels no force, cut or not") {
   state.u = (turn * X - X).colwise() + Vec3d(0.1, 0, 0.2);
   world.set_state(state);
   CHECK(world.forces().cwiseAbs().maxCoeff() < 1e-9);
-  // An affine motion leaves none on what is whole around: the stress is the same in all of a vertex's tetrahedra.
+  // An affine motion leaves none on what is whole around: the stress is the same in all of a vertex's
+  // tetrahedra.
   state.u = Mat3<double>(Vec3d(0.1, -0.05, 0.02).asDiagonal()) * X;
   world.set_state(state);
   const Mat3X<double> forces = world.forces();

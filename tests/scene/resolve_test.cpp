@@ -162,11 +162,11 @@ TEST_CASE("indices beyond the mesh are refused with their place, once") {
 TEST_CASE("a precomputed region must be held, and explicit") {
   const std::string near = R"("where": {"box": {"min": [-1, -1, -1], "max": [0.19, 1, 1]}})";
   CHECK(resolved(R"({"regions": [{"model": "precomputed", )" + near + "}]}").warnings.empty());
-  CHECK(faults(R"({"regions": [{"model": "nonlinear", )" + near + R"(}, {"model": "precomputed"}]})") ==
-        "precomputed region: 12 of its tetrahedra, among them 12, are in parts without enough fixed vertices "
-        "of their "
-        "own, and a linear part that turned would grow; fix some of their vertices, let one part have "
-        "\"frame\": \"corotated\", or make them tensor-mass or nonlinear");
+  CHECK(
+      faults(R"({"regions": [{"model": "nonlinear", )" + near + R"(}, {"model": "precomputed"}]})") ==
+      "precomputed region: 12 of its tetrahedra, among them 12, are in parts without enough fixed vertices; "
+      "a linear part that turns grows, so fix some of their vertices, let one part have "
+      "\"frame\": \"corotated\", or make them tensor-mass or nonlinear");
   CHECK(faults(R"({"regions": [{"model": "precomputed"}], "time": {"integrator": "implicit"}})") ==
         "/regions/0/model: \"model\": \"precomputed\" does not go with \"integrator\": \"implicit\": an "
         "implicit step "

@@ -396,7 +396,7 @@ TEST_CASE("when what holds the body is burnt away, it falls and no longer counts
   CHECK(world.state().u(2, setup.mesh.vertex_count() - 1) < -0.1);
 }
 
-TEST_CASE("what is led beyond the numbers ends the frame, also where nothing else moves") {
+TEST_CASE("a vertex that is driven to infinity ends the frame, also if nothing else moves") {
   Setup setup = setup_of(box_mesh({0.02, 0.02, 0.02}, 2, 2, 2));
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, {1e308, 0, 0}});
   World<float> world(setup);

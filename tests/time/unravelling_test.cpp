@@ -148,7 +148,7 @@ TEST_CASE("what does not come back becomes linear ring by ring, at last all of i
   CHECK(world.save().unravelling.stage == Unravelling::stages);
 }
 
-TEST_CASE("only what is guarded, held and led by nobody, in explicit steps, becomes linear") {
+TEST_CASE("only guarded, held tetrahedra that nothing drives, in explicit steps, become linear") {
   CHECK(said_of<float>(squeezed_bar()).size() > 2);
   Setup unguarded = squeezed_bar(), loose = squeezed_bar(), implicit = squeezed_bar(), led = squeezed_bar();
   unguarded.guard_below = 0;

@@ -5,8 +5,8 @@ const creaseCosine = Math.cos((50 * Math.PI) / 180),
 
 // Corners of triangles that meet across smooth edges share a vertex, others do not. Skin is sharp where it is
 // bent, an opened face only at its rim and where it folds back: both sides of a cut that has not come apart
-// are at the same place, and smooth each for itself. Where other than two sharp edges meet, a corner stays where it is, on
-// all sides of them.
+// are at the same place, and smooth each for itself. Where other than two sharp edges meet, a corner stays
+// where it is, on all sides of them.
 export function splitAtCreases({triangles, rest, cut}) {
   const normal = faceNormals(triangles, rest),
     place = samePlaces(rest),

@@ -184,8 +184,8 @@ function cautery(radius) {
   return group;
 }
 
-// Its cutting edge from the tip, in the origin, along z. The handle leans to where the surgeon stands, so that a
-// blade that is pushed away from the viewer is not behind it.
+// Its cutting edge from the tip, in the origin, along z. The handle leans to where the surgeon stands, so
+// that a blade that is pushed away from the viewer is not behind it.
 function scalpel(length, surgeon) {
   const group = new THREE.Group(),
     handle = new THREE.Group(),

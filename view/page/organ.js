@@ -77,7 +77,10 @@ export class Organ {
 
   // ---- A finer skin, which takes the place of the tetrahedra's own
 
-  /** Shown after compose(). @param {{triangles: Uint32Array, rest: Float32Array, revision: number}|null} skin */
+  /**
+   * Sets the skin that is shown after compose().
+   * @param {{triangles: Uint32Array, rest: Float32Array, revision: number}|null} skin
+   */
   setSkin(skin) {
     this.skin = skin;
     this.skinX = null;
@@ -103,7 +106,7 @@ export class Organ {
     this.rebuild();
   }
 
-  /** What is drawn: all of the surface; or what was cut open of it, with the skin. Vertices are those of both. */
+  /** The triangles to draw: all of the surface, or its cut faces and the skin. Vertices are those of both. */
   composed() {
     const {surface, skin} = this;
     if (!this.showsSkin()) return surface;

@@ -21,12 +21,12 @@ class AppliedForces : public ForceTerm<Real> {
  public:
   using At = typename ForceTerm<Real>::At;
 
-  // In place of those that there are. Throws InputError for a vertex that there is not, or values that are
-  // not finite.
+  // Replaces all forces, or all springs. Throws InputError for a vertex that does not exist and for values
+  // that are not finite.
   void set(const std::vector<VertexLoad>& forces, Index vertices);
   void set(const std::vector<Spring>& springs, Index vertices);
-  // Where the points are to be at the end of the next frame, 3 × #springs [m]; on their way they move
-  // uniformly.
+  // Sets where the points are at the end of the next frame, 3 × #springs [m]. They move there at constant
+  // speed.
   void move(const Mat3X<double>& points);
   bool has_springs() const { return !springs_.empty(); }
   const std::vector<VertexLoad>& forces() const { return forces_; }
@@ -42,7 +42,7 @@ class AppliedForces : public ForceTerm<Real> {
   void load(const std::string& kept, Index vertices) override;
 
  private:
-  // On its way from a spring's point in this frame.
+  // The point of a spring at a time in this frame [m].
   Vec3d point_at(std::size_t spring, double time) const;
 
   std::vector<VertexLoad> forces_;

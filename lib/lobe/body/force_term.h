@@ -1,6 +1,6 @@
-// A force on a body in addition to those of its regions, its weight and its dead loads: contact, the springs of
-// a haptic coupling, what an application adds. A World has a list of them (World::add()). An empty list costs
-// nothing.
+// A force term is a force on a body besides those of its regions, its weight and its dead loads. Examples are
+// contact, the springs of a haptic coupling, and forces of an application. A World has a list of them
+// (World::add()). An empty list costs nothing.
 #pragma once
 
 #include <functional>
@@ -14,15 +14,16 @@
 
 namespace lobe {
 
-// What is around a body before the steps of a frame, for those force terms that want it.
+// The body as some force terms need it before the steps of a frame.
 struct Surroundings {
   const Model& model;
   const SurfaceMesh& surface;
   const std::vector<double>& mass;  // per vertex [kg]
-  double omega = 0;                 // its highest frequency at rest [rad/s]
+  double omega = 0;                 // highest frequency of the body at rest [rad/s]
   double lumped_omega = 0;          // the same if masses were lumped
-  double ratio = 1;                 // of that to the highest of a vertex that moves alone
-  // With selective masses: from forces [N] to those that give lumped masses the same accelerations. None: lumped.
+  double ratio = 1;                 // lumped_omega over the highest frequency of a single vertex
+  // With selective masses: changes forces [N] to those that give lumped masses the same accelerations. Null
+  // if masses are lumped.
   std::function<void(Mat3X<double>&)> spread = {};
 };
 
@@ -41,8 +42,8 @@ class ForceTerm {
 
   // Once per step: f += forces that act on vertices [N]. A force that depends on v is taken half a step late.
   virtual void add_forces(const At& at, Mat3X<Real>& f) = 0;
-  // What its vertices feel of it when they move while their neighbours are held, −∂f_v/∂u_v [N/m]: without it the time step limit is
-  // too long.
+  // Adds the stiffness that each vertex feels when it moves while its neighbours are held, −∂f_v/∂u_v [N/m].
+  // Without it the stable step would be found too long.
   virtual void add_diagonal_stiffness(const At&, DiagonalStiffness&) const {}
   virtual double energy(const At&) const { return 0; }  // [J]
   // Vertices on which it may act in this frame. They do not sleep through it.
@@ -50,22 +51,23 @@ class ForceTerm {
   virtual void begin_frame(double /*time*/, double /*duration*/) {}  // [s]
   virtual void follow(const Topology&, const MeshEdit&) {}           // of the mesh
 
-  // ---- Of those that act between the body and what is around it
+  // ---- For terms that act between the body and what is around it
 
   virtual bool wants_surroundings() const { return false; }
-  // Before the steps of a frame, after its cuts: the tools in it, and the body.
-  // True if others are there than were at this time.
+  // Both are called in each frame after its cuts and before its steps, with the tools and the body.
+  // see_tools() returns whether other tools touch at this time than before.
   virtual bool see_tools(std::span<const ToolBody>, double /*time*/) { return false; }
   virtual void see_surroundings(const Surroundings&, const At&) {}
-  // What the forces that were found last do to tools.
+  // The forces of the last evaluation on tools.
   virtual std::span<const OnTool> on_tools() const { return {}; }
 
-  // ---- Of those whose forces depend on what was before
+  // ---- For terms whose forces depend on earlier steps, as friction does
 
-  // Steps begin that may be taken back, all of them.
+  // take_back_steps() undoes all steps since begin_steps().
   virtual void begin_steps() {}
   virtual void take_back_steps() {}
-  // A step of dt [s] was taken by the forces that were found last; no vertex has moved further than `farthest` [m].
+  // Is called after a step of dt [s] with the forces of the last evaluation. No vertex has moved further than
+  // `farthest` [m].
   virtual void end_step(double /*farthest*/, double /*dt*/) {}
 
   // All of its state, for checkpoints. load() throws InputError for what save() did not write.

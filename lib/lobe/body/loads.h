@@ -19,7 +19,7 @@ class Loads {
         gravity_(setup.gravity),
         ramp_(setup.load_ramp) {}
 
-  // After an edit: of these vertices, from what they weigh [kg].
+  // Updates the loads of these vertices after an edit. mass(v) is the mass on which gravity acts [kg].
   void refresh(const Elements& elements, const std::vector<Index>& vertices,
                const std::function<double(Index)>& mass);
   DeadLoads& dead_loads() { return loads_; }
@@ -37,8 +37,8 @@ class Loads {
   }
   double work(const Mat3X<Real>& u) const;  // of all at full size on displacements [J]
 
-  // At full size, 3 × #vertices [N]: all, and the dead ones of them. A condensed region takes those of its
-  // interior.
+  // Loads at full size, 3 × #vertices [N]: all loads, and only the dead ones. A condensed region takes out
+  // the loads of its interior.
   Mat3X<Real>& external() { return external_.padded(); }
   Mat3X<Real>& dead() { return dead_.padded(); }
 

@@ -9,8 +9,8 @@
 
 namespace lobe {
 
-// Each number only grows. A part keeps the numbers that it was computed at. It is out of date as soon as one of
-// them differs.
+// Each number only grows. A part stores the numbers for which it was computed. It is out of date as soon as
+// one of them differs.
 struct Revisions {
   std::uint64_t structure = 0;  // which tetrahedra there are, the model of each, which of them are condensed
   std::uint64_t inertia = 0;    // masses, and which components move by themselves

@@ -14,7 +14,7 @@ struct State {
   Mat3X<Real> u;    // 3 × #vertices, displacement [m]
   Mat3X<Real> v;    // 3 × #vertices, velocity [m/s]
   double time = 0;  // [s]
-  // By how much v is older than u [s]: half a step after one, 0 where motion starts, or starts again.
+  // By how much v is older than u [s]: half a step after a step, 0 where motion starts.
   double behind = 0;
 
   bool is_valid() const {
@@ -38,10 +38,10 @@ struct StateColumns {
   double time = 0, behind = 0;      // [s]
 };
 
-// Of the last step [m/s].
+// Speeds of the last step [m/s].
 struct Speeds {
-  double fastest = 0;  // of what moves by itself
-  double turned = 0;   // of what turned back (integrator.h)
+  double fastest = 0;  // of free vertices
+  double turned = 0;   // of vertices that turned back (integrator.h)
   double led = 0;      // of held vertices
 };
 

@@ -37,14 +37,14 @@ class Regions {
   }
   std::string take_notice() { return precomputed_.take_notice(); }  // of the cache
 
-  // Precomputed tetrahedra as non-linear ones, until they are condensed again. Masses and loads of
-  // condensed_vertices() are to be found again in between; take_over_loads() and move_mass() follow where they
-  // are condensed.
+  // While the region is expanded, its pre-computed tetrahedra are non-linear. After each change, masses and
+  // loads of condensed_vertices() must be computed anew. After condensing, call take_over_loads() and
+  // move_mass().
   bool can_be_expanded() const { return expandable_ && any_condensed(); }
   bool is_expanded() const { return is_expanded_; }
   bool can_condense() const {
     return !precomputed_.is_outdated();
-  }  // no edit concerned it since it was renewed
+  }  // no edit has changed the region since it was relinearised
   void set_expanded(bool is_expanded) { is_expanded_ = is_expanded; }
   std::vector<Index> condensed_vertices(Index vertices) const;  // shared ones first
   void take_over_loads(Loads<Real>& loads) const {
@@ -55,13 +55,14 @@ class Regions {
     return precomputed_.move_mass(elements, mass);
   }
 
-  // Condensed from scratch by another thread, about where it is linearised or about other displacements (3 ×
-  // #vertices [m]; none: the former), and used from a time on [s].
+  // Another thread condenses the region from scratch, about its present linearisation or about other
+  // displacements (3 × #vertices [m]; empty: the present ones). The result is used from the time `due` on
+  // [s].
   bool wants_refresh() const { return precomputed_.wants_refresh(); }
   bool is_refreshing() const { return precomputed_.is_refreshing(); }
   double refresh_due() const { return refresh_due_; }
   void begin_refresh(const Elements& elements, double due, const std::vector<double>& about);
-  // False where nothing could be condensed, and all stays as it was.
+  // False if the region could not be condensed. Nothing has changed then.
   bool end_refresh(const Elements& elements) { return precomputed_.end_refresh(elements); }
   const Mat3X<double>& linearised_about() const { return precomputed_.about(); }  // none: rest
 
@@ -74,25 +75,26 @@ class Regions {
   }
   const CondensingLog& condensing() const { return precomputed_.condensing(); }
 
-  // ---- What they answer. `missing`: share of the dead loads that does not act yet.
+  // ---- Forces and energies. `missing`: share of the dead loads that does not act yet.
 
   void add_forces(const Mat3X<Real>& u, double missing, Mat3X<Real>& f,
                   Parallel& parallel);  // 3 × #vertices [N]
   // The same near a state, for differences of forces: at rest without loads, and elsewhere.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   void add_forces_near(const Mat3X<Real>& u, double missing, Mat3X<Real>& f, Parallel& parallel);
-  // What vertices feel when they move while their neighbours are held, and the smallest det F.
+  // Adds the stiffness that each vertex feels when it moves while its neighbours are held. Returns the
+  // smallest det F.
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                            Parallel& parallel);
   ElasticEnergy energy(const Elements& elements, const Mat3X<Real>& u);
-  // The displacement that a condensed interior misses for want of its inertia [m], at this mean acceleration of
-  // the interface [m/s²].
+  // The displacement error of a condensed interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
+  // acceleration of the interface [m/s²].
   double lag(const Vec3d& acceleration) const { return precomputed_.lag(acceleration); }
   const std::vector<Index>& shared() const { return precomputed_.shared(); }
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
-  // Computes the condensed interior, which is in equilibrium with its interface. Does nothing if the state has
-  // not changed since the last call.
+  // Computes the condensed interior, which is in equilibrium with its interface. Does nothing if the state
+  // has not changed since the last call.
   enum class Interior { none, displacements, all };
   void recover(const Model& model, double missing, Interior wanted, StateColumns<Real>& state);
 

@@ -38,7 +38,7 @@ class Anchors {
     return any_corner(part, [&](Index v) { return given_.col(v).any(); }) &&
            keep_shape(part, [&](Index v, int axis) { return given_(axis, v); });
   }
-  // In a frame all components of a vertex that is held in any are led.
+  // In a frame all components of a vertex that is held in any are driven.
   bool hold_in_frame(const std::vector<Index>& part) const {
     return keep_shape(part, [&](Index v, int) { return given_.col(v).any(); });
   }
@@ -97,14 +97,14 @@ void refuse_unanchored(const Elements& elements, const HeldVertices& held) {
   if (elements.precomputed_frame == RegionFrame::corotated)
     throw InputError("precomputed region",
                      some +
-                         ", are not in the one part, the largest, that its frame follows, or share too few "
-                         "vertices with others for a frame: three that are not in line; make them "
-                         "tensor-mass or nonlinear");
+                         ", are outside of the largest part, which is the one that its frame follows, or "
+                         "share too few vertices with other regions: three that are not in line are "
+                         "needed; make them tensor-mass or nonlinear");
   throw InputError("precomputed region",
                    some +
-                       ", are in parts without enough fixed vertices of their own, and a linear part that "
-                       "turned would grow; fix some of their vertices, let one part have \"frame\": "
-                       "\"corotated\", or make them tensor-mass or nonlinear");
+                       ", are in parts without enough fixed vertices; a linear part that turns grows, so "
+                       "fix some of their vertices, let one part have \"frame\": \"corotated\", or make "
+                       "them tensor-mass or nonlinear");
 }
 
 }  // namespace lobe

@@ -6,8 +6,8 @@
 // with loads f and their amplitudes a, and the displacements u_B of the interface B ⊂ T. Its energy, less
 // what the loads have done, is ½ [a; u_B]·S [a; u_B], so that the rows of B in
 //   −S [a; u_B]                                                                                     (2)
-// are the force on the interface, those of a the work of unit loads on the interior. This, the interface
-// held, answers to a force with A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N exact, with G =
+// are the force on the interface, those of a the work of unit loads on the interior. With the interface held,
+// the response to a force is A − A E_T N E_Tᵀ A. Three operations keep Φ, S and N exact, with G =
 // dependence of displacements on [a; u_B], R = E_Pᵀ (A − A E N Eᵀ A) E_P, Z = E_P − N A_TP:
 //   change:  K and f between components P by ΔK and Δf, wherever they are.
 //            W = ΔK − ΔK (R⁻¹ + ΔK)⁻¹ ΔK,  S ← S + Gᵀ W G,  Φ ← Φ − Z W G,  N ← N + Z W Zᵀ             (3)
@@ -16,11 +16,11 @@
 //            S ← [S + Gᵀ C G, −Gᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ              (4)
 //   demote:  components D of B join the interior.  C = S_DD⁻¹,
 //            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (5)
-// Each costs O((|T| + |B|)² × components), and what is touched for the first time a column of A each. It
-// loses as many digits as what is left is softer than what went. With all ΔK and Δf so far, (1) should leave
-// inside B no force
+// Each costs O((|T| + |B|)² × components). A component that is touched for the first time also costs a column
+// of A. An operation loses as many digits as the rest is softer than the part that was removed. With all ΔK
+// and Δf so far, (1) should leave no force inside B,
 //   r = φ + ΔK u − Δf a;                                                                            (6)
-// the displacements that answer to r, B held, are its error.
+// The displacements that r causes, with B held, are the error of (1).
 #pragma once
 
 #include <Eigen/Core>

@@ -107,7 +107,7 @@ void CondensedCache::save(const std::filesystem::path& file, std::uint64_t key, 
     std::filesystem::create_directories(folder_, ignored);
     io::write_sealed(file, format, out.bytes());
   } catch (const InputError& error) {
-    notice_ = std::string(error.what()) + "; the condensed region was not kept";
+    notice_ = std::string(error.what()) + "; the condensed region was not stored";
   }
 }
 

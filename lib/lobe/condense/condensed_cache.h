@@ -1,6 +1,6 @@
-// Keeps condensed regions on disk, one file per region. The name of the file is a digest of all that condensing
-// starts from: stiffness (with mesh, materials and boundary in it), loads, interface. So a changed input finds
-// no file.
+// Keeps condensed regions on disk, one file per region. The name of the file is a digest of all that
+// condensing starts from: stiffness (with mesh, materials and boundary in it), loads, interface. So a changed
+// input finds no file.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,9 @@ class CondensedCache {
                           CondensingLog::Progress progress = {})
       : folder_(std::move(folder)), log_(std::move(progress)) {}
 
-  // The region condensed to its interface: from the folder, or else from scratch, and then kept there. A file that
-  // is damaged is replaced, one that cannot be written is left: take_notice() says so.
+  // Returns the region condensed to its interface. It is read from the folder, or condensed from scratch and
+  // stored there. A damaged file is replaced. A file that cannot be written is left out. take_notice()
+  // reports both.
   std::unique_ptr<Condensed> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
                                       const Dofs& interface, const SparseFactorMaker& make_factor);
   const CondensingLog& log() const { return log_; }

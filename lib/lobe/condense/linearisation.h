@@ -1,6 +1,6 @@
-// The state about which a pre-computed region is linearised (theory, section 14). At rest its tetrahedra follow
-// Hooke's law. At another state of the body, forces are those of the non-linear model and stiffness is its
-// tangent there.
+// The state about which a pre-computed region is linearised (theory, section 14). At rest its tetrahedra
+// follow Hooke's law. At another state of the body, forces are those of the non-linear model and stiffness is
+// its tangent there.
 #pragma once
 
 #include "lobe/solve/tangent.h"

@@ -27,8 +27,8 @@ class PrecomputedRegion {
 
   // Follows an edit of the mesh or the regions. `edit.vertices` also names vertices that were grasped or
   // released.
-  // - Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act through
-  //   the interface.
+  // - Loads on components of the interior are taken out of the two arrays (3 × #vertices [N]): they act
+  //   through the interface.
   // - Returns tetrahedra that have become a mechanism and must leave the region.
   // - Throws InputError if the region cannot be condensed. This happens only if tetrahedra enter it.
   // - While the region is expanded it may be followed lazily. Then it is outdated until it is relinearised.
@@ -51,7 +51,8 @@ class PrecomputedRegion {
   void begin_renewal(const Elements& elements, const Mat3X<double>& about) {
     begin_refresh(elements, Linearisation{about});
   }
-  // Waits for the other thread and uses its result. A refresh changes nothing but rounding. False if there is
+  // Waits for the other thread and uses its result. Condensing from scratch changes nothing but rounding.
+  // False if there is
   // no result, and then all stays as it is: the tangent at the new state is not positive definite, or the
   // region was followed lazily meanwhile.
   bool end_refresh(const Elements& elements);
@@ -60,8 +61,8 @@ class PrecomputedRegion {
   // 3 × #vertices, what it is linearised about [m]; none: rest.
   const Mat3X<double>& about() const { return linearisation_.about; }
   const std::vector<Index>& shared() const { return shared_; }  // vertices that are others' as well
-  // The displacement that the interior misses for want of its inertia, √Σ m |u|² [√kg m], at this mean
-  // acceleration of the interface [m/s²]. With the masses of move_mass().
+  // The displacement error of the interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
+  // acceleration of the interface [m/s²]. The masses are those of move_mass().
   double lag(const Vec3d& acceleration) const;
 
   std::string take_notice() { return cache_.take_notice(); }        // of the cache
@@ -71,7 +72,7 @@ class PrecomputedRegion {
   Index interface_size() const { return static_cast<Index>(components_.size()); }  // components
   bool is_interior(Index vertex) const { return (roles_.col(vertex).array() == Role::interior).any(); }
 
-  // What becomes of the interior's loads where the world has put them back.
+  // Takes the interior's loads out of the arrays again, after the world has put them back.
   void take_over_loads(Mat3X<Real>& external, Mat3X<Real>& dead) const;
 
   // Moves the interior's mass to the interface: as much as it takes to move the interface as a whole (theory,
@@ -87,8 +88,8 @@ class PrecomputedRegion {
                             Parallel& parallel);  // at rest, without loads
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
-  // Computes displacements of the interior, and velocities if v is not null, from those of the interface. Costs
-  // a solve with the factor for each.
+  // Computes displacements of the interior, and velocities if v is not null, from those of the interface.
+  // Costs a solve with the factor for each.
   void recover(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
 
   // Of recovered displacements:

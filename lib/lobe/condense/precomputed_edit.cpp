@@ -226,7 +226,8 @@ void PrecomputedRegion<Real>::change_members(const Elements& elements, const Reg
   }
 }
 
-// With the corners and the share that a member had when it was last followed. `row`: of each component, or −1.
+// With the corners and the share that a member had when it was last followed. `row`: of each component, or
+// −1.
 template <class Real>
 void PrecomputedRegion<Real>::add(const Linearisation& linearisation, const Elements& elements, Index tet,
                                   double sign, const std::vector<Index>& row,
@@ -281,8 +282,8 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
   return mechanism;
 }
 
-// Where edits have left too large an error the region is condensed from scratch at once, if it can be: little of it
-// is left then. That is measured as often as it costs little beside the edits. What another thread is
+// Where edits have left too large an error the region is condensed from scratch at once, if it can be: little
+// of it is left then. That is measured as often as it costs little beside the edits. What another thread is
 // condensing starts again from here, once that is done.
 template <class Real>
 void PrecomputedRegion<Real>::keep_exact(const Elements& elements, const std::vector<Index>& edited) {

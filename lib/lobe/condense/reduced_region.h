@@ -30,13 +30,13 @@ class ReducedRegion {
   Components interface() const;                         // in the order of the columns
   const Matrix& stiffness() const { return condensed_->stiffness(); }
   Matrix field(const Matrix& driven) const;  // per component, 0 where there is none
-  // What masses of the interior do that follows its interface, where components of that move as a whole along
-  // their axes. Both are found once, and again after an operation.
+  // The mass that the interior gives to each component of the interface, if the interface moves as a whole
+  // along an axis. It is computed once, and again after an operation.
   const Eigen::VectorXd& inertia(
       const Eigen::VectorXd& mass,  // per component, 0 outside of the interior [kg]
       const Components& moving);    // per component of the interface [kg]
-  // How far the interior then lags behind, per axis: √Σ m |u|² for 1 m/s² [√kg s²]. Of what inertia() was
-  // asked for last; 0 where it was not, since the last operation.
+  // The displacement error of the interior because it has no inertia, per axis: √Σ m |u|² for 1 m/s² [√kg
+  // s²]. It belongs to the last call of inertia(). It is 0 if there was none since the last operation.
   Vec3d sway();
 
   void promote(const Components& components);
@@ -44,8 +44,8 @@ class ReducedRegion {
   struct Change {
     Matrix stiffness = {}, loads = {};
   };
-  // What would become a mechanism is promoted. `repeated`: the same of the region that it is to be repeated
-  // on.
+  // Components that would become a mechanism are promoted. `repeated`: the same change for the region on
+  // which it is repeated.
   void change(const Components& components, const Change& change, const Change& repeated);
   bool demote(const Components& components);  // false if it would be a mechanism
   void forget(const Components& components);

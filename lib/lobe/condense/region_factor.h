@@ -18,8 +18,8 @@ using Roles = Eigen::Matrix<Role, 3, Eigen::Dynamic>;              // 3 × #vert
 using ComponentNumbers = Eigen::Matrix<Index, 3, Eigen::Dynamic>;  // 3 × #vertices, −1: none
 
 // K̂ = K + springs, K the stiffness of the region's tetrahedra on all components with a role, and a spring on
-// each vertex whose components are all interface or fixed. They hold K̂ where nothing else holds the region,
-// are of the size of its own stiffness, and are taken off again by who condenses.
+// each vertex whose components are all interface or fixed. The springs hold K̂ if nothing else holds the
+// region. They are as stiff as the region. Condensing takes them off again.
 struct RegionFactor {
   RegionFactor(const Elements& elements, const Roles& roles, const Linearisation& linearisation = {});
   std::unique_ptr<SparseFactor> factorise(const SparseFactorMaker& make_factor, CondensingLog& log) const;

@@ -1,4 +1,4 @@
-// What friction remembers of the points of triangles that touch, from step to step.
+// Anchors are what friction remembers from step to step: one for each touching point of a triangle.
 #pragma once
 
 #include "lobe/mesh/surface.h"

@@ -1,9 +1,9 @@
 // Contact of a body with rigid tools (tool_contact.h), as a force term: its energy and stiffness are known to
 // the world, and its state is part of checkpoints. A world makes one where a tool has a body to touch with.
 //
-// It leaves the time step about where it is (contact_surface.h). Its damping acts along the normals alone; a
-// share ζ of the critical damping at ω_max, and less below. Velocities lag by half a step, which lowers the
-// stable step by √(1 + ζ²) − ζ at most, within `safety`.
+// Contact hardly changes the stable step (contact_surface.h). Its damping acts only along the normals. It is
+// a share ζ of the critical damping at ω_max, and less at lower frequencies. Velocities lag by half a step.
+// This lowers the stable step by a factor √(1 + ζ²) − ζ at most, for which `safety` leaves room.
 #pragma once
 
 #include <memory>

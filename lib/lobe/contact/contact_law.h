@@ -1,4 +1,4 @@
-// What a depth of contact is worth.
+// The pressure of a contact as a function of its depth.
 #pragma once
 
 #include <algorithm>

@@ -7,10 +7,10 @@
 // by Gershgorin's theorem ω² ≤ ω_max² + max k_v/m_v in the worst case. r is ω_max over the largest ω_v. Per
 // area that is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
 //
-// With selective masses, whose mobility C couples vertices, the stiffness K_c of contact all over the surface
-// is found like that for lumped masses, and then lowered until λ_max(C K_c), by power iterations, is at most
-// a share `most_added` of ω_max²: contact of a part of the surface is less than that of all of it, so that by
-// Weyl's inequality ω_max² grows by no more than this share, which `safety` leaves room for.
+// Selective masses have a mobility C that couples vertices. The stiffness K_c of contact all over the surface
+// is first found as for lumped masses. It is then lowered until λ_max(C K_c), by power iterations, is at most
+// a share `most_added` of ω_max². Contact of a part of the surface is less than that. So by Weyl's inequality
+// ω_max² grows by no more than this share, for which `safety` leaves room.
 #pragma once
 
 #include <algorithm>
@@ -45,9 +45,9 @@ class ContactSurface {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Point>& points() const { return points_; }
   double mean_edge() const { return mean_edge_; }  // at rest [m]
-  // Of contact with another part of the body: the same all over, or else blocks that press flat on each other
-  // would have no flat faces. That is what a quarter of the area bears less than, but no more than
-  // `most_beyond` times a triangle's own [Pa/m].
+  // The stiffness of contact between parts of the body [Pa/m]. It is uniform, so that blocks that press flat
+  // on each other keep flat faces. It is the value that a quarter of the area cannot bear, but at most
+  // `most_beyond` times the stiffness of a triangle.
   double self_stiffness(int triangle) const {
     return std::min(quartile_, most_beyond * triangles_[std::size_t(triangle)].stiffness);
   }

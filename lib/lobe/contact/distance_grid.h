@@ -1,6 +1,6 @@
-// The signed distance to a closed triangle mesh, found once at the points of a grid, and trilinear between them: a
-// query costs the same however many triangles there are. The sign is that of the angle-weighted pseudonormal at the
-// nearest point (Bærentzen and Aanæs, IEEE TVCG 11(3), 2005).
+// The signed distance to a closed triangle mesh, found once at the points of a grid, and trilinear between
+// them: a query costs the same however many triangles there are. The sign is that of the angle-weighted
+// pseudonormal at the nearest point (Bærentzen and Aanæs, IEEE TVCG 11(3), 2005).
 #pragma once
 
 #include <array>
@@ -45,8 +45,8 @@ class DistanceGrid {
   // O(cells³ log #triangles): a tenth of a second and more.
   DistanceGrid(const std::vector<Vec3d>& points, const std::vector<Eigen::Vector3i>& triangles);
 
-  // Within the grid, whose rim is two cells outside of the mesh: trilinear, with the gradient of that. Beyond it: no
-  // more than the distance, which is enough to know that nothing touches.
+  // Inside the grid the distance and its gradient are trilinear. The grid reaches two cells beyond the mesh.
+  // Outside of it the value is a lower bound of the distance, which shows that nothing touches.
   Distance at(const Vec3d& x) const;
   double cell() const { return cell_; }  // [m]
 

@@ -1,4 +1,4 @@
-// The points of a triangle at which contact looks.
+// The points of a triangle at which contact is evaluated.
 #pragma once
 
 #include "lobe/types.h"

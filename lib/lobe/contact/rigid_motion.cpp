@@ -30,7 +30,8 @@ RigidMotion motion_at(const std::vector<PathPoint>& path, double time) {
   return motion;
 }
 
-// A point moves with the position, by the angle about it, and with jaws. Rows in between can only add to that.
+// A point moves with the position, by the angle about it, and with jaws. Rows in between can only add to
+// that.
 double farthest_move(const std::vector<PathPoint>& path, double from, double to, double reach) {
   double sum = 0;
   PathPoint last{from, path_at(path, from), turn_at(path, from), opening_at(path, from)};

@@ -1,4 +1,4 @@
-// Where a rigid tool is at a moment of its path, and how it moves.
+// Position and velocity of a rigid tool at a moment of its path.
 #pragma once
 
 #include "lobe/tool/paths.h"

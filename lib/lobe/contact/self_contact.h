@@ -6,14 +6,16 @@
 //   g = n·(x_q − x_1),  p = κ ⟨−g⟩,  f_q = A_q p n,  f_j = −w_j f_q,
 // w the barycentric coordinates of the foot of x_q in the face's plane: minus the gradient of ½ κ A_q ⟨−g⟩²,
 // so that momentum and angular momentum are kept, and energy but for where another face becomes the nearest.
-// A slit, whose lips lie on each other, has no force until they overlap. Both sides are asked; κ is half of
-// κ_q κ_f/(κ_q + κ_f), so that both together give no vertex more than it may have (contact_surface.h).
+// A slit, whose lips lie on each other, has no force until they overlap. Both sides are evaluated. κ is half
+// of κ_q κ_f/(κ_q + κ_f), so that both together give no vertex more stiffness than it may have
+// (contact_surface.h).
 //
 // A triangle may touch a tetrahedron that has a vertex of it or of its neighbours only where that lies in
 // front of it at rest: across a slit or a fold. What lies behind it, its own side, cannot be where it is.
 //
-// Friction is Coulomb's, with a spring per point whose length ξ grows by what the two slide past each other.
-// It acts on the tetrahedron at the very place of x_q, by −b_i f_t on its corners.
+// Friction follows Coulomb's law, with a spring per point. The length ξ of the spring grows by the sliding of
+// both sides past each other. Friction acts on the tetrahedron at the place of x_q, by −b_i f_t on its
+// corners.
 #pragma once
 
 #include <limits>

@@ -8,10 +8,10 @@
 // continuous while the tool slides. Beyond a depth of `deepest` the pressure grows no more. n is such that
 // points are no further apart than half of the tool's radius.
 //
-// Friction is Coulomb's with Cundall's springs: each point that touches has an anchor on the tool,
+// Friction follows Coulomb's law with Cundall's springs. Each point that touches has an anchor on the tool,
 //   f_t = −k_t A_q ξ,  k_t = κ/2,  |f_t| ≤ μ p A_q,
-// ξ the part of its way from the anchor that is tangential; where the bound is exceeded the anchor slides
-// after it.
+// where ξ is the tangential part of the way from the anchor to the point. If the bound is exceeded, the
+// anchor slides after the point.
 #pragma once
 
 #include "lobe/contact/anchors.h"
@@ -90,7 +90,7 @@ class ToolContact {
 
   // ---- Anchors
 
-  void end_step();  // those that the last forces have led to hold from now on
+  void end_step();  // anchors of the last evaluation of forces hold from now on
   const Anchors& anchors() const { return anchors_; }
   void set_anchors(const Anchors& anchors) {
     kept_ = anchors;

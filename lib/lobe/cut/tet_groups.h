@@ -1,7 +1,7 @@
 // Finds the tetrahedra that an instrument may touch, without testing all of them. Groups of some hundred
-// tetrahedra that are near each other at rest remember their box and how far vertices have moved since. A group
-// is tested only if its box, enlarged by that distance, meets the instrument's box. None is missed: a shuffled
-// or inverted mesh only costs more.
+// tetrahedra that are near each other at rest remember their box and how far vertices have moved since. A
+// group is tested only if its box, enlarged by that distance, meets the instrument's box. None is missed: a
+// shuffled or inverted mesh only costs more.
 #pragma once
 
 #include <vector>

@@ -99,8 +99,8 @@ struct RegionEdit {
   std::vector<std::pair<Index, Index>> copied;  // vertices and their copies, which start where these were
 };
 
-// Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves while its neighbours are held
-// [N/m].
+// Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves while
+// its neighbours are held [N/m].
 using DiagonalStiffness = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 // Lumped mass ∫ρ/4 per corner of the alive tetrahedra around one vertex [kg]. [PDA] section 3.2.

@@ -1,5 +1,5 @@
-// The term that one fibre direction adds to an isotropic law (A. J. M. Spencer, Constitutive theory for strongly
-// anisotropic solids, 1984). With a unit vector a at rest, A = a⊗a, and a strain E,
+// The term that one fibre direction adds to an isotropic law (A. J. M. Spencer, Constitutive theory for
+// strongly anisotropic solids, 1984). With a unit vector a at rest, A = a⊗a, and a strain E,
 //   W/V = ε I₄ tr E + 2η I₅ + β/2 I₄²,   I₄ = a·E a,   I₅ = a·E² a
 //   S   = ε (I₄ I + tr(E) A) + 2η (A E + E A) + β I₄ A.
 // With λ (tr E)²/2 + μ tr E² these are the five constants of a transversely isotropic solid; theory, section

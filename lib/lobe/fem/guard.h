@@ -1,9 +1,9 @@
 // Resistance to collapse: an energy of J = det F that is exactly zero while J ≥ J₀, the threshold `below`,
 // and rises steeply under it. With t = (J₀ − J)/J₀ and the element's modulus M = λ + 2μ,
 //   W = V M J₀² w(t),  w = 0 for t ≤ 0,  w = t³/(1 − t) up to t = ¾,
-// then the quadratic with the same value, slope and curvature. It grows without bound as J → −∞, so an inverted
-// element is pushed back more the further it is inverted. It is twice continuously differentiable. It depends
-// only on F, so it conserves momentum. Rotations do not change it. dw/dF = −w' cof F / J₀.
+// then the quadratic with the same value, slope and curvature. It grows without bound as J → −∞, so an
+// inverted element is pushed back more the further it is inverted. It is twice continuously differentiable.
+// It depends only on F, so it conserves momentum. Rotations do not change it. dw/dF = −w' cof F / J₀.
 //
 // The rational branch alone would be infinite at J = 0, where no explicit step could follow it, and a start
 // beyond would stay inverted. Its end at J₀/4 caps the curvature at 126 M: what a guarded element may shorten

@@ -134,7 +134,8 @@ Mat3<T> law_stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhof
   return P.value();
 }
 
-// ∂²W/∂u_j² / V of a corner with gradient α, at given nodal pressure: what it feels when it moves while its neighbours are held.
+// ∂²W/∂u_j² / V of a corner with gradient α, at given nodal pressure: the stiffness that the corner feels
+// when it moves while its neighbours are held.
 template <class T>
 inline Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha)  // [Pa/m²]
 {

@@ -1,5 +1,6 @@
-// K of the local model: that of the patch, corrected by what forces and motions of the last frames say (the
-// secant, [PDA] reference [15]), which knows of inertia and of everything beyond the patch.
+// Finds the stiffness K of the local model. It starts from that of the contact patch. Forces and motions of
+// the last frames correct it (the secant, [PDA] reference [15]). This takes account of inertia and of
+// everything outside of the contact patch.
 #pragma once
 
 #include <atomic>
@@ -29,8 +30,9 @@ class ContactStiffness {
   ContactStiffness& operator=(const ContactStiffness&) = delete;
 
   void forget();  // another contact
-  // After a frame of `duration` in which a tool that touches `contact` was at `position` and felt `force` in
-  // the mean. A new patch where one is due, or the mesh or the contact has changed.
+  // Call it after a frame of `duration` in which a tool that touches `contact` was at `position` and felt the
+  // mean force `force`. It makes a new contact patch if one is due, or if the mesh or the contact has
+  // changed.
   void after_frame(const Model& model, std::span<const Index> contact,
                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position, const Vec3d& force,
                    double duration);

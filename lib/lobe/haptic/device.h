@@ -18,7 +18,7 @@ struct DeviceState {
   bool is_finite() const { return position.allFinite() && velocity.allFinite() && orientation.allFinite(); }
 };
 
-// What a device can bear, and what it has by itself.
+// The limits of a device and its own damping.
 struct DeviceLimits {
   double force = 3;         // the most that it is asked for [N]
   double torque = 0.1;      // [N m]
@@ -27,7 +27,7 @@ struct DeviceLimits {
   double damping = 0.5;     // b, that its mechanics and the hand have in any case [N s/m]
 };
 
-// Throws InputError for limits that are none.
+// Throws InputError for limits that are not positive and finite.
 void check(const DeviceLimits& limits, const std::string& device);
 
 // All of it is called by one thread, that of the loop, once per tick. read() and write() neither wait, lock,

@@ -1,4 +1,4 @@
-// The hand of a haptic device in a session: once per frame it leads its tool to where the loop wants it, and
+// The hand of a haptic device in a session. Once per frame it moves its tool to where the loop puts it, and
 // tells the loop what the tool feels.
 //
 //   HapticLink link;

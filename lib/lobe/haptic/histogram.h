@@ -1,4 +1,4 @@
-// How often a time took how many microseconds: counted by one thread, read by any, without a lock.
+// A histogram of times in microseconds. One thread counts, any thread reads, without a lock.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Between the thread of a session and that of a haptic loop: each sees the other's latest, neither waits.
+// The link between the thread of a session and that of a haptic loop. Each reads the latest value of the
+// other. Neither waits.
 #pragma once
 
 #include "lobe/haptic/servo.h"

@@ -1,5 +1,5 @@
-// What the simulation knows of the force on a tool, for the time until its next frame: the force f_k that it
-// has found, where it has found it, and the stiffness of what the tool touches there,
+// The local model predicts the force on a tool until the next frame. It consists of the force f_k of the last
+// frame, the place at which it acted, and the stiffness of the tissue that the tool touches there,
 //
 //   f(x) = f_k − K (x − x_k)                    of a tool that holds what it touches
 //   f(x) = max(0, n·f_k − n·K n n·(x − x_k)) …   along the normal n of one that only touches it

@@ -72,8 +72,8 @@ void HapticLoop::become_real_time() {
     if (error != 0)
       warnings_.push_back(
           "the haptic loop is an ordinary thread (SCHED_FIFO: " + std::string(std::strerror(error)) +
-          "): beside other programs some ticks in a thousand come milliseconds late, and "
-          "stiff things may buzz; allow rtprio " +
+          "): while other programs run, some ticks in a thousand come milliseconds late, and "
+          "stiff contacts may vibrate; allow rtprio " +
           std::to_string(options_.priority) + " in /etc/security/limits.conf");
   }
   if (options_.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0)

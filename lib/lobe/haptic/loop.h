@@ -25,7 +25,7 @@ struct LoopTimes {
 
 class HapticLoop {
  public:
-  // Throws InputError for options that are none. All are outlived by the loop's end.
+  // Throws InputError for invalid options. Device and link must live until the loop ends.
   HapticLoop(HapticDevice& device, HapticLink& link, const LoopOptions& options = {});
   ~HapticLoop() { stop(); }
   HapticLoop(const HapticLoop&) = delete;
@@ -35,7 +35,7 @@ class HapticLoop {
   void stop();  // the last force is none
 
   bool is_real_time() const { return is_real_time_; }
-  // What was not allowed, and what comes of it; after start().
+  // Says what the system did not allow, and the consequence. Call it after start().
   const std::vector<std::string>& warnings() const { return warnings_; }
   const LoopTimes& times() const { return times_; }
   void forget_times();

@@ -1,9 +1,9 @@
-// What keeps a haptic loop from giving the hand energy that it has not been given.
+// Keeps a haptic loop passive: it never gives the hand more energy than the hand has put in.
 //
 // A wall of stiffness K and damping B that is sampled every T is passive on a device of damping b if
-// b > K T/2 + |B| (Colgate & Brown 1994; Colgate & Schenkel 1997). The observer adds up the energy that goes
-// into the simulation, with what the device itself takes up, and the controller adds damping where more has
-// come out than went in (Hannaford & Ryu 2002).
+// b > K T/2 + |B| (Colgate & Brown 1994; Colgate & Schenkel 1997). The observer sums the energy that goes
+// into the simulation and that the device itself takes. The controller adds damping if more has come out than
+// went in (Hannaford & Ryu 2002).
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,13 @@ class Passivity {
   Passivity(double device_damping, double highest_damping)
       : device_damping_(device_damping), highest_damping_(highest_damping) {}
 
-  // The device has moved by `way` while it felt `force` for `dt`.
+  // Call it when the device has moved by `way` while it felt `force` for `dt`.
   void observe(const Vec3d& force, const Vec3d& way, double dt);
-  // Springs cannot have stored more than this [J]: what else has gone in is gone, and cannot come back.
+  // The energy that springs can have stored at most [J]. Any more that went in was dissipated and cannot come
+  // back.
   void forget_above(double stored);
-  // Damping that takes away what came out too much, of a device that moves so [N s/m]; 0 if nothing did.
+  // The damping that takes away the surplus energy at this velocity of the device [N s/m]; 0 without a
+  // surplus.
   double damping(const Vec3d& velocity, double dt) const;
 
   double energy() const { return energy_; }  // that went in and has not come out [J]

@@ -14,8 +14,8 @@ constexpr Index none = -1, in_contact = -2;
 
 }  // namespace
 
-// Ring by ring, so that the nearest come first; in each ring by number, so that the order is the same whatever
-// came before.
+// Ring by ring, so that the nearest come first; in each ring by number, so that the order is the same
+// whatever came before.
 void Patch::choose_vertices(const Model& model, std::span<const Index> contact, const PatchLimits& limits) {
   const Topology& topology = model.elements.topology;
   const auto X = model.elements.points.view();

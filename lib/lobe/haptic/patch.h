@@ -1,4 +1,5 @@
-// The stiffness of what a tool touches, found from the tetrahedra around the contact alone.
+// The contact patch: the tetrahedra around what a tool touches, and the stiffness that the tool feels of
+// them.
 //
 // In the time between two models only shear waves from the contact's surroundings matter: c_s T, with
 // c_s = √(μ/ρ), about 3 m/s in liver. So the patch is what lies that far from the contact; its rim is taken
@@ -6,7 +7,7 @@
 //
 //   K = K_rr − K_rf K_ff⁻¹ K_fr        r: the contact, as one; f: the free vertices of the patch
 //
-// K_rr alone is what the contact feels where nothing yields: no stiffness of the contact is higher.
+// K_rr is the stiffness of the contact if no other vertex moves. It is an upper bound.
 #pragma once
 
 #include <functional>
@@ -24,8 +25,8 @@ struct PatchLimits {
 
 class Patch {
  public:
-  // The tangent ∂²W/∂u² of the patch at displacements(v) [m], in double. Nodal pressures and what stands in
-  // the way of a vertex but tetrahedra is left out. O(tetrahedra of the patch); allocates only while patches
+  // The tangent ∂²W/∂u² of the patch at displacements(v) [m], in double. Only tetrahedra count: nodal
+  // pressures, contact and springs are left out. O(tetrahedra of the patch); allocates only while patches
   // grow.
   void gather(const Model& model, std::span<const Index> contact,
               const std::function<Vec3d(Index)>& displacement, const PatchLimits& limits);

@@ -1,5 +1,5 @@
-// One tick of a haptic loop: from where the hand is to what it feels, without waiting, locking, allocating or
-// throwing. A Servo is used by one thread.
+// A servo computes one tick of a haptic loop: from the pose of the hand to the force on it. It does not wait,
+// lock, allocate or throw. One thread uses it.
 //
 // The device is coupled to the tool by a spring; the tool is where that spring and the local model are in
 // balance (local_model.h). A new model is blended in, so that the force is continuous; one that is too old
@@ -32,12 +32,12 @@ struct ServoOptions {
   Workspace workspace = {};
 };
 
-// What a loop has done, for others to see.
+// The state of a loop, for other threads.
 struct HapticState {
   std::uint64_t ticks = 0;
   DeviceState device;            // as read last
   bool is_there = false;         // the device
-  std::uint32_t engagement = 0;  // of the model that led to it; 0: none yet
+  std::uint32_t engagement = 0;  // of the model that was used; 0: none yet
   Vec3d tool = Vec3d::Zero();    // where the tool is to be [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};
   Vec3d force = Vec3d::Zero();      // on the hand, as sent to the device [N]
@@ -54,11 +54,11 @@ struct HapticState {
 
 class Servo {
  public:
-  // Throws InputError for options or limits that are none.
+  // Throws InputError for invalid options or limits.
   Servo(const DeviceLimits& limits, const ServoOptions& options);
 
-  // `device`: null if it is not there. `model`: the latest one; the same as before, or a new one, by its time.
-  // `dt`: since the last tick [s].
+  // `device`: null if it is not there. `model`: the latest one; the same as before, or a new one, by its
+  // time. `dt`: since the last tick [s].
   const HapticState& tick(const DeviceState* device, const LocalModel& model, double dt);
   const HapticState& state() const { return state_; }
 

@@ -1,4 +1,4 @@
-// Which frames a session with a haptic hand is to have, found by trying.
+// Finds by trial how long the frames of a session with a haptic hand should be.
 #pragma once
 
 #include "lobe/setup/setup.h"

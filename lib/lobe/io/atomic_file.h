@@ -7,8 +7,8 @@
 
 namespace lobe::io {
 
-// Writes to a temporary name beside the file; commit() renames it. Without commit() nothing stays behind,
-// and a file that was there before is untouched. Throws InputError where the disk is full or the folder
+// Writes to a temporary name in the same folder; commit() renames it. Without commit() nothing is left
+// behind, and an older file is untouched. Throws InputError where the disk is full or the folder
 // cannot be written to.
 class AtomicFile {
  public:

@@ -1,6 +1,6 @@
 // Structs that list their fields once, `static constexpr auto fields = std::tuple(&A::x, &A::y)`, are
-// written, read back and given a digest by these functions. A field that is not in the list is neither written
-// nor compared. After reading, is_valid() is called if a struct has it.
+// written, read back and given a digest by these functions. A field that is not in the list is neither
+// written nor compared. After reading, is_valid() is called if a struct has it.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ template <class T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 template <class T>
 concept Dense = std::is_base_of_v<Eigen::MatrixBase<T>, T>;
-// A class that is kept as something else: as_kept() gives it, from_kept() makes it again.
+// A class that is stored as another type: as_kept() converts to it, from_kept() converts back.
 template <class T>
 concept Converted = requires(const T& x) {
   T::from_kept(x.as_kept());

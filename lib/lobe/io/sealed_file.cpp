@@ -31,7 +31,7 @@ std::string_view unseal(const std::string& file, std::string_view bytes, const F
     refuse("is the " + what + " in version " + std::to_string(version) + "; this program knows version " +
            std::to_string(format.version));
   if (head.get<std::uint64_t>() != bytes.size() - head_size - seal_size)
-    refuse("is cut off, or has something behind its end");
+    refuse("is cut off, or has extra bytes after its end");
   const std::string_view sealed = bytes.substr(0, bytes.size() - seal_size);
   ByteReader checksum(file, bytes.substr(sealed.size()));
   if (checksum.get<std::uint64_t>() != digest(sealed)) refuse("is damaged: its checksum is wrong");

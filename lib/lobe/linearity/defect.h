@@ -1,17 +1,17 @@
 // The stress defect of a linear law: how far its stress is from that of the non-linear model (theory, section
 // 15),
 //   D = P(F) − σ_linear(∇u)                                                                           [Pa].
-// It is found in a state of the non-linear body. Or it is found in a state of the linear body, which twin()
-// first turns into the non-linear state that it stands for.
+// It is computed in a state of the non-linear body. In a state of the linear body, twin() first gives the
+// non-linear state that the linear one stands for.
 #pragma once
 
 #include "lobe/linearity/zones.h"
 
 namespace lobe {
 
-// Returns ∇u of the non-linear state that a linear one with gradient H stands for: R U − I. The skew part of H
-// is the rotation vector of R. The symmetric part ε of H is the Green strain of the stretch U = √(I + 2ε); no
-// stretch is taken below 0.2. So a rotation of the linear state counts as rotation, not as strain.
+// Returns ∇u of the non-linear state that a linear one with gradient H stands for: R U − I. The skew part of
+// H is the rotation vector of R. The symmetric part ε of H is the Green strain of the stretch U = √(I + 2ε);
+// no stretch is taken below 0.2. So a rotation of the linear state counts as rotation, not as strain.
 Mat3<double> twin(const Mat3<double>& H);
 
 // Of the linear law of a material, at the displacement gradient H of the non-linear model.
@@ -20,11 +20,13 @@ Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, co
 // ∫ D dV per zone, each with its nine entries in a column [Pa m³]: 9 × #zones.
 using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 
-// Defects of all zones, tetrahedron by tetrahedron, in a state of the non-linear body: u is 3 × #vertices [m].
+// Defects of all zones, tetrahedron by tetrahedron, in a state of the non-linear body: u is 3 × #vertices
+// [m].
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u);
 
-// From the mean displacement gradients of zones alone, which costs next to nothing: 9 × #zones. Those of mean
-// materials, of the fibre direction and the law that most of the zone has, and of nodal pressures as where the gradient is the same everywhere.
+// Defects from the mean displacement gradients of zones alone, 9 × #zones; this costs next to nothing. A zone
+// has the mean material, the fibre direction and the law of most of its tetrahedra. Its nodal pressures are
+// those of a uniform gradient.
 class MeanDefects {
  public:
   MeanDefects(const Elements& elements, const Zones& zones);
@@ -34,8 +36,8 @@ class MeanDefects {
   // The defect of a zone with this mean gradient. A linear zone is first given its non-linear state (twin()).
   Eigen::Matrix<double, 9, 1> at(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                  bool is_linear) const;
-  // Of a zone whose linear law is the tangent at the mean gradient `about`; a linear zone's twin is one of
-  // what it has gone through since.
+  // The defect of a zone whose linear law is the tangent at the mean gradient `about`. For a linear zone,
+  // twin() is applied to its deformation since then.
   Eigen::Matrix<double, 9, 1> beyond_tangent(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                              const Eigen::Matrix<double, 9, 1>& about, bool is_linear) const;
 

@@ -15,14 +15,14 @@ struct Gesture {
   Vec3d force = Vec3d::Zero();       // in all [N], beside the loads of the setup
 };
 
-// The setup at the gesture's end: what it moves is prescribed, tools are gone.
+// The setup at the end of a gesture: the vertices that it moves are prescribed, and there are no tools.
 Setup at_the_end_of(const Gesture& gesture, const Setup& setup);
 
 // The gestures that the grasps of a setup make, each at its furthest place. Empty if there are no grasps.
 std::vector<Gesture> gestures_of_grasps(const Setup& setup);
 
-// Pulls at five places of the free surface, as far from each other and from what is held as they can be,
-// outwards by a tenth of the body's diagonal.
+// Usual gestures: pulls at five places of the free surface, outwards by a tenth of the body's diagonal. The
+// places are as far as possible from each other and from held vertices.
 std::vector<Gesture> usual_gestures(const Setup& setup);
 
 }  // namespace lobe

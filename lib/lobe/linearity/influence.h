@@ -13,8 +13,8 @@ namespace lobe {
 
 class Influence {
  public:
-  // Costs one sparse factor and three solves per zone. `grasps` are sets of vertices that may be grasped later,
-  // as rigid bodies. Pieces that float without a grasp are left out.
+  // Costs one sparse factor and three solves per zone. `grasps` are sets of vertices that may be grasped
+  // later, as rigid bodies. Pieces that float without a grasp are left out.
   Influence(const Elements& elements, const Zones& zones, const HeldVertices& held,
             const std::vector<std::vector<Index>>& grasps);
 
@@ -25,7 +25,7 @@ class Influence {
   Eigen::VectorXd displacement(Index zone, const Eigen::Matrix<double, 9, 1>& defect) const {
     return (M_.middleCols<9>(9 * zone) * defect.cast<float>()).cast<double>();
   }
-  // From those of all zones; what has none costs nothing.
+  // Mean displacements from the defects of all zones. A zone without a defect costs nothing.
   Eigen::VectorXd displacement(const Eigen::Matrix<double, 9, Eigen::Dynamic>& defects) const {
     Eigen::VectorXf sum = Eigen::VectorXf::Zero(M_.rows());
     for (Eigen::Index z = 0; z < defects.cols(); ++z)
@@ -34,7 +34,7 @@ class Influence {
   }
 
  private:
-  // Unit forces along the six rigid motions of a grasp, and what they do.
+  // Unit forces along the six rigid motions of a grasp, and their effect.
   struct Grasp {
     Eigen::Matrix<double, Eigen::Dynamic, 6> forces, fields;  // 3 × #vertices [N], [m]
     Eigen::Matrix<double, Eigen::Dynamic, 6> means;           // of fields, 3 × #zones

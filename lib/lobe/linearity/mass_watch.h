@@ -47,7 +47,7 @@ class MassWatch {
   OnExceeded on_exceeded_;
   double slowness_ = 0;  // error over acceleration, at the highest degree [s²]; infinite: never
   double calming_ = 0;   // rate at which errors die away [1/s]
-  double time_ = std::numeric_limits<double>::infinity();  // of the last look [s]
+  double time_ = std::numeric_limits<double>::infinity();  // of the last estimate [s]
   double error_ = 0;                                       // that may be left [√kg m]
   Vec3d place_ = Vec3d::Zero();                            // of it
   double largest_ = 0;                                     // norm of the displacement so far [√kg m]

@@ -39,9 +39,9 @@ struct Proposal {
 // solution per gesture and try. Deterministic, except for the choice by measured cost.
 Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options);
 
-// For regions that are corrected while they run (watch.h): precomputed, which may be wrong by three times the
-// tolerance (up to 7 %), since they will be relinearised or expanded; where nothing pays to be
-// precomputed, tensor-mass as above.
+// Proposes regions that are corrected while they run (watch.h). Pre-computed regions may then be wrong by
+// three times the tolerance (up to 7 %), because they will be relinearised or expanded. If no pre-computed
+// region pays, tensor-mass regions are proposed as above.
 Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
                                     ProposalOptions options);
 

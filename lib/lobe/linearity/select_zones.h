@@ -19,8 +19,8 @@ struct TrialError {
 };
 
 // Returns one flag per zone. First, zones are added that add least to the error of the worst gesture. Then
-// zones at the border change sides while that makes the step cheaper. With `condensed`, linear zones cost what
-// their interface costs.
+// zones at the border change sides while that makes the step cheaper. With `condensed`, linear zones cost
+// what their interface costs.
 std::vector<char> select_zones(const Elements& elements, const Zones& zones,
                                const std::vector<TrialError>& trials, double tolerance, const StepCost& cost,
                                bool condensed);

@@ -9,7 +9,7 @@ namespace lobe {
 
 using Steering = std::function<void(const Command&)>;
 
-// To the world itself.
+// Sends commands to the world itself.
 template <class World>
 Steering steering_of(World& world) {
   return [&world](const Command& command) { world.apply(command); };

@@ -11,8 +11,8 @@ struct StepCost {
   double shared = 0;                      // [s] per vertex that both share
   double dense = 0;                       // [s] per entry of the condensed stiffness
 
-  // Time of a step [s] of a body with so many of each, and so many displacement components on the interface of
-  // its condensed region.
+  // Time of a step [s] of a body with so many of each, and so many displacement components on the interface
+  // of its condensed region.
   double of(double nonlinear_tets, double tensor_mass_tets, double shared_vertices, double condensed) const {
     return nonlinear * nonlinear_tets + tensor_mass * tensor_mass_tets + shared * shared_vertices +
            dense * condensed * condensed;
@@ -26,8 +26,8 @@ struct Representations {
 };
 Representations measure_representations(const Setup& setup, bool in_double);
 
-// The smallest time of one step of a world near rest [s], in the precision of the run; of several, measured
-// in turn, so that what else the machine does touches all of them.
+// The smallest time of one step of a world near rest [s], in the precision of the run. Several setups are
+// measured in turn, so that other work of the machine disturbs all of them alike.
 std::vector<double> step_seconds(const std::vector<Setup>& setups, bool in_double);
 double step_seconds(const Setup& setup, bool in_double);
 

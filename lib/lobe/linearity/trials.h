@@ -15,7 +15,8 @@ struct Trial {
   double norm = 0;  // √∫|u|² [m^2.5]
 };
 
-// The trials of all gestures that can be followed far enough. `followed` is called for every gesture.
+// The trials of all gestures that have an equilibrium for a large enough part of their motion. `followed` is
+// called for every gesture.
 std::vector<Trial> solve_trials(
     const Setup& setup, const std::vector<Gesture>& gestures,
     const std::function<void(std::size_t gesture, const StaticResult& found)>& followed = {});

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double leave_down_to = 0.7;   // of the tolerance: where zones stop to leave
 constexpr double join_below = 0.4;      // where they may join
-constexpr int patience = 8;             // looks for which one must have been welcome
+constexpr int patience = 8;             // frames for which one must have been possible
 constexpr double leave_above = 0.8;     // of the tolerance: where a pre-computed region is expanded
 constexpr double renew_above = 0.25;    // where it is relinearised
 constexpr double condense_below = 0.5;  // where it is condensed again
@@ -253,7 +253,7 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
 
 // A pre-computed region is relinearised while its error is small, and expanded where it is not: also,
 // before any look, where a cut or a change of who holds the body, in the last frame or the next, starts a
-// motion that no estimate foresees. It is condensed again once it would have been welcome for some looks;
+// motion that no estimate foresees. It is condensed again once that would have been allowed for some frames;
 // until then it is relinearised wherever the body has gone.
 template <class Real>
 void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steering, double estimate,
@@ -272,7 +272,7 @@ void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steer
   report.is_expanded = world.body().regions.is_expanded();
 }
 
-// Zones leave that lower the error most; where it is small, those join that have long been welcome.
+// Zones leave that lower the error most. Where it is small, zones join that could have joined for long.
 template <class Real>
 void LinearityWatch<Real>::correct(const World<Real>& world, const Steering& steering, const Defects& defects,
                                    Eigen::VectorXd error, LinearityReport& report) {

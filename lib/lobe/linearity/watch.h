@@ -33,8 +33,8 @@ struct LinearityOptions {
   bool correct = false;
   RegionModel linear = RegionModel::tensor_mass;  // of zones that become linear
   Index zones = 0;                                // 0: usual_zone_count()
-  int recover_every = 12;  // looks, where the interior of a pre-computed region must be recovered
-  Index most_tets = 600;   // that change their model in one look
+  int recover_every = 12;  // frames, where the interior of a pre-computed region must be recovered
+  Index most_tets = 600;   // that change their model in one frame
   std::function<void(const LinearityReport&)> on_exceeded = {};
 };
 
@@ -49,15 +49,15 @@ class LinearityWatch {
 
   // Call it at the start, and after each frame.
   // - It costs one small dense product, and with a pre-computed region the recovery of its interior.
-  // - So most looks at a pre-computed region, and every other look while the error is small, return the last
-  //   report.
-  // - After a cut, a grasp or a release an expandable region is expanded without a look.
+  // - So in most frames with a pre-computed region, and in every other frame while the error is small, it
+  //   returns the last report.
+  // - After a cut, a grasp or a release an expandable region is expanded without an estimate.
   // - A background thread finds how cuts change the influence of zones. The result is used from a fixed
   //   simulated time on.
   LinearityReport look(World<Real>& world) { return look(world, steering_of(world)); }
   LinearityReport look(World<Real>& world, const Steering& steering);
 
-  // Mean displacement error per zone [m] of the last look, 3 × #zones; empty before the first.
+  // Mean displacement error per zone [m] of the last estimate, 3 × #zones; empty before the first one.
   const Mat3X<double>& zone_errors() const { return zone_errors_; }
   const Zones& zones() const { return zones_; }
 
@@ -91,15 +91,15 @@ class LinearityWatch {
   std::future<std::unique_ptr<Influence>> next_influence_;
   double influence_due_ = 0;         // [s]
   bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
-  std::vector<double> share_;        // of each zone that is linear, by volume
+  std::vector<double> share_;        // share of each zone's volume that is linear
   bool any_precomputed_ = false;     // tetrahedra
-  std::vector<int> calm_;            // looks since each zone could have been linear
+  std::vector<int> calm_;            // frames since which each zone could have been linear
   std::vector<double> tet_volume_;   // at rest [m³]
   std::vector<double> volume_;       // per vertex [m³]
   double density_ = 1;               // mean [kg/m³]
   std::vector<Index> holding_;       // grasps that hold
-  double time_ = 0;                  // of the last look [s]
-  int welcome_ = 0;                  // looks for which the region could have been condensed
+  double time_ = 0;                  // of the last estimate [s]
+  int welcome_ = 0;                  // frames since which the region could have been condensed
   std::size_t edits_ = 0;            // of the world's, that are known
   std::uint64_t restored_ = 0;       // how often it had been restored then
   double largest_ = 0;               // norm so far [m^2.5]

@@ -21,7 +21,7 @@ class Follower {
   void aim(const ToolPose& target) { target_ = target; }
   // Moves the tool by dt [s]. False if it rests at its target.
   bool step(double dt, const HandLimits& limits);
-  // The same without a lag, after somebody who is smooth by himself.
+  // The same without a lag, for a device whose motion is smooth by itself.
   bool step_at_once(double dt, const HandLimits& limits);
   const ToolPose& pose() const { return now_; }
 

@@ -1,5 +1,5 @@
-// Somebody who takes part in the frames of a session, in its thread: what leads tools faster than commands are
-// sent, and wants to know more than pictures tell.
+// A guest takes part in every frame of a session, in the session's thread. The hand of a haptic device is
+// one: it moves its tool in every frame, and it reads the world and not only pictures of it.
 #pragma once
 
 #include "lobe/live/hands.h"
@@ -10,7 +10,7 @@ template <class Real>
 class SessionGuest {
  public:
   virtual ~SessionGuest() = default;
-  // Commands have been taken; tools are led next.
+  // Is called after the commands of a frame were performed and before the tools move.
   virtual void before_frame(Hands<Real>& hands, World<Real>& world, double duration) = 0;
   virtual void after_frame(Hands<Real>& hands, World<Real>& world, double duration) = 0;
 };

@@ -1,5 +1,5 @@
-// Commands of hands and their controllers to a session, as values of a fixed size. The session turns them into
-// commands of the world (sim/command.h) and records those.
+// Commands of hands and their controllers to a session, as values of a fixed size. The session turns them
+// into commands of the world (sim/command.h) and records those.
 #pragma once
 
 #include <cstdint>

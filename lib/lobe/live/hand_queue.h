@@ -36,8 +36,8 @@ class HandQueue {
     HandCommand command;
   };
   std::optional<Sent> take() { return ring_.take(); }
-  // The controllers that have gone since the last call. All that they sent can be taken now. Their numbers are
-  // used again after forget().
+  // The controllers that have gone since the last call. All that they sent can be taken now. Their numbers
+  // are used again after forget().
   std::vector<int> gone() const;
   void forget(int controller);
   std::string name(int controller) const;

@@ -68,7 +68,7 @@ void Hands<Real>::take_hold(int controller, const HandCommand& command) {
   std::vector<Index> vertices = free_within(point, command.radius);  // in ascending order
   if (vertices.empty() && hit) vertices = free_corners(hit->triangle);
   if (vertices.empty())
-    return say("missed", name_of(controller, command.hand) + ": no vertex that is free lies within " +
+    return say("missed", name_of(controller, command.hand) + ": no free vertex lies within " +
                              rounded(command.radius) + " m of the point");
   hand.tool = world_.tools().next_id();
   hand.follower = Follower(point);

@@ -26,18 +26,18 @@ class Hands {
   // Performs take_at_ray, take_at_point, bring, lead, turn_on or let_go. Throws InputError for what cannot be
   // done, and then has done nothing.
   void obey(int controller, const HandCommand& command);
-  // Where a hand is from now on: without a lag, in place of lead(). Nothing where it has no tool.
+  // Puts a hand at a pose, without the lag of a lead command. Does nothing if the hand has no tool.
   void place(int controller, HandNumber number, const ToolPose& pose);
   struct Led {
     ToolId tool = 0;  // 0: the hand is empty, or its grasp has not taken hold yet
     ToolPose pose = {};
   };
   Led led(int controller, HandNumber number) const;
-  int lose(int controller);          // its hands let go; how many held something
+  int lose(int controller);          // its hands let go; returns how many held something
   void forget() { hands_.clear(); }  // the world was put back, and their tools have let go
 
   void before_frame(double duration);  // leads the tools [s]
-  void after_frame();                  // takes note of what is held, and of what slips
+  void after_frame();                  // notes which grasps hold and which slip
 
   void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
   void tell(std::vector<HandStatus>& hands) const;

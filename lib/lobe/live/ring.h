@@ -49,7 +49,7 @@ class Ring {
                                                std::memory_order_relaxed);
   }
 
-  // Whether value `number` can still be replaced, as far as the ring is not longer than that.
+  // Whether `number` is that of one of the last size() values, as replace() needs it.
   bool is_recent(std::uint64_t number) const {
     return put_.load(std::memory_order_relaxed) - number <= size_;
   }

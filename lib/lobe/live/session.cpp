@@ -22,7 +22,7 @@ const SessionOptions& checked(const SessionOptions& options) {
   expect(is_above_0(options.frame), "its frames must be longer than 0 s, and finite");
   expect(is_above_0(options.speed), "its speed must be above 0, and finite");
   expect(options.queue > 0, "its queue must have room for a command");
-  expect(options.back_every >= 0, "states to go back to must be 0 s apart or more");
+  expect(options.back_every >= 0, "the time between states to go back to must be at least 0 s");
   expect(options.patience >= 0, "its patience must be 0 s or more");
   expect(
       is_above_0(hand.lag) && is_above_0(hand.top_speed) && is_above_0(hand.top_turn) && hand.force_cap > 0,

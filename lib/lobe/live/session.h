@@ -34,15 +34,15 @@ struct SessionOptions {
   double frame = 1.0 / 120;  // [s], above 0; shortened by up to 2e-9 of it, so that sums of frames are exact
   int threads = 1;           // of the world
   double speed = 1;          // simulated seconds per second of the clock
-  bool paced = true;         // false: as fast as it can
+  bool paced = true;         // false: frames follow each other without waiting
   bool running = true;       // false: it begins paused
   std::uint32_t queue = 1024;           // hand commands that wait for a frame
   double back_every = 0.5;              // between two states that can be gone back to [s]
   std::size_t back_memory = 64u << 20;  // of these states [bytes]
-  double patience = 0;                  // whoever has not sent anything for longer is gone [s]; 0: never
+  double patience = 0;                  // a controller that is silent for longer is gone [s]; 0: never
   HandLimits hand = {};
   CondensingLog::Progress condensing = {};  // while pre-computed regions are condensed
-  std::function<void()> published = {};  // after each picture and status, by the session's thread: no waiting
+  std::function<void()> published = {};     // called after each picture; must not wait
 };
 
 // A controller is a person or program that has hands. When it is destroyed its hands let go. The session must
@@ -85,13 +85,13 @@ class Session {
   Controller connect(const std::string& name) {
     return {queue_, name};
   }  // InputError: more than 64 at a time
-  // The latest picture. A status is made after its picture: all that a status says to be contained is in every
-  // picture taken after it.
+  // The latest picture. A status is made after its picture. So a picture that is taken after a status
+  // contains all commands that the status lists.
   const TripleBuffer<Snapshot<Real>>& pictures() const { return pictures_; }
   TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }
-  // Has `work` done between two frames, and waits until it is done. `work` may ask the world, the recording or
-  // for a scene. Throws what `work` throws. Time stretches meanwhile. Do not call it from within such work, nor
-  // from the thread that drives a session that is not started, which may ask the world directly.
+  // Calls `work` between two frames and waits until it is done. `work` may read the world and the recording,
+  // or make a scene. Throws what `work` throws. The simulation waits meanwhile. Do not call it from within
+  // `work`. The thread that drives a session that is not started reads the world directly instead.
   void between_frames(const std::function<void()>& work);
 
   // ---- The thread that drives it
@@ -103,13 +103,13 @@ class Session {
   // Not while started.
   bool step_frame();
 
-  // ---- Between frames: not while started, but for between_frames()
+  // ---- Between frames only: while the session is not started, or within between_frames()
 
   World<Real>& world() { return world_; }
   const World<Real>& world() const { return world_; }
   const Recording& recording() const { return timeline_.recording(); }
   double frame() const { return frame_; }  // [s]
-  // Takes part in all frames until it leaves; it outlives its stay.
+  // A guest takes part in all frames between let_in() and let_out(), and must live so long.
   void let_in(SessionGuest<Real>& guest) { guests_.push_back(&guest); }
   void let_out(SessionGuest<Real>& guest) { std::erase(guests_, &guest); }
 

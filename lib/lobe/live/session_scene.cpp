@@ -24,7 +24,7 @@ const char* edit_name(const Command& command) {
     return "springs were set";
   if (std::holds_alternative<Expand>(command) || std::holds_alternative<Condense>(command) ||
       std::holds_alternative<Renew>(command))
-    return "a precomputed region was expanded, condensed or renewed";
+    return "a precomputed region was expanded, condensed or relinearised";
   return nullptr;
 }
 

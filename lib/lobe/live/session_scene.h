@@ -1,5 +1,5 @@
-// Makes a plain scene of what hands have done in a session. Its tools follow the paths on which the hands moved
-// them, and `lobe run` plays it to the same bits.
+// Makes a plain scene of what hands have done in a session. Its tools follow the paths on which the hands
+// moved them, and `lobe run` plays it to the same bits.
 //
 //   const Scene kept = session_scene(scene, resolved.setup, session);
 //   write_file("session.json", to_json(kept));

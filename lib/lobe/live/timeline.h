@@ -9,13 +9,14 @@ namespace lobe {
 template <class Real>
 class Timeline {
  public:
-  // Keeps states that are `apart` [s] from each other: the first, and the last ones in so many bytes.
+  // Keeps states that are `apart` [s] from each other: the first one, and as many of the last as fit into
+  // `most_bytes`.
   Timeline(World<Real>& world, double apart, std::size_t most_bytes);
 
   void apply(const Command& command) { recorded_.apply(command); }
   Report advance(double duration);
-  // Goes back to the latest state that was kept at least `seconds` ago, else to the first. Grasps of hands then
-  // let go, and their other tools are taken away.
+  // Goes back to the latest state that is at least `seconds` old, else to the first. Grasps of hands then let
+  // go, and other tools of hands are taken away.
   void go_back(double seconds);
   void restart();
 

@@ -19,8 +19,8 @@ TetMesh cylinder_mesh(double radius,  // [m]
                       double length,  // [m]
                       int rings, int layers);
 
-// The left ventricle of a heart as the shell between two half ellipsoids about the z axis with a common
-// centre at the origin, open at the top, where it is cut by the plane z = base. Its fibres lie in the layers
+// The left ventricle of a heart: the shell between two half ellipsoids about the z axis, whose centre is the
+// origin. It is open at the top, at the plane z = base. Its fibres lie in the layers
 // of the shell; their angle to the horizontal grows linearly through the wall and is positive where a fibre
 // rises counter-clockwise seen from above (the rule of Streeter et al., Circulation Research 24, 1969).
 struct VentricleShape {

@@ -1,5 +1,5 @@
-// Lists which slots of an array changed with which revision. A reader with an older copy of the array, such as
-// a graphics card, then copies only these.
+// Lists which slots of an array changed with which revision. A reader with an older copy of the array, such
+// as a graphics card, then copies only these.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The order in which a Hilbert curve passes points. Points that are close in this order are close in space. So
-// arrays in this order are read from the caches, whatever the numbering of the mesh.
+// The order in which a Hilbert curve passes points. Points that are close in this order are close in space.
+// So arrays in this order are read from the caches, whatever the numbering of the mesh.
 #pragma once
 
 #include <vector>

@@ -1,12 +1,11 @@
-// The boundary of the body, for drawing and contact: faces of tetrahedra, or of the grains that a blade has made
-// of them (scalpel/grain_cells.h). Where a cut meets the outer surface there is a crease: a point with both
-// kinds of faces around it is two vertices, one on either side, so that each has a separate normal.
+// The boundary of the body, for drawing and contact: faces of tetrahedra, or of the grains that a blade has
+// made of them (scalpel/grain_cells.h). Where a cut meets the outer surface there is a crease: a point with
+// both kinds of faces around it is two vertices, one on either side, so that each has a separate normal.
 //
-// Arrays have no gaps, as an index buffer that is drawn in one call must not: what an edit takes away is
-// replaced by what it adds, and where it takes away more, the last ones move into the gaps. All others keep
-// their slots. An edit therefore changes O(edit) slots, and SlotLog tells which: a copy on a graphics card
-// takes over these alone. A list of free slots would change no fewer, and every reader would have to skip the
-// gaps.
+// Arrays have no gaps, so that one call can draw an index buffer. New entries take the slots of removed ones.
+// If more are removed than added, the last entries move into the gaps. All others keep their slots. So an
+// edit changes O(edit) slots. SlotLog tells which, and a copy on a graphics card updates only these. A list
+// of free slots would change no fewer, and every reader would have to skip the gaps.
 #pragma once
 
 #include <array>
@@ -22,8 +21,7 @@ namespace lobe {
 
 enum class RegionModel : std::uint8_t;  // fem/body.h
 
-// What a triangle is the boundary of. `code` tells the faces of one tetrahedron apart and means nothing else
-// to whoever reads it.
+// The face that a triangle is. `code` tells the faces of one tetrahedron apart and has no other meaning.
 struct FaceOwner {
   Index tet = -1;
   std::uint32_t code = 0;
@@ -79,7 +77,7 @@ class Surface {
   // The same for cells of any kind: these may be gone, or have other points, neighbours or tetrahedra. The
   // kind is that of rebuild(). O(#them).
   void follow(const SurfaceCells& cells, std::vector<Index> changed, std::span<const RegionModel> region_of);
-  // These tetrahedra, and perhaps others that follow() was told of, may have changed region. O(#them).
+  // Call it when these tetrahedra may have changed their region. O(#them).
   void follow_regions(const SurfaceCells& cells, std::span<const Index> tets,
                       std::span<const RegionModel> region_of);
 
@@ -142,7 +140,7 @@ void update_positions(const SurfaceMesh& surface,
                       const Eigen::Ref<const Mat3X<std::type_identity_t<Real>>>& u,  // 3 × #mesh [m]
                       Mat3X<Real>& x);                                               // out [m]
 
-// What the values of the mesh's vertices are at the surface's. O(#vertices).
+// Takes values at the mesh's vertices to the surface's vertices. O(#vertices).
 template <class Real>
 Mat3X<Real> at_surface(const SurfaceMesh& surface, const Eigen::Ref<const Mat3X<Real>>& values);
 
@@ -151,7 +149,7 @@ Mat3X<Real> at_surface(const SurfaceMesh& surface, const Eigen::Ref<const Mat3X<
 template <class Real>
 void update_normals(const SurfaceMesh& surface, const Mat3X<Real>& x, Mat3X<Real>& normals);
 
-// What a closed surface encloses, by the divergence theorem: Σ det[a, b, c] / 6 [m³].
+// The volume inside a closed surface, by the divergence theorem: Σ det[a, b, c] / 6 [m³].
 double enclosed_volume(const SurfaceMesh& surface, const Mat3X<double>& x);  // 3 × #vertices [m]
 
 }  // namespace lobe

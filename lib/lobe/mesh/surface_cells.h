@@ -1,4 +1,5 @@
-// What a surface is the boundary of: the tetrahedra of a body, or what a blade has made of them.
+// The cells whose boundary is a surface: the tetrahedra of a body, or the grains into which a blade has
+// divided them.
 #pragma once
 
 #include <array>
@@ -40,7 +41,7 @@ class SurfaceCells {
 // The tetrahedra themselves, where no blade has cut.
 class TetCells : public SurfaceCells {
  public:
-  // What is new on the boundary was inside.
+  // New faces of the boundary were inside before.
   explicit TetCells(const Topology& topology) : topology_(topology) {}
   // What was inside at the start is found from the tetrahedra that are gone. O(#tets), and O(n log n) in the
   // number of these.

@@ -37,15 +37,15 @@ struct MeshEdit {
   std::vector<TetCopy> copies;
   std::vector<TetShare> shares;  // of all that have another share than before
   std::vector<VertexSplit> splits;
-  // One of the tetrahedra that are left beside each part of the removed ones that hung together.
+  // For each connected part of the removed tetrahedra: one tetrahedron next to it that is left.
   std::vector<Index> beside;
-  // The pieces of all that came apart, but for the piece of beside[0]; none if nothing did.
+  // The pieces into which the body came apart, except the piece of beside[0]. Empty if it did not.
   std::vector<std::vector<Index>> cut_off;
 
   bool empty() const { return removed.empty() && copies.empty() && splits.empty(); }
 };
 
-// What a blade has done to the tetrahedra that it met, for Topology::divide().
+// How a blade has divided the tetrahedra that it met, for Topology::divide().
 struct TetDivision {
   std::vector<Index> vertices;  // that are split: each gives one new vertex, numbered after all others
   struct Part {
@@ -92,13 +92,13 @@ class Topology {
   const std::vector<Index>& boundary_faces() const { return boundary_; }
   Eigen::Vector3i face(Index code) const;
 
-  // Removes the alive ones of these tetrahedra. Where what is left around one of their vertices falls into
-  // parts that share no face, the vertex is split, so that nothing hangs by it alone. Costs O(tetrahedra
+  // Removes the alive ones of these tetrahedra. If the remaining tetrahedra around a vertex fall into parts
+  // that share no face, the vertex is split. So nothing hangs by a single vertex. Costs O(tetrahedra
   // around these vertices), and a search from all sides of the cut until they meet, or until the smaller
   // pieces are all found.
   MeshEdit remove(std::span<const Index> tets);
 
-  // Gives the parts of tetrahedra that a blade has cut numbers and neighbours. O(what is told of).
+  // Gives numbers and neighbours to the parts of tetrahedra that a blade has cut. O(size of the division).
   MeshEdit divide(const TetDivision& division);
 
   // Calls visit(face, other) for all that a tetrahedron hangs together with: one across each face, or several

@@ -1,5 +1,5 @@
-// A matrix of one column per vertex, or per tetrahedron, with spare columns behind them: what a cut adds copies
-// nothing, most of the time. Spare columns hold nothing: memory that nobody touches costs nothing.
+// A matrix of one column per vertex, or per tetrahedron, with spare columns behind them. So a cut that adds
+// columns seldom copies the others. Spare columns are never touched, so they take no memory.
 #pragma once
 
 #include <Eigen/Core>
@@ -36,7 +36,7 @@ class VertexColumns {
   View view() const { return {padded_.data(), rows, count_}; }
   Eigen::Map<Matrix> view() { return {padded_.data(), rows, count_}; }
 
-  // The spare columns, too: for whoever takes a matrix and finds columns by the vertices' numbers.
+  // The same with the spare columns, for code that takes a matrix and finds columns by the vertices' numbers.
   const Matrix& padded() const { return padded_; }
   Matrix& padded() { return padded_; }
 

@@ -17,7 +17,7 @@ class VertexLists {
   VertexLists() = default;
 
   // Lists of the given lengths, all empty, so that filling them moves nothing. A quarter more is set aside
-  // for the vertices that cuts add; memory that nobody touches costs nothing.
+  // for the vertices that cuts add. Until it is touched, it takes no memory.
   explicit VertexLists(const std::vector<Index>& lengths) {
     const std::size_t vertices = lengths.size() + lengths.size() / 4;
     begin_.reserve(vertices);

@@ -1,6 +1,6 @@
-// The dense products that are compiled once per instruction set (dense_kernels.cpp). They take plain arrays and
-// share no inline function with the rest of the library. Otherwise the linker might keep a copy of that function
-// that an older processor cannot run.
+// The dense products that are compiled once per instruction set (dense_kernels.cpp). They take plain arrays
+// and share no inline function with the rest of the library. Otherwise the linker might keep a copy of that
+// function that an older processor cannot run.
 #pragma once
 
 #include <cstddef>

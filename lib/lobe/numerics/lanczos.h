@@ -20,8 +20,9 @@ struct LanczosSettings {
 };
 
 // ω_max by Lanczos iterations of K C in the inner product of C, on forces, K by differences of forces that
-// vanish at u = 0. Where C is the inverse of lumped masses they start from forces that are large where the
-// vertex estimates are high, since the highest mode is local, and nowhere zero, since it may be elsewhere.
+// vanish at u = 0. If C is the inverse of lumped masses, they start from forces that are large where the
+// vertex estimates are high, because the highest mode is local. The forces are nowhere zero, because that
+// mode may be elsewhere.
 template <class Real>
 HighestFrequency highest_frequency(
     const std::vector<double>& inverse_mass,     // [1/kg], 0 where held

@@ -1,6 +1,6 @@
-// Products of large dense matrices for the dense kernels. An entry of the result is the sum over blocks of k
-// of sums in the order of k, so that its bits depend neither on the width of a register nor on the size of a
-// cache.
+// Products of large dense matrices for the dense kernels. An entry of the result is a sum over blocks of k,
+// and each block is summed in the order of k. So its bits depend neither on the width of a register nor on
+// the size of a cache.
 #pragma once
 
 #include <algorithm>

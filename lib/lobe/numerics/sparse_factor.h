@@ -29,7 +29,7 @@ class SparseFactor {
   // Rows × columns of A⁻¹, both by their numbers in A.
   virtual Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const;
   virtual long long nonzeros() const = 0;  // of the factor
-  // To go on with a factor without finding it again. False where that is not available.
+  // Saves and loads a factor, so that it need not be computed again. False if that is not available.
   virtual bool save(io::ByteWriter&) const { return false; }
   virtual bool load(io::ByteReader&) { return false; }
 };

@@ -1,6 +1,7 @@
-// Averaged nodal pressure against volumetric locking: the term λ/2 (tr E)² of non-linear tetrahedra, or a
-// share w of it, is taken of an average around vertices (theory, section 12),
-//   W = Σ_T V_T ((1−w)λ/2 θ_T² + μ tr E_T²) + Σ_n wλ/2 V_n θ_n²,  V_n = Σ_T∋n V_T/4,  θ_n = Σ_T∋n V_T θ_T / 4V_n,
+// Averaged nodal pressure against volumetric locking. A share w of the term λ/2 (tr E)² of non-linear
+// tetrahedra is taken of an average around vertices (theory, section 12),
+//   W = Σ_T V_T ((1−w)λ/2 θ_T² + μ tr E_T²) + Σ_n wλ/2 V_n θ_n²,
+//   V_n = Σ_T∋n V_T/4,  θ_n = Σ_T∋n V_T θ_T / 4V_n,
 // θ_T = tr E_T. A tetrahedron feels S = ((1−w)λ θ_T + p_T) I + 2μE with p_T = ¼ Σ_n∈T p_n, p_n = wλ θ_n.
 //
 // A pressure node n is a vertex together with a material: pressure may jump between materials, and no other

@@ -1,7 +1,7 @@
-// Divides items of n vertices each (tetrahedra, edges) into patches, and numbers them and their vertices within
-// a patch. A patch has items of one kind that lie together: consecutive ones along a Hilbert curve through
-// their barycentres, as many as find room. The last item of a patch takes the place of one that leaves. An item
-// that enters goes to a patch that has its vertices.
+// Divides items of n vertices each (tetrahedra, edges) into patches, and numbers them and their vertices
+// within a patch. A patch has items of one kind that lie together: consecutive ones along a Hilbert curve
+// through their barycentres, as many as find room. The last item of a patch takes the place of one that
+// leaves. An item that enters goes to a patch that has its vertices.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace lobe {
 
 inline constexpr Index patch_vertices = 256;  // the most that share a patch: numbered by one byte
 
-// At first with room for the patches that cuts add, so that they seldom copy all; memory that nobody touches
-// costs nothing.
+// Sets room aside for the patches that cuts add, so that cuts seldom copy the array. Until it is touched, the
+// room takes no memory.
 template <class Item>
 void resize_with_room(std::vector<Item>& items, std::size_t count) {
   if (items.empty()) items.reserve(count + count / 4);

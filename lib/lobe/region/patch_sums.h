@@ -45,13 +45,13 @@ class PatchSums {
       if (!std::all_of(own.begin(), own.end(), [&](Index v) { return still[v] != 0; })) awake_.push_back(p);
     }
   }
-  // The vertices of the other patches.
+  // Marks the vertices of the patches that do not keep their sums.
   template <class Layout>
   void mark_awake(const Layout& layout, std::vector<std::uint8_t>& vertices) const {
     for (Index p : awake_)
       for (Index v : layout.vertices_of(p)) vertices[v] = 1;
   }
-  // While sums are kept, forces are added at these vertices alone: at least those of mark_awake().
+  // While sums are kept, forces are added only at these vertices. They must include those of mark_awake().
   template <class Layout>
   void add_at(const Layout& layout, const std::vector<std::uint8_t>& vertices) {
     summed_.clear();

@@ -1,7 +1,7 @@
-// Non-linear tetrahedra by the closed form of their law (fem/law.h): about 60 flops per corner of SVK. They are kept in patches of one material each (patch_layout.h, patch_sums.h), which evaluate a
-// register's width of tetrahedra at a time and add their forces up in the order of their slots. Memory is
-// asked for the tetrahedra and little else. Where a material asks for nodal pressure, a pass over the strains
-// comes first.
+// Evaluates non-linear tetrahedra by the closed form of their law (fem/law.h): about 60 flops per corner for
+// SVK. A patch has tetrahedra of one material (patch_layout.h, patch_sums.h). It evaluates a register's width
+// of them at a time and adds their forces in the order of their slots. The memory that is read is little more
+// than the tetrahedra. If a material has nodal pressure, a pass over the strains comes first.
 #pragma once
 
 #include "lobe/region/nodal_pressure.h"
@@ -10,7 +10,8 @@
 
 namespace lobe {
 
-// Terms of the law; beside_svk: where another evaluator has SVK, without nodal pressure.
+// Which terms of the law are evaluated. beside_svk: all but SVK, which another evaluator computes; no nodal
+// pressure.
 enum class ElementPart { all, beside_svk };
 
 template <class Real>

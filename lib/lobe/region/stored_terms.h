@@ -1,11 +1,11 @@
 // The paper's non-linear tensor-mass model ([PDA] section 3.2, table 1): the SVK force as a polynomial whose
 // coefficients are stored on vertices, edges, triangles and tetrahedra. About 80 numbers per tetrahedron.
 //
-// Carriers are those of a patch (patch_layout.h): an edge that several patches share has its terms in each of
-// them, of the tetrahedra there. The polynomial is in the displacements themselves, not in their differences;
-// since a translation changes nothing, each patch takes them relative to its first vertex; where cuts have
-// left several parts of it, each of them does. A part that turns far still loses roundings: (|u|/edge)³, |u|
-// its vertices' displacement relative to each other.
+// Each patch has terms of its own (patch_layout.h). An edge that several patches share has terms in each of
+// them, from the tetrahedra there. The polynomial takes displacements, not their differences. A translation
+// changes nothing, so each patch takes displacements relative to its first vertex. If cuts have divided a
+// patch, each part does so. A part that turns far still loses digits: its rounding error grows as
+// (|u|/edge)³, with |u| the displacement of its vertices relative to each other.
 #pragma once
 
 #include "lobe/region/patch_sums.h"

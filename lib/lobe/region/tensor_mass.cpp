@@ -13,8 +13,8 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
   return -1;
 }
 
-// V B_ij of shape.h and linear_block() from the area vectors of the faces opposite to two corners: α_c is minus that
-// of its face over 3V.
+// V B_ij of shape.h and linear_block() from the area vectors of the faces opposite to two corners: α_c is
+// minus that of its face over 3V.
 Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {  // [N/m]
   const Mat34<double> X = elements.corner_points(tet);
   const auto doubled_area = [&](int c) -> Vec3d {

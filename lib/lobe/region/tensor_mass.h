@@ -1,7 +1,8 @@
 // The linear tensor-mass region ([PDA] section 2.3): one 3 × 3 block per edge, f_i = −Σ_j K_ij (u_j − u_i).
 //
-// The block of a vertex is minus the sum of those of its edges (a translation costs no energy), so that only
-// the edges' are stored, and a translation gives no force to the last bit. Each edge is stored once and acts
+// The block of a vertex is minus the sum of those of its edges, because a translation costs no energy. So
+// only the blocks of edges are stored, and a translation gives exactly no force. Each edge is stored once and
+// acts
 // on both its ends, K_ji = K_ijᵀ. Edges are kept in patches (patch_layout.h, patch_sums.h).
 #pragma once
 

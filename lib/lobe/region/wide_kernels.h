@@ -1,6 +1,6 @@
-// The loops that are compiled once per instruction set (wide_kernels.cpp). They take plain arrays and share no
-// inline function with the rest of the library. Otherwise the linker might keep a copy of that function that an
-// older processor cannot run.
+// The loops that are compiled once per instruction set (wide_kernels.cpp). They take plain arrays and share
+// no inline function with the rest of the library. Otherwise the linker might keep a copy of that function
+// that an older processor cannot run.
 #pragma once
 
 #include "lobe/fem/law.h"
@@ -10,7 +10,8 @@
 
 namespace lobe {
 
-// The guard of the law; asked: not, but the smallest det F is looked for.
+// Whether the guard of the law is left out (off), is left out while the smallest det F is found (asked), or
+// acts.
 enum class Guarding { off, asked, acting };
 
 enum class StiffnessPart { diagonal, beside };  // xx, yy, zz; xy, xz, yz
@@ -32,8 +33,8 @@ struct WideKernels {
   // Returns the smallest det F if asked, to rounding, else 1.
   Real (*add_forces)(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f);
   void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
-  // Adds three of the six entries of what each vertex feels when it moves while its neighbours are held [N/m]; returns the smallest
-  // det F.
+  // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
+  // are held [N/m]. Returns the smallest det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
   // The same of the terms of the stored evaluator, carrier by carrier.
   void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);

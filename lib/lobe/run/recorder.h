@@ -17,7 +17,7 @@ class Recorder {
   Recorder(const Output& output, std::filesystem::path directory)
       : output_(output), directory_(std::move(directory)) {}
 
-  // Writes a frame if one is due at the world's time, or a picture is; `last`: in any case.
+  // Writes a frame if a frame or a picture is due at the world's time. With `last` it writes one in any case.
   template <class Real>
   void record(World<Real>& world, bool last);
 

@@ -1,6 +1,6 @@
 // A recording lists the commands that a world was given, with a digest of the state after each. A replay on a
-// world of the same setup must give the same bits, on any number of threads. Going back to an earlier state is
-// an entry too; what was done before stays in the recording.
+// world of the same setup must give the same bits, on any number of threads. Going back to an earlier state
+// is an entry too; what was done before stays in the recording.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace lobe {
 
-// The world was put back to what it was after so many entries of its recording; 0: as it began.
+// The world went back to its state after the first `entries` entries of the recording; 0: to its start.
 struct GoBack {
   std::uint64_t entries = 0;
   static constexpr auto fields = std::tuple(&GoBack::entries);
@@ -47,7 +47,7 @@ class Recorded {
 
   void apply(const Command& command);
   Report advance(double duration);
-  // To a checkpoint of this world, made when the recording had so many entries.
+  // Goes back to a checkpoint of this world that was made when the recording had `entries` entries.
   void go_back(const Checkpoint<Real>& checkpoint, std::size_t entries);
   const Recording& recording() const { return recording_; }
 

@@ -35,12 +35,12 @@ nlohmann::ordered_json state_json(World<Real>& world);
 nlohmann::ordered_json region_counts(const Elements& elements);
 nlohmann::ordered_json timing_json(const Totals& totals, double simulated, double setup_seconds,
                                    const CondensingLog& condensing);
-// What the run did not compute: patches that slept, states that nobody asked to see, terms that the scene
+// Lists what the run did not compute: patches that slept, states that no output needed, terms that the scene
 // leaves out.
 nlohmann::ordered_json skipped_json(const Totals& totals, const Setup& setup, std::size_t written);
 nlohmann::ordered_json proposal_json(const Proposal& proposal);
 
-// Of a whole report, for the console.
+// The summary of a report, for the console.
 std::string summary_of(const nlohmann::ordered_json& report);
 
 }  // namespace lobe

@@ -134,7 +134,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
 RunResult run_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
   if (scene.auto_regions && !resolved.proposal)
     throw InputError("/regions/auto",
-                     "the regions have not been chosen: resolve() does so, unless it is told not to");
+                     "the automatic regions have not been chosen: call resolve() with choose_regions");
   if (scene.in_double()) return run<double>(scene, resolved, options);
   return run<float>(scene, resolved, options);
 }

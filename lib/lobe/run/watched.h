@@ -20,7 +20,7 @@ inline std::string place_in_words(const Vec3d& place) {
   return "at [" + rounded(place[0]) + ", " + rounded(place[1]) + ", " + rounded(place[2]) + "] m";
 }
 
-// What is seen of linear regions that lobe has chosen.
+// Collects what the watch of automatic linear regions reports.
 template <class Real>
 class Watched {
  public:
@@ -76,7 +76,7 @@ class Watched {
   nlohmann::ordered_json series_ = nlohmann::ordered_json::array();
 };
 
-// What is seen of selective masses whose degree lobe chooses.
+// Collects what the watch of selective masses reports.
 template <class Real>
 class WatchedMasses {
  public:

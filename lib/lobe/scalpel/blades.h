@@ -1,6 +1,6 @@
-// Blades on their way through a body that moves. The edge of a blade is a row of points. Where they are in
-// the body, they are kept as places in the material until the next step, and the sheet runs from where these
-// have come to: tissue that moves across a blade is cut, and tissue that moves along with it is not.
+// Blades on their way through a body that moves. The edge of a blade is a row of points. Points inside the
+// body are stored as places in the material until the next step. The sheet starts at the present positions of
+// these places. So tissue that moves across a blade is cut, and tissue that moves along with it is not.
 #pragma once
 
 #include "lobe/cut/cautery.h"
@@ -32,13 +32,14 @@ class Blades {
     std::function<std::vector<Index>(const SweptVolume&)> tets_in;  // that meet it
   };
 
-  // Where the edge is that a move goes on from: the tissue may have carried it along.
+  // The edge from which a move goes on. The tissue may have carried it along.
   BladePose start_of(const BladeMove& move, const BodyNow& body) const;
-  // Into so many steps a move is to be divided: none is longer than half an edge.
+  // The number of steps of a move. No step is longer than half an edge.
   int steps(const BladeMove& move) const;
-  // One step; the caller divides what has been opened. Nothing where 32 others are on their way.
+  // Performs one step. The caller then divides the tetrahedra that were opened. Does nothing while 32 other
+  // strokes go on.
   std::optional<Incised> cut(const BladeMove& step, const BodyNow& body);
-  // Strokes that did not go on since this was asked last are over.
+  // Ends the strokes that did not go on since the last call.
   void end_strokes();
 
   Grains grains;

@@ -153,8 +153,8 @@ std::vector<std::vector<Index>> Division::parts_around(Index v) {
   return parts;
 }
 
-// The part in which the vertex lies keeps it, and with it what acts on it and who may grasp it; of several, as of
-// none, the one that fills most, the first of those.
+// The part in which the vertex lies keeps it, and with it what acts on it and who may grasp it; of several,
+// as of none, the one that fills most, the first of those.
 void Division::split(Index v) {
   std::vector<std::vector<Index>> parts = parts_around(v);
   if (parts.size() < 2) return;

@@ -1,4 +1,4 @@
-// Grains as cells of a surface: what is drawn is open where the blade has cut, and nowhere else.
+// Grains as cells of a surface. The drawn surface is open where the blade has cut, and nowhere else.
 #pragma once
 
 #include <memory>
@@ -20,8 +20,8 @@ class GrainCells : public SurfaceCells {
   bool is_cut(Index code, bool) const override { return !grains_.is_skin(code / 4, int(code % 4)); }
   SurfacePlace place(Index point) const override;  // of one that a grain has
 
-  // What an edit of the topology has changed beside what grains know of themselves: tetrahedra that have
-  // other corners.
+  // Tells the cells which tetrahedra an edit of the topology has given other corners. Grains do not know of
+  // these.
   void append_changed(const MeshEdit& edit, std::vector<Index>& cells) const;
 
  private:
@@ -29,7 +29,8 @@ class GrainCells : public SurfaceCells {
   const Elements& elements_;
 };
 
-// What the surface of a body is the boundary of, until the next edit: its tetrahedra, or the grains of a blade's cuts.
+// The cells whose boundary is the surface of a body: its tetrahedra, or grains if a blade has cut. Valid
+// until the next edit.
 std::unique_ptr<SurfaceCells> surface_cells(const Elements& elements, const Grains* grains);
 
 }  // namespace lobe

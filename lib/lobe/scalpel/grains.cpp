@@ -92,7 +92,8 @@ double Grains::area(Index code) const {
   return (point(p[c[1]]) - a).cross(point(p[c[2]]) - a).norm() / 2;
 }
 
-// A grain's face lies on that of its tetrahedron where the coordinate that belongs to the corner opposite is 0.
+// A grain's face lies on that of its tetrahedron where the coordinate that belongs to the corner opposite is
+// 0.
 Vec3d Grains::skin_of(Index element, int face, const Elements& elements) const {
   constexpr double rounding = 1e-9;
   const Mat34<double> X = elements.corner_points(element);

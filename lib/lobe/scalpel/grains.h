@@ -1,11 +1,12 @@
-// What blades have made of the body at rest: the tetrahedra that they met, refined so that what was cut runs
-// along faces, and these faces open. This is geometry alone: grains may be as flat as they like. The
-// simulation has whole tetrahedra, each with the share of its volume that its grains fill (fem/elements.h).
+// Grains are the pieces into which blades have divided tetrahedra of the body at rest. Every cut runs along
+// faces of grains, and these faces are open. Grains are geometry only, so they may be as flat as they like.
+// The simulation has whole tetrahedra, each with the share of its volume that its grains fill
+// (fem/elements.h).
 //
 // A grain is a tetrahedron of four points. An edge that a blade has crossed is bisected in all grains around
-// it, in the order of the new points' numbers: grains on both sides of a face divide it alike. An open face
-// parts the grains beside it; where the grains around a point no longer hang together by faces, the point is
-// there once for each of their parts.
+// it, in the order of the new points' numbers. So the grains on both sides of a face divide it alike. An open
+// face separates the grains on its two sides. If the grains around a point are no longer connected by faces,
+// each connected part has its own copy of the point.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@
 
 namespace lobe {
 
-// What a step of a blade has done, in numbers of points and grains: the same grains that are told to repeat
-// it are the same afterwards, whatever the state of the body.
+// What a step of a blade has done, in numbers of points and grains. Repeated on equal grains it gives equal
+// grains, whatever the state of the body.
 struct Incision {
   struct Bisection {
     Index a = 0, b = 0;  // the ends of the edge
@@ -56,13 +57,13 @@ class Grains {
   std::span<const Index> of(Index element) const { return of_element_[element]; }
   bool is_open(Index grain, int face) const { return grains_[std::size_t(grain)].open >> face & 1; }
   bool is_skin(Index grain, int face) const { return grains_[std::size_t(grain)].skin >> face & 1; }
-  // The grain that it hangs together with across a face; −1: it is open, or on the boundary.
+  // The grain that it is connected to across a face; −1: the face is open, or on the boundary.
   Index neighbour(Index grain, int face) const;
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
   double mean_volume() const { return mean_volume_; }                        // of its tetrahedra [m³]
   double shortest_edge(Index p) const { return shortest_[std::size_t(p)]; }  // of the mesh, near a point [m]
 
-  // Points that lie on the sheet of a stroke that goes on; there are 32 at a time.
+  // Points that lie on the sheet of a stroke that goes on. At most 32 strokes go on at a time.
   static constexpr int most_strokes = 32;
   bool is_on(Index point, int stroke) const { return on_[std::size_t(point)] >> stroke & 1; }
   void put_on(Index point, int stroke) { on_[std::size_t(point)] |= 1u << stroke; }
@@ -73,8 +74,8 @@ class Grains {
   double volume(Index grain) const;  // at rest [m³]
   double area(Index code) const;     // of a face 4 × grain + face, at rest [m²]
   Index beside(Index code) const;    // the same face of its neighbour; −1: none
-  // What is filled of a face of a tetrahedron that was on the boundary at the start: three times its share of the
-  // area, times its middle in barycentric coordinates of the face's corners; ones where it is whole.
+  // The filled part of a face of a tetrahedron that was on the boundary at the start: three times its share
+  // of the area, times the barycentric coordinates of its middle. Ones if the face is whole.
   Vec3d skin_of(Index element, int face, const Elements& elements) const;
   // Whether a vertex of the simulation lies in the material of tetrahedra around it, and is not only a corner
   // of tetrahedra of which there is a part elsewhere.
@@ -82,7 +83,7 @@ class Grains {
 
   // ---- Edits
 
-  // Whether these can be edges and faces of now; for what is read back.
+  // Whether these can be edges and faces of the present grains; a check of what was read from a file.
   bool can_bisect(const std::vector<Incision::Bisection>& edges) const;
   bool can_open(const std::vector<Index>& faces) const;
 
@@ -94,8 +95,8 @@ class Grains {
   // parts.
   TetDivision divide(const Topology& topology, const std::vector<Index>& opened);
   void forget(const std::vector<Index>& elements);  // which are removed
-  // Those that have other points, neighbours or tetrahedra than when this was asked last, or are gone; some
-  // of them several times.
+  // Grains whose points, neighbours or tetrahedra have changed since the last call, or that are gone. Some
+  // are listed several times.
   std::vector<Index> take_changed() { return std::exchange(changed_, {}); }
 
   std::size_t bytes() const;

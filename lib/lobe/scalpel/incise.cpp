@@ -241,8 +241,8 @@ Vec3d Step::middle_of(Index grain) {
                (grains_.point(p[0]) + grains_.point(p[1]) + grains_.point(p[2]) + grains_.point(p[3])) / 4);
 }
 
-// Closed faces of which the sheet passes between the middles of both sides: who goes from one side of the sheet to
-// the other, from middle to middle, comes through one of them.
+// Closed faces of which the sheet passes between the middles of both sides: who goes from one side of the
+// sheet to the other, from middle to middle, comes through one of them.
 std::vector<Index> Step::faces_between_sides() {
   std::vector<Index> faces;
   for (Index grain : near_)

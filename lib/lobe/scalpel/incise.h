@@ -1,4 +1,4 @@
-// One step of a blade through grains: which edges it crosses, and which faces it opens.
+// Performs one step of a blade through grains: finds the edges that it crosses and the faces that it opens.
 #pragma once
 
 #include "lobe/scalpel/grains.h"
@@ -10,11 +10,11 @@ struct Blade {
   double snap = 0.1;  // a point nearer than this share of its shortest edge lies on the sheet
   // No grain is divided: what lies on both sides of the sheet goes to that of its middle.
   bool along_faces = false;
-  // The tissue has moved since the last sheet, whose end the straight lines between its places may now lie ahead
-  // of: edges in between are found by the last sheet.
+  // The tissue has moved since the last sheet. The straight lines between the stored places may now lie ahead
+  // of the end of that sheet. The last sheet finds the edges in between.
   bool looks_back = false;
 
-  // How far from the sheet there may be something to do, in mean edges.
+  // The distance from the sheet within which grains may have to be divided, in mean edges.
   double reach() const { return along_faces ? 2 : 2 * snap; }
 };
 

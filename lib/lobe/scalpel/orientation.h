@@ -1,4 +1,5 @@
-// On which side of a plane a point lies: the one decision of the scalpel that rounding must not touch.
+// Decides on which side of a plane a point lies. It is the one decision of the scalpel that rounding must not
+// change.
 #pragma once
 
 #include "lobe/types.h"

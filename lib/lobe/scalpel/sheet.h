@@ -1,4 +1,4 @@
-// What a cutting edge sweeps in one step: a strip of triangles.
+// A sheet is what a cutting edge sweeps in one step: a strip of triangles.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,8 +17,8 @@ class Sheet {
 
   const Eigen::AlignedBox3d& box() const { return box_; }  // [m]
   double distance(const Vec3d& p) const;                   // [m]
-  // Whether a tetrahedron may be no farther from it than that: it is not beyond a plane, nor from all boxes around
-  // parts of the sheet.
+  // Whether a tetrahedron may be within a distance of the sheet [m]. It is not, if a plane separates them, or
+  // if it is further from all boxes around parts of the sheet.
   bool may_reach(const Mat34<double>& x, double reach) const;
   // Where the sheet crosses the edge from p to q, as a share of it: where it pierces an odd number of
   // triangles, at the first. Nothing where both ends are on one side.

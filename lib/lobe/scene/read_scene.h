@@ -1,4 +1,4 @@
-// A scene from its JSON: docs/scene.md is the reference, scene.schema.json the grammar.
+// Reads a scene from JSON. docs/scene.md is the reference, scene.schema.json the grammar.
 //
 // Bad input throws one InputError that carries every fault, each with its JSON pointer, the value found and
 // what was expected: "/materials/1/poisson_ratio: 0.5, must be below 0.5". Unknown keys are refused, with the

@@ -82,7 +82,7 @@ void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string
     warn("the blade is shorter than the mesh's mean edge, " + rounded(edge) + " m: it cuts nothing");
   if (in_a_frame > 3 * edge)
     warn("the blade goes " + rounded(in_a_frame) + " m in a frame, more than three mean edges of " +
-         rounded(edge) + " m: what it meets is where it was at the frame's start");
+         rounded(edge) + " m: it cuts the tissue where that was at the start of the frame");
   if (!comes_near(tool, resolution.mesh())) warn("the blade never comes near the mesh");
 }
 

@@ -102,7 +102,7 @@ struct Region {
   bool is_measured = false;  // precomputed: tensor-mass where a step is measured to cost clearly less so
 };
 
-// A trial of what will be done: a displacement of vertices [m], or a force on them [N].
+// A gesture for which regions are chosen: a displacement of vertices [m], or a force on them [N].
 struct SceneGesture {
   std::string name;
   Selector where;

@@ -1,5 +1,5 @@
-// What a scene says of each kind of tool, beside its name, type and path. Each kind has a file (grasp_kind.cpp, …)
-// and a row in tool_kinds.cpp. Internal: not part of the public interface.
+// What a scene says of each kind of tool, beside its name, type and path. Each kind has a file
+// (grasp_kind.cpp, …) and a row in tool_kinds.cpp. Internal: not part of the public interface.
 #pragma once
 
 #include <nlohmann/json.hpp>

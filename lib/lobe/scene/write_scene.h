@@ -1,4 +1,4 @@
-// A scene back to JSON.
+// Writes a scene as JSON.
 #pragma once
 
 #include <string>

@@ -9,9 +9,9 @@
 
 namespace lobe {
 
-// Consistent nodal forces of the dead loads: t A on a face, in rest area, a third of it on each vertex; vertex
-// loads as they are. Of a tetrahedron that fills a part of the face, the force on that part with its moment.
-// Loads on faces of removed tetrahedra are gone.
+// Consistent nodal forces of the dead loads. A traction t on a face of rest area A gives t A/3 to each of its
+// vertices. If a blade has left only a part of the face, the force on that part acts with its moment. Loads
+// on faces of removed tetrahedra vanish.
 class DeadLoads {
  public:
   DeadLoads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
@@ -21,7 +21,7 @@ class DeadLoads {
 
   // Faces of a tetrahedron of the start that bear a load.
   std::vector<int> loaded_faces(Index tet) const;
-  // What the corners of a face bear now (FaceLoad::weights), of a tetrahedron or a copy of one.
+  // Sets the load of each corner of a face (FaceLoad::weights), of a tetrahedron or a copy of one.
   void set_weights(Index tet, int face, const Vec3d& weights) { weights_[4 * tet + face] = weights; }
   Vec3d weights(Index tet, const FaceLoad& load) const;
 
@@ -38,14 +38,14 @@ Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& 
 
 // Position on a path at a time, linear between its points, constant before and after. [m]
 Vec3d path_at(const std::vector<PathPoint>& path, double time);
-// Orientation on it, by the shortest turn at a constant rate between its points; a unit quaternion x, y, z,
-// w.
+// Orientation on a path at a time: a unit quaternion x, y, z, w. Between two points it turns at a constant
+// rate, the shortest way.
 Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time);
 double opening_at(const std::vector<PathPoint>& path, double time);  // of jaws [m]
 
 // Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
-// grasp (holder 1 + its number). The first who holds a vertex keeps it; boundary conditions may hold
-// different components of one vertex, the first of each component wins.
+// grasp (holder 1 + its number). The first holder of a vertex keeps it. Boundary conditions may hold
+// different components of one vertex; for each component the first one counts.
 class HeldVertices {
  public:
   struct Held {

@@ -5,9 +5,9 @@
 
 namespace lobe {
 
-// Throws one InputError that names every kind of fault: sizes and numbers out of range, flat or inverted
-// tetrahedra, moduli without stability, values that are not finite, tools without a path or a radius, what is
-// not available yet, what excludes each other (exclusions.h), also what else is `wanted`.
+// Throws one InputError that names every fault: sizes and numbers out of range, flat or inverted tetrahedra,
+// unstable moduli, values that are not finite, tools without a path or a radius. It also names options that
+// are not available and options that exclude each other (exclusions.h), `wanted` ones included.
 void check_setup(const Setup& setup, const Options& wanted = {});
 
 }  // namespace lobe

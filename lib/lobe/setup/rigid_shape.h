@@ -1,5 +1,5 @@
-// The shape of a rigid body that touches the organ: a tool's tip, a table. In coordinates of its own, whose origin is
-// the tool's position.
+// The shape of a rigid body that touches the organ, such as a tool's tip or a table. The origin of its
+// coordinates is the position of the tool.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace lobe {
 
-// Told of each demand whether it is met, and what is wrong if not.
+// A check calls this for each demand: whether it is met, and the fault if it is not.
 using Expect = std::function<void(bool is_met, const std::string& fault)>;
 
 struct RigidShape {
@@ -35,7 +35,7 @@ struct RigidShape {
   static RigidShape jaws(const Vec3d& size) { return {.kind = Kind::jaws, .size = size}; }
 
   void check(const Expect& expect, const std::string& whose) const;
-  // Half of its least extent [m]: what is as fine as that does not fall through a mesh of quadrature points.
+  // Half of its least extent [m]. The shape cannot slip between quadrature points that are no further apart.
   double fineness() const;
   double reach() const;  // the farthest point from the origin, of closed jaws [m]; of a plane infinite
 

@@ -17,8 +17,9 @@ struct FaceLoad {  // dead load on one boundary face, in rest area
   Index tet = 0;
   int face = 0;                    // opposite to this corner
   Vec3d traction = Vec3d::Zero();  // [Pa]
-  // What the face's corners bear, in thirds of the whole, in the order of face_corners. Where a tetrahedron fills
-  // a part of the face, as a blade leaves it: three times that part's share of the area, times its middle.
+  // The load of each corner of the face, in thirds of the whole, in the order of face_corners. If a blade has
+  // left only a part of the face: three times that part's share of the area, times the barycentric
+  // coordinates of its middle.
   Vec3d weights = Vec3d::Ones();
   static constexpr auto fields =
       std::tuple(&FaceLoad::tet, &FaceLoad::face, &FaceLoad::traction, &FaceLoad::weights);

@@ -16,7 +16,7 @@ constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
-[[noreturn]] void refuse() { throw InputError("checkpoint", "does not fit the scene that it says it is of"); }
+[[noreturn]] void refuse() { throw InputError("checkpoint", "does not fit the scene that it names"); }
 
 }  // namespace
 

@@ -1,6 +1,6 @@
-// A checkpoint is all that a world has become since it was built: its edits in order, its state, what is held
-// and grasped. A world of the same setup that restores it goes on with the same bits, on any number of threads
-// (docs/stability.md).
+// A checkpoint holds all that has changed in a world since it was built: its edits in order, its state, its
+// held and grasped vertices. Another world of the same setup can restore it. From there both compute the same
+// bits, on any number of threads (docs/stability.md).
 #pragma once
 
 #include <cstdint>
@@ -67,13 +67,14 @@ class CheckpointRing {
     std::size_t bytes = 0;  // about
   };
 
-  // At most so many checkpoints, at least `apart` [s] of simulated time from each other, in so many bytes. The
-  // last is kept in any case.
+  // Keeps at most `most` checkpoints in at most `most_bytes`, at least `apart` [s] of simulated time from
+  // each other. The last checkpoint is kept in any case.
   CheckpointRing(std::size_t most, double apart, std::size_t most_bytes = SIZE_MAX)
       : most_(most), apart_(apart), most_bytes_(most_bytes) {}
 
   void keep(const World<Real>& world, std::size_t mark = 0);  // if the last is old enough
-  // Forgets the checkpoints after this time, and returns the latest that is left; null if there is none.
+  // Removes the checkpoints after this time [s] and returns the latest one that is left. Null if none is
+  // left.
   const Kept* latest(double time);
   // Restores the latest checkpoint that is at least `seconds` old, and forgets those after it. False if there
   // is none.

@@ -64,8 +64,8 @@ struct SetMassDegree {
   static constexpr auto fields = std::tuple(&SetMassDegree::degree);
 };
 
-// What a blade has cut in one step, by numbers of grains. World makes this command. The first one is empty
-// and says where the grains were made.
+// Records what a blade has cut in one step, by numbers of grains. World makes this command. The first one is
+// empty; it marks when the grains were made.
 struct Incise {
   Incision incision;
   bool operator==(const Incise&) const = default;
@@ -104,8 +104,8 @@ struct Hold {
   static constexpr auto fields = std::tuple(&Hold::held);
 };
 
-// BeginRefresh: another thread begins to condense pre-computed regions from scratch. EndRefresh: the result is
-// used. World makes both.
+// BeginRefresh: another thread begins to condense pre-computed regions from scratch. EndRefresh: the result
+// is used. World makes both commands.
 struct BeginRefresh {
   double due = 0;  // when EndRefresh follows [s]
   // Relinearised about these, 3 × #vertices [m]; none: as before.
@@ -124,7 +124,7 @@ struct EndRefresh {
   static constexpr auto fields = std::tuple();
 };
 
-// Takes the place of a command whose effect a later one has replaced, so that the others keep their numbers.
+// Takes the place of a command whose effect a later command has replaced. So the others keep their numbers.
 struct Superseded {
   bool operator==(const Superseded&) const = default;
   static constexpr auto fields = std::tuple();
@@ -141,16 +141,17 @@ using Command =
            std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginRefresh, EndRefresh,
                         Superseded>>::Type;
 
-// Whether a command only says what tools do in the next frame. Such a command leaves the state as it is.
+// Whether a command only says what tools do in the next frame. Such a command does not change the state.
 inline bool is_about_tools(const Command& command) {
   return std::visit([]<class Any>(const Any&) { return std::is_constructible_v<ToolCommand, Any>; }, command);
 }
 
-// Of a precomputed region, by what may press on its interior: it is expanded then, and condensed again later.
+// Remembers whether something pressed on the interior of a pre-computed region. The region is expanded for
+// it, and condensed again later.
 struct Touched {
-  static constexpr double patience = 0.5;  // after which it is condensed again [s]
+  static constexpr double patience = 0.5;  // untouched for so long, it is condensed again [s]
   bool has_expanded = false;
-  bool is_lost = false;  // that forces have no effect has been said
+  bool is_lost = false;  // the report has said that forces have no effect
   double last = 0;       // [s]
   bool is_valid() const { return std::isfinite(last); }
   static constexpr auto fields = std::tuple(&Touched::has_expanded, &Touched::is_lost, &Touched::last);

@@ -1,5 +1,5 @@
-// Display has what others look at: the surface of a body, which follows edits, and pictures of its state for
-// other threads (docs/threads.md).
+// Display holds what observers read: the surface of a body, which follows edits, and pictures of its state
+// for other threads (docs/threads.md).
 #pragma once
 
 #include <functional>
@@ -17,14 +17,14 @@
 
 namespace lobe {
 
-// Is called after each edit of the mesh.
+// The observer is called after each edit of the mesh.
 using CutObserver = std::function<void(const Topology&, const MeshEdit&)>;
 
 template <class Real>
 class Display {
  public:
-  // ---- The surface. The first call makes it; each later edit costs O(edit). `grains` is null if no blade has
-  // cut.
+  // ---- The surface. The first call makes it; each later edit costs O(edit). `grains` is null if no blade
+  // has cut.
 
   const Surface& surface(const Elements& elements, const Grains* grains);
   void rebuild(const Elements& elements, const Grains* grains);
@@ -46,13 +46,13 @@ class Display {
   const TripleBuffer<Snapshot<Real>>& snapshots() const { return pictures_->buffer; }  // from any thread
 
  private:
-  struct Pictures {  // stays where it is: others hold on to it
+  struct Pictures {  // never moves in memory: others point to it
     TripleBuffer<Snapshot<Real>> buffer;
     SurfaceCopies surfaces;
     std::int64_t frames = 0;
   };
 
-  std::unique_ptr<Surface> surface_;  // none until somebody asks for it
+  std::unique_ptr<Surface> surface_;  // null until surface() is called
   std::vector<CutObserver> observers_;
   std::unique_ptr<Pictures> pictures_ = std::make_unique<Pictures>();
 };

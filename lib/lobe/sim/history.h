@@ -1,5 +1,5 @@
-// What has been done to the mesh and the regions of a world, in order. Copies share the commands: a checkpoint
-// takes a pointer per command, and does not see what comes later.
+// What has been done to the mesh and the regions of a world, in order. Copies share the commands: a
+// checkpoint takes a pointer per command, and does not see what comes later.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ class History {
   const Command& front() const { return *commands_.front(); }
 
   void push_back(Command command) { commands_.push_back(share(std::move(command))); }
-  // Its effect has been replaced by a later one; those that follow keep their numbers.
+  // A later command has replaced the effect of this one. The commands that follow keep their numbers.
   void supersede(std::size_t i) {
     static const Shared superseded = share(Superseded{});
     commands_[i] = superseded;

@@ -25,7 +25,7 @@ class Pieces {
   // larger piece of its body is left. From then on every piece counts as a body, so that a later cut judges
   // only the pieces that it cuts.
   std::vector<std::vector<Index>> loosened_by(Model& model, const MeshEdit& edit);
-  void follow(const MeshEdit& edit) {  // copies belong to the piece of what they are copies of
+  void follow(const MeshEdit& edit) {  // a copy belongs to the piece of its original
     if (state_.piece_of.empty()) return;
     for (const TetCopy& own : edit.copies) state_.piece_of.push_back(state_.piece_of[own.tet]);
   }

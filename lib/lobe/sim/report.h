@@ -43,12 +43,12 @@ struct Report {
   int steps = 0;
   double time_step = 0;        // the smallest that was taken [s]
   double time_step_limit = 0;  // 2/ω_max at the start of the frame [s]
-  Index limiting_vertex = -1;  // whose stiffness it follows; one of those where there are several
-  int reruns = 0;              // of frames, with smaller steps
+  Index limiting_vertex = -1;  // the vertex that sets the limit; one of them if there are several
+  int reruns = 0;              // of the frame, with smaller steps
   Index tets_removed = 0;
   Index tets_copied = 0;  // by blades
-  double cut_area = 0;    // that they have opened, at rest [m²]
-  double mass_added = 0;  // since the start, for the time step, to what blades have cut [kg]
+  double cut_area = 0;    // opened by blades, at rest [m²]
+  double mass_added = 0;  // since the start, where blades have cut, to keep the time step [kg]
   long long patches_evaluated = 0, patches_skipped = 0;  // in all evaluations; skipped: asleep
   double smallest_volume_ratio = 1;  // of det F over the non-linear region, at the start of the frame
   std::array<double, phase_count> seconds{};  // of wall time per phase

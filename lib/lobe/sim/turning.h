@@ -1,13 +1,13 @@
-// Pieces that hang by one vertex, or by several in a line, and will turn about them.
+// Finds pieces that hang by one vertex, or by several vertices in a line. Such a piece will turn about them.
 #pragma once
 
 #include "lobe/body/model.h"
 
 namespace lobe {
 
-// The tensor-mass tetrahedra of such pieces that an edit has cut off or left: turned far, they would grow, as what
-// is loose would. O(tetrahedra of the pieces that were cut off), and of what is left until three of its held
-// vertices are found, where a held piece was cut off from it.
+// Returns the tensor-mass tetrahedra of such pieces, cut off by this edit or left by it. They must not stay
+// linear: a linear piece that turns far grows. Costs O(tetrahedra of the pieces that were cut off). If a held
+// piece was cut off, it also costs a search for three held vertices in what is left.
 std::vector<Index> turning_tets(Model& model, const MeshEdit& edit);
 
 }  // namespace lobe

@@ -125,7 +125,8 @@ void World<Real>::move(double dt) {
   for (const auto& term : body_.terms) term->end_step(farthest, dt);
 }
 
-// What grasps do to the vertices that they hold: whoever holds one bears the force on it. What else acts on tools.
+// What grasps do to the vertices that they hold: whoever holds one bears the force on it. What else acts on
+// tools.
 template <class Real>
 void World<Real>::feel(double dt) {
   const Motion<Real>& motion = body_.motion;

@@ -4,6 +4,9 @@
 // implicit scheme is there as a reference and for stiff scenes. Regions of different models share vertices.
 // A frame costs O(#tetrahedra) per step; an edit costs O(its size).
 //
+// Real is float, or double for references. One thread calls a world; other threads read its snapshots().
+// lobe/lobe.h explains the words: condensed, tangle, grain …
+//
 //   World<float> world(setup);
 //   for (int frame = 0; frame < 60; ++frame) world.advance(1.0 / 30);
 #pragma once
@@ -56,7 +59,7 @@ class World {
 
   double time() const { return body_.motion.time; }
   // Displacements and velocities. The interior of a pre-computed region is in equilibrium with its interface.
-  // It is computed by this call and not by every step. set_state() ignores what it is given for it.
+  // It is computed by this call and not by every step. set_state() ignores the values for that interior.
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);
@@ -66,15 +69,16 @@ class World {
   const Tools& tools() const { return tools_; }
   const Grains* grains() const { return blades_ ? &blades_->grains : nullptr; }  // null: no blade has cut
   const HeldVertices& held() const { return body_.model.held; }
-  // The parts, for those that measure a world: none of them is to be changed.
+  // The body of the world, for benchmarks and watches. Do not change it through this reference.
   Dynamics<Real>& body() { return body_; }
   const Dynamics<Real>& body() const { return body_; }
 
-  // ---- For others to look at (docs/threads.md)
+  // ---- Surface and pictures (docs/threads.md)
 
   // The boundary of the body. The first call makes it; from then on each cut updates it, in O(edit).
   const Surface& surface() { return display_.surface(elements(), grains()); }
-  // The observer is called after each edit of the mesh, so that a Skin can follow. restore() does not call it.
+  // The observer is called after each edit of the mesh, so that a Skin can follow. restore() does not call
+  // it.
   void on_cut(CutObserver observer) { display_.on_cut(std::move(observer)); }
   // Publishes a picture of the present state, with the report of the last frame. Other threads then get it by
   // snapshots(). Costs a copy of the state and the normals of the surface. If readers hold all slots, no
@@ -82,7 +86,7 @@ class World {
   void publish(const Report& report);
   const TripleBuffer<Snapshot<Real>>& snapshots() const { return display_.snapshots(); }  // from any thread
 
-  // ---- What can be asked
+  // ---- Stable step, forces, energies
 
   // The longest stable step 2/ω_max at the current state [s]; infinite if nothing is free. If nothing has
   // moved since the last call, cuts update it locally, except with nodal pressure.
@@ -91,16 +95,16 @@ class World {
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
   Energies energies() { return body_.energies(); }
 
-  // ---- What it has become
+  // ---- Checkpoints and edits
 
-  // save() gives all that this world has become (checkpoint.h). restore() costs a copy if nothing was edited
-  // since, else the building of a world. It throws InputError for a checkpoint of another setup or one that
-  // is not finite, and then leaves the world as it was.
+  // save() returns all that has changed since the world was built (checkpoint.h). restore() goes back to it.
+  // It costs a copy if nothing was edited since, otherwise as much as building a world. It throws InputError
+  // for a checkpoint of another setup and for one that is not finite; the world is then unchanged.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   const Journal& journal() const { return journal_; }  // what it was built from, and its edits since
-  // The cut body as a setup from which an equal world can be built (mass scaling is found again).
-  // `compacted` says where its vertices and tetrahedra come from.
+  // Returns the cut body as a setup, from which an equal world can be built. Mass scaling is computed anew.
+  // `compacted` says where the vertices and tetrahedra of that setup come from.
   Setup current_setup(CompactMesh& compacted) const;
 
  private:
@@ -207,7 +211,7 @@ class World {
   std::unique_ptr<ImplicitDynamics> implicit_;  // none: central differences
   double longest_move_;                         // a step that moves a vertex further is trouble [m]
   Touched touched_;
-  std::vector<Condition> pending_;  // found by edits, handed out with the next report
+  std::vector<Condition> pending_;  // found by edits; part of the next report
   Display<Real> display_;
 };
 

@@ -86,8 +86,8 @@ void World<Real>::look_around(ForceTerm<Real>& term) {
   term.see_surroundings(around, body_.here());
 }
 
-// The interior of a precomputed region has no mass of its own: it is expanded where it may be pressed. True if
-// something has changed.
+// The interior of a precomputed region has no mass of its own: it is expanded where it may be pressed. True
+// if something has changed.
 template <class Real>
 bool World<Real>::follow_touch(const std::vector<Index>& touched) {
   const auto interior =

@@ -53,13 +53,12 @@ Condition diverged(double step, const std::string& fastest, double time) {
   return {
       Condition::Kind::diverged,
       "no step down to " + rounded(step) + " s was stable; " + fastest +
-          "displacements and velocities before it are kept. Use a smaller load or tool speed, more damping, "
-          "guard_below or a volume_penalty",
+          "the displacements and velocities before it were restored. Use a smaller load or tool speed, more "
+          "damping, guard_below or a volume_penalty",
       time};
 }
 
-// What is led may be led beyond the numbers, which no force notices where nothing that moves by itself is
-// near.
+// Driven vertices may be driven to infinity. No force shows that if no free vertex is near.
 template <class Real>
 bool led_are_finite(const HeldVertices& held, const StateColumns<Real>& state) {
   return std::all_of(held.all().begin(), held.all().end(), [&](const HeldVertices::Held& item) {
@@ -230,7 +229,7 @@ void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& s
   for (const auto& term : body_.terms) term->take_back_steps();
 }
 
-// The result of a refresh is taken when it is due, on a slow machine by waiting for it, so that a run is the
+// The result of condensing is taken when it is due, on a slow machine by waiting for it, so that a run is the
 // same to the bit on every one.
 template <class Real>
 void World<Real>::refresh_condensed() {

@@ -104,12 +104,12 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
   }
   if (crumbs > 0)
     notice(Condition::Kind::scalpel, std::to_string(crumbs) +
-                                         " crumbs were left hanging by a face each: they are "
+                                         " crumbs stay attached by a face each, since they are "
                                          "below a thousandth of a tetrahedron; nothing to do");
 }
 
-// To edit a condensed region costs milliseconds per tetrahedron: one that can be expanded is, before a blade is
-// there.
+// To edit a condensed region costs milliseconds per tetrahedron: one that can be expanded is, before a blade
+// is there.
 template <class Real>
 void World<Real>::expand_ahead(const BladeMove& move) {
   if (!setup_.expandable || body_.regions.is_expanded() || !body_.regions.any_condensed()) return;

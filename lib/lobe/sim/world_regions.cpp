@@ -1,5 +1,5 @@
-// Regions of a World: tetrahedra that change their model; pre-computed regions that are condensed from scratch,
-// relinearised, and non-linear for a while (theory, section 14).
+// Regions of a World: tetrahedra that change their model; pre-computed regions that are condensed from
+// scratch, relinearised, and non-linear for a while (theory, section 14).
 #include <algorithm>
 
 #include "lobe/condense/anchors.h"
@@ -84,10 +84,10 @@ void World<Real>::perform(const EndRefresh& command) {
   if (is_condensed) forget_former_refreshes();
 }
 
-// A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it was
-// expanded in between: only its tetrahedra and what is held decide. Who held meanwhile stays: without it the
-// interior has other bits. Where it is expanded when the last refresh begins, what came since then stays,
-// since condensing it again asks for a refresh.
+// A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it
+// was expanded in between: only its tetrahedra and what is held decide. Who held meanwhile stays: without it
+// the interior has other bits. If it was expanded when condensing from scratch last began, later edits stay
+// in the list, since condensing it again needs another pass.
 template <class Real>
 void World<Real>::forget_former_refreshes() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) {
@@ -107,7 +107,8 @@ void World<Real>::forget_former_refreshes() {
 
 template <class Real>
 void World<Real>::perform(const Renew& command) {
-  if (!(command.delay > 0)) throw InputError("region", "the delay of its renewal must be above 0 s");
+  if (!(command.delay > 0))
+    throw InputError("region", "the delay until it is relinearised must be above 0 s");
   if (body_.regions.is_refreshing() || !body_.regions.any_condensed()) return;
   const Mat3X<double> u = displacements().template cast<double>();
   perform(BeginRefresh{time() + command.delay,
@@ -129,7 +130,7 @@ void World<Real>::perform(const Condense& command) {
   if (!body_.regions.is_expanded()) return;
   if (!body_.regions.can_condense())
     throw InputError("region",
-                     "it was edited while it was expanded, and must be renewed before it is condensed");
+                     "it was edited while it was expanded, and must be relinearised before it is condensed");
   catch_up();
   set_expanded(false);
   journal_.edits.push_back(command);

@@ -32,7 +32,7 @@ NumberLists inverse(const NumberLists& lists, Index count);
 NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
                        const Triangles& triangles, const TetMesh& mesh);
 
-// Of some tetrahedra the one nearest to p, the first where there are several; −1 if there are none.
+// The tetrahedron of a list that is nearest to p; the first of several. −1 if the list is empty.
 Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& p);
 
 enum class Bond {

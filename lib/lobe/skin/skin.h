@@ -3,15 +3,17 @@
 //
 // Each vertex is carried by one tetrahedron: it keeps its barycentric coordinates in it, outside of it by
 // linear extension (the tetrahedra's own surface is coarser). A triangle lies on the tetrahedra under it
-// (tets_under()), and a vertex is carried by one of those that the triangles around it lie on, the nearest. A
-// triangle is shown as long as all tetrahedra that it lies on and that carry its corners are there, any two
-// of them share all the corners that they shared at the start, and they all hang together by shared corners.
-// The tetrahedra around a corner hang together by faces (mesh/topology.h), so no triangle ever bridges a gap
-// between pieces. A vertex whose tetrahedron is cut away, or holds to none of the shown triangles around it,
-// is carried by another of those that these lie on. What is not shown never comes back.
+// (tets_under()). A vertex is carried by the nearest of the tetrahedra under the triangles around it.
 //
-// Where a blade has cut a tetrahedron, vertices and triangles lie on those of its copies whose grains are under
-// them: the skin opens along the cut, by those of its own triangles that the cut runs through.
+// A triangle is shown while three conditions hold for the tetrahedra under it and those that carry its
+// corners: all of them are there, any two of them share all the corners that they shared at the start, and
+// all are connected by shared corners. The tetrahedra around a corner are connected by faces
+// (mesh/topology.h), so no triangle ever bridges a gap between pieces. If the tetrahedron of a vertex is cut
+// away, or is connected to none of the shown triangles around the vertex, another tetrahedron under these
+// triangles carries it. A hidden triangle never comes back.
+//
+// If a blade has cut a tetrahedron, vertices and triangles lie on the copies whose grains are under them. The
+// skin then opens along the cut: triangles that the cut runs through are hidden.
 #pragma once
 
 #include <map>
@@ -83,7 +85,7 @@ class Skin {
   void check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices,
              const Grains* grains);
   std::vector<Index> candidates(Index vertex) const;
-  // What blades have made of tetrahedra of the start.
+  // The copies that blades have made of tetrahedra.
   std::span<const Index> elements_under(Index triangle) const;
   void follow_grains(const Topology& topology, std::vector<Index>& cut, const Grains& grains);
   void find_elements_under(Index triangle, const Grains& grains);

@@ -1,5 +1,5 @@
-// A snapshot is a picture of a running simulation that other threads read: all that a viewer, a haptic loop or
-// a script needs of one moment. It goes through a TripleBuffer, which recycles its storage. Taking one
+// A snapshot is a picture of a running simulation that other threads read: all that a viewer, a haptic loop
+// or a script needs of one moment. It goes through a TripleBuffer, which recycles its storage. Taking one
 // allocates nothing while nothing is cut.
 #pragma once
 
@@ -29,7 +29,7 @@ struct ToolSnapshot {
   Vec3d blade = Vec3d::Zero();   // of a scalpel, from its tip, which is the position, to its heel [m]
 };
 
-struct FigureSnapshot {  // of the frame that led here
+struct FigureSnapshot {  // figures of the frame before the picture
   bool ok = true;        // false: the simulation stands still
   int steps = 0, reruns = 0;
   double time_step = 0;     // the smallest that was taken [s]

@@ -24,8 +24,8 @@ class TripleBuffer {
   struct Slots;
 
  public:
-  // Views held at the same time, of all readers, for which a slot is always left to write into. Slots that
-  // are not needed hold an empty T.
+  // `views`: how many views all readers together may hold while a slot is still left to write into. Slots
+  // that are not needed hold an empty T.
   explicit TripleBuffer(int views = 4)
       : slots_(std::make_shared<Slots>(static_cast<std::uint32_t>(views) + 2)) {}
   TripleBuffer(const TripleBuffer&) = delete;
@@ -33,20 +33,21 @@ class TripleBuffer {
 
   // ---- The thread that writes.
 
-  // What to write the next value into: it holds an older value, whose storage can be used again. The same one
-  // until publish(). Null where more views are held than were planned for: leave this value out. O(#slots).
+  // The slot to write the next value into. It holds an older value, whose storage can be used again. All
+  // calls before publish() give the same slot. Null if readers hold more views than were planned for: leave
+  // this value out then. O(#slots).
   T* writable() {
     for (std::uint32_t i = 0; i < slots_->count && writing_ == none; ++i)
       if (i != published_ && slots_->slot[i].holders.load(std::memory_order_acquire) == 0) writing_ = i;
     return writing_ == none ? nullptr : &slots_->slot[writing_].value;
   }
 
-  // What writable() gave last is complete: it is the latest from now on. Call it after writable() alone.
+  // Makes the value of the last writable() the latest one. Call it only after writable().
   void publish() {
     lobe_assert(writing_ != none, "publish() without writable()");
     const std::uint64_t before = slots_->latest.exchange(writing_, std::memory_order_acq_rel);
-    // Who took the former one has not been counted there yet, who gave it back has: the sum is who still
-    // holds it.
+    // Views of the former value were counted in `latest` when they were taken, and in `holders` when they
+    // were given back. The sum of both is the number of views that still hold it.
     if (published_ != none)
       slots_->slot[published_].holders.fetch_add(std::uint32_t(before >> 32), std::memory_order_acq_rel);
     published_ = std::exchange(writing_, none);
@@ -54,7 +55,7 @@ class TripleBuffer {
 
   // ---- Any thread.
 
-  // Keeps a value as it is for as long as it lives, longer than the buffer if need be.
+  // A view keeps its value unchanged as long as the view lives, even after the buffer is gone.
   class View {
    public:
     View() = default;

@@ -1,6 +1,6 @@
-// Static equilibrium, the reference for everything that moves: Newton's method with the exact tangent, a line
-// search that never accepts an inverted non-linear tetrahedron, load steps that halve when an equilibrium is
-// not found and double when it is, a sparse factorisation with nested dissection.
+// Static equilibrium, the reference for everything that moves. It uses Newton's method with the exact tangent
+// and a sparse factorisation with nested dissection. A line search never accepts an inverted non-linear
+// tetrahedron. Load steps double after an equilibrium, and halve where none is found.
 #pragma once
 
 #include <functional>

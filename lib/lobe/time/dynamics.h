@@ -33,15 +33,15 @@ struct Dynamics {
 
   // Computes all forces at the state into motion.forces [N], held vertices included.
   void find_forces();
-  // Displacements, and velocities if asked for, of what is condensed as well.
+  // Computes the displacements of the condensed interior, and its velocities if asked for.
   void recover(typename Regions<Real>::Interior wanted);
-  void arrange();          // who moves
-  void prepare_inertia();  // and how selective masses couple them
+  void arrange();          // finds the vertices that move
+  void prepare_inertia();  // and the couplings of selective masses
   Energies energies();
-  Vec3d reaction(int holder);  // force that who holds these vertices must apply now [N]
+  Vec3d reaction(int holder);  // force that the holder must apply now [N]
 
-  // Advances velocities and displacements by dt [s] with the forces that were found last; changes these. Forces
-  // act for the time `kick`: half of the step before and half of this one.
+  // Advances velocities and displacements by dt [s] with the forces of the last evaluation, which it
+  // overwrites. Forces act for the time `kick`: half of the last step and half of this one.
   void push(double kick, double dt);
   // Restores the held components of vertices that slide: free in some components, held in others.
   void leave_out_held();

@@ -30,7 +30,8 @@ struct FrequencyRatios {
   static constexpr auto fields = std::tuple(&FrequencyRatios::most, &FrequencyRatios::own,
                                             &FrequencyRatios::limit, &FrequencyRatios::steps);
 
-  // Whether what the change may cost or gain in so many steps is twice what it takes to measure.
+  // Whether the change of the limit may cost or gain, in so many steps, twice the time that a measurement
+  // takes.
   bool is_worth_measuring(double limit_now) const {
     const double change = std::abs(limit_now / limit - 1);
     return change > slightest && change * steps >= 2 * evaluations;
@@ -40,7 +41,7 @@ struct FrequencyRatios {
   double square(Index v) const { return double(own[std::size_t(v)]) * double(own[std::size_t(v)]); }
   void extend(Index vertices) { own.resize(std::size_t(vertices), static_cast<float>(most)); }
   void forget(Index v) { own[std::size_t(v)] = static_cast<float>(most); }
-  void forget_all(double ratio) {  // of the highest vertex, which all have from now on
+  void forget_all(double ratio) {  // of the vertex of the highest estimate; all vertices have it from now on
     most = ratio;
     std::fill(own.begin(), own.end(), static_cast<float>(ratio));
   }

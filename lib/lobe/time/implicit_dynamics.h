@@ -13,8 +13,8 @@ class ImplicitDynamics {
  public:
   explicit ImplicitDynamics(double spectral_radius);
 
-  // One step [s]; false if it was not solved: nothing has moved. given(item, time): the displacement of what
-  // is held [m].
+  // Takes one step [s]. False if it was not solved; then nothing has moved. given(item, time): the
+  // displacement of a held vertex [m].
   using Given = std::function<Vec3d(const HeldVertices::Held& item, double time)>;
   bool step(Dynamics<double>& body, double dt, const Given& given);
 

@@ -89,7 +89,7 @@ void Inertia<Real>::slow_short_waves(Parallel& parallel, Motion<Real>& motion) {
 }
 
 // ½ v·C⁻¹v by conjugate gradients: M C p = M v in the inner product of M⁻¹, in which M C is symmetric. What
-// each adds to v·p is known without p. Components that are led have lumped masses.
+// each adds to v·p is known without p. Driven components have lumped masses.
 template <class Real>
 double Inertia<Real>::kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const {
   double twice = 0;

@@ -25,35 +25,36 @@ class Inertia {
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }  // [1/kg], 0 also where held
   double inverse_mass(Index v) const { return inverse_mass_[std::size_t(v)]; }
 
-  // After an edit: masses of these vertices as its tetrahedra give them; release() follows. Copies are scaled
-  // as the vertex that they come from.
+  // After an edit: refresh() computes the masses of vertices from their tetrahedra; call release() next.
+  // copy() gives a copy the mass scaling of its original.
   void copy(Index vertex, Index copy);
   void refresh(const Model& model, const std::vector<Index>& vertices);
-  // The inverse mass of a vertex whose mass or hold has changed.
+  // Computes the inverse mass of a vertex whose mass has changed, or that was held or released.
   void release(Model& model, Index v);
-  // Masses that somebody changes at once: those of a condensed interior go to its interface.
+  // For changing masses directly: those of a condensed interior move to its interface.
   std::vector<double>& masses() { return mass_; }
-  // Keeps what blades cut from becoming faster; of vertices that are refreshed from now on.
+  // Sets the mass floor, which keeps vertices at a cut from needing shorter steps. It acts on vertices that
+  // are updated from now on.
   void set_floor(const MassFloor& floor) { floor_ = floor; }
   const MassFloor& floor() const { return floor_; }
   double mass_of_floor() const { return sum_of_floor_; }  // that it has added [kg]
-  // What gravity acts on [kg]: a floor resists acceleration alone.
+  // The mass on which gravity acts [kg]. Mass of the floor has no weight.
   double weighs(Index v) const {
     return mass_[std::size_t(v)] - (v < static_cast<Index>(added_.size()) ? added_[std::size_t(v)] : 0);
   }
-  // Adds mass, at most that share of all, where `squares`, ω_v² [1/s²], are largest. Masses are then to be
-  // refreshed.
+  // Adds mass, at most this share of the whole, at the vertices whose `squares`, ω_v² [1/s²], are largest.
+  // Call refresh() next.
   void scale(const std::vector<double>& squares, double share);
   const MassScaling& scaling() const { return scaling_; }
   MassScaling& scaling() { return scaling_; }
 
-  // ---- Who moves
+  // ---- Vertices that move
 
   // Finds the vertices that a step moves, if masses, held vertices, sleeping vertices or the state have
   // changed. Vertices at rest are set here, and a step does nothing for them.
   template <class IsAsleep>
   void arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);
-  const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // by themselves
+  const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // free vertices
   const std::vector<Held>& led() const { return led_; }  // held, but not at one place in all components
 
   // ---- Selective masses (selective_mass.h)
@@ -62,7 +63,7 @@ class Inertia {
   bool is_selective() const { return selective_.degree() > 1; }
   int degree() const { return degree_; }                  // asked for
   int degree_now() const { return selective_.degree(); }  // 1 while masses are lumped for a while
-  std::vector<int> degrees() const;                       // those that there are, the last that of the setup
+  std::vector<int> degrees() const;                       // that can be used; the last is the setup's
   void check_degree(int degree) const;                    // throws InputError for one that there is not
   void ask_for(int degree) { degree_ = degree; }
   void use(int degree) { selective_.set_degree(degree); }
@@ -71,14 +72,14 @@ class Inertia {
     if (may_be_selective()) edits_.insert(edits_.end(), vertices.begin(), vertices.end());
   }
 
-  // From forces [N] to those that give lumped masses the accelerations C f; prepare() comes before, after
-  // arrange().
+  // apply() changes forces [N] to those that give lumped masses the accelerations C f. Call arrange(), then
+  // prepare(), before it.
   template <class TakesPart>  // takes_part(tet): whether its vertices are coupled
   void prepare(const Model& model, bool any_asleep, TakesPart&& takes_part);
   void apply(Parallel& parallel, Mat3X<Real>& f) { selective_.apply(led_, parallel, f); }
   void apply(int degree, Parallel& parallel, Mat3X<Real>& f);
-  // Where inertia grows, short waves keep about their momentum, v → P v, which they would else carry further
-  // than before; long ones keep their speed: v → v − (1 − P)² v.
+  // Call it when inertia grows: v → v − (1 − P)² v. Short waves then keep about their momentum, since with
+  // their old speed they would go too far. Long waves keep their speed.
   void slow_short_waves(Parallel& parallel, Motion<Real>& motion);
   double kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const;  // [J]
   double lag(int degree) const { return selective_.lag(degree); }                    // [s²]

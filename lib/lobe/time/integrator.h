@@ -16,10 +16,10 @@
 
 namespace lobe {
 
-// The highest speeds squared [m²/s²]; of all vertices (infinite if one is not a number), and of those that in
-// each of the last two steps turned back and were faster than before: what grows in a step beyond the stable
-// one. A wave that passes turns a vertex once, and no swing whose ωΔt is below √3, for the 2 of the limit,
-// does so twice in a row.
+// The highest squared speeds [m²/s²]: of all vertices (infinite if one is not a number), and of the vertices
+// that turned back and became faster in each of the last two steps. Such vertices show that the step is
+// longer than the stable one. A wave that passes turns a vertex back only once. No oscillation with ωΔt below
+// √3 does so twice in a row; the limit is 2.
 template <class Real>
 struct Fastest {
   Real all = 0, turned = 0;

@@ -7,9 +7,10 @@
 namespace lobe {
 namespace {
 
-// λ_max(K_T)/V. Corner displacements U give the gradient F = U Aᵀ with the 3 × 4 shape gradients A = Q S Wᵀ. In the
-// axes of Q, F = Y S with |Y| = |U|, and the energy λ tr(F)² + 2μ |sym F|² falls apart: into the diagonal, with
-// λ s sᵀ + 2μ diag(s²), and one part for each pair i < j, μ (Y_ij s_j + Y_ji s_i)² ≤ μ (s_i² + s_j²).
+// λ_max(K_T)/V. Corner displacements U give the gradient F = U Aᵀ with the 3 × 4 shape gradients A = Q S Wᵀ.
+// In the axes of Q, F = Y S with |Y| = |U|, and the energy λ tr(F)² + 2μ |sym F|² falls apart: into the
+// diagonal, with λ s sᵀ + 2μ diag(s²), and one part for each pair i < j, μ (Y_ij s_j + Y_ji s_i)² ≤ μ (s_i² +
+// s_j²).
 double largest_stiffness(const Elastic& e, const Mat34<double>& A) {
   Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
   solver.computeDirect(A * A.transpose(), Eigen::EigenvaluesOnly);

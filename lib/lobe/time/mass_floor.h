@@ -1,10 +1,12 @@
-// Mass that keeps the time step of a body that a blade has cut. A copy of a tetrahedron is as fast as the whole
-// one, since stiffness and mass have the same share φ; but a vertex that is left with its worst tetrahedra only
-// moves faster than before. With ω_T² = λ_max(K_T)/(ρV_T/4), which no φ changes, and masses m_T,i = ρφV_T/4,
+// Mass that keeps the time step of a body that a blade has cut. A copy of a tetrahedron has the frequencies
+// of the whole one, since stiffness and mass have the same share φ. But a vertex that is left with only its
+// worst tetrahedra has a higher frequency than before. With ω_T² = λ_max(K_T)/(ρV_T/4), which no φ changes,
+// and masses m_T,i = ρφV_T/4,
 //
 //   ω_max² ≤ max_i ( Σ_{T∋i} m_T,i ω_T² ) / m_i
 //
-// so that m_i ≥ Σ m_T,i ω_T² / ω*² at the vertices of copies keeps what they add below ω* (theory, section 9).
+// so that m_i ≥ Σ m_T,i ω_T² / ω*² at the vertices of copies keeps what they add below ω* (theory, section
+// 9).
 #pragma once
 
 #include "lobe/fem/elements.h"

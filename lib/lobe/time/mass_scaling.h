@@ -1,5 +1,5 @@
 // Mass added where it lengthens the time step most: at the vertices of the highest frequencies, which are
-// few. It acts like mass of the body, with weight and momentum of its own.
+// few. It acts like other mass of the body, with weight and momentum.
 #pragma once
 
 #include <vector>

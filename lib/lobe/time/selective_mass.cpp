@@ -14,8 +14,9 @@ constexpr double slightest = 0.07;  // coupling of two vertices that counts, of 
 // Vertices among which those with as many neighbours are put side by side.
 constexpr std::size_t window = 128;
 
-// Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν) of what belongs to the
-// eigenvalue a of A, 0 … α (ν + 1) = 1, so that z = P(a) x but for a factor. T is of the degree; with T(ν)
+// Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν) of the part that belongs
+// to the eigenvalue a of A, 0 … α (ν + 1) = 1. So z = P(a) x, apart from a factor. T is of the degree; with
+// T(ν)
 // above 1 no P(a) is zero.
 class Chebyshev {
  public:
@@ -52,7 +53,8 @@ void SelectiveMass<Real>::follow(const Elements& elements, const std::vector<Ind
   for (Index v : vertices) rows_[std::size_t(v)] = find_row(elements, v, takes_part);
 }
 
-// Of the stiffness (λ + 2μ) ∫∇·∇, made as large as what a vertex feels when it moves while its neighbours are held.
+// Of the stiffness (λ + 2μ) ∫∇·∇, made as large as what a vertex feels when it moves while its neighbours are
+// held.
 template <class Real>
 auto SelectiveMass<Real>::find_row(const Elements& elements, Index vertex,
                                    const std::function<bool(Index)>& takes_part) const -> Row {

@@ -26,18 +26,18 @@ class SelectiveMass {
   int degree() const { return degree_; }
   void set_degree(int degree) { degree_ = degree; }
 
-  // L is changed around these vertices: that of all alive tetrahedra that take part, by the stiffness of
-  // their material at rest. O(#tetrahedra around them).
+  // Updates L around these vertices, from all alive tetrahedra that take part, with the stiffness of their
+  // materials at rest. O(#tetrahedra around them).
   void follow(const Elements& elements, const std::vector<Index>& vertices,
               const std::function<bool(Index tet)>& takes_part);
-  // After that, or where masses have changed: all that may move, and does until the next call. Some twenty
+  // Call it after follow() and after a change of masses, with all vertices that may move. Costs some twenty
   // products with L.
   void measure(const std::vector<MovingVertex<Real>>& free);
-  // Those of them that do, where others rest.
+  // Sets which of these vertices move, while others rest.
   void arrange(const std::vector<MovingVertex<Real>>& moving);
 
-  // From forces [N] those that give lumped masses the accelerations C f. What is held of those that move is
-  // left out.
+  // Changes forces [N] to those that give lumped masses the accelerations C f. Held components of vertices
+  // that slide are left out.
   void apply(const std::vector<HeldVertices::Held>& sliding, Parallel& parallel, Mat3X<Real>& f);
   struct Acceleration {
     double norm = 0;    // √Σ m |C f|² [√kg m/s²]

@@ -126,7 +126,7 @@ void Sleep::keep_forces(Dynamics<Real>& body, const Square& square) {
   kept_at_ = now(body);
 }
 
-// The vertices whose forces may change: those who are awake, what is led or touched by force terms, the
+// The vertices whose forces may change: those that are awake, driven or touched by force terms, the
 // interface of condensed regions, and their neighbours by patches. Patches that sleep keep their sums from
 // here on.
 template <class Real>

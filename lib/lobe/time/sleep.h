@@ -16,7 +16,7 @@ struct Dynamics;
 
 class Sleep {
  public:
-  static constexpr double calm_time = 0.1;      // who has been still for so long may sleep [s]
+  static constexpr double calm_time = 0.1;      // a vertex that is still for so long may fall asleep [s]
   using Square = std::function<double(Index)>;  // ω_v² of a vertex, or a bound of it [1/s²]
 
   // Part of a checkpoint; empty if nothing may sleep.
@@ -33,22 +33,22 @@ class Sleep {
   };
 
   Sleep() = default;
-  // `tolerance`: by how much sleep may change displacements [m]; 0: nothing sleeps. `move`: how far a sleeping
-  // vertex may be from its equilibrium while its neighbours are held [m].
+  // `tolerance`: by how much sleep may change displacements [m]; 0: nothing sleeps. `move`: how far a
+  // sleeping vertex may be from its equilibrium while its neighbours are held [m].
   Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / calm_time) {}
 
   bool is_on() const { return move_ > 0; }
   bool any() const { return count_ > 0; }
   Index count() const { return count_; }
   bool is_asleep(Index v) const { return any() && state_.asleep[v] != 0; }
-  std::uint64_t revision() const { return revision_; }  // grows where somebody falls asleep or wakes
+  std::uint64_t revision() const { return revision_; }  // grows when a vertex falls asleep or wakes
 
   void extend(Index vertices, double time) {  // new ones are awake
     if (!is_on()) return;
     state_.asleep.resize(std::size_t(vertices), 0);
     state_.restless_till.resize(std::size_t(vertices), time);
   }
-  // And all patches around these vertices.
+  // Wakes these vertices and all patches around them.
   template <class Real>
   void wake(const std::vector<Index>& vertices, Dynamics<Real>& body);
   void wake_all(double time);
@@ -56,18 +56,19 @@ class Sleep {
   const State& state() const { return state_; }
   void set_state(const State& state);
 
-  // To be called at a frame's start: vertices that have been still may fall asleep in the next step.
+  // Call it at the start of a frame. Vertices that have been still may fall asleep in the next step.
   void begin_frame() { frame_begins_ = true; }
-  // Between the forces of a step and its motion: what is kept belongs to the displacements that there are
-  // now.
+  // Call it between the forces of a step and its motion, because the sums that patches keep belong to the
+  // present displacements.
   template <class Real>
   void update(Dynamics<Real>& body, const Square& square);
-  // The vertices whose forces may change, where the others keep theirs; null: all. Before forces are found.
+  // Call it before an evaluation of forces. Returns the vertices whose forces may change, while the others
+  // keep theirs; null: all vertices.
   template <class Real>
   const std::vector<Index>* begin_forces(Dynamics<Real>& body);
 
  private:
-  struct Watched {  // asleep beside who is awake
+  struct Watched {  // a sleeping vertex next to one that is awake
     Index vertex = 0;
     double most = 0;  // a larger force wakes it [N]
   };
@@ -92,7 +93,7 @@ class Sleep {
   std::uint64_t revision_ = 0;
   bool frame_begins_ = false;
 
-  // What a step reads while somebody sleeps, and the revisions that it was found at:
+  // What a step reads while a vertex sleeps, and the revisions for which it was found:
   std::vector<Index> wanted_;
   std::vector<Watched> watched_;
   struct KeptAt {

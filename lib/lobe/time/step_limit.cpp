@@ -198,8 +198,8 @@ void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit,
     }
 }
 
-// A blade removes nothing. All tetrahedra with another share or other corners are among those of edit.shares, and
-// copies are where their parents are.
+// A blade removes nothing. All tetrahedra with another share or other corners are among those of edit.shares,
+// and copies are where their parents are.
 template <class Real>
 void StepLimit<Real>::follow_shares(const Body& body, const MeshEdit& edit,
                                     const std::vector<double>& shares_before) {

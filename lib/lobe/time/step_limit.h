@@ -22,10 +22,10 @@ class StepLimit {
   // `mean_edge`: displacements that are small against it are small [m].
   explicit StepLimit(double mean_edge) : mean_edge_(mean_edge) {}
 
-  // 2/ω_max at the present state [s]; infinite if nothing is free. Costs O(#tetrahedra) if the state has changed
-  // since the last call. Cuts are followed locally, except with nodal pressure.
+  // 2/ω_max at the present state [s]; infinite if nothing is free. Costs O(#tetrahedra) if the state has
+  // changed since the last call. Cuts are followed locally, except with nodal pressure.
   double find(Body& body);
-  // The same from scratch, so that a restored world finds the same to the bit.
+  // The same from scratch, as a restored world finds it, so that both get the same bits.
   void find_anew(Body& body);
   // ---- For frames. The limit is found again after `interval` of simulated time, about a frame of 60 Hz,
   // because a pass over all tetrahedra costs as much as two or three steps. In between the last limit holds,
@@ -34,9 +34,10 @@ class StepLimit {
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? kept_.limit : keep(body); }
   double at_end(Body& body);  // of a frame; infinite where the last one holds
-  // At a frame's start: whether it has been found since the last one, or no longer holds.
+  // At the start of a frame: whether the limit was found since the start of the last frame, or no longer
+  // holds.
   bool is_due(const Body& body) { return std::exchange(kept_.is_new, false) || !holds(body); }
-  double keep(Body& body);       // that of now
+  double keep(Body& body);       // finds it now
   struct Kept {                  // part of a checkpoint
     double limit = 0, time = 0;  // [s]; when it was found
     bool is_new = true;
@@ -50,20 +51,21 @@ class StepLimit {
   const Kept& kept() const { return kept_; }
   void set_kept(const Kept& kept, const Body& body);
 
-  // At a frame's start: measured again where the limit has changed enough.
+  // Call it at the start of a frame. It measures the ratios again if the limit has changed enough.
   void measure_again(Body& body);
-  // Of the body at rest, with each degree of selective masses, condensed or expanded as it is now.
+  // Measures the ratios of the body at rest, for each degree of selective masses, condensed or expanded as it
+  // is now.
   void measure_at_rest(Body& body);
-  // Inertia or the condensed regions have changed as a whole: ratios are those at rest.
+  // Call it when inertia or the condensed regions have changed as a whole. Ratios are then those at rest.
   void restart(Body& body);
   void restart_for_degree(Body& body);
 
-  // Edits. Before the elements follow: what tetrahedra add to the stiffness of their corners goes with them,
-  // or moves to the copy of a vertex. All is found again with nodal pressure, beside a pre-computed region, and
-  // where the tetrahedron of the smallest volume ratio goes.
+  // Follows an edit; call it before the elements do. The stiffness of a tetrahedron at its corners goes with
+  // it, or moves to the copy of a vertex. Three cases need a pass over everything: nodal pressure, a
+  // pre-computed region, and the removal of the tetrahedron of the smallest volume ratio.
   // `shares_before`: one for each of edit.shares, 0 of a new copy.
   void follow(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
-  // Tetrahedra change their model by change().
+  // Follows a tetrahedron that changes its model by change().
   template <class Change>
   void follow_region(const Body& body, Index tet, Change&& change);
   void extend(Index vertices) { ratios_.extend(vertices); }
@@ -80,15 +82,15 @@ class StepLimit {
     return frequencies_.exact_square(v, body.inertia.inverse_mass(v));
   }
   VertexFrequency highest_vertex(Body& body);  // the estimate without ratios, found again
-  // The highest there was at rest with lumped masses, in whatever way the body is computed [rad/s].
+  // The highest frequency at rest with lumped masses, condensed or expanded, whichever is higher [rad/s].
   double highest_at_rest() const { return std::max(at_rest_[0][1].omega, at_rest_[1][1].omega); }
   const HighestFrequency& search() const { return search_; }  // the last at rest
   Index limiting_vertex() const { return kept_.limiting_vertex; }
   double volume_ratio() const { return kept_.volume_ratio; }  // the smallest det F, when it was last kept
   Index volume_ratio_tet() const { return kept_.volume_ratio_tet; }
 
-  // Of the body at rest, with its regions as they are now: with its masses [rad/s], with lumped ones, and of
-  // these over the highest vertex alone.
+  // Highest frequencies of the body at rest, condensed or expanded as it is now [rad/s]: with its masses, and
+  // with lumped masses. The ratio is that of the latter to the highest vertex estimate.
   double omega_at_rest(const Body& body) { return at_rest(body).omega; }
   double lumped_omega_at_rest(const Body& body) const {
     return at_rest_[body.regions.is_expanded()][1].omega;

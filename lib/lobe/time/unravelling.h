@@ -1,5 +1,5 @@
-// Unravels tangles: tetrahedra that stay crushed or inverted although no tool holds them there. They are linear
-// until they have come back (theory, section 8).
+// Unravels tangles: tetrahedra that stay crushed or inverted although no tool holds them there. They are
+// linear until they have come back (theory, section 8).
 #pragma once
 
 #include <array>
@@ -15,15 +15,15 @@ namespace lobe {
 
 class Unravelling {
  public:
-  // Tetrahedra that become linear with the tangle, at each stage: so many rings of neighbours around what it
-  // has come to; at the last all that hangs together with it.
+  // How many rings of neighbours become linear with the tangle, at each stage. At the last stage the whole
+  // connected piece does.
   static constexpr std::array<int, 4> rings{1, 2, 4, std::numeric_limits<int>::max()};
   static constexpr int stages = static_cast<int>(rings.size());
 
   struct State {              // part of a checkpoint
     std::vector<Index> tets;  // tensor-mass for now, sorted; none: nothing is being unravelled
-    int stage = 0;  // stages that were tried since the body was last held or set by somebody, up to `stages`
-    double since = 0;        // when the present stage, or the tangle, began [s]
+    int stage = 0;     // stages tried since a tool last moved the body or its state was set, up to `stages`
+    double since = 0;  // when the present stage, or the tangle, began [s]
     bool is_lumped = false;  // selective masses wait until nothing is crushed
 
     bool is_valid() const { return stage >= 0 && stage <= stages && std::isfinite(since); }
@@ -31,7 +31,7 @@ class Unravelling {
   };
 
   Unravelling() = default;
-  // A tangle may take as long to come undone by itself as the slowest shear wave takes to cross the body 16
+  // A tangle has some time to come undone by itself: that in which the slowest shear wave crosses the body 16
   // times.
   explicit Unravelling(const Elements& elements, double diagonal);  // of the bounding box [m]
 
@@ -39,15 +39,16 @@ class Unravelling {
   bool is_lumped() const { return state_.is_lumped; }
   const State& state() const { return state_; }
   void set_state(const State& state) { state_ = state; }
-  void restart(double time) {  // somebody holds the body, or has set its state
+  void restart(double time) {  // a tool moves the body, or its state was set
     state_.stage = 0;
     state_.since = time;
   }
-  // Tetrahedra, sorted, that somebody gives a model: they are not changed back.
+  // Tetrahedra, sorted, whose model an edit sets: they are not changed back.
   void leave_alone(const std::vector<Index>& tets);
 
-  // At a frame's start, from the smallest volume ratio. Selective masses wait while tetrahedra are crushed:
-  // the way out of a tangle is by short waves, which they hold back; long ones fold the body meanwhile.
+  // Call it at the start of a frame, with the smallest volume ratio. Masses are lumped while tetrahedra are
+  // crushed, because a tangle comes undone by short waves. Selective masses would hold these back, and long
+  // waves would fold the body meanwhile.
   template <class Real>
   void lump(const Dynamics<Real>& body, double volume_ratio);
 
@@ -56,8 +57,8 @@ class Unravelling {
     std::vector<Index> tets;  // to be given that model
     std::string why;
   };
-  // What is to be done then, if anything. was_held(tet): whether something held its piece when that came to
-  // be.
+  // Returns what must be done in this frame, if anything. was_held(tet): whether something held the piece of
+  // a tetrahedron when that piece was cut off.
   template <class Real, class WasHeld>
   std::optional<Remedy> look(const Dynamics<Real>& body, double volume_ratio, WasHeld&& was_held);
 
@@ -81,7 +82,8 @@ double volume_ratio_of(const Elements& elements, Index tet, const Mat3X<Real>& u
 // unravelled meanwhile.
 bool is_led(const HeldVertices& held);
 
-// Non-linear, guarded, of a body that is held: a linear one that is not would grow as it turns.
+// Returns the tangled tetrahedra: non-linear ones that are crushed, of held pieces. A piece that nothing
+// holds is left out, since it would grow as a linear one when it turns.
 template <class Real, class WasHeld>
 std::vector<Index> Unravelling::tangled(const Dynamics<Real>& body, double volume_ratio,
                                         WasHeld&& was_held) const {

@@ -1,7 +1,7 @@
-// The vertex estimate of the highest frequency, ω² ≈ max over free vertices of λ_max(K_vv)/m_v: what a vertex
-// feels when it moves while its neighbours are held. A lower bound of ω_max (a Rayleigh quotient); on organ meshes within 10 % of it,
-// on irregular boxes within 25 % (tests). It is kept up to date through cuts: O(1) per tetrahedron that goes,
-// O(log #vertices) per vertex.
+// The vertex estimate of the highest frequency, ω² ≈ max over free vertices of λ_max(K_vv)/m_v. K_vv is the
+// stiffness that a vertex feels when it moves while its neighbours are held. The estimate is a lower bound of
+// ω_max (a Rayleigh quotient): on organ meshes within 10 % of it, on irregular boxes within 25 % (tests). It
+// follows cuts, in O(1) per tetrahedron that goes and O(log #vertices) per vertex.
 #pragma once
 
 #include <cmath>
@@ -17,8 +17,9 @@ struct VertexFrequency {
   Index vertex = -1;
 };
 
-// The share of one tetrahedron in the stiffness that each of its corners feels when it moves while its neighbours are held, upper
-// triangles as in DiagonalStiffness [N/m]. Without nodal pressure, which is no property of one tetrahedron.
+// The share of one tetrahedron in the stiffness that each of its corners feels when it moves while its
+// neighbours are held. Upper triangles as in DiagonalStiffness [N/m]. Nodal pressure is left out: it is no
+// property of one tetrahedron.
 using CornerStiffness = Eigen::Matrix<double, 6, 4>;
 CornerStiffness corner_stiffness(const Elements& elements, Index tet,
                                  const Mat34<double>& u);  // of its corners [m]
@@ -28,9 +29,9 @@ double largest_eigenvalue(const Mat3<double>& symmetric);
 template <class Real>
 class VertexFrequencies {
  public:
-  // From scratch: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before. O(#vertices).
-  // The weight of a vertex is its inverse mass [1/kg], 0 where it is held, times whatever factor its ω_v² is
-  // to be compared with.
+  // From scratch: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before.
+  // O(#vertices). The weight of a vertex is its inverse mass [1/kg], 0 where it is held, times whatever
+  // factor its ω_v² is to be compared with.
   template <class Weight, class Add>
   void find(Index vertices, Weight&& weight, Add&& add) {
     DiagonalStiffness K = DiagonalStiffness::Zero(6, vertices);

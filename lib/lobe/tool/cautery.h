@@ -6,7 +6,7 @@
 
 namespace lobe {
 
-// Brings a spherical cautery, which is off, to a position; its id is tools().next_id() before.
+// Adds a spherical cautery at a position, switched off. Its id is what tools().next_id() says before.
 struct BringCautery {
   std::string name;
   double radius = 0;               // [m], > 0
@@ -27,7 +27,7 @@ struct Cautery {
   std::vector<GrowingPath> strokes;
   bool is_live = false;
   bool burns = false;                // only of live ones
-  bool is_away = false;              // of live ones: taken away, and nowhere since
+  bool is_away = false;              // of live ones: it was taken away
   Vec3d position = Vec3d::Zero();    // of a live one [m]
   std::optional<Vec3d> target = {};  // at the end of the next frame
 

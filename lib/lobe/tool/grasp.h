@@ -6,7 +6,8 @@
 
 namespace lobe {
 
-// Takes hold of vertices at the start of the next frame: a grasp whose id is tools().next_id() before.
+// Adds a grasp that takes hold of vertices at the start of the next frame. Its id is what tools().next_id()
+// says before.
 struct TakeHold {
   std::string name;
   std::vector<Index> vertices;

@@ -1,5 +1,5 @@
-// Paths of tools in time. The path of a tool that is moved by hand grows by a row per frame, so that it can be
-// kept as the path of a scene, which gives the same bits.
+// Paths of tools in time. The path of a tool that is led by hand grows by a row per frame. Saved as the path
+// of a scene, it gives the same bits.
 #pragma once
 
 #include <algorithm>

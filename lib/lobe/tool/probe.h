@@ -1,5 +1,6 @@
-// A probe is a rigid body that presses on the organ and rubs along it (contact/contact.h), or two jaws that close on
-// it: turned on, jaws of hands close until they feel most_grip or meet, turned off they open as they came.
+// A probe is a rigid body that presses on the organ and rubs along it (contact/contact.h), or a pair of jaws
+// that close on the organ. Jaws that are moved by hand close while the probe is on, until they meet or feel
+// most_grip. Switched off, they open to where they were.
 #pragma once
 
 #include "lobe/tool/growing_path.h"
@@ -8,7 +9,7 @@
 
 namespace lobe {
 
-// Brings a probe to a pose; its id is tools().next_id() before.
+// Adds a probe at a pose. Its id is what tools().next_id() says before.
 struct BringProbe {
   std::string name;
   RigidShape shape;
@@ -33,7 +34,7 @@ struct Probe {
   GrowingPath path;                     // positions and orientations
   bool release = false;                 // it is taken away after the last row
   bool is_live = false;                 // its path grows
-  bool is_away = false;                 // of live ones: taken away, and nowhere since
+  bool is_away = false;                 // of live ones: it was taken away
   bool closes = false;                  // of live jaws
   ToolPose pose;                        // of a live one: where it was brought
   std::optional<ToolPose> target = {};  // at the end of the next frame

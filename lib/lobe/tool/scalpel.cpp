@@ -30,8 +30,8 @@ void Scalpel::turn_on(bool on) {
   cuts = on;
 }
 
-// The energy over the way is the force along it. Without a way, which is when the tissue alone has moved, there is
-// none to tell.
+// The energy over the way is the force along it. Without a way, which is when the tissue alone has moved,
+// there is none to tell.
 void Scalpel::cut_by(const CutWork& own, const Vec3d& own_way, const Vec3d& tip) {
   work.energy += own.energy;
   work.moment += own.moment;

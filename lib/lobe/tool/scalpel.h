@@ -5,7 +5,7 @@
 
 namespace lobe {
 
-// Brings a scalpel, which does not cut yet, to a pose; its id is tools().next_id() before.
+// Adds a scalpel at a pose, switched off. Its id is what tools().next_id() says before.
 struct BringScalpel {
   std::string name;
   BladePose pose;
@@ -34,12 +34,13 @@ struct Scalpel {
   std::vector<Stroke> strokes;  // the last is the present one
   bool is_live = false;
   bool cuts = false;                    // only of live ones
-  bool is_away = false;                 // of live ones: taken away, and nowhere since
+  bool is_away = false;                 // of live ones: it was taken away
   BladePose pose;                       // of a live one
   Vec3d blade = Vec3d::Zero();          // of a live one: from tip to heel when it was brought [m]
   std::optional<ToolPose> target = {};  // at the end of the next frame, turned since it was brought
-  // On the body by the blade, about its tip, mean over the last frame [N], [N m]: what it takes to open what has
-  // been opened (Elastic::fracture_energy), over the blade's way through the tissue.
+  // Force of the blade on the body, and its torque about the tip: means over the last frame [N], [N m]. The
+  // force is the energy that the opened area takes (Elastic::fracture_energy), divided by the way of the
+  // blade through the tissue.
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
   Scalpel() = default;
@@ -63,7 +64,7 @@ struct Scalpel {
   bool is_on() const { return cuts; }
   ToolShape shape() const { return {.blade = pose.heel - pose.tip}; }
   void begin_frame(double time, double end);
-  // In one step, at whose end the tip is there [m].
+  // Adds the work of one step. The blade has moved by `way` [m]; at the end its tip is at `tip` [m].
   void cut_by(const CutWork& work, const Vec3d& way, const Vec3d& tip);
   std::vector<ScalpelSetup> paths() const;
   void add_work(double from, double to, ToolWork& work) const;

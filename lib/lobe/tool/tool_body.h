@@ -12,12 +12,12 @@ struct ToolBody {
   int tool = 0;  // ToolId
   const RigidShape* shape = nullptr;
   double friction = 0;           // coefficient of Coulomb's law, against tissue
-  double appears = 0, goes = 0;  // it is there from when to when [s]
+  double appears = 0, goes = 0;  // when it comes and when it goes [s]
   std::span<const PathPoint> path =
       {};  // the rows of its path around the frame; between them it moves uniformly
 };
 
-// What the body does to a tool at a moment, the opposite of what the tool does to the body.
+// The contact force between a tool and the body at one moment.
 struct OnTool {
   int tool = 0;
   Vec3d force = Vec3d::Zero();   // on the body [N]

@@ -1,5 +1,5 @@
-// The kinds of tools. Each is a class in a file of its own, with a row in three lists: ToolLists, ToolCommand if
-// hands can bring it, and ToolSetups (setup/tool_setups.h). All of them answer
+// The kinds of tools. Each is a class in a file of its own, with a row in three lists: ToolLists, ToolCommand
+// if hands can bring it, and ToolSetups (setup/tool_setups.h). All of them answer
 //
 //   Path             the struct of setup/tool_setups.h from which one is made, Path::type its name in scenes
 //   Bring            the command by which one is made
@@ -33,7 +33,7 @@ struct ToolLists {
       std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels, &ToolLists::probes);
 };
 
-// A tool is to be there at the end of the next frame; on its way it moves uniformly.
+// Moves a tool at constant speed, so that it is at the target at the end of the next frame.
 struct Lead {
   ToolId tool = 0;
   ToolPose target;  // of its centre, of a scalpel of its tip; a cautery has no orientation
@@ -41,7 +41,7 @@ struct Lead {
   static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
 };
 
-// A cautery burns while it is on, a scalpel cuts.
+// Switches a tool on or off. While it is on a cautery burns, a scalpel cuts, and jaws close.
 struct SwitchTool {
   ToolId tool = 0;
   bool on = false;
@@ -49,14 +49,15 @@ struct SwitchTool {
   static constexpr auto fields = std::tuple(&SwitchTool::tool, &SwitchTool::on);
 };
 
-// A grasp lets go at the start of the next frame; other tools are taken away.
+// Ends a tool. A grasp lets go at the start of the next frame. Another tool is taken away.
 struct LetGo {
   ToolId tool = 0;
   bool operator==(const LetGo&) const = default;
   static constexpr auto fields = std::tuple(&LetGo::tool);
 };
 
-// Those that bring a tool have the id tools().next_id() for it, a name, and check(vertex_count, used).
+// The commands that add a tool. Each has a name and check(vertex_count, used). The tool's id is
+// tools().next_id().
 using BringTool = std::variant<BringCautery, BringScalpel, BringProbe>;
 using ToolCommand = std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo>;
 

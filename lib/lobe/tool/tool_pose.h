@@ -1,4 +1,4 @@
-// Where tools are, and where they are to be.
+// Poses of tools: where they are, and where they go.
 #pragma once
 
 #include <functional>
@@ -25,7 +25,7 @@ struct ToolPose {
   static constexpr auto fields = std::tuple(&ToolPose::position, &ToolPose::orientation, &ToolPose::opening);
 };
 
-// What there is to draw of a tool.
+// The shape by which a tool is drawn.
 struct ToolShape {
   double radius = 0;            // of a spherical tip [m]
   Vec3d blade = Vec3d::Zero();  // from the tip, which is the tool's position, to the heel [m]
@@ -46,10 +46,10 @@ struct PlacedTool {
 // The vertices that a tool holds, and where they are [m].
 using HeldPoints = std::function<std::vector<std::pair<Index, Vec3d>>(ToolId)>;
 
-// What it took to open faces in a step of a blade.
+// The work of a blade in one step.
 struct CutWork {
   double energy = 0;             // [J]
-  Vec3d moment = Vec3d::Zero();  // its sum with where it was [J m]
+  Vec3d moment = Vec3d::Zero();  // energy times place, summed over the opened faces [J m]
 };
 
 // What tools do to the body between two times.

@@ -191,7 +191,7 @@ void Tools::end_forces(double duration) {
   });
 }
 
-// ---- Kept
+// ---- For checkpoints
 
 void Tools::set_state(const State& state) {
   lists_ = state;

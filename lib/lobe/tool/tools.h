@@ -1,5 +1,5 @@
-// All tools of a world. Those of a scene follow their paths. Others are made, moved and taken away while the
-// world runs.
+// All tools of a world. Tools of a scene follow their paths. Others are added, moved and taken away while the
+// world runs: by commands (tool_lists.h), which an application gives to World::apply().
 #pragma once
 
 #include "lobe/tool/tool_lists.h"
@@ -13,7 +13,8 @@ class Tools {
   // ---- Make, move and take away tools. Throws InputError for a tool that does not exist or follows a path.
 
   ToolId next_id() const { return next_; }
-  // By TakeHold, BringCautery, …: a grasp takes hold at the start of the next frame, other tools are off.
+  // Adds the tool of a command: TakeHold, BringCautery, … A grasp takes hold at the start of the next frame.
+  // Other tools are off at first.
   template <class Bring>
   void bring(const Bring& command);
   void lead(ToolId id, const ToolPose& target);  // to be there at the end of the next frame
@@ -22,7 +23,7 @@ class Tools {
 
   const ToolLists& lists() const { return lists_; }
   const Grasp* grasp(ToolId id) const;  // null if there is none
-  // visit(tool) for the one of this id; false if there is none.
+  // Calls visit(tool) for the tool of this id. False if there is none.
   template <class Visit>
   bool visit(ToolId id, Visit&& visit) const {
     return visit_in(lists_, id, visit);
@@ -44,7 +45,7 @@ class Tools {
   // The next time after `time` at which a grasp takes hold or lets go, infinite if there is none. [s]
   double next_grasp_change(double time) const;
   ToolWork work(double from, double to) const;
-  // Those that touch the organ with rigid bodies between two times; valid until tools change.
+  // The rigid bodies with which tools touch the organ between two times. Valid until tools change.
   const std::vector<ToolBody>& bodies(double from, double to);
   // The tetrahedra that meet a volume, in ascending order.
   template <class Real>
@@ -65,19 +66,19 @@ class Tools {
   // Displacement of a vertex that a grasp holds [m]; `rest`: its rest position [m].
   Vec3d displacement(const HeldVertices::Held& item, const Vec3d& rest) const;
   Vec3d position(const Grasp& grasp) const { return grasp.centre + placed_[std::size_t(grasp.id)].offset; }
-  // Forces of grasps on the body: -f of the grasped vertices, added up over steps of dt [s]. A frame in which a
-  // grasp takes hold or lets go has several parts; begin_forces() begins a part, or begins it again.
+  // Forces of grasps on the body: −f of the grasped vertices, summed over steps of dt [s]. A frame in which a
+  // grasp takes hold or lets go has several parts. begin_forces() begins a part, or repeats it.
   void begin_forces();
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
   void add_force(const OnTool& own, double dt);
   void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
 
-  // One more step was made, in which no vertex moved further than this [m], but for rounding. Or the state was
-  // replaced.
+  // moved(): one more step was made, in which no vertex moved further than `distance` [m] apart from
+  // rounding. state_was_given(): the state was replaced.
   void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
   void state_was_given() { groups_.forget(); }
 
-  // ---- Kept
+  // ---- For checkpoints
 
   struct State : ToolLists {
     ToolId next = 1;
@@ -85,7 +86,7 @@ class Tools {
   };
   State state() const { return {lists_, next_}; }
   void set_state(const State& state);
-  // Whether it can be one of a world of this setup, with so many vertices now.
+  // Whether a state can belong to a world whose setup has these tools, and which has so many vertices now.
   static bool fits(const State& state, Index vertex_count, const ToolSetups& setups);
 
   // Where the tools are, for pictures and recordings. position(v) gives x [m].

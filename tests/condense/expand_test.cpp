@@ -152,7 +152,7 @@ TEST_CASE(
     if (i == 5) world.apply(Expand{});
     if (i == 7) {
       CHECK_FALSE(world.body().regions.can_condense());
-      CHECK_THROWS_WITH_AS(world.apply(Condense{}), doctest::Contains("renewed"), InputError);
+      CHECK_THROWS_WITH_AS(world.apply(Condense{}), doctest::Contains("relinearised"), InputError);
       wait_for_renewal(world);
       world.apply(Condense{});
     }

@@ -38,8 +38,8 @@ class HapticDevice {
   virtual std::string name() const = 0;
   virtual DeviceLimits limits() const = 0;
   virtual bool read(DeviceState& state) noexcept = 0;  // false: it is not there
-  // A tool has been taken up, which is here, in the coordinates of the tool [m]. A device that has no place of
-  // its own is there from now on; others stay where they are, and lead the tool from there.
+  // A tool has been taken up. It is here, in the coordinates of the tool [m]. A device without a place of its
+  // own is there from now on. Others stay where they are, and drive the tool from there.
   virtual void begin_at(const Vec3d&) noexcept {}
   // On the hand [N], [N m].
   virtual void write(const Vec3d& force, const Vec3d& torque) noexcept = 0;

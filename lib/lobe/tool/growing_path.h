@@ -1,5 +1,5 @@
-// The path of a tool. It grows by a row per frame while a hand moves the tool. A state of the world has a copy
-// of each path, and sessions store a state twice a second, so copies share all rows but the last few.
+// The path of a tool. It grows by a row per frame while a hand moves the tool. A state of the world has a
+// copy of each path, and sessions store a state twice a second, so copies share all rows but the last few.
 #pragma once
 
 #include <memory>

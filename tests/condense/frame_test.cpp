@@ -287,7 +287,7 @@ TEST_CASE("a corotated region is one part, with an interface that is no line") {
   const auto far = [&](Index t) { return barycentre(setup.mesh, t).x() > 0.035; };
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     if (far(t)) setup.region_of[t] = RegionModel::precomputed;
-  CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("one part"), InputError);
+  CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("outside of the largest part"), InputError);
   Setup alone = setup;
   std::fill(alone.region_of.begin(), alone.region_of.end(), RegionModel::precomputed);
   CHECK_THROWS_WITH_AS(World<double>{alone}, doctest::Contains("not in line"), InputError);

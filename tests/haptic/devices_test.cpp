@@ -68,8 +68,8 @@ TEST_CASE("a mouse is no device until it has been aimed, then follows smoothly, 
   CHECK(before == near(0.2, 1e-4));
 }
 
-TEST_CASE_TEMPLATE("a pointer is where a tool is taken up, and goes from there to where it is aimed next", Device,
-                   MouseDevice, SimulatedHand) {
+TEST_CASE_TEMPLATE("a pointer is where a tool is taken up, and goes from there to where it is aimed next",
+                   Device, MouseDevice, SimulatedHand) {
   const Vec3d tool(0.3, 0, 0), old(-0.2, 0, 0), next(0.31, 0, 0);
   for (const bool aims_before : {false, true}) {
     const auto device = aimed_by_pointer<Device>();

@@ -28,7 +28,8 @@ Played swing(double share_of_bound, double highest_damping) {
   DeviceLimits limits = hand.limits();
   limits.force = limits.slew = 1e9;
   limits.stiffness = 1e9;
-  Servo servo(limits, {.bound_share = share_of_bound, .highest_damping = highest_damping});
+  Servo servo(limits,
+              {.bound_share = share_of_bound, .coupling_damping = 0, .highest_damping = highest_damping});
   LocalModel wall{.is_engaged = true, .engagement = 1};
   wall.K = 1e9 * Mat3<double>::Identity();  // the coupling is all that yields
   const double K = servo.state().coupling;
@@ -84,4 +85,18 @@ TEST_CASE("the observer counts what goes in and comes out, and keeps no more tha
   CHECK(passivity.damping({0, 0, 0}, period) == 0);
   CHECK(passivity.damping({2, 0, 0}, period) == near(0.005 / (period * 4), 1e-12));
   CHECK(passivity.damping({0.1, 0, 0}, period) == 5);  // the most there is
+}
+
+TEST_CASE(
+    "a little energy is left alone, debts are forgotten, and a restart knows what springs have stored") {
+  Passivity passivity(0, 5, 1e-5);
+  passivity.observe({1, 0, 0}, {0.9e-5, 0, 0}, period);  // 9 µJ come out
+  CHECK(passivity.damping({0.1, 0, 0}, period) == 0);
+  passivity.observe({1, 0, 0}, {0.2e-5, 0, 0}, period);
+  CHECK(passivity.damping({0.1, 0, 0}, period) == near(1.1e-5 / (period * 0.01), 1e-12));
+  for (int i = 0; i < 500; ++i) passivity.forget_debts(period);
+  CHECK(passivity.energy() == near(-1.1e-5 * std::exp(-1.0), 1e-9));
+  passivity.restart(2e-3);
+  passivity.forget_debts(period);
+  CHECK(passivity.energy() == 2e-3);
 }

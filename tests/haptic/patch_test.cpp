@@ -97,6 +97,20 @@ TEST_CASE("the smaller the patch, the stiffer; nothing is stiffer than the conta
   }
 }
 
+TEST_CASE("a stiffness is kept within shares of another in every direction") {
+  Mat3<double> A;
+  A << 900, 100, 0, 100, 400, 50, 0, 50, 300;
+  CHECK((clamped_to(0.7 * A, A, 0.25, 1.25) - 0.7 * A).norm() < 1e-9 * A.norm());
+  CHECK((clamped_to(9 * A, A, 0.25, 1.25) - 1.25 * A).norm() < 1e-9 * A.norm());
+  CHECK((clamped_to(-A, A, 0.25, 1.25) - 0.25 * A).norm() < 1e-9 * A.norm());
+  const Mat3<double> K = clamped_to(Vec3d(5000, 500, 1).asDiagonal(), A, 0.25, 1.25);
+  for (const Vec3d& d : {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1), Vec3d(1, -2, 3)}) {
+    CHECK(d.dot(K * d) <= (1.25 + 1e-9) * d.dot(A * d));
+    CHECK(d.dot(K * d) >= (0.25 - 1e-9) * d.dot(A * d));
+  }
+  CHECK(clamped_to(A, Mat3<double>::Zero(), 0.25, 1.25).norm() == 0);
+}
+
 TEST_CASE("a patch has no more vertices than are asked for, and the same ones each time") {
   const Setup setup = held_block(6);
   World<double> world(setup);

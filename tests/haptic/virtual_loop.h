@@ -22,7 +22,9 @@ class VirtualLoop {
             session, link,
             typename HapticHand<float>::Settings{.controller = controller.number(),
                                                  .stiffness = {.has_helper = false}})),
-        servo_(link, hand.limits(), {}) {}
+        servo_(link, hand.limits(), {}) {
+    for (double rested = 0; rested < 1; rested += frame) session.step_frame();  // until the body has sagged
+  }
   ~VirtualLoop() { guest_.reset(); }
 
   void take_hold() { controller.send(take_at(top)); }

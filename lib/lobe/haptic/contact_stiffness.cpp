@@ -92,7 +92,8 @@ void ContactStiffness::after_frame(const Model& model, std::span<const Index> co
   if (has_last_)
     correction_ += secant_correction(of_patch_ + correction_, position - last_position_, force - last_force_,
                                      settings_.noise);
-  K_ = clamped(of_patch_ + correction_, highest_);
+  K_ = is_bound_ ? clamped(of_patch_ + correction_, highest_)
+                 : clamped_to(of_patch_ + correction_, of_patch_, settings_.softest, settings_.stiffest);
   correction_ = K_ - of_patch_;
   last_position_ = position;
   last_force_ = force;

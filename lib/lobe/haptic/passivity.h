@@ -6,6 +6,8 @@
 // went in (Hannaford & Ryu 2002).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "lobe/haptic/device.h"
@@ -17,15 +19,21 @@ double passive_stiffness(double device_damping, double coupling_damping, double 
 
 class Passivity {
  public:
-  // `highest_damping`: that the controller adds [N s/m].
-  Passivity(double device_damping, double highest_damping)
-      : device_damping_(device_damping), highest_damping_(highest_damping) {}
+  // `highest_damping`: the most that the controller adds [N s/m]. It does nothing before more than `unfelt` [J] has
+  // come out.
+  Passivity(double device_damping, double highest_damping, double unfelt = 0)
+      : device_damping_(device_damping), highest_damping_(highest_damping), unfelt_(unfelt) {}
 
   // Call it when the device has moved by `way` while it felt `force` for `dt`.
   void observe(const Vec3d& force, const Vec3d& way, double dt);
   // The energy that springs can have stored at most [J]. Any more that went in was dissipated and cannot come
   // back.
   void forget_above(double stored);
+  // Begins again, with springs that have stored this [J].
+  void restart(double stored) { energy_ = stored; }
+  // Energy that has come out is forgotten with a time constant of 0.5 s, so that a hand at rest is not damped for
+  // ever.
+  void forget_debts(double dt) { energy_ += std::min(0.0, energy_) * std::expm1(-2 * dt); }
   // The damping that takes away the surplus energy at this velocity of the device [N s/m]; 0 without a
   // surplus.
   double damping(const Vec3d& velocity, double dt) const;
@@ -33,7 +41,7 @@ class Passivity {
   double energy() const { return energy_; }  // that went in and has not come out [J]
 
  private:
-  double device_damping_, highest_damping_;
+  double device_damping_, highest_damping_, unfelt_;
   double energy_ = 0;
 };
 

@@ -103,6 +103,19 @@ Mat3<double> clamped(const Mat3<double>& K, double highest) {
   return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+Mat3<double> clamped_to(const Mat3<double>& K, const Mat3<double>& A, double least, double most) {
+  const Eigen::SelfAdjointEigenSolver<Mat3<double>> eigen(0.5 * (A + A.transpose()));
+  const Vec3d root = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const double smallest = 1e-6 * root.maxCoeff();  // of a direction without stiffness K has none
+  const Vec3d inverse = root.unaryExpr([&](double r) { return r > smallest ? 1 / r : 0.0; });
+  const Mat3<double>& Q = eigen.eigenvectors();
+  const Mat3<double> to = inverse.asDiagonal() * Q.transpose(), from = Q * root.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat3<double>> ratios(0.5 * to * (K + K.transpose()) * to.transpose());
+  const Vec3d values = ratios.eigenvalues().cwiseMax(least).cwiseMin(most);
+  return from * ratios.eigenvectors() * values.asDiagonal() * ratios.eigenvectors().transpose() *
+         from.transpose();
+}
+
 double highest_eigenvalue(const Mat3<double>& K) {
   return Eigen::SelfAdjointEigenSolver<Mat3<double>>(K, Eigen::EigenvaluesOnly).eigenvalues()[2];
 }

@@ -16,27 +16,23 @@ void expect(bool is_right, const std::string& place, const char* what) {
   if (!is_right) throw InputError(place, what);
 }
 
-const ServoOptions& checked(const ServoOptions& options, const DeviceLimits& limits) {
+const ServoOptions& checked(const ServoOptions& options) {
   const Workspace& space = options.workspace;
   expect(is_above_0(options.tick), "haptic tick", "must be above 0 s, and finite");
   expect(is_above_0(options.bound_share), "haptic coupling", "must be a share of the bound above 0");
-  expect(options.coupling_damping >= 0 && options.coupling_damping <= limits.damping / 4,
-         "haptic coupling damping", "must be from 0 to a quarter of the device's");
-  expect(options.longest_blend >= 0 && options.stale_frames >= 1 && is_above_0(options.fade),
+  expect(options.coupling_damping >= 0 && options.coupling_damping <= 0.25, "haptic coupling damping",
+         "must be a share from 0 to a quarter of the device's");
+  expect(options.longest_blend >= 0 && options.stale_frames >= 1 && is_above_0(options.fade) &&
+             options.settling_frames >= 0,
          "haptic blending", "takes no negative times, and models last a frame at least");
-  expect(options.highest_damping >= 0, "haptic passivity controller", "must not have negative damping");
+  expect(options.highest_damping >= 0 && options.unfelt >= 0 && options.most_active >= options.unfelt,
+         "haptic passivity controller", "must not have negative damping or energy");
   expect(is_above_0(space.scale) && is_above_0(space.force_gain), "haptic workspace",
          "its scale and force gain must be above 0, and finite");
   expect(space.origin.allFinite() && space.turn.allFinite(), "haptic workspace", "must be finite");
   expect((space.turn.transpose() * space.turn - Mat3<double>::Identity()).norm() < 1e-6, "haptic workspace",
          "its turn must be orthogonal");
   return options;
-}
-
-// That springs of these stiffnesses can store under a force [J].
-double stored_energy(const Vec3d& force, const Mat3<double>& K, double coupling) {
-  const Mat3<double> softened = K + 1e-3 * coupling * Mat3<double>::Identity();
-  return 0.5 * (force.squaredNorm() / coupling + force.dot(softened.inverse() * force));
 }
 
 }  // namespace
@@ -50,10 +46,11 @@ void check(const DeviceLimits& limits, const std::string& device) {
 
 Servo::Servo(const DeviceLimits& limits, const ServoOptions& options)
     : limits_((check(limits, "haptic device"), limits)),
-      options_(checked(options, limits)),
-      passivity_(limits.damping, options.highest_damping) {
+      options_(checked(options)),
+      damping_(options.coupling_damping * limits.damping),
+      passivity_(limits.damping, options.highest_damping, options.unfelt) {
   const Workspace& space = options.workspace;
-  const double bound = passive_stiffness(limits.damping, options.coupling_damping, options.tick);
+  const double bound = passive_stiffness(limits.damping, damping_, options.tick);
   state_.coupling = std::min(limits.stiffness, options.bound_share * bound);
   coupling_ = state_.coupling / (space.scale * space.force_gain);
 }
@@ -93,25 +90,65 @@ void Servo::take_model(const LocalModel& model, double dt) {
   const bool is_new = model.time != model_.time || model.engagement != model_.engagement ||
                       model.is_engaged != model_.is_engaged;
   if (!is_new) return;
-  const Vec3d was = model_.is_engaged ? force_at(model_, state_.tool) : Vec3d::Zero();
+  const Vec3d was = model_.is_engaged ? force_at(model_, proxy_) : Vec3d::Zero();
   if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement)) {
     clutch_ += model.anchor - tool_of(state_.device.position);
-    state_.tool = model.anchor;  // another one, which is there
+    state_.tool = proxy_ = model.anchor;  // another one, which is there
+    settled_.setZero();
+    unloaded_ = model.anchor;
   }
-  const Vec3d is = model.is_engaged ? force_at(model, state_.tool) : Vec3d::Zero();
+  const Vec3d is = model.is_engaged ? force_at(model, proxy_) : Vec3d::Zero();
   offset_ = was + blended_ - is;
   model_ = model;
   since_model_ = dt;
+}
+
+// The force is held until the next tick, half a tick late in the mean, which would give the hand energy. So it is
+// found for where the device will be then, as far as Colgate's bound allows: of a stiffness K this is damping of K
+// times the time.
+double Servo::lead() const {
+  const double tissue = model_.K.norm();  // no eigenvalue is above it
+  const double felt = options_.workspace.scale * options_.workspace.force_gain * coupling_ *
+                      (model_.is_held ? tissue / (coupling_ + tissue) : 1);
+  const double half = 0.5 * options_.tick;
+  if (!is_fresh_ || felt == 0) return 0;
+  return std::clamp((limits_.damping - damping_) / felt - half, 0.0, half);
+}
+
+// At most what the coupling, and tissue that has been loaded from nothing to `force`, have stored [J].
+double Servo::storable(const Vec3d& force) const {
+  const double of_tissue = force.norm() * (proxy_ - unloaded_).norm();
+  return 0.5 * (force.squaredNorm() / coupling_ + of_tissue);
+}
+
+// The tool follows the device at once, and the yielding of the coupling slowly. Where it followed the force of the last
+// frame at once, a body that swings in the hand would swing ever higher, since the force comes a frame late.
+void Servo::settle(const Vec3d& device, double dt) {
+  const double share = dt / (options_.settling_frames * model_.frame + dt);
+  settled_ += share * (proxy_ - device - settled_);
+  state_.tool = device + settled_;
+}
+
+// While a force fades, the hand can move against it for nothing: then the observer begins again. Where damping is not
+// enough, as when a body that swings answers a frame late, the force itself is lowered until no energy comes out.
+void Servo::limit_activity(double storable, double dt) {
+  passivity_.forget_above(storable);
+  if (trust_ < 1) passivity_.restart(storable);
+  const bool is_too_active = options_.highest_damping > 0 && passivity_.energy() < -options_.most_active;
+  share_ = std::clamp(share_ + (is_too_active ? -dt / options_.fade : dt), 0.0, 1.0);
+  passivity_.forget_debts(dt);
 }
 
 Vec3d Servo::wanted_force(double dt) {
   const double blend = std::min(model_.frame, options_.longest_blend);
   const double left = blend > 0 ? std::max(0.0, 1 - since_model_ / blend) : 0;
   blended_ = left * offset_;
-  const Vec3d device = tool_of(state_.device.position);
+  const Vec3d device = tool_of(state_.device.position + lead() * state_.device.velocity);
   const Proxy proxy =
       model_.is_engaged ? quasi_static_proxy(model_, device, coupling_, blended_) : Proxy{device, blended_};
-  state_.tool = proxy.position;
+  proxy_ = proxy.position;
+  if (proxy.force.isZero(0)) unloaded_ = proxy_;
+  settle(device, dt);
   state_.orientation = state_.device.orientation;
   state_.engagement = model_.is_engaged ? model_.engagement : 0;
   state_.model_age = since_model_;
@@ -122,14 +159,11 @@ Vec3d Servo::wanted_force(double dt) {
 
   const Workspace& space = options_.workspace;
   const Vec3d felt = space.force_gain * (space.turn.transpose() * proxy.force);
-  passivity_.forget_above(
-      2 * stored_energy(proxy.force, model_.is_engaged ? model_.K : Mat3<double>::Zero(), coupling_) *
-      space.force_gain / space.scale);
-  Vec3d force = trust_ * (felt - options_.coupling_damping * state_.device.velocity);
-  if (const double damping = passivity_.damping(state_.device.velocity, dt); damping > 0) {
-    force -= damping * state_.device.velocity;
-    ++state_.interventions;
-  }
+  limit_activity(2 * storable(proxy.force) * space.force_gain / space.scale, dt);
+  Vec3d force = trust_ * share_ * (felt - (model_.is_engaged ? damping_ : 0.0) * state_.device.velocity);
+  const double damping = passivity_.damping(state_.device.velocity, dt);
+  force -= damping * state_.device.velocity;
+  state_.interventions += damping > 0 || share_ < 1;
   state_.energy = passivity_.energy();
   return force;
 }

@@ -1,9 +1,10 @@
 // A servo computes one tick of a haptic loop: from the pose of the hand to the force on it. It does not wait,
 // lock, allocate or throw. One thread uses it.
 //
-// The device is coupled to the tool by a spring; the tool is where that spring and the local model are in
-// balance (local_model.h). A new model is blended in, so that the force is continuous; one that is too old
-// fades away. The force is passive (passivity.h) and within the limits of the device.
+// A spring couples the device to the tool. The hand feels the force where that spring and the local model are in
+// balance (local_model.h). The tool follows the device at once, and goes to the place of balance slowly. A new model
+// is blended in, so that the force is continuous. One that is too old fades away. The force is passive (passivity.h)
+// and within the limits of the device.
 #pragma once
 
 #include <array>
@@ -22,13 +23,16 @@ struct Workspace {
 };
 
 struct ServoOptions {
-  double tick = 1e-3;           // between two ticks [s]
-  double bound_share = 0.8;     // of the stiffness of the coupling, in Colgate's bound
-  double coupling_damping = 0;  // [N s/m], at most b/4
-  double longest_blend = 8e-3;  // [s]
-  double stale_frames = 3;      // a model that is older fades
-  double fade = 0.05;           // to nothing [s]
-  double highest_damping = 5;   // of the passivity controller [N s/m]; 0: it only observes
+  double tick = 1e-3;              // between two ticks [s]
+  double bound_share = 0.8;        // of the stiffness of the coupling, in Colgate's bound
+  double coupling_damping = 0.25;  // share of the device's; at most a quarter
+  double longest_blend = 8e-3;     // [s]
+  double stale_frames = 3;         // a model that is older fades
+  double fade = 0.05;              // to nothing [s]
+  double settling_frames = 6;  // time constant of the tool's way from the device to where it is in balance
+  double highest_damping = 5;  // of the passivity controller [N s/m]; 0: it only observes
+  double unfelt = 5e-6;        // energy that may come out before the controller acts [J]
+  double most_active = 5e-5;   // beyond which the force is lowered, since damping is not enough [J]
   Workspace workspace = {};
 };
 
@@ -40,16 +44,17 @@ struct HapticState {
   std::uint32_t engagement = 0;  // of the model that was used; 0: none yet
   Vec3d tool = Vec3d::Zero();    // where the tool is to be [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};
-  Vec3d force = Vec3d::Zero();      // on the hand, as sent to the device [N]
-  Vec3d torque = Vec3d::Zero();     // [N m]
-  double coupling = 0;              // [N/m]
-  double energy = 0;                // of the passivity observer [J]
-  double model_age = 0;             // [s]
-  std::uint64_t interventions = 0;  // ticks in which the passivity controller added damping
-  std::uint64_t stale = 0;          // ticks on a model that was too old
-  std::uint64_t bad_poses = 0;      // ticks with a pose that is not finite
-  std::uint64_t absent = 0;         // ticks without a device
-  std::uint64_t limited = 0;        // ticks in which the force or its change was cut off
+  Vec3d force = Vec3d::Zero();   // on the hand, as sent to the device [N]
+  Vec3d torque = Vec3d::Zero();  // [N m]
+  double coupling = 0;           // [N/m]
+  double energy = 0;             // of the passivity observer [J]
+  double model_age = 0;          // [s]
+  std::uint64_t interventions =
+      0;                        // ticks in which the passivity controller added damping or lowered the force
+  std::uint64_t stale = 0;      // ticks on a model that was too old
+  std::uint64_t bad_poses = 0;  // ticks with a pose that is not finite
+  std::uint64_t absent = 0;     // ticks without a device
+  std::uint64_t limited = 0;    // ticks in which the force or its change was cut off
 };
 
 class Servo {
@@ -68,17 +73,26 @@ class Servo {
   Vec3d wanted_force(double dt);
   void send(const Vec3d& force, const Vec3d& torque, double dt);
   Vec3d tool_of(const Vec3d& device) const;
+  double lead() const;
+  void settle(const Vec3d& device, double dt);
+  void limit_activity(double storable, double dt);
+  double storable(const Vec3d& force) const;
 
   DeviceLimits limits_;
   ServoOptions options_;
+  double damping_;   // of the coupling [N s/m]
   double coupling_;  // in the units of the tool [N/m]
   LocalModel model_;
-  Vec3d clutch_ = Vec3d::Zero();   // added to where the device is, so that tools are taken up where they are
-  Vec3d offset_ = Vec3d::Zero();   // between the force before the last model came and its own [N]
-  Vec3d blended_ = Vec3d::Zero();  // what is left of it [N]
-  double since_model_ = 0;         // [s]
-  double trust_ = 0;               // 1: the pose and the model are fresh; fades
-  bool is_fresh_ = false;          // the pose
+  Vec3d clutch_ = Vec3d::Zero();    // added to where the device is, so that tools are taken up where they are
+  Vec3d offset_ = Vec3d::Zero();    // between the force before the last model came and its own [N]
+  Vec3d blended_ = Vec3d::Zero();   // what is left of it [N]
+  Vec3d proxy_ = Vec3d::Zero();     // where the tool would be in balance [m]
+  Vec3d settled_ = Vec3d::Zero();   // of the way from the device to there, what the tool has gone [m]
+  Vec3d unloaded_ = Vec3d::Zero();  // where the tool was in balance when it felt nothing last [m]
+  double since_model_ = 0;          // [s]
+  double trust_ = 0;                // 1: the pose and the model are fresh; fades
+  double share_ = 1;                // of the force that the hand feels: below 1 where damping is not enough
+  bool is_fresh_ = false;           // the pose
   Passivity passivity_;
   HapticState state_;
 };

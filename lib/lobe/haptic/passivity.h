@@ -19,8 +19,8 @@ double passive_stiffness(double device_damping, double coupling_damping, double 
 
 class Passivity {
  public:
-  // `highest_damping`: the most that the controller adds [N s/m]. It does nothing before more than `unfelt` [J] has
-  // come out.
+  // `highest_damping`: the most that the controller adds [N s/m]. It does nothing before more than `unfelt`
+  // [J] has come out.
   Passivity(double device_damping, double highest_damping, double unfelt = 0)
       : device_damping_(device_damping), highest_damping_(highest_damping), unfelt_(unfelt) {}
 
@@ -31,8 +31,8 @@ class Passivity {
   void forget_above(double stored);
   // Begins again, with springs that have stored this [J].
   void restart(double stored) { energy_ = stored; }
-  // Energy that has come out is forgotten with a time constant of 0.5 s, so that a hand at rest is not damped for
-  // ever.
+  // Energy that has come out is forgotten with a time constant of 0.5 s, so that a hand at rest is not
+  // damped for ever.
   void forget_debts(double dt) { energy_ += std::min(0.0, energy_) * std::expm1(-2 * dt); }
   // The damping that takes away the surplus energy at this velocity of the device [N s/m]; 0 without a
   // surplus.

@@ -53,8 +53,8 @@ class Patch {
 
 // Symmetric, with eigenvalues from 0 to `highest` [N/m].
 Mat3<double> clamped(const Mat3<double>& K, double highest);
-// Symmetric, and between `least` and `most` times a symmetric A ≥ 0 in each direction: the eigenvalues of the pencil
-// (K, A) are clamped.
+// Symmetric, and between `least` and `most` times a symmetric A ≥ 0 in each direction: the eigenvalues of
+// the pencil (K, A) are clamped.
 Mat3<double> clamped_to(const Mat3<double>& K, const Mat3<double>& A, double least, double most);
 double highest_eigenvalue(const Mat3<double>& K);
 

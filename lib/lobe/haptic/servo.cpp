@@ -103,9 +103,9 @@ void Servo::take_model(const LocalModel& model, double dt) {
   since_model_ = dt;
 }
 
-// The force is held until the next tick, half a tick late in the mean, which would give the hand energy. So it is
-// found for where the device will be then, as far as Colgate's bound allows: of a stiffness K this is damping of K
-// times the time.
+// The force is held until the next tick, half a tick late in the mean, which would give the hand energy. So
+// it is found for where the device will be then, as far as Colgate's bound allows: of a stiffness K this is
+// damping of K times the time.
 double Servo::lead() const {
   const double tissue = model_.K.norm();  // no eigenvalue is above it
   const double felt = options_.workspace.scale * options_.workspace.force_gain * coupling_ *
@@ -121,16 +121,18 @@ double Servo::storable(const Vec3d& force) const {
   return 0.5 * (force.squaredNorm() / coupling_ + of_tissue);
 }
 
-// The tool follows the device at once, and the yielding of the coupling slowly. Where it followed the force of the last
-// frame at once, a body that swings in the hand would swing ever higher, since the force comes a frame late.
+// The tool follows the device at once, and the yielding of the coupling slowly. Where it followed the force
+// of the last frame at once, a body that swings in the hand would swing ever higher, since the force comes
+// a frame late.
 void Servo::settle(const Vec3d& device, double dt) {
   const double share = dt / (options_.settling_frames * model_.frame + dt);
   settled_ += share * (proxy_ - device - settled_);
   state_.tool = device + settled_;
 }
 
-// While a force fades, the hand can move against it for nothing: then the observer begins again. Where damping is not
-// enough, as when a body that swings answers a frame late, the force itself is lowered until no energy comes out.
+// While a force fades, the hand can move against it for nothing: then the observer begins again. Where
+// damping is not enough, as when a body that swings answers a frame late, the force itself is lowered until
+// no energy comes out.
 void Servo::limit_activity(double storable, double dt) {
   passivity_.forget_above(storable);
   if (trust_ < 1) passivity_.restart(storable);

@@ -1,10 +1,10 @@
 // A servo computes one tick of a haptic loop: from the pose of the hand to the force on it. It does not wait,
 // lock, allocate or throw. One thread uses it.
 //
-// A spring couples the device to the tool. The hand feels the force where that spring and the local model are in
-// balance (local_model.h). The tool follows the device at once, and goes to the place of balance slowly. A new model
-// is blended in, so that the force is continuous. One that is too old fades away. The force is passive (passivity.h)
-// and within the limits of the device.
+// A spring couples the device to the tool. The hand feels the force where that spring and the local model
+// are in balance (local_model.h). The tool follows the device at once, and goes to the place of balance
+// slowly. A new model is blended in, so that the force is continuous. One that is too old fades away. The
+// force is passive (passivity.h) and within the limits of the device.
 #pragma once
 
 #include <array>

@@ -8,6 +8,7 @@
 // there once for each of their parts.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -57,7 +58,10 @@ class Grains {
   bool is_open(Index grain, int face) const { return grains_[std::size_t(grain)].open >> face & 1; }
   bool is_skin(Index grain, int face) const { return grains_[std::size_t(grain)].skin >> face & 1; }
   // The grain that it hangs together with across a face; −1: it is open, or on the boundary.
-  Index neighbour(Index grain, int face) const;
+  Index neighbour(Index grain, int face) const {
+    const Index code = beside_[std::size_t(grain)][std::size_t(face)];
+    return code < 0 ? -1 : code / 4;
+  }
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
   double mean_volume() const { return mean_volume_; }                        // of its tetrahedra [m³]
   double shortest_edge(Index p) const { return shortest_[std::size_t(p)]; }  // of the mesh, near a point [m]
@@ -72,7 +76,9 @@ class Grains {
 
   double volume(Index grain) const;  // at rest [m³]
   double area(Index code) const;     // of a face 4 × grain + face, at rest [m²]
-  Index beside(Index code) const;    // the same face of its neighbour; −1: none
+  Index beside(Index code) const {   // the same face of its neighbour; −1: none
+    return beside_[std::size_t(code / 4)][std::size_t(code % 4)];
+  }
   // What is filled of a face of a tetrahedron that was on the boundary at the start: three times its share of the
   // area, times its middle in barycentric coordinates of the face's corners; ones where it is whole.
   Vec3d skin_of(Index element, int face, const Elements& elements) const;
@@ -104,7 +110,14 @@ class Grains {
   void bisect(Index grain, Index a, Index b, Index point, double share);
   void split_if_apart(Index point);
 
+  void link(Index code, Index other);
+  void unlink(Index grain);
+  void link_halves(const std::vector<Index>& star, Index halves, Index a, Index point);
+  bool hangs_together(Index point);
+  std::vector<std::vector<Index>> parts_around(Index point);
+
   std::vector<Grain> grains_;
+  std::vector<std::array<Index, 4>> beside_;  // per face: the same face of the neighbour, 4 × grain + face
   std::vector<Vec3d> points_;
   std::vector<double> shortest_;
   std::vector<std::uint32_t> on_;
@@ -112,6 +125,7 @@ class Grains {
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
   double mean_edge_ = 0, mean_volume_ = 0;
   std::vector<Index> changed_;
+  std::vector<Index> scratch_, front_;  // of a search: per grain, −1 outside of one; grains found
 };
 
 }  // namespace lobe

@@ -166,8 +166,8 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   link(4 * other + at_a, beside(4 * grain + at_a));
   link(4 * grain + at_a, 4 * other + at_b);
   around_.erase_value(b, grain);
-  around_.append(point, grain);
-  for (Index p : near_b.points) around_.append(p, other);
+  for (Index p : near_b.points)
+    if (p != point) around_.append(p, other);
   of_element_.append(near_b.element, other);
   changed_.push_back(grain);
   changed_.push_back(other);
@@ -182,14 +182,18 @@ void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t
     on_.push_back((on_[a] & on_[b]) | strokes);
     around_.add_vertex();
   }
-  std::vector<Index> star;
+  std::vector<Index> star, both;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const auto [a, b, share] = edges[i];
     star.assign(around_[a].begin(), around_[a].end());
     std::erase_if(star, [&](Index grain) { return place_of((*this)[grain].points, b) < 0; });
-    const Index halves = count();
-    for (Index grain : star) bisect(grain, a, b, first + static_cast<Index>(i), share);
-    link_halves(star, halves, a, first + static_cast<Index>(i));
+    const Index halves = count(), point = first + static_cast<Index>(i);
+    for (Index grain : star) bisect(grain, a, b, point, share);
+    link_halves(star, halves, a, point);
+    both.clear();
+    for (std::size_t k = 0; k < star.size(); ++k)
+      both.insert(both.end(), {star[k], halves + static_cast<Index>(k)});
+    around_.assign(point, both);  // of exactly its size
   }
 }
 
@@ -319,7 +323,7 @@ void Grains::forget(const std::vector<Index>& elements) {
 std::size_t Grains::bytes() const {
   return grains_.size() * (sizeof(Grain) + sizeof beside_[0]) + points_.size() * sizeof(Vec3d) +
          shortest_.size() * sizeof(double) + on_.size() * sizeof(std::uint32_t) +
-         scratch_.size() * sizeof(Index) +
+         grains_.size() * sizeof scratch_[0] +
          (around_.items().size() + of_element_.items().size()) * sizeof(Index);
 }
 

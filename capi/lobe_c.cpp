@@ -225,6 +225,15 @@ lobe_status lobe_cautery(lobe_session* session, uint32_t tool, const double tip[
   });
 }
 
+lobe_status lobe_scalpel(lobe_session* session, uint32_t tool, const double tip[3], const double heel[3]) {
+  return guarded([&] {
+    require(session, "session");
+    const lobe::Vec3d position = session->axes.point_in(vector_of(tip, "tip"));
+    const lobe::Vec3d end = session->axes.point_in(vector_of(heel, "heel"));
+    return send(session, lobe::bring_tool(tool, position, lobe::BringScalpel{"", {position, end}}));
+  });
+}
+
 lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on) {
   return send(session, {.kind = HandCommand::Kind::turn_on, .on = on != 0, .hand = tool});
 }

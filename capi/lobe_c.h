@@ -93,7 +93,11 @@ LOBE_API lobe_status lobe_grasp_ray(lobe_session* session, uint32_t tool, const 
                                     const double direction[3], double radius);
 LOBE_API lobe_status lobe_cautery(lobe_session* session, uint32_t tool, const double tip[3],
                                   double radius);                               /* off */
-LOBE_API lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on); /* a cautery */
+/* Its edge leads from tip to heel. lobe_move places the tip and turns the edge by the quaternion. It does not
+ * cut until it is switched on. */
+LOBE_API lobe_status lobe_scalpel(lobe_session* session, uint32_t tool, const double tip[3],
+                                  const double heel[3]);
+LOBE_API lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on); /* a cautery or a scalpel */
 /* Moves a tool to a pose: position and unit quaternion (x, y, z, w). The pose of a grasp is that of the point
  * where it took hold, and its turn since then. */
 LOBE_API lobe_status lobe_move(lobe_session* session, uint32_t tool, const double pose[7]);
@@ -101,7 +105,7 @@ LOBE_API lobe_status lobe_release(lobe_session* session, uint32_t tool);
 
 typedef struct lobe_tool {
   uint32_t size;     /* sizeof(lobe_tool) */
-  uint32_t holds;    /* 1: a grasp has taken hold, a cautery is on */
+  uint32_t holds;    /* 1: a grasp has taken hold, a cautery or scalpel is on */
   uint32_t vertices; /* that a grasp holds */
   double pose[7];
   double force[3];  /* on the tool, by the body, mean over the last frame [N] */

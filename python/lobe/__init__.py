@@ -11,6 +11,7 @@ from ._lobe import (
     Mesh,
     Proposal,
     Report,
+    Scalpel,
     Scene,
     Snapshot,
     StaticResult,
@@ -30,6 +31,6 @@ from .programs import bench, mesh, read_table, view
 
 __all__ = [
     "Cautery", "Checkpoint", "Condition", "Difference", "GestureOutcome", "Grasp", "InputError", "Mesh",
-    "Proposal", "Report", "Scene", "Snapshot", "StaticResult", "Surface", "World", "__version__", "bench", "box_mesh",
+    "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult", "Surface", "World", "__version__", "bench", "box_mesh",
     "compare", "mesh", "propose_regions", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
 ]

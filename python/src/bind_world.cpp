@@ -14,6 +14,7 @@ struct PyTool {
 };
 struct PyGrasp : PyTool {};
 struct PyCautery : PyTool {};
+struct PyScalpel : PyTool {};
 
 // Without the GIL, and without anybody else in this world.
 template <class Work>
@@ -68,6 +69,28 @@ PyCautery bring(std::shared_ptr<PyWorld> world, const py::object& position, doub
   return {{std::move(world), id}};
 }
 
+PyScalpel bring_scalpel(std::shared_ptr<PyWorld> world, const py::object& tip, const py::object& heel,
+                        double snap, bool along_faces, const std::string& name) {
+  const BladePose pose{vector3(tip, "tip"), vector3(heel, "heel")};
+  const ToolId id = alone(*world, [&] {
+    const ToolId next = world->tools().next_id();
+    world->apply(BringScalpel{name, pose, snap, along_faces});
+    return next;
+  });
+  return {{std::move(world), id}};
+}
+
+void lead(const PyTool& self, const py::object& position, const py::object& orientation) {
+  Lead command{self.id, {vector3(position, "position")}};
+  if (!orientation.is_none()) {
+    const py::array_t<double, py::array::c_style | py::array::forcecast> q(orientation);
+    if (q.ndim() != 1 || q.shape(0) != 4)
+      throw InputError("orientation", "must be four numbers x, y, z, w");
+    command.target.orientation = Eigen::Map<const Eigen::Vector4d>(q.data());
+  }
+  apply(*self.world, command);
+}
+
 const Grasp& grasp_of(const PyTool& tool) { return *tool.world->tools().grasp(tool.id); }
 
 void bind_reports(py::module_& module) {
@@ -84,6 +107,8 @@ void bind_reports(py::module_& module) {
       .def_readonly("time_step_limit", &Report::time_step_limit, "[s]")
       .def_readonly("reruns", &Report::reruns, "of the frame, with smaller steps")
       .def_readonly("tets_removed", &Report::tets_removed)
+      .def_readonly("tets_copied", &Report::tets_copied, "parts that scalpels have cut off tetrahedra")
+      .def_readonly("cut_area", &Report::cut_area, "that scalpels have opened, at rest [m²]")
       .def_readonly("smallest_volume_ratio", &Report::smallest_volume_ratio, "of non-linear tetrahedra")
       .def_readonly("conditions", &Report::conditions);
   py::class_<PyCheckpoint>(module, "Checkpoint", "All that has changed in a world since it was built.")
@@ -100,14 +125,7 @@ void bind_tools(py::module_& module) {
       .def(
           "move_to",
           [](const PyGrasp& self, const py::object& position, const py::object& orientation) {
-            Lead lead{self.id, {vector3(position, "position")}};
-            if (!orientation.is_none()) {
-              const py::array_t<double, py::array::c_style | py::array::forcecast> q(orientation);
-              if (q.ndim() != 1 || q.shape(0) != 4)
-                throw InputError("orientation", "must be four numbers x, y, z, w");
-              lead.target.orientation = Eigen::Map<const Eigen::Vector4d>(q.data());
-            }
-            apply(*self.world, lead);
+            lead(self, position, orientation);
           },
           py::arg("position"), py::arg("orientation") = py::none(),
           "Where its centre is to be at the end of the next frame [m], and how it is turned since it took "
@@ -153,6 +171,25 @@ void bind_tools(py::module_& module) {
           "release", [](const PyCautery& self) { apply(*self.world, LetGo{self.id}); }, "Takes it away.");
 }
 
+void bind_scalpel(py::module_& module) {
+  py::class_<PyScalpel>(module, "Scalpel",
+                        "Cuts with an edge from its tip to its heel, while it is on. Made by World.scalpel().")
+      .def(
+          "move_to",
+          [](const PyScalpel& self, const py::object& position, const py::object& orientation) {
+            lead(self, position, orientation);
+          },
+          py::arg("position"), py::arg("orientation") = py::none(),
+          "Where its tip is to be at the end of the next frame [m], and how the edge is turned since it was "
+          "brought: a\n"
+          "unit quaternion (x, y, z, w).")
+      .def(
+          "switch", [](const PyScalpel& self, bool on) { apply(*self.world, SwitchTool{self.id, on}); },
+          py::arg("on"), "Whether it cuts.")
+      .def(
+          "release", [](const PyScalpel& self) { apply(*self.world, LetGo{self.id}); }, "Takes it away.");
+}
+
 void bind_edits(py::class_<PyWorld, std::shared_ptr<PyWorld>>& world) {
   world
       .def("grasp", &take, py::arg("vertices") = py::none(), py::kw_only(), py::arg("near") = py::none(),
@@ -162,6 +199,11 @@ void bind_edits(py::class_<PyWorld, std::shared_ptr<PyWorld>>& world) {
            "of a point [m].")
       .def("cautery", &bring, py::arg("position"), py::kw_only(), py::arg("radius"),
            py::arg("name") = "cautery", "Adds a cautery, switched off; the radius is its tip's [m].")
+      .def("scalpel", &bring_scalpel, py::arg("tip"), py::arg("heel"), py::kw_only(), py::arg("snap") = 0.1,
+           py::arg("along_faces") = false, py::arg("name") = "scalpel",
+           "Adds a scalpel, which does not cut yet; its edge leads from tip to heel [m]. A vertex nearer to "
+           "the cut than\n"
+           "the share `snap` of its shortest edge lies on it; along_faces: only faces that the mesh has open.")
       .def(
           "remove_tets",
           [](PyWorld& self, const py::object& tets) {
@@ -214,6 +256,7 @@ void bind_edits(py::class_<PyWorld, std::shared_ptr<PyWorld>>& world) {
 void bind_world(py::module_& module) {
   bind_reports(module);
   bind_tools(module);
+  bind_scalpel(module);
   py::class_<PyWorld, std::shared_ptr<PyWorld>> world(
       module, "World",
       "A body that is simulated. Calls by two threads at a time are refused; the GIL is released meanwhile.");

@@ -126,6 +126,24 @@ def test_a_cautery_burns_what_it_touches(scene, mesh):
     tool.release()
 
 
+def test_a_scalpel_cuts_what_its_edge_moves_through(scene, mesh):
+    world = lobe.World(scene)
+    tool = world.scalpel((0.052, -0.01, 0.1), (0.052, 0.05, 0.1))
+    tool.move_to((0.052, -0.01, 0.05))
+    assert world.advance(0.001).cut_area == 0  # it does not cut yet
+    tool.switch(True)
+    area = copied = 0
+    for i in range(60):
+        tool.move_to((0.052, -0.01, 0.05 - 0.001 * (i + 1)))
+        report = world.advance(0.001)
+        assert report.tets_removed == 0
+        area, copied = area + report.cut_area, copied + report.tets_copied
+    size = mesh.points.max(axis=0) - mesh.points.min(axis=0)
+    assert 0.9 < area / (size[1] * size[2]) < 1.2 and copied > 0
+    assert world.tet_count == len(mesh.tets) + copied
+    tool.release()
+
+
 def test_forces_and_springs_hold_a_vertex_where_they_balance(mesh, tip):
     world = lobe.World(lobe.Scene(dict(conftest.BEAM, gravity=[0, 0, 0]), mesh))
     v = tip[:1]
@@ -196,6 +214,7 @@ def test_two_threads_cannot_use_one_world_and_others_run_meanwhile(scene):
         (lambda w: w.grasp(near=(9, 9, 9), radius=0.1), "near"),
         (lambda w: w.grasp(near=(np.nan, 0, 0), radius=0.1), "near"),
         (lambda w: w.cautery((0, 0, 0), radius=-1), "radius"),
+        (lambda w: w.scalpel((0, 0, 0), (0, 0, 0)), "scalpel"),
         (lambda w: w.remove_tets([-1]), "tets"),
         (lambda w: w.set_region([0], "soft"), "model"),
         (lambda w: w.set_forces([0], np.zeros((2, 3))), "forces"),

@@ -23,7 +23,7 @@ bool touches(const Sweep& sweep, const Mat34<double>& x) {
 }
 
 SweptVolume swept_volume(const Sweep& sweep) {
-  return {box_of(sweep), [sweep](const Mat34<double>& corners) { return touches(sweep, corners); }};
+  return {box_of(sweep), [sweep](const Mat34<double>& corners) { return touches(sweep, corners); }, {}};
 }
 
 std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& x, const Sweep& sweep) {

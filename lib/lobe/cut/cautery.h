@@ -15,10 +15,12 @@ struct Sweep {
   double radius = 0;  // [m], > 0
 };
 
-// What a tool reaches: a box [m], and whether it reaches a tetrahedron that meets the box; without that all.
+// What a tool reaches: a box [m], and whether it reaches a tetrahedron that meets the box, and may reach
+// any in another box; without these all.
 struct SweptVolume {
   Eigen::AlignedBox3d box;
   std::function<bool(const Mat34<double>& corners)> meets = {};
+  std::function<bool(const Eigen::AlignedBox3d&)> may_meet = {};
 };
 SweptVolume swept_volume(const Sweep& sweep);
 

@@ -1,7 +1,7 @@
 // Finds the tetrahedra that an instrument may touch, without testing all of them. Groups of some hundred
-// tetrahedra that are near each other at rest remember their box and how far vertices have moved since. A
-// group is tested only if its box, enlarged by that distance, meets the instrument's box. None is missed: a
-// shuffled or inverted mesh only costs more.
+// tetrahedra that are near each other at rest, and leaves of some ten within each, remember their box and how
+// far vertices have moved since. A box is tested only if it meets the instrument's box after it was enlarged
+// by that distance. None is missed: a shuffled or inverted mesh only costs more.
 #pragma once
 
 #include <vector>
@@ -16,9 +16,9 @@ class TetGroups {
   // precision.
   void moved(double distance, double rounding) { path_ += distance + rounding * (reach_ + path_); }
   // It is not known how far they have moved.
-  void forget() { groups_.clear(); }
+  void forget() { is_lost_ = true; }
 
-  // A copy of a tetrahedron has been added.
+  // A copy of a tetrahedron has been added, where that is.
   void add_copy(Index tet, Index copy);
   // The tetrahedra that meet a volume, in ascending order, in the deformed body of rest positions and
   // displacements [m].
@@ -29,19 +29,28 @@ class TetGroups {
                              const SweptVolume& volume);
 
  private:
-  struct Group {
+  struct Leaf {
     Index begin, end;         // of order_
     double path = -1;         // path_ when the box was found; −1: never
     Eigen::AlignedBox3d box;  // of the alive tetrahedra
     std::vector<Index> copies = {};
   };
+  struct Group {
+    Index begin, end;  // of leaves_
+    double path = -1;
+    Eigen::AlignedBox3d box;  // of its leaves
+  };
   void form(const Topology& topology, const Mat3X<double>& points);
+  template <class Box>
+  bool may_meet(const Box& own, const SweptVolume& volume) const;
 
   std::vector<Index> order_;
-  std::vector<Index> group_of_;  // per tetrahedron; none before there is a copy
+  std::vector<Index> leaf_of_;  // per tetrahedron; none before there is a copy
+  std::vector<Leaf> leaves_;
   std::vector<Group> groups_;
-  double path_ = 0;   // no vertex has come further since the groups were formed [m]
-  double reach_ = 0;  // largest displacement then [m]
+  bool is_lost_ = true;  // boxes, and the displacements when they were found, are not known
+  double path_ = 0;      // no vertex has come further since these were known [m]
+  double reach_ = 0;     // largest displacement then [m]
 };
 
 }  // namespace lobe

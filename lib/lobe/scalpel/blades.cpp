@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace lobe {
 namespace {
@@ -31,6 +32,33 @@ bool is_in(const Grains& grains, Index grain, const Vec3d& X) {
   return inner.minCoeff() >= -rounding && inner.sum() <= 1 + rounding;
 }
 
+// A little more than what grains are in now.
+Eigen::AlignedBox3d box_around(const Grains& grains, std::span<const Index> own, const Placement& placement) {
+  Eigen::AlignedBox3d box;
+  for (Index grain : own)
+    for (Index p : grains[grain].points) box.extend(placement(grains.point(p)));
+  const Vec3d spare = Vec3d::Constant(1e-6 * box.sizes().maxCoeff());
+  return {box.min() - spare, box.max() + spare};
+}
+
+// Placements of some tetrahedra, found once.
+class KnownPlacements {
+ public:
+  KnownPlacements(const std::vector<Index>& tets, const Placements& find) : find_(find) {
+    own_.reserve(tets.size());
+    for (Index t : tets) own_.emplace_back(t, find(t));
+  }
+  Placement operator()(Index tet) const {
+    const auto at = std::lower_bound(own_.begin(), own_.end(), tet,
+                                     [](const auto& own, Index t) { return own.first < t; });
+    return at != own_.end() && at->first == tet ? at->second : find_(tet);
+  }
+
+ private:
+  std::vector<std::pair<Index, Placement>> own_;  // in their order
+  const Placements& find_;
+};
+
 }  // namespace
 
 int Blades::steps(const BladeMove& move) const {
@@ -52,6 +80,7 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   if (!stroke) return std::nullopt;
   stroke->goes_on = true;
   std::vector<std::vector<Vec3d>> places;
+  places.reserve(stroke->rows.size() + 1);
   for (const Row& row : stroke->rows) places.push_back(places_of(row, body));
   Row now = places_at(step.to, *stroke, stroke->rows.back().size());
   std::vector<Vec3d> there;
@@ -61,12 +90,14 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   if (way < least_way * grains.mean_edge()) return Incised{};
   places.push_back(there);
   std::vector<Sheet> swept;
+  swept.reserve(places.size());
   for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
   const bool has_moved = has_moved_since(stroke->rows.back(), places[places.size() - 2]);
   const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved};
   const std::vector<Index> tets = tets_near(swept, blade, body);
-  find_in_body(now, tets, body);
-  Incised incised = incise(grains, blade, swept.back(), swept, tets, body.placement);
+  const KnownPlacements placements(tets, body.placement);
+  find_in_body(now, tets, std::ref(placements));
+  Incised incised = incise(grains, blade, swept.back(), swept, tets, std::ref(placements));
   incised.way = way_of(now, stroke->rows.back(), there, places[places.size() - 2]);
   const std::vector<Vec3d> before = places.size() > 2 ? places[places.size() - 3] : std::vector<Vec3d>{};
   keep(std::move(now), before, *stroke);
@@ -89,7 +120,7 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   Row row = places_at(step.from, stroke, count);
   Eigen::AlignedBox3d box;
   for (const Station& station : row) box.extend(station.place);
-  find_in_body(row, body.tets_in({box, {}}), body);
+  find_in_body(row, body.tets_in({box, {}, {}}), body.placement);
   stroke.rows = {std::move(row)};
   return &stroke;
 }
@@ -123,9 +154,10 @@ std::vector<Index> Blades::tets_near(const std::vector<Sheet>& swept, const Blad
   const double reach = std::max(blade.reach(), open_within) * grains.mean_edge();
   const Eigen::AlignedBox3d box = last ? sheet.box().merged(last->box()) : sheet.box();
   const Vec3d around = Vec3d::Constant(reach);
-  return body.tets_in({{box.min() - around, box.max() + around}, [&](const Mat34<double>& x) {
-                         return sheet.may_reach(x, reach) || (last && last->may_reach(x, reach));
-                       }});
+  const auto may_reach = [&](const auto& x) {
+    return sheet.may_reach(x, reach) || (last && last->may_reach(x, reach));
+  };
+  return body.tets_in({{box.min() - around, box.max() + around}, may_reach, may_reach});
 }
 
 Blades::Row Blades::places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const {
@@ -139,21 +171,34 @@ Blades::Row Blades::places_at(const BladePose& pose, Stroke& stroke, std::size_t
   return row;
 }
 
-// The first grain that each is in.
-void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const BodyNow& body) const {
+// The first grain that each is in. Stations stand in a line: those in a box follow each other.
+void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const Placements& find) const {
   constexpr double flat = 1e-3;
-  for (Index t : tets) {
-    const Placement placement = body.placement(t);
-    if (placement.gradient.determinant() < flat) continue;
-    const Mat3<double> back = placement.gradient.inverse();
-    for (Station& station : row) {
-      if (station.grain >= 0) continue;
-      const Vec3d rest = placement.start + back * (station.place - placement.image);
-      const auto own = grains.of(t);
-      const auto at = std::find_if(own.begin(), own.end(), [&](Index g) { return is_in(grains, g, rest); });
-      if (at == own.end()) continue;
-      station.grain = *at;
+  auto left = std::count_if(row.begin(), row.end(), [](const Station& own) { return own.grain < 0; });
+  const Vec3d start = row.front().place, way = row.back().place - start;
+  Eigen::Index axis = 0;
+  way.cwiseAbs().maxCoeff(&axis);
+  const double per_station = way[axis] / double(row.size() - 1);
+  const auto station_at = [&](double x) {
+    return std::clamp((x - start[axis]) / per_station, -1.0, double(row.size()));
+  };
+  for (std::size_t i = 0; i < tets.size() && left > 0; ++i) {
+    const Placement placement = find(tets[i]);
+    const auto own = grains.of(tets[i]);
+    const Eigen::AlignedBox3d box = box_around(grains, own, placement);
+    const auto [first, last] = std::minmax({station_at(box.min()[axis]), station_at(box.max()[axis])});
+    const auto end = static_cast<std::size_t>(std::floor(last) + 1);
+    for (auto at = static_cast<std::size_t>(std::max(0.0, std::ceil(first))); at < end && at < row.size(); ++at) {
+      Station& station = row[at];
+      if (station.grain >= 0 || !box.contains(station.place)) continue;
+      if (placement.gradient.determinant() < flat) break;
+      const Vec3d rest =
+          placement.start + placement.gradient.inverse() * (station.place - placement.image);
+      const auto in = std::find_if(own.begin(), own.end(), [&](Index g) { return is_in(grains, g, rest); });
+      if (in == own.end()) continue;
+      station.grain = *in;
       station.rest = rest;
+      --left;
     }
   }
 }
@@ -169,17 +214,23 @@ bool Blades::has_moved_since(const Row& row, const std::vector<Vec3d>& places) {
 std::vector<Vec3d> Blades::places_of(const Row& row, const BodyNow& body) const {
   std::vector<Vec3d> places, moves(row.size(), Vec3d::Zero());
   std::vector<std::size_t> inside;
+  inside.reserve(row.size());
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (row[i].grain < 0 || grains.of(grains[row[i].grain].element).empty()) continue;
     inside.push_back(i);
     const Vec3d move = body.placement(grains[row[i].grain].element)(row[i].rest) - row[i].place;
     if (move.norm() > 1e-9 * grains.mean_edge()) moves[i] = move;
   }
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    const auto far = [&](std::size_t other) { return other > i ? other - i : i - other; };
-    const auto nearest = std::min_element(inside.begin(), inside.end(),
-                                          [&](std::size_t a, std::size_t c) { return far(a) < far(c); });
-    places.push_back(row[i].place + (nearest == inside.end() ? Vec3d::Zero() : moves[*nearest]));
+  places.reserve(row.size());
+  for (std::size_t i = 0, next = 0; i < row.size(); ++i) {  // next: in inside, the first not before i
+    while (next < inside.size() && inside[next] < i) ++next;
+    const bool has_before = next > 0, has_after = next < inside.size();
+    Vec3d move = Vec3d::Zero();
+    if (has_before && (!has_after || i - inside[next - 1] <= inside[next] - i))
+      move = moves[inside[next - 1]];
+    else if (has_after)
+      move = moves[inside[next]];
+    places.push_back(row[i].place + move);
   }
   return places;
 }

@@ -28,18 +28,28 @@ std::vector<std::uint8_t> skin_of_tets(const Topology& topology) {
 }  // namespace
 
 Grains::Grains(const Elements& elements) {
+  constexpr Index room = 8;  // for what bisections add around a point
   const Topology& topology = elements.topology;
-  for (Index v = 0; v < topology.vertex_count(); ++v) {
-    points_.push_back(elements.points.col(v));
-    around_.add_vertex();
-  }
+  std::vector<Index> lengths, grain_of(std::size_t(topology.tet_count()), -1);
+  for (Index v = 0; v < topology.vertex_count(); ++v)
+    lengths.push_back(static_cast<Index>(topology.around(v).size()) + room);
+  around_ = VertexLists<Index>(lengths);
+  of_element_ = VertexLists<Index>(std::vector<Index>(grain_of.size(), 1));
+  const std::size_t points = lengths.size() + lengths.size() / 4;  // memory that nobody touches costs nothing
+  points_.reserve(points);
+  for (Index v = 0; v < topology.vertex_count(); ++v) points_.push_back(elements.points.col(v));
+  shortest_.reserve(points);
   shortest_.assign(points_.size(), std::numeric_limits<double>::infinity());
+  on_.reserve(points);
   on_.assign(points_.size(), 0);
+  const std::size_t grains = grain_of.size() + grain_of.size() / 2;
+  grains_.reserve(grains);
+  beside_.reserve(grains);
   double sum = 0, volumes = 0;
   const std::vector<std::uint8_t> skin = skin_of_tets(topology);
   for (Index t = 0; t < topology.tet_count(); ++t) {
-    of_element_.add_vertex();
     if (!topology.alive(t)) continue;
+    grain_of[std::size_t(t)] = count();
     of_element_.append(t, count());
     const Eigen::Vector4i corners = topology.corners(t);
     volumes += signed_volume(elements.corner_points(t));
@@ -52,31 +62,30 @@ Grains::Grains(const Elements& elements) {
       sum += length;
     }
   }
+  beside_.assign(grains_.size(), {-1, -1, -1, -1});
+  for (Index grain = 0; grain < count(); ++grain)  // of tetrahedra that share a face with several, in turn
+    topology.for_neighbours((*this)[grain].element, [&](int face, Index tet) {
+      const Index other = grain_of[std::size_t(tet)];
+      for (int f = 0; f < 4; ++f)
+        if (place_of((*this)[grain].points, (*this)[other].points[f]) < 0 && beside(4 * other + f) < 0 &&
+            beside(4 * grain + face) < 0)
+          link(4 * grain + face, 4 * other + f);
+    });
   mean_edge_ = count() > 0 ? sum / (6.0 * count()) : 0;
   mean_volume_ = count() > 0 ? volumes / count() : 0;
 }
 
-Index Grains::neighbour(Index grain, int face) const {
-  const Grain& own = (*this)[grain];
-  if (own.open >> face & 1) return -1;
-  const int* c = face_corners[face];
-  const Index p = own.points[c[0]], q = own.points[c[1]], r = own.points[c[2]];
-  for (Index other : around_[p]) {
-    if (other == grain) continue;
-    const Eigen::Vector4i& points = (*this)[other].points;
-    const int at_p = place_of(points, p), at_q = place_of(points, q), at_r = place_of(points, r);
-    if (at_q < 0 || at_r < 0 || is_open(other, 6 - at_p - at_q - at_r)) continue;
-    return other;
-  }
-  return -1;
+void Grains::link(Index code, Index other) {
+  beside_[std::size_t(code / 4)][std::size_t(code % 4)] = other;
+  if (other >= 0) beside_[std::size_t(other / 4)][std::size_t(other % 4)] = code;
 }
 
-Index Grains::beside(Index code) const {
-  const Index other = neighbour(code / 4, code % 4);
-  if (other < 0) return -1;
-  for (int f = 0; f < 4; ++f)
-    if (place_of((*this)[code / 4].points, (*this)[other].points[f]) < 0) return 4 * other + f;
-  return -1;
+// From all its neighbours.
+void Grains::unlink(Index grain) {
+  for (Index& code : beside_[std::size_t(grain)]) {
+    if (code >= 0) beside_[std::size_t(code / 4)][std::size_t(code % 4)] = -1;
+    code = -1;
+  }
 }
 
 double Grains::volume(Index grain) const {
@@ -144,7 +153,8 @@ void Grains::forget_stroke(int stroke) {
 // A stays at its end, b goes to the new point; a copy does the opposite. The face between the two is new.
 void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   const Index other = count();
-  grains_.push_back((*this)[grain]);
+  grains_.push_back(Grain((*this)[grain]));
+  beside_.push_back({-1, -1, -1, -1});
   Grain &near_a = grains_[std::size_t(grain)], &near_b = grains_.back();
   const int at_a = place_of(near_a.points, a), at_b = place_of(near_a.points, b);
   near_a.points[at_b] = near_b.points[at_a] = point;
@@ -154,9 +164,11 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   near_b.open &= std::uint8_t(~(1 << at_b));
   near_a.skin &= std::uint8_t(~(1 << at_a));
   near_b.skin &= std::uint8_t(~(1 << at_b));
+  link(4 * other + at_a, beside(4 * grain + at_a));
+  link(4 * grain + at_a, 4 * other + at_b);
   around_.erase_value(b, grain);
-  around_.append(point, grain);
-  for (Index p : near_b.points) around_.append(p, other);
+  for (Index p : near_b.points)
+    if (p != point) around_.append(p, other);
   of_element_.append(near_b.element, other);
   changed_.push_back(grain);
   changed_.push_back(other);
@@ -171,29 +183,52 @@ void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t
     on_.push_back((on_[a] & on_[b]) | strokes);
     around_.add_vertex();
   }
+  std::vector<Index> star, both;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const auto [a, b, share] = edges[i];
-    const std::vector<Index> star(around_[a].begin(), around_[a].end());
-    for (Index grain : star)
-      if (place_of((*this)[grain].points, b) >= 0) bisect(grain, a, b, first + static_cast<Index>(i), share);
+    star.assign(around_[a].begin(), around_[a].end());
+    std::erase_if(star, [&](Index grain) { return place_of((*this)[grain].points, b) < 0; });
+    const Index halves = count(), point = first + static_cast<Index>(i);
+    for (Index grain : star) bisect(grain, a, b, point, share);
+    link_halves(star, halves, a, point);
+    both.clear();
+    for (std::size_t k = 0; k < star.size(); ++k)
+      both.insert(both.end(), {star[k], halves + static_cast<Index>(k)});
+    around_.assign(point, both);  // of exactly its size
   }
+}
+
+// Faces that an edge from `a` was a side of are two now, and so is what is beside them: the halves at the
+// other end are numbered from `halves` on, in the order of the star.
+void Grains::link_halves(const std::vector<Index>& star, Index halves, Index a, Index point) {
+  scratch_.resize(std::size_t(count()), -1);
+  for (std::size_t i = 0; i < star.size(); ++i) scratch_[std::size_t(star[i])] = halves + static_cast<Index>(i);
+  for (Index grain : star) {
+    const Eigen::Vector4i& points = (*this)[grain].points;
+    for (int f = 0; f < 4; ++f) {
+      if (points[f] == a || points[f] == point) continue;
+      const Index code = beside(4 * grain + f), other = code < 0 ? -1 : scratch_[std::size_t(code / 4)];
+      beside_[std::size_t(scratch_[std::size_t(grain)])][std::size_t(f)] = other < 0 ? -1 : 4 * other + code % 4;
+    }
+  }
+  for (Index grain : star) scratch_[std::size_t(grain)] = -1;
 }
 
 std::vector<Index> Grains::open(const std::vector<Index>& faces) {
   std::vector<Index> points, elements;
   for (Index code : faces) {
-    const Index grain = code / 4, other = neighbour(grain, code % 4);
+    const Index grain = code / 4, other = beside(code);
     elements.push_back((*this)[grain].element);
     changed_.push_back(grain);
     Grain& own = grains_[std::size_t(grain)];
     own.open |= std::uint8_t(1 << code % 4);
     for (int c : face_corners[code % 4]) points.push_back(own.points[c]);
     if (other < 0) continue;
-    elements.push_back((*this)[other].element);
-    changed_.push_back(other);
-    for (int f = 0; f < 4; ++f)
-      if (place_of(own.points, (*this)[other].points[f]) < 0)
-        grains_[std::size_t(other)].open |= std::uint8_t(1 << f);
+    elements.push_back((*this)[other / 4].element);
+    changed_.push_back(other / 4);
+    grains_[std::size_t(other / 4)].open |= std::uint8_t(1 << other % 4);
+    beside_[std::size_t(other / 4)][std::size_t(other % 4)] = -1;
+    link(code, -1);
   }
   sort_unique(points);
   for (Index p : points) split_if_apart(p);
@@ -201,26 +236,54 @@ std::vector<Index> Grains::open(const std::vector<Index>& faces) {
   return elements;
 }
 
-// The grains around a point that hang together by faces which have it for a corner. The largest part keeps
-// the point, the first of several.
-void Grains::split_if_apart(Index point) {
+// Whether the grains around a point do by faces which have it for a corner.
+bool Grains::hangs_together(Index point) {
+  const std::span<const Index> star = around(point);
+  if (star.empty()) return true;
+  scratch_.resize(std::size_t(count()), -1);
+  std::vector<Index>& front = front_;
+  front.assign(1, star.front());
+  scratch_[std::size_t(star.front())] = 0;
+  for (std::size_t at = 0; at < front.size() && front.size() < star.size(); ++at) {
+    const Grain& own = (*this)[front[at]];
+    for (int f = 0; f < 4; ++f) {
+      if (own.points[f] == point) continue;
+      const Index other = neighbour(front[at], f);
+      if (other < 0 || scratch_[std::size_t(other)] >= 0) continue;
+      scratch_[std::size_t(other)] = 0;
+      front.push_back(other);
+    }
+  }
+  for (Index grain : front) scratch_[std::size_t(grain)] = -1;
+  return front.size() == star.size();
+}
+
+// In order of their first grains.
+std::vector<std::vector<Index>> Grains::parts_around(Index point) {
   std::vector<Index> left(around_[point].begin(), around_[point].end());
   std::sort(left.begin(), left.end());
+  for (Index grain : left) scratch_[std::size_t(grain)] = 0;
   std::vector<std::vector<Index>> parts;
-  while (!left.empty()) {
-    std::vector<Index>& part = parts.emplace_back(1, left.front());
-    left.erase(left.begin());
+  for (Index first : left) {
+    if (scratch_[std::size_t(first)] < 0) continue;
+    std::vector<Index>& part = parts.emplace_back(1, first);
+    scratch_[std::size_t(first)] = -1;
     for (std::size_t at = 0; at < part.size(); ++at)
       for (int f = 0; f < 4; ++f) {
         if ((*this)[part[at]].points[f] == point) continue;
         const Index other = neighbour(part[at], f);
-        const auto found = std::lower_bound(left.begin(), left.end(), other);
-        if (other < 0 || found == left.end() || *found != other) continue;
+        if (other < 0 || scratch_[std::size_t(other)] < 0) continue;
+        scratch_[std::size_t(other)] = -1;
         part.push_back(other);
-        left.erase(found);
       }
   }
-  if (parts.size() < 2) return;
+  return parts;
+}
+
+// The largest part of what is around a point keeps it, the first of several.
+void Grains::split_if_apart(Index point) {
+  if (hangs_together(point)) return;
+  std::vector<std::vector<Index>> parts = parts_around(point);
   changed_.insert(changed_.end(), around_[point].begin(), around_[point].end());
   const auto keeps = std::max_element(parts.begin(), parts.end(),
                                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
@@ -245,6 +308,7 @@ void Grains::forget(const std::vector<Index>& elements) {
   for (Index t : elements) {
     for (Index grain : of(t)) {
       changed_.push_back(grain);
+      unlink(grain);
       for (Index p : (*this)[grain].points) {
         around_.erase_value(p, grain);
         points.push_back(p);
@@ -258,8 +322,9 @@ void Grains::forget(const std::vector<Index>& elements) {
 }
 
 std::size_t Grains::bytes() const {
-  return grains_.capacity() * sizeof(Grain) + points_.capacity() * sizeof(Vec3d) +
-         shortest_.capacity() * sizeof(double) + on_.capacity() * sizeof(std::uint32_t) +
+  return grains_.size() * (sizeof(Grain) + sizeof beside_[0]) + points_.size() * sizeof(Vec3d) +
+         shortest_.size() * sizeof(double) + on_.size() * sizeof(std::uint32_t) +
+         grains_.size() * sizeof scratch_[0] +
          (around_.items().size() + of_element_.items().size()) * sizeof(Index);
 }
 

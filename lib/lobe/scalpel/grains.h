@@ -9,6 +9,7 @@
 // each connected part has its own copy of the point.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -58,7 +59,10 @@ class Grains {
   bool is_open(Index grain, int face) const { return grains_[std::size_t(grain)].open >> face & 1; }
   bool is_skin(Index grain, int face) const { return grains_[std::size_t(grain)].skin >> face & 1; }
   // The grain that it is connected to across a face; −1: the face is open, or on the boundary.
-  Index neighbour(Index grain, int face) const;
+  Index neighbour(Index grain, int face) const {
+    const Index code = beside_[std::size_t(grain)][std::size_t(face)];
+    return code < 0 ? -1 : code / 4;
+  }
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
   double mean_volume() const { return mean_volume_; }                        // of its tetrahedra [m³]
   double shortest_edge(Index p) const { return shortest_[std::size_t(p)]; }  // of the mesh, near a point [m]
@@ -73,7 +77,9 @@ class Grains {
 
   double volume(Index grain) const;  // at rest [m³]
   double area(Index code) const;     // of a face 4 × grain + face, at rest [m²]
-  Index beside(Index code) const;    // the same face of its neighbour; −1: none
+  Index beside(Index code) const {   // the same face of its neighbour; −1: none
+    return beside_[std::size_t(code / 4)][std::size_t(code % 4)];
+  }
   // The filled part of a face of a tetrahedron that was on the boundary at the start: three times its share
   // of the area, times the barycentric coordinates of its middle. Ones if the face is whole.
   Vec3d skin_of(Index element, int face, const Elements& elements) const;
@@ -105,7 +111,14 @@ class Grains {
   void bisect(Index grain, Index a, Index b, Index point, double share);
   void split_if_apart(Index point);
 
+  void link(Index code, Index other);
+  void unlink(Index grain);
+  void link_halves(const std::vector<Index>& star, Index halves, Index a, Index point);
+  bool hangs_together(Index point);
+  std::vector<std::vector<Index>> parts_around(Index point);
+
   std::vector<Grain> grains_;
+  std::vector<std::array<Index, 4>> beside_;  // per face: the same face of the neighbour, 4 × grain + face
   std::vector<Vec3d> points_;
   std::vector<double> shortest_;
   std::vector<std::uint32_t> on_;
@@ -113,6 +126,7 @@ class Grains {
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
   double mean_edge_ = 0, mean_volume_ = 0;
   std::vector<Index> changed_;
+  std::vector<Index> scratch_, front_;  // of a search: per grain, −1 outside of one; grains found
 };
 
 }  // namespace lobe

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "lobe/scalpel/crumbs.h"
@@ -11,6 +12,22 @@ namespace lobe {
 namespace {
 
 using Edge = std::pair<Index, Index>;  // ascending
+
+// Places of numbers that are there once each.
+class Places {
+ public:
+  explicit Places(std::size_t most) : table_(std::bit_ceil(2 * most + 2), {-1, -1}) {}
+  // That of a number; `place`, which it has from now on, where it has none yet.
+  Index of(Index number, Index place) {
+    std::size_t at = std::size_t(number) * 2654435761U & (table_.size() - 1);
+    while (table_[at].first >= 0 && table_[at].first != number) at = (at + 1) & (table_.size() - 1);
+    if (table_[at].first < 0) table_[at] = {number, place};
+    return table_[at].second;
+  }
+
+ private:
+  std::vector<std::pair<Index, Index>> table_;
+};
 
 class Step {
  public:
@@ -23,7 +40,14 @@ class Step {
     Index number;
     Vec3d x;              // where it is now [m]
     double distance = 0;  // from the sheet, where it is to lie on it [m]
-    bool is_on = false;   // from now on
+    bool was_on = false, is_on = false;  // before this step; from now on
+    int side = 0, last_side = 0;         // beyond which of its planes; and of the last sheet's
+  };
+  struct Near {
+    Index grain;
+    std::array<Index, 4> points;  // in points_
+    bool is_beyond;               // all on one side of the sheets
+    int marks = 0;                // on its edges
   };
   struct Mark {
     Edge edge;
@@ -32,12 +56,15 @@ class Step {
   };
 
   const Placement& placement_of(Index element);
+  bool has_placement(Index element) const;
   Vec3d place(Index grain, const Vec3d& X) { return placement_of(grains_[grain].element)(X); }
-  std::size_t place_in(Index point) const;  // in points_, which has it
-  bool is_on(Index point) const {
-    return grains_.is_on(point, blade_.stroke) || points_[place_in(point)].is_on;
+  bool is_on(const Point& point) const { return point.was_on || point.is_on; }
+  bool are_apart(const Point& a, const Point& b) const {  // not on one side of the sheets
+    return a.side == 0 || a.side != b.side || (last_ && (a.last_side == 0 || a.last_side != b.last_side));
   }
   Mark* mark_of(const Edge& edge);
+  Mark* mark_of(const Near& near, int a, int b);
+  bool is_near_grain(Index grain) const;
   std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
 
   void find_near();
@@ -60,9 +87,9 @@ class Step {
   const Sheet* last_;  // none: there is no need of it
   const Placements& find_placement_;
   std::vector<std::pair<Index, Placement>> placements_, others_;  // by element, sorted; and of those beside
-  std::vector<Point> points_;  // of grains near the sheet, by their numbers
-  std::vector<Index> near_;    // grains, sorted
-  std::vector<Mark> marks_;    // by their edges
+  std::vector<Point> points_;                                     // of grains near the sheet
+  std::vector<Near> near_;                                        // by their grains
+  std::vector<Mark> marks_;                                       // by their edges
   Incised result_;
 };
 
@@ -87,16 +114,28 @@ const Placement& Step::placement_of(Index element) {
   return others_.emplace_back(element, find_placement_(element)).second;
 }
 
-std::size_t Step::place_in(Index point) const {
-  const auto at = std::lower_bound(points_.begin(), points_.end(), point,
-                                   [](const Point& own, Index p) { return own.number < p; });
-  return std::size_t(at - points_.begin());
+bool Step::has_placement(Index element) const {
+  const auto at = std::lower_bound(placements_.begin(), placements_.end(), element,
+                                   [](const auto& own, Index t) { return own.first < t; });
+  return at != placements_.end() && at->first == element;
 }
 
 Step::Mark* Step::mark_of(const Edge& edge) {
   const auto at = std::lower_bound(marks_.begin(), marks_.end(), edge,
                                    [](const Mark& own, const Edge& e) { return own.edge < e; });
   return at != marks_.end() && at->edge == edge && at->counts ? &*at : nullptr;
+}
+
+Step::Mark* Step::mark_of(const Near& near, int a, int b) {
+  const Point &p = points_[std::size_t(near.points[std::size_t(a)])],
+              &q = points_[std::size_t(near.points[std::size_t(b)])];
+  return are_apart(p, q) ? mark_of(std::minmax(p.number, q.number)) : nullptr;
+}
+
+bool Step::is_near_grain(Index grain) const {
+  const auto at = std::lower_bound(near_.begin(), near_.end(), grain,
+                                   [](const Near& own, Index g) { return own.grain < g; });
+  return at != near_.end() && at->grain == grain;
 }
 
 std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
@@ -106,30 +145,40 @@ std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
 
 void Step::find_near() {
   const double reach = blade_.reach() * grains_.mean_edge();
-  std::vector<Index> own;
-  for (const auto& [t, placement] : placements_)
-    own.insert(own.end(), grains_.of(t).begin(), grains_.of(t).end());
+  std::vector<std::pair<Index, Index>> own;  // grains, and places in placements_
+  for (std::size_t i = 0; i < placements_.size(); ++i)
+    for (Index grain : grains_.of(placements_[i].first)) own.emplace_back(grain, static_cast<Index>(i));
   std::sort(own.begin(), own.end());
-  for (Index grain : own) {
+  near_.reserve(own.size());
+  points_.reserve(2 * own.size());
+  Places places(2 * own.size());
+  for (const auto& [grain, at] : own) {
+    const Placement& placement = placements_[std::size_t(at)].second;
+    const Eigen::Vector4i& numbers = grains_[grain].points;
     Mat34<double> x;
-    const Placement& placement = placement_of(grains_[grain].element);
-    for (int k = 0; k < 4; ++k) x.col(k) = placement(grains_.point(grains_[grain].points[k]));
+    for (int k = 0; k < 4; ++k) x.col(k) = placement(grains_.point(numbers[k]));
     if (!sheet_.may_reach(x, reach) && !(last_ && last_->may_reach(x, reach))) continue;
-    near_.push_back(grain);
-    for (int k = 0; k < 4; ++k) points_.push_back({grains_[grain].points[k], x.col(k)});
+    Near& near = near_.emplace_back(Near{grain, {}, true});
+    for (int k = 0; k < 4; ++k) {
+      const Index next = static_cast<Index>(points_.size()), place = places.of(numbers[k], next);
+      near.points[std::size_t(k)] = place;
+      if (place < next) continue;
+      Point& point = points_.emplace_back(Point{numbers[k], x.col(k)});
+      point.was_on = grains_.is_on(point.number, blade_.stroke);
+      point.side = sheet_.side(point.x);
+      if (last_) point.last_side = last_->side(point.x);
+    }
+    for (int k = 1; k < 4; ++k)
+      near.is_beyond = near.is_beyond && !are_apart(points_[std::size_t(near.points[0])],
+                                                    points_[std::size_t(near.points[std::size_t(k)])]);
   }
-  std::stable_sort(points_.begin(), points_.end(),
-                   [](const Point& a, const Point& b) { return a.number < b.number; });
-  points_.erase(std::unique(points_.begin(), points_.end(),
-                            [](const Point& a, const Point& b) { return a.number == b.number; }),
-                points_.end());
 }
 
 // Points near enough to the sheet lie on it from now on; but not all four of a grain: the farthest stays off.
 void Step::put_on() {
   for (Point& point : points_) {
     const double within = blade_.snap * grains_.shortest_edge(point.number);
-    if (grains_.is_on(point.number, blade_.stroke) ||
+    if (point.was_on || sheet_.beyond(point.x) >= within ||
         sheet_.box().squaredExteriorDistance(point.x) >= within * within)
       continue;
     point.distance = sheet_.distance(point.x);
@@ -143,13 +192,17 @@ void Step::put_on() {
 
 bool Step::release_flat() {
   bool found = false;
-  for (Index grain : near_) {
-    const Eigen::Vector4i& points = grains_[grain].points;
-    if (!std::all_of(points.begin(), points.end(), [&](Index p) { return is_on(p); })) continue;
+  for (const Near& near : near_) {
+    const auto& own = near.points;
+    if (!std::all_of(own.begin(), own.end(), [&](Index p) { return is_on(points_[std::size_t(p)]); }))
+      continue;
     Point* worst = nullptr;
-    for (Index p : points)
-      if (Point& own = points_[place_in(p)]; own.is_on)
-        if (!worst || std::pair(own.distance, p) > std::pair(worst->distance, worst->number)) worst = &own;
+    for (Index p : own) {
+      Point& point = points_[std::size_t(p)];
+      if (!point.is_on) continue;
+      if (!worst || std::pair(point.distance, point.number) > std::pair(worst->distance, worst->number))
+        worst = &point;
+    }
     if (!worst) continue;
     worst->is_on = false;
     found = true;
@@ -158,25 +211,40 @@ bool Step::release_flat() {
 }
 
 void Step::find_crossed() {
-  std::vector<Edge> edges;
-  for (Index grain : near_)
+  struct Crossed {
+    Edge edge;
+    Index a, b;  // in points_
+    Near* near;
+  };
+  std::vector<Crossed> edges;
+  for (Near& near : near_) {
+    if (near.is_beyond) continue;
     for (const auto& edge : edge_corners) {
-      const Index a = grains_[grain].points[edge[0]], b = grains_[grain].points[edge[1]];
-      if (!grains_.is_on(a, blade_.stroke) && !grains_.is_on(b, blade_.stroke))
-        edges.push_back(std::minmax(a, b));
+      Index a = near.points[std::size_t(edge[0])], b = near.points[std::size_t(edge[1])];
+      const Point &p = points_[std::size_t(a)], &q = points_[std::size_t(b)];
+      if (is_on(p) || is_on(q) || !are_apart(p, q)) continue;
+      if (q.number < p.number) std::swap(a, b);
+      edges.push_back({std::minmax(p.number, q.number), a, b, &near});
     }
-  sort_unique(edges);
+  }
+  std::sort(edges.begin(), edges.end(), [](const Crossed& e, const Crossed& f) { return e.edge < f.edge; });
   constexpr double least = 1e-3;
-  for (const Edge& edge : edges)
-    if (const auto share = crossing(points_[place_in(edge.first)].x, points_[place_in(edge.second)].x))
-      marks_.push_back({edge, std::clamp(*share, least, 1 - least)});
+  for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
+    const Crossed& own = edges[i];
+    while (end < edges.size() && edges[end].edge == own.edge) ++end;
+    const auto share = crossing(points_[std::size_t(own.a)].x, points_[std::size_t(own.b)].x);
+    if (!share) continue;
+    marks_.push_back({own.edge, std::clamp(*share, least, 1 - least)});
+    for (std::size_t k = i; k < end; ++k) ++edges[k].near->marks;
+  }
 }
 
 void Step::refuse_too_many() {
-  for (Index grain : near_) {
-    if (static_cast<Index>(grains_.of(grains_[grain].element).size()) < most_grains) continue;
+  for (const Near& near : near_) {
+    if (near.marks == 0 || static_cast<Index>(grains_.of(grains_[near.grain].element).size()) < most_grains)
+      continue;
     for (const auto& edge : edge_corners)
-      if (Mark* mark = mark_of(std::minmax(grains_[grain].points[edge[0]], grains_[grain].points[edge[1]]))) {
+      if (Mark* mark = mark_of(near, edge[0], edge[1])) {
         mark->counts = false;
         ++result_.refused;
       }
@@ -186,14 +254,17 @@ void Step::refuse_too_many() {
 // Of three marks on one face the last does not count: a surface crosses two sides of a triangle, or none.
 void Step::drop_third_marks() {
   if (marks_.size() < 3) return;
-  for (Index grain : near_)
+  for (const Near& near : near_) {
+    if (near.marks < 3) continue;
     for (const int* c : face_corners) {
-      const Eigen::Vector4i& p = grains_[grain].points;
-      std::array<Edge, 3> sides{std::minmax(p[c[0]], p[c[1]]), std::minmax(p[c[1]], p[c[2]]),
-                                std::minmax(p[c[2]], p[c[0]])};
-      if (std::all_of(sides.begin(), sides.end(), [&](const Edge& side) { return mark_of(side); }))
-        mark_of(*std::max_element(sides.begin(), sides.end()))->counts = false;
+      const std::array<Mark*, 3> sides{mark_of(near, c[0], c[1]), mark_of(near, c[1], c[2]),
+                                       mark_of(near, c[2], c[0])};
+      if (std::find(sides.begin(), sides.end(), nullptr) == sides.end())
+        (*std::max_element(sides.begin(), sides.end(),
+                           [](const Mark* a, const Mark* b) { return a->edge < b->edge; }))
+            ->counts = false;
     }
+  }
 }
 
 bool Step::is_near(Index grain, const Eigen::Vector3i& points) {
@@ -210,23 +281,18 @@ bool Step::is_near(Index grain, const Eigen::Vector3i& points) {
 // Closed faces on the stroke's sheet, each from one side.
 std::vector<Index> Step::faces_on() {
   std::vector<Index> faces, own;
+  const auto is_point_on = [&](Index p) { return grains_.is_on(p, blade_.stroke); };
   for (const auto& [t, placement] : placements_)
-    own.insert(own.end(), grains_.of(t).begin(), grains_.of(t).end());
+    for (Index grain : grains_.of(t)) {
+      const Eigen::Vector4i& p = grains_[grain].points;
+      if (std::count_if(p.begin(), p.end(), is_point_on) >= 3) own.push_back(grain);
+    }
   std::sort(own.begin(), own.end());
-  const auto has_placement = [&](Index element) {
-    const auto at = std::lower_bound(placements_.begin(), placements_.end(), element,
-                                     [](const auto& own, Index t) { return own.first < t; });
-    return at != placements_.end() && at->first == element;
-  };
   for (Index grain : own) {
     const Eigen::Vector4i& p = grains_[grain].points;
-    std::array<bool, 4> on;
-    int count = 0;
-    for (int k = 0; k < 4; ++k) count += on[std::size_t(k)] = grains_.is_on(p[k], blade_.stroke);
-    if (count < 3) continue;
     for (int f = 0; f < 4; ++f) {
       const int* c = face_corners[f];
-      if (!on[std::size_t(c[0])] || !on[std::size_t(c[1])] || !on[std::size_t(c[2])]) continue;
+      if (!std::all_of(c, c + 3, [&](int k) { return is_point_on(p[k]); })) continue;
       const Index other = grains_.neighbour(grain, f);
       if (other < 0 || (other < grain && has_placement(grains_[other].element))) continue;
       if (is_near(grain, {p[c[0]], p[c[1]], p[c[2]]})) faces.push_back(4 * grain + f);
@@ -245,10 +311,10 @@ Vec3d Step::middle_of(Index grain) {
 // sheet to the other, from middle to middle, comes through one of them.
 std::vector<Index> Step::faces_between_sides() {
   std::vector<Index> faces;
-  for (Index grain : near_)
+  for (const Near& near : near_)
     for (int f = 0; f < 4; ++f) {
-      const Index other = grains_.neighbour(grain, f);
-      if (other < 0 || (other < grain && std::binary_search(near_.begin(), near_.end(), other))) continue;
+      const Index grain = near.grain, other = grains_.neighbour(grain, f);
+      if (other < 0 || (other < grain && is_near_grain(other))) continue;
       const auto [first, second] = std::minmax(grain, other);
       if (crossing(middle_of(first), middle_of(second))) faces.push_back(4 * grain + f);
     }

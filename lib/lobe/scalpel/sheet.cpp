@@ -28,6 +28,7 @@ double share_at(const std::array<Vec3d, 3>& t, const Vec3d& p, const Vec3d& q) {
 }  // namespace
 
 Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  triangles_.reserve(2 * from.size());
   for (std::size_t i = 0; i + 1 < from.size(); ++i)
     for (const std::array<Vec3d, 3>& t : {std::array<Vec3d, 3>{from[i], from[i + 1], to[i + 1]},
                                           std::array<Vec3d, 3>{from[i], to[i + 1], to[i]}}) {
@@ -43,32 +44,46 @@ Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
     for (const Vec3d& p : *row) {
       low_ = std::min(low_, normal_.dot(p));
       high_ = std::max(high_, normal_.dot(p));
+      rounding_ = std::max(rounding_, 1e-12 * p.cwiseAbs().maxCoeff());
     }
   constexpr std::size_t per_part = 4;
+  parts_.reserve(triangles_.size() / per_part + 1);
   for (std::size_t begin = 0; begin < triangles_.size(); begin += per_part) {
     Part& part = parts_.emplace_back(Part{begin, std::min(begin + per_part, triangles_.size()), {}});
     for (std::size_t i = begin; i < part.end; ++i) part.box.extend(triangles_[i].box);
+  }
+  for (std::size_t begin = 0; begin < parts_.size(); begin += per_part) {
+    Part& group = groups_.emplace_back(Part{begin, std::min(begin + per_part, parts_.size()), {}});
+    for (std::size_t i = begin; i < group.end; ++i) group.box.extend(parts_[i].box);
   }
 }
 
 bool Sheet::may_reach(const Mat34<double>& x, double reach) const {
   const Eigen::RowVector4d along = normal_.transpose() * x;
   if (along.maxCoeff() < low_ - reach || along.minCoeff() > high_ + reach) return false;
-  const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
-  return std::any_of(parts_.begin(), parts_.end(), [&](const Part& part) {
-    return part.box.squaredExteriorDistance(box) <= reach * reach;
-  });
+  return visit_parts({x.rowwise().minCoeff(), x.rowwise().maxCoeff()}, reach * reach,
+                     [](const Part&) { return true; });
+}
+
+bool Sheet::may_reach(const Eigen::AlignedBox3d& box, double reach) const {
+  const double at = normal_.dot(box.center()), half = normal_.cwiseAbs().dot(box.sizes()) / 2;
+  return at + half >= low_ - reach && at - half <= high_ + reach &&
+         visit_parts(box, reach * reach, [](const Part&) { return true; });
 }
 
 double Sheet::distance(const Vec3d& p) const {
   double square = std::numeric_limits<double>::infinity();
-  for (const Part& part : parts_) {
-    if (part.box.squaredExteriorDistance(p) >= square) continue;
-    for (std::size_t i = part.begin; i < part.end; ++i) {
-      const Triangle& t = triangles_[i];
-      if (t.box.squaredExteriorDistance(p) >= square) continue;
-      const Vec3d nearest = nearest_on_triangle(p, t.corners[0], t.corners[1], t.corners[2]);
-      square = std::min(square, (p - nearest).squaredNorm());
+  for (const Part& group : groups_) {
+    if (group.box.squaredExteriorDistance(p) >= square) continue;
+    for (std::size_t at = group.begin; at < group.end; ++at) {
+      const Part& part = parts_[at];
+      if (part.box.squaredExteriorDistance(p) >= square) continue;
+      for (std::size_t i = part.begin; i < part.end; ++i) {
+        const Triangle& t = triangles_[i];
+        if (t.box.squaredExteriorDistance(p) >= square) continue;
+        const Vec3d nearest = nearest_on_triangle(p, t.corners[0], t.corners[1], t.corners[2]);
+        square = std::min(square, (p - nearest).squaredNorm());
+      }
     }
   }
   return std::sqrt(square);
@@ -78,8 +93,7 @@ std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
   Eigen::AlignedBox3d edge(p.cwiseMin(q), p.cwiseMax(q));
   std::optional<double> first;
   int count = 0;
-  for (const Part& part : parts_) {
-    if (!part.box.intersects(edge)) continue;
+  visit_parts(edge, 0, [&](const Part& part) {
     for (std::size_t i = part.begin; i < part.end; ++i) {
       const Triangle& t = triangles_[i];
       if (!t.box.intersects(edge) || !separates(t.corners, p, q) || !is_pierced(t.corners, p, q)) continue;
@@ -87,7 +101,8 @@ std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
       first = first ? std::min(*first, share) : share;
       ++count;
     }
-  }
+    return false;
+  });
   return count % 2 == 1 ? first : std::nullopt;
 }
 

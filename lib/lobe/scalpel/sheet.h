@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
@@ -20,6 +21,18 @@ class Sheet {
   // Whether a tetrahedron may be within a distance of the sheet [m]. It is not, if a plane separates them, or
   // if it is further from all boxes around parts of the sheet.
   bool may_reach(const Mat34<double>& x, double reach) const;
+  bool may_reach(const Eigen::AlignedBox3d& box, double reach) const;  // the same of a box
+  // Beyond which of two planes that the sheet lies between a point is: −1 or 1; 0: between them. An edge
+  // from one such point to another beyond the same plane is not crossed.
+  int side(const Vec3d& p) const {
+    const double at = normal_.dot(p);
+    return at < low_ - rounding_ ? -1 : at > high_ + rounding_ ? 1 : 0;
+  }
+  // How far a point is beyond these planes: no farther than from the sheet [m].
+  double beyond(const Vec3d& p) const {
+    const double at = normal_.dot(p);
+    return std::max(low_ - at, at - high_) - rounding_;
+  }
   // Where the sheet crosses the edge from p to q, as a share of it: where it pierces an odd number of
   // triangles, at the first. Nothing where both ends are on one side.
   std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
@@ -29,14 +42,24 @@ class Sheet {
     std::array<Vec3d, 3> corners;
     Eigen::AlignedBox3d box;
   };
-  struct Part {  // triangles in a row
+  struct Part {  // triangles in a row; or parts
     std::size_t begin, end;
     Eigen::AlignedBox3d box;
   };
+  template <class Visit>  // visit(part) of those whose box is as near as that, until it returns true
+  bool visit_parts(const Eigen::AlignedBox3d& box, double square, Visit&& visit) const {
+    for (const Part& own : groups_) {
+      if (own.box.squaredExteriorDistance(box) > square) continue;
+      for (std::size_t i = own.begin; i < own.end; ++i)
+        if (parts_[i].box.squaredExteriorDistance(box) <= square && visit(parts_[i])) return true;
+    }
+    return false;
+  }
   std::vector<Triangle> triangles_;
-  std::vector<Part> parts_;
+  std::vector<Part> parts_, groups_;  // of triangles, and of these
   Vec3d normal_ = Vec3d::Zero();  // the mean of the triangles'
   double low_ = 0, high_ = 0;     // along it [m]
+  double rounding_ = 0;           // above that of these [m]
   Eigen::AlignedBox3d box_;
 };
 

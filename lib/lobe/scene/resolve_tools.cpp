@@ -38,7 +38,9 @@ void resolve_contact(Resolution& resolution) {
     resolution.warn(contact.is_on() ? "/contact" : "/tools",
                     "contact is in development: docs/contact.md says what does not hold yet");
   const Options used = options_of(setup);
-  if (may_be_touched && !used.has(Option::corotated) && !used.has(Option::nodal_pressure))
+  // To touch or to cut a condensed region costs milliseconds; one that can be expanded is first.
+  const bool may_be_worked_on = may_be_touched || !setup.scalpels.empty();
+  if (may_be_worked_on && !used.has(Option::corotated) && !used.has(Option::nodal_pressure))
     setup.expandable = setup.expandable || used.has(Option::precomputed);
 }
 

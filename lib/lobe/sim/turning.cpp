@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
@@ -69,10 +71,19 @@ std::vector<Index> turning_tets(Model& model, const MeshEdit& edit) {
     if (turns(model, piece)) found.insert(found.end(), piece.begin(), piece.end());
     may_have_lost_anchors = may_have_lost_anchors || std::any_of(piece.begin(), piece.end(), is_held);
   }
-  if (may_have_lost_anchors && !edit.beside.empty()) {
-    const std::vector<Index> rest = rest_that_turns(model, edit.beside.front());
-    found.insert(found.end(), rest.begin(), rest.end());
-  }
+  const auto has_lost = [&](Index t) {  // a held vertex of which no tetrahedron is left
+    const Eigen::Vector4i corners = model.elements.topology.corners(t);
+    return std::any_of(corners.begin(), corners.end(), [&](Index v) {
+      return model.held.holds(v) && model.elements.topology.around(v).empty();
+    });
+  };
+  if (std::any_of(edit.removed.begin(), edit.removed.end(), has_lost)) may_have_lost_anchors = true;
+  if (may_have_lost_anchors)
+    for (Index beside : edit.beside) {
+      const std::vector<Index> rest = rest_that_turns(model, beside);
+      found.insert(found.end(), rest.begin(), rest.end());
+    }
+  sort_unique(found);
   std::erase_if(found, [&](Index t) { return model.elements.region_of[t] != RegionModel::tensor_mass; });
   return found;
 }

@@ -71,6 +71,7 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
   }
   limit_.measure_at_rest(body_);
   if (setup.mass_scaling > 0) scale_masses(setup.mass_scaling);
+  if (!setup.scalpels.empty()) prepare_blades();
 }
 
 template <class Real>

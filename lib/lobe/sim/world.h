@@ -120,6 +120,7 @@ class World {
   void perform(const Bring& command) {
     command.check(elements().topology.vertex_count(), options_of(setup_));
     tools_.bring(command);
+    if constexpr (std::is_same_v<Bring, BringScalpel>) prepare_blades();
   }
   void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
   void perform(const SwitchTool& command) { tools_.turn_on(command.tool, command.on); }
@@ -134,6 +135,7 @@ class World {
   void perform(const Superseded& command) { journal_.edits.push_back(command); }
 
   Blades& blades();
+  void prepare_blades();
   typename Blades::BodyNow body_now();
   void incise(const BladeMove& move, Report& report);
   void expand_ahead(const BladeMove& move);
@@ -208,6 +210,8 @@ class World {
   Pieces pieces_;
   Tools tools_;
   std::unique_ptr<Blades> blades_;              // none until a blade cuts
+  std::unique_ptr<Blades> prepared_;            // what they will be then, while the mesh is as it is now
+  Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;  // none: central differences
   double longest_move_;                         // a step that moves a vertex further is trouble [m]
   Touched touched_;

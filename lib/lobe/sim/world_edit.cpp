@@ -97,6 +97,7 @@ template <class Real>
 void World<Real>::follow(const MeshEdit& edit) {
   Elements& elements = body_.model.elements;
   Motion<Real>& motion = body_.motion;
+  prepared_.reset();
   const Index before = motion.u.count();
   const std::vector<double> shares_before = shares_of(elements, edit);
   elements.follow(edit);

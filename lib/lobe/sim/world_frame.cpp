@@ -285,9 +285,10 @@ void World<Real>::play_tools(double duration, Report& report) {
 // A condensed interior is where nobody has looked yet, and moves as it likes.
 template <class Real>
 void World<Real>::see_interior() {
-  if (!body_.regions.any_condensed()) return;
+  if (!body_.regions.any_condensed() || body_.regions.is_expanded() || seen_ == body_.model.revisions) return;
   tools_.state_was_given();
   state();
+  seen_ = body_.model.revisions;
 }
 
 template <class Real>

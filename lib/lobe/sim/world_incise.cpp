@@ -36,12 +36,19 @@ template <class Real>
 Blades& World<Real>::blades() {
   if (!blades_) {
     refuse_excluded(Option::scalpel, options_of(setup_), "scalpel");
-    blades_ = std::make_unique<Blades>(elements());
+    prepare_blades();
+    blades_ = std::move(prepared_);
     begin_floor();
     journal_.edits.push_back(Incise{});
     display_.rebuild(elements(), grains());
   }
   return *blades_;
+}
+
+// Grains of the whole body take longer to make than a frame lasts.
+template <class Real>
+void World<Real>::prepare_blades() {
+  if (!blades_ && !prepared_) prepared_ = std::make_unique<Blades>(elements());
 }
 
 // What blades leave is to take steps that are not much shorter than those of the body that was whole.
@@ -116,7 +123,7 @@ void World<Real>::expand_ahead(const BladeMove& move) {
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * blades_->grains.mean_edge());
-  const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}});
+  const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}, {}});
   if (std::any_of(near.begin(), near.end(), [&](Index t) { return body_.regions.is_condensed(t); }))
     perform(Expand{});
 }
@@ -142,8 +149,7 @@ MeshEdit World<Real>::divide(const std::vector<Index>& opened) {
     follow_with_surface({});
     return {};
   }
-  catch_up();
-  state();
+  state();  // velocities stay behind: the next step's forces are those of the body as it is cut
   Topology& topology = body_.model.elements.topology;
   MeshEdit edit = topology.divide(blades_->grains.divide(topology, opened));
   if (edit.empty())

@@ -31,7 +31,7 @@ void Inertia<Real>::raise_to_floor(const Model& model, const std::vector<Index>&
   if (model.elements.shares.empty()) return;
   added_.resize(mass_.size(), 0);
   for (Index v : vertices) {
-    const double raised = std::max(mass_[v], floor_.at(model.elements, v));
+    const double raised = std::max(mass_[v], floor_.at(model.elements, v, &tet_squares_));
     sum_of_floor_ += raised - mass_[v] - added_[v];
     added_[v] = raised - mass_[v];
     mass_[v] = raised;

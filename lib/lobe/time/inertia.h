@@ -91,7 +91,8 @@ class Inertia {
   std::vector<double> mass_, inverse_mass_, factor_;  // [kg], [1/kg], of mass scaling or empty
   MassScaling scaling_;
   MassFloor floor_;
-  std::vector<double> added_;  // by the floor [kg], or empty
+  std::vector<double> added_;        // by the floor [kg], or empty
+  std::vector<double> tet_squares_;  // for the floor [1/s²], of tetrahedra of the start; 0: not found yet
   double sum_of_floor_ = 0;
 
   std::vector<MovingVertex<Real>> moving_;

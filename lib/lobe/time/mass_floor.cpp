@@ -30,14 +30,21 @@ double tet_square(const Elements& elements, Index tet) {
   return 4 / e.density * largest_stiffness(e, elements.shape_of(tet).gradients);
 }
 
-double MassFloor::at(const Elements& elements, Index vertex) const {
+double MassFloor::at(const Elements& elements, Index vertex, std::vector<double>* squares) const {
   if (square == 0 || elements.shares.empty()) return 0;
   const auto tets = elements.topology.around(vertex);
   if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return elements.share_of(t) < 1; })) return 0;
+  if (squares && squares->empty())
+    squares->resize(std::size_t(elements.topology.tet_count() - elements.topology.tet_copy_count()), 0);
+  const auto square_of = [&](Index t) {
+    if (!squares) return tet_square(elements, t);
+    double& known = (*squares)[std::size_t(elements.topology.parent(t))];
+    return known > 0 ? known : known = tet_square(elements, t);
+  };
   double sum = 0;
   for (Index t : tets)
     if (counts_precomputed || elements.region_of[t] != RegionModel::precomputed)
-      sum += elements.elastic_of(t).density * elements.corner_volumes[t] * tet_square(elements, t);
+      sum += elements.elastic_of(t).density * elements.corner_volumes[t] * square_of(t);
   return sum / square;
 }
 

@@ -18,8 +18,9 @@ struct MassFloor {
   bool counts_precomputed =
       true;  // tetrahedra of condensed regions take no steps, unless these can be expanded
 
-  // The least mass of a vertex [kg]: 0 where no copy of a tetrahedron is near.
-  double at(const Elements& elements, Index vertex) const;
+  // The least mass of a vertex [kg]: 0 where no copy of a tetrahedron is near. `squares`, if given,
+  // remembers what was found of each tetrahedron of the start, 0 where it has not been.
+  double at(const Elements& elements, Index vertex, std::vector<double>* squares = nullptr) const;
 };
 
 // ω_T² of a linear tetrahedron at rest [1/s²]: exact where it is isotropic, a bound with fibres.

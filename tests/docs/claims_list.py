@@ -231,10 +231,20 @@ CLAIMS = [
                 f"({high(rows('gestures', regions='precomputed-corrected', tets=2925), 'watching') * 100:.0f} % at 2,925)"),
     (B, lambda: f"masses {span(rows('gestures', regions='selective-mass-corrected', tets=[10299, 12022]), 'watching', 1, 100)} % "
                 f"at 10,299 and 12,022, {watching('selective-mass-corrected', 50247)} % at 50,247"),
+    (B, lambda: f"| geometry per cut tetrahedron, liver; cube [µs] | 5 | **{scalpel('geometry_us', 'liver_10k', digits=0)}; "
+                f"{scalpel('geometry_us', 'cube_48k', digits=0)}** |"),
+    (B, lambda: f"| all, non-linear, in batches of 8; 47 [µs, wall] | 12 | **{scalpel('all_us', 'liver_10k', digits=0)}; "
+                f"{scalpel('all_us', 'cube_48k', digits=0)}** |"),
+    (B, lambda: f"| all, tensor-mass [µs, wall] | 15 | **{scalpel('all_us', 'liver_10k', 'tensor-mass', 0)}; "
+                f"{scalpel('all_us', 'cube_48k', 'tensor-mass', 0)}** |"),
+    (B, lambda: f"| frame of a 40 mm blade, liver; cube [ms, wall] | 0.3 | **{scalpel('frame_ms', 'liver_10k')}; "
+                f"{scalpel('frame_ms', 'cube_48k')}** |"),
+    (B, lambda: f"| bytes of grains per cut tetrahedron, liver; cube | 400 | **{scalpel('bytes', 'liver_10k', digits=0)}; "
+                f"{scalpel('bytes', 'cube_48k', digits=0)}** |"),
     (B, lambda: f"| step after a full cut, non-linear, liver; cube | 1.10 | {scalpel('step_ratio', 'liver_10k')}; "
-                f"{scalpel('step_ratio', 'cube_48k')} |"),
-    (B, lambda: f"| the same, tensor-mass | 1.10 | {scalpel('step_ratio', 'liver_10k', 'tensor-mass')}; "
-                f"{scalpel('step_ratio', 'cube_48k', 'tensor-mass')} |"),
+                f"**{scalpel('step_ratio', 'cube_48k')}** |"),
+    (B, lambda: f"| the same, tensor-mass | 1.10 | **{scalpel('step_ratio', 'liver_10k', 'tensor-mass')}; "
+                f"{scalpel('step_ratio', 'cube_48k', 'tensor-mass')}** |"),
     (B, lambda: f"worst; median | 0.7; 0.95 | {cuts_left('worst_limit', 0.75, 3)}; {cuts_left('median_limit', 0.75, 2)} | "
                 f"without the floor {cuts_left('worst_limit', 0, 2)}; {cuts_left('median_limit', 0, 2)} |"),
     (B, lambda: f"`page.csv` has {page('p50_ms')[0]} and {page('p95_ms')[0]} ms, and {page('p50_ms')[1]} and "

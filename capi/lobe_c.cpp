@@ -380,22 +380,31 @@ void lobe_surface_release(lobe_session* session, lobe_surface* surface) {
   });
 }
 
-lobe_status lobe_save_scene(lobe_session* session, const char* file) {
+namespace {
+
+// What is done with a file between two frames.
+lobe_status with_file(lobe_session* session, const char* file,
+                      void (lobe_session::*work)(const std::string&)) {
   return guarded([&] {
     require(session, "session");
     require(file, "file");
     const std::lock_guard lock(session->driving);
-    session->save_scene(file);
+    (session->*work)(file);
     return LOBE_OK;
   });
 }
 
+}  // namespace
+
+lobe_status lobe_save_scene(lobe_session* session, const char* file) {
+  return with_file(session, file, &lobe_session::save_scene);
+}
 lobe_status lobe_save_recording(lobe_session* session, const char* file) {
-  return guarded([&] {
-    require(session, "session");
-    require(file, "file");
-    const std::lock_guard lock(session->driving);
-    session->save_recording(file);
-    return LOBE_OK;
-  });
+  return with_file(session, file, &lobe_session::save_recording);
+}
+lobe_status lobe_save(lobe_session* session, const char* file) {
+  return with_file(session, file, &lobe_session::save);
+}
+lobe_status lobe_restore(lobe_session* session, const char* file) {
+  return with_file(session, file, &lobe_session::restore);
 }

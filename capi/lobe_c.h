@@ -92,7 +92,7 @@ LOBE_API lobe_status lobe_grasp(lobe_session* session, uint32_t tool, const doub
 LOBE_API lobe_status lobe_grasp_ray(lobe_session* session, uint32_t tool, const double origin[3],
                                     const double direction[3], double radius);
 LOBE_API lobe_status lobe_cautery(lobe_session* session, uint32_t tool, const double tip[3],
-                                  double radius);                               /* off */
+                                  double radius); /* off */
 /* Its edge leads from tip to heel. lobe_move places the tip and turns the edge by the quaternion. It does not
  * cut until it is switched on. */
 LOBE_API lobe_status lobe_scalpel(lobe_session* session, uint32_t tool, const double tip[3],
@@ -162,6 +162,12 @@ LOBE_API void lobe_surface_release(lobe_session* session, lobe_surface* surface)
 LOBE_API lobe_status lobe_save_scene(lobe_session* session,
                                      const char* file); /* what the tools did, for `lobe run` */
 LOBE_API lobe_status lobe_save_recording(lobe_session* session, const char* file); /* for `lobe replay` */
+/* The present state and what led to it, for lobe_restore(): some 1.5 MB per minute of a hand that moves. */
+LOBE_API lobe_status lobe_save(lobe_session* session, const char* file);
+/* Goes on from a state that a session of the same scene, mesh and precision has saved, bit for bit. Tools let
+ * go, as by lobe_back(). LOBE_BAD_INPUT for any other file, and for one that is damaged: nothing has changed
+ * then. */
+LOBE_API lobe_status lobe_restore(lobe_session* session, const char* file);
 
 #ifdef __cplusplus
 }

@@ -76,6 +76,12 @@ class SessionOf : public lobe_session {
   void save_recording(const std::string& file) override {
     between([&] { write_recording(file, session_.recording()); });
   }
+  void save(const std::string& file) override {
+    between([&] { session_.save(file); });
+  }
+  void restore(const std::string& file) override {
+    between([&] { session_.restore(file); });
+  }
 
  private:
   void between(const std::function<void()>& work) {

@@ -41,6 +41,8 @@ struct lobe_session {
   virtual std::shared_ptr<void> lead_by(lobe::c::HapticTool& tool) = 0;  // until it is destroyed
   virtual void save_scene(const std::string& file) = 0;
   virtual void save_recording(const std::string& file) = 0;
+  virtual void save(const std::string& file) = 0;
+  virtual void restore(const std::string& file) = 0;
 
   struct Buffers {
     std::vector<float> position, normal;

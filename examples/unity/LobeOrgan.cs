@@ -9,6 +9,7 @@ public sealed class LobeOrgan : MonoBehaviour {
   public string scene = "data/scenes/liver_hands.json";
   public Transform hand;            // leads tool 1
   public float radius = 0.015f;     // [m] of what it takes hold of
+  public string saved = "organ.lobe";  // F5 keeps the organ as it is in this file, F9 goes back to it
 
   [StructLayout(LayoutKind.Sequential)] struct Options {
     public uint size, threads;
@@ -32,6 +33,8 @@ public sealed class LobeOrgan : MonoBehaviour {
   [DllImport(Library)] static extern int lobe_release(IntPtr session, uint tool);
   [DllImport(Library)] static extern int lobe_surface_acquire(IntPtr session, ref Surface surface);
   [DllImport(Library)] static extern void lobe_surface_release(IntPtr session, ref Surface surface);
+  [DllImport(Library)] static extern int lobe_save(IntPtr session, string file);
+  [DllImport(Library)] static extern int lobe_restore(IntPtr session, string file);
   [DllImport(Library)] static extern IntPtr lobe_last_error();
 
   IntPtr session;
@@ -40,12 +43,15 @@ public sealed class LobeOrgan : MonoBehaviour {
   float[] positions = new float[0], normals = new float[0];
   int[] indices = new int[0];
 
+  static void Check(int status) {
+    if (status != 0) throw new Exception(Marshal.PtrToStringUTF8(lobe_last_error()));
+  }
+
   void Start() {
     // Unity: left-handed, y up.
     var options = new Options { size = (uint)Marshal.SizeOf<Options>(),
                                 axes = new double[] { 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0 } };
-    if (lobe_open(scene, ref options, out session) != 0)
-      throw new Exception(Marshal.PtrToStringUTF8(lobe_last_error()));
+    Check(lobe_open(scene, ref options, out session));
     mesh = new Mesh { indexFormat = IndexFormat.UInt32 };
     mesh.MarkDynamic();
     GetComponent<MeshFilter>().mesh = mesh;
@@ -63,6 +69,8 @@ public sealed class LobeOrgan : MonoBehaviour {
     if (Input.GetMouseButtonDown(0)) lobe_grasp(session, 1, new[] { pose[0], pose[1], pose[2] }, radius);
     if (Input.GetMouseButton(0)) lobe_move(session, 1, pose);
     if (Input.GetMouseButtonUp(0)) lobe_release(session, 1);
+    if (Input.GetKeyDown(KeyCode.F5)) Check(lobe_save(session, saved));
+    if (Input.GetKeyDown(KeyCode.F9)) Check(lobe_restore(session, saved));
 
     var surface = new Surface { size = (uint)Marshal.SizeOf<Surface>() };
     if (lobe_surface_acquire(session, ref surface) != 0) return;

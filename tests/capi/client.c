@@ -120,6 +120,80 @@ static void lift_and_burn(const char* data, const char* folder) {
   lobe_close(session);
 }
 
+static int by_bytes(const void* a, const void* b) { return memcmp(a, b, 3 * sizeof(float)); }
+
+/* Positions of the surface's vertices in an order that is always the same: 3 per vertex, to be freed. */
+static float* positions(lobe_session* session, uint32_t* count) {
+  lobe_surface surface = {.size = sizeof surface};
+  CHECK(lobe_surface_acquire(session, &surface) == LOBE_OK);
+  *count = 3 * surface.vertices;
+  float* copy = malloc(*count * sizeof *copy);
+  if (copy) {
+    memcpy(copy, surface.position, *count * sizeof *copy);
+    qsort(copy, surface.vertices, 3 * sizeof *copy, by_bytes);
+  }
+  lobe_surface_release(session, &surface);
+  return copy;
+}
+
+/* To the last bit. The numbers of vertices may differ: they depend on the order of cuts. */
+static int same_surface(lobe_session* one, lobe_session* other) {
+  uint32_t m = 0, n = 0;
+  float *a = positions(one, &m), *b = positions(other, &n);
+  const int same = a && b && m == n && memcmp(a, b, m * sizeof *a) == 0;
+  free(a);
+  free(b);
+  return same;
+}
+
+static void pull(lobe_session* session, double up, uint32_t frames) {
+  const double point[3] = {0.082, -0.045, 0.035};
+  CHECK(lobe_grasp(session, 1, point, 0.02) == LOBE_OK && lobe_advance(session, 2) == LOBE_OK);
+  const double pose[7] = {point[0], point[1], point[2] + up, 0, 0, 0, 1};
+  CHECK(lobe_move(session, 1, pose) == LOBE_OK && lobe_advance(session, frames) == LOBE_OK);
+}
+
+/* Another session goes on from the saved state, after a cut, to the same bits. */
+static void save_and_restore(const char* data, const char* folder) {
+  char file[4096];
+  snprintf(file, sizeof file, "%s/saved.lobe", folder);
+  lobe_session *first = NULL, *second = NULL;
+  CHECK(lobe_open_text(scene, data, NULL, &first) == LOBE_OK &&
+        lobe_open_text(scene, data, NULL, &second) == LOBE_OK);
+  if (!first || !second) return;
+  const double tip[3] = {0.03, -0.06, 0.03};
+  CHECK(lobe_cautery(first, 8, tip, 0.02) == LOBE_OK && lobe_switch(first, 8, 1) == LOBE_OK);
+  pull(first, 0.01, 30);
+  lobe_state state = {.size = sizeof state}, restored = {.size = sizeof restored};
+  CHECK(lobe_get_state(first, &state) == LOBE_OK && state.tetrahedra < 2103);
+  CHECK(lobe_save(first, file) == LOBE_OK);
+  pull(second, -0.01, 7);
+  CHECK(!same_surface(first, second));
+  CHECK(lobe_restore(second, file) == LOBE_OK);
+  CHECK(lobe_get_state(second, &restored) == LOBE_OK);
+  CHECK(restored.time == state.time && restored.tetrahedra == state.tetrahedra);
+  CHECK(same_surface(first, second)); /* at once, before any frame */
+  lobe_tool hand = {.size = sizeof hand};
+  CHECK(lobe_get_tool(second, 1, &hand) == LOBE_NOT_YET); /* it has let go */
+  CHECK(lobe_advance(first, 9) == LOBE_OK && lobe_restore(first, file) == LOBE_OK);
+  pull(first, 0.02, 20);
+  pull(second, 0.02, 20);
+  CHECK(same_surface(first, second));
+
+  /* What cannot be restored changes nothing. */
+  char other[4096];
+  snprintf(other, sizeof other, "%s/other.rec", folder);
+  CHECK(lobe_save_recording(first, other) == LOBE_OK && lobe_restore(first, other) == LOBE_BAD_INPUT);
+  CHECK(lobe_restore(first, "no such state") == LOBE_BAD_INPUT && strstr(lobe_last_error(), "no such state"));
+  CHECK(lobe_restore(first, NULL) == LOBE_BAD_INPUT && lobe_restore(NULL, file) == LOBE_BAD_INPUT);
+  CHECK(lobe_save(first, NULL) == LOBE_BAD_INPUT && lobe_save(NULL, file) == LOBE_BAD_INPUT);
+  CHECK(lobe_save(first, "/nowhere/at/all") == LOBE_BAD_INPUT);
+  CHECK(same_surface(first, second));
+  CHECK(lobe_start(second) == LOBE_OK && lobe_restore(second, file) == LOBE_OK && lobe_stop(second) == LOBE_OK);
+  lobe_close(first);
+  lobe_close(second);
+}
+
 /* In left-handed axes with y up, in centimetres, the same body has the same volume and the hand the same
  * force. */
 static void other_axes(const char* data) {
@@ -280,6 +354,7 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   layout();
   lift_and_burn(argv[1], argv[2]);
+  save_and_restore(argv[1], argv[2]);
   other_axes(argv[1]);
   servo(argv[1]);
   own_thread(argv[1]);

@@ -207,6 +207,15 @@ void Session<Real>::go_back(const HandCommand& command) {
 }
 
 template <class Real>
+void Session<Real>::restore(const std::filesystem::path& file) {
+  timeline_.restore(read_session<Real>(file));
+  hands_.forget();
+  stands_still_ = false;
+  say("restored", "the state at " + rounded(world_.time()) + " s of " + file.filename().string());
+  publish({});
+}
+
+template <class Real>
 void Session<Real>::edit(const HandCommand& command) {
   if (!command.body_edit) throw InputError("edit", "has no command for the body");
   const bool is_edit = std::visit(

@@ -109,6 +109,12 @@ class Session {
   const World<Real>& world() const { return world_; }
   const Recording& recording() const { return timeline_.recording(); }
   double frame() const { return frame_; }  // [s]
+  // Writes the present state, and the recording that led to it, into a file.
+  void save(const std::filesystem::path& file) const { write_session(file, timeline_.save()); }
+  // Goes on from a saved state of the same scene, and from its recording, as if it had just come there. All
+  // hands let go. Throws InputError for a file that is damaged, or of another scene, precision or version;
+  // nothing has changed then.
+  void restore(const std::filesystem::path& file);
   // A guest takes part in all frames between let_in() and let_out(), and must live so long.
   void let_in(SessionGuest<Real>& guest) { guests_.push_back(&guest); }
   void let_out(SessionGuest<Real>& guest) { std::erase(guests_, &guest); }

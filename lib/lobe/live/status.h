@@ -19,7 +19,7 @@ namespace lobe {
 //                    nothing was done
 //   haptic_gone, haptic_pose  a haptic device does not answer, or not with a pose (haptic/): its force fades
 //   stands_still     no step is stable: the simulation pauses; go back, or restart
-//   went_back        as asked
+//   went_back, restored  as asked
 struct SessionMessage {
   std::uint64_t number = 0;  // counted from 1
   double time = 0;           // simulated, the first time [s]

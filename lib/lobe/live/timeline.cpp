@@ -1,6 +1,19 @@
 #include "lobe/live/timeline.h"
 
+#include <utility>
+
+#include "lobe/io/sealed_file.h"
+#include "lobe/sim/kept.h"
+
 namespace lobe {
+namespace {
+
+template <class Real>
+constexpr io::Format format{
+    std::is_same_v<Real, float> ? "lobesesf" : "lobesesd", 1,
+    std::is_same_v<Real, float> ? "saved session in single precision" : "saved session in double precision"};
+
+}  // namespace
 
 template <class Real>
 Timeline<Real>::Timeline(World<Real>& world, double apart, std::size_t most_bytes)
@@ -33,11 +46,43 @@ void Timeline<Real>::restart() {
 }
 
 template <class Real>
+void Timeline<Real>::restore(SavedSession<Real> saved) {
+  recorded_.go_on(saved.state, std::move(saved.recording));
+  kept_.clear();
+  kept_.keep(world_, recording().commands.size());
+  let_go_of_all();
+}
+
+template <class Real>
 void Timeline<Real>::let_go_of_all() {
   for (ToolId tool : world_.tools().held_by_hands()) apply(LetGo{tool});
 }
 
-template class Timeline<float>;
-template class Timeline<double>;
+// ---- Files
+
+template <class Real>
+void write_session(const std::filesystem::path& file, const SavedSession<Real>& saved) {
+  io::ByteWriter out;
+  io::put(out, saved);
+  io::write_sealed(file, format<Real>, out.bytes());
+}
+
+template <class Real>
+SavedSession<Real> read_session(const std::filesystem::path& file) {
+  const std::string contents = io::read_sealed(file, format<Real>);
+  io::ByteReader in(file.string(), contents);
+  SavedSession<Real> saved;
+  io::get(in, saved);
+  in.expect_end();
+  return saved;
+}
+
+#define LOBE_INSTANTIATE(Real)                                                          \
+  template class Timeline<Real>;                                                        \
+  template void write_session(const std::filesystem::path&, const SavedSession<Real>&); \
+  template SavedSession<Real> read_session(const std::filesystem::path&);
+LOBE_INSTANTIATE(float)
+LOBE_INSTANTIATE(double)
+#undef LOBE_INSTANTIATE
 
 }  // namespace lobe

@@ -6,6 +6,20 @@
 
 namespace lobe {
 
+// What a session goes on from: a state, and the recording that led to it.
+template <class Real>
+struct SavedSession {
+  Checkpoint<Real> state;
+  Recording recording;
+  static constexpr auto fields = std::tuple(&SavedSession::state, &SavedSession::recording);
+};
+
+// Reading throws InputError for a file that is damaged, cut off, of another version or precision.
+template <class Real>
+void write_session(const std::filesystem::path& file, const SavedSession<Real>& saved);
+template <class Real>
+SavedSession<Real> read_session(const std::filesystem::path& file);
+
 template <class Real>
 class Timeline {
  public:
@@ -19,6 +33,9 @@ class Timeline {
   // go, and other tools of hands are taken away.
   void go_back(double seconds);
   void restart();
+  SavedSession<Real> save() const { return {world_.save(), recording()}; }
+  // Goes on from there, as go_back() does. InputError if it is of another setup; nothing has changed then.
+  void restore(SavedSession<Real> saved);
 
   double can_go_back() const { return world_.time() - first_.state.time; }  // [s]
   std::size_t bytes() const { return kept_.bytes(); }  // of the states in memory, but the first

@@ -29,16 +29,28 @@ std::uint64_t mixed(std::span<const Real> values, std::uint64_t start) {
   constexpr std::size_t lanes = 4, bytes_at_once = lanes * sizeof(std::uint64_t);
   std::array<std::uint64_t, lanes> digests{start, start + 1, start + 2, start + 3}, words{};
   const auto* bytes = reinterpret_cast<const char*>(values.data());
-  for (std::size_t left = values.size_bytes(); left > 0;) {
-    const std::size_t taken = std::min(left, bytes_at_once);
-    if (taken < bytes_at_once) words = {};
-    std::memcpy(words.data(), bytes, taken);
+  const auto mix_words = [&] {
     for (std::size_t lane = 0; lane < lanes; ++lane) mix(words[lane], digests[lane]);
-    bytes += taken;
-    left -= taken;
+  };
+  std::size_t left = values.size_bytes();
+  for (; left >= bytes_at_once; left -= bytes_at_once, bytes += bytes_at_once) {
+    std::memcpy(words.data(), bytes, bytes_at_once);
+    mix_words();
+  }
+  if (left > 0) {
+    words = {};
+    std::memcpy(words.data(), bytes, left);
+    mix_words();
   }
   for (std::size_t lane = 1; lane < lanes; ++lane) mix(digests[lane], digests[0]);
   return digests[0];
+}
+
+template <class Real>
+std::uint64_t digest_of(const Eigen::Ref<const Mat3X<Real>>& u, const Eigen::Ref<const Mat3X<Real>>& v,
+                        double time) {
+  const auto values = [](const auto& matrix) { return std::span(matrix.data(), std::size_t(matrix.size())); };
+  return mixed(std::span<const double>(&time, 1), mixed(values(v), mixed(values(u), io::digest({}))));
 }
 
 // The states that a recording goes back to, kept while it is played.
@@ -77,9 +89,7 @@ std::vector<std::size_t> entries_to_the_end(const Recording& recording) {
 template <class Real>
 std::uint64_t digest(World<Real>& world) {
   const StateView<Real> state = world.state();
-  const auto values = [](const auto& matrix) { return std::span(matrix.data(), std::size_t(matrix.size())); };
-  const std::uint64_t u = mixed(values(state.u), io::digest({})), v = mixed(values(state.v), u);
-  return mixed(std::span(&state.time, 1), v);
+  return digest_of<Real>(state.u, state.v, state.time);
 }
 
 template <class Real>
@@ -106,6 +116,17 @@ template <class Real>
 void Recorded<Real>::go_back(const Checkpoint<Real>& checkpoint, std::size_t entries) {
   world_.restore(checkpoint);
   recording_.commands.push_back({GoBack{entries}, digest(world_)});
+}
+
+template <class Real>
+void Recorded<Real>::go_on(const Checkpoint<Real>& checkpoint, Recording recording) {
+  const State<Real>& state = checkpoint.state;
+  const bool is_its_end = recording.commands.empty() ||
+                          digest_of<Real>(state.u, state.v, state.time) == recording.commands.back().digest;
+  if (recording.setup != checkpoint.setup || recording.in_double != recording_.in_double || !is_its_end)
+    throw InputError("recording", "does not lead to the state that was saved with it");
+  world_.restore(checkpoint);
+  recording_ = std::move(recording);
 }
 
 template <class Real>

@@ -49,6 +49,9 @@ class Recorded {
   Report advance(double duration);
   // Goes back to a checkpoint of this world that was made when the recording had `entries` entries.
   void go_back(const Checkpoint<Real>& checkpoint, std::size_t entries);
+  // Goes on from the state at the end of another recording of the same setup, and from that recording. Throws
+  // InputError if the two do not belong together; nothing has changed then.
+  void go_on(const Checkpoint<Real>& checkpoint, Recording recording);
   const Recording& recording() const { return recording_; }
 
  private:

@@ -1,6 +1,6 @@
 # The binary interface of lobe_c.h is the committed one: -DHEADER=… -DCOMPILER=… -DABIDIFF=… -DABIDW=…
-# -DEXPECTED=… -DFOLDER=…. The header's functions, with empty bodies, are compiled with debug information; abidiff
-# compares their types with the description in EXPECTED. With -DRENEW=ON that is written anew.
+# -DEXPECTED=… -DFOLDER=…. The header's functions, with empty bodies, are compiled with debug information;
+# abidiff compares their types with the description in EXPECTED. With -DRENEW=ON that is written anew.
 if(NOT ABIDIFF OR NOT ABIDW)
   message("skipped: needs abidiff and abidw of the package abigail-tools; ./dev test installs it")
   return()

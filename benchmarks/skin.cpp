@@ -10,6 +10,7 @@
 #include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/refine.h"
+#include "lobe/sim/world.h"
 #include "lobe/skin/skin.h"
 
 namespace lobe::bench {
@@ -25,6 +26,7 @@ struct SkinRow {
          update_double_ns = 0;  // positions and normals, per vertex; of displacements in double precision
   double copy_ns = 0;           // reference: positions and normals copied, per vertex
   double follow_us = 0;         // per cut
+  double blade_us = 0;          // per tetrahedron that a blade has parted
 };
 
 // A linear field is carried exactly: displacements of it must come out as it.
@@ -54,6 +56,41 @@ void time_frame(Skin& skin, const TetMesh& mesh, SkinRow& row) {
   row.copy_ns = per_vertex * median(samples[2]);
 }
 
+// A blade goes through the body, across its longest side, in 60 frames. Per copy of a tetrahedron [µs].
+double time_blade(const TexturedSurface& surface, const TetMesh& mesh) {
+  constexpr double moment = 1e-4;
+  constexpr int frames = 60;
+  Setup setup;
+  setup.mesh = mesh;
+  setup.materials = {{4e4, 1e4, 1000}};
+  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
+  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  const Vec3d low = mesh.points.rowwise().minCoeff(), high = mesh.points.rowwise().maxCoeff();
+  Eigen::Index longest = 0;
+  (high - low).maxCoeff(&longest);
+  const Eigen::Index down = (longest + 1) % 3, along = (longest + 2) % 3;
+  const double reach = 0.6 * (high - low).norm();
+  Vec3d from = (low + high) / 2, to = from, edge = Vec3d::Zero();
+  from[down] -= reach;
+  to[down] += reach;
+  edge[along] = reach;
+  setup.scalpels = {{"blade",
+                     0.1,
+                     {{moment / 2, from - edge}, {moment / 2 + frames * moment, to - edge}},
+                     {from + edge, to + edge}}};
+  World<float> world(setup);
+  Skin skin(surface, mesh);
+  double seconds = 0;
+  world.on_cut([&](const Topology& topology, const MeshEdit& edit) {
+    const Stopwatch following(true);
+    skin.follow(topology, edit, world.grains());
+    seconds += following.seconds();
+  });
+  for (int i = 0; i <= frames; ++i) world.advance(moment);
+  if (!skin.is_divided()) throw WrongResult("a blade has not divided the skin");
+  return 1e6 * seconds / world.elements().topology.tet_copy_count();
+}
+
 SkinRow measure(const std::string& name, const TetMesh& mesh, int finer, int cuts) {
   SkinRow row{name, mesh.tet_count()};
   TetMesh fine = mesh;
@@ -79,22 +116,24 @@ SkinRow measure(const std::string& name, const TetMesh& mesh, int finer, int cut
     skin.follow(topology, edit);
     row.follow_us += 1e6 * following.seconds() / cuts;
   }
+  row.blade_us = time_blade(surface, mesh);
   return row;
 }
 
 void print(const SkinRow& r) {
-  std::printf("%-20s %8d %9d %9d %9.0f %9.2f %9.2f %8.2f %9.1f\n", r.mesh.c_str(), r.tets, r.vertices,
-              r.triangles, r.build_ms, r.update_ns, r.update_double_ns, r.copy_ns, r.follow_us);
+  std::printf("%-20s %8d %9d %9d %9.0f %9.2f %9.2f %8.2f %9.1f %9.1f\n", r.mesh.c_str(), r.tets, r.vertices,
+              r.triangles, r.build_ms, r.update_ns, r.update_double_ns, r.copy_ns, r.follow_us, r.blade_us);
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<SkinRow>& rows) {
   std::ostringstream out;
-  out << "mesh,tets,vertices,triangles,build_ms,update_ns,update_double_ns,copy_ns,follow_us\n"
+  out << "mesh,tets,vertices,triangles,build_ms,update_ns,update_double_ns,copy_ns,follow_us,blade_us\n"
       << std::setprecision(4);
   for (const SkinRow& r : rows)
     out << r.mesh << ',' << r.tets << ',' << r.vertices << ',' << r.triangles << ',' << r.build_ms << ','
-        << r.update_ns << ',' << r.update_double_ns << ',' << r.copy_ns << ',' << r.follow_us << '\n';
+        << r.update_ns << ',' << r.update_double_ns << ',' << r.copy_ns << ',' << r.follow_us << ','
+        << r.blade_us << '\n';
   return out.str();
 }
 
@@ -102,8 +141,8 @@ std::string csv(const std::vector<SkinRow>& rows) {
 
 void bench_skin(const Options& options) {
   begin_results(options.output, "skin");
-  std::printf("\n%-20s %8s %9s %9s %9s %9s %9s %8s %9s\n", "mesh", "tets", "vertices", "triangles",
-              "build ms", "update ns", "double ns", "copy ns", "follow us");
+  std::printf("\n%-20s %8s %9s %9s %9s %9s %9s %8s %9s %9s\n", "mesh", "tets", "vertices", "triangles",
+              "build ms", "update ns", "double ns", "copy ns", "follow us", "blade us");
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
   std::vector<SkinRow> rows;
   const int cuts = options.quick ? 10 : 50;

@@ -13,13 +13,20 @@ SkinFeed<Real>::SkinFeed(const std::filesystem::path& file, const TetMesh& mesh,
   skin_.update(mesh.points, none, rest_, normals_);
   show();
   world.on_cut([this, &world](const Topology& topology, const MeshEdit& edit) {
-    if (!follow_restored(world)) skin_.follow(topology, edit);
+    if (!follow_restored(world)) skin_.follow(topology, edit, world.grains());
   });
 }
 
 template <class Real>
 void SkinFeed<Real>::show() {
   const std::uint64_t revision = shown_ ? shown_->revision + 1 : 0;
+  const std::vector<SkinMesh::Between>& between = skin_.mesh().between;  // vertices that blades have made
+  const auto made = static_cast<Eigen::Index>(between.size()), first = skin_.mesh().vertex_count() - made;
+  rest_.conservativeResize(3, first + made);
+  for (Eigen::Index i = 0; i < made; ++i) {
+    const SkinMesh::Between& own = between[std::size_t(i)];
+    rest_.col(first + i) = (1 - own.share) * rest_.col(own.a) + own.share * rest_.col(own.b);
+  }
   shown_ = std::make_shared<const ShownSkin>(ShownSkin{revision, skin_.mesh().triangles, rest_});
   skin_revision_ = skin_.mesh().revision;
 }
@@ -30,7 +37,7 @@ bool SkinFeed<Real>::follow_restored(const World<Real>& world) {
   const std::uint64_t restored = world.body().model.revisions.restored;
   if (std::exchange(restored_, restored) == restored) return false;
   skin_ = whole_;
-  skin_.follow_all(world.elements().topology);
+  skin_.follow_all(world.elements().topology, world.grains());
   skin_revision_ = never;
   return true;
 }

@@ -292,7 +292,7 @@ TEST_CASE(
     for (int c = 0; c < 3; ++c) {
       const Index vertex = skin.mesh().triangles[t][c];
       CHECK(skin.mesh().file_vertex[vertex] == surface.triangles(c, t));
-      CHECK(skin.mesh().texture.col(vertex) == surface.texture.col(surface.texture_of(c, t)).cast<float>());
+      CHECK(skin.mesh().texture[vertex] == surface.texture.col(surface.texture_of(c, t)).cast<float>());
       CHECK((normals.col(vertex) - surface.normals.col(surface.normal_of(c, t)).cast<float>()).norm() <
             1e-6F);
       CHECK((x.col(vertex).cast<double>() - surface.points.col(surface.triangles(c, t))).norm() < 1e-6);
@@ -308,10 +308,10 @@ TEST_CASE("a seam of the texture has two vertices of one place and one normal") 
   REQUIRE(skin.mesh().vertex_count() == 5);
   const Index first = skin.mesh().triangles[0][0], second = skin.mesh().triangles[1][0];
   CHECK(first != second);
-  CHECK(skin.mesh().texture.col(first) == Eigen::Vector2f(0, 0));
-  CHECK(skin.mesh().texture.col(second) == Eigen::Vector2f(0.25, 0.75));
+  CHECK(skin.mesh().texture[first] == Eigen::Vector2f(0, 0));
+  CHECK(skin.mesh().texture[second] == Eigen::Vector2f(0.25, 0.75));
   CHECK(skin.mesh().triangles[0][2] == skin.mesh().triangles[1][1]);
-  CHECK(skin.mesh().texture.col(skin.mesh().triangles[1][2]) == Eigen::Vector2f(0, 0));  // has none
+  CHECK(skin.mesh().texture[skin.mesh().triangles[1][2]] == Eigen::Vector2f(0, 0));  // has none
   Mat3X<float> x, normals;
   skin.update(mesh.points, random_displacement(mesh.vertex_count(), 0.1), x, normals);
   CHECK(x.col(first) == x.col(second));

@@ -129,8 +129,9 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   viewed.take(1, 0, 0.03, 0.03);
   REQUIRE(viewed.holds(1, 1));
   viewed.lead(1, 0, 0.04, 0.03, 0.07);
-  REQUIRE(viewed.comes_to(
-      1, [](const Json&, const Json& tools) { return tools.at(0).at("position").at(2).get<double>() > 0.065; }));
+  REQUIRE(viewed.comes_to(1, [](const Json&, const Json& tools) {
+    return tools.at(0).at("position").at(2).get<double>() > 0.065;
+  }));
   viewed.ask(1, {{"do", "burn"}, {"hand", 1}, {"at", {0.005, 0.005, 0.055}}, {"radius", 0.008}});
   REQUIRE(
       viewed.comes_to(1, [](const Json& status, const Json&) { return status["tets"].get<int>() < 1296; }));
@@ -415,6 +416,45 @@ TEST_CASE(
   };
   CHECK(triangles(false) < 12 * 6 * 6);
   CHECK(triangles(true) == triangles(false));
+}
+
+TEST_CASE("a skin that a blade has cut has vertices on both sides, at rest at one place") {
+  const Viewed viewed(true);
+  const Scene scene = read_scene(viewed.folder.path / "block.json");
+  Setup setup = resolve(scene, read_mesh(mesh_path(scene)).mesh).setup;
+  setup.scalpels = {{"blade",
+                     0.1,
+                     {{0.001, {0.031, -0.1, 0.1}}, {0.02, {0.031, -0.1, 0.03}}},
+                     {{0.031, 0.2, 0.1}, {0.031, 0.2, 0.03}}}};
+  World<float> world(setup);
+  SkinFeed<float> feed(viewed.folder.path / "block.obj", setup.mesh, world);
+  feed.set_wanted(true);
+  const auto block = [&](std::uint32_t wanted) {
+    std::uint64_t told = 0;
+    BlockWriter out;
+    feed.update(world);
+    feed.write(0, told, out);
+    const std::string message = out.take();
+    for (const Block& own : read_blocks(message))
+      if (own.tag == wanted) return std::string(own.bytes);
+    return std::string();
+  };
+  const auto head = [&] {
+    std::array<std::uint32_t, 3> numbers{};
+    std::memcpy(numbers.data(), block(skin_tag).data(), sizeof numbers);
+    return numbers;
+  };
+  const std::array<std::uint32_t, 3> before = head();
+  for (int i = 0; i < 3; ++i) REQUIRE(world.advance(0.01).ok);
+  const std::array<std::uint32_t, 3> after = head();
+  CHECK(after[0] > before[0]);
+  CHECK(after[1] > before[1]);  // vertices
+  CHECK(after[2] > before[2]);  // parts of triangles: none is lost
+  CHECK(block(skin_positions_tag).size() == 4 + 12 * after[1]);
+  Mat3X<float> rest(3, Eigen::Index(after[1]));
+  std::memcpy(rest.data(), block(skin_tag).data() + 12 + 12 * after[2], 12 * after[1]);
+  for (Eigen::Index v = Eigen::Index(before[1]); v < rest.cols(); ++v)
+    CHECK(std::abs(rest(0, v) - 0.031F) < 0.005F);  // on the line, or as near as it has snapped
 }
 
 TEST_CASE("the error of linear regions is estimated where they are, and asked for by name") {

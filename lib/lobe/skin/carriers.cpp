@@ -50,22 +50,6 @@ void sample(const Locator& where, const Mat3<double>& corners, int per_edge, Ind
   tets.insert(tets.begin(), centre);
 }
 
-enum class Touch { apart, never, together };
-
-// How two alive tetrahedra stand to each other: a corner that they shared at the start they share no more;
-// they never shared one; they share all that they did.
-Touch touch(const Topology& topology, Index tet, Index other) {
-  Touch found = Touch::never;
-  for (Index v : topology.corners(tet))
-    for (Index w : topology.corners(other)) {
-      if (v == w)
-        found = Touch::together;
-      else if (topology.origin(v) == topology.origin(w))
-        return Touch::apart;
-    }
-  return found;
-}
-
 }  // namespace
 
 NumberLists inverse(const NumberLists& lists, Index count) {
@@ -106,6 +90,18 @@ Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& 
     best = t;
   }
   return best;
+}
+
+Touch touch(const Topology& topology, Index tet, Index other) {
+  Touch found = Touch::never;
+  for (Index v : topology.corners(tet))
+    for (Index w : topology.corners(other)) {
+      if (v == w)
+        found = Touch::together;
+      else if (topology.origin(v) == topology.origin(w))
+        return Touch::apart;
+    }
+  return found;
 }
 
 Bond bond(const Topology& topology, std::span<const Index> tets) {

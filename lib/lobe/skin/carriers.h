@@ -35,6 +35,12 @@ NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
 // The tetrahedron of a list that is nearest to p; the first of several. −1 if the list is empty.
 Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& p);
 
+enum class Touch { apart, never, together };
+
+// How two tetrahedra that are there stand to each other: a corner that they shared at the start they share no
+// more; they never shared one; they share all that they did.
+Touch touch(const Topology& topology, Index tet, Index other);
+
 enum class Bond {
   none,   // some are gone, or two do not share all corners any more that they shared at the start
   loose,  // but they do not all hang together, by corners that they share

@@ -90,6 +90,7 @@ Skin::Skin(const TexturedSurface& surface, const TetMesh& mesh) : start_(mesh) {
   list_triangles_around();
   mesh_.revision = 1;
   mesh_.changed_triangles.restart(1);
+  mesh_.changed_vertices.restart(1);
 }
 
 // Carried vertices first: one for each normal of a point; behind them what differs in texture alone.
@@ -137,11 +138,10 @@ void Skin::add_texture(const TexturedSurface& surface) {
     }
     mesh_.file_triangle.push_back(t);
     slot_of_.push_back(t);
+    number_of_.push_back(t);
     shown_.push_back(corners_of_.col(t));
   }
-  mesh_.texture.resize(2, Eigen::Index(texture.size()));
-  for (std::size_t i = 0; i < texture.size(); ++i)
-    mesh_.texture.col(Eigen::Index(i)) = texture[i].cast<float>();
+  for (const Eigen::Vector2d& st : texture) mesh_.texture.push_back(st.cast<float>());
 }
 
 void Skin::choose_carriers(const Topology& topology) {
@@ -162,7 +162,7 @@ void Skin::choose_carriers(const Topology& topology) {
     farthest_ = std::max(farthest_, distance_to_tet(points_.col(vertex), tet_points(start_, chosen[vertex])));
   }
   is_loose_.assign(slot_of_.size(), 0);
-  for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle)
+  for (Index triangle = 0; triangle < file_count(); ++triangle)
     is_loose_[triangle] = bond_of(topology, triangle, corners_in(triangle)) != Bond::firm;
 }
 
@@ -170,11 +170,11 @@ Index Skin::loose_count() const {
   return static_cast<Index>(std::count(is_loose_.begin(), is_loose_.end(), 1));
 }
 
-// What the shown triangles around a vertex lie on.
+// What the shown triangles around a vertex lie on, and those of which parts are shown.
 std::vector<Index> Skin::candidates(Index vertex) const {
   std::vector<Index> tets;
   for (Index triangle : around_[vertex])
-    if (slot_of_[triangle] >= 0) append(tets, lies_on_[triangle]);
+    if (slot_of_[triangle] >= 0 || divided_.contains(triangle)) append(tets, lies_on_[triangle]);
   return tets;
 }
 
@@ -205,8 +205,7 @@ void Skin::follow(const Topology& topology, const MeshEdit& edit, const Grains* 
     touched(own.tet);
     cut.push_back(topology.parent(own.tet));
   }
-  if (grains) follow_grains(topology, cut, *grains);
-  check(topology, triangles, vertices, grains);
+  follow(topology, triangles, vertices, cut, grains);
 }
 
 void Skin::follow_all(const Topology& topology, const Grains* grains) {
@@ -216,20 +215,28 @@ void Skin::follow_all(const Topology& topology, const Grains* grains) {
     copies_of_[topology.parent(t)].push_back(t);
     cut.push_back(topology.parent(t));
   }
-  if (grains) follow_grains(topology, cut, *grains);
   for (Index vertex = 0; vertex < points_.cols(); ++vertex) {
     vertices.push_back(vertex);
     if (topology.alive(element_[vertex])) carrier_corners_[vertex] = topology.corners(element_[vertex]);
   }
-  for (Index triangle = 0; triangle < Index(slot_of_.size()); ++triangle) triangles.push_back(triangle);
-  check(topology, triangles, vertices, grains);
+  for (Index triangle = 0; triangle < file_count(); ++triangle) triangles.push_back(triangle);
+  follow(topology, triangles, vertices, cut, grains);
+}
+
+void Skin::follow(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices,
+                  std::vector<Index>& cut, const Grains* grains) {
+  sort_unique(vertices);
+  if (!grains) return check(topology, triangles, vertices);
+  has_new_revision_ = false;
+  sort_unique(cut);
+  follow_grains({topology, *grains}, cut);
+  open({topology, *grains}, triangles, vertices);
 }
 
 // First what has lost what it lies on; then new carriers; then what these, or the old ones, do not hold
 // together.
-void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::vector<Index>& vertices,
-                 const Grains* grains) {
-  sort_unique(vertices);
+void Skin::check(const Topology& topology, std::vector<Index>& triangles,
+                 const std::vector<Index>& vertices) {
   std::vector<Index> drops;
   const auto collect = [&](auto&& stays) {
     sort_unique(triangles);
@@ -241,8 +248,8 @@ void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::v
   for (Index vertex : vertices) {
     append(triangles, around_[vertex]);
     if (holds_to_any(topology, vertex)) continue;
-    const Index element = nearest_element(candidates(vertex), points_.col(vertex), grains);
-    if (element >= 0) carry(vertex, element, topology);
+    const Index tet = nearest_of(candidates(vertex), start_, points_.col(vertex));
+    if (tet >= 0) carry(vertex, tet, topology);
   }
   collect([&](Index triangle) { return holds(topology, triangle, corners_in(triangle)); });
   drop(drops);
@@ -250,7 +257,7 @@ void Skin::check(const Topology& topology, std::vector<Index>& triangles, std::v
 
 // Of the tetrahedra that a triangle lies on and those that carry some of its corners.
 Bond Skin::bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const {
-  const std::span<const Index> under = elements_under(triangle);
+  const std::span<const Index> under = lies_on_[triangle];
   std::vector<Index> tets(under.begin(), under.end());
   for (Index vertex : corners)
     if (std::find(tets.begin(), tets.end(), element_[vertex]) == tets.end()) tets.push_back(element_[vertex]);
@@ -273,23 +280,10 @@ bool Skin::holds_to_any(const Topology& topology, Index vertex) const {
 // The last triangles take the slots of those that go, highest slots first.
 void Skin::drop(std::vector<Index>& triangles) {
   if (triangles.empty()) return;
-  ++mesh_.revision;
-  mesh_.changed_triangles.next(mesh_.triangles.size());
+  has_new_revision_ = false;
+  begin_revision();
   std::sort(triangles.begin(), triangles.end(), [&](Index a, Index b) { return slot_of_[a] > slot_of_[b]; });
-  for (Index triangle : triangles) {
-    const Index slot = std::exchange(slot_of_[triangle], -1), last = mesh_.triangle_count() - 1;
-    if (slot != last) {
-      mesh_.triangles[slot] = mesh_.triangles[last];
-      mesh_.file_triangle[slot] = mesh_.file_triangle[last];
-      shown_[slot] = shown_[last];
-      slot_of_[mesh_.file_triangle[slot]] = slot;
-      mesh_.changed_triangles.record(slot);
-    }
-    twice_area_[triangle].setZero();
-    mesh_.triangles.pop_back();
-    mesh_.file_triangle.pop_back();
-    shown_.pop_back();
-  }
+  for (Index triangle : triangles) take_out(triangle);
   triangles.clear();
 }
 
@@ -314,7 +308,7 @@ void Skin::update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Re
   find_positions(x);
   find_normals(normals);
   const auto carried = static_cast<Index>(points_.cols());
-  for (Index i = carried; i < mesh_.vertex_count(); ++i) {
+  for (Index i = carried; i < carried + static_cast<Index>(copied_from_.size()); ++i) {
     x.col(i) = x.col(copied_from_[i - carried]);
     normals.col(i) = normals.col(copied_from_[i - carried]);
   }
@@ -323,7 +317,7 @@ void Skin::update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Re
 void Skin::find_positions(Mat3X<float>& x) {
   const auto count = static_cast<Index>(points_.cols());
   if (count == 0) return;
-  x_.resize(std::size_t(count));
+  x_.resize(std::size_t(count) + cut_.size());
   const Eigen::Vector4f *const mesh = mesh_x_.data(), *const weights = weights_.data();
   const Eigen::Vector4i* const corners = carrier_corners_.data();
   Eigen::Vector4f* const own = x_.data();
@@ -335,12 +329,14 @@ void Skin::find_positions(Mat3X<float>& x) {
     if (i + 1 < count) columns.put_before_last(i, own[i]);
   }
   columns.put_last(own[count - 1]);
+  find_cut_positions(x);
 }
 
 // Six each, so that the loop over them never ends unexpectedly.
 void Skin::list_triangles_around() {
-  const auto of_no_area = static_cast<Index>(slot_of_.size());
-  twice_area_.assign(slot_of_.size() + 1, Eigen::Vector4f::Zero());
+  const Index of_no_area = file_count();
+  slot_of_.push_back(-1);
+  twice_area_.assign(slot_of_.size(), Eigen::Vector4f::Zero());
   for (Index vertex = 0; vertex < around_.count(); ++vertex) {
     auto& six = six_around_.emplace_back();
     six.fill(of_no_area);
@@ -358,7 +354,7 @@ void Skin::find_areas() {
   const Eigen::Vector4f* const x = x_.data();
   Eigen::Vector4f* const areas = twice_area_.data();
   const Eigen::Vector3i* const shown = shown_.data();
-  const Index* const numbers = mesh_.file_triangle.data();
+  const Index* const numbers = number_of_.data();
   const std::size_t count = shown_.size();
   for (std::size_t slot = 0; slot < count; ++slot) {
     const Eigen::Vector3i& t = shown[slot];
@@ -371,13 +367,14 @@ void Skin::find_areas() {
 // just before. Four square roots at a time; a vertex without area has no normal.
 void Skin::find_normals(Mat3X<float>& normals) {
   find_areas();
+  if (listed_at_ != mesh_.revision) list_parts_around();
   const auto count = static_cast<Index>(six_around_.size());
   if (count == 0) return;
   const Eigen::Vector4f* const areas = twice_area_.data();
   const std::array<Index, 6>* const around = six_around_.data();
   const Columns columns(normals, count);
-  auto other = others_around_.begin();
-  const auto end = others_around_.end();
+  auto other = others_around_.cbegin(), part = parts_around_.cbegin();
+  const auto end = others_around_.cend(), end_of_parts = parts_around_.cend();
   for (Index i = 0; i < count; i += 4) {
     const Index here = std::min(4, count - i);
     Eigen::Matrix4f sums = Eigen::Matrix4f::Zero();
@@ -386,12 +383,14 @@ void Skin::find_normals(Mat3X<float>& normals) {
       sums.col(k) = (areas[t[0]] + areas[t[1]]) + (areas[t[2]] + areas[t[3]]) + (areas[t[4]] + areas[t[5]]);
     }
     for (; other != end && (*other)[0] < i + 4; ++other) sums.col((*other)[0] - i) += areas[(*other)[1]];
+    for (; part != end_of_parts && (*part)[0] < i + 4; ++part) sums.col((*part)[0] - i) += areas[(*part)[1]];
     const Eigen::Array4f squares = sums.colwise().squaredNorm().transpose();
     const Eigen::Array4f factors = (squares > 0).select(squares.sqrt().inverse(), 0.0F);
     for (Index k = 0; k < here && i + k + 1 < count; ++k)
       columns.put_before_last(i + k, factors[k] * sums.col(k));
     if (i + 4 >= count) columns.put_last(factors[here - 1] * sums.col(here - 1));
   }
+  find_cut_normals(normals);
 }
 
 }  // namespace lobe

@@ -1,4 +1,4 @@
-// A skin on tetrahedra that blades have cut.
+// A skin on tetrahedra that blades have cut: what its vertices lie on now, and where its edges have gaps.
 #include <algorithm>
 #include <limits>
 
@@ -7,66 +7,204 @@
 #include "lobe/sort_unique.h"
 
 namespace lobe {
+namespace {
 
-// Vertices and triangles go over to the copies whose grains are under them.
-void Skin::follow_grains(const Topology& topology, std::vector<Index>& cut, const Grains& grains) {
-  sort_unique(cut);
-  std::vector<Index> triangles, vertices;
-  for (Index tet : cut) {
-    if (!copies_of_.contains(tet)) continue;
-    triangles.insert(triangles.end(), lying_on_[tet].begin(), lying_on_[tet].end());
-    vertices.insert(vertices.end(), carried_by_[tet].begin(), carried_by_[tet].end());
-  }
-  sort_unique(triangles);
-  for (Index triangle : triangles) find_elements_under(triangle, grains);
-  sort_unique(vertices);
-  for (Index vertex : vertices)
-    if (const Index own = nearest_element({&carrier_[vertex], 1}, points_.col(vertex), &grains); own >= 0)
-      carry(vertex, own, topology);
-}
-
-std::span<const Index> Skin::elements_under(Index triangle) const {
-  const auto at = elements_under_.find(triangle);
-  return at == elements_under_.end() ? lies_on_[triangle] : std::span<const Index>(at->second);
-}
-
-// Of points spread over it, a little inside.
-void Skin::find_elements_under(Index triangle, const Grains& grains) {
-  constexpr int n = 3;
-  const Mat3<double> corners = points_(Eigen::all, corners_of_.col(triangle));
-  const Vec3d middle = corners.rowwise().mean();
-  std::vector<Index> elements;
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; i + j <= n; ++j) {
-      const Vec3d p = corners * Vec3d(i, j, n - i - j) / n;
-      const Index own = nearest_element(lies_on_[triangle], middle + 0.98 * (p - middle), &grains);
-      if (own >= 0) elements.push_back(own);
-    }
-  sort_unique(elements);
-  if (!elements.empty()) elements_under_[triangle] = std::move(elements);
-}
-
-// Of these tetrahedra of the start, or of their copies, by the grains that are there.
-Index Skin::nearest_element(std::span<const Index> tets, const Vec3d& p, const Grains* grains) const {
-  if (!grains || copies_of_.empty()) return nearest_of(tets, start_, p);
+// Of the grains of a tetrahedron of the simulation.
+double distance_to(const Grains& grains, Index element, const Vec3d& p) {
   double nearest = std::numeric_limits<double>::infinity();
-  Index found = -1;
-  const auto look = [&](Index element) {
-    for (Index grain : grains->of(element)) {
-      Mat34<double> X;
-      for (int k = 0; k < 4; ++k) X.col(k) = grains->point((*grains)[grain].points[k]);
-      const double distance = distance_to_tet(p, X);
-      if (!(distance < nearest)) continue;
+  for (Index grain : grains.of(element)) {
+    Mat34<double> X;
+    for (int k = 0; k < 4; ++k) X.col(k) = grains.point(grains[grain].points[k]);
+    nearest = std::min(nearest, distance_to_tet(p, X));
+  }
+  return nearest;
+}
+
+// A gap leads from what is there to what is gone, or between what has come apart.
+bool is_gap(const Topology& topology, Index before, Index after) {
+  if (before < 0 || after < 0) return before != after;
+  return before != after && touch(topology, before, after) == Touch::apart;
+}
+
+}  // namespace
+
+std::span<const Index> Skin::copies_of(Index tet) const {
+  const auto at = copies_of_.find(tet);
+  return at == copies_of_.end() ? std::span<const Index>() : std::span<const Index>(at->second);
+}
+
+template <class Visit>
+void Skin::for_elements(Index tet, Visit&& visit) const {
+  visit(tet);
+  for (Index copy : copies_of(tet)) visit(copy);
+}
+
+bool Skin::has_lost_a_copy(const Topology& topology, Index tet) const {
+  bool found = false;
+  for_elements(tet, [&](Index element) { found = found || !topology.alive(element); });
+  return found;
+}
+
+bool Skin::has_lost_a_tet(const Body& body, Index triangle) const {
+  const std::span<const Index> tets = lies_on_[triangle];
+  return std::any_of(tets.begin(), tets.end(), [&](Index tet) {
+    bool any = false;
+    for_elements(tet, [&](Index element) { any = any || body.topology.alive(element); });
+    return !any;
+  });
+}
+
+// Vertices on tetrahedra that were cut go over to the copies whose grains are under them.
+void Skin::follow_grains(const Body& body, const std::vector<Index>& cut) {
+  std::vector<Index> vertices;
+  for (Index tet : cut)
+    if (copies_of_.contains(tet))
+      vertices.insert(vertices.end(), carried_by_[tet].begin(), carried_by_[tet].end());
+  for (Index vertex : vertices) {
+    Index found = -1;
+    double nearest = std::numeric_limits<double>::infinity();
+    for_elements(carrier_[vertex], [&](Index element) {
+      const double distance = distance_to(body.grains, element, points_.col(vertex));
+      if (!(distance < nearest)) return;
       nearest = distance;
       found = element;
-    }
+    });
+    if (found >= 0) carry(vertex, found, body.topology);
+  }
+}
+
+Index Skin::under(const Body& body, Index vertex) const {
+  return has_lost_a_copy(body.topology, carrier_[vertex]) ? -1 : element_[vertex];
+}
+
+// Of these tetrahedra of the start, or of their copies; `before`, where it is as near as any other.
+Index Skin::under(const Body& body, std::span<const Index> tets, const Vec3d& p, Index before) const {
+  const double rounding = 1e-6 * body.grains.mean_edge();
+  double nearest = std::numeric_limits<double>::infinity(), of_before = nearest;
+  Index found = -1;
+  const auto look = [&](Index element, double distance) {
+    if (element == before) of_before = std::min(of_before, distance);
+    if (!(distance < nearest)) return;
+    nearest = distance;
+    found = element;
   };
   for (Index tet : tets) {
-    look(tet);
-    if (const auto at = copies_of_.find(tet); at != copies_of_.end())
-      for (Index copy : at->second) look(copy);
+    if (has_lost_a_copy(body.topology, tet))
+      look(-1, distance_to_tet(p, tet_points(start_, tet)));
+    else if (!copies_of_.contains(tet))
+      look(tet, distance_to_tet(p, tet_points(start_, tet)));
+    else
+      for_elements(tet, [&](Index element) { look(element, distance_to(body.grains, element, p)); });
   }
+  return of_before <= nearest + rounding ? before : found;
+}
+
+// ---- Gaps
+
+std::vector<Index> Skin::triangles_at(const Edge& edge) const {
+  std::vector<Index> found;
+  for (Index triangle : around_[edge.first])
+    if ((corners_of_.col(triangle).array() == edge.second).any()) found.push_back(triangle);
   return found;
+}
+
+// Whether any two of what may lie under an edge have come apart.
+bool Skin::may_have_gaps(const Body& body, const Edge& edge, const std::vector<Index>& tets) const {
+  std::vector<Index> elements{element_[edge.first], element_[edge.second]};
+  for (Index tet : tets) {
+    if (has_lost_a_copy(body.topology, tet)) return true;
+    for_elements(tet, [&](Index element) { elements.push_back(element); });
+  }
+  if (has_lost_a_copy(body.topology, carrier_[edge.first]) ||
+      has_lost_a_copy(body.topology, carrier_[edge.second]))
+    return true;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (is_gap(body.topology, elements[i], elements[k])) return true;
+  return false;
+}
+
+// An edge is looked at in a few places, and between two of them where a gap is.
+std::vector<Skin::Gap> Skin::gaps_of(const Body& body, const Edge& edge) const {
+  constexpr double per_mean_edge = 6;
+  std::vector<Index> tets;
+  for (Index triangle : triangles_at(edge))
+    tets.insert(tets.end(), lies_on_[triangle].begin(), lies_on_[triangle].end());
+  sort_unique(tets);
+  std::vector<Gap> gaps;
+  if (!may_have_gaps(body, edge, tets)) return gaps;
+  const Vec3d a = points_.col(edge.first), b = points_.col(edge.second);
+  const int count =
+      std::clamp(static_cast<int>(per_mean_edge * (b - a).norm() / body.grains.mean_edge()), 2, 24);
+  Owner last{under(body, edge.first), 0};
+  for (int i = 1; i <= count; ++i) {
+    const double share = double(i) / count;
+    const Owner own{
+        i == count ? under(body, edge.second) : under(body, tets, a + share * (b - a), last.element), share};
+    find_gaps(body, edge, tets, last, own, gaps);
+    last = own;
+  }
+  return gaps;
+}
+
+void Skin::find_gaps(const Body& body, const Edge& edge, const std::vector<Index>& tets, const Owner& from,
+                     const Owner& to, std::vector<Gap>& gaps) const {
+  constexpr double near_enough = 1e-4, least = 1e-3;
+  if (from.element == to.element) return;
+  const bool both_there = from.element >= 0 && to.element >= 0;
+  if (both_there && touch(body.topology, from.element, to.element) == Touch::together) return;
+  const double share = (from.share + to.share) / 2;
+  if (to.share - from.share < near_enough) {
+    if (is_gap(body.topology, from.element, to.element))
+      gaps.push_back({std::clamp(share, least, 1 - least), from.element, to.element});
+    return;
+  }
+  const Vec3d a = points_.col(edge.first), b = points_.col(edge.second);
+  const Owner middle{under(body, tets, a + share * (b - a), from.element), share};
+  find_gaps(body, edge, tets, from, middle, gaps);
+  find_gaps(body, edge, tets, middle, to, gaps);
+}
+
+// First what has lost a tetrahedron goes. Then gaps are found, of the edges of these triangles and of those
+// around these vertices, and the triangles at them divided.
+void Skin::open(const Body& body, std::vector<Index>& triangles, const std::vector<Index>& vertices) {
+  const auto is_there = [&](Index triangle) {
+    return slot_of_[triangle] >= 0 || divided_.contains(triangle);
+  };
+  sort_unique(triangles);
+  for (Index triangle : triangles)
+    if (is_there(triangle) && has_lost_a_tet(body, triangle)) take_apart(triangle);
+  for (Index vertex : vertices) {
+    triangles.insert(triangles.end(), around_[vertex].begin(), around_[vertex].end());
+    if (body.topology.alive(element_[vertex])) continue;
+    const Index element = under(body, candidates(vertex), points_.col(vertex), -1);
+    if (element >= 0) carry(vertex, element, body.topology);
+  }
+  sort_unique(triangles);
+  std::vector<Edge> edges;
+  for (Index triangle : triangles)
+    for (int k = 0; k < 3; ++k)
+      edges.push_back(
+          std::minmax(Index(corners_of_(k, triangle)), Index(corners_of_((k + 1) % 3, triangle))));
+  sort_unique(edges);
+  for (const Edge& edge : edges) {
+    std::vector<Gap> now = gaps_of(body, edge);
+    const auto at = gaps_.find(edge);
+    if (at == gaps_.end() && now.empty()) continue;
+    const std::vector<Index> beside = triangles_at(edge);
+    if (at != gaps_.end() && now == at->second) {
+      for (Index triangle : beside) update_cut_vertices(body.topology, triangle);
+      continue;
+    }
+    triangles.insert(triangles.end(), beside.begin(), beside.end());
+    if (now.empty())
+      gaps_.erase(at);
+    else
+      gaps_[edge] = std::move(now);
+  }
+  sort_unique(triangles);
+  for (Index triangle : triangles)
+    if (is_there(triangle)) divide(body, triangle);
 }
 
 }  // namespace lobe

@@ -14,7 +14,7 @@ struct Options {
   std::filesystem::path output;  // made if it does not exist
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
-  int threads = 1;      // kernels, realtime: if above 1, timed beside one thread; accuracy: of every run;
+  int threads = 1;      // kernels, realtime: if above 1, timed as well as one thread; accuracy: of every run;
                         // huge: most ranks
   double minutes = 10;  // soak: of wall time; live: simulated
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones

@@ -31,7 +31,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(6, 5000000));
   app.add_flag("--quick", options.quick, "less precise, or with smaller meshes");
   app.add_option("--threads", options.threads,
-                 "kernels, realtime: timed beside one thread; accuracy: of every run; huge: most ranks")
+                 "kernels, realtime: timed as well as one thread; accuracy: of every run; huge: most ranks")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--minutes", options.minutes, "soak: how long; live: simulated minutes of random hands")

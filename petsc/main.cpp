@@ -26,7 +26,8 @@ void add_options(CLI::App& app, lobe::petsc::SceneOptions& options, std::string&
   app.add_option("--solver", solver, "petsc")->check(CLI::IsMember({"petsc"}));
 }
 
-// What is wrong for all ranks is printed once. What one rank meets alone ends the others: they wait for it.
+// An error of all ranks is printed once. An error of a single rank ends the others too, because they wait for
+// that rank.
 int solve(const Ranks& ranks, int argc, char** argv) {
   CLI::App app{"Static equilibrium of a scene in parts", "lobe-petsc"};
   lobe::petsc::SceneOptions options;

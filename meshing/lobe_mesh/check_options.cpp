@@ -57,7 +57,7 @@ void check_labels(const MeshOptions& options, const Model& model, std::vector<Fa
 
 }  // namespace
 
-// About one tetrahedron per face of the boundary counts where a body is thin or has spikes.
+// Where a body is thin or has spikes, each face of the boundary needs about one tetrahedron.
 double expected_tets(const MeshOptions& options, const Model& model) {
   double tets = 0, smaller_balls = 0;
   for (int region = 0; region < model.region_count(); ++region) {

@@ -88,8 +88,8 @@ void hand_on(int signal) {
   if (contained_child > 0) kill(contained_child, signal);
 }
 
-// While it lives, what would end this process ends the contained one; what is ignored, as under nohup, stays
-// so.
+// While it lives, signals that would end this process end the contained one instead. Signals that are
+// ignored, as under nohup, stay ignored.
 class HandOn {
  public:
   HandOn() {

@@ -150,7 +150,7 @@ std::vector<Surface> split(const Surface& surface, const Edges& edges,
   return pieces;
 }
 
-// Whether closed pieces face outwards, or inwards if they are cavities of another one.
+// Checks that closed pieces face outwards, and that cavities of another piece face inwards.
 void check_sides(const Surface& surface, const Edges& edges, Diagnosis& d) {
   constexpr Index most_pieces = 200;  // with more, it is rather noise than cavities
   if (d.components > most_pieces) return;

@@ -95,7 +95,7 @@ Freedom find_freedom(const TetMesh& mesh, const Interfaces& interfaces,
   return freedom;
 }
 
-// From surface to surface in turn, which leads to the line where they meet.
+// Projects onto each surface in turn. This converges to the line where the surfaces meet.
 Vec3d Freedom::on_surfaces(Index v, const Vec3d& point) const {
   constexpr int rounds = 3;
   Vec3d x = point;

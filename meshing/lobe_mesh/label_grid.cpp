@@ -60,7 +60,7 @@ std::vector<float> gaussian(double sigma) {
   return kernel;
 }
 
-// Along each axis in turn; zero outside of the box.
+// Filters along each axis in turn. Values outside of the box count as zero.
 std::vector<float> blurred(std::vector<float> values, const Box3& box, const std::vector<float>& kernel) {
   const auto radius = static_cast<std::ptrdiff_t>(kernel.size() / 2);
   std::vector<float> line;
@@ -83,7 +83,7 @@ std::vector<float> blurred(std::vector<float> values, const Box3& box, const std
   return values;
 }
 
-// The labels, their numbers of voxels and the box of each.
+// The labels of an image, with the number of voxels and the box of each.
 struct Contents {
   std::map<std::int32_t, std::size_t> counts;
   std::map<std::int32_t, Box3> boxes;
@@ -112,7 +112,7 @@ Contents contents_of(const LabelImage& image) {
   return contents;
 }
 
-// Room for all labels and `pad` voxels around them.
+// A grid with room for all labels and for `pad` voxels around them.
 LabelGrid empty_grid(const LabelImage& image, const Contents& contents, Index pad) {
   const Box3 box = contents.all.grown(pad);
   LabelGrid grid;
@@ -125,7 +125,7 @@ LabelGrid empty_grid(const LabelImage& image, const Contents& contents, Index pa
   return grid;
 }
 
-// 1 where the image has the value, which it has nowhere outside of `box`.
+// The indicator of a value: 1 where the image has it, else 0. No voxel outside of `box` has the value.
 std::vector<float> indicator(const LabelImage& image, std::int32_t value, const Box3& box,
                              const Box3& reached) {
   std::vector<float> result;
@@ -147,7 +147,7 @@ std::vector<float> smoothed(std::vector<float> phi, const Box3& box, double smoo
   return phi;
 }
 
-// Enters the φ of one region into the best and second best of each voxel.
+// Updates the largest and the second largest φ of each voxel with those of one region.
 class Contest {
  public:
   explicit Contest(LabelGrid& grid) : grid_(grid), best_(grid.regions.size(), -1), second_(best_) {}

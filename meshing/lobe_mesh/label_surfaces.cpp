@@ -38,7 +38,7 @@ bool dual_vertex(const LabelGrid& grid, const Cell& cell, Vec3d& vertex) {
   return count > 0;
 }
 
-// A surface that grows.
+// A surface that is built triangle by triangle.
 struct Patch {
   std::map<Index, Index> number;  // of a vertex of the whole in this patch
   std::vector<Vec3d> points;
@@ -100,7 +100,7 @@ class Contour {
     points_.push_back(grid_.to_world.leftCols<3>() * at + grid_.to_world.col(3));
   }
 
-  // An edge between two regions is in four cubes, whose vertices make a square that it pierces.
+  // An edge between two regions belongs to four cubes. Their vertices make a square that the edge pierces.
   void add_square(const Cell& from, int axis) {
     Cell to = from;
     ++to[axis];
@@ -120,7 +120,7 @@ class Contour {
     patch.triangles.push_back({corners[0], corners[2], corners[3]});
   }
 
-  // Between the cubes on both sides of a square of four voxels with three or more regions.
+  // Joins the cubes on both sides of a square of four voxels, if these have three or more regions.
   void add_junction(const Cell& cube, int axis) {
     Cell before = cube;
     if (--before[axis] < 0) return;
@@ -131,7 +131,7 @@ class Contour {
       voxel[(axis + 2) % 3] += c >> 1;
       regions[c] = region(voxel);
     }
-    // Where equal ones are across from each other, either no line pierces the square, or two do.
+    // If equal regions lie across from each other, either no line pierces the square, or two lines do.
     if (regions[0] == regions[3] || regions[1] == regions[2]) return;
     std::sort(regions.begin(), regions.end());
     if (std::unique(regions.begin(), regions.end()) - regions.begin() < 3) return;
@@ -139,7 +139,7 @@ class Contour {
                                  vertex_of_[grid_.index(cube[0], cube[1], cube[2])]);
   }
 
-  // The steps between voxels; ends stay.
+  // Smooths the steps between voxels. The ends of a line stay.
   static void smooth(Mat3X<double>& line) {
     constexpr int rounds = 10;
     for (int round = 0; round < rounds; ++round) {

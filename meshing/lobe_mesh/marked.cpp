@@ -8,7 +8,7 @@
 namespace lobe::meshing {
 namespace {
 
-// 1 for every triangle that a finding concerns.
+// One number per triangle: 1 if the finding concerns it, else 0.
 std::vector<int> marks_of(const Finding& finding, const Surface& surface) {
   std::vector<int> marks(surface.triangle_count(), 0);
   for (const Index t : finding.triangles) marks[t] = 1;

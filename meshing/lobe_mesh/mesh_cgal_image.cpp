@@ -72,8 +72,8 @@ CGAL::Bbox_3 box_of(const Model& model, double margin) {
   return {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
 }
 
-// Lines where regions meet become lines of edges; too short ones would ask for tiny edges and are left to
-// chance.
+// Lines where regions meet become lines of edges. Lines that are too short would ask for tiny edges, so they
+// are not kept.
 void add_junctions(ImageDomain& domain, const Model& model, double edge) {
   constexpr double shortest = 3;  // edges
   std::vector<std::vector<Point>> lines;

@@ -59,7 +59,8 @@ int Model::region_of(int label) const {
   return found == labels.end() ? -1 : static_cast<int>(found - labels.begin());
 }
 
-// The surfaces of a region, seen from its inside, wind once around a point in it.
+// Finds the region of a point: the surfaces of a region, seen from its inside, wind once around each of its
+// points.
 int Model::region_at(const Vec3d& point) const {
   if (is_image()) return image_region(point);
   std::vector<double> winding(labels.size(), 0);

@@ -41,7 +41,8 @@ void write_half(const std::filesystem::path& file, const TetMesh& mesh, const Ve
   write_vtu(file, half, {}, {{cell_angle, values}});
 }
 
-// One upright bar per bin, as wide together as the body, in a plane that faces the eye.
+// The histogram: one upright bar per bin, in a plane that faces the camera. All bars together are as wide as
+// the body.
 void write_bars(const std::filesystem::path& file, const Quality& quality) {
   const auto& counts = quality.dihedral_histogram;
   const auto bars = static_cast<Index>(counts.size());

@@ -29,8 +29,8 @@ bool inside(const Vec3d& p, const std::array<Vec3d, 3>& triangle, const Vec3d& n
   return true;
 }
 
-// Cuts off one ear after the other, the one with the best angles first, so that quadrilaterals are split
-// along their better diagonal and concave polygons come out right.
+// Ear clipping: cuts off one ear after the other, the one with the best angles first. So quadrilaterals are
+// split along their better diagonal, and concave polygons are triangulated correctly.
 void triangulate(const std::vector<Vec3d>& points, std::vector<std::int64_t> corners,
                  std::vector<std::array<std::int64_t, 3>>& triangles) {
   const Vec3d normal = area_vector(points, corners);

@@ -39,7 +39,7 @@ double metres(int units) {
   return units == NIFTI_UNITS_MICRON ? 1e-6 : 1;
 }
 
-// The sform where there is one, else the qform; NIfTI's axes point to the right and to the front.
+// Takes the sform if there is one, else the qform. NIfTI's axes point to the right and to the front.
 Mat34<double> oriented(const std::string& file, const nifti_image& image) {
   if (image.sform_code == 0 && image.qform_code == 0)
     throw InputError(file, "its sform and qform codes are 0: the orientation is unknown");

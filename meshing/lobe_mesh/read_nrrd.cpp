@@ -64,7 +64,7 @@ double metres(const std::string& file, const char* unit) {
   return found->second;
 }
 
-// From the axes of the file's space to left, posterior, superior; spaces that name no such axes stay.
+// Maps the axes of the file's space to left, posterior, superior. A space without such axes is left as it is.
 Vec3d signs_of(int space) {
   if (space == nrrdSpaceRightAnteriorSuperior) return {-1, -1, 1};
   if (space == nrrdSpaceLeftAnteriorSuperior) return {1, -1, 1};

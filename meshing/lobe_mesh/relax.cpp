@@ -26,7 +26,8 @@ double shortfall(double value, double goal) {
   return ratio > 0 ? ratio * ratio : 0;
 }
 
-// What one tetrahedron of unit wave speed and density adds to its vertices, and how bad its angles are.
+// Stiffness and mass that one tetrahedron of unit wave speed and density adds to its vertices, and a measure
+// of how bad its angles are.
 struct Element {
   Eigen::Matrix<double, 6, 4> stiffness;  // xx, xy, xz, yy, yz, zz of V B_kk, one column per corner
   double mass = 0;                        // V/4
@@ -201,7 +202,7 @@ bool Relaxation::try_position(Index v, const Vec3d& x, double& cost) {
   return false;
 }
 
-// On surfaces: along them, at the distance that the vertex has from them.
+// Moves a vertex of a surface along the surface. Its distance from the surface stays.
 Vec3d Relaxation::target(Index v, const Vec3d& shift) const {
   const Vec3d x = mesh_.points.col(v);
   return x + freedom_.on_surfaces(v, x + shift) - freedom_.on_surfaces(v, x);

@@ -75,13 +75,13 @@ Surface clean_up(const Surface& surface, RepairReport& report) {
   return near > 0 ? clean(result, again) : result;
 }
 
-// Measures what each rung did; surfaces in the box of unit size.
+// Measures what each step of the repair did. Surfaces are in the box of unit size.
 class Ladder {
  public:
   Ladder(const Surface& input, double size, RepairReport& report)
       : input_(input), size_(size), volume_(enclosed_volume(input)), report_(report) {}
 
-  // Forgets the rungs after the first `steps`, of which `now` is the result.
+  // Forgets all but the first `steps` steps, of which `now` is the result.
   void step_down(std::size_t steps, const Surface& now) {
     report_.steps.resize(steps);
     measured_ = steps;
@@ -119,7 +119,7 @@ void compare(const Surface& input, const Surface& result, const Diagnosis& after
   if (report.pieces > 1) {
     report.warnings.push_back(std::to_string(report.pieces) + " separate pieces: each of them is meshed");
   }
-  // While triangles disagree about the outside, what they enclose means nothing.
+  // The enclosed volume means nothing while triangles disagree about the outside.
   const auto turned = std::find_if(report.steps.begin(), report.steps.end(),
                                    [](const RepairStep& step) { return step.name == "orient"; });
   const double before = turned == report.steps.end() ? report.volume_before : turned->volume_after;
@@ -131,8 +131,8 @@ void compare(const Surface& input, const Surface& result, const Diagnosis& after
   }
 }
 
-// Through a gap wider than alpha the wrapping falls into the body and leaves a hollow shell, which has two
-// sides where the surface has one: then a larger alpha is taken, unless the user chose it.
+// If a gap is wider than alpha, the wrapping enters the body and leaves a hollow shell, which has two sides
+// where the surface has one. Then a larger alpha is tried, unless the user chose alpha.
 Surface wrap(const Surface& surface, const UnitBox& unit, const RepairOptions& options,
              RepairReport& report) {
   const double diagonal = box_diagonal(surface);
@@ -166,15 +166,15 @@ Surface scaled_back(Surface surface, const UnitBox& unit) {
   return surface;
 }
 
-// The three ways of a surface that was cleaned, in the box of unit size.
+// The three ways to repair a surface that was cleaned, in the box of unit size.
 class Climb {
  public:
   Climb(const Surface& cleaned, const UnitBox& unit, const RepairOptions& options, Ladder& ladder,
         RepairReport& report)
       : cleaned_(cleaned), unit_(unit), options_(options), ladder_(ladder), report_(report) {}
 
-  // What only just does not intersect may do so for the rounding of another box: then the rungs are climbed
-  // again there.
+  // Triangles that only just do not intersect may intersect after they are rounded in another box. Then the
+  // repair is done again there.
   Repaired basic() {
     constexpr int most_climbs = 3;
     Repaired result = by_rungs(cleaned_, unit_);

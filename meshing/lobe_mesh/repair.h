@@ -24,14 +24,14 @@ struct RepairOptions {
   double wrap_offset = 0;      // [m] distance of the wrapping from the surface; 0: alpha / 30
 };
 
-// What one rung of the ladder did; rungs that changed nothing are not listed.
+// What one step of the repair did. Steps that changed nothing are not listed.
 struct RepairStep {
   std::string name;
   Index count = 0;      // of what was changed
   std::string message;  // "filled 2 holes with 17 triangles"
-  // [m³] enclosed before and after its rung; of little meaning while the surface is open.
+  // [m³] enclosed before and after the step. Means little while the surface is open.
   double volume_before = 0, volume_after = 0;
-  double distance = 0;  // [m] of the surface after its rung from the input, sampled as max_distance is
+  double distance = 0;  // [m] of the surface after the step from the input, sampled as max_distance is
 
   std::string in_words() const;
 };

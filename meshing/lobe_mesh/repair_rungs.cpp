@@ -1,6 +1,6 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// The ladder of Repair::basic, in the order that closed every real surface it was tried on.
+// The steps of Repair::basic, in the order that closed every real surface on which it was tried.
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
@@ -26,7 +26,7 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 using Face = CgalMesh::Face_index;
 using Halfedge = CgalMesh::Halfedge_index;
 
-constexpr int most_rounds = 6;  // of the rungs that may undo each other
+constexpr int most_rounds = 6;  // of the steps that may undo each other
 
 void note(RepairReport& report, const std::string& name, std::size_t count, const std::string& done) {
   if (count == 0) return;
@@ -75,8 +75,8 @@ void stitch(CgalMesh& mesh, RepairReport& report) {
   note(report, "stitch", pairs, "stitched " + plural(pairs, "pair") + " of open edges");
 }
 
-// Specks of a segmentation: closed pieces with less than a millionth of the largest volume, open ones with
-// less than a thousandth of the area. Everything else stays, cavities and second bodies included.
+// Removes specks of a segmentation: closed pieces with less than a millionth of the largest volume, and open
+// pieces with less than a thousandth of the area. All others stay, cavities and second bodies included.
 void drop_specks(CgalMesh& mesh, RepairReport& report) {
   auto piece = mesh.add_property_map<Face, std::size_t>("f:piece", 0).first;
   const std::size_t count = pmp::connected_components(mesh, piece);
@@ -148,8 +148,8 @@ std::vector<Face> nearly_degenerate_faces(const CgalMesh& mesh) {
   return faces;
 }
 
-// Exactly flat ones first; then those with an area that is but rounding, of which caps are flipped, needles
-// collapsed.
+// Removes triangles that are exactly flat first. Then it removes those whose area is only rounding: caps are
+// flipped, and needles are collapsed.
 void remove_degenerate(CgalMesh& mesh, RepairReport& report) {
   constexpr double cap = -1 + 1e-12, needle = 1e6,
                    longest_collapse = 1e-6;  // cosine, ratio of edges, of the size
@@ -165,7 +165,7 @@ void remove_degenerate(CgalMesh& mesh, RepairReport& report) {
 }
 
 Index remove_intersections(CgalMesh& mesh, RepairReport& report) {
-  // Not CGAL's test: to that, pieces that were taken apart at a common edge intersect.
+  // CGAL's own test is not used: it reports pieces that were separated at a common edge as intersecting.
   const auto pairs = self_intersections(from_cgal(mesh));
   if (pairs.empty()) return 0;
   if (!pmp::experimental::remove_self_intersections(mesh, CGAL::parameters::preserve_genus(false))) {
@@ -213,7 +213,7 @@ Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairRepor
   rung("stitch", [&] { stitch(mesh, report); });
   rung("specks", [&] { drop_specks(mesh, report); });
   rung("holes", [&] { fill_holes(mesh, largest_hole, report); });
-  // What replaces triangles that intersect may be degenerate, and what replaces those may intersect.
+  // The triangles that replace intersecting ones may be degenerate, and their replacements may intersect.
   Index changed = 1;
   for (int round = 0; round < most_rounds && changed > 0; ++round) {
     rung("degenerate", [&] { remove_degenerate(mesh, report); });

@@ -21,8 +21,8 @@ class Sizing;
 // Pairs of triangles that intersect other than in what they share. Welded surface expected; at most `most`.
 std::vector<std::pair<Index, Index>> self_intersections(const Surface& surface, std::size_t most = 100000);
 
-// The rungs of Repair::basic; each appends to the report what it changed. After each, `done` gets what it
-// left.
+// The steps of Repair::basic. Each appends to the report what it changed, and then hands its result to
+// `done`.
 Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairReport& report,
                         const std::function<void(const Surface&)>& done);
 

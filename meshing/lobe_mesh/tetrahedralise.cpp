@@ -62,8 +62,8 @@ Model remesh_without_intersections(const Model& model, double edge) {
   throw MeshingFailure("remeshing left self-intersections: use --mesher cgal, or a shorter --edge");
 }
 
-// Repair takes bodies that touch along an edge or at a vertex apart, in the same place; Mesh_3 refines there
-// without end.
+// The repair separates bodies that touch along an edge or at a vertex, but leaves them in the same place.
+// Mesh_3 refines there without end.
 void refuse_touching(const Surface& surface) {
   std::map<std::array<double, 3>, Index> seen;
   for (Index v = 0; v < surface.points.cols(); ++v) {
@@ -76,7 +76,7 @@ void refuse_touching(const Surface& surface) {
   }
 }
 
-// The tries at one model, in a box of unit size.
+// Meshes one model several times, in a box of unit size, and keeps the best mesh.
 class Tries {
  public:
   Tries(const Model& model, const MeshOptions& options, MeshReport& report);
@@ -137,8 +137,8 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
   stopwatch_.phase("prepare");
 }
 
-// A body with features far smaller than the edge cannot be meshed well with them, and the refinement, the
-// relaxation and all further tries take minutes to find that out.
+// A body whose features are far smaller than the edge cannot be meshed well if they are kept. Without this
+// check, the refinement, the relaxation and all further tries would take minutes to find that out.
 void Tries::keep_features(std::size_t k) {
   const Surface& surface = scaled_.surfaces[k];
   const double shortest_edge = Sizing(scaled_, scaled_options_).shortest();
@@ -209,8 +209,8 @@ void Tries::improve(TetMesh& mesh) {
   stopwatch_.phase("relax");
 }
 
-// Keeps the mesh if it is the best so far: with the most labels, nearest to passing the gate, of the longest
-// time step.
+// Keeps the mesh if it is the best so far. Meshes are compared by the number of their labels, then by how
+// near they are to passing the gate, then by their time step.
 void Tries::one(Mesher mesher, double factor) {
   Attempt attempt{mesher, factor * options_.edge, 0, 0, {}};
   try {
@@ -249,7 +249,7 @@ TetMesh Tries::best() {
   constexpr double jitter[] = {1.0, 0.97, 1.03, 0.94, 1.05, 0.91, 1.02, 0.98};
   const Mesher other = options_.mesher == Mesher::cgal ? Mesher::tetgen : Mesher::cgal;
   const bool both = available(other);
-  // A mesher that failed will do so again at almost the same edge: then it is the other one's turn.
+  // A mesher that has failed will fail again at almost the same edge, so the other mesher is tried.
   const auto again = [&](Mesher mesher, double factor) {
     if (!out_of_time() && (!both || !failed(mesher))) one(mesher, factor);
   };
@@ -265,7 +265,8 @@ TetMesh Tries::best() {
   return std::move(best_);
 }
 
-// The refinement of an image keeps labels apart, but its boundary may touch itself where theirs does.
+// The refinement of an image separates the labels, but the boundary of the mesh may touch itself where the
+// boundary of the labels does.
 void warn_of_pinches(const TetMesh& mesh, MeshReport& report) {
   const Diagnosis boundary = diagnose(boundary_surface(mesh));
   for (const Finding* finding : {&boundary.non_manifold_edges, &boundary.non_manifold_points}) {

@@ -55,8 +55,8 @@ VolumeMatch::VolumeMatch(TetMesh& mesh, const Interfaces& interfaces, const Free
       if (weight_[v] > 0) tets_at_[v].push_back(t);
 }
 
-// The height of the surface over the chords is the distance from it at the centre of a triangle, without that
-// which its corners have: they may have been moved off the surface before.
+// The height of the surface over the chords of a triangle: the distance from the surface at its centre, less
+// the distance of its corners, which may have been moved off the surface before.
 void VolumeMatch::weigh(const Interfaces& interfaces) {
   std::vector<double> area_at(mesh_.vertex_count(), 0), faces_at(mesh_.vertex_count(), 0);
   weight_.assign(mesh_.vertex_count(), 0);
@@ -110,8 +110,9 @@ void VolumeMatch::find_gradients() {
   }
 }
 
-// p of the labels whose error is above the accepted one, so that it comes below; 0 of the others, which may
-// change. The rank is less than their number where nothing of a label can move.
+// Finds p of the labels whose error is above the accepted one, so that the error falls below it. p is 0 for
+// the other labels; their volumes may change. The rank is below the number of labels if no vertex of a label
+// can move.
 Eigen::VectorXd VolumeMatch::pressures() const {
   const auto labels = static_cast<Eigen::Index>(goals_.size());
   const std::vector<double> volumes = label_volumes(mesh_, static_cast<int>(labels));

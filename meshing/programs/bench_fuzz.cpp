@@ -125,7 +125,7 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// "" if the mesh is whole: read_mesh() checks indices, orientation, flatness and faces.
+// Returns what is wrong with a mesh, or "". read_mesh() checks indices, orientation, flatness and faces.
 std::string fault_of(const std::filesystem::path& mesh) {
   try {
     read_mesh(mesh);
@@ -147,7 +147,7 @@ struct Counts {
   }
 };
 
-// A line per kind of damage, and one of all together: for people, and as CSV.
+// Writes a line per kind of damage and one for all of them, as a table and as CSV.
 void write_tables(const std::map<std::string, Counts>& counts, const std::filesystem::path& folder) {
   std::string table =
                   "| damage | surfaces | meshed | refused by name | gave up by name | wrong "
@@ -178,7 +178,8 @@ void write_tables(const std::map<std::string, Counts>& counts, const std::filesy
   io::write_file(folder / "fuzz.csv", csv);
 }
 
-// Coarse, so that a thousand surfaces take minutes; where the size makes no sense, lobe-mesh's own choice.
+// The edge to mesh with. It is long, so that a thousand surfaces take minutes. If the size of the surface
+// makes no sense, lobe-mesh chooses the edge.
 std::vector<std::string> arguments(const std::string& file, const std::string& mesh, const Surface& surface,
                                    const BenchOptions& options) {
   std::vector<std::string> words{
@@ -188,7 +189,7 @@ std::vector<std::string> arguments(const std::string& file, const std::string& m
   return words;
 }
 
-// "" or what is wrong.
+// Returns what is wrong, or "".
 std::string run_one(const std::filesystem::path& file, const Surface& surface, const BenchOptions& options,
                     Counts& counts) {
   ++counts.surfaces;

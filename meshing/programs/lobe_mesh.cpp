@@ -109,7 +109,7 @@ TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport&
   return mesh;
 }
 
-// The mesh is there already: no picture is a failure of its own.
+// The mesh is written already when a picture fails, so this failure is reported separately.
 int draw(const Options& o, const TetMesh& mesh, const MeshReport& report) {
   o.mesh.progress("picture", -1);
   const std::string failure = draw_picture(o.picture, mesh, report);
@@ -132,7 +132,8 @@ int run(const Options& o) {
   return o.picture.empty() ? 0 : draw(o, mesh, report);
 }
 
-// The meshers keep the time limit themselves; this is for everything else, some seconds later.
+// Ends the run some seconds after the time limit. The meshers observe the limit themselves; this is for all
+// other work.
 void limit_time(double seconds) {
   std::signal(SIGALRM, [](int) {
     static constexpr char message[] =
@@ -170,7 +171,7 @@ int run_and_report(const Options& options) {
   }
 }
 
-// What a process that was killed left half written beside its outputs.
+// Removes the half-written files that a killed process has left in the folders of its outputs.
 void remove_parts(const Options& o, int process) {
   for (const std::string& output : o.outputs()) {
     const std::filesystem::path file(output);
@@ -193,8 +194,8 @@ ChildResult run_watched(Options options) {
                        [&] { line.draw(); });
 }
 
-// The work is done by a copy of this process with a temporary folder of its own, so that a crash inside a
-// geometry library is a message, and a cancelled run leaves nothing behind.
+// A copy of this process with a separate temporary folder does the work. So a crash inside a geometry library
+// becomes a message, and a cancelled run leaves nothing behind.
 int run_safely(const Options& options) {
   const TemporaryFolder folder;
   setenv("TMPDIR", folder.path().c_str(), 1);

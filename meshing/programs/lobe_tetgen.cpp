@@ -53,7 +53,7 @@ TetgenFile result(const tetgenio& out) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // TetGen frees twice when an exception unwinds it: leave at once, whatever is thrown.
+  // TetGen frees memory twice if an exception unwinds it. So the program ends at once, whatever is thrown.
   std::set_terminate([] { _exit(3); });
   TetgenFile surface;
   if (argc != 4 || !surface.read(argv[1])) return 2;

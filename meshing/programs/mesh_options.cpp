@@ -38,7 +38,7 @@ void check_image(const CLI::App& app, const Options& o, std::vector<Fault>& faul
     faults.push_back({"SURFACE", "a label image is meshed alone: it holds all the labels"});
 }
 
-// Each in a folder that is there, none is a folder, no two are the same.
+// Checks the names of the outputs: their folders exist, none is itself a folder, and no two are the same.
 void check_outputs(const Options& o, std::vector<Fault>& faults) {
   const std::vector<std::string> names = o.outputs();
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -49,7 +49,8 @@ Equations::Equations(const Ranks& ranks, const Part& part, const Setup& setup)
   add_loads(setup);
 }
 
-// Vertex loads are those of owned vertices; ghosts add what their tetrahedra weigh and what presses on faces.
+// Loads of vertices count for owned vertices only. Ghosts add the weight of their tetrahedra and the loads on
+// their faces.
 void Equations::add_loads(const Setup& setup) {
   Mat3X<double> loads = dead_loads(elements_, setup.face_loads, setup.vertex_loads);
   for (Index v = 0; v < loads.cols(); ++v) loads.col(v) += lumped_mass(elements_, v) * setup.gravity;
@@ -143,8 +144,8 @@ struct Pair {  // row and column of a block
 
 }  // namespace
 
-// The columns of each row of blocks: those that the own tetrahedra couple, and what other ranks tell of
-// theirs.
+// The columns of each row of blocks: those that the tetrahedra of this rank couple, and those that other
+// ranks report for their tetrahedra.
 void Equations::reserve(Mat matrix) {
   const PetscInt first = part_.owned > 0 ? part_.global[0] : 0, end = first + part_.owned;
   std::vector<std::vector<Pair>> to(std::size_t(ranks_.count()));

@@ -3,7 +3,7 @@
 namespace lobe::petsc {
 namespace {
 
-// The memory of the owned vertices and the ghosts, for as long as it lives.
+// Access to the memory of the owned vertices and the ghosts, while the object lives.
 class Memory {
  public:
   explicit Memory(Vec vec) : vec_(vec) {

@@ -87,8 +87,8 @@ void refuse_floating_pieces(const Ranks& ranks, const Part& part, const Elements
 
   std::vector<char> anchored(std::size_t(part.mesh.vertex_count()), 0), held(sizes.size(), 0);
   for (bool found = true; found;) {
-    // One row per given component: what it lets pass of the translations, and of the rotations about the
-    // centre.
+    // One row per prescribed component: its part of the three translations, and of the three rotations about
+    // the centre.
     std::vector<Gram> own(sizes.size(), Gram::Zero()), all = own;
     for (Index t = 0; t < part.mesh.tet_count(); ++t)
       for (int c = 0; c < 4; ++c)

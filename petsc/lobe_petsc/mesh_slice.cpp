@@ -18,10 +18,10 @@ struct Array {
   std::uint64_t at = 0;  // in the file: its first value
 };
 
-// A .vtu whose arrays lie in the file as they lie in memory.
+// A .vtu file whose arrays have the same bytes in the file as in memory.
 class RawVtu {
  public:
-  // Nothing if the file is another kind of mesh.
+  // Returns nothing if the file is another kind of mesh.
   static std::optional<RawVtu> open(const std::filesystem::path& file);
 
   Index tets = 0, vertices = 0;
@@ -121,7 +121,7 @@ void check_corners(const std::string& name, const MeshSlice& slice) {
                              std::to_string(slice.vertices - 1));
 }
 
-// Nothing if there are cells of other kinds on this rank.
+// Returns nothing if this rank has cells of other kinds.
 bool read_own(RawVtu& vtu, const Ranks& ranks, MeshSlice& slice) {
   slice.tets = vtu.tets;
   slice.vertices = vtu.vertices;

@@ -30,7 +30,8 @@ struct Tet {
   std::array<double, 3> fibre{};
 };
 
-// Faces meet where their first corner is held; each tetrahedron is told what lies across each of its faces.
+// Finds the tetrahedron across each face. All copies of a face are sent to the rank whose slice has its first
+// corner, and that rank answers.
 std::vector<Neighbour> find_neighbours(const Ranks& ranks, const MeshSlice& slice, const std::string& name) {
   std::vector<std::vector<Face>> to(std::size_t(ranks.count()));
   for (Index t = 0; t < slice.mesh.tet_count(); ++t)
@@ -124,7 +125,8 @@ struct Place {
   std::array<double, 3> point{};
 };
 
-// What the holder of a vertex tells each rank that has a tetrahedron of it: who owns it, and where it is.
+// What the rank that has read a vertex tells each rank with a tetrahedron of it: who owns the vertex, and its
+// position.
 std::vector<std::vector<Place>> ask_places(const Ranks& ranks, const MeshSlice& slice,
                                            const std::vector<std::vector<Index>>& asked) {
   const std::vector<std::vector<Index>> by = ranks.exchange(asked);
@@ -188,8 +190,8 @@ void take_vertices(const Ranks& ranks, const MeshSlice& slice, const std::vector
   number_vertices(ranks, owner, part);
 }
 
-// Corners, labels and fibres in local numbers. prepare() swaps corners 2 and 3 of what is inside out, and
-// with them the faces opposite to these.
+// Corners, labels and fibres in local numbers. prepare() swaps corners 2 and 3 of tetrahedra that are inside
+// out, and so the faces opposite to these corners.
 void take_tets(const std::vector<Tet>& tets, bool fibres, const std::string& name, Part& part) {
   const auto count = Eigen::Index(tets.size());
   part.mesh.tets.resize(4, count);

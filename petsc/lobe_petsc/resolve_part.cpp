@@ -94,7 +94,7 @@ class Selection {
   Ghosted scratch_;
 };
 
-// The nearest of each rank, and of these the nearest.
+// Finds the nearest of each rank, and then the nearest of these.
 Selector Selection::local(const SelectNearest& nearest, Kind kind, const std::string&) {
   struct Candidate {
     double distance;
@@ -248,7 +248,8 @@ class PartResolver {
       const std::int64_t all = ranks_.sum(std::int64_t(owned));
       expect_some(all, "vertex", place);
       if (vertices.empty()) continue;
-      // Each of all the vertices has an equal share of a force; resolve() shares it among those here.
+      // All vertices of the selection have an equal share of a force. resolve() would share it among those of
+      // this rank only.
       if (entry.kind == Boundary::Kind::force) entry.value *= double(vertices.size()) / double(all);
       entry.where = Selector{SelectVertices{std::move(vertices)}};
       local_.boundary.push_back(std::move(entry));

@@ -77,7 +77,7 @@ std::string index_of_pieces(int ranks) {
   return text + " </PUnstructuredGrid>\n</VTKFile>\n";
 }
 
-// The index is written after all pieces, and none names the pieces of two runs.
+// Writes the index after all pieces. So no index names pieces of two runs.
 void write_solution(const Ranks& ranks, const std::filesystem::path& directory, const Part& part,
                     const Elements& elements, const Mat3X<double>& u) {
   ranks.together([&] {

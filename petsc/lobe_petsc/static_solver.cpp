@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Options that a user gives in PETSC_OPTIONS win.
+// Sets an option of PETSc, unless the user has set it in PETSC_OPTIONS.
 void set_default(const char* name, const char* value) {
   PetscBool is_set = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, name, &is_set));
@@ -172,7 +172,7 @@ void Solver::assemble(Vec u) {
   result_.seconds.setup += since(start);
 }
 
-// Of the linear systems since the last call.
+// Counts the iterations of the linear systems since the last call.
 void Solver::count_linear() {
   if (direct_) return;
   PetscInt all = 0;
@@ -201,10 +201,10 @@ PetscErrorCode Solver::converged(SNES, PetscInt iteration, PetscReal, PetscReal,
   });
 }
 
-// Halves the step until it inverts nothing and the potential falls, or the residual, where rounding hides
-// that. Sets state_ to that of the trial. Coarse levels of multigrid know nothing of single given components,
-// which an iterative solution therefore leaves at zero only to its tolerance: they are cleared, or the body
-// would creep away from where it is held.
+// Halves the step until it inverts no tetrahedron and lowers the potential, or lowers the residual where
+// rounding hides the potential. Sets state_ to that of the trial. Coarse levels of multigrid do not know
+// single prescribed components, so an iterative solution leaves these at zero only to its tolerance. They are
+// set to zero, or the body would creep away from where it is held.
 const char* Solver::search(Vec u, Vec direction, Vec forces, Vec trial, Vec trial_forces, double& length) {
   const State before = state_;
   PetscScalar slope = 0;
@@ -244,8 +244,7 @@ PetscErrorCode Solver::line_search(SNESLineSearch search, void* self) {
   });
 }
 
-// Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at
-// first.
+// Moves the boundary to the prescribed displacements of the load fraction. The body first follows linearly.
 bool Solver::follow_boundary() {
   equations_.boundary_move(u_, fraction_, move_);
   PetscReal size = 0;

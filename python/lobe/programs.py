@@ -14,7 +14,7 @@ from ._lobe import InputError, Mesh, Scene, World, read_mesh
 
 
 def _program():
-    """The program `lobe`: $LOBE_PROGRAM, else beside this package in a build, else on the path."""
+    """The program `lobe`: $LOBE_PROGRAM, else the one of the build that this package is in, else the one on the path."""
     here = pathlib.Path(__file__).resolve().parent
     candidates = [os.environ.get("LOBE_PROGRAM"), here.parent.parent / "bin" / "lobe", shutil.which("lobe")]
     for candidate in candidates:

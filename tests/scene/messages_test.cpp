@@ -117,9 +117,9 @@ TEST_CASE("materials are one of two pairs, and stable") {
        "/materials/1/poisson_ratio: 0.5, must be below 0.5"},
       {R"({"materials": [{"young_modulus": 0, "poisson_ratio": -1}]})",
        "/materials/0/poisson_ratio: -1, must be above -1\n/materials/0/young_modulus: 0, must be above 0"},
-      {R"({"materials": [{"lame_lambda": 1}]})", "/materials/0: \"lame_lambda\" needs \"lame_mu\" beside it"},
+      {R"({"materials": [{"lame_lambda": 1}]})", "/materials/0: \"lame_lambda\" also needs \"lame_mu\""},
       {R"({"materials": [{"poisson_ratio": 0.1}]})",
-       "/materials/0: \"poisson_ratio\" needs \"young_modulus\" beside it"},
+       "/materials/0: \"poisson_ratio\" also needs \"young_modulus\""},
       {R"({"materials": [{}]})",
        "/materials/0: needs exactly one of \"lame_lambda\" with \"lame_mu\", \"young_modulus\" with "
        "\"poisson_ratio\" or \"young_modulus_along\""},

@@ -323,7 +323,7 @@ TEST_CASE("a grasp may name copies, which cuts make, beside vertices of the mesh
       "\"where\"");
   CHECK(faults(R"({"regions": {"auto": {}}, "tools": [
           {"type": "grasp", "where": {"not": {"all": true}}, "copies": [31], "path": [[0, 0, 0, 0]]}]})") ==
-        "/tools/0/where: must select a vertex of the mesh, beside automatic regions");
+        "/tools/0/where: must select a vertex of the mesh if regions are automatic");
 }
 
 TEST_CASE("a cautery that only passes through between two points is near") {

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/suspicions.h"
+#include "lobe/scene/tool_kinds.h"
 #include "lobe/text.h"
-
-#include "lobe/scene/json_text.h"
 
 namespace lobe {
 namespace {

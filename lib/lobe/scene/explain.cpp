@@ -176,7 +176,7 @@ class Explainer {
       if (!object.contains(key)) continue;
       for (const std::string partner : partners) {
         if (!object.contains(partner))
-          add(place, in_quotes(key) + " needs " + in_quotes(partner) + " beside it");
+          add(place, in_quotes(key) + " also needs " + in_quotes(partner));
       }
     }
   }

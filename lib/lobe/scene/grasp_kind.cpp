@@ -45,7 +45,7 @@ void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& 
   auto vertices =
       resolution.selected([&] { return select_vertices(*tool.where, setup.mesh, here + "/where"); });
   if (vertices.empty() && !tool.copies.empty() && resolution.scene.auto_regions)
-    resolution.fail(here + "/where", "must select a vertex of the mesh, beside automatic regions");
+    resolution.fail(here + "/where", "must select a vertex of the mesh if regions are automatic");
   if (vertices.empty() && tool.copies.empty() && resolution.faults.size() == before) {
     resolution.fail_empty(here + "/where", "vertex");
   }

@@ -9,6 +9,7 @@
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_selector.h"
 #include "lobe/scene/read_shape.h"
+#include "lobe/scene/tool_kinds.h"
 #include "lobe/scene/validate.h"
 
 namespace lobe {

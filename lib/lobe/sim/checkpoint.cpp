@@ -216,7 +216,6 @@ Checkpoint<Real> read_checkpoint(const std::filesystem::path& file) {
 
 template <class Real>
 void CheckpointRing<Real>::keep(const World<Real>& world, std::size_t mark) {
-  constexpr double just_before = 1e-9;  // times are sums of frames [s]
   if (most_ == 0) return;
   if (!kept_.empty() && world.time() < kept_.back().checkpoint.state.time + apart_ - just_before) return;
   if (kept_.size() == most_) kept_.pop_front();

@@ -3,8 +3,8 @@
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 // Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the
-// organ: the slope in xyz, the height in w, from 0 to 1. What is finer than pixels is left out, since it would
-// flicker.
+// organ: the slope in xyz, the height in w, from 0 to 1. What is finer than pixels is left out, since it
+// would flicker.
 const noise = /* glsl */ `
 varying vec3 vRest;
 float hashed(vec3 p) {

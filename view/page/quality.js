@@ -4,7 +4,7 @@
 /** What is drawn at a step.
  *  @typedef {object} Step
  *  @property {'fine'|'quick'} look  of looks.js
- *  @property {number} shadow  pixels across the shadow map; 0: the shadow is the organ laid flat on the ground
+ *  @property {number} shadow  pixels across the shadow map; 0: the shadow is the organ laid flat
  *  @property {boolean} hasShadow
  *  @property {number} every  of so many pictures one has its shadows drawn anew
  *  @property {number} pixels  that are drawn per pixel of the window, along a line

@@ -31,11 +31,9 @@ await page.goto(await server.start(scene));
 await until(page, () => window.lobe?.frames > 2 && lobe.organ.x);
 await page.evaluate(async () => {
   const {stage} = lobe;
-  stage.adapt = () => {};
+  stage.hold({...stage.best, pixels: 1});
   lobe.ask({do: 'pause', on: true});
   lobe.ask({do: 'restart'});
-  stage.look !== 'fine' && stage.setLook('fine');
-  stage.setPixelRatio(1, 1);
   // which says that it is paused between two pictures
   document.getElementById('factor').style.display = 'none';
   stage.draw = () => {

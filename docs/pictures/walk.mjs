@@ -53,8 +53,8 @@ async function drag(from, ...ways) {
 await page.goto(await server.start(scene));
 await need('the page opens', () => window.lobe?.frames > 2 && lobe.organ.x);
 await page.evaluate(() => {
-  lobe.stage.adapt = () => {};
-  lobe.stage.setPixelRatio(1, 1);
+  const {stage} = lobe;
+  stage.hold({...stage.best, pixels: 1});
 });
 await picture('opened');
 const at = await grip(page);

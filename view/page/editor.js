@@ -154,7 +154,7 @@ export class Editor {
       place.append(note('Simulate this, paint over it, or undo it.'));
       for (const text of proposal.notes) place.append(note(text));
     } else {
-      place.textContent = 'It finds what may be linear, for this error in what your hands did.';
+      place.textContent = 'It finds what may be linear: for what your hands did, with an error below that.';
     }
   }
 

@@ -3,29 +3,30 @@
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 // Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the
-// organ.
+// organ: the slope in xyz, the height in w, from 0 to 1. What is finer than pixels is left out, since it
+// would flicker.
 const noise = /* glsl */ `
 varying vec3 vRest;
 float hashed(vec3 p) {
   p = 17.0 * fract(p * 0.3183099 + 0.1);
   return fract(p.x * p.y * p.z * (p.x + p.y + p.z));
 }
-float unevenness(vec3 p) {
-  vec3 i = floor(p), f = fract(p);
-  f = f * f * (3.0 - 2.0 * f);
+vec4 unevenness(vec3 p) {
+  vec3 i = floor(p), f = fract(p), s = f * f * (3.0 - 2.0 * f);
   vec2 e = vec2(0, 1);
   vec4 low = vec4(hashed(i), hashed(i + e.yxx), hashed(i + e.xyx), hashed(i + e.yyx));
   vec4 high = vec4(hashed(i + e.xxy), hashed(i + e.yxy), hashed(i + e.xyy), hashed(i + e.yyy));
-  vec4 between = mix(low, high, f.z);
-  vec2 across = mix(between.xz, between.yw, f.x);
-  return mix(across.x, across.y, f.y);
+  vec4 between = mix(low, high, s.z), up = high - low;
+  vec2 across = mix(between.xz, between.yw, s.x), along = mix(between.xy, between.zw, s.y);
+  vec2 upwards = mix(up.xz, up.yw, s.x);
+  vec3 slope = 6.0 * f * (1.0 - f) *
+    vec3(along.y - along.x, across.y - across.x, mix(upwards.x, upwards.y, s.y));
+  float wide = max(length(dFdx(p)), length(dFdy(p))), share = 1.0 - smoothstep(0.35, 1.1, wide);
+  return vec4(share * slope, mix(0.5, mix(across.x, across.y, s.y), share));
 }
-vec3 bumped(vec3 n, float height) {
-  vec3 sx = dFdx(-vViewPosition), sy = dFdy(-vViewPosition);
-  vec3 r1 = cross(sy, n), r2 = cross(n, sx);
-  float det = dot(sx, r1);
-  vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
-  return normalize(abs(det) * n - gradient);
+vec3 tilted(vec3 n, vec3 slope) {
+  vec3 g = mat3(viewMatrix) * slope;
+  return normalize(n - g + dot(g, n) * n);
 }
 `;
 
@@ -42,15 +43,15 @@ function roughen(material, wetness, amount) {
       .replace(
         '#include <normal_fragment_maps>',
         `#include <normal_fragment_maps>
-        float grain = unevenness(vRest * 900.0), patches = unevenness(vRest * 260.0);
-        normal = bumped(normal, ${amount} * (grain + 2.0 * patches));
-        diffuseColor.rgb *= 0.86 + 0.16 * grain + 0.14 * patches;`,
+        vec4 grain = unevenness(vRest * 900.0), patches = unevenness(vRest * 260.0);
+        normal = tilted(normal, ${amount} * (900.0 * grain.xyz + 520.0 * patches.xyz));
+        diffuseColor.rgb *= 0.86 + 0.16 * grain.w + 0.14 * patches.w;`,
       )
       .replace(
         '#include <clearcoat_normal_fragment_maps>',
         `#include <clearcoat_normal_fragment_maps>
         #ifdef USE_CLEARCOAT
-          clearcoatNormal = bumped(clearcoatNormal, ${wetness} * patches);
+          clearcoatNormal = tilted(clearcoatNormal, ${wetness} * 260.0 * patches.xyz);
         #endif`,
       );
   };

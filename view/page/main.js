@@ -47,6 +47,8 @@ class Page {
     this.mode = 'live';
     this.stage.before.push(() => this.showFrame());
     this.stage.drawn.push(() => this.connection.drawn());
+    this.stage.onQuality.push(() => this.showQuality());
+    this.showQuality();
     this.connection = new Connection({
       frame: frame => this.receive(frame),
       event: event => this.hear(event),
@@ -163,6 +165,11 @@ class Page {
     element('back').disabled = !(status.can_go_back > 0);
   }
 
+  showQuality() {
+    const {words} = this.stage.step;
+    element('quality').textContent = words && `drawn with ${words}`;
+  }
+
   showLegend() {
     this.legendAt = performance.now();
     const {quantity, range, shares} = this.organ;
@@ -187,13 +194,10 @@ class Page {
         this.ask({do: 'hand_over'});
         this.banner(null);
       });
-    if (event.event === 'error') {
-      this.messages.add(event.text, 'bad');
+    // Where one paints it stands in the panel, beside the button that was pressed.
+    if (event.event === 'error' || event.event === 'note') {
       if (this.mode === 'edit') this.editor.note(event.text);
-    }
-    if (event.event === 'note') {
-      this.messages.add(event.text);
-      if (this.mode === 'edit') this.editor.note(event.text);
+      else this.messages.add(event.text, event.event === 'error' ? 'bad' : '');
     }
   }
 

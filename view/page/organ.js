@@ -29,12 +29,18 @@ export class Organ {
     );
     this.lines.visible = false;
     this.lines.frustumCulled = false;
+    // Where an opened face meets the skin: so a cut is seen that has not come apart.
+    this.rim = new THREE.LineSegments(
+      new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({color: 0x250303, transparent: true, opacity: 0.75}),
+    );
+    this.rim.frustumCulled = false;
     this.shadow = new THREE.Mesh(
       new THREE.BufferGeometry(),
       new THREE.MeshBasicMaterial({toneMapped: false}),
     );
     this.shadow.matrixAutoUpdate = this.shadow.frustumCulled = false;
-    stage.scene.add(this.mesh, this.lines, this.shadow);
+    stage.scene.add(this.mesh, this.lines, this.rim, this.shadow);
     this.fibres = new Fibres(stage, document.getElementById('fibres'));
     stage.onLook.push(() => this.dress());
     this.dress();
@@ -49,10 +55,11 @@ export class Organ {
     this.looks ??= {};
     this.look = this.looks[stage.look] ??= stage.look === 'fine' ? fineLook() : quickLook(stage);
     this.mesh.material = [this.look.skin, this.look.opened];
-    this.shadow.visible = stage.look === 'quick';
+    this.shadow.visible = stage.look === 'quick' && stage.step.hasShadow;
     this.shadow.material.color.copy(stage.scene.background).multiplyScalar(0.5);
     this.look.shine(this.quantity === 'tissue');
     this.shadeFlat();
+    if (this.smooth && this.smooth.levels.length !== this.levels()) this.rebuild();
   }
 
   shadeFlat() {
@@ -126,9 +133,9 @@ export class Organ {
 
   levels() {
     if (this.showsMesh) return 0;
-    const triangles = this.topology.region.length;
-    if (this.stage.software) return triangles < 8000 ? 1 : 0;
-    return triangles < 6000 ? 2 : triangles < 40000 ? 1 : 0;
+    const triangles = this.topology.region.length,
+      worthwhile = triangles < 6000 ? 2 : triangles < 40000 ? 1 : 0;
+    return Math.min(worthwhile, this.stage.step.levels);
   }
 
   rebuild() {
@@ -160,6 +167,7 @@ export class Organ {
     this.lines.visible = this.showsMesh;
     this.shadeFlat();
     this.rebuildLines();
+    this.rebuildRim(skin);
     this.fixedColours();
     if (this.served?.length === this.surface.rest.length) this.move(this.served);
   }
@@ -193,6 +201,23 @@ export class Organ {
     }
     this.lines.geometry.setAttribute('position', this.position).setIndex(index);
     this.lines.geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(), 1e9);
+  }
+
+  // Edges that one triangle of an opened face has alone.
+  rebuildRim(skin) {
+    const count = this.smooth.vertexCount,
+      t = this.smooth.triangles,
+      once = new Map();
+    for (let i = skin; i < t.length; ++i) {
+      const a = t[i],
+        b = t[i % 3 === 2 ? i - 2 : i + 1],
+        key = Math.min(a, b) * count + Math.max(a, b);
+      once.has(key) ? once.set(key, null) : once.set(key, [a, b]);
+    }
+    const index = [...once.values()].filter(Boolean).flat();
+    this.rim.geometry.dispose();
+    this.rim.geometry = new THREE.BufferGeometry().setAttribute('position', this.position).setIndex(index);
+    this.rim.visible = index.length > 0;
   }
 
   show(quantity) {

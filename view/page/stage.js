@@ -1,4 +1,5 @@
 // Where the organ lies: renderer, light, camera. It draws when something has changed, and not otherwise.
+import {firstQuick, ladder, Quality} from './quality.js';
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 const background = new THREE.Color(0x161d21),
@@ -18,18 +19,21 @@ export class Stage {
   constructor(canvas, software) {
     this.canvas = canvas;
     this.software = software;
-    this.renderer = new THREE.WebGLRenderer({
-      canvas,
-      antialias: !software,
-      powerPreference: 'high-performance',
-    });
+    // Nothing is behind it: the browser need not mix it with anything.
+    const wanted = {alpha: false, antialias: !software, powerPreference: 'high-performance'};
+    this.renderer = new THREE.WebGLRenderer({canvas, context: canvas.getContext('webgl2', wanted)});
     this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.05;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.scene = new THREE.Scene();
-    this.look = software ? 'quick' : 'fine'; // which looks.js knows
+    const steps = ladder(Math.min(devicePixelRatio, software ? 1 : 2));
+    [this.best] = steps;
+    // Software stays in the quick look: to compile the shaders of the other takes it seconds.
+    this.quality = new Quality(software ? steps.slice(firstQuick(steps)) : steps, 0);
+    this.step = this.quality.step; // of quality.js, at which it draws
     this.onLook = []; // called when it has changed
+    this.onQuality = []; // called with the step, when that has changed by itself
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
@@ -41,9 +45,9 @@ export class Stage {
     this.before = []; // called when the browser draws next, whether or not there is a new picture
     this.after = []; // called after each picture
     this.drawn = []; // called when the graphics card has finished it
-    this.mostPixels = this.pixelRatio = Math.min(devicePixelRatio, software ? 1 : 2);
     this.slow = 0; // what a picture takes, a mean [ms]
     this.pictures = 0;
+    this.shadowAge = 0; // pictures since the shadow map was drawn
     this.addLights();
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
@@ -56,7 +60,6 @@ export class Stage {
     maker.dispose();
     this.key = new THREE.DirectionalLight(0xfff1e2, 2.1);
     this.key.castShadow = true;
-    this.key.shadow.mapSize.setScalar(2048);
     this.key.shadow.bias = -0.0006;
     this.key.shadow.normalBias = 0.0015;
     this.key.shadow.radius = 3;
@@ -72,19 +75,34 @@ export class Stage {
     );
     this.ground.receiveShadow = true;
     this.scene.add(this.ground);
-    this.setLook(this.look);
+    this.draws(this.step);
   }
 
-  /** 'fine' or 'quick'. */
-  setLook(look) {
-    this.look = look;
-    const fine = look === 'fine';
+  get look() {
+    return this.step.look;
+  }
+  get pixelRatio() {
+    return this.step.pixels;
+  }
+
+  /** Draws at a step of quality.js from now on, until it goes to another one by itself. */
+  draws(step) {
+    this.step = step;
+    const fine = step.look === 'fine',
+      {shadow} = this.key;
     document.body.classList.toggle('plain-glass', !fine); // blurring takes as long as the organ
     this.renderer.shadowMap.enabled = this.key.castShadow = this.ground.visible = fine;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.renderer.shadowMap.needsUpdate = true;
+    if (fine && shadow.mapSize.x !== step.shadow) {
+      shadow.mapSize.setScalar(step.shadow);
+      shadow.map?.dispose();
+      shadow.map = null;
+    }
     this.scene.background = fine ? background : plainBackground;
     this.scene.fog = fine ? new THREE.Fog(background, 5 * this.size, 14 * this.size) : null;
     for (const f of this.onLook) f();
-    this.invalidate();
+    this.resize();
   }
 
   /** What lays things flat on the ground, along the light. */
@@ -118,7 +136,7 @@ export class Stage {
       far: 10 * this.size,
     });
     light.updateProjectionMatrix();
-    this.setLook(this.look);
+    this.draws(this.step);
     this.home();
   }
 
@@ -231,6 +249,7 @@ export class Stage {
     if (this.fence) return; // then watch() goes on
     requestAnimationFrame(() => {
       this.isAwake = false;
+      this.begun = performance.now();
       for (const f of this.before) f();
       if (!this.isOld) return;
       this.draw();
@@ -241,12 +260,27 @@ export class Stage {
   draw() {
     this.isOld = false;
     this.pictures += 1;
+    this.begun ??= performance.now();
+    this.ageShadow();
     this.renderer.render(this.scene, this.camera);
     const gl = this.renderer.getContext();
-    this.begun = performance.now();
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     this.watch();
+  }
+
+  // Where not every picture has its shadows drawn anew, the last one before all is still has.
+  ageShadow() {
+    const {shadowMap} = this.renderer;
+    if (!shadowMap.enabled) return;
+    clearTimeout(this.lastShadow);
+    this.shadowAge = this.shadowAge + 1 >= this.step.every ? 0 : this.shadowAge + 1;
+    if (this.shadowAge === 0) shadowMap.needsUpdate = true;
+    if (shadowMap.needsUpdate) return;
+    this.lastShadow = setTimeout(() => {
+      shadowMap.needsUpdate = true;
+      this.invalidate();
+    }, 150);
   }
 
   /** Whether the graphics card, or what stands in for it, has finished the last picture. */
@@ -255,7 +289,8 @@ export class Stage {
       took = performance.now() - this.begun;
     if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED && took < 1000) return false;
     gl.deleteSync(this.fence);
-    this.fence = null;
+    this.fence = this.begun = null;
+    this.slow += 0.15 * (took - this.slow);
     this.adapt(took);
     for (const f of this.drawn) f();
     if (this.isAwake) {
@@ -277,37 +312,26 @@ export class Stage {
     return Math.max(120, 5 * this.slow);
   }
 
-  /** Fewer pixels where pictures take too long, then the quick look; more where there is time again. */
-  adapt(milliseconds) {
-    this.slow += 0.15 * (milliseconds - this.slow);
-    const fewest = 0.5;
-    if (this.slow > 24 && this.pixelRatio > fewest) {
-      this.setPixelRatio(0.8 * this.pixelRatio, fewest);
-    } else if (this.slow > 40 && this.look === 'fine') {
-      this.setPixelRatio(1, fewest);
-      this.setLook('quick');
-    } else if (this.slow < 7 && this.pixelRatio < this.mostPixels) {
-      this.setPixelRatio(1.25 * this.pixelRatio, fewest);
-    }
+  /** A picture took so long [ms]. Goes to another step of quality where that is too long, or very short. */
+  adapt(took) {
+    if (document.hidden || !this.quality.drew(took, performance.now())) return;
+    this.draws(this.quality.step);
+    for (const f of this.onQuality) f(this.step);
   }
 
-  setPixelRatio(ratio, fewest) {
-    this.pixelRatio = Math.max(fewest, Math.min(this.mostPixels, ratio));
-    this.slow = 14;
-    this.resize();
+  /** Draws at this step of quality, whatever it takes. */
+  hold(step) {
+    this.adapt = () => {};
+    this.draws(step);
   }
 
   /** A picture without haste: what is on the canvas is that until the next one is drawn. */
   drawFine(then) {
-    const {look, pixelRatio} = this;
-    this.pixelRatio = Math.max(1, this.mostPixels);
-    this.setLook('fine');
-    this.resize();
+    const {step, best} = this;
+    this.draws({...best, pixels: Math.max(1, best.pixels)});
     this.renderer.render(this.scene, this.camera);
     then(this.canvas);
-    this.pixelRatio = pixelRatio;
-    this.setLook(look);
-    this.resize();
+    this.draws(step);
   }
 }
 

@@ -15,12 +15,12 @@ TEST_CASE("a lattice takes over a linear field exactly, and conserves the moment
   F << 1.2, 0.3, -0.1, 0.05, 0.8, 0.2, -0.2, 0.1, 1.1;
   const Mat3X<double> linear = affine_displacement(box.setup.mesh.points, F);
   Mat3X<double> q = Mat3X<double>::Zero(3, box.lattice.node_count());
-  settle(box.elements, box.lattice, box.embedding, mass, 1000, all, linear, q);
+  settle(box.elements, box.lattice, box.embedding, box.embedding.cells, mass, 1000, all, linear, 1e-24, q);
   CHECK((q - affine_displacement(box.lattice.nodes, F)).cwiseAbs().maxCoeff() <
         1e-10 * linear.cwiseAbs().maxCoeff());
 
   const Mat3X<double> rough = random_displacement(box.setup.mesh.vertex_count(), 1);
-  settle(box.elements, box.lattice, box.embedding, mass, 1000, all, rough, q);
+  settle(box.elements, box.lattice, box.embedding, box.embedding.cells, mass, 1000, all, rough, 1e-24, q);
   const Mat3X<double> taken = interpolated(box, q);
   Vec3d before = Vec3d::Zero(), after = before, spin_before = before, spin_after = before;
   double size = 0;
@@ -45,8 +45,8 @@ TEST_CASE("nodes that are not touched stay as they are") {
   some[10] = some[11] = 1;
   const Mat3X<double> before = random_displacement(box.lattice.node_count(), 1);
   Mat3X<double> q = before;
-  settle(box.elements, box.lattice, box.embedding, mass, 1000, some,
-         random_displacement(box.setup.mesh.vertex_count(), 1), q);
+  settle(box.elements, box.lattice, box.embedding, box.embedding.cells, mass, 1000, some,
+         random_displacement(box.setup.mesh.vertex_count(), 1), 1e-24, q);
   for (Index n = 0; n < q.cols(); ++n) CHECK((q.col(n) == before.col(n)) == (n != 10 && n != 11));
 }
 

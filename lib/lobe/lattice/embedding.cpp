@@ -13,33 +13,45 @@ double fluctuation_stiffness(const Elastic& e) {
   return e.mu * (3 * e.lambda + 2 * e.mu) / (2 * (e.lambda + e.mu));
 }
 
-void add_fluctuation(double stiffness, const CellGradients& at, LatticeCell& cell) {
-  const CellGradients apart = at - cell.gradients;
-  cell.fluctuation.noalias() += stiffness * apart * apart.transpose();
+void add_sample(const Elements& elements, const Lattice& lattice, Index sample, double sign, CellSums& sums) {
+  const Index tet = sample / tet_samples, part = lattice.part_of_sample[std::size_t(sample)];
+  const Vec3d X = elements.corner_points(tet) * sample_weights().col(sample % tet_samples);
+  const double volume = sign * elements.volume(tet) / tet_samples;
+  const CellGradients at = cell_gradients(lattice.in_cell(part, X), lattice.frame.edge);
+  sums.volume += volume;
+  sums.gradients += volume * at;
+  sums.squares.noalias() += volume * at.lazyProduct(at.transpose());
 }
 
-LatticeCell cell_of(const Elements& elements, const Lattice& lattice, Index part,
-                    const std::vector<Index>& samples) {
-  LatticeCell cell{.part = part, .tet = samples.front() / tet_samples};
-  std::vector<CellGradients> gradients;
-  const auto volume_of = [&](Index sample) { return elements.volume(sample / tet_samples) / tet_samples; };
-  for (Index sample : samples) {
-    const Vec3d X = elements.corner_points(sample / tet_samples) * sample_weights().col(sample % tet_samples);
-    gradients.push_back(cell_gradients(lattice.in_cell(part, X), lattice.frame.edge));
-    cell.volume += volume_of(sample);
-    cell.gradients += volume_of(sample) * gradients.back();
-  }
-  cell.gradients /= cell.volume;
-  const double alpha = fluctuation_stiffness(elements.elastic_of(cell.tet));
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    add_fluctuation(alpha / 2 * volume_of(samples[i]), gradients[i], cell);
+// Of the Gauss points of a cell, an eighth of whose volume each has, per volume.
+CellSums gauss_points(double edge) {
+  CellSums sums;
   const double inner = std::sqrt(1.0 / 12);
   for (int g = 0; g < 8; ++g) {
     Vec3d at = Vec3d::Constant(0.5 - inner);
     for (int d = 0; d < 3; ++d)
       if (g >> d & 1) at[d] = 0.5 + inner;
-    add_fluctuation(alpha / 2 * cell.volume / 8, cell_gradients(at, lattice.frame.edge), cell);
+    const CellGradients own = cell_gradients(at, edge);
+    sums.volume += 1.0 / 8;
+    sums.gradients += own / 8;
+    sums.squares += own * own.transpose() / 8;
   }
+  return sums;
+}
+
+// Σ_x V_x (g_x − N)(g_x − N)ᵀ.
+CellMatrix spread(const CellSums& sums, const CellGradients& N) {
+  const CellMatrix cross = sums.gradients * N.transpose();
+  return sums.squares - cross - cross.transpose() + sums.volume * N * N.transpose();
+}
+
+LatticeCell cell_of(const Elements& elements, Index part, Index tet, const CellSums& sums,
+                    const CellSums& gauss) {
+  LatticeCell cell{.part = part, .tet = tet};
+  cell.volume = sums.volume;
+  cell.gradients = sums.gradients / sums.volume;
+  const double alpha = fluctuation_stiffness(elements.elastic_of(tet));
+  cell.fluctuation = alpha / 2 * (spread(sums, cell.gradients) + sums.volume * spread(gauss, cell.gradients));
   return cell;
 }
 
@@ -49,19 +61,36 @@ double corner_mass(const Elements& elements, Index tet) {
 
 }  // namespace
 
-Embedding embed(const Elements& elements, const Lattice& lattice, std::vector<std::uint8_t> is_embedded) {
+std::vector<CellSums> sum_cells(const Elements& elements, const Lattice& lattice) {
+  std::vector<CellSums> sums(lattice.parts.size());
+  for (std::size_t i = 0; i < lattice.part_of_sample.size(); ++i)
+    if (const Index part = lattice.part_of_sample[i]; part >= 0)
+      add_sample(elements, lattice, static_cast<Index>(i), 1, sums[std::size_t(part)]);
+  return sums;
+}
+
+// Of a part, the fewer of its samples are summed: those that it has, or those that it does not have.
+Embedding embed(const Elements& elements, const Lattice& lattice, const std::vector<CellSums>& whole,
+                std::vector<std::uint8_t> is_embedded) {
+  struct Part {
+    Index tet = -1, embedded = 0, full = 0;  // the first that is embedded; numbers of samples
+  };
   Embedding e;
   e.is_embedded = std::move(is_embedded);
-  std::vector<std::vector<Index>> samples_of(lattice.parts.size());
-  std::vector<std::uint8_t> is_beside(e.is_embedded.size(), 0);
-  for (Index t = 0; t < static_cast<Index>(lattice.part_of_sample.size()) / tet_samples; ++t) {
-    const Index* parts = lattice.part_of_sample.data() + std::size_t(t) * tet_samples;
-    if (parts[0] < 0) continue;
+  std::vector<Part> parts(lattice.parts.size());
+  std::vector<std::uint8_t> is_beside(e.is_embedded.size(), 0),
+      is_full(lattice.part_of_sample.size() / tet_samples);
+  const auto for_samples = [&](auto&& visit) {  // visit(part, sample), of reduced tetrahedra
+    for (std::size_t i = 0; i < lattice.part_of_sample.size(); ++i)
+      if (lattice.part_of_sample[i] >= 0)
+        visit(std::size_t(lattice.part_of_sample[i]), static_cast<Index>(i));
+  };
+  for (Index t = 0; t < static_cast<Index>(is_full.size()); ++t) {
+    if (lattice.part_of_sample[std::size_t(t) * tet_samples] < 0) continue;
     const Eigen::Vector4i corners = elements.topology.corners(t);
-    if (std::all_of(corners.begin(), corners.end(), [&](Index v) { return e.embeds(v); })) {
-      for (int s = 0; s < tet_samples; ++s) samples_of[std::size_t(parts[s])].push_back(tet_samples * t + s);
-      continue;
-    }
+    is_full[std::size_t(t)] =
+        !std::all_of(corners.begin(), corners.end(), [&](Index v) { return e.embeds(v); });
+    if (!is_full[std::size_t(t)]) continue;
     e.full.push_back(t);
     for (Index v : corners) is_beside[std::size_t(v)] = e.is_embedded[std::size_t(v)];
   }
@@ -69,9 +98,27 @@ Embedding embed(const Elements& elements, const Lattice& lattice, std::vector<st
     if (e.is_embedded[std::size_t(v)]) e.vertices.push_back(v);
     if (is_beside[std::size_t(v)]) e.interface.push_back(v);
   }
-  for (Index part = 0; part < static_cast<Index>(samples_of.size()); ++part)
-    if (const std::vector<Index>& samples = samples_of[std::size_t(part)]; !samples.empty())
-      e.cells.push_back(cell_of(elements, lattice, part, samples));
+  for_samples([&](std::size_t part, Index sample) {
+    Part& own = parts[part];
+    if (is_full[std::size_t(sample / tet_samples)]) {
+      ++own.full;
+    } else if (own.embedded++ == 0) {
+      own.tet = sample / tet_samples;
+    }
+  });
+  std::vector<CellSums> sums = whole;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (parts[p].full >= parts[p].embedded) sums[p] = {};
+  for_samples([&](std::size_t part, Index sample) {
+    const Part& own = parts[part];
+    const bool is_left_out = is_full[std::size_t(sample / tet_samples)], subtracts = own.full < own.embedded;
+    if (own.embedded > 0 && is_left_out == subtracts)
+      add_sample(elements, lattice, sample, subtracts ? -1 : 1, sums[part]);
+  });
+  const CellSums gauss = gauss_points(lattice.frame.edge);
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (parts[p].embedded > 0)
+      e.cells.push_back(cell_of(elements, static_cast<Index>(p), parts[p].tet, sums[p], gauss));
   std::stable_sort(e.cells.begin(), e.cells.end(), [&](const LatticeCell& a, const LatticeCell& b) {
     return lattice.parts[std::size_t(a.part)].material < lattice.parts[std::size_t(b.part)].material;
   });

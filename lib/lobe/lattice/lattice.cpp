@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -12,10 +13,11 @@
 namespace lobe {
 namespace {
 
-constexpr double chosen_cells = 20;  // along the diagonal of the regions
-constexpr double chosen_tets = 1.8;  // mean edges of tetrahedra, at least
-constexpr double fewest_tets = 1.2;  // a finer lattice is refused
-constexpr double fewest_cells = 2;   // along the longest side of the regions: a coarser one is refused
+constexpr double chosen_cells = 20;   // along the diagonal of the regions
+constexpr double chosen_tets = 1.5;   // mean edges of tetrahedra, at least
+constexpr double fewest_tets = 1.1;   // a finer lattice is refused
+constexpr double least_filled = 0.2;  // share of a cell; a smaller part joins a neighbour
+constexpr double fewest_cells = 2;    // along the longest side of the regions: a coarser one is refused
 
 std::vector<Index> reduced_tets(const Elements& elements) {
   std::vector<Index> tets;
@@ -67,6 +69,7 @@ class Maker {
 
   Lattice make() {
     make_parts();
+    join_small_parts();
     make_nodes();
     place_vertices();
     return std::move(lattice_);
@@ -75,6 +78,9 @@ class Maker {
  private:
   void make_parts();
   void add_parts(const Place* begin, const Place* end);
+  void join_small_parts();
+  Index nearest_part(Index sample, const std::vector<double>& filled) const;
+  double distance(Index part, const Vec3d& X) const;
   void make_nodes();
   void place_vertices();
   std::vector<Index> parts_around(Index vertex) const;
@@ -118,6 +124,57 @@ void Maker::add_parts(const Place* begin, const Place* end) {
       lattice_.parts.push_back({{begin->cell[0], begin->cell[1], begin->cell[2]}, begin->material, {}});
     lattice_.part_of_sample[std::size_t(place->sample)] = found->second;
   }
+}
+
+// Nodes of a sliver would hardly be held by anything. Its samples join the nearest part around their
+// tetrahedra that is none; the cell of that reaches a little beyond itself.
+void Maker::join_small_parts() {
+  std::vector<Index>& part_of = lattice_.part_of_sample;
+  std::vector<double> filled(lattice_.parts.size(), 0);  // shares of a cell
+  for (std::size_t i = 0; i < part_of.size(); ++i)
+    if (part_of[i] >= 0)
+      filled[std::size_t(part_of[i])] += elements_.volume(static_cast<Index>(i) / tet_samples) / tet_samples /
+                                         std::pow(lattice_.frame.edge, 3);
+  std::vector<Index> joined = part_of;
+  for (std::size_t i = 0; i < part_of.size(); ++i)
+    if (part_of[i] >= 0 && filled[std::size_t(part_of[i])] < least_filled)
+      joined[i] = nearest_part(static_cast<Index>(i), filled);
+  std::vector<Index> number(lattice_.parts.size(), -1);
+  std::vector<Lattice::Part> left;
+  for (Index part : joined)
+    if (part >= 0) number[std::size_t(part)] = 0;
+  for (std::size_t p = 0; p < number.size(); ++p) {
+    if (number[p] < 0) continue;
+    number[p] = static_cast<Index>(left.size());
+    left.push_back(lattice_.parts[p]);
+  }
+  for (Index& part : joined)
+    if (part >= 0) part = number[std::size_t(part)];
+  part_of = std::move(joined);
+  lattice_.parts = std::move(left);
+}
+
+// Its own if there is no other of its material.
+Index Maker::nearest_part(Index sample, const std::vector<double>& filled) const {
+  const Index tet = sample / tet_samples, own = lattice_.part_of_sample[std::size_t(sample)];
+  const Vec3d X = elements_.corner_points(tet) * sample_weights().col(sample % tet_samples);
+  Index nearest = own;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index v : elements_.topology.corners(tet))
+    for (Index part : parts_around(v)) {
+      const bool suits =
+          filled[std::size_t(part)] >= least_filled &&
+          lattice_.parts[std::size_t(part)].material == lattice_.parts[std::size_t(own)].material;
+      if (!suits || distance(part, X) >= least) continue;
+      nearest = part;
+      least = distance(part, X);
+    }
+  return nearest;
+}
+
+// Of a point from the cell of a part, in cells.
+double Maker::distance(Index part, const Vec3d& X) const {
+  return std::max(0.0, (lattice_.in_cell(part, X).array() - 0.5).abs().maxCoeff() - 0.5);
 }
 
 std::vector<Index> Maker::parts_around(Index vertex) const {
@@ -172,12 +229,11 @@ void Maker::place_vertices() {
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
     double nearest = 0;
     for (Index part : parts_around(v)) {
-      const Vec3d at = lattice_.in_cell(part, elements_.points.col(v));
-      const double outside = (at.array() - 0.5).abs().maxCoeff() - 0.5;
+      const double away = distance(part, elements_.points.col(v));
       Index& own = lattice_.part_of_vertex[std::size_t(v)];
-      if (own >= 0 && std::max(outside, 0.0) >= nearest) continue;
+      if (own >= 0 && away >= nearest) continue;
       own = part;
-      nearest = std::max(outside, 0.0);
+      nearest = away;
     }
   }
 }

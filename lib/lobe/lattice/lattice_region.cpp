@@ -16,6 +16,10 @@ double bound_of(const Eigen::Matrix<double, 6, 1>& K) {
   return mean + std::sqrt(2.0 / 3 * (on + 2 * (K[1] * K[1] + K[2] * K[2] + K[4] * K[4])));
 }
 
+// The residual of nodes that are settled, squared and relative.
+template <class Real>
+constexpr double settled = std::is_same_v<Real, float> ? 1e-14 : 1e-24;
+
 }  // namespace
 
 // ---- Edits
@@ -113,6 +117,9 @@ void LatticeRegion<Real>::make_lattice_anew(const Elements& elements, Nodes<Real
     values.v.col(n) = nodes.v.col(found->second);
   }
   lattice_ = std::move(fresh);
+  sums_ = sum_cells(elements, lattice_);
+  whole_ =
+      lobe::embed(elements, lattice_, sums_, Flags(std::size_t(elements.topology.vertex_count()), 1)).cells;
   nodes = std::move(values);
 }
 
@@ -188,7 +195,7 @@ void LatticeRegion<Real>::embed(const Model& model, Flags wanted, double omega, 
   const bool is_anew = is_outdated_;
   if (is_anew) make_lattice_anew(elements, motion.nodes);
   is_outdated_ = false;
-  embedding_ = lobe::embed(elements, lattice_, std::move(wanted));
+  embedding_ = lobe::embed(elements, lattice_, sums_, std::move(wanted));
   mass_added_ = give_mass(elements, lattice_, mass, omega, embedding_);
 
   const Flags touched = touched_nodes(former, is_anew);
@@ -200,7 +207,7 @@ void LatticeRegion<Real>::embed(const Model& model, Flags wanted, double omega, 
     const Mat3X<double> u = of_vertices.view().template cast<double>();
     Mat3X<double> q = of_nodes.template cast<double>();
     begin_fresh_nodes(elements, fresh, u, q);
-    settle(elements, lattice_, embedding_, mass, omega, touched, u, q);
+    settle(elements, lattice_, embedding_, whole_, mass, omega, touched, u, settled<Real>, q);
     of_nodes = q.template cast<Real>();
   };
   take(motion.u, motion.nodes.u);
@@ -304,7 +311,7 @@ void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Mot
     const Mat3X<double> u = of_vertices.view().template cast<double>();
     Mat3X<double> q = Mat3X<double>::Zero(3, lattice_.node_count());
     begin_fresh_nodes(elements, touched, u, q);
-    settle(elements, lattice_, embedding_, mass, omega, touched, u, q);
+    settle(elements, lattice_, embedding_, whole_, mass, omega, touched, u, settled<Real>, q);
     of_nodes = q.template cast<Real>();
   };
   take(motion.u, motion.nodes.u);

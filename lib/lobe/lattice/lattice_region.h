@@ -144,6 +144,8 @@ class LatticeRegion {
   bool is_outdated_ = false;  // the lattice
   FullZones zones_;
   Lattice lattice_;
+  std::vector<CellSums> sums_;      // of the whole lattice, as if nothing were full
+  std::vector<LatticeCell> whole_;  // likewise
   Embedding embedding_;
   double mass_added_ = 0;
   PatchCount past_patches_;

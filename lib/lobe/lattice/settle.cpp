@@ -10,7 +10,8 @@ namespace {
 class NormalEquations {
  public:
   NormalEquations(const Elements& elements, const Lattice& lattice, const Embedding& embedding,
-                  const std::vector<double>& mass, double omega, const std::vector<std::uint8_t>& touched)
+                  const std::vector<LatticeCell>& whole, const std::vector<double>& mass, double omega,
+                  const std::vector<std::uint8_t>& touched)
       : lattice_(lattice), touched_(touched), square_(omega * omega) {
     const auto is_touched = [&](Index part) {
       const auto& nodes = lattice.parts[std::size_t(part)].nodes;
@@ -19,7 +20,7 @@ class NormalEquations {
     for (Index v : embedding.vertices)
       if (const Index part = lattice.part_of_vertex[std::size_t(v)]; is_touched(part))
         rows_.push_back({v, part, mass[std::size_t(v)], lattice.weights(v, elements.points.col(v))});
-    for (const LatticeCell& cell : embedding.cells)
+    for (const LatticeCell& cell : whole)
       if (is_touched(cell.part)) cells_.push_back(&cell);
   }
 
@@ -83,16 +84,16 @@ class NormalEquations {
 
 // By conjugate gradients, in all three components at once.
 void settle(const Elements& elements, const Lattice& lattice, const Embedding& embedding,
-            const std::vector<double>& mass, double omega, const std::vector<std::uint8_t>& touched,
-            const Mat3X<double>& u, Mat3X<double>& q) {
+            const std::vector<LatticeCell>& whole, const std::vector<double>& mass, double omega,
+            const std::vector<std::uint8_t>& touched, const Mat3X<double>& u, double tolerance,
+            Mat3X<double>& q) {
   constexpr int most = 200;
-  constexpr double small = 1e-24;  // of the squared residual
-  const NormalEquations equations(elements, lattice, embedding, mass, omega, touched);
+  const NormalEquations equations(elements, lattice, embedding, whole, mass, omega, touched);
   const Mat3X<double> scale = equations.diagonal().cwiseInverse();
   Mat3X<double> left = equations.residual(u, q), along = scale.cwiseProduct(left);
   double square = left.cwiseProduct(along).sum();
   const double first = square;
-  for (int i = 0; i < most && square > small * first; ++i) {
+  for (int i = 0; i < most && square > tolerance * first; ++i) {
     const Mat3X<double> image = equations.times(along);
     const double step = square / along.cwiseProduct(image).sum();
     q += step * along;

@@ -6,13 +6,16 @@
 namespace lobe {
 
 // Changes the values of the nodes that are `touched` to those that come nearest to values of the embedded
-// vertices, by their masses: the least Σ_i m_i |u_i − Σ_n w_n q_n|² + q·S q/ω². The second sum decides where
-// a node has hardly a vertex; ω: the highest frequency of the full body [rad/s].
+// vertices, by their masses: the least Σ_i m_i |u_i − Σ_n w_n q_n|² + q·S q/ω². The second sum, of the whole
+// lattice as if nothing were full, decides where a node has hardly a vertex; ω: the highest frequency of the
+// full body [rad/s].
 void settle(const Elements& elements, const Lattice& lattice, const Embedding& embedding,
+            const std::vector<LatticeCell>& whole,     // cells of the whole lattice
             const std::vector<double>& mass,           // per vertex [kg]
             double omega,                              // [rad/s]
             const std::vector<std::uint8_t>& touched,  // per node
             const Mat3X<double>& u,                    // 3 × #vertices
+            double tolerance,                          // of the squared residual, relative
             Mat3X<double>& q);                         // 3 × #nodes
 
 // Masses in motion, and their momentum.

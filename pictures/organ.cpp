@@ -24,7 +24,7 @@ constexpr Color flesh_color = {0.86, 0.42, 0.36};  // what a cut lays open
 constexpr double flesh_share = 0.45;               // of it in the colour of an exposed face
 
 int region_of(vtkDataArray* region, vtkIdType cell) {
-  return std::clamp(static_cast<int>(region->GetTuple1(cell)), 0, 2);
+  return std::clamp(static_cast<int>(region->GetTuple1(cell)), 0, 3);
 }
 
 // One colour per face: of its region or of the organ, towards flesh where a cut has exposed it.
@@ -132,10 +132,11 @@ vtkNew<vtkActor> fibre_lines(vtkPolyData* surface) {
 
 }  // namespace
 
-const std::array<RegionStyle, 3>& region_styles() {
-  static const std::array<RegionStyle, 3> styles = {{{"tensor-mass", {0.29, 0.52, 0.75}},
+const std::array<RegionStyle, 4>& region_styles() {
+  static const std::array<RegionStyle, 4> styles = {{{"tensor-mass", {0.29, 0.52, 0.75}},
                                                      {"pre-computed", {0.40, 0.62, 0.50}},
-                                                     {"non-linear", {0.66, 0.23, 0.18}}}};
+                                                     {"non-linear", {0.66, 0.23, 0.18}},
+                                                     {"reduced", {0.80, 0.55, 0.30}}}};
   return styles;
 }
 

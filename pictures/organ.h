@@ -21,7 +21,7 @@ struct RegionStyle {
   const char* name;
   Color color;
 };
-const std::array<RegionStyle, 3>& region_styles();
+const std::array<RegionStyle, 4>& region_styles();
 
 // The values of `region` that occur on the surface, ascending.
 std::vector<int> regions_shown(vtkPolyData* surface);

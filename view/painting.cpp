@@ -60,6 +60,7 @@ double young_of(const Material& material) {
 
 Painting::Painting(Scene scene, const Resolved& resolved)
     : scene_(std::move(scene)),
+      cell_(resolved.setup.lattice_cell),
       mesh_(resolved.setup.mesh),
       topology_(mesh_),
       now_{resolved.setup.region_of,
@@ -224,8 +225,8 @@ std::vector<double> Painting::material_shares() const {
   return shares;
 }
 
-std::array<double, 3> Painting::shares() const {
-  std::array<double, 3> shares{};
+std::array<double, region_model_names.size()> Painting::shares() const {
+  std::array<double, region_model_names.size()> shares{};
   const double whole = std::accumulate(volumes_.begin(), volumes_.end(), 0.0);
   for (std::size_t t = 0; t < volumes_.size(); ++t)
     shares[std::size_t(now_.region_of[t])] += volumes_[t] / whole;

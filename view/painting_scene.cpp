@@ -1,6 +1,7 @@
 // What was painted, as a scene and its mesh.
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
@@ -11,15 +12,16 @@
 namespace lobe::view {
 namespace {
 
-constexpr RegionModel models[] = {RegionModel::tensor_mass, RegionModel::precomputed, RegionModel::nonlinear};
-constexpr const char* region_names[] = {"tensor-mass", "pre-computed", "non-linear"};
+constexpr RegionModel models[] = {RegionModel::tensor_mass, RegionModel::precomputed, RegionModel::nonlinear,
+                                  RegionModel::reduced};
+constexpr const char* region_names[] = {"tensor-mass", "pre-computed", "non-linear", "reduced"};
 
 }  // namespace
 
 // A former label, a material and a model are a label: what selects by former labels can go on doing so.
 int Painting::label(std::size_t place, int material, RegionModel model) const {
   const int former = static_cast<int>(place), count = static_cast<int>(materials().size());
-  return 1 + 3 * (count * former + material) + static_cast<int>(model);
+  return 1 + int(std::size(models)) * (count * former + material) + static_cast<int>(model);
 }
 
 int Painting::label(Index tet) const {
@@ -75,6 +77,7 @@ void Painting::add_regions(Scene& scene) const {
     if (std::get<SelectLabel>(where.value).labels.empty()) continue;
     Region region{.name = region_names[std::size_t(model)], .model = model, .where = {}, .pointer = {}};
     if (model == RegionModel::precomputed) region.frame = now_.frame;
+    if (model == RegionModel::reduced) region.cell = cell_;
     region.where = std::move(where);
     scene.regions.push_back(std::move(region));
   }

@@ -15,10 +15,11 @@ namespace {
 
 using Kind = HandCommand::Kind;
 
-constexpr std::array<std::pair<const char*, RegionModel>, 3> names_of_models = {
+constexpr std::array<std::pair<const char*, RegionModel>, 4> names_of_models = {
     {{"tensor-mass", RegionModel::tensor_mass},
      {"precomputed", RegionModel::precomputed},
-     {"nonlinear", RegionModel::nonlinear}}};
+     {"nonlinear", RegionModel::nonlinear},
+     {"reduced", RegionModel::reduced}}};
 
 const RegionModel* model_of(const std::string& word) {
   for (const auto& [name, model] : names_of_models)
@@ -179,7 +180,7 @@ void Viewer::perform(ClientId, const request::Paint& what) {
   else if (what.as == "held" || what.as == "free")
     painting().hold(what.at, what.radius, what.as == "held");
   else
-    throw InputError("/as", "must be nonlinear, tensor-mass, precomputed, held or free");
+    throw InputError("/as", "must be nonlinear, tensor-mass, precomputed, reduced, held or free");
   repainted();
 }
 
@@ -211,7 +212,7 @@ void Viewer::perform(ClientId, const request::Mend& what) {
 
 void Viewer::perform(ClientId, const request::PaintAll& what) {
   const RegionModel* model = model_of(what.as);
-  if (!model) throw InputError("/as", "choose one of the three models: only they can fill everything");
+  if (!model) throw InputError("/as", "choose one of the models: only they can fill everything");
   painting().paint_all(*model);
   repainted();
 }

@@ -39,6 +39,10 @@
 //     condensation).
 //   relinearise: to linearise a pre-computed region again about the present displacement.
 //   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for that.
+//   reduced region: a non-linear region whose vertices follow a lattice where motion is smooth.
+//   lattice: cubic cells over reduced regions, with nodes at their corners.
+//   embedded vertex: a vertex that follows the nodes of a lattice.
+//   full: computed by its own vertices; a full zone of a reduced region is so for a while.
 //   zone: a connected group of tetrahedra that changes its model as a whole.
 //   piece: tetrahedra that are connected by faces; a loose piece is one that nothing holds.
 //   contact patch: the tetrahedra around what a haptic tool touches, whose stiffness it feels.

@@ -127,8 +127,8 @@ void bind_scene(py::module_& module) {
       py::arg("scene"), py::arg("folder"), py::arg("threads") = 1,
       "Plays the scene as `lobe run` does, with everything written to the folder; returns its report, a "
       "dictionary.");
-  module.attr("region_models") =
-      py::make_tuple(region_model_names[0], region_model_names[1], region_model_names[2]);
+  module.attr("region_models") = py::make_tuple(region_model_names[0], region_model_names[1],
+                                                region_model_names[2], region_model_names[3]);
 }
 
 }  // namespace lobe::python

@@ -10,6 +10,7 @@ export const models = [
     colour: [0.4, 0.62, 0.5],
   },
   {key: 'nonlinear', name: 'Non-linear', note: 'right where tissue turns', colour: [0.66, 0.23, 0.18]},
+  {key: 'reduced', name: 'Reduced', note: 'non-linear, coarse where smooth', colour: [0.8, 0.55, 0.3]},
 ];
 /** Of materials, by their number. */
 export const materialColours = [

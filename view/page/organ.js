@@ -46,7 +46,7 @@ export class Organ {
     this.dress();
     this.range = [0, 1];
     this.cutCount = 0;
-    this.shares = [0, 0, 0];
+    this.shares = [0, 0, 0, 0];
   }
 
   /** In the look that the stage wants: a light that casts no shadow gets one that is the organ laid flat. */
@@ -75,7 +75,7 @@ export class Organ {
     this.topology = this.composed();
     this.revision = topology.revision;
     this.cutCount = topology.cut.reduce((sum, c) => sum + c, 0);
-    this.shares = [0, 0, 0];
+    this.shares = [0, 0, 0, 0];
     for (const r of topology.region) this.shares[r] += 1 / topology.region.length;
     this.scalar = null;
     this.fibres.set(fibres, topology);

@@ -31,10 +31,17 @@ struct StateView {
   operator State<Real>() const { return {u, v, time, behind}; }
 };
 
+// Of the nodes that reduced regions have (lattice/embedding.h); none without such a region.
+template <class Real>
+struct Nodes {
+  Mat3X<Real> u = Mat3X<Real>(3, 0), v = Mat3X<Real>(3, 0);  // 3 × #nodes [m], [m/s]
+};
+
 // The same, in columns to which a cut may add.
 template <class Real>
 struct StateColumns {
   VertexColumns<Mat3X<Real>> u, v;  // [m], [m/s]
+  Nodes<Real> nodes;
   double time = 0, behind = 0;      // [s]
 };
 
@@ -50,6 +57,8 @@ struct Motion : StateColumns<Real> {
   // Scratch of a step:
   VertexColumns<Mat3X<Real>> forces;  // [N]
   Turns turns;                        // since the frame began
+  Mat3X<Real> node_forces;            // 3 × #nodes [N]
+  Turns node_turns;
   Speeds speeds;
 
   void extend(Index vertices) {

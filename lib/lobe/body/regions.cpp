@@ -9,12 +9,14 @@ Regions<Real>::Regions(const Setup& setup, const CondensingLog::Progress& conden
     : nonlinear_(setup.evaluator),
       expanded_(setup.evaluator),
       precomputed_(CondensedCache(setup.condensed_cache, condensing), make_supernodal),
+      reduced_(setup.lattice_cell, setup.evaluator),
       expandable_(setup.expandable) {}
 
 template <class Real>
 void Regions<Real>::follow(const Elements& elements, const RegionEdit& edit) {
   tensor_mass_.follow(elements, edit);
   nonlinear_.follow(elements, edit);
+  reduced_.follow(elements, edit);
   if (expandable_) expanded_.follow(elements, edit, RegionModel::precomputed);
 }
 
@@ -46,6 +48,7 @@ template <class Real>
 void Regions<Real>::add_free_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
   tensor_mass_.add_forces(u, f, parallel);
   nonlinear_.add_forces(u, f, parallel);
+  reduced_.add_full_forces(u, f, parallel);
   if (is_expanded_) expanded_.add_forces(u, f, parallel);
 }
 
@@ -74,6 +77,8 @@ typename Patches<Real>::Stiffness Regions<Real>::add_diagonal_stiffness(const Ma
                                                                         Parallel& parallel) {
   tensor_mass_.add_diagonal_stiffness(K);
   auto found = nonlinear_.add_diagonal_stiffness(u, K, parallel);
+  const auto full = reduced_.add_diagonal_stiffness(u, K, parallel);
+  if (full.smallest_volume_ratio < found.smallest_volume_ratio) found = full;
   if (is_expanded_) {
     const auto others = expanded_.add_diagonal_stiffness(u, K, parallel);
     if (others.smallest_volume_ratio < found.smallest_volume_ratio) found = others;
@@ -85,7 +90,8 @@ typename Patches<Real>::Stiffness Regions<Real>::add_diagonal_stiffness(const Ma
 }
 
 template <class Real>
-ElasticEnergy Regions<Real>::energy(const Elements& elements, const Mat3X<Real>& u) {
+ElasticEnergy Regions<Real>::energy(const Elements& elements, const StateColumns<Real>& state) {
+  const Mat3X<Real>& u = state.u.padded();
   ElasticEnergy e;
   e.linear = tensor_mass_.energy(u);
   e.nonlinear = nonlinear_.energy(u);
@@ -95,6 +101,10 @@ ElasticEnergy Regions<Real>::energy(const Elements& elements, const Mat3X<Real>&
     const auto condensed = precomputed_.energy(elements, u);
     e.condensed_loads = condensed.loads;
     e.linear += condensed.elastic;
+  }
+  if (reduced_.any()) {
+    e.nonlinear += reduced_.elastic_energy(u, state.nodes);
+    e.condensed_loads += reduced_.energy_of_loads(state.nodes);
   }
   return e;
 }
@@ -114,13 +124,14 @@ void Regions<Real>::recover(const Model& model, double missing, Interior wanted,
   if (!is_expanded_)
     precomputed_.recover(model.elements, Real(missing), state.u.padded(),
                          wanted == Interior::all ? &state.v.padded() : nullptr);
+  if (reduced_.any_embedded()) reduced_.recover(model.elements, wanted == Interior::all, state);
   recovered_ = wanted;
   recovered_at_ = now;
 }
 
 template <class Real>
 PatchCount Regions<Real>::patch_count() {
-  PatchCount sum;
+  PatchCount sum = reduced_.past_patches();
   visit_patches([&](const auto&, const auto& sums) {
     sum.evaluated += sums.count().evaluated;
     sum.skipped += sums.count().skipped;

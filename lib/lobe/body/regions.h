@@ -1,5 +1,5 @@
-// All regions of a body: tensor-mass, non-linear and pre-computed ones, which share vertices at their
-// interfaces. Only this class knows which tetrahedra are condensed and whether they are expanded, that is,
+// All regions of a body: tensor-mass, non-linear, reduced and pre-computed ones, which share vertices at
+// their interfaces. Only this class knows which tetrahedra are condensed and whether they are expanded, that is,
 // non-linear for a while.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include "lobe/body/model.h"
 #include "lobe/body/motion.h"
 #include "lobe/condense/precomputed.h"
+#include "lobe/lattice/lattice_region.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
 
@@ -14,7 +15,7 @@ namespace lobe {
 
 struct ElasticEnergy {  // [J]
   double linear = 0, nonlinear = 0;
-  double condensed_loads = 0;  // −(loads that act through condensed regions) · u
+  double condensed_loads = 0;  // −(loads that act through condensed regions and nodes) · u
 };
 
 template <class Real>
@@ -75,6 +76,18 @@ class Regions {
   }
   const CondensingLog& condensing() const { return precomputed_.condensing(); }
 
+  // Vertices of reduced regions that follow the nodes of a lattice. place_embedded() comes before forces are
+  // added, collect() after all other forces, force terms included.
+  LatticeRegion<Real>& reduced() { return reduced_; }
+  const LatticeRegion<Real>& reduced() const { return reduced_; }
+  bool is_embedded(Index vertex) const { return reduced_.embeds(vertex); }
+  void place_embedded(Motion<Real>& motion, Parallel& parallel) const {
+    if (reduced_.any_embedded()) reduced_.place(motion, parallel);
+  }
+  void collect(double missing, Motion<Real>& motion, Parallel& parallel) {
+    if (reduced_.any_embedded()) reduced_.collect(missing, motion, parallel);
+  }
+
   // ---- Forces and energies. `missing`: share of the dead loads that does not act yet.
 
   void add_forces(const Mat3X<Real>& u, double missing, Mat3X<Real>& f,
@@ -86,7 +99,7 @@ class Regions {
   // smallest det F.
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                            Parallel& parallel);
-  ElasticEnergy energy(const Elements& elements, const Mat3X<Real>& u);
+  ElasticEnergy energy(const Elements& elements, const StateColumns<Real>& state);
   // The displacement error of a condensed interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
   // acceleration of the interface [m/s²].
   double lag(const Vec3d& acceleration) const { return precomputed_.lag(acceleration); }
@@ -102,6 +115,7 @@ class Regions {
   void visit_patches(Visit&& visit) {
     tensor_mass_.visit_patches(visit);
     nonlinear_.visit_patches(visit);
+    reduced_.visit_patches(visit);
     if (is_expanded_) expanded_.visit_patches(visit);
   }
   PatchCount patch_count();
@@ -120,6 +134,7 @@ class Regions {
   NonlinearRegion<Real> nonlinear_;
   NonlinearRegion<Real> expanded_;  // the precomputed tetrahedra, if the setup is expandable
   PrecomputedRegion<Real> precomputed_;
+  LatticeRegion<Real> reduced_;
   bool expandable_;
   bool is_expanded_ = false;
   double refresh_due_ = 0;  // [s]

@@ -26,7 +26,7 @@ TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u
   TetFields fields;
   fields.volume_ratio = 1 + volume_change(H);
   fields.stress = stress(elements, tet, H, elements.region_of[tet], pressure);
-  if (elements.region_of[tet] == RegionModel::nonlinear) {
+  if (!is_linear(elements.region_of[tet])) {
     const Mat3<double> F = Mat3<double>::Identity() + H;
     fields.strain = green_strain(H);
     fields.stress = fields.stress * F.transpose() / fields.volume_ratio;

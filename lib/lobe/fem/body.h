@@ -12,10 +12,15 @@
 
 namespace lobe {
 
-enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2 };
+enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2, reduced = 3 };
 // As scenes and reports name them.
-inline constexpr std::array<const char*, 3> region_model_names{"tensor-mass", "precomputed", "nonlinear"};
+inline constexpr std::array<const char*, 4> region_model_names{"tensor-mass", "precomputed", "nonlinear",
+                                                               "reduced"};
 inline const char* name(RegionModel model) { return region_model_names[std::size_t(model)]; }
+// Whether tetrahedra of this model follow the linear law.
+inline constexpr bool is_linear(RegionModel model) {
+  return model == RegionModel::tensor_mass || model == RegionModel::precomputed;
+}
 
 enum class RegionFrame : std::uint8_t {
   fixed,     // a linear region's displacements are those in space

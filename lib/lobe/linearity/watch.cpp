@@ -22,7 +22,7 @@ constexpr double delay_per_tet = 8e-6;      // of its renewal [s]: what condensi
 constexpr double influence_per_tet = 1e-4;  // until it is used [s]: what finding it takes on a slow machine
 
 bool is_linear(const Elements& elements, Index tet) {
-  return elements.region_of[tet] != RegionModel::nonlinear;
+  return is_linear(elements.region_of[tet]);
 }
 
 std::vector<double> tet_volumes(const Elements& elements) {  // 0 where there is none any more

@@ -9,7 +9,7 @@ namespace lobe {
 // W/V [J/m³]
 inline double energy_density(const Elements& elements, Index tet, const Mat3<double>& H,  // ∇u
                              RegionModel model, double pressure = 0) {  // mean of its nodes' [Pa]
-  if (model != RegionModel::nonlinear) return linear_energy_density(linear_law(elements, tet), H);
+  if (is_linear(model)) return linear_energy_density(linear_law(elements, tet), H);
   return law_energy_density(nonlinear_law(elements, tet, pressure), H);
 }
 inline double energy_density(const Elements& elements, Index tet, const Mat3<double>& H) {
@@ -19,7 +19,7 @@ inline double energy_density(const Elements& elements, Index tet, const Mat3<dou
 // First Piola-Kirchhoff [Pa]
 inline Mat3<double> stress(const Elements& elements, Index tet, const Mat3<double>& H,  // ∇u
                            RegionModel model, double pressure = 0) {
-  if (model != RegionModel::nonlinear) return linear_stress(linear_law(elements, tet), H);
+  if (is_linear(model)) return linear_stress(linear_law(elements, tet), H);
   return law_stress(nonlinear_law(elements, tet, pressure), H);
 }
 

@@ -77,6 +77,7 @@ Region read_region(const json& entry, const std::string& pointer) {
   const auto at = std::find(region_model_names.begin(), region_model_names.end(), model);
   region.model = static_cast<RegionModel>(at - region_model_names.begin());  // the schema knows no others
   if (entry.value("frame", "fixed") == "corotated") region.frame = RegionFrame::corotated;
+  read(entry, "cell", region.cell);
   region.is_measured = entry.value("representation", "condensed") == "measured";
   region.where = read_where(entry);
   region.pointer = pointer;

@@ -5,6 +5,7 @@
 
 #include "lobe/condense/anchors.h"
 #include "lobe/condense/interface_size.h"
+#include "lobe/lattice/lattice.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/resolve_parts.h"
 
@@ -26,6 +27,37 @@ void resolve_frame(Resolution& resolution) {
       resolution.fail(place, "all precomputed regions have one frame in common; give all of them the same");
   }
   if (first) resolution.result.setup.precomputed_frame = first->frame;
+}
+
+// Reduced regions have one lattice in common.
+void resolve_cell(Resolution& resolution) {
+  const std::vector<Region>& regions = resolution.scene.regions;
+  const Region* first = nullptr;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const bool is_reduced = regions[i].model == RegionModel::reduced;
+    const std::string place = "/regions/" + std::to_string(i) + "/cell";
+    if (!is_reduced && regions[i].cell > 0) resolution.fail(place, "needs \"model\": \"reduced\"");
+    if (!is_reduced) continue;
+    if (!first) first = &regions[i];
+    if (regions[i].cell != first->cell)
+      resolution.fail(place, "all reduced regions have one lattice in common; give all of them the same cells");
+  }
+  if (first) resolution.result.setup.lattice_cell = first->cell;
+}
+
+// Cells that do not suit the tetrahedra are refused.
+void check_reduced(const Resolution& resolution) {
+  const Setup& setup = resolution.result.setup;
+  const auto is_reduced = [](const Region& region) { return region.model == RegionModel::reduced; };
+  const auto region =
+      std::find_if(resolution.scene.regions.begin(), resolution.scene.regions.end(), is_reduced);
+  if (region == resolution.scene.regions.end()) return;
+  try {
+    choose_lattice(Elements(setup), setup.lattice_cell);
+  } catch (const InputError& error) {
+    throw InputError("/regions/" + std::to_string(region - resolution.scene.regions.begin()) + "/cell",
+                     error.faults().front().message);
+  }
 }
 
 // A wide interface costs more than the tetrahedra behind it. In a frame that turns there is no other way.
@@ -191,6 +223,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
 
   refuse_excluded_options(resolution);
   resolve_frame(resolution);
+  resolve_cell(resolution);
   resolve_materials(resolution);
   if (resolution.faults.empty()) resolve_fibres(resolution);
   resolve_regions(resolution);
@@ -201,6 +234,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
   suspect_units(resolution);
   check_precomputed(resolution);
+  check_reduced(resolution);
   if (options.choose_regions) choose_regions(resolution, options.progress);
   return std::move(resolution.result);
 }

@@ -26,6 +26,12 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
     case Option::precomputed:
       return places_in(scene.regions, "/regions", "model",
                        [](const Region& region) { return region.model == RegionModel::precomputed; });
+    case Option::reduced:
+      return places_in(scene.regions, "/regions", "model",
+                       [](const Region& region) { return region.model == RegionModel::reduced; });
+    case Option::fibres:
+      return places_in(scene.materials, "/materials", "fibre",
+                       [](const Material& material) { return material.transverse.has_value(); });
     case Option::corotated:
       return places_in(scene.regions, "/regions", "frame",
                        [](const Region& region) { return region.frame == RegionFrame::corotated; });

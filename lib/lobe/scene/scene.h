@@ -97,6 +97,7 @@ struct Region {
   std::string name;
   RegionModel model = RegionModel::nonlinear;
   RegionFrame frame = RegionFrame::fixed;  // of pre-computed ones, the same for all
+  double cell = 0;  // of reduced ones, the same for all: edge of the lattice's cells [m]; 0: chosen
   std::optional<Selector> where;
   std::string pointer;
   bool is_measured = false;  // precomputed: tensor-mass where a step is measured to cost clearly less so

@@ -30,7 +30,7 @@ void suspect_locking(Resolution& resolution, std::size_t material, const std::st
   }
   std::size_t beyond_reach = 0;
   for (std::size_t t = 0; t < setup.region_of.size(); ++t)
-    beyond_reach += setup.material_of[t] == material && setup.region_of[t] != RegionModel::nonlinear;
+    beyond_reach += setup.material_of[t] == material && is_linear(setup.region_of[t]);
   if (beyond_reach == 0) return;
   resolution.warn(place, locks + " above 0.45, and nodal_pressure does not reach " +
                              counted(beyond_reach, "tetrahedron", "tetrahedra") + " in linear regions");

@@ -95,6 +95,7 @@ ordered_json write(const Material& material) {
 ordered_json write(const Region& region) {
   ordered_json entry = {{"name", region.name}, {"model", name(region.model)}};
   if (region.frame == RegionFrame::corotated) entry["frame"] = "corotated";
+  if (region.cell > 0) entry["cell"] = region.cell;
   if (region.is_measured) entry["representation"] = "measured";
   add_where(entry, region.where);
   return entry;

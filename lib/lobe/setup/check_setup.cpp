@@ -85,6 +85,7 @@ void Checker::check_materials() {
   expect(not_negative(setup_.cut_frequency), "cut_frequency must be finite and not negative");
   for (const Elastic& e : setup_.materials)
     expect(not_negative(e.fracture_energy), "fracture_energy must be finite and not negative");
+  expect(not_negative(setup_.lattice_cell), "lattice_cell must be finite and not negative");
   expect(not_negative(setup_.sleep), "sleep must be finite and not negative");
   expect(setup_.gravity.allFinite(), "gravity is not finite");
 }

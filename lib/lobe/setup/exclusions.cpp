@@ -32,6 +32,17 @@ constexpr Exclusion table[] = {
      "use a fixed frame"},
     {Option::expandable, Option::nodal_pressure, "the region is condensed without it",
      "leave one of them out"},
+    {Option::reduced, Option::implicit, "an implicit step solves for every vertex", "use \"nonlinear\""},
+    {Option::reduced, Option::sleep, "nodes of its lattice do not sleep", "leave one of them out"},
+    {Option::reduced, Option::selective_mass, "couplings of inertia are between vertices",
+     "leave one of them out"},
+    {Option::reduced, Option::mass_scaling, "vertices that follow nodes have no mass to add to",
+     "leave one of them out"},
+    {Option::reduced, Option::nodal_pressure, "a cell is no tetrahedron around which a pressure is averaged",
+     "leave one of them out"},
+    {Option::reduced, Option::fibres, "a cell has no direction of fibres", "use \"nonlinear\""},
+    {Option::reduced, Option::force_terms, "vertices that follow nodes feel no forces of others",
+     "use \"nonlinear\""},
     {Option::static_solution, Option::corotated, "an equilibrium has no motion that a frame could follow",
      "use \"nonlinear\" or a fixed frame"},
 };
@@ -51,12 +62,16 @@ const char* name(Option option) {
       return "\"frame\": \"corotated\"";
     case Option::expandable:
       return "an expandable region";
+    case Option::reduced:
+      return "\"model\": \"reduced\"";
     case Option::automatic:
       return "\"regions\": {\"auto\": …}";
     case Option::nodal_pressure:
       return "\"nodal_pressure\"";
     case Option::neo_hookean:
       return "\"law\": \"neo-hookean\"";
+    case Option::fibres:
+      return "a material with fibres";
     case Option::stored:
       return "\"evaluator\": \"stored\"";
     case Option::sleep:
@@ -89,6 +104,9 @@ Options options_of(const Setup& setup) {
   used.add(Option::corotated, is_precomputed && setup.precomputed_frame == RegionFrame::corotated);
   used.add(Option::expandable, setup.expandable);
   used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
+  used.add(Option::reduced,
+           std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::reduced) > 0);
+  used.add(Option::fibres, any_fibre(setup.materials));
   used.add(Option::neo_hookean, any_neo_hookean(setup.materials));
   used.add(Option::stored, setup.evaluator == Evaluator::stored);
   used.add(Option::sleep, setup.sleep > 0);

@@ -19,9 +19,11 @@ enum class Option : std::uint8_t {
   precomputed,
   corotated,
   expandable,  // Setup::expandable
+  reduced,
   automatic,   // regions that are chosen by their estimated error
   nodal_pressure,
   neo_hookean,
+  fibres,
   stored,
   sleep,
   selective_mass,

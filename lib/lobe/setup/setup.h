@@ -76,6 +76,7 @@ struct Setup : Body, ToolSetups {
   double ramp = 0.1;             // prescribed displacements are reached over this time [s]
   double load_ramp = 0;          // dead loads grow to their full size over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
+  double lattice_cell = 0;  // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
   std::filesystem::path
@@ -88,7 +89,7 @@ struct Setup : Body, ToolSetups {
                  &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety, &Setup::cut_step,
                  &Setup::cut_frequency, &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator,
                  &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
-                 &Setup::sleep, &Setup::expandable, &Setup::contact),
+                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
       ToolSetups::fields);
 };
 

@@ -12,7 +12,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 14,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 15,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -36,6 +36,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.unravelling = unravelling_.state();
   c.ratios = limit_.ratios();
   c.limit = limit_.kept();
+  c.nodes = body_.regions.reduced().state(body_.motion);
   c.mass_degree = body_.inertia.degree();
   if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
   c.pending = pending_;
@@ -91,6 +92,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   body_.sleep.set_state(c.sleep);
   unravelling_.set_state(c.unravelling);
   body_.model.held = c.held;
+  take_nodes(c);
   tools_.set_state(c.tools);
   if (blades_) blades_->set_state(c.blades);
   pieces_.set_state(c.pieces);
@@ -103,6 +105,19 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   limit_.set_ratios(c.ratios);
   limit_.set_kept(c.limit, body_);
   if (implicit_) implicit_->set_acceleration(body_.model, c.acceleration);
+}
+
+template <class Real>
+void World<Real>::take_nodes(const Checkpoint<Real>& c) {
+  LatticeRegion<Real>& region = body_.regions.reduced();
+  if (!region.any()) return;
+  region.set_zones(c.nodes.zones);
+  if (!region.is_embedded_as(c.nodes.is_embedded)) embed_as(c.nodes.is_embedded);
+  body_.motion.nodes.u = c.nodes.u;
+  body_.motion.nodes.v = c.nodes.v;
+  body_.motion.u.view() = c.state.u;
+  body_.motion.v.view() = c.state.v;
+  body_.state_was_given();
 }
 
 // The mesh before all edits: no vertex has moved, and copies are what they were.
@@ -176,7 +191,7 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
       c.sleep.asleep.size() == body_.sleep.state().asleep.size() &&
       c.sleep.restless_till.size() == c.sleep.asleep.size() && c.ratios.own.size() == std::size_t(vertices) &&
       (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
-  fits = fits && is_known(0);
+  fits = fits && is_known(0) && body_.regions.reduced().fits(c.nodes, elements());
   for (Index piece : piece_of) fits = fits && is_known(piece);
   for (const auto& term : c.terms) {
     if (AppliedForces<Real> trial; term.name == trial.name()) trial.load(term.kept, vertices);

@@ -26,6 +26,7 @@ struct Checkpoint {
   Unravelling::State unravelling;
   FrequencyRatios ratios;
   typename StepLimit<Real>::Kept limit;
+  typename LatticeRegion<Real>::State nodes;
   int mass_degree = 1;
   Mat3X<double> acceleration;  // of implicit dynamics [m/s²]; empty: to be taken from the forces
   std::vector<Condition> pending;
@@ -40,7 +41,7 @@ struct Checkpoint {
   static constexpr auto fields =
       std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
                  &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
-                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::mass_degree,
+                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes, &Checkpoint::mass_degree,
                  &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms, &Checkpoint::touched);
 };
 

@@ -8,7 +8,7 @@
 namespace lobe::io {
 
 template <>
-inline constexpr int choices<RegionModel> = 1 + int(RegionModel::nonlinear);
+inline constexpr int choices<RegionModel> = 1 + int(RegionModel::reduced);
 template <>
 inline constexpr int choices<RigidShape::Kind> = 1 + int(RigidShape::Kind::mesh);
 template <>

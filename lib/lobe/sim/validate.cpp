@@ -142,8 +142,8 @@ void validate_masses(const Dynamics<Real>& body) {
     for (const Index v : body.regions.shared()) carries[std::size_t(v)] = 1;
   for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
     const double own = mass[std::size_t(v)];
-    const double lumped = is_condensed && body.regions.is_interior(v)
-                              ? 0
+    const bool follows = (is_condensed && body.regions.is_interior(v)) || body.regions.is_embedded(v);
+    const double lumped = follows ? 0
                               : std::max(lumped_mass(elements, v), body.inertia.floor().at(elements, v));
     check(carries[std::size_t(v)] ? std::isfinite(own) && own >= lumped : own == lumped,
           "inertia: a vertex's mass");

@@ -70,6 +70,7 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
     set_expanded(false);
   }
   limit_.measure_at_rest(body_);
+  embed();
   if (setup.mass_scaling > 0) scale_masses(setup.mass_scaling);
   if (!setup.scalpels.empty()) prepare_blades();
 }
@@ -120,7 +121,8 @@ void World<Real>::move(double dt) {
   motion.behind = dt / 2;
   limit_.count_step();
   lead(dt);
-  if (!body_.inertia.moving().empty() || motion.speeds.led > 0) ++body_.model.revisions.displacements;
+  const bool any_moving = !body_.inertia.moving().empty() || body_.regions.reduced().any_moving();
+  if (any_moving || motion.speeds.led > 0) ++body_.model.revisions.displacements;
   const double farthest = (motion.speeds.fastest + motion.speeds.led) * dt;
   tools_.moved(farthest, std::numeric_limits<Real>::epsilon());
   for (const auto& term : body_.terms) term->end_step(farthest, dt);
@@ -236,6 +238,7 @@ void World<Real>::set_state(const State<Real>& state) {
   motion.v.view() = state.v;
   motion.time = state.time;
   motion.behind = implicit_ ? 0 : state.behind;
+  body_.regions.reduced().settle_all(elements(), limit_.highest_at_rest(), motion);
   body_.state_was_given();
   body_.sleep.wake_all(state.time);
   limit_.restart(body_);

@@ -155,6 +155,9 @@ class World {
   void refresh(const std::vector<Index>& vertices);
   void release(const std::vector<Index>& vertices);
   void move_mass();
+  void embed();
+  void embed_as(std::vector<std::uint8_t> wanted);
+  void free_ahead(const std::vector<Index>& tets);
   void set_expanded(bool is_expanded);
   void use_mass_degree(int degree);
   void forget_former_refreshes();
@@ -162,6 +165,7 @@ class World {
   Index treat_loose(const std::vector<std::vector<Index>>& pieces);
   void freeze(const std::vector<Index>& piece);
   void refuse_precomputed(const std::vector<Index>& tets) const;
+  void refuse_reduced(const std::vector<Index>& tets) const;
   void check_tets(const std::vector<Index>& tets) const;
   void notice(Condition::Kind kind, const std::string& text) { pending_.push_back({kind, text, time()}); }
 
@@ -193,6 +197,7 @@ class World {
   void repeat(const Command& command);
   MeshEdit repeat_incision(const Incise& command);
   void take(const Checkpoint<Real>& checkpoint);
+  void take_nodes(const Checkpoint<Real>& checkpoint);
   void load_terms(const Checkpoint<Real>& checkpoint);
 
   AppliedForces<Real>& applied();

@@ -71,6 +71,7 @@ template <class Real>
 Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   check_tets(tets);
   if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return elements().topology.alive(t); })) return 0;
+  free_ahead(tets);
   const MeshEdit edit = cut(tets);
   if (edit.empty()) return 0;
   const auto removed = static_cast<Index>(edit.removed.size());
@@ -144,6 +145,7 @@ Index World<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
 
 template <class Real>
 void World<Real>::freeze(const std::vector<Index>& piece) {
+  if (body_.regions.reduced().any_embedded()) state();
   std::vector<Index> vertices;
   for (Index t : piece)
     for (Index v : elements().topology.corners(t)) vertices.push_back(v);
@@ -152,6 +154,7 @@ void World<Real>::freeze(const std::vector<Index>& piece) {
     body_.model.held.hold({v, HeldVertices::boundary, u, u});
   }
   release(vertices);
+  embed();
 }
 
 template <class Real>
@@ -184,6 +187,7 @@ void World<Real>::follow(RegionEdit edit) {
   body_.sleep.wake(edit.vertices, body_);
   if (!body_.terms.empty()) report_lost_forces(body_.touched_by_terms());
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
+  embed();
 }
 
 // What nothing keeps in place within the pre-computed region after an edit will turn: it becomes non-linear.

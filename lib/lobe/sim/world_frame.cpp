@@ -73,7 +73,8 @@ template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
   body_.sleep.begin_frame();
   tools_.begin_forces();
-  std::fill(body_.motion.turns.begin(), body_.motion.turns.end(), 0);
+  for (Turns* turns : {&body_.motion.turns, &body_.motion.node_turns})
+    std::fill(turns->begin(), turns->end(), 0);
   for (int i = 0; i < steps; ++i) {
     if (implicit_) {
       const Timed timed(report, Phase::integration);
@@ -164,6 +165,10 @@ void World<Real>::prepare_frame(double duration, Report& report) {
   }
   play_tools(duration, report);
   show_surroundings();
+  {
+    const Timed timed(report, Phase::cutting);
+    embed();
+  }
   {
     const Timed timed(report, Phase::time_step);
     report.time_step_limit = limit_.for_frame(body_);
@@ -282,10 +287,11 @@ void World<Real>::play_tools(double duration, Report& report) {
   pending_.clear();
 }
 
-// A condensed interior is where nobody has looked yet, and moves as it likes.
+// A condensed interior, or vertices that follow nodes, are where nobody has looked yet, and move as they like.
 template <class Real>
 void World<Real>::see_interior() {
-  if (!body_.regions.any_condensed() || body_.regions.is_expanded() || seen_ == body_.model.revisions) return;
+  const bool is_condensed = body_.regions.any_condensed() && !body_.regions.is_expanded();
+  if ((!is_condensed && !body_.regions.reduced().any_embedded()) || seen_ == body_.model.revisions) return;
   tools_.state_was_given();
   state();
   seen_ = body_.model.revisions;

@@ -116,16 +116,19 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
 }
 
 // To edit a condensed region costs milliseconds per tetrahedron: one that can be expanded is, before a blade
-// is there.
+// is there. What is reduced is non-linear there.
 template <class Real>
 void World<Real>::expand_ahead(const BladeMove& move) {
-  if (!setup_.expandable || body_.regions.is_expanded() || !body_.regions.any_condensed()) return;
+  const Regions<Real>& regions = body_.regions;
+  const bool may_expand = setup_.expandable && !regions.is_expanded() && regions.any_condensed();
+  if (!may_expand && !regions.reduced().any()) return;
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * blades_->grains.mean_edge());
   const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}, {}});
-  if (std::any_of(near.begin(), near.end(), [&](Index t) { return body_.regions.is_condensed(t); }))
+  if (may_expand && std::any_of(near.begin(), near.end(), [&](Index t) { return regions.is_condensed(t); }))
     perform(Expand{});
+  free_ahead(near);
 }
 
 // What opened the faces.

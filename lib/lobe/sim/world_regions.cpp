@@ -14,6 +14,7 @@ template <class Real>
 void World<Real>::perform(const SetRegion& command) {
   check_tets(command.tets);
   if (command.model == RegionModel::precomputed) refuse_precomputed(command.tets);
+  if (command.model == RegionModel::reduced) refuse_reduced(command.tets);
   std::vector<Index> own = command.tets;
   sort_unique(own);
   std::erase_if(own, [&](Index t) { return !elements().topology.alive(t); });
@@ -32,6 +33,15 @@ void World<Real>::refuse_precomputed(const std::vector<Index>& tets) const {
   for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
   refuse_unanchored(changed, held());
   body_.regions.refuse_large(changed, held());
+}
+
+template <class Real>
+void World<Real>::refuse_reduced(const std::vector<Index>& tets) const {
+  refuse_excluded(Option::reduced, options_of(setup_), "region");
+  if (body_.regions.reduced().lattice().frame.edge > 0) return;
+  Elements changed = elements();
+  for (Index t : tets) changed.region_of[t] = RegionModel::reduced;
+  choose_lattice(changed, setup_.lattice_cell);
 }
 
 template <class Real>
@@ -157,6 +167,46 @@ void World<Real>::set_expanded(bool is_expanded) {
   if (!body_.terms.empty()) report_lost_forces(body_.touched_by_terms());
   limit_.restart(body_);
   ++body_.model.revisions.structure;
+}
+
+// ---- Reduced regions
+
+// Which vertices follow the nodes of the lattice, as it is now: what is held or pressed does not. Before the
+// frequency of the full body is known, none does.
+template <class Real>
+void World<Real>::embed() {
+  LatticeRegion<Real>& region = body_.regions.reduced();
+  if (!region.any() && !region.any_embedded()) return;
+  std::vector<Index> touched = body_.touched_by_terms();
+  for (const HeldVertices::Held& item : held().all())
+    if (item.holder != HeldVertices::boundary) touched.push_back(item.vertex);
+  sort_unique(touched);
+  region.look(elements(), time(), std::move(touched));
+  std::vector<std::uint8_t> wanted(std::size_t(elements().topology.vertex_count()), 0);
+  if (limit_.highest_at_rest() > 0) wanted = region.may_embed(body_.model, time());
+  if (!region.is_embedded_as(wanted)) embed_as(std::move(wanted));
+}
+
+template <class Real>
+void World<Real>::embed_as(std::vector<std::uint8_t> wanted) {
+  LatticeRegion<Real>& region = body_.regions.reduced();
+  state();
+  limit_.forget();
+  const std::vector<Index> vertices = region.vertices();
+  refresh(vertices);
+  region.embed(body_.model, std::move(wanted), limit_.highest_at_rest(), body_.inertia.masses(), body_.loads,
+               body_.motion);
+  release(vertices);
+  body_.state_has_moved();
+  ++body_.model.revisions.structure;
+  tools_.state_was_given();
+}
+
+// What is cut, and what is within a cell of it, is non-linear from then on.
+template <class Real>
+void World<Real>::free_ahead(const std::vector<Index>& tets) {
+  const LatticeRegion<Real>& region = body_.regions.reduced();
+  if (region.any()) change_region(region.near(elements(), tets), RegionModel::nonlinear);
 }
 
 // ---- Inertia

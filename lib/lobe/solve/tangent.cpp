@@ -31,7 +31,7 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
     const Shape s = elements.shape_of(t);
     const Mat3<double> alpha = s.gradients.rightCols<3>();
     const Mat3<double> H = displacement_gradient(corners_of(elements, t, u), alpha);
-    if (elements.region_of[t] == RegionModel::nonlinear) {
+    if (!is_linear(elements.region_of[t])) {
       const double ratio = 1 + volume_change(H);
       if (ratio < result.smallest_volume_ratio) {
         result.smallest_volume_ratio = ratio;
@@ -49,7 +49,7 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
                            double pressure) {
   const Shape s = elements.shape_of(tet);
-  if (model == RegionModel::nonlinear) {
+  if (!is_linear(model)) {
     const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
     return s.volume * law_stiffness(nonlinear_law(elements, tet, pressure), H, s.gradients);
   }

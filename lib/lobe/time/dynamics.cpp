@@ -22,8 +22,10 @@ void Dynamics<Real>::find_forces() {
     loads.put_at(*wanted, motion.forces);
   else
     loads.put(motion.time, parallel, motion.forces);
+  regions.place_embedded(motion, parallel);
   regions.add_forces(motion.u.padded(), loads.missing(motion.time), motion.forces.padded(), parallel);
   for (const auto& term : terms) term->add_forces(here(), motion.forces.padded());
+  regions.collect(loads.missing(motion.time), motion, parallel);
 }
 
 template <class Real>
@@ -47,9 +49,9 @@ template <class Real>
 Energies Dynamics<Real>::energies() {
   recover(Regions<Real>::Interior::all);
   if (inertia.is_selective()) prepare_inertia();
-  const ElasticEnergy elastic = regions.energy(model.elements, motion.u.padded());
+  const ElasticEnergy elastic = regions.energy(model.elements, motion);
   Energies e;
-  e.kinetic = inertia.kinetic_energy(motion, parallel);
+  e.kinetic = inertia.kinetic_energy(motion, parallel) + regions.reduced().kinetic_energy(motion.nodes);
   e.elastic_linear = elastic.linear;
   e.elastic_nonlinear = elastic.nonlinear;
   e.loads = elastic.condensed_loads - loads.work(motion.u.padded());
@@ -97,9 +99,13 @@ void Dynamics<Real>::push(double kick, double dt) {
     prepare_inertia();
     inertia.apply(parallel, motion.forces.padded());
   }
-  const Fastest<Real> fastest =
+  Fastest<Real> fastest =
       central_difference(motion.forces.padded(), inertia.moving(), Real(kick), Real(dt), Real(damping),
                          motion.u.padded(), motion.v.padded(), motion.turns, parallel);
+  if (regions.reduced().any_moving()) {
+    const Fastest<Real> nodes = regions.reduced().push(Real(kick), Real(dt), Real(damping), motion, parallel);
+    fastest = {std::max(fastest.all, nodes.all), std::max(fastest.turned, nodes.turned)};
+  }
   motion.speeds.fastest = std::sqrt(double(fastest.all));
   motion.speeds.turned = std::sqrt(double(fastest.turned));
   ++model.revisions.velocities;

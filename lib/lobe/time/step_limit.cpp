@@ -13,6 +13,12 @@ void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
     const auto found = body.regions.add_diagonal_stiffness(body.motion.u.padded(), K, body.parallel);
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
+    const auto nodes = body.regions.reduced().highest_frequency(body.motion.nodes, K, ratios_.most);
+    node_omega_ = nodes.omega;
+    if (nodes.smallest.volume_ratio < volume_ratio_) {
+      volume_ratio_ = nodes.smallest.volume_ratio;
+      volume_ratio_tet_ = nodes.smallest.tet;
+    }
     for (const auto& term : body.terms) term->add_diagonal_stiffness(body.here(), K);
   });
   found_at_ = body.model.revisions.displacements;
@@ -34,7 +40,7 @@ double StepLimit<Real>::find(Body& body) {
   const VertexFrequency highest = frequencies_.highest([&](Index v) { return weight(body, v); });
   limiting_vertex_ = highest.vertex;
   // SVK softens when crushed; a step far beyond that of the body at rest would still be rash.
-  const double omega = std::max(highest.omega, at_rest(body).omega / 4);
+  const double omega = std::max({highest.omega, at_rest(body).omega / 4, node_omega_});
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 
@@ -179,7 +185,7 @@ void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit,
                              const std::vector<double>& shares_before) {
   const Elements& elements = body.model.elements;
   const bool is_local =
-      !body.regions.any_condensed() && !any_nodal_pressure(elements.materials) && body.terms.empty() &&
+      !body.regions.any_condensed() && !body.regions.reduced().any() && !any_nodal_pressure(elements.materials) && body.terms.empty() &&
       std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
   known_ = is_known(body) && is_local ? Known::followed : Known::nothing;
   if (known_ == Known::nothing) return;

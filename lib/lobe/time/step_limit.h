@@ -138,6 +138,7 @@ class StepLimit {
   Known known_ = Known::nothing;
   std::uint64_t found_at_ = 0;  // revision of the displacements
   Index limiting_vertex_ = -1;
+  double node_omega_ = 0;  // a bound of the frequencies of nodes [rad/s]
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;
   Kept kept_;
@@ -147,7 +148,8 @@ class StepLimit {
 template <class Real>
 template <class Change>
 void StepLimit<Real>::follow_region(const Body& body, Index tet, Change&& change) {
-  if (body.regions.any_condensed() || any_nodal_pressure(body.model.elements.materials)) forget();
+  if (body.regions.any_condensed() || body.regions.reduced().any() ||
+      any_nodal_pressure(body.model.elements.materials)) forget();
   if (!is_known(body)) {
     forget();
     return change();

@@ -1,0 +1,45 @@
+// The loop over cells of a lattice, compiled once per instruction set (cell_kernels.cpp). It takes plain
+// arrays and shares no inline function with the rest of the library, as region/wide_kernels.h says.
+#pragma once
+
+#include <array>
+
+#include "lobe/fem/law.h"
+#include "lobe/instruction_set.h"
+#include "lobe/region/element_block.h"
+
+namespace lobe {
+
+// Cells of one material side by side. The first node's gradient and fluctuation are minus the sums of the
+// others', which are stored.
+template <class Real>
+struct alignas(64) CellBlock {
+  static constexpr int width = 64 / sizeof(Real);
+  using Row = std::array<Real, std::size_t(width)>;
+
+  std::array<Row, 21> gradients{};    // N_1 … N_7 [1/m], component by component
+  std::array<Row, 28> fluctuation{};  // S_nm [N/m], n ≥ m ≥ 1, row by row; zero in empty lanes
+  Row volume{};                       // V [m³]; zero in empty lanes
+  std::array<std::array<Index, std::size_t(width)>, 8> nodes{};
+};
+
+template <class Real>
+struct CellArrays {
+  const CellBlock<Real>* blocks;
+  const Law<Real>* laws;        // per block
+  const PaddedVector<Real>* q;  // per node [m]
+  PaddedVector<Real>*
+      forces;  // block by block, corner by corner, lane by lane, as PaddedVectors::store() [N]
+};
+
+template <class Real>
+struct CellKernels {
+  // Finds the forces of the blocks [begin, end) on their nodes.
+  void (*find_forces)(const CellArrays<Real>& cells, Index begin, Index end);
+  int lanes;  // of a register
+};
+
+template <class Real>
+CellKernels<Real> cell_kernels(InstructionSet set);  // of an available set
+
+}  // namespace lobe

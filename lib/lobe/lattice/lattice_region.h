@@ -1,0 +1,166 @@
+// The reduced regions of a body: non-linear tetrahedra whose vertices mostly follow the nodes of a lattice
+// (embedding.h), so that a step evaluates cells in place of tetrahedra. Vertices move by themselves where
+// they are held, shared with another region, next to such, or in a zone that is full for a while (zones.h).
+// A step costs some 30 ns per cell, 20 ns per embedded vertex at a full tetrahedron, and these tetrahedra.
+// Forces conserve linear and angular momentum, and a rotation costs no energy.
+#pragma once
+
+#include "lobe/body/loads.h"
+#include "lobe/body/model.h"
+#include "lobe/body/motion.h"
+#include "lobe/lattice/lattice_cells.h"
+#include "lobe/lattice/settle.h"
+#include "lobe/lattice/zones.h"
+#include "lobe/region/nonlinear.h"
+
+namespace lobe {
+
+template <class Real>
+class LatticeRegion {
+ public:
+  // `cell`: edge of the cells [m]; 0: chosen by choose_lattice().
+  explicit LatticeRegion(double cell = 0, Evaluator evaluator = Evaluator::direct)
+      : cell_(cell), evaluator_(evaluator), full_(evaluator) {}
+
+  Index tet_count() const { return tet_count_; }
+  bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[std::size_t(tet)]; }
+  bool any() const { return tet_count_ > 0; }
+  bool embeds(Index v) const { return embedding_.embeds(v); }
+  bool any_embedded() const { return !embedding_.vertices.empty(); }
+  const std::vector<Index>& vertices() const {
+    return vertices_;
+  }  // of its tetrahedra, now or before an edit
+  const Lattice& lattice() const { return lattice_; }
+  const Embedding& embedding() const { return embedding_; }
+  Index full_tet_count() const { return full_.tet_count(); }
+  PatchCount past_patches() const { return past_patches_; }  // of evaluators that embed() has replaced
+  double mass_added() const { return mass_added_; }          // so that nodes need no shorter steps [kg]
+
+  // ---- Edits
+
+  // Takes note of tetrahedra that left or entered; embed() must follow before anything is evaluated. Throws
+  // InputError for cells that do not suit the tetrahedra (choose_lattice).
+  void follow(const Elements& elements, const RegionEdit& edit);
+  void look(const Elements& elements, double time, std::vector<Index> touched) {
+    if (any()) zones_.look(elements, lattice_.frame.edge, time, std::move(touched));
+  }
+  // Its tetrahedra that are within a cell of these, these included.
+  std::vector<Index> near(const Elements& elements, const std::vector<Index>& tets) const;
+  // Which vertices may be embedded at a time, per vertex.
+  std::vector<std::uint8_t> may_embed(const Model& model, double time) const;
+  bool is_embedded_as(const std::vector<std::uint8_t>& wanted) const {
+    return !is_outdated_ && wanted == embedding_.is_embedded;
+  }
+  // Embeds these vertices and no others. Displacements and velocities of vertices() must be up to date, and
+  // masses and loads those of their tetrahedra: the nodes take them over from embedded vertices. Momentum is
+  // conserved. `omega`: the highest frequency of the full body at rest [rad/s].
+  void embed(const Model& model, std::vector<std::uint8_t> wanted, double omega,
+             std::vector<double>& mass,  // per vertex [kg]
+             Loads<Real>& loads, Motion<Real>& motion);
+  // Takes the nearest displacements and velocities that the lattice has, after others were given.
+  void settle_all(const Elements& elements, double omega, Motion<Real>& motion) const;
+
+  struct State {       // part of a checkpoint
+    Mat3X<Real> u, v;  // of nodes, 3 × #nodes [m], [m/s]
+    std::vector<std::uint8_t> is_embedded;
+    FullZones::State zones;
+    bool is_valid() const { return u.allFinite() && v.allFinite() && u.cols() == v.cols(); }
+    static constexpr auto fields = std::tuple(&State::u, &State::v, &State::is_embedded, &State::zones);
+  };
+  State state(const Motion<Real>& motion) const;
+  bool fits(const State& state, const Elements& elements) const;
+  void set_zones(const FullZones::State& zones) { zones_.set_state(zones); }
+
+  // ---- A step, in this order
+
+  void place(Motion<Real>& motion, Parallel& parallel) const;  // embedded corners of full tetrahedra
+  void add_full_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+    full_.add_forces(u, f, parallel);
+  }
+  // Finds the forces on the nodes; `missing`: the share of the dead loads that does not act yet.
+  void collect(double missing, Motion<Real>& motion, Parallel& parallel);
+  Fastest<Real> push(Real kick, Real dt, Real damping, Motion<Real>& motion, Parallel& parallel) const {
+    return central_difference(motion.node_forces, moving_, kick, dt, damping, motion.nodes.u, motion.nodes.v,
+                              motion.node_turns, parallel);
+  }
+  bool any_moving() const { return !moving_.empty(); }
+
+  // ---- Displacements, velocities and energies
+
+  // Computes displacements of all embedded vertices, and velocities if asked for.
+  void recover(const Elements& elements, bool velocities, StateColumns<Real>& state) const;
+  double elastic_energy(const Mat3X<Real>& u, const Nodes<Real>& nodes);  // [J], u placed
+  double energy_of_loads(const Nodes<Real>& nodes) const;                 // [J]
+  double kinetic_energy(const Nodes<Real>& nodes) const;                  // [J]
+
+  // The stiffness that free and embedded vertices feel from full tetrahedra.
+  typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
+                                                           Parallel& parallel) {
+    return full_.add_diagonal_stiffness(u, K, parallel);
+  }
+  struct Frequency {
+    double omega = 0;  // a bound of the nodes' frequencies [rad/s]
+    typename LatticeCells<Real>::Smallest smallest = {};
+  };
+  // K: of all tetrahedra around the vertices [N/m]. `ratio`: of the highest frequency to that which the
+  // stiffness of single vertices gives.
+  Frequency highest_frequency(const Nodes<Real>& nodes, const DiagonalStiffness& K, double ratio) const;
+
+  template <class Visit>
+  void visit_patches(Visit&& visit) {
+    full_.visit_patches(visit);
+  }
+
+ private:
+  struct Place {  // an embedded vertex at full tetrahedra
+    Index vertex = 0;
+    std::array<Index, 8> nodes{};
+    std::array<Real, 8> weights{};
+  };
+  struct Share {  // of a node in such a vertex
+    Index vertex = 0;
+    Real weight = 0;
+  };
+
+  using Flags = std::vector<std::uint8_t>;
+
+  void list_vertices(const Topology& topology);
+  void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
+  Flags touched_nodes(const Embedding& before, bool all) const;
+  Flags nodes_of_changed(const Embedding& before, bool all) const;
+  void begin_fresh_nodes(const Elements& elements, const Flags& fresh, const Mat3X<double>& u,
+                         Mat3X<double>& q) const;
+  void build(const Elements& elements);
+  void place_interface(const Elements& elements);
+  void take_over(const Elements& elements, std::vector<double>& mass, Loads<Real>& loads);
+  void add_nodes(const Lattice& lattice, const std::vector<double>& mass, const Nodes<Real>& nodes,
+                 const Flags* which, MovingMasses& sum) const;
+
+  double cell_;
+  Evaluator evaluator_;
+  std::vector<std::uint8_t> member_;  // per tetrahedron
+  Index tet_count_ = 0;
+  std::vector<Index> vertices_;
+  bool is_outdated_ = false;  // the lattice
+  FullZones zones_;
+  Lattice lattice_;
+  std::vector<CellSums> sums_;      // of the whole lattice, as if nothing were full
+  std::vector<LatticeCell> whole_;  // likewise
+  Embedding embedding_;
+  double mass_added_ = 0;
+  PatchCount past_patches_;
+
+  // What a step reads.
+  NonlinearRegion<Real> full_;
+  LatticeCells<Real> cells_;
+  std::vector<Place> places_;
+  std::vector<Index> shares_begin_;  // per node
+  std::vector<Share> shares_;
+  std::vector<MovingVertex<Real>> moving_;  // nodes
+  Mat3X<Real> external_, dead_;             // per node [N]
+};
+
+extern template class LatticeRegion<float>;
+extern template class LatticeRegion<double>;
+
+}  // namespace lobe

@@ -1,0 +1,370 @@
+// Worlds with reduced regions.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "folder.h"
+#include "lattice_support.h"
+#include "lobe/error.h"
+#include "lobe/sim/checkpoint.h"
+#include "lobe/sim/validate.h"
+#include "world_support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+constexpr double edge = 0.01;
+
+// A bar along x, jittered, held at x = 0 if asked.
+Setup bar(int length, int width, bool is_held = true, RegionModel model = RegionModel::reduced) {
+  TetMesh mesh = box_mesh({length * edge, width * edge, width * edge}, length, width, width);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> jitter(-0.15 * edge, 0.15 * edge);
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.points(0, v) > edge / 2)
+      for (int d = 0; d < 3; ++d) mesh.points(d, v) += jitter(random);
+  Setup setup = setup_of(mesh, model);
+  setup.lattice_cell = 2 * edge;
+  setup.volume_penalty = 1e5;
+  for (Index v = 0; v < mesh.vertex_count() && is_held; ++v)
+    if (mesh.points(0, v) < edge / 2) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+// The same size of six cells across.
+Setup fine_bar() {
+  Setup setup = bar(24, 6);
+  setup.mesh.points *= 2.0 / 3;
+  return setup;
+}
+
+Setup all_nonlinear(Setup setup) {
+  std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
+  return setup;
+}
+
+std::vector<Index> vertices_near(const TetMesh& mesh, const Vec3d& at, double radius) {
+  std::vector<Index> found;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if ((mesh.points.col(v) - at).norm() < radius) found.push_back(v);
+  return found;
+}
+
+// Pulled at its end and let go.
+Setup pulled_bar(RegionModel model = RegionModel::reduced) {
+  Setup setup = bar(16, 4, true, model);
+  setup.damping = 20;
+  setup.guard_below = 0.2;
+  setup.grasps.push_back({"grasp",
+                          vertices_near(setup.mesh, {0.16, 0.02, 0.02}, 0.016),
+                          {{0.05, Vec3d::Zero()}, {0.25, Vec3d(-0.01, 0.02, 0.03)}},
+                          true});
+  return setup;
+}
+
+const LatticeRegion<double>& region_of(const World<double>& world) { return world.body().regions.reduced(); }
+
+MovingMasses::Momentum momentum_of(World<double>& world) {
+  const auto& motion = world.body().motion;
+  const auto& region = region_of(world);
+  MovingMasses sum;
+  for (Index v = 0; v < motion.u.count(); ++v)
+    sum.add(world.body().inertia.mass()[std::size_t(v)], world.elements().points.col(v) + motion.u.col(v),
+            motion.v.col(v));
+  for (Index n = 0; n < region.lattice().node_count(); ++n)
+    sum.add(region.embedding().mass[std::size_t(n)], region.lattice().nodes.col(n) + motion.nodes.u.col(n),
+            motion.nodes.v.col(n));
+  return sum.momentum();
+}
+
+// ½ v⁻·M v⁺ + U(u), over a step of dt [J].
+double staggered(World<double>& world, double dt) {
+  const auto& motion = world.body().motion;
+  const Mat3X<double> v = motion.v.view(), w = motion.nodes.v;
+  const Energies e = world.energies();
+  world.step(dt);
+  double twice = 0;
+  for (Index i = 0; i < v.cols(); ++i)
+    if (!world.body().regions.is_embedded(i))
+      twice += world.body().inertia.mass()[std::size_t(i)] * v.col(i).dot(motion.v.col(i));
+  for (Index n = 0; n < w.cols(); ++n)
+    twice += region_of(world).embedding().mass[std::size_t(n)] * w.col(n).dot(motion.nodes.v.col(n));
+  return twice / 2 + e.total() - e.kinetic;
+}
+
+// Thrown, turning and swinging.
+World<double> thrown(const Setup& setup, int threads = 1) {
+  World<double> world(setup, threads);
+  State<double> state = world.state();
+  for (Index v = 0; v < state.v.cols(); ++v) {
+    const Vec3d X = setup.mesh.points.col(v);
+    state.v.col(v) =
+        Vec3d(0.1, -0.2, 0.3) + Vec3d(1, 2, -3).cross(X) + Vec3d(0, std::sin(30 * X.x()), 5 * X.y());
+  }
+  world.set_state(state);
+  return world;
+}
+
+double relative_error(const Mat3X<double>& u, const Mat3X<double>& exact) {
+  return (u - exact).norm() / exact.norm();
+}
+
+std::string refusal(const Setup& setup) {
+  try {
+    World<float> world(setup);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE(
+    "where every vertex is held or next to one, a reduced region moves as a non-linear one, to the bit") {
+  Setup setup = bar(4, 4, true);
+  setup.gravity = {0, 3, -9.81};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) > 1.5 * edge && setup.mesh.points(0, v) < 2.5 * edge)
+      setup.prescribed.push_back({v, Vec3d::Zero()});
+  Setup nonlinear = setup;
+  std::fill(nonlinear.region_of.begin(), nonlinear.region_of.end(), RegionModel::nonlinear);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) > 3.5 * edge)
+      for (Setup* each : {&setup, &nonlinear}) each->prescribed.push_back({v, Vec3d::Zero()});
+  World<double> reduced(setup), exact(nonlinear);
+  CHECK_FALSE(region_of(reduced).any_embedded());
+  for (int i = 0; i < 10; ++i) {
+    reduced.advance(0.02);
+    exact.advance(0.02);
+    CHECK(same_bits(reduced, exact));
+  }
+  CHECK(exact.state().u.norm() > 0);
+}
+
+TEST_CASE("a thrown reduced body keeps its momentum and its energy over thousands of undamped steps") {
+  World<double> world = thrown(bar(12, 4, false));
+  CHECK(region_of(world).full_tet_count() == 0);
+  const double dt = 0.8 * world.time_step_limit();
+  world.step(dt);
+  const auto before = momentum_of(world);
+  const double start = staggered(world, dt);
+  double largest = 0;
+  for (int i = 0; i < 20000; ++i)
+    if (i % 100 == 0)
+      largest = std::max(largest, std::abs(staggered(world, dt) - start));
+    else
+      world.step(dt);
+  const auto change = momentum_of(world) - before;
+  MESSAGE("relative change of energy " << largest / start << ", of momentum "
+                                       << change.linear.norm() / before.linear.norm() << ", "
+                                       << change.angular.norm() / before.angular.norm());
+  CHECK(largest < 0.02 * start);
+  CHECK(change.linear.norm() < 1e-9 * before.linear.norm());
+  CHECK(change.angular.norm() < 1e-9 * before.angular.norm());
+  CHECK(world.state().u.norm() > 0.1);
+}
+
+TEST_CASE("zones that become full and are embedded again keep linear and angular momentum") {
+  Setup setup = bar(16, 4, false);
+  World<double> world = thrown(setup);
+  const auto before = momentum_of(world);
+  const Energies first = world.energies();
+  const Index v = vertices_near(setup.mesh, {0.16, 0.02, 0.02}, 0.012).front();
+  Index most = 0, least = setup.mesh.tet_count();
+  for (int i = 0; i < 40; ++i) {
+    if (i == 2) world.apply(SetForces{{{v, Vec3d::Zero()}}});  // is touched, and nothing else
+    if (i == 10) world.apply(SetForces{{}});
+    REQUIRE(world.advance(0.02).ok);
+    validate(world);
+    if (i >= 2 && i < 10) {
+      CHECK_FALSE(world.body().regions.is_embedded(v));
+      CHECK(region_of(world).full_tet_count() < setup.mesh.tet_count());
+    }
+    most = std::max(most, region_of(world).full_tet_count());
+    least = std::min(least, region_of(world).full_tet_count());
+    const auto change = momentum_of(world) - before;
+    CHECK(change.linear.norm() < 1e-9 * before.linear.norm());
+    CHECK(change.angular.norm() < 1e-9 * before.angular.norm());
+  }
+  CHECK(most == setup.mesh.tet_count());  // after it was let go
+  CHECK(least == 0);
+  const double change = world.energies().total() / first.total() - 1;
+  MESSAGE("energy that four transitions cost: " << change);
+  CHECK(std::abs(change) < 0.1);
+}
+
+TEST_CASE("a reduced bar bends and swings as a non-linear one") {
+  Setup setup = fine_bar();
+  setup.gravity = {0, 0, -3};
+  setup.damping = 5;
+  World<double> reduced(setup), exact(all_nonlinear(setup));
+  double largest = 0, top = 0;
+  for (int i = 0; i < 30; ++i) {
+    REQUIRE(reduced.advance(0.02).ok);
+    REQUIRE(exact.advance(0.02).ok);
+    top = std::max(top, exact.state().u.norm());
+    largest = std::max(largest, (reduced.state().u - exact.state().u).norm());
+  }
+  MESSAGE("largest error " << largest / top);
+  CHECK(largest < 0.1 * top);
+  CHECK(region_of(reduced).any_embedded());
+}
+
+TEST_CASE("a reduced region shares vertices with any other") {
+  for (RegionModel other : {RegionModel::nonlinear, RegionModel::tensor_mass, RegionModel::precomputed}) {
+    Setup setup = bar(16, 4);
+    setup.gravity = {0, 0, -0.5};
+    setup.damping = 20;
+    for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+      if (barycentre(setup.mesh, t).x() < 0.05) setup.region_of[std::size_t(t)] = other;
+    Setup compared = setup;
+    for (RegionModel& model : compared.region_of)
+      if (model == RegionModel::reduced) model = RegionModel::nonlinear;
+    World<double> reduced(setup), exact(compared);
+    for (int i = 0; i < 20; ++i) {
+      REQUIRE(reduced.advance(0.03).ok);
+      REQUIRE(exact.advance(0.03).ok);
+    }
+    validate(reduced);
+    CAPTURE(std::string(name(other)));
+    const double error = relative_error(reduced.state().u, exact.state().u);
+    MESSAGE(std::string(name(other)) << ": " << error);
+    CHECK(error < 0.06);
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v)  // held and shared ones move by themselves
+      if (setup.mesh.points(0, v) < 0.055) CHECK_FALSE(reduced.body().regions.is_embedded(v));
+  }
+}
+
+TEST_CASE("dead loads and gravity act on what follows a lattice, and grow as they are told") {
+  Setup setup = fine_bar();
+  setup.gravity = {0, 0, -0.5};
+  setup.load_ramp = 0.3;
+  setup.damping = 30;
+  setup.vertex_loads.push_back({vertices_near(setup.mesh, {0.16, 0.02, 0.02}, 0.01).front(), {0, 0.01, 0}});
+  World<double> reduced(setup), exact(all_nonlinear(setup));
+  for (int i = 0; i < 40; ++i) {
+    reduced.advance(0.05);
+    exact.advance(0.05);
+  }
+  CHECK(relative_error(reduced.state().u, exact.state().u) < 0.06);
+  CHECK(reduced.energies().loads == near(exact.energies().loads, 0.06));
+}
+
+TEST_CASE(
+    "a gesture on a reduced bar: steps of the limit suffice, and held vertices are where they should be") {
+  Setup setup = pulled_bar();
+  World<double> world(setup), exact(pulled_bar(RegionModel::nonlinear));
+  double top = 0, largest = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Report report = world.advance(0.02);
+    exact.advance(0.02);
+    REQUIRE(report.ok);
+    validate(world);
+    CHECK(report.reruns == 0);
+    top = std::max(top, exact.state().u.norm());
+    largest = std::max(largest, (world.state().u - exact.state().u).norm());
+    for (const PrescribedVertex& own : setup.prescribed) CHECK(world.state().u.col(own.vertex).isZero(0));
+    if (i == 10)
+      for (Index v : setup.grasps[0].vertices)
+        CHECK((world.state().u.col(v) - exact.state().u.col(v)).norm() < 1e-9);
+  }
+  MESSAGE("largest error " << largest / top);
+  CHECK(largest < 0.1 * top);
+}
+
+TEST_CASE_TEMPLATE("a reduced world goes on with the same bits after it was restored, on any threads", Real,
+                   float, double) {
+  const Setup setup = pulled_bar();
+  World<Real> world(setup), two(setup, 2), seven(setup, 7);
+  const Folder folder;
+  for (int i = 0; i < 26; ++i) {
+    for (World<Real>* each : {&world, &two, &seven}) REQUIRE(each->advance(0.02).ok);
+    CHECK(same_bits(world, two));
+    CHECK(same_bits(world, seven));
+    if (i % 5 != 3) continue;
+    write_checkpoint(folder.path / "state", world.save());
+    World<Real> restored(setup, 2);
+    restored.restore(read_checkpoint<Real>(folder.path / "state"));
+    CHECK(same_bits(world, restored));
+    two = std::move(restored);
+  }
+  const Checkpoint<Real> early = read_checkpoint<Real>(folder.path / "state");
+  world.restore(early);
+  CHECK(world.state().u == early.state.u);
+}
+
+TEST_CASE("a cautery and commands cut through a reduced region") {
+  Setup setup = bar(16, 4);
+  setup.gravity = {0, 0, -2};
+  setup.damping = 10;
+  setup.cauteries.push_back(
+      {"cautery", 0.004, {{0.1, Vec3d(0.08, -0.01, 0.035)}, {0.5, Vec3d(0.08, 0.03, 0.025)}}});
+  World<double> world(setup), exact(all_nonlinear(setup));
+  Index removed = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Report report = world.advance(0.02);
+    exact.advance(0.02);
+    REQUIRE(report.ok);
+    removed += report.tets_removed;
+    validate(world);
+  }
+  CHECK(removed > 10);
+  const double error = relative_error(world.state().u.leftCols(setup.mesh.vertex_count()),
+                                      exact.state().u.leftCols(setup.mesh.vertex_count()));
+  MESSAGE("error after a cut " << error);
+  CHECK(error < 0.15);
+  const Checkpoint<double> kept = world.save();
+  World<double> restored(setup);
+  restored.restore(kept);
+  for (int i = 0; i < 5; ++i) {
+    world.advance(0.02);
+    restored.advance(0.02);
+    CHECK(same_bits(world, restored));
+  }
+}
+
+TEST_CASE("tetrahedra become reduced and non-linear while a world runs") {
+  Setup setup = bar(16, 4, true, RegionModel::nonlinear);
+  setup.gravity = {0, 0, -2};
+  setup.damping = 10;
+  World<double> world(setup);
+  for (int i = 0; i < 10; ++i) world.advance(0.02);
+  std::vector<Index> all(std::size_t(setup.mesh.tet_count()));
+  std::iota(all.begin(), all.end(), 0);
+  const Mat3X<double> before = world.state().u;
+  world.apply(SetRegion{all, RegionModel::reduced});
+  validate(world);
+  CHECK(region_of(world).any_embedded());
+  const double jump = relative_error(world.state().u, before);
+  MESSAGE("jump " << jump);
+  CHECK(jump < 0.02);
+  for (int i = 0; i < 5; ++i) REQUIRE(world.advance(0.02).ok);
+  const Mat3X<double> embedded = world.state().u;
+  world.apply(SetRegion{all, RegionModel::nonlinear});
+  CHECK(relative_error(world.state().u, embedded) < 1e-15);
+  CHECK_FALSE(region_of(world).any());
+  for (int i = 0; i < 5; ++i) REQUIRE(world.advance(0.02).ok);
+  validate(world);
+}
+
+TEST_CASE("what does not go with a reduced region, or does not suit it, is named") {
+  Setup setup = bar(8, 4);
+  CHECK(refusal(setup) == "");
+  const auto with = [&](auto change) {
+    Setup other = setup;
+    change(other);
+    return refusal(other);
+  };
+  CHECK(with([](Setup& s) { s.selective_mass = 3; }).find("\"selective_mass\"") != std::string::npos);
+  CHECK(with([](Setup& s) { s.sleep = 1e-5; }).find("\"sleep\"") != std::string::npos);
+  CHECK(with([](Setup& s) { s.lattice_cell = 0.005; }).find("hardly larger than the tetrahedra") !=
+        std::string::npos);
+  CHECK(with([](Setup& s) { s.lattice_cell = 1; }).find("more than half of the reduced regions") !=
+        std::string::npos);
+  CHECK(with([](Setup& s) { s.lattice_cell = -1; }).find("lattice_cell") != std::string::npos);
+}

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <random>
 
+#include "near.h"
+
 using namespace lobe;
+using namespace lobe::test;
 
 namespace {
 
@@ -64,7 +67,7 @@ TEST_CASE("parts fill a triangle, turn as it does, and are carried by what hangs
       sum += own;
       for (std::size_t k = 0; k < 3; ++k) CHECK(part.elements[k] == part.elements[0]);
     }
-    CHECK(sum == doctest::Approx(1).epsilon(1e-12));
+    CHECK(sum == near(1, 1e-12));
   }
 }
 
@@ -94,6 +97,6 @@ TEST_CASE("a strip between two lines takes the middle between them") {
     (part.elements[0] == 1 ? strip : sum) += area(rim, part);
     CHECK((part.elements[0] == part.elements[1] && part.elements[0] == part.elements[2]));
   }
-  CHECK(strip == doctest::Approx(0.6 * 0.6 - 0.3 * 0.3).epsilon(1e-12));
-  CHECK(sum + strip == doctest::Approx(1).epsilon(1e-12));
+  CHECK(strip == near(0.6 * 0.6 - 0.3 * 0.3, 1e-12));
+  CHECK(sum + strip == near(1, 1e-12));
 }

@@ -124,7 +124,7 @@ TEST_CASE("a skin opens along the cut: nothing of it is lost, and each triangle 
     played.play(6);
     REQUIRE(played.world.elements().topology.pieces().size() == 2);
     CHECK(played.skin.is_divided());
-    CHECK(played.area() == doctest::Approx(before).epsilon(1e-12));
+    CHECK(played.area() == near(before, 1e-12));
     std::set<int> carrying;
     CHECK(played.longest_bridge(carrying) < 1e-5);
     CHECK(carrying.size() == 2);
@@ -153,7 +153,7 @@ TEST_CASE("where cuts cross, each piece has its own part of the skin") {
     played.play(14);
     const std::size_t pieces = played.world.elements().topology.pieces().size();
     CHECK(pieces >= 6);
-    CHECK(played.area() == doctest::Approx(before).epsilon(1e-12));
+    CHECK(played.area() == near(before, 1e-12));
     std::set<int> carrying;
     CHECK(played.longest_bridge(carrying) < 1e-5);
     CHECK(carrying.size() == pieces);
@@ -181,7 +181,7 @@ TEST_CASE("cuts at random lose nothing of the skin, and no triangle bridges piec
     played.play(18);
     const std::size_t pieces = played.world.elements().topology.pieces().size();
     CHECK(pieces >= 2);
-    CHECK(played.area() == doctest::Approx(before).epsilon(1e-12));
+    CHECK(played.area() == near(before, 1e-12));
     std::set<int> carrying;
     CHECK(played.longest_bridge(carrying) < 1e-5);
     CHECK(carrying.size() <= pieces);
@@ -201,7 +201,7 @@ TEST_CASE("half a cut opens the skin as far as it goes, and a reader of what cha
   for (int i = 0; i < 6; ++i) {
     played.play(1);
     const SkinMesh& mesh = played.skin.mesh();
-    CHECK(played.area() == doctest::Approx(before).epsilon(1e-12));
+    CHECK(played.area() == near(before, 1e-12));
     triangles.resize(mesh.triangles.size());
     texture.resize(mesh.texture.size());
     if (const auto slots = mesh.changed_triangles.since(seen)) {

@@ -23,8 +23,8 @@ struct TrianglePart {
 
 // The lines cut the rim into arcs. Each part lies on one arc, and what carries its points is what lies under
 // that arc, at its ends. What is left between three lines or more goes to the arc of what lies under its
-// middle. If a line crosses one side alone, it leads to the corner opposite. If several do, what is between them
-// stays with the rest. Parts fill the triangle exactly.
+// middle. If a line crosses one side alone, it leads to the corner opposite. If several do, what is between
+// them stays with the rest. Parts fill the triangle exactly.
 // `rim`: in turn, from corner 0 on, at least one of them no corner. `middle`: what lies under the middle of
 // the points that are no corners. `on_one_side`: whether two of what lies under the skin hang together.
 std::vector<TrianglePart> divide_triangle(const std::vector<RimPoint>& rim, Index middle,

@@ -12,11 +12,11 @@
 // away, or is connected to none of the shown triangles around the vertex, another tetrahedron under these
 // triangles carries it. A hidden triangle never comes back.
 //
-// If a blade has cut a tetrahedron, vertices lie on the copies whose grains are under them. The skin then opens
-// along the cut. An edge of a triangle has a gap where the tetrahedra under it have come apart. Each gap gives
-// the edge two new vertices, one for either side. Triangles whose edges have gaps are divided into parts
-// (divide_triangle.h), so that nothing of them is lost. Where one copy of a tetrahedron is removed, what lies
-// on its other copies goes with it.
+// If a blade has cut a tetrahedron, vertices lie on the copies whose grains are under them. The skin then
+// opens along the cut. An edge of a triangle has a gap where the tetrahedra under it have come apart. Each
+// gap gives the edge two new vertices, one for either side. Triangles whose edges have gaps are divided
+// into parts (divide_triangle.h), so that nothing of them is lost. Where one copy of a tetrahedron is
+// removed, what lies on its other copies goes with it.
 #pragma once
 
 #include <map>

@@ -8,11 +8,11 @@
 //
 // ρ is a share of the body's damping γ, for the following reason. Free motions z e^{st} of a linear body of
 // mass M and stiffness K that contact of stiffness K_c bears obey s³M + γ s²M + s(K + K_c) + ρ K_c = 0. z*
-// times this is a cubic with the numbers m = z*Mz, and k, k_c likewise, all ≥ 0. By Routh's criterion no s has
-// a positive real part if γ (k + k_c) ≥ ρ k_c, which ρ ≤ γ ensures. What damping is left is at least γ − ρ: of
-// a body against itself ρ is γ/2. Tools hold only where selective masses have made contact far softer than
-// the body; there ρ is 3γ/4. A body without damping, which never comes to rest, holds nothing: its contact
-// keeps energy.
+// times this is a cubic with the numbers m = z*Mz, and k, k_c likewise, all ≥ 0. By Routh's criterion no s
+// has a positive real part if γ (k + k_c) ≥ ρ k_c, which ρ ≤ γ ensures. What damping is left is at least γ −
+// ρ: of a body against itself ρ is γ/2. Tools hold only where selective masses have made contact far softer
+// than the body; there ρ is 3γ/4. A body without damping, which never comes to rest, holds nothing: its
+// contact keeps energy.
 #pragma once
 
 #include <algorithm>

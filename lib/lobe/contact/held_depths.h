@@ -1,5 +1,6 @@
 // The depths h at which contact is held (contact_law.h), one for each point of the surface where it touches.
-// Within a triangle h is linear. With w_qp the weight of point p in the q-th point where contact is evaluated,
+// Within a triangle h is linear. With w_qp the weight of point p in the q-th point where contact is
+// evaluated,
 //   h_q = Σ_p w_qp h_p,  ḣ_p = ρ Σ_q κ A_q w_qp d_q / Σ_q κ A_q w_qp,
 // so that what is held brings the mean depth around each point to 0. To bring each d_q to 0 would be to ask
 // flat triangles to follow a curved tool. These means are a projection of the depths, and no larger than they

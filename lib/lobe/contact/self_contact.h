@@ -44,8 +44,8 @@ class SelfContact {
   // ---- Search. `moved`: how far vertices have moved at most in all steps [m].
 
   void rebuild(const ContactSurface& surface, const Model& model);  // of another surface
-  // Whether pairs that are not known may have come near, by how far the body has moved; if that is too far, by
-  // where its vertices are.
+  // Whether pairs that are not known may have come near, by how far the body has moved; if that is too far,
+  // by where its vertices are.
   bool is_outdated(const Places& now, double moved);
   void search(const ContactSurface& surface, const Places& now, double moved);
   void forget() { slack_ = -1; }

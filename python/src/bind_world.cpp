@@ -84,8 +84,7 @@ void lead(const PyTool& self, const py::object& position, const py::object& orie
   Lead command{self.id, {vector3(position, "position")}};
   if (!orientation.is_none()) {
     const py::array_t<double, py::array::c_style | py::array::forcecast> q(orientation);
-    if (q.ndim() != 1 || q.shape(0) != 4)
-      throw InputError("orientation", "must be four numbers x, y, z, w");
+    if (q.ndim() != 1 || q.shape(0) != 4) throw InputError("orientation", "must be four numbers x, y, z, w");
     command.target.orientation = Eigen::Map<const Eigen::Vector4d>(q.data());
   }
   apply(*self.world, command);
@@ -172,8 +171,9 @@ void bind_tools(py::module_& module) {
 }
 
 void bind_scalpel(py::module_& module) {
-  py::class_<PyScalpel>(module, "Scalpel",
-                        "Cuts with an edge from its tip to its heel, while it is on. Made by World.scalpel().")
+  py::class_<PyScalpel>(
+      module, "Scalpel",
+      "Cuts with an edge from its tip to its heel, while it is on. Made by World.scalpel().")
       .def(
           "move_to",
           [](const PyScalpel& self, const py::object& position, const py::object& orientation) {
@@ -184,7 +184,10 @@ void bind_scalpel(py::module_& module) {
           "brought: a\n"
           "unit quaternion (x, y, z, w).")
       .def(
-          "switch", [](const PyScalpel& self, bool on) { apply(*self.world, SwitchTool{self.id, on}); },
+          "switch",
+          [](const PyScalpel& self, bool on) {
+            apply(*self.world, SwitchTool{self.id, on});
+          },
           py::arg("on"), "Whether it cuts.")
       .def(
           "release", [](const PyScalpel& self) { apply(*self.world, LetGo{self.id}); }, "Takes it away.");
@@ -199,11 +202,12 @@ void bind_edits(py::class_<PyWorld, std::shared_ptr<PyWorld>>& world) {
            "of a point [m].")
       .def("cautery", &bring, py::arg("position"), py::kw_only(), py::arg("radius"),
            py::arg("name") = "cautery", "Adds a cautery, switched off; the radius is its tip's [m].")
-      .def("scalpel", &bring_scalpel, py::arg("tip"), py::arg("heel"), py::kw_only(), py::arg("snap") = 0.1,
-           py::arg("along_faces") = false, py::arg("name") = "scalpel",
-           "Adds a scalpel, which does not cut yet; its edge leads from tip to heel [m]. A vertex nearer to "
-           "the cut than\n"
-           "the share `snap` of its shortest edge lies on it; along_faces: only faces that the mesh has open.")
+      .def(
+          "scalpel", &bring_scalpel, py::arg("tip"), py::arg("heel"), py::kw_only(), py::arg("snap") = 0.1,
+          py::arg("along_faces") = false, py::arg("name") = "scalpel",
+          "Adds a scalpel, which does not cut yet; its edge leads from tip to heel [m]. A vertex nearer to "
+          "the cut than\n"
+          "the share `snap` of its shortest edge lies on it; along_faces: only faces that the mesh has open.")
       .def(
           "remove_tets",
           [](PyWorld& self, const py::object& tets) {

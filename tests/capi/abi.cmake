@@ -19,16 +19,16 @@ foreach(declaration ${declarations})
 endforeach()
 file(WRITE ${FOLDER}/abi.c "${source}")
 get_filename_component(include ${HEADER} DIRECTORY)
-set(stub ${FOLDER}/liblobe_c_abi.so)
-execute_process(COMMAND ${COMPILER} -std=c99 -g -O0 -w -shared -fPIC -I ${include} ${FOLDER}/abi.c -o ${stub}
+set(library ${FOLDER}/liblobe_c_abi.so)
+execute_process(COMMAND ${COMPILER} -std=c99 -g -O0 -w -shared -fPIC -I ${include} ${FOLDER}/abi.c -o ${library}
   COMMAND_ERROR_IS_FATAL ANY)
 if(RENEW)
   execute_process(COMMAND ${ABIDW} --no-show-locs --no-corpus-path --no-comp-dir-path --no-elf-needed --no-architecture
-    --out-file ${EXPECTED} ${stub} COMMAND_ERROR_IS_FATAL ANY)
+    --out-file ${EXPECTED} ${library} COMMAND_ERROR_IS_FATAL ANY)
   return()
 endif()
 # It tells a change that old callers survive (4) from one that they do not (8).
-execute_process(COMMAND ${ABIDIFF} --no-show-locs --no-architecture ${EXPECTED} ${stub}
+execute_process(COMMAND ${ABIDIFF} --no-show-locs --no-architecture ${EXPECTED} ${library}
   RESULT_VARIABLE status OUTPUT_VARIABLE report)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${report}\nabidiff: ${status}. If old callers still work, renew ${EXPECTED} with the target "

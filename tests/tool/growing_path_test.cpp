@@ -37,7 +37,8 @@ void check_is(const GrowingPath& path, const std::vector<PathPoint>& rows) {
 
 }  // namespace
 
-TEST_CASE("a path that grows, forgets, settles and is copied is the list of its rows, and so are its copies") {
+TEST_CASE(
+    "a path that grows, forgets, settles and is copied is the list of its rows, and so are its copies") {
   std::mt19937 random(3);
   const auto one_of = [&](int n) { return std::uniform_int_distribution<int>(0, n - 1)(random); };
   std::vector<PathPoint> rows;

@@ -1,34 +1,56 @@
-// Anchors are what friction remembers from step to step: one for each touching point of a triangle.
+// What contact remembers from step to step: an anchor of each point of a triangle that touches, and at what
+// depths contact is held.
 #pragma once
 
-#include "lobe/mesh/surface.h"
+#include "lobe/contact/held_depths.h"
 
 namespace lobe {
 
-struct Anchors {
-  struct OfTriangle {
-    Index tet = -1;
-    std::uint32_t code = 0;  // FaceOwner
-    int divisions = 1;       // of its edges: it has divisions² points
-    int first = 0;           // of its points below
-    static constexpr auto fields =
-        std::tuple(&OfTriangle::tet, &OfTriangle::code, &OfTriangle::divisions, &OfTriangle::first);
-  };
-  std::vector<OfTriangle> triangles;  // in the order of the surface
-  std::vector<Vec3d> at;              // what it is of each point [m]
-  std::vector<std::uint8_t> holds;    // whether the point has one
+struct Anchor {
+  Index tet = -1;
+  std::uint32_t code = 0;    // FaceOwner of the triangle
+  int divisions = 1;         // of its edges: it has divisions² points
+  int number = 0;            // of the point
+  Vec3d at = Vec3d::Zero();  // of friction [m]
+  Index face_tet = -1;       // FaceOwner of the face that it has come through, where a body touches itself
+  std::uint32_t face_code = 0;
+  Index in = -1;  // and the tetrahedron behind that
 
-  void clear() {
-    triangles.clear();
-    at.clear();
-    holds.clear();
+  bool is_valid() const { return at.allFinite(); }
+  static constexpr auto fields = std::tuple(&Anchor::tet, &Anchor::code, &Anchor::divisions, &Anchor::number,
+                                            &Anchor::at, &Anchor::face_tet, &Anchor::face_code, &Anchor::in);
+};
+
+struct Remembered {
+  std::vector<Anchor> anchors;  // in the order of the surface's triangles, and of the points of each
+  std::vector<HeldDepths::OfTriangle> held;
+  static constexpr auto fields = std::tuple(&Remembered::anchors, &Remembered::held);
+};
+
+// Finds those of points that are asked for in their order.
+class AnchorReader {
+ public:
+  explicit AnchorReader(const std::vector<Anchor>& anchors) : all_(anchors) {}
+
+  // Null: the point has none.
+  const Anchor* find(const FaceOwner& triangle, int divisions, int number) {
+    while (next_ < all_.size() && is_before(all_[next_], triangle, number)) ++next_;
+    if (next_ == all_.size()) return nullptr;
+    const Anchor& own = all_[next_];
+    const bool is_it = own.tet == triangle.tet && own.code == triangle.code && own.divisions == divisions &&
+                       own.number == number;
+    return is_it ? &own : nullptr;
   }
-  int add(const FaceOwner& owner, int divisions);  // without any; the number of its first point
-  void take_over(const Anchors& old);              // those of triangles that both have
-  void let_go() { std::fill(holds.begin(), holds.end(), 0); }
 
-  bool is_valid() const;
-  static constexpr auto fields = std::tuple(&Anchors::triangles, &Anchors::at, &Anchors::holds);
+ private:
+  static bool is_before(const Anchor& own, const FaceOwner& triangle, int number) {
+    if (own.tet != triangle.tet) return own.tet < triangle.tet;
+    if (own.code != triangle.code) return own.code < triangle.code;
+    return own.number < number;
+  }
+
+  const std::vector<Anchor>& all_;
+  std::size_t next_ = 0;
 };
 
 }  // namespace lobe

@@ -9,7 +9,69 @@
 namespace lobe {
 
 template <class Real>
-Contact<Real>::Contact(const ContactSetup& setup) : setup_(setup) {
+class Contact<Real>::Here final : public Places {
+ public:
+  Here(const ContactSurface& surface, const At& at) : surface_(surface), at_(at) {}
+  Vec3d of_vertex(Index v) const override {
+    return at_.model.elements.points.col(v) + at_.u.col(v).template cast<double>();
+  }
+  Vec3d velocity_of_vertex(Index v) const override { return at_.v.col(v).template cast<double>(); }
+  Vec3d of_point(int point) const override {
+    const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
+    if (own.count == 1) return of_vertex(own.corners[0]);
+    Vec3d sum = Vec3d::Zero();
+    for (int i = 0; i < own.count; ++i) sum += own.weights[i] * of_vertex(own.corners[i]);
+    return sum;
+  }
+  Vec3d velocity_of_point(int point) const override {
+    const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
+    if (own.count == 1) return velocity_of_vertex(own.corners[0]);
+    Vec3d sum = Vec3d::Zero();
+    for (int i = 0; i < own.count; ++i) sum += own.weights[i] * velocity_of_vertex(own.corners[i]);
+    return sum;
+  }
+
+ private:
+  const ContactSurface& surface_;
+  const At& at_;
+};
+
+// Sums in double precision, per vertex of the mesh.
+template <class Real>
+class Contact<Real>::SelfForces final : public ContactForces {
+ public:
+  void begin(const ContactSurface& surface, Eigen::Index vertices) {
+    surface_ = &surface;
+    if (sum_.cols() < vertices) sum_.setZero(3, vertices);
+  }
+  void add_to_point(int point, const Vec3d& force) override {
+    const ContactSurface::Point& own = surface_->points()[std::size_t(point)];
+    for (int c = 0; c < own.count; ++c) add_to_vertex(own.corners[c], own.weights[c] * force);
+  }
+  void add_to_vertex(Index v, const Vec3d& force) override {
+    if (sum_.col(v).isZero(0)) vertices_.push_back(v);
+    sum_.col(v) += force;
+  }
+  void end(Mat3X<Real>& f) {
+    for (Index v : vertices_) {
+      f.col(v) += sum_.col(v).template cast<Real>();
+      sum_.col(v).setZero();
+    }
+    vertices_.clear();
+  }
+
+ private:
+  const ContactSurface* surface_ = nullptr;
+  Mat3X<double> sum_;
+  std::vector<Index> vertices_;  // some perhaps twice
+};
+
+template <class Real>
+Contact<Real>::~Contact() = default;
+
+template <class Real>
+Contact<Real>::Contact(const ContactSetup& setup, double body_damping)
+    : setup_(setup), body_damping_(body_damping), self_forces_(std::make_unique<SelfForces>()) {
   if (setup.self) self_ = std::make_unique<SelfContact>(setup.friction);
   for (const ObstacleSetup& obstacle : setup.obstacles)
     tools_.emplace_back(static_cast<int>(tools_.size()) - static_cast<int>(setup.obstacles.size()), obstacle);
@@ -18,34 +80,12 @@ Contact<Real>::Contact(const ContactSetup& setup) : setup_(setup) {
 // ---- Where the surface is
 
 template <class Real>
-Vec3d Contact<Real>::position(const At& at, int point) const {
-  const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
-  const auto x = [&](Index v) -> Vec3d {
-    return at.model.elements.points.col(v) + at.u.col(v).template cast<double>();
-  };
-  if (own.count == 1) return x(own.corners[0]);
-  Vec3d sum = Vec3d::Zero();
-  for (int i = 0; i < own.count; ++i) sum += own.weights[i] * x(own.corners[i]);
-  return sum;
-}
-
-template <class Real>
-Vec3d Contact<Real>::velocity(const At& at, int point) const {
-  const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
-  Vec3d sum = Vec3d::Zero();
-  for (int i = 0; i < own.count; ++i)
-    sum += own.weights[i] * at.v.col(own.corners[i]).template cast<double>();
-  return sum;
-}
-
-template <class Real>
 void Contact<Real>::find_all(const At& at) const {
+  const Here here(surface_, at);
   const auto count = static_cast<Eigen::Index>(surface_.points().size());
   all_.resize(3, count);
-  for (Eigen::Index p = 0; p < count; ++p) all_.col(p) = position(at, static_cast<int>(p));
-  if (x_.cols() >= count) return;
-  x_.resize(3, count);
-  v_.resize(3, count);
+  for (Eigen::Index p = 0; p < count; ++p) all_.col(p) = here.of_point(static_cast<int>(p));
+  if (x_.cols() < count) x_.resize(3, count);
 }
 
 template <class Real>
@@ -55,21 +95,8 @@ void Contact<Real>::search(ToolContact& tool, const At& at, double ahead) const 
 }
 
 template <class Real>
-void Contact<Real>::search_self(const At& at) const {
-  find_all(at);
-  const Index count = at.model.elements.topology.vertex_count();
-  all_of_mesh_.resize(3, count);
-  for (Index v = 0; v < count; ++v)
-    all_of_mesh_.col(v) = at.model.elements.points.col(v) + at.u.col(v).template cast<double>();
-  self_->search(surface_, at.model, all_, all_of_mesh_, body_moved_);
-}
-
-template <class Real>
-void Contact<Real>::gather(const std::vector<int>& points, const At& at) const {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    x_.col(Eigen::Index(i)) = position(at, points[i]);
-    v_.col(Eigen::Index(i)) = velocity(at, points[i]);
-  }
+void Contact<Real>::gather(const std::vector<int>& points, const Places& now) const {
+  for (std::size_t i = 0; i < points.size(); ++i) x_.col(Eigen::Index(i)) = now.of_point(points[i]);
 }
 
 // What was found for these points, to the vertices of the mesh.
@@ -92,18 +119,23 @@ void Contact<Real>::forget_if_given(const At& at) const {
   if (self_) self_->forget();
 }
 
-// Those that are there, with what may touch them.
+// Those that are there, with what may touch them. What they press on is held only where selective masses have
+// made contact soft: a hand that leads a tool would get back more energy than it gave.
 template <class Real>
 template <class Visit>
 void Contact<Real>::visit_tools(const At& at, Visit&& visit) const {
   if (surface_.revision() == 0) return;  // the body has not been seen
   forget_if_given(at);
+  ContactLaw own_law = law();
+  own_law.hold = surface_.softening() < 1 ? 0.75 * body_damping_ : 0;
   for (std::size_t i = 0; i < tools_.size(); ++i) {
     ToolContact& tool = tools_[i];
     if (tool.is_outdated(at.time, body_moved_)) search(tool, at, 0);
     if (tool.points().empty() || !tool.is_there(at.time)) continue;
-    gather(tool.points(), at);
-    visit(i, tool, ToolContact::At{surface_, law(), at.time, x_, v_});
+    const Here here(surface_, at);
+    gather(tool.points(), here);
+    tool.use(surface_);
+    visit(i, tool, ToolContact::At{surface_, own_law, at.time, last_step_, x_, here});
   }
 }
 
@@ -111,20 +143,10 @@ template <class Real>
 template <class Visit>
 void Contact<Real>::visit_self(const At& at, Visit&& visit) const {
   if (!self_ || surface_.revision() == 0) return;
-  if (self_->is_outdated(body_moved_)) search_self(at);
-  if (self_->points().empty()) return;
-  gather(self_->points(), at);
-  const auto count = static_cast<Eigen::Index>(self_->vertices().size());
-  if (of_mesh_.cols() < count) {
-    of_mesh_.resize(3, count);
-    v_of_mesh_.resize(3, count);
-  }
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Index v = self_->vertices()[std::size_t(i)];
-    of_mesh_.col(i) = at.model.elements.points.col(v) + at.u.col(v).template cast<double>();
-    if (self_->has_friction()) v_of_mesh_.col(i) = at.v.col(v).template cast<double>();
-  }
-  visit(SelfContact::At{surface_, law(), x_, v_, of_mesh_, v_of_mesh_, last_step_});
+  const Here here(surface_, at);
+  if (self_->is_outdated(here, body_moved_)) self_->search(surface_, here, body_moved_);
+  const ContactLaw own_law = law();
+  visit(SelfContact::At{surface_, own_law, here, body_moved_, last_step_});
 }
 
 // ---- A frame
@@ -150,8 +172,8 @@ bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
     if (own == tools_.end()) {
       tools_.emplace_back(body.tool, *body.shape);
       own = tools_.end() - 1;
-      for (const KeptAnchors& kept : kept_)
-        if (kept.tool == body.tool) own->set_anchors(kept.anchors);
+      for (const OfTool& kept : kept_)
+        if (kept.tool == body.tool) own->set_remembered(kept.remembered);
     }
     own->begin_frame(body, time);
   }
@@ -176,7 +198,7 @@ void Contact<Real>::see_surroundings(const Surroundings& now, const At& at) {
   const double until = std::max(frame_end_, at.time);  // a world that was restored is in no frame
   for (ToolContact& tool : tools_)
     if (tool.is_outdated(until, body_moved_)) search(tool, at, tool.moves_until(at.time, until));
-  if (self_ && self_->is_outdated(body_moved_)) search_self(at);
+  for (ToolContact& tool : tools_) tool.look_ahead(until);
   find_touched(at, until);
 }
 
@@ -192,12 +214,12 @@ void Contact<Real>::find_touched(const At& at, double until) {
   };
   for (const ToolContact& tool : tools_) {
     if (tool.points().empty() || !(tool.is_there(at.time) || tool.is_there(until))) continue;
-    gather(tool.points(), at);
+    gather(tool.points(), Here(surface_, at));
     tool.visit_close(x_, at.time, until, take);
   }
   visit_self(at, [&](const SelfContact::At& here) {
-    self_->visit_close(here, take, [&](const Eigen::Vector4i& places) {
-      for (int i : places) touched_.push_back(self_->vertices()[std::size_t(i)]);
+    self_->visit_close(here, take, [&](const Eigen::Vector4i& corners) {
+      touched_.insert(touched_.end(), corners.begin(), corners.end());
     });
   });
   sort_unique(touched_);
@@ -208,26 +230,19 @@ void Contact<Real>::find_touched(const At& at, double until) {
 template <class Real>
 void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
   for (OnTool& own : on_tools_) own = {.tool = own.tool};
-  const auto begin = [&](const std::vector<int>& points) {
-    if (f_.cols() < x_.cols()) f_.resize(3, x_.cols());
-    f_.leftCols(Eigen::Index(points.size())).setZero();
-  };
+  for (ToolContact& tool : tools_) tool.begin_forces();
   visit_tools(at, [&](std::size_t i, ToolContact& tool, const ToolContact::At& here) {
-    begin(tool.points());
+    if (f_.cols() < x_.cols()) f_.resize(3, x_.cols());
+    f_.leftCols(Eigen::Index(tool.points().size())).setZero();
     tool.add_forces(here, f_);
     if (!tool.is_obstacle()) on_tools_[i - setup_.obstacles.size()] = tool.on_tool();
     scatter(tool.points(), f);
   });
+  if (self_) self_->begin_forces();
   visit_self(at, [&](const SelfContact::At& here) {
-    begin(self_->points());
-    const std::vector<Index>& vertices = self_->vertices();
-    if (f_of_mesh_.cols() < of_mesh_.cols()) f_of_mesh_.resize(3, of_mesh_.cols());
-    f_of_mesh_.leftCols(Eigen::Index(vertices.size())).setZero();
-    self_->add_forces(here, f_, f_of_mesh_);
-    scatter(self_->points(), f);
-    if (!self_->has_friction()) return;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      f.col(vertices[i]) += f_of_mesh_.col(Eigen::Index(i)).template cast<Real>();
+    self_forces_->begin(surface_, f.cols());
+    self_->add_forces(here, *self_forces_);
+    self_forces_->end(f);
   });
 }
 
@@ -253,14 +268,9 @@ void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum)
     });
   });
   visit_self(at, [&](const SelfContact::At& here) {
-    self_->visit_stiffness(
-        here,
-        [&](int place, double weight, const Mat3<double>& K) {
-          add_to(self_->points()[std::size_t(place)], weight, K);
-        },
-        [&](int place, double weight, const Mat3<double>& K) {
-          add_to_vertex(self_->vertices()[std::size_t(place)], weight * weight, K);
-        });
+    self_->visit_stiffness(here, add_to, [&](Index vertex, double weight, const Mat3<double>& K) {
+      add_to_vertex(vertex, weight * weight, K);
+    });
   });
 }
 
@@ -279,8 +289,8 @@ double Contact<Real>::energy(const At& at) const {
 template <class Real>
 void Contact<Real>::begin_steps() {
   kept_step_ = last_step_;
-  if (self_) self_->keep_anchors();
-  for (ToolContact& tool : tools_) tool.keep_anchors();
+  if (self_) self_->keep();
+  for (ToolContact& tool : tools_) tool.keep();
 }
 
 template <class Real>
@@ -302,11 +312,11 @@ template <class Real>
 std::string Contact<Real>::save() const {
   io::ByteWriter out;
   out.put(last_step_);
-  io::put(out, self_ ? self_->anchors() : Anchors());
+  io::put(out, self_ ? self_->remembered() : Remembered());
   out.put(std::uint64_t(tools_.size()));
   for (const ToolContact& tool : tools_) {
     out.put(tool.tool());
-    io::put(out, tool.anchors());
+    io::put(out, tool.remembered());
   }
   return out.bytes();
 }
@@ -316,21 +326,21 @@ void Contact<Real>::load(const std::string& kept, Index) {
   io::ByteReader in("checkpoint", kept);
   const auto last_step = in.get<double>();
   in.expect(last_step >= 0 && std::isfinite(last_step));
-  Anchors of_self;
+  Remembered of_self;
   io::get(in, of_self);
-  std::vector<KeptAnchors> found(in.get_count(1));
-  for (KeptAnchors& own : found) {
+  std::vector<OfTool> found(in.get_count(1));
+  for (OfTool& own : found) {
     own.tool = in.get<int>();
-    io::get(in, own.anchors);
+    io::get(in, own.remembered);
   }
   in.expect_end();
   kept_ = std::move(found);
   last_step_ = last_step;
-  if (self_) self_->set_anchors(of_self);
+  if (self_) self_->set_remembered(of_self);
   std::erase_if(tools_, [](const ToolContact& own) { return !own.is_obstacle(); });
   for (ToolContact& tool : tools_)
-    for (const KeptAnchors& own : kept_)
-      if (own.tool == tool.tool()) tool.set_anchors(own.anchors);
+    for (const OfTool& own : kept_)
+      if (own.tool == tool.tool()) tool.set_remembered(own.remembered);
   on_tools_.clear();
 }
 

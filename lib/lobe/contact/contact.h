@@ -15,7 +15,8 @@
 
 namespace lobe {
 
-// Depth beyond which the pressure grows no more, as a share of the surface's mean edge.
+// Depth beyond which the pressure grows no more, as a share of the surface's mean edge; more where selective
+// masses have softened contact.
 inline constexpr double deepest_contact = 0.25;
 
 template <class Real>
@@ -24,7 +25,9 @@ class Contact : public ForceTerm<Real> {
   using At = typename ForceTerm<Real>::At;
   static constexpr const char* own_name = "contact";
 
-  explicit Contact(const ContactSetup& setup = {});
+  explicit Contact(const ContactSetup& setup = {}, double body_damping = 0);  // γ [1/s]
+
+  ~Contact() override;
 
   std::string name() const override { return own_name; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
@@ -47,24 +50,24 @@ class Contact : public ForceTerm<Real> {
   const ContactSurface& surface() const { return surface_; }
 
  private:
-  struct KeptAnchors {  // of a tool that has not come yet
+  struct OfTool {  // that has not come yet
     int tool = 0;
-    Anchors anchors;
+    Remembered remembered;
   };
 
   ContactLaw law() const {
     const double omega = surface_.omega();
-    return {omega > 0 ? 2 * setup_.damping / omega : 0, deepest_contact * surface_.mean_edge()};
+    return {.damping = omega > 0 ? 2 * setup_.damping / omega : 0,
+            .hold = 0.5 * body_damping_,
+            .deepest = deepest_contact * surface_.mean_edge() / surface_.softening()};
   }
   std::vector<int> there(double time) const;  // tools
-  Vec3d position(const At& at, int point) const;
-  Vec3d velocity(const At& at, int point) const;
+  class Here;                                 // Places
   void forget_if_given(const At& at) const;
   void find_all(const At& at) const;
   void search(ToolContact& tool, const At& at, double ahead) const;
-  void search_self(const At& at) const;
   void find_touched(const At& at, double until);
-  void gather(const std::vector<int>& points, const At& at) const;
+  void gather(const std::vector<int>& points, const Places& now) const;
   void scatter(const std::vector<int>& points, Mat3X<Real>& f) const;
   template <class Visit>
   void visit_self(const At& at, Visit&& visit) const;
@@ -72,10 +75,11 @@ class Contact : public ForceTerm<Real> {
   void visit_tools(const At& at, Visit&& visit) const;
 
   ContactSetup setup_;
+  double body_damping_;  // γ [1/s]
   ContactSurface surface_;
   mutable std::vector<ToolContact> tools_;     // obstacles first, as tools of numbers below 0
   mutable std::unique_ptr<SelfContact> self_;  // none: the body does not touch itself
-  std::vector<KeptAnchors> kept_;
+  std::vector<OfTool> kept_;
   std::vector<OnTool> on_tools_;
   std::vector<Index> touched_;            // that may be in this frame
   double frame_end_ = 0;                  // [s]
@@ -83,9 +87,11 @@ class Contact : public ForceTerm<Real> {
   double last_step_ = 0, kept_step_ = 0;  // [s]; the last before steps began
   mutable std::uint64_t given_ = 0;
 
-  // Scratch: all points of the surface; those of a tool's candidates.
-  mutable Mat3X<double> all_, all_of_mesh_, x_, v_, of_mesh_, v_of_mesh_;
-  Mat3X<double> f_, f_of_mesh_;
+  // Scratch: all points of the surface; those of a tool's candidates; forces of the body on itself.
+  mutable Mat3X<double> all_, x_;
+  Mat3X<double> f_;
+  class SelfForces;
+  std::unique_ptr<SelfForces> self_forces_;
 };
 
 extern template class Contact<float>;

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "lobe/numerics/lanczos.h"
+#include "lobe/solve/tangent.h"
 #include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
@@ -54,7 +56,8 @@ void ContactSurface::rebuild(const Surroundings& now) {
   omega_ = now.omega;
   take_triangles(now);
   find_stiffness(now);
-  if (now.spread && omega_ > 0) fit_to_selective_masses(now);
+  is_softened_ = now.spread && omega_ > 0;
+  if (is_softened_) fit_to_selective_masses(now);
   find_quartile();
 }
 
@@ -153,34 +156,59 @@ void ContactSurface::find_quartile() {
   }
 }
 
-// λ_max(C K_c), K_c of each triangle a third of κ A along its normal at each corner, which is no less than
-// what its points give.
+// K_c of each triangle is a third of κ A along its normal at each corner, which is no less than what its
+// points give. λ_max is a convex function of the share of it, so that lines through two of its values meet
+// the bound at too small a share, never at too large a one.
 void ContactSurface::fit_to_selective_masses(const Surroundings& now) {
-  const auto vertices = static_cast<Eigen::Index>(now.model.elements.topology.vertex_count());
-  Mat3X<double> u(3, vertices);
-  for (Eigen::Index i = 0; i < u.size(); ++i)
-    u.data()[i] = 1 + double(i * 7919 % 101) / 101;  // in no symmetry
-  double highest = 0;
-  constexpr int iterations = 12;
-  for (int k = 0; k < iterations; ++k) {
-    Mat3X<double> f = stiffened(now.model.elements, u);
-    const double before = (u.array() * f.array()).sum();
-    if (!(before > 0)) return;
-    now.spread(f);
-    for (Eigen::Index v = 0; v < vertices; ++v) {
-      const double m = now.mass[std::size_t(v)];
-      if (m > 0) f.col(v) /= m;
+  const Elements& elements = now.model.elements;
+  if (softening_ == 0) {
+    std::vector<TetStiffness> K;
+    for (Index t = 0; t < elements.topology.tet_count(); ++t)
+      if (elements.topology.alive(t))
+        K.push_back(tet_stiffness(elements, t, Mat34<double>::Zero(), RegionModel::nonlinear, 0));
+    std::vector<double> inverse_mass;
+    for (double m : now.mass) inverse_mass.push_back(m > 0 ? 1 / m : 0);
+    for (const HeldVertices::Held& item : now.model.held.all())
+      if (now.model.held.fixes(item.vertex)) inverse_mass[std::size_t(item.vertex)] = 0;
+    const auto square_with = [&](double share) {
+      const HighestFrequency found = highest_frequency<double>(
+          inverse_mass, [](Index) { return 1.0; }, 1,
+          [&](const Mat3X<double>& u, Mat3X<double>& f) {
+            auto own = K.begin();
+            for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+              if (!elements.topology.alive(t)) continue;
+              const Eigen::Vector4i corners = elements.topology.corners(t);
+              const Mat34<double> there = u(Eigen::all, corners);
+              const Eigen::Vector<double, 12> force = *own++ * there.reshaped();
+              for (int c = 0; c < 4; ++c) f.col(corners[c]) -= force.segment<3>(3 * c);
+            }
+            add_stiffened(elements, u, share, f);
+          },
+          {.tolerance = 0.01, .most = 40}, now.spread);
+      return found.omega * found.omega;
+    };
+    const double most = (1 + most_added) * omega_ * omega_;
+    double low = 0, at_low = omega_ * omega_, high = 1, at_high = square_with(high);
+    softening_ = at_high <= most ? 1 : 0;
+    for (int i = 0; i < 6 && softening_ == 0; ++i) {
+      const double share = low + (high - low) * (most - at_low) / (at_high - at_low);
+      const double there = square_with(share);
+      if (there > most) {
+        high = share;
+        at_high = there;
+      } else {
+        low = share;
+        at_low = there;
+      }
+      if (most - at_low < 0.02 * most) break;
     }
-    highest = std::sqrt((f.array() * stiffened(now.model.elements, f).array()).sum() / before);
-    u = f / f.norm();
+    if (softening_ == 0) softening_ = std::max(low, 1e-3);
   }
-  const double share = most_added * omega_ * omega_ / (1.1 * highest);  // power iterations find it from below
-  if (!(share < 1)) return;
-  for (Triangle& t : triangles_) t.stiffness *= share;
+  for (Triangle& t : triangles_) t.stiffness *= softening_;
 }
 
-Mat3X<double> ContactSurface::stiffened(const Elements& elements, const Mat3X<double>& u) const {
-  Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
+void ContactSurface::add_stiffened(const Elements& elements, const Mat3X<double>& u, double share,
+                                   Mat3X<double>& f) const {
   const auto at_point = [](const Point& point, const auto& values) {
     Vec3d sum = Vec3d::Zero();
     for (int i = 0; i < point.count; ++i) sum += point.weights[i] * values.col(point.corners[i]);
@@ -192,11 +220,10 @@ Mat3X<double> ContactSurface::stiffened(const Elements& elements, const Mat3X<do
     const Vec3d n = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0)).normalized();
     for (int p : t.points) {
       const Point& point = points_[std::size_t(p)];
-      const Vec3d force = t.stiffness * t.area / 3 * n.dot(at_point(point, u)) * n;
-      for (int i = 0; i < point.count; ++i) f.col(point.corners[i]) += point.weights[i] * force;
+      const Vec3d force = share * t.stiffness * t.area / 3 * n.dot(at_point(point, u)) * n;
+      for (int i = 0; i < point.count; ++i) f.col(point.corners[i]) -= point.weights[i] * force;
     }
   }
-  return f;
 }
 
 }  // namespace lobe

@@ -8,9 +8,10 @@
 // area that is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
 //
 // Selective masses have a mobility C that couples vertices. The stiffness K_c of contact all over the surface
-// is first found as for lumped masses. It is then lowered until λ_max(C K_c), by power iterations, is at most
-// a share `most_added` of ω_max². Contact of a part of the surface is less than that. So by Weyl's inequality
-// ω_max² grows by no more than this share, for which `safety` leaves room.
+// is first found as for lumped masses. It is then lowered until λ_max(C (K + K_c)), K of the body at rest, is
+// at most 1 + `most_added` times ω_max². Contact of a part of the surface is less than that, so that its
+// highest frequency is no higher. `safety` leaves room for the share. Cuts change λ_max little: by what the
+// stiffness was lowered is found once.
 #pragma once
 
 #include <algorithm>
@@ -51,6 +52,8 @@ class ContactSurface {
   double self_stiffness(int triangle) const {
     return std::min(quartile_, most_beyond * triangles_[std::size_t(triangle)].stiffness);
   }
+  // By which the stiffness was lowered, with selective masses; 1: it was not.
+  double softening() const { return is_softened_ ? softening_ : 1; }
   double omega() const { return omega_; }  // ω_max, which the stiffness fills up to [1/s]
 
  private:
@@ -59,12 +62,15 @@ class ContactSurface {
   void find_stiffness(const Surroundings& now);
   void find_quartile();
   void fit_to_selective_masses(const Surroundings& now);
-  Mat3X<double> stiffened(const Elements& elements, const Mat3X<double>& u) const;  // K_c u [N]
+  void add_stiffened(const Elements& elements, const Mat3X<double>& u, double share,
+                     Mat3X<double>& f) const;  // f −= share K_c u [N]
 
   std::uint64_t revision_ = 0, surface_ = ~std::uint64_t(0), structure_ = 0, inertia_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<Point> points_;
   double mean_edge_ = 0, omega_ = 0, quartile_ = 0;
+  double softening_ = 0;  // 0: not found yet
+  bool is_softened_ = false;
 };
 
 }  // namespace lobe

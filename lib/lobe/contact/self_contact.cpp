@@ -37,119 +37,209 @@ int SelfContact::face_at(const Layer& layer, const Vec3d& rest) const {
   return nearest;
 }
 
-auto SelfContact::inverse(const At& at, int unique) -> const Inverse& {
-  Inverse& own = inverses_[std::size_t(unique)];
+Mat3<double> SelfContact::corners_of(const At& at, int triangle) const {
+  Mat3<double> x;
+  for (int c = 0; c < 3; ++c)
+    x.col(c) = at.places.of_point(at.surface.triangles()[std::size_t(triangle)].points[c]);
+  return x;
+}
+
+auto SelfContact::inverse(const Places& now, int layer) -> const Inverse& {
+  Inverse& own = inverses_[std::size_t(layer)];
   if (own.pass == pass_) return own;
   own.pass = pass_;
-  const Eigen::Vector4i& v = unique_[std::size_t(unique)].corners;
-  own.origin = at.of_mesh.col(v[0]);
+  const Eigen::Vector4i& v = layers_[std::size_t(layer)].corners;
+  own.origin = now.of_vertex(v[0]);
   Mat3<double> edges;
-  for (int c = 0; c < 3; ++c) edges.col(c) = at.of_mesh.col(v[c + 1]) - own.origin;
+  for (int c = 0; c < 3; ++c) edges.col(c) = now.of_vertex(v[c + 1]) - own.origin;
   own.is_sound = edges.determinant() > 0;
-  if (own.is_sound) own.to_weights = edges.inverse();
+  if (!own.is_sound) return own;
+  own.to_weights = edges.inverse();
+  own.heights << 1 / own.to_weights.colwise().sum().norm(), own.to_weights.rowwise().norm().cwiseInverse();
   return own;
+}
+
+Eigen::Vector4d SelfContact::Inverse::weights(const Vec3d& x) const {
+  Eigen::Vector4d b;
+  b.tail<3>() = to_weights * (x - origin);
+  b[0] = 1 - b.tail<3>().sum();
+  return b;
+}
+
+// Of the points of a triangle from a tetrahedron, or less [m].
+double SelfContact::gap_of_points(const Places& now, const Mat3<double>& corners, int layer) {
+  const Inverse& tet = inverse(now, layer);
+  if (!tet.is_sound) return 0;
+  double least = std::numeric_limits<double>::infinity();
+  visit_centroids(divisions, [&](int, const Vec3d& weights) {
+    least = std::min(least, tet.gap(tet.weights(corners * weights)));
+  });
+  return least;
 }
 
 // The first of the candidate's tetrahedra that a point is in, and its barycentric coordinates there; −1:
 // none. The one that it was in last is tried before, and is the only one but where the point is on a face.
-int SelfContact::find_tet(const At& at, const Candidate& own, const Vec3d& x, int last, Eigen::Vector4d& b) {
-  const auto is_in = [&](int i, double least) {
-    const Inverse& now = inverse(at, unique_of_[std::size_t(i)]);
-    if (!now.is_sound) return false;
-    b.tail<3>() = now.to_weights * (x - now.origin);
-    b[0] = 1 - b.tail<3>().sum();
-    return b.minCoeff() >= least;
-  };
-  if (last >= 0 && is_in(last, 1e-9)) return last;
-  for (int i = own.first; i < own.first + own.count; ++i)
-    if (is_in(i, 0)) return i;
-  return -1;
+int SelfContact::find_tet(const At& at, const Candidate& own, const Vec3d& x, const Anchor* anchor,
+                          Eigen::Vector4d& b) {
+  const int end = own.first + own.count;
+  if (anchor)
+    for (int i = own.first; i < end; ++i) {
+      const int layer = pairs_[std::size_t(i)].layer;
+      if (layers_[std::size_t(layer)].tet != anchor->in) continue;
+      const Inverse& tet = inverse(at.places, layer);
+      if (!tet.is_sound) break;
+      b = tet.weights(x);
+      if (b.minCoeff() < -1e-9) break;
+      for (int j = own.first; j < end; ++j)  // of others nothing is known
+        if (pairs_[std::size_t(j)].due <= at.moved) gaps_[std::size_t(j)] = 0;
+      gaps_[std::size_t(i)] = 0;
+      return layer;
+    }
+  int found = -1;
+  for (int i = own.first; i < end; ++i) {
+    const Pair& pair = pairs_[std::size_t(i)];
+    if (pair.due > at.moved) continue;
+    const Inverse& tet = inverse(at.places, pair.layer);
+    const Eigen::Vector4d weights = tet.weights(x);
+    const double gap = tet.is_sound ? tet.gap(weights) : 0;
+    gaps_[std::size_t(i)] = std::min(gaps_[std::size_t(i)], gap);
+    if (found >= 0 || !tet.is_sound || weights.minCoeff() < 0) continue;
+    found = pair.layer;
+    b = weights;
+  }
+  return found;
 }
 
-bool SelfContact::find_touch(const At& at, const Candidate& own, const Vec3d& weights, int number,
-                             Touch& touch) {
-  const Vec3d x = weights[0] * at.x.col(own.points[0]) + weights[1] * at.x.col(own.points[1]) +
-                  weights[2] * at.x.col(own.points[2]);
-  int& last = last_[std::size_t(&own - candidates_.data()) * points_per_triangle + std::size_t(number)];
-  const int i = last = find_tet(at, own, x, last, touch.corner_weights);
-  if (i < 0) return false;
-  const Layer& layer = layers_[std::size_t(tets_[std::size_t(i)].layer)];
-  const int face = face_at(layer, layer.rest * touch.corner_weights);
-  if (face < 0) return false;
-  const ContactSurface::Triangle& other = at.surface.triangles()[std::size_t(face)];
-  Mat3<double> y;
-  for (int c = 0; c < 3; ++c) {
-    touch.face_points[c] = place_of_[std::size_t(other.points[c])];
-    y.col(c) = at.x.col(touch.face_points[c]);
+// A point that is held and has come out still has the face that it has come through.
+bool SelfContact::find_kept_face(const At& at, const Candidate& own, const Vec3d& x, Touch& touch) {
+  const auto& triangles = at.surface.triangles();
+  for (int i = own.first; i < own.first + own.count; ++i) {
+    const int number = pairs_[std::size_t(i)].layer;
+    const Layer& layer = layers_[std::size_t(number)];
+    if (layer.tet != touch.anchor->in) continue;
+    const Inverse& tet = inverse(at.places, number);
+    if (!tet.is_sound) return false;
+    for (int f = layer.first; f < layer.first + layer.count; ++f) {
+      const FaceOwner& owner = triangles[std::size_t(faces_[std::size_t(f)])].owner;
+      if (owner.tet != touch.anchor->face_tet || owner.code != touch.anchor->face_code) continue;
+      touch.face = faces_[std::size_t(f)];
+      touch.layer = number;
+      touch.corner_weights = tet.weights(x);
+      gaps_[std::size_t(i)] = 0;
+      return true;
+    }
   }
+  return false;
+}
+
+bool SelfContact::find_touch(const At& at, const Candidate& own, const Vec3d& x, Touch& touch) {
+  const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
+  touch.held = held_.any() ? held_.at(triangle.points, touch.weights) : 0;
+  touch.layer = find_tet(at, own, x, touch.anchor, touch.corner_weights);
+  const bool is_in = touch.layer >= 0;
+  if (is_in) {
+    const Layer& layer = layers_[std::size_t(touch.layer)];
+    touch.face = face_at(layer, layer.rest * touch.corner_weights);
+    if (touch.face < 0) return false;
+  } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, own, x, touch))) {
+    return false;
+  }
+  const Mat3<double> y = corners_of(at, touch.face);
   const Vec3d n = (y.col(1) - y.col(0)).cross(y.col(2) - y.col(0));
   const double square = n.squaredNorm();
   if (!(square > 0)) return false;
   touch.normal = n / std::sqrt(square);
   touch.depth = -touch.normal.dot(x - y.col(0));
-  if (!(touch.depth > 0)) return false;
+  if (!(touch.depth + touch.held > 0)) return false;
   const Vec3d foot = x + touch.depth * touch.normal;
   touch.face_weights[1] = (y.col(2) - y.col(0)).cross(foot - y.col(0)).dot(n) / -square;
   touch.face_weights[2] = (y.col(1) - y.col(0)).cross(foot - y.col(0)).dot(n) / square;
   touch.face_weights[0] = 1 - touch.face_weights[1] - touch.face_weights[2];
-  const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
-  const double a = at.surface.self_stiffness(own.triangle), c = at.surface.self_stiffness(face);
+  constexpr double farthest_beside = -0.5;  // it has slid off
+  if (!is_in && touch.face_weights.minCoeff() < farthest_beside) return false;
+  const double a = at.surface.self_stiffness(own.triangle), c = at.surface.self_stiffness(touch.face);
   touch.stiffness = a + c > 0 ? a * c / (a + c) / 2 : 0;
   touch.area = triangle.area / points_per_triangle;
-  touch.candidate = &own;
-  touch.weights = weights;
-  touch.face = face;
-  touch.corners = unique_[std::size_t(unique_of_[std::size_t(i)])].corners;
   return true;
+}
+
+// Until its points may be inside: both sides may move.
+void SelfContact::put_off(Candidate& own, double moved) {
+  own.due = std::numeric_limits<double>::infinity();
+  for (int i = own.first; i < own.first + own.count; ++i) {
+    Pair& pair = pairs_[std::size_t(i)];
+    const double gap = gaps_[std::size_t(i)];
+    if (gap <= near_)
+      pair.due = moved;
+    else if (std::isfinite(gap))
+      pair.due = moved + (gap - near_) / 2;
+    own.due = std::min(own.due, pair.due);
+  }
 }
 
 // ---- Forces
 
-// Per area, on the point [Pa]; `next_` takes ξ.
-Vec3d SelfContact::friction_of(const At& at, const Touch& touch, double pressure) {
-  const auto i = std::size_t(touch.anchor);
-  Vec3d slip = Vec3d::Zero();
-  if (anchors_.holds[i]) {
-    const Vec3d speed = at.v(Eigen::all, touch.candidate->points) * touch.weights -
-                        at.v_of_mesh(Eigen::all, touch.corners) * touch.corner_weights;
-    slip = anchors_.at[i] + at.since * speed;
-    slip -= touch.normal * touch.normal.dot(slip);
-  }
-  const double force = touch.stiffness / 2 * slip.norm(), most = friction_ * pressure;
-  if (force > most) slip *= most / force;
-  next_.holds[i] = 1;
-  next_.at[i] = slip;
-  return -touch.stiffness / 2 * slip;
+Vec3d SelfContact::speed_of(const At& at, const Touch& touch) const {
+  const auto& points = at.surface.triangles()[std::size_t(touch.candidate->triangle)].points;
+  Vec3d speed = Vec3d::Zero();
+  for (int c = 0; c < 3; ++c) speed += touch.weights[c] * at.places.velocity_of_point(points[c]);
+  return speed;
 }
 
-void SelfContact::add_forces(const At& at, Mat3X<double>& f, Mat3X<double>& f_of_mesh) {
-  next_.let_go();
+// ξ, which has followed where the point slides [m].
+Vec3d SelfContact::slip_of(const At& at, const Touch& touch, double pressure) const {
+  if (!touch.anchor) return Vec3d::Zero();
+  Vec3d speed = speed_of(at, touch);
+  const Eigen::Vector4i& corners = layers_[std::size_t(touch.layer)].corners;
+  for (int c = 0; c < 4; ++c) speed -= touch.corner_weights[c] * at.places.velocity_of_vertex(corners[c]);
+  Vec3d slip = touch.anchor->at + at.since * speed;
+  slip -= touch.normal * touch.normal.dot(slip);
+  const double force = touch.stiffness / 2 * slip.norm(), most = friction_ * pressure;
+  return force > most ? Vec3d(slip * most / force) : slip;
+}
+
+void SelfContact::add_forces(const At& at, ContactForces& f) {
+  const auto& triangles = at.surface.triangles();
   visit_touches(at, [&](const Touch& touch) {
-    double pressure = at.law.pressure(touch.depth, touch.stiffness);
+    const ContactSurface::Triangle& own = triangles[std::size_t(touch.candidate->triangle)];
+    const ContactSurface::Triangle& face = triangles[std::size_t(touch.face)];
+    const Layer& layer = layers_[std::size_t(touch.layer)];
+    double pressure = at.law.pressure(touch.depth, touch.held, touch.stiffness);
     if (at.law.damping > 0) {
-      const Vec3d speed = at.v(Eigen::all, touch.candidate->points) * touch.weights -
-                          at.v(Eigen::all, touch.face_points) * touch.face_weights;
+      Vec3d speed = speed_of(at, touch);
+      for (int c = 0; c < 3; ++c)
+        speed -= touch.face_weights[c] * at.places.velocity_of_point(face.points[c]);
       pressure = std::max(0.0, pressure - at.law.damping * touch.stiffness * touch.normal.dot(speed));
     }
+    const Vec3d slip = friction_ > 0 ? slip_of(at, touch, pressure) : Vec3d::Zero();
     const Vec3d pushed = touch.area * pressure * touch.normal;
+    const Vec3d rubbed = -touch.area * touch.stiffness / 2 * slip;
     for (int c = 0; c < 3; ++c) {
-      f.col(touch.candidate->points[c]) += touch.weights[c] * pushed;
-      f.col(touch.face_points[c]) -= touch.face_weights[c] * pushed;
+      f.add_to_point(own.points[c], touch.weights[c] * (pushed + rubbed));
+      f.add_to_point(face.points[c], -touch.face_weights[c] * pushed);
     }
-    if (friction_ == 0) return;
-    const Vec3d rubbed = touch.area * friction_of(at, touch, pressure);
-    for (int c = 0; c < 3; ++c) f.col(touch.candidate->points[c]) += touch.weights[c] * rubbed;
-    for (int c = 0; c < 4; ++c) f_of_mesh.col(touch.corners[c]) -= touch.corner_weights[c] * rubbed;
+    if (friction_ > 0)
+      for (int c = 0; c < 4; ++c) f.add_to_vertex(layer.corners[c], -touch.corner_weights[c] * rubbed);
+    next_.push_back({.tet = own.owner.tet,
+                     .code = own.owner.code,
+                     .divisions = divisions,
+                     .number = touch.number,
+                     .at = slip,
+                     .face_tet = face.owner.tet,
+                     .face_code = face.owner.code,
+                     .in = layer.tet});
+    if (at.law.hold > 0)
+      held_.add(touch.candidate->triangle, own.points, touch.weights, touch.area * touch.stiffness,
+                touch.depth);
   });
+  held_.end(at.surface, at.law, at.since);
 }
 
 double SelfContact::energy(const At& at) {
   double sum = 0;
   visit_touches(at, [&](const Touch& touch) {
-    const double linear = std::min(touch.depth, at.law.deepest);
-    sum += touch.area * at.law.pressure(touch.depth, touch.stiffness) * (touch.depth - linear / 2);
-    if (friction_ > 0 && anchors_.holds[std::size_t(touch.anchor)])
-      sum += touch.area * touch.stiffness / 4 * anchors_.at[std::size_t(touch.anchor)].squaredNorm();
+    sum += touch.area * at.law.energy(touch.depth, touch.held, touch.stiffness);
+    if (touch.anchor) sum += touch.area * touch.stiffness / 4 * touch.anchor->at.squaredNorm();
   });
   return sum;
 }

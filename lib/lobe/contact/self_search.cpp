@@ -1,6 +1,7 @@
 // Which triangles of a surface may be in which tetrahedra of its boundary layer.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lobe/contact/self_contact.h"
 #include "lobe/cut/distance.h"
@@ -22,21 +23,24 @@ void fill_lists(std::size_t keys, std::vector<int>& first, std::vector<int>& val
 
 }  // namespace
 
-bool are_apart(const Mat3<double>& triangle, const Mat34<double>& tet, double gap) {
-  const auto is_beyond = [&](const Vec3d& n, const Vec3d& from, const auto& points, double sign) {
-    const double least = gap * n.norm();
-    for (Eigen::Index i = 0; i < points.cols(); ++i)
-      if (!(sign * n.dot(points.col(i) - from) > least)) return false;
-    return true;
+double gap_between(const Mat3<double>& triangle, const Mat34<double>& tet) {
+  const auto beyond = [&](const Vec3d& n, const Vec3d& from, const auto& points, double sign) {
+    return (sign / n.norm() * n.transpose() * (points.colwise() - from)).minCoeff();
   };
   const Vec3d a = triangle.col(0), own = (triangle.col(1) - a).cross(triangle.col(2) - a);
-  if (is_beyond(own, a, tet, 1) || is_beyond(own, a, tet, -1)) return true;
+  double gap = std::max(beyond(own, a, tet, 1), beyond(own, a, tet, -1));
   for (int c = 0; c < 4; ++c) {  // the face opposite to this corner
     const Vec3d x = tet.col((c + 1) % 4);
     const Vec3d n = (tet.col((c + 2) % 4) - x).cross(tet.col((c + 3) % 4) - x);
-    if (is_beyond(n, x, triangle, n.dot(tet.col(c) - x) < 0 ? 1 : -1)) return true;
+    gap = std::max(gap, beyond(n, x, triangle, n.dot(tet.col(c) - x) < 0 ? 1 : -1));
   }
-  return false;
+  return gap;
+}
+
+Mat34<double> SelfContact::corners_of(const Places& now, const Layer& layer) {
+  Mat34<double> x;
+  for (int c = 0; c < 4; ++c) x.col(c) = now.of_vertex(layer.corners[c]);
+  return x;
 }
 
 void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
@@ -81,6 +85,12 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   }
   stamp_of_vertex_.assign(vertices, -1);
   stamp_of_layer_.assign(layers_.size(), -1);
+  inverses_.assign(layers_.size(), {});
+  vertices_.clear();
+  for (const Layer& layer : layers_)
+    vertices_.insert(vertices_.end(), layer.corners.begin(), layer.corners.end());
+  sort_unique(vertices_);
+  near_ = 0.01 * surface.mean_edge();
 }
 
 // Of the triangles around its corners, but for those that it is in front of, and those that are farther from
@@ -120,13 +130,13 @@ void SelfContact::find_faces(Layer& layer) {
 }
 
 // Each box is in all cells that it meets.
-void SelfContact::fill_grid(const Mat3X<double>& of_mesh, double margin, double cell) {
+void SelfContact::fill_grid(const Places& now, double margin, double cell) {
   box_low_.clear();
   box_high_.clear();
   Vec3d high = Vec3d::Constant(-std::numeric_limits<double>::infinity());
   low_ = -high;
   for (const Layer& layer : layers_) {
-    const Mat34<double> x = of_mesh(Eigen::all, layer.corners);
+    const Mat34<double> x = corners_of(now, layer);
     box_low_.push_back(x.rowwise().minCoeff().array() - margin);
     box_high_.push_back(x.rowwise().maxCoeff().array() + margin);
     low_ = low_.cwiseMin(box_low_.back());
@@ -170,19 +180,44 @@ bool SelfContact::is_own(int triangle, const Layer& layer) const {
   return plane.normal.dot(centre - plane.corner) < 0.05 * (layer.rest.col(1) - layer.rest.col(0)).norm();
 }
 
-void SelfContact::search(const ContactSurface& surface, const Model&, const Mat3X<double>& x,
-                         const Mat3X<double>& of_mesh, double body_moved) {
-  const double margin = 0.1 * surface.mean_edge();
-  slack_ = margin;
-  body_moved_ = body_moved;
-  pairs_.clear();
-  fill_grid(of_mesh, 2 * margin, 1.5 * surface.mean_edge());
+// Vertices may move by a margin: whatever is not found is farther away than twice of it.
+void SelfContact::search(const ContactSurface& surface, const Places& now, double moved) {
+  slack_ = left_ = 0.2 * surface.mean_edge();
+  measured_at_ = moved;
+  searched_at_.clear();
+  for (Index v : vertices_) searched_at_.push_back(now.of_vertex(v));
+  find_pairs(surface, now, 2 * slack_);
+  take_candidates(surface, moved);
+}
+
+bool SelfContact::is_outdated(const Places& now, double moved) {
+  if (slack_ < 0) return true;
+  if (moved - measured_at_ <= left_) return false;
+  left_ = slack_ - moved_since_search(now);
+  measured_at_ = moved;
+  return left_ < 0.3 * slack_;
+}
+
+// By how much the vertices, less their mean motion [m].
+double SelfContact::moved_since_search(const Places& now) const {
+  Vec3d mean = Vec3d::Zero();
+  for (std::size_t i = 0; i < vertices_.size(); ++i) mean += now.of_vertex(vertices_[i]) - searched_at_[i];
+  mean /= double(std::max<std::size_t>(1, vertices_.size()));
+  double square = 0;
+  for (std::size_t i = 0; i < vertices_.size(); ++i)
+    square = std::max(square, (now.of_vertex(vertices_[i]) - searched_at_[i] - mean).squaredNorm());
+  return std::sqrt(square);
+}
+
+void SelfContact::find_pairs(const ContactSurface& surface, const Places& now, double within) {
+  found_.clear();
+  fill_grid(now, within, 1.5 * surface.mean_edge());
   std::fill(stamp_of_vertex_.begin(), stamp_of_vertex_.end(), -1);
   std::fill(stamp_of_layer_.begin(), stamp_of_layer_.end(), -1);
   const auto count = static_cast<int>(surface.triangles().size());
   for (int t = 0; t < count; ++t) {
-    const Eigen::Vector3i& points = surface.triangles()[std::size_t(t)].points;
-    const Mat3<double> corners = x(Eigen::all, points);
+    Mat3<double> corners;
+    for (int c = 0; c < 3; ++c) corners.col(c) = now.of_point(surface.triangles()[std::size_t(t)].points[c]);
     stamp_around(surface, t);
     const Vec3d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
     Eigen::Vector3i from, to;
@@ -195,74 +230,43 @@ void SelfContact::search(const ContactSurface& surface, const Model&, const Mat3
         for (int i = from[0]; i <= to[0]; ++i) {
           const auto cell = std::size_t(i + count_[0] * (j + count_[1] * k));
           for (int n = first_in_[cell]; n < first_in_[cell + 1]; ++n) {
-            const int l = in_cell_[std::size_t(n)];
-            if (stamp_of_layer_[std::size_t(l)] == t) continue;
-            stamp_of_layer_[std::size_t(l)] = t;
-            if ((box_low_[std::size_t(l)].array() > high.array()).any() ||
-                (box_high_[std::size_t(l)].array() < low.array()).any())
+            const auto l = std::size_t(in_cell_[std::size_t(n)]);
+            if (std::exchange(stamp_of_layer_[l], t) == t) continue;
+            if ((box_low_[l].array() > high.array()).any() || (box_high_[l].array() < low.array()).any())
               continue;
-            const Layer& layer = layers_[std::size_t(l)];
-            if (is_own(t, layer) || are_apart(corners, of_mesh(Eigen::all, layer.corners), 2 * margin))
-              continue;
-            pairs_.emplace_back(t, l);
+            if (is_own(t, layers_[l])) continue;
+            const double gap = gap_between(corners, corners_of(now, layers_[l]));
+            if (gap <= within) found_.push_back({t, static_cast<int>(l), gap});
           }
         }
   }
-  std::sort(pairs_.begin(), pairs_.end());
-  take_candidates(surface);
+  std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+    return std::pair(a.triangle, a.layer) < std::pair(b.triangle, b.layer);
+  });
 }
 
-// Their points, vertices and tetrahedra, numbered among each other.
-void SelfContact::take_candidates(const ContactSurface& surface) {
+// Triangles of which a point is held are looked at in any case.
+void SelfContact::take_candidates(const ContactSurface& surface, double moved) {
   candidates_.clear();
-  tets_.clear();
-  unique_.clear();
-  unique_of_.clear();
-  points_.clear();
-  vertices_.clear();
-  std::vector<int>& place_of_layer = stamp_of_layer_;
-  std::fill(place_of_layer.begin(), place_of_layer.end(), -1);
-  place_of_.assign(surface.points().size(), -1);
-  const auto take_points = [&](int triangle) {
-    for (int p : surface.triangles()[std::size_t(triangle)].points) place_of_[std::size_t(p)] = 0;
-  };
-  for (const auto& [t, l] : pairs_) {
-    if (candidates_.empty() || candidates_.back().triangle != t) {
-      candidates_.push_back({.triangle = t, .first = static_cast<int>(tets_.size())});
-      take_points(t);
+  pairs_.clear();
+  auto anchor = anchors_.begin();
+  bool is_held = false;
+  for (const Found& found : found_) {
+    if (candidates_.empty() || candidates_.back().triangle != found.triangle) {
+      candidates_.push_back({.triangle = found.triangle, .first = static_cast<int>(pairs_.size())});
+      candidates_.back().due = std::numeric_limits<double>::infinity();
+      const FaceOwner& owner = surface.triangles()[std::size_t(found.triangle)].owner;
+      const std::pair own(owner.tet, owner.code);
+      while (anchor != anchors_.end() && std::pair(anchor->tet, anchor->code) < own) ++anchor;
+      is_held = anchor != anchors_.end() && std::pair(anchor->tet, anchor->code) == own;
     }
-    ++candidates_.back().count;
-    const Layer& layer = layers_[std::size_t(l)];
-    int& place = place_of_layer[std::size_t(l)];
-    if (place < 0) {
-      place = static_cast<int>(unique_.size());
-      unique_.push_back({l, layer.corners});
-      for (Index v : layer.corners) vertices_.push_back(v);
-      for (int i = layer.first; i < layer.first + layer.count; ++i) take_points(faces_[std::size_t(i)]);
-    }
-    tets_.push_back({l, layer.corners});
-    unique_of_.push_back(place);
+    const double gap = is_held ? 0 : found.gap;
+    pairs_.push_back({found.layer, moved + std::max(0.0, gap - near_) / 2});
+    Candidate& own = candidates_.back();
+    ++own.count;
+    own.due = std::min(own.due, pairs_.back().due);
   }
-  sort_unique(vertices_);
-  for (Other& own : unique_)
-    for (int& v : own.corners)
-      v = static_cast<int>(std::lower_bound(vertices_.begin(), vertices_.end(), v) - vertices_.begin());
-  for (std::size_t p = 0; p < place_of_.size(); ++p) {
-    if (place_of_[p] < 0) continue;
-    place_of_[p] = static_cast<int>(points_.size());
-    points_.push_back(static_cast<int>(p));
-  }
-  inverses_.resize(unique_.size());
-  last_.assign(candidates_.size() * points_per_triangle, -1);
-  std::swap(anchors_, next_);
-  anchors_.clear();
-  for (Candidate& own : candidates_) {
-    const ContactSurface::Triangle& triangle = surface.triangles()[std::size_t(own.triangle)];
-    for (int c = 0; c < 3; ++c) own.points[c] = place_of_[std::size_t(triangle.points[c])];
-    if (friction_ > 0) own.anchor = anchors_.add(triangle.owner, divisions);
-  }
-  anchors_.take_over(next_);
-  next_ = anchors_;
+  gaps_.resize(pairs_.size());
 }
 
 }  // namespace lobe

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace lobe {
 namespace {
@@ -25,6 +26,7 @@ ToolContact::ToolContact(int number, const ObstacleSetup& obstacle) : ToolContac
 void ToolContact::begin_frame(const ToolBody& body, double time) {
   if (!path_.empty()) moved_ += moves_until(moved_at_, time);
   moved_at_ = time;
+  ahead_until_ = nothing_ahead;
   friction_ = body.friction;
   appears_ = body.appears;
   goes_ = body.goes;
@@ -33,8 +35,14 @@ void ToolContact::begin_frame(const ToolBody& body, double time) {
 
 // ---- Search
 
+void ToolContact::look_ahead(double until) {
+  ahead_ = moved_ + moves_until(moved_at_, until);
+  ahead_until_ = until;
+}
+
 bool ToolContact::is_outdated(double time, double body_moved) const {
   if (slack_ < 0) return true;
+  if (time <= ahead_until_ && body_moved - body_moved_ + ahead_ <= slack_) return false;
   if (!is_there(time)) return false;
   return body_moved - body_moved_ + moved_ + moves_until(moved_at_, time) > slack_;
 }
@@ -49,7 +57,7 @@ double ToolContact::gap_to(const Mat3<double>& triangle, const RigidMotion& now)
 void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, double time,
                          double body_moved, double ahead) {
   const RigidMotion now = motion_at(path_, time);
-  const double margin = 0.2 * surface.mean_edge() + 1.1 * ahead;
+  const double margin = 0.2 * surface.mean_edge() + 1.1 * ahead + held_.most();
   place_of_.assign(surface.points().size(), -1);
   points_.clear();
   candidates_.clear();
@@ -82,59 +90,59 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
   slack_ = candidates_.empty() ? gap : margin;
   moved_ = 0;
   moved_at_ = time;
+  ahead_until_ = nothing_ahead;
   body_moved_ = body_moved;
-  if (friction_ == 0) return;
-  std::swap(anchors_, next_);
-  anchors_.clear();
-  for (Candidate& own : candidates_)
-    own.first = anchors_.add(surface.triangles()[std::size_t(own.triangle)].owner, own.divisions);
-  anchors_.take_over(next_);
-  next_ = anchors_;
 }
 
 // ---- Forces
 
-// Per area [Pa], in the tool's axes; `anchors` takes where its anchor is then.
-Vec3d ToolContact::friction_of(const Touch& touch, double stiffness, double pressure,
-                               Anchors& anchors) const {
-  const auto i = std::size_t(touch.anchor);
-  const Vec3d anchor = anchors_.holds[i] ? anchors_.at[i] : touch.place;
-  const Vec3d n = touch.gradient.normalized(), way = touch.place - anchor;
-  Vec3d slip = way - n * n.dot(way);
+// The tangential way from the anchor, which has followed where it slides, to the point [m].
+Vec3d ToolContact::slip_of(const Touch& touch, double stiffness, double pressure) const {
+  if (!touch.anchor) return Vec3d::Zero();
+  const Vec3d n = touch.gradient.normalized(), way = touch.place - touch.anchor->at;
+  const Vec3d slip = way - n * n.dot(way);
   const double force = stiffness / 2 * slip.norm(), most = friction_ * pressure;
-  if (force > most) slip *= most / force;
-  anchors.holds[i] = 1;
-  anchors.at[i] = touch.place - slip;
-  return -stiffness / 2 * slip;
+  return force > most ? Vec3d(slip * most / force) : slip;
 }
 
 void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
   on_tool_ = {.tool = tool_};
-  next_.let_go();
   if (!is_there(at.time) || candidates_.empty()) return;
   const RigidMotion now = motion_at(path_, at.time);
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
   double grip = 0;
+  Mat3<double> speeds;  // of the corners of a triangle
+  const Candidate* of_speeds = nullptr;
   visit_touches(at, now, [&](const Candidate& own, const Touch& touch) {
     const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
     const double area = triangle.area / (own.divisions * own.divisions);
-    double pressure = at.law.pressure(touch.depth, triangle.stiffness);
+    double pressure = at.law.pressure(touch.depth, touch.held, triangle.stiffness);
     if (at.law.damping > 0) {
-      Vec3d v = Vec3d::Zero();
-      for (int c = 0; c < 3; ++c) v += touch.weights[c] * at.v.col(own.points[c]);
-      v -= now.velocity + now.spin.cross(now.turn * touch.place);
+      if (std::exchange(of_speeds, &own) != &own)
+        for (int c = 0; c < 3; ++c) speeds.col(c) = at.places.velocity_of_point(triangle.points[c]);
+      const Vec3d v = speeds * touch.weights - now.velocity - now.spin.cross(now.turn * touch.place);
       const double approach = -touch.gradient.dot(now.turn.transpose() * v) +
                               touch.gradient.y() * std::copysign(now.opens / 2, touch.place.y());
       pressure = std::max(0.0, pressure + at.law.damping * triangle.stiffness * approach);
     }
     Vec3d traction = pressure * touch.gradient;
-    if (friction_ > 0) traction += friction_of(touch, triangle.stiffness, pressure, next_);
+    const Vec3d slip = friction_ > 0 ? slip_of(touch, triangle.stiffness, pressure) : Vec3d::Zero();
+    traction -= triangle.stiffness / 2 * slip;
+    if (friction_ > 0)
+      next_.push_back({.tet = triangle.owner.tet,
+                       .code = triangle.owner.code,
+                       .divisions = own.divisions,
+                       .number = touch.number,
+                       .at = touch.place - slip});
+    if (at.law.hold > 0)
+      held_.add(own.triangle, triangle.points, touch.weights, area * triangle.stiffness, touch.depth);
     const Vec3d own_force = area * traction, in_world = now.turn * own_force;
     for (int c = 0; c < 3; ++c) f.col(own.points[c]) += touch.weights[c] * in_world;
     force += own_force;
     torque += touch.place.cross(own_force);
     grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
   });
+  held_.end(at.surface, at.law, at.since);
   on_tool_.force = now.turn * force;
   on_tool_.torque = now.turn * torque;
   if (shape_.kind == RigidShape::Kind::jaws) on_tool_.grip = std::max(0.0, grip);
@@ -143,29 +151,15 @@ void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
 double ToolContact::energy(const At& at) const {
   if (!is_there(at.time)) return 0;
   double sum = 0;
-  Anchors unused = next_;
   visit_touches(at, motion_at(path_, at.time), [&](const Candidate& own, const Touch& touch) {
     const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
     const double area = triangle.area / (own.divisions * own.divisions);
-    const double pressure = at.law.pressure(touch.depth, triangle.stiffness);
-    const double linear = std::min(touch.depth, at.law.deepest);
-    sum += area * pressure * (touch.depth - linear / 2);
-    if (friction_ > 0)
-      sum +=
-          area * friction_of(touch, triangle.stiffness, pressure, unused).squaredNorm() / triangle.stiffness;
+    sum += area * at.law.energy(touch.depth, touch.held, triangle.stiffness);
+    if (friction_ == 0) return;
+    const double pressure = at.law.pressure(touch.depth, touch.held, triangle.stiffness);
+    sum += area * triangle.stiffness / 4 * slip_of(touch, triangle.stiffness, pressure).squaredNorm();
   });
   return sum;
-}
-
-// ---- Anchors
-
-void ToolContact::end_step() { std::swap(anchors_, next_); }
-
-// Its triangles need not be the candidates of now: they are searched anew.
-void ToolContact::use_kept() {
-  anchors_ = kept_;
-  next_ = kept_;
-  forget();
 }
 
 }  // namespace lobe

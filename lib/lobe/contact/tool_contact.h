@@ -1,12 +1,12 @@
 // One rigid tool against the surface of a body, by a penalty pressure at fixed points of its triangles.
 //
-//   g = φ(x_q),  p = κ ⟨−g⟩ + δ κ ⟨−v_n⟩ where g < 0,  f_i += A_q w_qi p ∇φ,  W = Σ ½ κ A_q ⟨−g⟩²
+//   d = −φ(x_q),  p = κ ⟨d + h⟩ + δ κ ⟨−v_n⟩ where d + h > 0,  f_i += A_q w_qi p ∇φ,  W = Σ ½ κ A_q ⟨d + h⟩²
 //
 // with φ the signed distance to the tool, x_q = Σ w_qi x_i the q-th of the n² points of a triangle, A_q the
-// share of its area at rest, v_n the speed along ∇φ against the tool's. Since the points stay where they are
-// in their triangles, W is a potential of the vertices' positions: energy is kept, and the force is
-// continuous while the tool slides. Beyond a depth of `deepest` the pressure grows no more. n is such that
-// points are no further apart than half of the tool's radius.
+// share of its area at rest, v_n the speed along ∇φ against the tool's, h the depth at which the contact is
+// held (contact_law.h). Since the points stay where they are in their triangles, W is a potential of the
+// vertices' positions: energy is kept but for what h gives, and the force is continuous while the tool
+// slides. n is such that points are no further apart than half of the tool's radius.
 //
 // Friction follows Coulomb's law with Cundall's springs. Each point that touches has an anchor on the tool,
 //   f_t = −k_t A_q ξ,  k_t = κ/2,  |f_t| ≤ μ p A_q,
@@ -14,9 +14,12 @@
 // anchor slides after the point.
 #pragma once
 
+#include <limits>
+
 #include "lobe/contact/anchors.h"
 #include "lobe/contact/contact_law.h"
 #include "lobe/contact/contact_surface.h"
+#include "lobe/contact/places.h"
 #include "lobe/contact/quadrature.h"
 #include "lobe/contact/rigid_motion.h"
 #include "lobe/contact/signed_distance.h"
@@ -34,6 +37,8 @@ class ToolContact {
   int tool() const { return tool_; }
   bool is_obstacle() const { return tool_ < 0; }
   void begin_frame(const ToolBody& body, double time);
+  // How far it moves at most until a time, so that is_outdated() need not follow its path.
+  void look_ahead(double until);
   bool is_of(const ToolBody& body) const { return body.tool == tool_ && *body.shape == shape_; }
   bool is_there(double time) const { return time >= appears_ - just_before && time < goes_ - just_before; }
 
@@ -52,18 +57,24 @@ class ToolContact {
   }
   const std::vector<int>& points() const { return points_; }  // of the surface, that candidates have
 
-  // ---- Forces. x, v, f: one column for each of points().
+  // ---- Forces. x, f: one column for each of points().
 
   struct At {
     const ContactSurface& surface;
     const ContactLaw& law;
     double time = 0;
+    double since = 0;        // the last step [s]
     const Mat3X<double>& x;  // [m]
-    const Mat3X<double>& v;  // [m/s]
+    const Places& places;    // of the surface
   };
+  void begin_forces() {  // in each evaluation, before add_forces() if it may touch
+    next_.clear();
+    held_.begin();
+  }
   void add_forces(const At& at, Mat3X<double>& f);  // [N]
   const OnTool& on_tool() const { return on_tool_; }
-  double energy(const At& at) const;  // [J]
+  double energy(const At& at) const;                               // [J]
+  void use(const ContactSurface& surface) { held_.use(surface); }  // before any of these
   // visit(point, weight, K): each touch, whose stiffness K, 3 × 3 [N/m], a point shares by its weight.
   template <class Visit>
   void visit_stiffness(const At& at, Visit&& visit) const {
@@ -85,38 +96,42 @@ class ToolContact {
     const RigidMotion now = motion_at(path_, time);
     const double ahead = moves_until(time, until);
     for (const Candidate& own : candidates_)
-      if (gap_to(x(Eigen::all, own.points), now) <= ahead) visit(own.triangle);
+      if (gap_to(x(Eigen::all, own.points), now) <= ahead + held_.most()) visit(own.triangle);
   }
 
-  // ---- Anchors
+  // ---- What it remembers
 
-  void end_step();  // anchors of the last evaluation of forces hold from now on
-  const Anchors& anchors() const { return anchors_; }
-  void set_anchors(const Anchors& anchors) {
-    kept_ = anchors;
-    use_kept();
+  void end_step() {  // what the last evaluation of forces has found holds from now on
+    anchors_.swap(next_);
+    held_.end_step();
   }
-  void keep_anchors() { kept_ = anchors_; }
-  void take_back() { use_kept(); }
+  Remembered remembered() const { return {anchors_, held_.kept()}; }
+  void set_remembered(const Remembered& own) {
+    anchors_ = own.anchors;
+    held_.set(own.held);
+    forget();
+  }
+  void keep() { kept_ = remembered(); }
+  void take_back() { set_remembered(kept_); }
 
  private:
+  static constexpr double nothing_ahead = -std::numeric_limits<double>::infinity();
   struct Candidate {
     int triangle = 0;
     Eigen::Vector3i points;  // places in points_
     int divisions = 1;
-    int first = 0;  // of its anchors
   };
   struct Touch {  // at a point of a triangle, in the tool's axes
     Vec3d weights;
-    int anchor;
-    double depth;
+    int number;  // of the point
+    double depth, held;
+    const Anchor* anchor;  // or null
     Vec3d gradient, place;
   };
   double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // or less [m]
   template <class Visit>                                                      // visit(candidate, touch)
   void visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const;
-  Vec3d friction_of(const Touch& touch, double stiffness, double pressure, Anchors& anchors) const;
-  void use_kept();
+  Vec3d slip_of(const Touch& touch, double stiffness, double pressure) const;
 
   int tool_;
   RigidShape shape_;
@@ -130,23 +145,33 @@ class ToolContact {
   double body_moved_ = 0;               // when they were searched [m]
   double moved_ = 0;                    // by the tool since, until moved_at_ [m], [s]
   double moved_at_ = 0;
+  double ahead_ = 0, ahead_until_ = nothing_ahead;  // at most since it was searched, until a time [m], [s]
 
-  Anchors anchors_, next_, kept_;  // of now, after the step that is under way, when steps began
+  std::vector<Anchor> anchors_, next_;  // of now, after the step that is under way
+  HeldDepths held_;
+  Remembered kept_;  // when steps began
   OnTool on_tool_;
 };
 
 template <class Visit>
 void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const {
+  AnchorReader anchors(anchors_);
+  const double most_held = held_.most();
   for (const Candidate& own : candidates_) {
     Mat3<double> x;
     for (int c = 0; c < 3; ++c) x.col(c) = now.turn.transpose() * (at.x.col(own.points[c]) - now.position);
     const Vec3d centre = x.rowwise().sum() / 3;
     const double radius = std::sqrt((x.colwise() - centre).colwise().squaredNorm().maxCoeff());
-    if (distance_.at(centre, now.opening).value > radius + distance_.error()) continue;
+    if (distance_.at(centre, now.opening).value > radius + distance_.error() + most_held) continue;
+    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
     visit_centroids(own.divisions, [&](int number, const Vec3d& weights) {
       const Vec3d place = x * weights;
       const Distance g = distance_.at(place, now.opening);
-      if (g.value < 0) visit(own, Touch{weights, own.first + number, -g.value, g.gradient, place});
+      if (g.value >= most_held) return;
+      const double held = held_.any() ? held_.at(triangle.points, weights) : 0;
+      if (g.value >= held) return;
+      const Anchor* anchor = anchors.find(triangle.owner, own.divisions, number);
+      visit(own, Touch{weights, number, -g.value, held, anchor, g.gradient, place});
     });
   }
 }

@@ -188,12 +188,12 @@ void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const Placem
     const Eigen::AlignedBox3d box = box_around(grains, own, placement);
     const auto [first, last] = std::minmax({station_at(box.min()[axis]), station_at(box.max()[axis])});
     const auto end = static_cast<std::size_t>(std::floor(last) + 1);
-    for (auto at = static_cast<std::size_t>(std::max(0.0, std::ceil(first))); at < end && at < row.size(); ++at) {
+    for (auto at = static_cast<std::size_t>(std::max(0.0, std::ceil(first))); at < end && at < row.size();
+         ++at) {
       Station& station = row[at];
       if (station.grain >= 0 || !box.contains(station.place)) continue;
       if (placement.gradient.determinant() < flat) break;
-      const Vec3d rest =
-          placement.start + placement.gradient.inverse() * (station.place - placement.image);
+      const Vec3d rest = placement.start + placement.gradient.inverse() * (station.place - placement.image);
       const auto in = std::find_if(own.begin(), own.end(), [&](Index g) { return is_in(grains, g, rest); });
       if (in == own.end()) continue;
       station.grain = *in;

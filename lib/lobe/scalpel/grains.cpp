@@ -202,13 +202,15 @@ void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t
 // other end are numbered from `halves` on, in the order of the star.
 void Grains::link_halves(const std::vector<Index>& star, Index halves, Index a, Index point) {
   scratch_.resize(std::size_t(count()), -1);
-  for (std::size_t i = 0; i < star.size(); ++i) scratch_[std::size_t(star[i])] = halves + static_cast<Index>(i);
+  for (std::size_t i = 0; i < star.size(); ++i)
+    scratch_[std::size_t(star[i])] = halves + static_cast<Index>(i);
   for (Index grain : star) {
     const Eigen::Vector4i& points = (*this)[grain].points;
     for (int f = 0; f < 4; ++f) {
       if (points[f] == a || points[f] == point) continue;
       const Index code = beside(4 * grain + f), other = code < 0 ? -1 : scratch_[std::size_t(code / 4)];
-      beside_[std::size_t(scratch_[std::size_t(grain)])][std::size_t(f)] = other < 0 ? -1 : 4 * other + code % 4;
+      beside_[std::size_t(scratch_[std::size_t(grain)])][std::size_t(f)] =
+          other < 0 ? -1 : 4 * other + code % 4;
     }
   }
   for (Index grain : star) scratch_[std::size_t(grain)] = -1;

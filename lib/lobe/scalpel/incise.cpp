@@ -38,8 +38,8 @@ class Step {
  private:
   struct Point {
     Index number;
-    Vec3d x;              // where it is now [m]
-    double distance = 0;  // from the sheet, where it is to lie on it [m]
+    Vec3d x;                             // where it is now [m]
+    double distance = 0;                 // from the sheet, where it is to lie on it [m]
     bool was_on = false, is_on = false;  // before this step; from now on
     int side = 0, last_side = 0;         // beyond which of its planes; and of the last sheet's
   };
@@ -260,9 +260,9 @@ void Step::drop_third_marks() {
       const std::array<Mark*, 3> sides{mark_of(near, c[0], c[1]), mark_of(near, c[1], c[2]),
                                        mark_of(near, c[2], c[0])};
       if (std::find(sides.begin(), sides.end(), nullptr) == sides.end())
-        (*std::max_element(sides.begin(), sides.end(),
-                           [](const Mark* a, const Mark* b) { return a->edge < b->edge; }))
-            ->counts = false;
+        (*std::max_element(sides.begin(), sides.end(), [](const Mark* a, const Mark* b) {
+          return a->edge < b->edge;
+        }))->counts = false;
     }
   }
 }

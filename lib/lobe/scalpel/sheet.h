@@ -57,9 +57,9 @@ class Sheet {
   }
   std::vector<Triangle> triangles_;
   std::vector<Part> parts_, groups_;  // of triangles, and of these
-  Vec3d normal_ = Vec3d::Zero();  // the mean of the triangles'
-  double low_ = 0, high_ = 0;     // along it [m]
-  double rounding_ = 0;           // above that of these [m]
+  Vec3d normal_ = Vec3d::Zero();      // the mean of the triangles'
+  double low_ = 0, high_ = 0;         // along it [m]
+  double rounding_ = 0;               // above that of these [m]
   Eigen::AlignedBox3d box_;
 };
 

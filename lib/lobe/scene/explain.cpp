@@ -175,8 +175,7 @@ class Explainer {
     for (const auto& [key, partners] : dependencies.items()) {
       if (!object.contains(key)) continue;
       for (const std::string partner : partners) {
-        if (!object.contains(partner))
-          add(place, in_quotes(key) + " also needs " + in_quotes(partner));
+        if (!object.contains(partner)) add(place, in_quotes(key) + " also needs " + in_quotes(partner));
       }
     }
   }

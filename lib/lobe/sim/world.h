@@ -214,11 +214,11 @@ class World {
   Unravelling unravelling_;
   Pieces pieces_;
   Tools tools_;
-  std::unique_ptr<Blades> blades_;              // none until a blade cuts
-  std::unique_ptr<Blades> prepared_;            // what they will be then, while the mesh is as it is now
+  std::unique_ptr<Blades> blades_;                  // none until a blade cuts
+  std::unique_ptr<Blades> prepared_;                // what they will be then, while the mesh is as it is now
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
-  std::unique_ptr<ImplicitDynamics> implicit_;  // none: central differences
-  double longest_move_;                         // a step that moves a vertex further is trouble [m]
+  std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
+  double longest_move_;                             // a step that moves a vertex further is trouble [m]
   Touched touched_;
   std::vector<Condition> pending_;  // found by edits; part of the next report
   Display<Real> display_;

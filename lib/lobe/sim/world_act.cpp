@@ -41,7 +41,7 @@ template <class Real>
 void World<Real>::start_contact() {
   const auto is_contact = [](const auto& term) { return term->name() == Contact<Real>::own_name; };
   if (std::any_of(body_.terms.begin(), body_.terms.end(), is_contact)) return;
-  body_.terms.push_back(std::make_shared<Contact<Real>>(setup_.contact));
+  body_.terms.push_back(std::make_shared<Contact<Real>>(setup_.contact, setup_.damping));
   limit_.forget();
 }
 

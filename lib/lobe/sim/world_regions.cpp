@@ -149,7 +149,7 @@ void World<Real>::perform(const Condense& command) {
 template <class Real>
 void World<Real>::set_expanded(bool is_expanded) {
   body_.regions.set_expanded(is_expanded);
-  tools_.state_was_given();  // the interior has moved unseen
+  tools_.state_was_given();              // the interior has moved unseen
   if (body_.inertia.may_be_selective())  // also around those that are held
     for (Index t = 0; t < elements().topology.tet_count(); ++t)
       if (body_.regions.is_condensed(t)) {

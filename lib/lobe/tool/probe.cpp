@@ -91,7 +91,8 @@ std::optional<PlacedTool> Probe::placed(double time, const HeldPoints&) const {
   const bool is_there =
       !path.empty() && time >= path.front().time - just_before && time < goes() - just_before;
   if (!was_just_brought && !is_there) return std::nullopt;
-  const ToolPose now = path.empty() ? pose : ToolPose{path_at(path.recent(), time), turn_at(path.recent(), time)};
+  const ToolPose now =
+      path.empty() ? pose : ToolPose{path_at(path.recent(), time), turn_at(path.recent(), time)};
   ToolShape drawn = shape();
   drawn.blade = Eigen::Quaterniond(now.orientation) * drawn.blade;
   drawn.opening = path.empty() ? pose.opening.value_or(0) : opening_at(path.recent(), time);

@@ -1,0 +1,24 @@
+// Where a body is now, as contact asks for it, and where its forces go.
+#pragma once
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+class Places {
+ public:
+  virtual ~Places() = default;
+  virtual Vec3d of_point(int point) const = 0;           // of the surface [m]
+  virtual Vec3d velocity_of_point(int point) const = 0;  // [m/s]
+  virtual Vec3d of_vertex(Index vertex) const = 0;       // of the mesh [m]
+  virtual Vec3d velocity_of_vertex(Index vertex) const = 0;
+};
+
+class ContactForces {
+ public:
+  virtual ~ContactForces() = default;
+  virtual void add_to_point(int point, const Vec3d& force) = 0;  // [N]
+  virtual void add_to_vertex(Index vertex, const Vec3d& force) = 0;
+};
+
+}  // namespace lobe

@@ -38,7 +38,7 @@ class Painting {
   const Mat3X<float>& rest() const { return rest_; }                   // 3 × #vertices of the surface [m]
   const std::vector<std::uint8_t>& held() const { return now_.held; }  // per vertex of the mesh
   const std::vector<RegionModel>& regions() const { return now_.region_of; }  // per tetrahedron
-  std::array<double, region_model_names.size()> shares() const;  // of the volume, by RegionModel
+  std::array<double, region_model_names.size()> shares() const;               // of the volume, by RegionModel
   const std::vector<Material>& materials() const { return scene_.materials; }
   // Precomputed tetrahedra of parts, together by faces, that nothing anchors: none of their vertices is held;
   // or, in a moving frame, all but the largest part. No world can be built of these.

@@ -76,7 +76,7 @@ TEST_CASE("a scene built in code is checked like one that was read") {
   CHECK_NOTHROW(check_scene(scene));
   scene.materials[0].density = -1;
   scene.gravity[2] = std::numeric_limits<double>::quiet_NaN();
-  scene.regions.push_back({"", RegionModel::nonlinear, RegionFrame::fixed, Selector{SelectNot{}}, ""});
+  scene.regions.push_back({"", RegionModel::nonlinear, RegionFrame::fixed, 0, Selector{SelectNot{}}, ""});
   CHECK_THROWS_WITH_AS(check_scene(scene),
                        "/gravity/2: null, must be a number\n"
                        "/materials/0/density: -1.0, must be above 0\n"

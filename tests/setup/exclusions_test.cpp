@@ -26,6 +26,13 @@ void ask_for(Setup& setup, Option option) {
     case Option::expandable:
       setup.expandable = true;
       break;
+    case Option::reduced:
+      std::fill_n(setup.region_of.begin(), half, RegionModel::reduced);
+      break;
+    case Option::fibres:
+      setup.materials[0].fibre.stretch = 1e3;
+      setup.mesh.fibres = Vec3d::UnitZ().replicate(1, setup.mesh.tet_count());
+      break;
     case Option::nodal_pressure:
       setup.materials[0].nodal_pressure = 1;
       break;

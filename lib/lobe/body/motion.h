@@ -42,7 +42,7 @@ template <class Real>
 struct StateColumns {
   VertexColumns<Mat3X<Real>> u, v;  // [m], [m/s]
   Nodes<Real> nodes;
-  double time = 0, behind = 0;      // [s]
+  double time = 0, behind = 0;  // [s]
 };
 
 // Speeds of the last step [m/s].

@@ -21,9 +21,7 @@ constexpr int patience_to_condense = 2;
 constexpr double delay_per_tet = 8e-6;      // of its renewal [s]: what condensing takes on a slow machine
 constexpr double influence_per_tet = 1e-4;  // until it is used [s]: what finding it takes on a slow machine
 
-bool is_linear(const Elements& elements, Index tet) {
-  return is_linear(elements.region_of[tet]);
-}
+bool is_linear(const Elements& elements, Index tet) { return is_linear(elements.region_of[tet]); }
 
 std::vector<double> tet_volumes(const Elements& elements) {  // 0 where there is none any more
   std::vector<double> volume(std::size_t(elements.topology.tet_count()), 0);

@@ -40,7 +40,8 @@ void resolve_cell(Resolution& resolution) {
     if (!is_reduced) continue;
     if (!first) first = &regions[i];
     if (regions[i].cell != first->cell)
-      resolution.fail(place, "all reduced regions have one lattice in common; give all of them the same cells");
+      resolution.fail(place,
+                      "all reduced regions have one lattice in common; give all of them the same cells");
   }
   if (first) resolution.result.setup.lattice_cell = first->cell;
 }

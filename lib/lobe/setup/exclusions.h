@@ -20,7 +20,7 @@ enum class Option : std::uint8_t {
   corotated,
   expandable,  // Setup::expandable
   reduced,
-  automatic,   // regions that are chosen by their estimated error
+  automatic,  // regions that are chosen by their estimated error
   nodal_pressure,
   neo_hookean,
   fibres,

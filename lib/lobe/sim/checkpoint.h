@@ -38,11 +38,11 @@ struct Checkpoint {
   Touched touched;
 
   bool is_valid() const { return acceleration.allFinite(); }
-  static constexpr auto fields =
-      std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
-                 &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
-                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes, &Checkpoint::mass_degree,
-                 &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms, &Checkpoint::touched);
+  static constexpr auto fields = std::tuple(
+      &Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held, &Checkpoint::tools,
+      &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling,
+      &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes, &Checkpoint::mass_degree,
+      &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms, &Checkpoint::touched);
 };
 
 // A digest of all that decides how a world moves: mesh, materials, regions, loads, tools …

@@ -143,8 +143,8 @@ void validate_masses(const Dynamics<Real>& body) {
   for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
     const double own = mass[std::size_t(v)];
     const bool follows = (is_condensed && body.regions.is_interior(v)) || body.regions.is_embedded(v);
-    const double lumped = follows ? 0
-                              : std::max(lumped_mass(elements, v), body.inertia.floor().at(elements, v));
+    const double lumped =
+        follows ? 0 : std::max(lumped_mass(elements, v), body.inertia.floor().at(elements, v));
     check(carries[std::size_t(v)] ? std::isfinite(own) && own >= lumped : own == lumped,
           "inertia: a vertex's mass");
     const double inverse = body.inertia.inverse_mass(v);

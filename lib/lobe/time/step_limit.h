@@ -149,7 +149,8 @@ template <class Real>
 template <class Change>
 void StepLimit<Real>::follow_region(const Body& body, Index tet, Change&& change) {
   if (body.regions.any_condensed() || body.regions.reduced().any() ||
-      any_nodal_pressure(body.model.elements.materials)) forget();
+      any_nodal_pressure(body.model.elements.materials))
+    forget();
   if (!is_known(body)) {
     forget();
     return change();

@@ -69,7 +69,7 @@ double limit_of(World<Real>& world, bool with_contact) {
     if (!with_contact) return;
     for (const auto& term : body.terms) term->add_forces({body.model, u, still, body.motion.time}, f);
   };
-  body.regions.spoil_sums();
+  body.regions.invalidate_sums();
   Mat3X<Real> there = Mat3X<Real>::Zero(3, at.cols());
   forces(at, there);
   const HighestFrequency found = highest_frequency<Real>(
@@ -79,7 +79,7 @@ double limit_of(World<Real>& world, bool with_contact) {
         forces(Mat3X<Real>(at + u), f);
       },
       {.tolerance = 0.001, .most = 120});
-  body.regions.spoil_sums();
+  body.regions.invalidate_sums();
   return 2 / found.omega;
 }
 
@@ -97,9 +97,10 @@ std::vector<ContactCase> cases() {
           {"self without touch", [](Setup& s) { s.contact.self = true; }}};
 }
 
-void check(World<double>& world, const ContactCase& own, ContactRow& row) {
+void check(World<double>& world, const ContactCase& contact_case, ContactRow& row) {
   for (int i = 0; i < 25; ++i)
-    if (!world.advance(0.02).ok) throw WrongResult(std::string(own.what) + ": the run did not go well");
+    if (!world.advance(0.02).ok)
+      throw WrongResult(std::string(contact_case.what) + ": the run did not go well");
   if (!world.tools().lists().probes.empty()) row.force = world.tools().lists().probes.front().force.norm();
   if (world.body().terms.empty()) return;
   DiagonalStiffness K = DiagonalStiffness::Zero(6, world.elements().topology.vertex_count());
@@ -118,12 +119,12 @@ std::vector<ContactRow> measure(const std::string& name, const TetMesh& mesh, co
   std::vector<std::shared_ptr<World<float>>> worlds;
   std::vector<Timed> timed;
   std::vector<int> steps;
-  for (const ContactCase& own : cases()) {
+  for (const ContactCase& contact_case : cases()) {
     Setup setup = organ(mesh);
-    own.ask(setup);
-    ContactRow row{name, own.what, mesh.tet_count()};
+    contact_case.ask(setup);
+    ContactRow row{name, contact_case.what, mesh.tet_count()};
     World<double> exact(setup);
-    check(exact, own, row);
+    check(exact, contact_case, row);
     rows.push_back(row);
     worlds.push_back(std::make_shared<World<float>>(setup));
     for (int i = 0; i < 25; ++i) worlds.back()->advance(0.02);

@@ -50,7 +50,7 @@ void add_loads(Setup& setup) {
 }
 
 Frame recorded(const WorldPointer& world) {
-  const auto recorded = std::make_shared<Recorded<float>>(*world);
+  const auto recorded = std::make_shared<CommandRecorder<float>>(*world);
   return [world, recorded](double duration) { recorded->advance(duration); };
 }
 

@@ -85,7 +85,7 @@ inline std::vector<FeltFrame> feel(const Setup& setup, const std::vector<Index>&
   world.advance(frame);
   const Vec3d centre = world.tools().grasp(tool)->centre;
   ContactStiffness stiffness({.every = 0.025, .has_helper = false});
-  Patch patch;
+  ContactPatch patch;
   std::vector<FeltFrame> frames;
   const int count = static_cast<int>(std::ceil(path.duration() / frame));
   for (int i = 0; i < count; ++i) {
@@ -204,7 +204,7 @@ inline Predict by_servo(const std::vector<FeltFrame>& frames, const HandPath& pa
     if (k > 0) {
       const FeltFrame& last = frames[k - 1];
       model = {.is_engaged = true, .engagement = 1, .frame = frame, .time = last.end};
-      model.anchor = path.at(time);
+      model.tool_at_end = path.at(time);
       model.position = last.position;
       model.force = last.force;
       model.K = last.K;

@@ -149,7 +149,7 @@ void add_step(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
     const double dt = 1e-4 * world->time_step_limit();
     State<Real> state = world->state();
     state.u = specimen->u.cast<Real>();
-    state.behind = dt / 2;
+    state.velocity_lag = dt / 2;
     world->set_state(state);
     Kernel kernel{"step", precision_name<Real>, n, block_bytes<Real>, {}, {}, expected};
     kernel.evaluate = [world, dt] { world->step(dt); };

@@ -132,7 +132,7 @@ struct RandomPlay {
 
 void check_replay(const Setup& setup, const RandomSession& session, int threads) {
   World<float> world(setup, threads);
-  const Replayed replayed = replay(session.recording, world);
+  const ReplayResult replayed = replay(session.recording, world);
   if (!replayed.same || digest(world) != session.last)
     throw WrongResult("live: command " + std::to_string(replayed.commands) + " of " +
                       std::to_string(session.recording.commands.size()) +

@@ -58,8 +58,8 @@ double local_gain(World<float>& world) {
   const auto weight = [&](Index v) { return inverse_mass[std::size_t(v)]; };
   frequencies.find(vertices, weight, [&](DiagonalStiffness& K) {
     for (Index t = 0; t < tets; ++t) {
-      const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());
-      for (int c = 0; c < 4; ++c) K.col(elements.topology.tets()(c, t)) += own.col(c);
+      const CornerStiffness stiffness = corner_stiffness(elements, t, Mat34<double>::Zero());
+      for (int c = 0; c < 4; ++c) K.col(elements.topology.tets()(c, t)) += stiffness.col(c);
     }
   });
   for (Index v = 0; v < vertices; ++v) squares.push_back(frequencies.exact_square(v, weight(v)));
@@ -67,9 +67,11 @@ double local_gain(World<float>& world) {
   constexpr int longest = 6;  // 64 shortest steps
   double evaluations = 0;
   for (Index t = 0; t < tets; ++t) {
-    double own = 0;
-    for (Index v : elements.topology.corners(t)) own = std::max(own, squares[std::size_t(v)]);
-    const double ratio = std::sqrt(highest / own);  // of the steps; infinite where all corners are held
+    double largest_square = 0;
+    for (Index v : elements.topology.corners(t))
+      largest_square = std::max(largest_square, squares[std::size_t(v)]);
+    const double ratio =
+        std::sqrt(highest / largest_square);  // of the steps; infinite where all corners are held
     evaluations += std::exp2(-std::min(double(longest), std::floor(std::log2(ratio))));
   }
   return tets / evaluations;

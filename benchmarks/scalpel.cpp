@@ -74,9 +74,9 @@ CutFrames play_cut(World<Real>& world, int frames) {
     const Report report = world.advance(moment);
     if (!report.ok) throw WrongResult("a cut body could not be advanced");
     if (report.cut_area == 0) continue;
-    const double own = report.seconds[std::size_t(Phase::cutting)];
-    played.seconds += own;
-    played.slowest = std::max(played.slowest, own);
+    const double seconds = report.seconds[std::size_t(Phase::cutting)];
+    played.seconds += seconds;
+    played.slowest = std::max(played.slowest, seconds);
     ++played.frames;
   }
   return played;
@@ -132,7 +132,7 @@ double geometry_seconds(const Setup& setup, const FullStroke& stroke, int frames
     if (!incised || incised->opened.empty()) continue;
     const MeshEdit edit = elements.topology.divide(blades.grains.divide(elements.topology, incised->opened));
     elements.follow(edit);
-    for (const TetCopy& own : edit.copies) groups.add_copy(own.tet, own.copy);
+    for (const TetCopy& tet_copy : edit.copies) groups.add_copy(tet_copy.tet, tet_copy.copy);
   }
   return seconds;
 }

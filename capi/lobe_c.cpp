@@ -44,17 +44,17 @@ void require(const void* pointer, const char* name) {
 // A struct of a caller that knows fewer fields than this library: those are 0.
 template <class Struct>
 Struct of_caller(const Struct* given, const char* name) {
-  Struct own{};
+  Struct copy{};
   if (given->size < sizeof(std::uint32_t) || given->size > 4096)
     throw InputError(std::string(name) + ".size",
                      std::to_string(given->size) + ", must be sizeof(" + name + ")");
-  std::memcpy(&own, given, std::min<std::size_t>(given->size, sizeof(Struct)));
-  return own;
+  std::memcpy(&copy, given, std::min<std::size_t>(given->size, sizeof(Struct)));
+  return copy;
 }
 template <class Struct>
-void give(const Struct& own, Struct* to) {
+void give(const Struct& copy, Struct* to) {
   const std::uint32_t size = to->size;
-  std::memcpy(to, &own, std::min<std::size_t>(size, sizeof(Struct)));
+  std::memcpy(to, &copy, std::min<std::size_t>(size, sizeof(Struct)));
   to->size = size;
 }
 
@@ -64,9 +64,9 @@ Vec3d vector_of(const double* values, const char* name) {
 }
 
 lobe_status opened(lobe::Scene scene, const lobe_options* options, lobe_session** session) {
-  lobe_options own{};
-  if (options != nullptr) own = of_caller(options, "lobe_options");
-  *session = lobe::c::open(std::move(scene), own).release();
+  lobe_options chosen{};
+  if (options != nullptr) chosen = of_caller(options, "lobe_options");
+  *session = lobe::c::open(std::move(scene), chosen).release();
   return LOBE_OK;
 }
 
@@ -156,16 +156,16 @@ lobe_status lobe_get_state(lobe_session* session, lobe_state* state) {
   return guarded([&] {
     require(session, "session");
     require(state, "state");
-    lobe_state own = of_caller(state, "lobe_state");
+    lobe_state result = of_caller(state, "lobe_state");
     const auto status = session->status();
     if (!status) return fail(LOBE_NOT_YET, "no frame was simulated yet");
-    own.tetrahedra = static_cast<std::uint32_t>(session->tet_count());
-    own.frame = static_cast<std::uint64_t>(status->picture);
-    own.time = status->time;
-    own.real_time_factor = status->real_time_factor;
-    own.running = status->is_running;
-    own.stands_still = status->stands_still;
-    give(own, state);
+    result.tetrahedra = static_cast<std::uint32_t>(session->tet_count());
+    result.frame = static_cast<std::uint64_t>(status->picture);
+    result.time = status->time;
+    result.real_time_factor = status->real_time_factor;
+    result.running = status->is_running;
+    result.stands_still = status->stands_still;
+    give(result, state);
     return LOBE_OK;
   });
 }
@@ -257,7 +257,7 @@ lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state
   return guarded([&] {
     require(session, "session");
     require(state, "state");
-    lobe_tool own = of_caller(state, "lobe_tool");
+    lobe_tool result = of_caller(state, "lobe_tool");
     const auto status = session->status();
     if (!status) return LOBE_NOT_YET;
     const auto mine = [&](const lobe::HandStatus& hand) {
@@ -266,13 +266,13 @@ lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state
     const auto found = std::find_if(status->hands.begin(), status->hands.end(), mine);
     if (found == status->hands.end()) return LOBE_NOT_YET;
     const lobe::c::Axes& axes = session->axes;
-    own.holds = found->holds;
-    own.vertices = static_cast<std::uint32_t>(found->vertices);
-    Eigen::Map<Vec3d>(own.pose) = axes.point_out(found->pose.position);
-    Eigen::Map<Eigen::Vector4d>(own.pose + 3) = axes.rotation_out(found->pose.orientation);
-    Eigen::Map<Vec3d>(own.force) = axes.direction_out(found->force);
-    Eigen::Map<Vec3d>(own.torque) = axes.torque_out(found->torque);
-    give(own, state);
+    result.holds = found->holds;
+    result.vertices = static_cast<std::uint32_t>(found->vertices);
+    Eigen::Map<Vec3d>(result.pose) = axes.point_out(found->pose.position);
+    Eigen::Map<Eigen::Vector4d>(result.pose + 3) = axes.rotation_out(found->pose.orientation);
+    Eigen::Map<Vec3d>(result.force) = axes.direction_out(found->force);
+    Eigen::Map<Vec3d>(result.torque) = axes.torque_out(found->torque);
+    give(result, state);
     return LOBE_OK;
   });
 }
@@ -284,15 +284,15 @@ namespace {
 lobe::DeviceLimits limits_of(const lobe_haptic_device* device) {
   lobe::DeviceLimits limits;
   if (device == nullptr) return limits;
-  const lobe_haptic_device own = of_caller(device, "lobe_haptic_device");
+  const lobe_haptic_device asked = of_caller(device, "lobe_haptic_device");
   const auto take = [](double given, double& limit) {
     if (given != 0) limit = given;
   };
-  take(own.force, limits.force);
-  take(own.torque, limits.torque);
-  take(own.slew, limits.slew);
-  take(own.stiffness, limits.stiffness);
-  take(own.damping, limits.damping);
+  take(asked.force, limits.force);
+  take(asked.torque, limits.torque);
+  take(asked.slew, limits.slew);
+  take(asked.stiffness, limits.stiffness);
+  take(asked.damping, limits.damping);
   return limits;
 }
 
@@ -359,10 +359,10 @@ lobe_status lobe_surface_acquire(lobe_session* session, lobe_surface* surface) {
   return guarded([&] {
     require(session, "session");
     require(surface, "surface");
-    lobe_surface own = of_caller(surface, "lobe_surface");
+    lobe_surface result = of_caller(surface, "lobe_surface");
     if (surface->size < sizeof(lobe_surface)) throw InputError("lobe_surface.size", "is of an older version");
-    if (!session->fill(own)) return fail(LOBE_NOT_YET, "no frame was simulated yet");
-    give(own, surface);
+    if (!session->fill(result)) return fail(LOBE_NOT_YET, "no frame was simulated yet");
+    give(result, surface);
     return LOBE_OK;
   });
 }

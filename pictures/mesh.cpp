@@ -113,7 +113,7 @@ Face face_of(vtkPolyData* surface, vtkIdType cell) {
 
 // Whether a face was on the boundary at the start, as the cell array "skin" says in frames of bodies that a
 // blade has cut: one bit for the face opposite to each corner.
-bool is_skin(vtkDataSet* mesh, vtkPolyData* surface, vtkIdType face) {
+bool was_boundary(vtkDataSet* mesh, vtkPolyData* surface, vtkIdType face) {
   vtkDataArray* skin = surface->GetCellData()->GetArray("skin");
   vtkDataArray* cells = surface->GetCellData()->GetArray("vtkOriginalCellIds");
   if (!skin || !cells) return false;
@@ -141,7 +141,7 @@ void mark_exposed(vtkDataSet* mesh, vtkPolyData* surface, const Panel& panel,
     std::set<Face> outside;
     for (vtkIdType i = 0; i < skin->GetNumberOfCells(); ++i) outside.insert(face_of(skin, i));
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
-      exposed->SetValue(i, !outside.contains(face_of(surface, i)) && !is_skin(mesh, surface, i));
+      exposed->SetValue(i, !outside.contains(face_of(surface, i)) && !was_boundary(mesh, surface, i));
   } else if (vtkDataArray* cut = surface->GetCellData()->GetArray("cut")) {
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) exposed->SetValue(i, cut->GetTuple1(i) != 0);
   }

@@ -226,7 +226,7 @@ class LiveOf final : public Live {
     status["factor"] = session.real_time_factor;
     status["possible"] = session.possible_factor;
     status["late"] = session.frames_late;
-    status["again"] = session.frames_again;
+    status["again"] = session.reruns;
     status["can_go_back"] = session.can_go_back;
     status["steps"] = picture.figures.steps;
     status["step"] = picture.figures.time_step;

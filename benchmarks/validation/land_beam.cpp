@@ -76,9 +76,9 @@ Bent bent(int cells) {
   double once = 0, twice = 0;
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const Shape shape = elements.shape_of(t);
-    const Mat34<double> own = u(Eigen::all, setup.mesh.tets.col(t));
+    const Mat34<double> at_corners = u(Eigen::all, setup.mesh.tets.col(t));
     const Mat3<double> E =
-        green_strain<double>(displacement_gradient<double>(own, shape.gradients.rightCols<3>()));
+        green_strain<double>(displacement_gradient<double>(at_corners, shape.gradients.rightCols<3>()));
     const double Q = bf * E(0, 0) * E(0, 0) + bt * E.bottomRightCorner<2, 2>().squaredNorm() +
                      2 * bfs * E.row(0).tail<2>().squaredNorm();
     once += shape.volume * Q;

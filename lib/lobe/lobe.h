@@ -89,9 +89,9 @@
 // errata are in docs/errata.md.
 #pragma once
 
-#include "lobe/condense/anchors.h"
 #include "lobe/condense/interface_size.h"
 #include "lobe/condense/narrow_interface.h"
+#include "lobe/condense/supports.h"
 #include "lobe/diagnostics/compare.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/diagnostics/grain_frame.h"

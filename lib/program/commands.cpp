@@ -172,9 +172,9 @@ int replay(const SceneOptions& options) {
   const Recording recording = read_recording(options.record);
   Loaded loaded = load(options);
   const auto play = [&](auto world) { return replay(recording, world); };
-  const Replayed replayed = loaded.scene.in_double()
-                                ? play(World<double>(loaded.resolved.setup, options.threads))
-                                : play(World<float>(loaded.resolved.setup, options.threads));
+  const ReplayResult replayed = loaded.scene.in_double()
+                                    ? play(World<double>(loaded.resolved.setup, options.threads))
+                                    : play(World<float>(loaded.resolved.setup, options.threads));
   if (!replayed.same) {
     print_errors(options.record.string() + ": command " + std::to_string(replayed.commands) + " of " +
                  std::to_string(recording.commands.size()) + ", up to " + rounded(replayed.time) +

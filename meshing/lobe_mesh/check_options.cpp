@@ -61,8 +61,8 @@ void check_labels(const MeshOptions& options, const Model& model, std::vector<Fa
 double expected_tets(const MeshOptions& options, const Model& model) {
   double tets = 0, smaller_balls = 0;
   for (int region = 0; region < model.region_count(); ++region) {
-    const auto own = options.label_edges.find(model.labels[region]);
-    const double edge = own == options.label_edges.end() ? options.edge : own->second;
+    const auto asked = options.label_edges.find(model.labels[region]);
+    const double edge = asked == options.label_edges.end() ? options.edge : asked->second;
     double faces = 0;
     for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
       if (model.sides[k].inside == region)

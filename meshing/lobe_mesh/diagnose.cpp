@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "lobe_mesh/clean.h"
-#include "lobe_mesh/groups.h"
+#include "lobe_mesh/disjoint_sets.h"
 #include "lobe_mesh/model.h"
 #include "lobe_mesh/steps.h"
 
@@ -102,8 +102,8 @@ void check_edges(const Surface& surface, const Edges& edges, Diagnosis& d) {
   }
 }
 
-Groups pieces_of(const Surface& surface, const Edges& edges) {
-  Groups pieces(surface.triangle_count());
+DisjointSets pieces_of(const Surface& surface, const Edges& edges) {
+  DisjointSets pieces(surface.triangle_count());
   for (const auto& [edge, use] : edges) {
     for (const Index t : use.triangles) pieces.join(t, use.triangles[0]);
   }
@@ -112,7 +112,8 @@ Groups pieces_of(const Surface& surface, const Edges& edges) {
 
 void check_fans(const Surface& surface, const Edges& edges, Diagnosis& d) {
   // Corners (3 per triangle) that share an edge at their vertex belong to one fan.
-  Groups corners(static_cast<std::size_t>(surface.triangle_count()) * 3), pieces = pieces_of(surface, edges);
+  DisjointSets corners(static_cast<std::size_t>(surface.triangle_count()) * 3),
+      pieces = pieces_of(surface, edges);
   const auto corner_at = [&](Index t, Index v) {
     for (int k = 0; k < 3; ++k) {
       if (surface.triangles(k, t) == v) return 3 * t + k;
@@ -139,7 +140,7 @@ void check_fans(const Surface& surface, const Edges& edges, Diagnosis& d) {
 
 std::vector<Surface> split(const Surface& surface, const Edges& edges,
                            std::vector<std::vector<Index>>& triangles) {
-  Groups groups = pieces_of(surface, edges);
+  DisjointSets groups = pieces_of(surface, edges);
   std::map<Index, std::vector<Index>> of_root;
   for (Index t = 0; t < surface.triangle_count(); ++t) of_root[groups.root(t)].push_back(t);
   std::vector<Surface> pieces;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t most_labels = 250;
 constexpr double most_smoothing = 5;             // voxels
 constexpr double reported_volume_change = 0.05;  // of a label, by the smoothing
-constexpr float smallest_lead = 1e-6F;
+constexpr float smallest_margin = 1e-6F;
 
 // A box of voxels, [first, last).
 struct Box3 {
@@ -119,7 +119,7 @@ LabelGrid empty_grid(const LabelImage& image, const Contents& contents, Index pa
   grid.first = box.first;
   for (int k = 0; k < 3; ++k) grid.size[k] = static_cast<Index>(box.size(k));
   grid.regions.assign(box.count(), 0);
-  grid.leads.assign(box.count(), 0);
+  grid.margins.assign(box.count(), 0);
   grid.to_world = image.to_world;
   for (int k = 0; k < 3; ++k) grid.to_world.col(3) += box.first[k] * image.to_world.col(k);
   return grid;
@@ -163,7 +163,7 @@ class Contest {
   }
   void close() {
     for (std::size_t v = 0; v < best_.size(); ++v)
-      grid_.leads[v] = std::clamp(best_[v] - second_[v], smallest_lead, 1.0F);
+      grid_.margins[v] = std::clamp(best_[v] - second_[v], smallest_margin, 1.0F);
   }
 
  private:
@@ -243,7 +243,7 @@ int RegionAt::operator()(const Vec3d& point) const {
     int r = 0;
     while (r < count && regions[r] != grid_.regions[voxel]) ++r;
     if (r == count) regions[count++] = grid_.regions[voxel];
-    scores[r] += weight * static_cast<double>(grid_.leads[voxel]);
+    scores[r] += weight * static_cast<double>(grid_.margins[voxel]);
   }
   return regions[std::max_element(scores.begin(), scores.begin() + count) - scores.begin()];
 }

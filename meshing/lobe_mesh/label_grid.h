@@ -24,7 +24,7 @@ namespace lobe::meshing {
 struct LabelGrid {
   std::array<Index, 3> first{}, size{};  // its first voxel in the image; voxels along i, j, k
   std::vector<std::uint8_t> regions;     // of each voxel, i fastest
-  std::vector<float> leads;              // of each voxel, in (0, 1]
+  std::vector<float> margins;            // of each voxel, in (0, 1]
   Mat34<double> to_world = Mat34<double>::Zero();
   std::vector<int> values;      // of the image, ascending
   std::vector<double> volumes;  // [m³] of each region, voxels of the image counted before the smoothing

@@ -13,7 +13,7 @@ using Cell = std::array<Index, 3>;
 
 // Where the interface crosses the edge from one voxel to the next, as a part of the edge.
 double crossing(const LabelGrid& grid, std::size_t from, std::size_t to) {
-  const double a = static_cast<double>(grid.leads[from]), b = static_cast<double>(grid.leads[to]);
+  const double a = static_cast<double>(grid.margins[from]), b = static_cast<double>(grid.margins[to]);
   return a / (a + b);
 }
 

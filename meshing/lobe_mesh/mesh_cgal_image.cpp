@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "lobe_mesh/groups.h"
+#include "lobe_mesh/disjoint_sets.h"
 #include "lobe_mesh/mesh_3.h"
 #include "lobe_mesh/model.h"
 #include "lobe_mesh/steps.h"
@@ -47,7 +47,7 @@ class ImageDomain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomai
 
  private:
   static std::vector<Vec3d> starts(const Surface& surface, double edge) {
-    Groups pieces(static_cast<std::size_t>(surface.point_count()));
+    DisjointSets pieces(static_cast<std::size_t>(surface.point_count()));
     for (const auto& t : surface.triangles.colwise()) pieces.join(t[0], t[1]), pieces.join(t[1], t[2]);
     std::map<lobe::Index, std::vector<lobe::Index>> points_of;
     for (lobe::Index v = 0; v < surface.point_count(); ++v) points_of[pieces.root(v)].push_back(v);

@@ -218,7 +218,7 @@ class Climb {
       ladder_.measure({unit_.to_unit(box.from_unit(now.points)), now.triangles});
     };
     const Surface result =
-        scaled_back(repair_by_rungs(surface, options_.largest_hole, report_, measure), box);
+        scaled_back(repair_in_steps(surface, options_.largest_hole, report_, measure), box);
     return {result, diagnose(result)};
   }
 

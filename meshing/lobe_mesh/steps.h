@@ -23,7 +23,7 @@ std::vector<std::pair<Index, Index>> self_intersections(const Surface& surface, 
 
 // The steps of Repair::basic. Each appends to the report what it changed, and then hands its result to
 // `done`.
-Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairReport& report,
+Surface repair_in_steps(const Surface& surface, double largest_hole, RepairReport& report,
                         const std::function<void(const Surface&)>& done);
 
 // Closed surface around the whole, at `offset` from it, that bridges gaps narrower than `alpha`.

@@ -33,17 +33,18 @@ Equations::Equations(const Ranks& ranks, const Part& part, const Setup& setup)
       nodes_(elements_),
       u_(ranks, part),
       sums_(ranks, part),
-      given_(Given::Zero(3, part.mesh.vertex_count())) {
+      is_prescribed_(PrescribedComponents::Zero(3, part.mesh.vertex_count())) {
   prescribed_.setZero(3, part.owned);
   const HeldVertices held = held_by(setup.prescribed);
   for (const HeldVertices::Held& item : held.all())
     for (int axis = 0; axis < 3; ++axis) {
       if (!item.axes[axis]) continue;
-      given_(axis, item.vertex) = true;
+      is_prescribed_(axis, item.vertex) = true;
       if (item.vertex < part.owned) prescribed_(axis, item.vertex) = item.goal[axis];
     }
-  refuse_floating_pieces(ranks, part, elements_, given_);
-  unknowns_ = ranks.sum(std::int64_t(3) * part.owned - std::int64_t(given_.leftCols(part.owned).count()));
+  refuse_floating_pieces(ranks, part, elements_, is_prescribed_);
+  unknowns_ =
+      ranks.sum(std::int64_t(3) * part.owned - std::int64_t(is_prescribed_.leftCols(part.owned).count()));
   const auto nonlinear = std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
   is_linear_ = ranks.sum(std::int64_t(nonlinear)) == 0;
   add_loads(setup);
@@ -60,25 +61,25 @@ void Equations::add_loads(const Setup& setup) {
 
 Mat3X<double> Equations::local(Vec u) {
   check(VecCopy(u, u_.vec()));
-  u_.spread();
+  u_.update_ghosts();
   return u_.local();
 }
 
 State Equations::at(Vec u, double fraction, Vec forces) {
   const Mat3X<double> full = local(u);
-  EnergyAndForces own = energy_and_forces(elements_, nodes_, full);
-  sums_.sum(own.forces);
+  EnergyAndForces of_part = energy_and_forces(elements_, nodes_, full);
+  sums_.sum(of_part.forces);
   Mat3X<double> net = sums_.local().leftCols(part_.owned) + fraction * loads_;
   State state;
-  state.elastic = ranks_.sum(own.energy);
+  state.elastic = ranks_.sum(of_part.energy);
   state.potential =
       state.elastic - ranks_.sum(fraction * loads_.cwiseProduct(full.leftCols(part_.owned)).sum());
-  state.smallest_volume_ratio = ranks_.min(own.smallest_volume_ratio);
+  state.smallest_volume_ratio = ranks_.min(of_part.smallest_volume_ratio);
   const double all = ranks_.sum(net.squaredNorm());
   state.scale = std::sqrt(std::max(all, fraction * fraction * ranks_.sum(loads_.squaredNorm())));
   for (Index v = 0; v < part_.owned; ++v)
     for (int axis = 0; axis < 3; ++axis)
-      if (given_(axis, v)) net(axis, v) = 0;
+      if (is_prescribed_(axis, v)) net(axis, v) = 0;
   state.residual = std::sqrt(ranks_.sum(net.squaredNorm()));
   sums_.set_owned(net);
   check(VecCopy(sums_.vec(), forces));
@@ -102,17 +103,17 @@ void Equations::boundary_move(Vec u, double fraction, Vec move) {
   Mat3X<double> missing = fraction * prescribed_ - local(u).leftCols(part_.owned);
   for (Index v = 0; v < part_.owned; ++v)
     for (int axis = 0; axis < 3; ++axis)
-      if (!given_(axis, v)) missing(axis, v) = 0;
+      if (!is_prescribed_(axis, v)) missing(axis, v) = 0;
   sums_.set_owned(missing);
   check(VecCopy(sums_.vec(), move));
 }
 
-void Equations::clear_given(Vec w) {
+void Equations::clear_prescribed(Vec w) {
   PetscScalar* values = nullptr;
   check(VecGetArray(w, &values));
   for (Index v = 0; v < part_.owned; ++v)
     for (int axis = 0; axis < 3; ++axis)
-      if (given_(axis, v)) values[3 * v + axis] = 0;
+      if (is_prescribed_(axis, v)) values[3 * v + axis] = 0;
   check(VecRestoreArray(w, &values));
 }
 
@@ -130,7 +131,7 @@ void Equations::subtract_product(Vec u, Vec w, Vec forces) {
   Mat3X<double> net = sums_.local().leftCols(part_.owned);
   for (Index v = 0; v < part_.owned; ++v)
     for (int axis = 0; axis < 3; ++axis)
-      if (given_(axis, v)) net(axis, v) = 0;
+      if (is_prescribed_(axis, v)) net(axis, v) = 0;
   sums_.set_owned(net);
   check(VecAXPY(forces, -1, sums_.vec()));
 }
@@ -168,16 +169,16 @@ void Equations::reserve(Mat matrix) {
   std::vector<Pair> told;
   for (const auto& list : ranks_.exchange(to)) told.insert(told.end(), list.begin(), list.end());
   std::sort(told.begin(), told.end());
-  std::vector<PetscInt> own(std::size_t(part_.owned)), others = own;
+  std::vector<PetscInt> own_blocks(std::size_t(part_.owned)), others = own_blocks;
   auto next = told.begin();
   for (Index v = 0; v < part_.owned; ++v) {
     std::vector<PetscInt> columns = columns_of(v);
     for (; next != told.end() && next->row == part_.global[v]; ++next) columns.push_back(next->column);
     std::sort(columns.begin(), columns.end());
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-    for (PetscInt column : columns) ++(column >= first && column < end ? own : others)[v];
+    for (PetscInt column : columns) ++(column >= first && column < end ? own_blocks : others)[v];
   }
-  check(MatXAIJSetPreallocation(matrix, 3, own.data(), others.data(), nullptr, nullptr));
+  check(MatXAIJSetPreallocation(matrix, 3, own_blocks.data(), others.data(), nullptr, nullptr));
 }
 
 Owned<Mat, MatDestroy> Equations::make_matrix() {
@@ -209,7 +210,7 @@ void Equations::tangent(Vec u, Mat matrix) {
       const Index v = elements_.topology.tets()(c, t);
       rows[c] = part_.global[v];
       for (int axis = 0; axis < 3; ++axis) {
-        if (!given_(axis, v)) continue;
+        if (!is_prescribed_(axis, v)) continue;
         const int i = 3 * c + axis;
         const double diagonal = std::abs(K(i, i));
         K.row(i).setZero();

@@ -39,7 +39,7 @@ class Equations {
   void tangent(Vec u, Mat matrix);
   // forces −= ∂²W/∂u² w, for a displacement w of given components.
   void subtract_product(Vec u, Vec w, Vec forces);
-  void clear_given(Vec w);  // zero where displacements are given
+  void clear_prescribed(Vec w);  // zero where displacements are given
   // What is missing to the prescribed displacements at a fraction of them, zero where nothing is given [m].
   void boundary_move(Vec u, double fraction, Vec move);
 
@@ -52,7 +52,7 @@ class Equations {
   Elements elements_;
   PressureNodes nodes_;  // none
   Ghosted u_, sums_;
-  Given given_;
+  PrescribedComponents is_prescribed_;
   Mat3X<double> prescribed_, loads_;  // per owned vertex at full load [m], [N]
   std::int64_t unknowns_ = 0;
   bool is_linear_ = false;

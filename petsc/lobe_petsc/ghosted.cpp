@@ -41,7 +41,7 @@ void Ghosted::sum(const Mat3X<double>& local) {
   check(VecGhostUpdateEnd(vec_, ADD_VALUES, SCATTER_REVERSE));
 }
 
-void Ghosted::spread() {
+void Ghosted::update_ghosts() {
   check(VecGhostUpdateBegin(vec_, INSERT_VALUES, SCATTER_FORWARD));
   check(VecGhostUpdateEnd(vec_, INSERT_VALUES, SCATTER_FORWARD));
 }
@@ -50,7 +50,7 @@ std::vector<char> any_rank(Ghosted& scratch, const std::vector<char>& mine) {
   Mat3X<double> values = Mat3X<double>::Zero(3, Eigen::Index(mine.size()));
   for (std::size_t v = 0; v < mine.size(); ++v) values(0, Eigen::Index(v)) = mine[v] ? 1 : 0;
   scratch.sum(values);
-  scratch.spread();
+  scratch.update_ghosts();
   values = scratch.local();
   std::vector<char> any(mine.size());
   for (std::size_t v = 0; v < mine.size(); ++v) any[v] = values(0, Eigen::Index(v)) > 0;

@@ -19,8 +19,10 @@ class Ghosted {
   Mat3X<double> local() const;  // 3 × #local vertices, ghosts as the owners have them
   void set_owned(const Mat3X<double>& local);
   void sum(const Mat3X<double>& local);  // the owned: what all ranks have there, added up
-  void spread();                         // from the owners to the ghosts
-  std::int64_t ghost_bytes() const { return 24 * std::int64_t(ghosts_); }  // that spread() receives here
+  void update_ghosts();                  // from the owners to the ghosts
+  std::int64_t ghost_bytes() const {
+    return 24 * std::int64_t(ghosts_);
+  }  // that update_ghosts() receives here
 
  private:
   Vector vec_;

@@ -34,12 +34,12 @@ class Pieces {
 };
 
 Pieces::Pieces(const Ranks& ranks, const Part& part, const Elements& elements) {
-  const std::vector<std::vector<Index>> own = elements.topology.pieces();
-  const std::int64_t first = ranks.sum_before(std::int64_t(own.size()));
+  const std::vector<std::vector<Index>> of_part = elements.topology.pieces();
+  const std::int64_t first = ranks.sum_before(std::int64_t(of_part.size()));
   of_.resize(std::size_t(elements.topology.tet_count()));
-  for (std::size_t p = 0; p < own.size(); ++p)
-    for (Index t : own[p]) of_[t] = first + std::int64_t(p);
-  parent_.resize(std::size_t(ranks.sum(std::int64_t(own.size()))));
+  for (std::size_t p = 0; p < of_part.size(); ++p)
+    for (Index t : of_part[p]) of_[t] = first + std::int64_t(p);
+  parent_.resize(std::size_t(ranks.sum(std::int64_t(of_part.size()))));
   std::iota(parent_.begin(), parent_.end(), 0);
 
   std::vector<Index> outer;
@@ -70,7 +70,7 @@ Pieces::Pieces(const Ranks& ranks, const Part& part, const Elements& elements) {
 }  // namespace
 
 void refuse_floating_pieces(const Ranks& ranks, const Part& part, const Elements& elements,
-                            const Given& given) {
+                            const PrescribedComponents& is_prescribed) {
   const Pieces pieces(ranks, part, elements);
   Ghosted scratch(ranks, part);
   std::vector<std::int64_t> size(std::size_t(pieces.count()), 0), sizes = size;
@@ -89,18 +89,18 @@ void refuse_floating_pieces(const Ranks& ranks, const Part& part, const Elements
   for (bool found = true; found;) {
     // One row per prescribed component: its part of the three translations, and of the three rotations about
     // the centre.
-    std::vector<Gram> own(sizes.size(), Gram::Zero()), all = own;
+    std::vector<Gram> of_rank(sizes.size(), Gram::Zero()), all = of_rank;
     for (Index t = 0; t < part.mesh.tet_count(); ++t)
       for (int c = 0; c < 4; ++c)
         for (int axis = 0; axis < 3; ++axis) {
           const Index v = part.mesh.tets(c, t);
-          if (!given(axis, v) && !anchored[v]) continue;
+          if (!is_prescribed(axis, v) && !anchored[v]) continue;
           const Vec3d arm = (part.mesh.points.col(v) - centre) / extent;
           Eigen::Matrix<double, 6, 1> row;
           row << Vec3d::Unit(axis), arm.cross(Vec3d::Unit(axis));
-          own[pieces.of(t)] += row * row.transpose();
+          of_rank[pieces.of(t)] += row * row.transpose();
         }
-    MPI_Allreduce(own.data(), all.data(), int(36 * all.size()), MPI_DOUBLE, MPI_SUM, ranks.comm());
+    MPI_Allreduce(of_rank.data(), all.data(), int(36 * all.size()), MPI_DOUBLE, MPI_SUM, ranks.comm());
     found = false;
     for (std::size_t p = 0; p < all.size(); ++p) {
       if (held[p] || sizes[p] == 0) continue;

@@ -6,10 +6,11 @@
 
 namespace lobe::petsc {
 
-using Given = Eigen::Matrix<bool, 3, Eigen::Dynamic>;  // per local vertex and component: it is prescribed
+using PrescribedComponents =
+    Eigen::Matrix<bool, 3, Eigen::Dynamic>;  // per local vertex and component: it is prescribed
 
 // Throws InputError on all ranks if there is such a piece (solve/floating.h says when).
 void refuse_floating_pieces(const Ranks& ranks, const Part& part, const Elements& elements,
-                            const Given& given);
+                            const PrescribedComponents& is_prescribed);
 
 }  // namespace lobe::petsc

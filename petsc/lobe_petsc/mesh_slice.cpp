@@ -169,8 +169,9 @@ void send_columns(const Ranks& ranks, Matrix& matrix, const std::function<Matrix
       const Matrix part = of_rank(r);
       to[r].assign(part.data(), part.data() + part.size());
     }
-  const std::vector<Scalar> own = ranks.exchange(to)[0];
-  matrix = Eigen::Map<const Matrix>(own.data(), matrix.rows(), Eigen::Index(own.size()) / matrix.rows());
+  const std::vector<Scalar> received = ranks.exchange(to)[0];
+  matrix =
+      Eigen::Map<const Matrix>(received.data(), matrix.rows(), Eigen::Index(received.size()) / matrix.rows());
 }
 
 MeshSlice scatter(const Ranks& ranks, const std::filesystem::path& file) {

@@ -71,22 +71,22 @@ std::vector<Neighbour> find_neighbours(const Ranks& ranks, const MeshSlice& slic
 // The rank that each tetrahedron of the slice goes to.
 std::vector<PetscInt> partition(const Ranks& ranks, const MeshSlice& slice,
                                 const std::vector<Neighbour>& neighbours) {
-  const PetscInt own = slice.mesh.tet_count();
-  std::vector<PetscInt> target(std::size_t(own), 0);
+  const PetscInt tets_here = slice.mesh.tet_count();
+  std::vector<PetscInt> target(std::size_t(tets_here), 0);
   if (ranks.count() == 1) return target;
   PetscInt *begin = nullptr, *others = nullptr;
-  check(PetscMalloc1(own + 1, &begin));
+  check(PetscMalloc1(tets_here + 1, &begin));
   check(PetscMalloc1(neighbours.size() + 1, &others));
   PetscInt at = 0;
-  for (PetscInt t = 0; t < own; ++t) {
+  for (PetscInt t = 0; t < tets_here; ++t) {
     begin[t] = at;
     for (int f = 0; f < 4; ++f)
       if (const Index other = neighbours[std::size_t(4 * t + f)].other; other >= 0) others[at++] = other;
     std::sort(others + begin[t], others + at);
   }
-  begin[own] = at;
+  begin[tets_here] = at;
   Owned<Mat, MatDestroy> graph;
-  check(MatCreateMPIAdj(ranks.comm(), own, slice.tets, begin, others, nullptr, graph.fill()));
+  check(MatCreateMPIAdj(ranks.comm(), tets_here, slice.tets, begin, others, nullptr, graph.fill()));
   Owned<MatPartitioning, MatPartitioningDestroy> partitioning;
   check(MatPartitioningCreate(ranks.comm(), partitioning.fill()));
   check(MatPartitioningSetAdjacency(partitioning, graph));
@@ -96,7 +96,7 @@ std::vector<PetscInt> partition(const Ranks& ranks, const MeshSlice& slice,
   check(MatPartitioningApply(partitioning, parts.fill()));
   const PetscInt* values = nullptr;
   check(ISGetIndices(parts, &values));
-  std::copy(values, values + own, target.begin());
+  std::copy(values, values + tets_here, target.begin());
   check(ISRestoreIndices(parts, &values));
   return target;
 }

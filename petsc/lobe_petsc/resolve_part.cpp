@@ -48,20 +48,20 @@ class Selection {
     return kind == Kind::tets ? Selector{select} : corners_of(select_tets({select}, part_.mesh, place));
   }
   Selector local(const SelectTetrahedra& select, Kind kind, const std::string& place) {
-    std::vector<Index> own;
+    std::vector<Index> numbers;
     for (std::size_t i = 0; i < select.tetrahedra.size(); ++i) {
       check_number(select.tetrahedra[i], part_.all_tets, "tetrahedra", i, place);
-      if (const Index t = part_.tet_of(select.tetrahedra[i]); t >= 0) own.push_back(t);
+      if (const Index t = part_.tet_of(select.tetrahedra[i]); t >= 0) numbers.push_back(t);
     }
-    return kind == Kind::tets ? Selector{SelectTetrahedra{own}} : corners_of(own);
+    return kind == Kind::tets ? Selector{SelectTetrahedra{numbers}} : corners_of(numbers);
   }
   Selector local(const SelectVertices& select, Kind, const std::string& place) {
-    std::vector<Index> own;
+    std::vector<Index> numbers;
     for (std::size_t i = 0; i < select.vertices.size(); ++i) {
       check_number(select.vertices[i], part_.all_vertices, "vertices", i, place);
-      if (const Index v = part_.vertex_of(select.vertices[i]); v >= 0) own.push_back(v);
+      if (const Index v = part_.vertex_of(select.vertices[i]); v >= 0) numbers.push_back(v);
     }
-    return {SelectVertices{own}};
+    return {SelectVertices{numbers}};
   }
   Selector local(const SelectNearest& nearest, Kind kind, const std::string&);
 
@@ -102,19 +102,20 @@ Selector Selection::local(const SelectNearest& nearest, Kind kind, const std::st
     auto operator<=>(const Candidate&) const = default;
   };
   const bool vertices = kind == Kind::vertices;
-  std::vector<Candidate> own;
+  std::vector<Candidate> found_here;
   const Index count = vertices ? part_.owned : part_.mesh.tet_count();
   for (Index i = 0; i < count; ++i) {
     const Vec3d X = vertices ? Vec3d(part_.mesh.points.col(i)) : barycentre(part_.mesh, i);
-    own.push_back({(X - nearest.point).norm(), vertices ? part_.vertex_number[i] : part_.tet_number[i]});
+    found_here.push_back(
+        {(X - nearest.point).norm(), vertices ? part_.vertex_number[i] : part_.tet_number[i]});
   }
   const auto keep = [&](std::vector<Candidate>& list) {
     const std::size_t wanted = std::min(list.size(), std::size_t(std::max(0, nearest.count)));
     std::partial_sort(list.begin(), list.begin() + std::ptrdiff_t(wanted), list.end());
     list.resize(wanted);
   };
-  keep(own);
-  std::vector<Candidate> all = ranks_.gather(own);
+  keep(found_here);
+  std::vector<Candidate> all = ranks_.gather(found_here);
   keep(all);
   std::vector<Index> here;
   for (const Candidate& c : all)

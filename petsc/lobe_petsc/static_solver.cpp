@@ -144,8 +144,8 @@ void Solver::set_multigrid(bool hypre) {
 
 PetscErrorCode Solver::function(SNES, Vec u, Vec forces, void* self) {
   return guarded([&] {
-    auto* own = static_cast<Solver*>(self);
-    own->state_ = own->evaluate(u, forces);
+    auto* solver = static_cast<Solver*>(self);
+    solver->state_ = solver->evaluate(u, forces);
   });
 }
 
@@ -185,18 +185,18 @@ void Solver::count_linear() {
 PetscErrorCode Solver::converged(SNES, PetscInt iteration, PetscReal, PetscReal, PetscReal,
                                  SNESConvergedReason* reason, void* self) {
   return guarded([&] {
-    const auto* own = static_cast<Solver*>(self);
-    const State& state = own->state_;
-    if (own->options_.tell && own->ranks_.rank() == 0)
-      own->options_.tell("load " + rounded(own->fraction_) + ", Newton " + std::to_string(iteration) +
-                         ": residual " + rounded(state.residual / std::max(state.scale, 1e-300)) + ", " +
-                         std::to_string(own->result_.linear_iterations) + " linear iterations so far");
+    const auto* solver = static_cast<Solver*>(self);
+    const State& state = solver->state_;
+    if (solver->options_.tell && solver->ranks_.rank() == 0)
+      solver->options_.tell("load " + rounded(solver->fraction_) + ", Newton " + std::to_string(iteration) +
+                            ": residual " + rounded(state.residual / std::max(state.scale, 1e-300)) + ", " +
+                            std::to_string(solver->result_.linear_iterations) + " linear iterations so far");
     *reason = SNES_CONVERGED_ITERATING;
     if (!std::isfinite(state.scale))
       *reason = SNES_DIVERGED_FNORM_NAN;
-    else if (state.residual <= own->options_.tolerance * state.scale)
+    else if (state.residual <= solver->options_.tolerance * state.scale)
       *reason = SNES_CONVERGED_FNORM_RELATIVE;
-    else if (iteration >= own->options_.most_iterations)
+    else if (iteration >= solver->options_.most_iterations)
       *reason = SNES_DIVERGED_MAX_IT;
   });
 }
@@ -208,7 +208,7 @@ PetscErrorCode Solver::converged(SNES, PetscInt iteration, PetscReal, PetscReal,
 const char* Solver::search(Vec u, Vec direction, Vec forces, Vec trial, Vec trial_forces, double& length) {
   const State before = state_;
   PetscScalar slope = 0;
-  equations_.clear_given(direction);
+  equations_.clear_prescribed(direction);
   check(VecDot(forces, direction, &slope));  // gradient · (−step): SNES subtracts its direction
   const double least_ratio = std::min(0.0, before.smallest_volume_ratio);
   const char* trouble = "";
@@ -227,12 +227,12 @@ const char* Solver::search(Vec u, Vec direction, Vec forces, Vec trial, Vec tria
 
 PetscErrorCode Solver::line_search(SNESLineSearch search, void* self) {
   return guarded([&] {
-    auto* own = static_cast<Solver*>(self);
+    auto* solver = static_cast<Solver*>(self);
     Vec u = nullptr, forces = nullptr, direction = nullptr, trial = nullptr, trial_forces = nullptr;
     check(SNESLineSearchGetVecs(search, &u, &forces, &direction, &trial, &trial_forces));
     double length = 1;
-    if (const char* trouble = own->search(u, direction, forces, trial, trial_forces, length)) {
-      own->trouble_ = trouble;
+    if (const char* trouble = solver->search(u, direction, forces, trial, trial_forces, length)) {
+      solver->trouble_ = trouble;
       check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
       return;
     }
@@ -268,7 +268,7 @@ bool Solver::move_by_linear(Vec move) {
   KSPConvergedReason reason;
   check(KSPGetConvergedReason(ksp_, &reason));
   if (reason < 0) return false;
-  equations_.clear_given(direction_);
+  equations_.clear_prescribed(direction_);
   check(VecAXPY(u_, 1, move));
   check(VecAXPY(u_, 1, direction_));
   ++result_.newton_iterations;
@@ -332,7 +332,7 @@ Solution Solver::run() {
   result_.u = equations_.local(u_);
   Seconds& s = result_.seconds;
   s.solve = since(start) - s.assembly - s.setup - s.forces;
-  for (double* own : {&s.assembly, &s.setup, &s.solve, &s.forces}) *own = ranks_.max(*own);
+  for (double* seconds : {&s.assembly, &s.setup, &s.solve, &s.forces}) *seconds = ranks_.max(*seconds);
   return std::move(result_);
 }
 

@@ -18,14 +18,14 @@ struct PyScalpel : PyTool {};
 
 // Without the GIL, and without anybody else in this world.
 template <class Work>
-auto alone(PyWorld& world, Work&& work) {
+auto exclusively(PyWorld& world, Work&& work) {
   const py::gil_scoped_release others_run;
   const auto lock = world.claim();
   return work();
 }
 
 void apply(PyWorld& world, const Command& command) {
-  alone(world, [&] { world.apply(command); });
+  exclusively(world, [&] { world.apply(command); });
 }
 
 RegionModel model_of(const std::string& name) {
@@ -42,7 +42,7 @@ PyGrasp take(std::shared_ptr<PyWorld> world, const py::object& vertices, const p
   if (vertices.is_none()) {
     const Vec3d centre = vector3(near, "near");
     if (!(radius > 0)) throw InputError("radius", "must be above 0 m");
-    const Mat3X<double> x = alone(*world, [&] { return world->positions(); });
+    const Mat3X<double> x = exclusively(*world, [&] { return world->positions(); });
     const Topology& topology = world->elements().topology;
     for (Index v = 0; v < x.cols(); ++v)
       if (!topology.around(v).empty() && (x.col(v) - centre).norm() <= radius) command.vertices.push_back(v);
@@ -50,7 +50,7 @@ PyGrasp take(std::shared_ptr<PyWorld> world, const py::object& vertices, const p
   } else {
     command.vertices = indices(vertices, "vertices", world->elements().topology.vertex_count());
   }
-  const ToolId id = alone(*world, [&] {
+  const ToolId id = exclusively(*world, [&] {
     const ToolId next = world->tools().next_id();
     world->apply(command);
     return next;
@@ -61,7 +61,7 @@ PyGrasp take(std::shared_ptr<PyWorld> world, const py::object& vertices, const p
 PyCautery bring(std::shared_ptr<PyWorld> world, const py::object& position, double radius,
                 const std::string& name) {
   const Vec3d tip = vector3(position, "position");
-  const ToolId id = alone(*world, [&] {
+  const ToolId id = exclusively(*world, [&] {
     const ToolId next = world->tools().next_id();
     world->apply(BringCautery{name, radius, tip});
     return next;
@@ -72,7 +72,7 @@ PyCautery bring(std::shared_ptr<PyWorld> world, const py::object& position, doub
 PyScalpel bring_scalpel(std::shared_ptr<PyWorld> world, const py::object& tip, const py::object& heel,
                         double snap, bool along_faces, const std::string& name) {
   const BladePose pose{vector3(tip, "tip"), vector3(heel, "heel")};
-  const ToolId id = alone(*world, [&] {
+  const ToolId id = exclusively(*world, [&] {
     const ToolId next = world->tools().next_id();
     world->apply(BringScalpel{name, pose, snap, along_faces});
     return next;
@@ -270,7 +270,9 @@ void bind_world(py::module_& module) {
            "precision: \"single\" or \"double\", in place of the scene's. Raises InputError.")
       .def(
           "advance",
-          [](PyWorld& self, double duration) { return alone(self, [&] { return self.advance(duration); }); },
+          [](PyWorld& self, double duration) {
+            return exclusively(self, [&] { return self.advance(duration); });
+          },
           py::arg("duration"),
           "Simulates one frame [s]. Does not raise for what happens in it: look at the report.")
       .def_property_readonly("time", &PyWorld::time, "[s]")
@@ -284,15 +286,15 @@ void bind_world(py::module_& module) {
       .def_property_readonly("vertex_count",
                              [](const PyWorld& self) { return self.elements().topology.vertex_count(); })
       .def(
-          "snapshot", [](PyWorld& self) { return alone(self, [&] { return self.snapshot(); }); },
+          "snapshot", [](PyWorld& self) { return exclusively(self, [&] { return self.snapshot(); }); },
           "A copy of the present state, which does not change.")
       .def(
-          "forces", [](PyWorld& self) { return copied(alone(self, [&] { return self.forces(); })); },
+          "forces", [](PyWorld& self) { return copied(exclusively(self, [&] { return self.forces(); })); },
           "(n, 3) internal and external forces on vertices at the present state [N]; a copy")
       .def(
           "energies",
           [](PyWorld& self) {
-            const Energies e = alone(self, [&] { return self.energies(); });
+            const Energies e = exclusively(self, [&] { return self.energies(); });
             py::dict result;
             result["kinetic"] = e.kinetic;
             result["elastic_linear"] = e.elastic_linear;
@@ -305,13 +307,13 @@ void bind_world(py::module_& module) {
           "A dictionary [J].")
       .def(
           "time_step_limit",
-          [](PyWorld& self) { return alone(self, [&] { return self.time_step_limit(); }); },
+          [](PyWorld& self) { return exclusively(self, [&] { return self.time_step_limit(); }); },
           "2/ω_max at the present state [s]")
-      .def("save", [](PyWorld& self) { return alone(self, [&] { return self.save(); }); })
+      .def("save", [](PyWorld& self) { return exclusively(self, [&] { return self.save(); }); })
       .def(
           "restore",
           [](PyWorld& self, const PyCheckpoint& checkpoint) {
-            alone(self, [&] { self.restore(checkpoint); });
+            exclusively(self, [&] { self.restore(checkpoint); });
           },
           py::arg("checkpoint"), "Raises InputError for one of another scene, and changes nothing then.");
   bind_edits(world);

@@ -24,9 +24,9 @@ class WorldOf : public PyWorld {
   double time_step_limit() override { return world_.time_step_limit(); }
   PyCheckpoint save() const override { return {world_.save()}; }
   void restore(const PyCheckpoint& checkpoint) override {
-    const auto* own = std::get_if<Checkpoint<Real>>(&checkpoint.of);
-    if (!own) throw InputError("checkpoint", "is of a world in the other precision");
-    world_.restore(*own);
+    const auto* same_precision = std::get_if<Checkpoint<Real>>(&checkpoint.of);
+    if (!same_precision) throw InputError("checkpoint", "is of a world in the other precision");
+    world_.restore(*same_precision);
   }
 
   std::shared_ptr<PySnapshot> snapshot() override {

@@ -127,7 +127,7 @@ TEST_CASE("forces and springs are recorded, and are part of a checkpoint, across
   Setup setup = half_linear(RegionModel::tensor_mass);
   setup.damping = 5;
   World<float> world(setup), restored(setup, 2);
-  Recorded<float> recorded(world);
+  CommandRecorder<float> recorded(world);
   const Index far = setup.mesh.vertex_count() - 1;
   recorded.apply(SetForces{forces_on(setup)});
   recorded.apply(SetSprings{{{far, 3.0, setup.mesh.points.col(far)}, {far - 1, 2.0, Vec3d::Zero()}}});

@@ -29,9 +29,9 @@ Setup all_nonlinear(Setup setup) {
 }
 
 template <class Real>
-void wait_for_renewal(World<Real>& world, double moment = 1e-9) {
-  world.apply(Renew{moment});
-  while (world.body().regions.is_refreshing()) REQUIRE(world.advance(moment).ok);
+void wait_for_relinearising(World<Real>& world, double moment = 1e-9) {
+  world.apply(Relinearise{moment});
+  while (world.body().regions.is_condensing()) REQUIRE(world.advance(moment).ok);
 }
 
 double largest_force(World<double>& world) {  // on what is free [N]
@@ -104,7 +104,7 @@ TEST_CASE("linearised about a non-linear equilibrium, the region is in equilibri
   const double at_rest = largest_force(world);
   world.apply(Expand{});
   world.set_state(state);
-  wait_for_renewal(world);
+  wait_for_relinearising(world);
   world.set_state(state);
   world.apply(Condense{});
   CHECK(world.body().regions.linearised_about() == state.u);
@@ -122,7 +122,7 @@ TEST_CASE("its error grows with the square of the distance from there") {
     state.u = from.exact.u;
     world.apply(Expand{});
     world.set_state(state);
-    wait_for_renewal(world);
+    wait_for_relinearising(world);
     state.u = to.exact.u;
     world.set_state(state);
     world.apply(Condense{});
@@ -143,8 +143,8 @@ TEST_CASE(
   World<double> world(setup);
   REQUIRE(world.advance(0.02).ok);
   world.remove_tets({3});
-  world.apply(Renew{0.03});
-  CHECK(world.body().regions.is_refreshing());
+  world.apply(Relinearise{0.03});
+  CHECK(world.body().regions.is_condensing());
   for (int i = 0; i < 12; ++i) {
     CAPTURE(i);
     world.remove_tets({17 + 13 * i, 40 + 13 * i});
@@ -153,13 +153,13 @@ TEST_CASE(
     if (i == 7) {
       CHECK_FALSE(world.body().regions.can_condense());
       CHECK_THROWS_WITH_AS(world.apply(Condense{}), doctest::Contains("relinearised"), InputError);
-      wait_for_renewal(world);
+      wait_for_relinearising(world);
       world.apply(Condense{});
     }
     REQUIRE(world.advance(0.01).ok);
     CHECK(compare_with_rebuilt(world).largest() < 1e-9);
   }
-  CHECK_FALSE(world.body().regions.is_refreshing());
+  CHECK_FALSE(world.body().regions.is_condensing());
   CHECK(world.body().regions.linearised_about().size() > 0);
 }
 
@@ -167,7 +167,7 @@ TEST_CASE("the same bits on two and seven threads, and from a checkpoint file in
   const auto play = [](World<float>& world, int from, int to) {
     for (int i = from; i < to; ++i) {
       if (i == 1) world.apply(Expand{});
-      if (i == 2 || i == 6) world.apply(Renew{0.025});
+      if (i == 2 || i == 6) world.apply(Relinearise{0.025});
       if (i == 6) world.apply(Condense{});
       if (i == 7) world.remove_tets({5 * i, 5 * i + 1});
       REQUIRE(world.advance(0.01).ok);
@@ -194,7 +194,7 @@ TEST_CASE("the same bits on two and seven threads, and from a checkpoint file in
 TEST_CASE("what cannot be expanded or renewed is refused by name") {
   World<double> plain(half_linear(RegionModel::precomputed));
   CHECK_THROWS_WITH_AS(plain.apply(Expand{}), doctest::Contains("expanded"), InputError);
-  CHECK_THROWS_WITH_AS(plain.apply(Renew{0}), doctest::Contains("delay"), InputError);
+  CHECK_THROWS_WITH_AS(plain.apply(Relinearise{0}), doctest::Contains("delay"), InputError);
   CHECK_THROWS_WITH_AS(World<double>{averaged(expandable())}, doctest::Contains("nodal_pressure"),
                        InputError);
   Setup turning = expandable();

@@ -25,10 +25,11 @@ Eigen::MatrixXd dense_stiffness(const Elements& elements) {
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
     if (elements.region_of[t] != RegionModel::precomputed || !elements.topology.alive(t)) continue;
-    const TetStiffness own = tet_stiffness(elements, t, Mat34<double>::Zero());
+    const TetStiffness stiffness = tet_stiffness(elements, t, Mat34<double>::Zero());
     const Eigen::Vector4i corners = elements.topology.corners(t);
     for (int i = 0; i < 12; ++i)
-      for (int j = 0; j < 12; ++j) K(3 * corners[i / 3] + i % 3, 3 * corners[j / 3] + j % 3) += own(i, j);
+      for (int j = 0; j < 12; ++j)
+        K(3 * corners[i / 3] + i % 3, 3 * corners[j / 3] + j % 3) += stiffness(i, j);
   }
   return K;
 }

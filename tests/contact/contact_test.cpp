@@ -151,7 +151,7 @@ TEST_CASE("what a tool gives a free body in momentum is what it feels") {
     const double step = world.time_step_limit() * 0.8;
     for (int k = 0; k < 20; ++k) {
       const Vec3d at = path_at(setup.probes[0].path, world.time());
-      const double kick = world.state().behind + step / 2;  // for which velocities feel the force
+      const double kick = world.state().velocity_lag + step / 2;  // for which velocities feel the force
       REQUIRE(world.step(step));
       given += kick * first_probe(world.tools()).force;
       spun += kick * (first_probe(world.tools()).torque + at.cross(first_probe(world.tools()).force));
@@ -211,7 +211,7 @@ TEST_CASE("friction: bits are the same on any threads, from a checkpoint, by han
   };
   const Setup setup = pressed_block();
   World<float> one(setup), two(setup, 2), seven(setup, 7);
-  Recorded<float> recorded(one);
+  CommandRecorder<float> recorded(one);
   Checkpoint<float> middle;
   double most = 0;
   for (int i = 0; i < 22; ++i) {

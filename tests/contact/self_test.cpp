@@ -142,12 +142,12 @@ TEST_CASE("pieces that collide keep their momentum and gain no energy, with fric
   World<float> world(setup), other(setup, 7);
   launch(world);
   launch(other);
-  const auto sums = [&](World<float>& own) {
+  const auto sums = [&](World<float>& simulated) {
     Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
-    const StateView<float> state = own.state();
+    const StateView<float> state = simulated.state();
     for (Index v = 0; v < state.u.cols(); ++v) {
-      const double m = own.body().inertia.mass()[std::size_t(v)];
-      const Vec3d x = own.elements().points.col(v) + state.u.col(v).cast<double>();
+      const double m = simulated.body().inertia.mass()[std::size_t(v)];
+      const Vec3d x = simulated.elements().points.col(v) + state.u.col(v).cast<double>();
       sum.head<3>() += m * state.v.col(v).cast<double>();
       sum.tail<3>() += m * x.cross(state.v.col(v).cast<double>());
     }

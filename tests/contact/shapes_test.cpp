@@ -51,7 +51,7 @@ TEST_CASE("a tool moves uniformly between the rows of its path, and turns about 
   CHECK(motion.position.x() == near(0.1, 1e-12));
   CHECK((motion.velocity - Vec3d(0.1, 0, 0)).norm() < 1e-9);
   CHECK((motion.spin - Vec3d(0, 0, 0.25)).norm() < 1e-8);
-  CHECK((motion.turn * Vec3d::UnitX() - Vec3d(std::cos(0.25), std::sin(0.25), 0)).norm() < 1e-12);
+  CHECK((motion.rotation * Vec3d::UnitX() - Vec3d(std::cos(0.25), std::sin(0.25), 0)).norm() < 1e-12);
   CHECK((motion.velocity_at({0.1, 0.4, 0}) - Vec3d(0, 0, 0)).norm() < 1e-8);
   CHECK(motion_at(path, 5).velocity.norm() == 0);
   CHECK(farthest_move(path, 0, 4, 0.1) == near(0.2 + 0.5 * 0.1, 1e-9));

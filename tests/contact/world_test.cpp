@@ -132,9 +132,9 @@ TEST_CASE("contact follows cuts: it is that of a body built afresh") {
   there.time = state.time;
   fresh.set_state(there);
   fresh.step(1e-9);
-  const auto force_of = [](World<double>& own) {
-    Mat3X<double> f = Mat3X<double>::Zero(3, own.state().u.cols());
-    own.body().terms.front()->add_forces(own.body().here(), f);
+  const auto force_of = [](World<double>& simulated) {
+    Mat3X<double> f = Mat3X<double>::Zero(3, simulated.state().u.cols());
+    simulated.body().terms.front()->add_forces(simulated.body().here(), f);
     return f;
   };
   const auto pressures = [](World<double>& own) {

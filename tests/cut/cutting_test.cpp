@@ -195,7 +195,7 @@ TEST_CASE("an edit says what comes apart: pieces that were one, all of them but 
       CHECK(found.size() == edit.cut_off.size());
       if (!found.empty()) {
         std::set<Index> rest;
-        topology.visit_piece(edit.beside[0], [&](Index t) { return !rest.insert(t).second; });
+        topology.visit_piece(edit.next_to_removed[0], [&](Index t) { return !rest.insert(t).second; });
         CHECK(found.insert(rest).second);
       }
       CHECK(found == parts_of(before, after));

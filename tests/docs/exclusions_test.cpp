@@ -17,9 +17,9 @@ std::string cell(Option option) {
 
 std::string table() {
   std::string rows = "| option | not with | because | instead |\n|---|---|---|---|\n";
-  for (const Exclusion& own : exclusions())
-    rows +=
-        "| " + cell(own.option) + " | " + cell(own.other) + " | " + own.reason + " | " + own.remedy + " |\n";
+  for (const Exclusion& exclusion : exclusions())
+    rows += "| " + cell(exclusion.option) + " | " + cell(exclusion.other) + " | " + exclusion.reason + " | " +
+            exclusion.remedy + " |\n";
   return rows;
 }
 

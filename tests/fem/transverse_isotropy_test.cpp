@@ -81,9 +81,9 @@ TEST_CASE("simple shear in the three planes has the stress of the stiffness in V
 
 TEST_CASE("any other direction is that tensor, rotated") {
   const Mat3<double> Q = Eigen::AngleAxisd(1.1, Vec3d(1, -2, 0.5).normalized()).toRotationMatrix();
-  const Mat3<double> own = linear_stress(along(muscle, Vec3d::UnitX()), gradient);
+  const Mat3<double> stress = linear_stress(along(muscle, Vec3d::UnitX()), gradient);
   const Mat3<double> turned = linear_stress<double>(along(muscle, Q.col(0)), Q * gradient * Q.transpose());
-  CHECK((turned - Q * own * Q.transpose()).norm() < 1e-13 * own.norm());
+  CHECK((turned - Q * stress * Q.transpose()).norm() < 1e-13 * stress.norm());
 }
 
 TEST_CASE("the linear block is the second derivative of the linear energy") {

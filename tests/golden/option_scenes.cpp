@@ -124,7 +124,7 @@ void add_edits(std::vector<GoldenRun>& runs) {
       if (i == 5) world.remove_tets({some.begin(), some.begin() + 3});
       if (i == 7) world.apply(Expand{});
       if (i == 8) world.remove_tets({some.begin() + 3, some.begin() + 5});
-      if (i == 9) world.apply(Renew{0.03});
+      if (i == 9) world.apply(Relinearise{0.03});
       if (i == 13 && world.body().regions.can_condense()) world.apply(Condense{});
       if (i == 15) world.apply(SetRegion{others, RegionModel::tensor_mass});
       if (i == 17) world.apply(SetRegion{others, RegionModel::nonlinear});

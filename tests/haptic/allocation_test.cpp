@@ -51,8 +51,9 @@ long allocated_by_ticks(HapticDevice& device, HapticLink& link, int ticks) {
     if (i % 8 == 0 && i % 400 < 300) {
       LocalModel* model = link.model.writable();
       if (!model) return -1;
-      *model = {
-          .is_engaged = i % 1000 < 800, .engagement = std::uint32_t(1 + i / 500), .is_held = i % 600 < 300};
+      *model = {.is_engaged = i % 1000 < 800,
+                .engagement = std::uint32_t(1 + i / 500),
+                .is_bilateral = i % 600 < 300};
       model->time = i;
       model->force = {0, 0, 0.01 * (i % 200)};
       model->K = 300 * Mat3<double>::Identity();

@@ -32,7 +32,7 @@ TEST_CASE("a loop ticks a thousand times a second, feels the model, and leaves t
   loop.start();
   LocalModel model{.is_engaged = true, .engagement = 1};
   model.K = 500 * Mat3<double>::Identity();
-  model.anchor = {0.001, 0, 0};
+  model.tool_at_end = {0.001, 0, 0};
   for (int i = 0; i < 60; ++i) {  // half a second of frames
     model.time += 1.0 / 120;
     *link.model.writable() = model;

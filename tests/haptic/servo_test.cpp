@@ -51,7 +51,7 @@ TEST_CASE("the coupling and the body are springs in series, between which the to
 
 TEST_CASE("a tool that only touches is pushed along the normal, and never drawn") {
   LocalModel model = spring(1, {0, 0, 1});
-  model.is_held = false;
+  model.is_bilateral = false;
   model.position = {0, 0, 0};
   CHECK(force_at(model, {0.001, 0, 0}).isApprox(Vec3d(0, 0, 1)));
   CHECK(force_at(model, {0, 0, -0.001}).z() == near(1.2, 1e-12));
@@ -65,7 +65,7 @@ TEST_CASE("a tool that only touches is pushed along the normal, and never drawn"
 
 TEST_CASE("friction goes with the push in proportion") {
   LocalModel model = spring(1, {0.2, 0, 1});
-  model.is_held = false;
+  model.is_bilateral = false;
   CHECK(force_at(model, {0, 0, -0.005}).isApprox(2 * Vec3d(0.2, 0, 1)));
 }
 
@@ -166,20 +166,20 @@ TEST_CASE("a tool is taken up where it is, without a force") {
   Servo servo({.damping = 10}, {});
   const DeviceState device = at({0.1, 0.2, 0.3});
   LocalModel model = spring();
-  model.anchor = {0.01, 0, 0};
+  model.tool_at_end = {0.01, 0, 0};
   model.position = {0.01, 0, 0};
   for (int i = 0; i < 20; ++i) CHECK(servo.tick(&device, model, tick).force.norm() < 1e-12);
-  CHECK(servo.state().tool.isApprox(model.anchor));
+  CHECK(servo.state().tool.isApprox(model.tool_at_end));
   CHECK(servo.state().engagement == 1);
 }
 
 TEST_CASE("a workspace turns and scales the way, and turns the force back") {
   Workspace space{.origin = {0, 0, 1}, .scale = 2, .force_gain = 0.5};
-  space.turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  space.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   Servo servo({.stiffness = 1000, .damping = 10}, {.workspace = space});
   const DeviceState origin = at(Vec3d::Zero());
   LocalModel model = spring();
-  model.anchor = model.position = {0, 0, 1};
+  model.tool_at_end = model.position = {0, 0, 1};
   servo.tick(&origin, model, tick);
   const Vec3d force = settled(servo, at({0.002, 0, 0}), model);  // 4 mm along y
   CHECK(force.x() == near(-0.5 * 0.004 * 1000 * 400 / 1400.0, 1e-9));

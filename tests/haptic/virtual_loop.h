@@ -18,14 +18,14 @@ class VirtualLoop {
         session(setup, {.frame = frame}),
         controller(session.connect("hand")),
         hand({}, std::move(path)),
-        guest_(std::make_unique<HapticHand<float>>(
+        hook_(std::make_unique<HapticHand<float>>(
             session, link,
             typename HapticHand<float>::Settings{.controller = controller.number(),
                                                  .stiffness = {.has_helper = false}})),
         servo_(link, hand.limits(), {}) {
     for (double rested = 0; rested < 1; rested += frame) session.step_frame();  // until the body has sagged
   }
-  ~VirtualLoop() { guest_.reset(); }
+  ~VirtualLoop() { hook_.reset(); }
 
   void take_hold() { controller.send(take_at(top)); }
   void stall(double seconds) { next_frame_ += seconds; }  // no frame for so long
@@ -69,7 +69,7 @@ class VirtualLoop {
   SimulatedHand hand;
 
  private:
-  std::unique_ptr<HapticHand<float>> guest_;
+  std::unique_ptr<HapticHand<float>> hook_;
   ExternalDevice servo_;
   HapticState last_;
   Vec3d position_ = Vec3d::Zero();

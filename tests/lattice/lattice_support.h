@@ -19,8 +19,8 @@ inline Setup reduced_setup(const TetMesh& mesh, double cell) {
 struct EmbeddedBox {
   explicit EmbeddedBox(int n = 8, double cell = 0.02, double volume_penalty = 1e5)
       : EmbeddedBox(reduced_setup(irregular_box(n), cell), volume_penalty) {}
-  EmbeddedBox(Setup own, double volume_penalty)
-      : setup((own.volume_penalty = volume_penalty, std::move(own))),
+  EmbeddedBox(Setup of_part, double volume_penalty)
+      : setup((of_part.volume_penalty = volume_penalty, std::move(of_part))),
         elements(setup),
         lattice(make_lattice(elements, choose_lattice(elements, setup.lattice_cell))),
         embedding(embed(elements, lattice, sum_cells(elements, lattice),

@@ -268,7 +268,8 @@ TEST_CASE(
     CHECK(report.reruns == 0);
     top = std::max(top, exact.state().u.norm());
     largest = std::max(largest, (world.state().u - exact.state().u).norm());
-    for (const PrescribedVertex& own : setup.prescribed) CHECK(world.state().u.col(own.vertex).isZero(0));
+    for (const PrescribedVertex& prescribed : setup.prescribed)
+      CHECK(world.state().u.col(prescribed.vertex).isZero(0));
     if (i == 10)
       for (Index v : setup.grasps[0].vertices)
         CHECK((world.state().u.col(v) - exact.state().u.col(v)).norm() < 1e-9);

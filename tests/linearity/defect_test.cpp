@@ -72,7 +72,7 @@ std::vector<Setup> setups_of_all_terms() {
 TEST_CASE("the non-linear state of a linear rotation is the rotation, free of strain") {
   for (const double angle : {0.0, 1e-9, 0.3, 1.5, 3.0}) {
     const Mat3<double> exact = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-    CHECK((twin(skew(angle * axis)) + Mat3<double>::Identity() - exact).norm() < 1e-14);
+    CHECK((nonlinear_gradient(skew(angle * axis)) + Mat3<double>::Identity() - exact).norm() < 1e-14);
   }
 }
 
@@ -80,10 +80,10 @@ TEST_CASE(
     "the Green strain of the non-linear state is the linear strain, as long as that leaves it a volume") {
   for (const double size : {1e-3, 0.1, 0.5}) {
     const Mat3<double> strain = some_strain(size);
-    CHECK((green_strain<double>(twin(strain + skew(0.7 * axis))) - strain).norm() < 1e-7);
+    CHECK((green_strain<double>(nonlinear_gradient(strain + skew(0.7 * axis))) - strain).norm() < 1e-7);
   }
   const Mat3<double> crushed = -3 * Mat3<double>::Identity();
-  CHECK((twin(crushed) + 0.8 * Mat3<double>::Identity()).norm() < 1e-12);
+  CHECK((nonlinear_gradient(crushed) + 0.8 * Mat3<double>::Identity()).norm() < 1e-12);
 }
 
 TEST_CASE("the stress defect is of second order in the displacement gradient") {
@@ -104,8 +104,8 @@ TEST_CASE("mean defects are the exact ones where the gradient is the same everyw
     const auto gradient = mean.gradient(z, u);
     CHECK((gradient - H.reshaped()).norm() < 1e-12);
     CHECK((mean.at(z, gradient, false) - exact.col(z)).norm() < 1e-10 * exact.col(z).norm());
-    const Mat3<double> of_twin = defect_at(twin(H)) * zones.volume[std::size_t(z)];
-    CHECK((mean.at(z, gradient, true) - of_twin.reshaped()).norm() < 1e-10 * of_twin.norm());
+    const Mat3<double> of_nonlinear = defect_at(nonlinear_gradient(H)) * zones.volume[std::size_t(z)];
+    CHECK((mean.at(z, gradient, true) - of_nonlinear.reshaped()).norm() < 1e-10 * of_nonlinear.norm());
   }
 }
 
@@ -171,9 +171,9 @@ TEST_CASE("mean defects beyond the tangent are what forces differ by from those 
     Mat3X<double> f = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
     for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
       const Eigen::Vector4i corners = elements.topology.corners(t);
-      const Linearisation::Forces own = linearised.forces(elements, t, corners);
+      const Linearisation::Forces linear = linearised.forces(elements, t, corners);
       const Mat34<double> at_corners = u(Eigen::all, corners);
-      const Eigen::Matrix<double, 12, 1> force = own.constant - own.K * at_corners.reshaped();
+      const Eigen::Matrix<double, 12, 1> force = linear.constant - linear.K * at_corners.reshaped();
       f(Eigen::all, corners) += force.reshaped(3, 4);
     }
     const Eigen::Matrix<double, 9, 1> direct = moments(f - forces<double>(setup, u), setup);

@@ -60,7 +60,7 @@ inline void step(Session<float>& session, int frames) {
 
 inline bool replays(const Session<float>& session, const Setup& setup, int threads = 1) {
   World<float> world(setup, threads);
-  const Replayed replayed = replay(session.recording(), world);
+  const ReplayResult replayed = replay(session.recording(), world);
   return replayed.same && replayed.commands == session.recording().commands.size();
 }
 

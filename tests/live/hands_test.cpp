@@ -32,7 +32,7 @@ TEST_CASE("a hand takes hold, leads and lets go; what it holds follows it") {
   CHECK(session.status()->hands.empty());
   // Nothing but what the simulation puts right by itself, which is counted.
   for (const SessionMessage& message : messages(session)) CHECK(message.name == "sub_stepped");
-  CHECK(times_said(session, "sub_stepped") == session.status()->frames_again);
+  CHECK(times_said(session, "sub_stepped") == session.status()->reruns);
   CHECK(replays(session, setup, 2));
 }
 
@@ -157,7 +157,7 @@ TEST_CASE("where a controller dies in the middle of a drag its tools let go, and
 
 TEST_CASE("a controller that is silent for longer than the session's patience is gone, and may come back") {
   SessionOptions options;
-  options.patience = 0.05;
+  options.controller_timeout = 0.05;
   Session<float> session(block(), options);
   Controller mouse = session.connect("mouse");
   mouse.send(take_at(top));

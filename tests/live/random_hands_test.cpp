@@ -44,7 +44,7 @@ TEST_CASE("what random hands of several threads did is replayed bit for bit, on 
     returns += count<GoBack>(played.recording);
     for (int again : {1, 2}) {
       World<float> world(setup, again);
-      const Replayed replayed = replay(played.recording, world);
+      const ReplayResult replayed = replay(played.recording, world);
       CHECK(replayed.commands == played.recording.commands.size());
       CHECK(replayed.same);
       CHECK(digest(world) == played.last);
@@ -68,7 +68,7 @@ TEST_CASE("what random hands with scalpels did is replayed bit for bit, and no t
     CHECK(played.faults == 0);
     for (int again : {1, 2}) {
       World<float> world(setup, again);
-      const Replayed replayed = replay(played.recording, world);
+      const ReplayResult replayed = replay(played.recording, world);
       CHECK(replayed.commands == played.recording.commands.size());
       CHECK(replayed.same);
       CHECK(digest(world) == played.last);

@@ -204,7 +204,7 @@ TEST_CASE("options that are none are refused") {
   refused([](SessionOptions& o) { o.speed = -1; });
   refused([](SessionOptions& o) { o.queue = 0; });
   refused([](SessionOptions& o) { o.back_every = -1; });
-  refused([](SessionOptions& o) { o.patience = -1; });
+  refused([](SessionOptions& o) { o.controller_timeout = -1; });
   refused([](SessionOptions& o) { o.hand.lag = 0; });
   refused([](SessionOptions& o) { o.hand.force_cap = 0; });
 }

@@ -65,9 +65,9 @@ Mat3X<double> serial(const Setup& setup) {
 petsc::Solution in_parts(const Setup& setup, const petsc::Part& part, petsc::Method method) {
   petsc::SolverOptions options;
   options.method = method;
-  const Setup own = petsc::restrict_setup(setup, part);
+  const Setup of_part = petsc::restrict_setup(setup, part);
   petsc::Solution solution =
-      solve_exactly(options, [&](const auto& o) { return petsc::solve_static(ranks(), part, own, o); });
+      solve_exactly(options, [&](const auto& o) { return petsc::solve_static(ranks(), part, of_part, o); });
   CHECK_MESSAGE(solution.converged, solution.reason);
   return solution;
 }

@@ -79,8 +79,8 @@ TEST_CASE("the solvers' forces and tangent are those of the regions") {
     Mat3X<double> product = Mat3X<double>::Zero(3, u.cols());
     for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
       const Eigen::Vector4i corners = setup.mesh.tets.col(t);
-      const Mat34<double> own = u(Eigen::all, corners), by = w(Eigen::all, corners);
-      product(Eigen::all, corners) += (tet_stiffness(elements, t, own) * by.reshaped()).reshaped(3, 4);
+      const Mat34<double> at_corners = u(Eigen::all, corners), by = w(Eigen::all, corners);
+      product(Eigen::all, corners) += (tet_stiffness(elements, t, at_corners) * by.reshaped()).reshaped(3, 4);
     }
     const double h = 1e-8;
     const Mat3X<double> slope =
@@ -104,8 +104,8 @@ TEST_CASE("what a vertex feels when it moves alone is the diagonal of the tangen
     Parallel one_thread;
     region.add_diagonal_stiffness(u, K, one_thread);
     for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
-      const Mat34<double> own = u(Eigen::all, setup.mesh.tets.col(t));
-      const TetStiffness full = tet_stiffness(elements, t, own);
+      const Mat34<double> at_corners = u(Eigen::all, setup.mesh.tets.col(t));
+      const TetStiffness full = tet_stiffness(elements, t, at_corners);
       for (int c = 0; c < 4; ++c) {
         const Mat3<double> block = full.block<3, 3>(3 * c, 3 * c);
         expected.col(setup.mesh.tets(c, t)) += Eigen::Vector<double, 6>(
@@ -232,8 +232,8 @@ TEST_CASE("the defect of a zone with fibres is that of its law against its linea
   Mat3<double> expected = Mat3<double>::Zero();
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const Shape s = elements.shape_of(t);
-    const Mat34<double> own = u(Eigen::all, setup.mesh.tets.col(t));
-    const Mat3<double> H = displacement_gradient<double>(own, s.gradients.rightCols<3>());
+    const Mat34<double> at_corners = u(Eigen::all, setup.mesh.tets.col(t));
+    const Mat3<double> H = displacement_gradient<double>(at_corners, s.gradients.rightCols<3>());
     expected +=
         s.volume * (law_stress(nonlinear_law(elements, t), H) - linear_stress(linear_law(elements, t), H));
   }

@@ -77,9 +77,9 @@ TEST_CASE("the time step follows the guard: its diagonal stiffness is that of th
   region.add_diagonal_stiffness(u, K, one_thread);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const Eigen::Vector4i v = elements.topology.corners(t);
-    const TetStiffness own = tet_stiffness(elements, t, u(Eigen::all, v));
+    const TetStiffness stiffness = tet_stiffness(elements, t, u(Eigen::all, v));
     for (int c = 0; c < 4; ++c) {
-      const Mat3<double> B = own.block<3, 3>(3 * c, 3 * c);
+      const Mat3<double> B = stiffness.block<3, 3>(3 * c, 3 * c);
       expected.col(v[c]) += Eigen::Matrix<double, 6, 1>(B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2));
     }
   }

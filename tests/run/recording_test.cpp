@@ -26,7 +26,7 @@ Setup gesture() {
 template <class Real>
 Recording played() {
   World<Real> world(gesture());
-  Recorded<Real> recorded(world);
+  CommandRecorder<Real> recorded(world);
   recorded.advance(0.01);
   recorded.apply(RemoveTets{{3, 4, 5}});
   CHECK(world.elements().topology.alive_count() <= world.elements().topology.tet_count() - 3);
@@ -36,7 +36,7 @@ Recording played() {
 }
 
 template <class Real>
-Replayed replayed_on(int threads, const Recording& recording) {
+ReplayResult replayed_on(int threads, const Recording& recording) {
   World<Real> world(gesture(), threads);
   return replay(recording, world);
 }
@@ -46,7 +46,7 @@ Replayed replayed_on(int threads, const Recording& recording) {
 TEST_CASE_TEMPLATE("a recording replays bit for bit on one, two and seven threads", Real, float, double) {
   const Recording recording = played<Real>();
   for (int threads : {1, 2, 7}) {
-    const Replayed replayed = replayed_on<Real>(threads, recording);
+    const ReplayResult replayed = replayed_on<Real>(threads, recording);
     CHECK(replayed.same);
     CHECK(replayed.commands == 7);
     CHECK(replayed.time == near(0.05, 1e-12));
@@ -60,15 +60,15 @@ TEST_CASE("a recording keeps what was done to an expandable region") {
       setup.region_of[std::size_t(t)] = RegionModel::precomputed;
   setup.expandable = true;
   World<float> world(setup);
-  Recorded<float> recorded(world);
+  CommandRecorder<float> recorded(world);
   recorded.apply(Expand{});
   recorded.advance(0.01);
-  recorded.apply(Renew{0.005});
+  recorded.apply(Relinearise{0.005});
   recorded.advance(0.01);
   recorded.apply(Condense{});
   for (int i = 0; i < 3; ++i) recorded.advance(0.01);
   World<float> again(setup, 2);
-  const Replayed replayed = replay(recorded.recording(), again);
+  const ReplayResult replayed = replay(recorded.recording(), again);
   CHECK(replayed.same);
   CHECK(replayed.commands == 8);
   CHECK_FALSE(again.body().regions.is_expanded());
@@ -79,7 +79,7 @@ TEST_CASE("a recording keeps the degrees of selective masses, also in its file")
   Setup setup = gesture();
   setup.selective_mass = 9;
   World<float> world(setup);
-  Recorded<float> recorded(world);
+  CommandRecorder<float> recorded(world);
   for (int degree : {1, 3, 9, 1}) {
     recorded.apply(SetMassDegree{degree});
     recorded.advance(0.01);
@@ -87,7 +87,7 @@ TEST_CASE("a recording keeps the degrees of selective masses, also in its file")
   const Folder folder;
   write_recording(folder.path / "calls", recorded.recording());
   World<float> again(setup, 2);
-  const Replayed replayed = replay(read_recording(folder.path / "calls"), again);
+  const ReplayResult replayed = replay(read_recording(folder.path / "calls"), again);
   CHECK(replayed.same);
   CHECK(replayed.commands == 8);
   Recording wrong = recorded.recording();
@@ -102,7 +102,7 @@ TEST_CASE(
   setup.materials[0] = fibrous();
   setup.mesh.fibres = fibrous_setup(setup.mesh).mesh.fibres;
   World<float> world(setup);
-  Recorded<float> recorded(world);
+  CommandRecorder<float> recorded(world);
   recorded.advance(0.01);
   recorded.apply(RemoveTets{{3, 4, 5}});
   for (int i = 0; i < 3; ++i) recorded.advance(0.01);
@@ -120,7 +120,7 @@ TEST_CASE("a replay stops where the bits begin to differ") {
   Recording recording = played<float>();
   std::get<SetRegion>(std::get<Command>(recording.commands[2].command)).tets = {50};
   std::get<RemoveTets>(std::get<Command>(recording.commands[1].command)).tets.pop_back();
-  const Replayed replayed = replayed_on<float>(1, recording);
+  const ReplayResult replayed = replayed_on<float>(1, recording);
   CHECK_FALSE(replayed.same);
   CHECK(replayed.commands <= 3);
   CHECK(replayed.commands >= 1);

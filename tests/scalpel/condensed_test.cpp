@@ -97,8 +97,8 @@ TEST_CASE("so does one that is non-linear for a while, once it is condensed agai
   world.apply(Expand{});
   cut(world, {middle, incisions.end()});
   CHECK(compare_with_rebuilt(world).largest() < 1e-9);
-  world.apply(Renew{1e-9});
-  while (world.body().regions.is_refreshing()) world.advance(1e-9);
+  world.apply(Relinearise{1e-9});
+  while (world.body().regions.is_condensing()) world.advance(1e-9);
   world.apply(Condense{});
   CHECK(!world.body().regions.is_expanded());
   CHECK(compare_with_rebuilt(world).largest() < 1e-9);
@@ -111,8 +111,8 @@ TEST_CASE("a region linearised about a state keeps it where vertices are copied"
   World<double> world(setup);
   world.apply(Expand{});
   world.set_state(random_state(world, 1e-4));
-  world.apply(Renew{1e-9});
-  while (world.body().regions.is_refreshing()) world.advance(1e-9);
+  world.apply(Relinearise{1e-9});
+  while (world.body().regions.is_condensing()) world.advance(1e-9);
   world.apply(Condense{});
   REQUIRE(world.body().regions.linearised_about().size() > 0);
   cut(world, incisions_of(setup.mesh, 3));
@@ -149,8 +149,8 @@ TEST_CASE(
   CHECK(area > 0);
   CHECK(condensed_copies(world) > 10);
   validate(world);
-  world.apply(Renew{1e-9});
-  while (world.body().regions.is_refreshing()) world.advance(1e-9);
+  world.apply(Relinearise{1e-9});
+  while (world.body().regions.is_condensing()) world.advance(1e-9);
   world.apply(Condense{});
   CHECK(!world.body().regions.is_expanded());
   CHECK(compare_with_rebuilt(world).largest() < 1e-9);
@@ -172,8 +172,9 @@ TEST_CASE("bits are the same on any number of threads and from a checkpoint with
 
 TEST_CASE("what a blade cuts off a pre-computed region becomes non-linear, and falls with all its mass") {
   Setup setup = bar_with_blade(RegionModel::precomputed);
-  std::erase_if(setup.prescribed,
-                [&](const PrescribedVertex& own) { return setup.mesh.points(0, own.vertex) > 0.06; });
+  std::erase_if(setup.prescribed, [&](const PrescribedVertex& prescribed) {
+    return setup.mesh.points(0, prescribed.vertex) > 0.06;
+  });
   setup.scalpels[0].path[1].position.z() = setup.scalpels[0].heels[1].z() = -0.05;
   World<double> world(setup);
   for (int i = 0; i < 15; ++i) CHECK(world.advance(1.0 / 30).ok);

@@ -18,14 +18,14 @@ namespace {
 
 // λ_max(K_T)/(ρV/4) from the matrix of 12 × 12, column by column as forces of a linear tetrahedron.
 double square_by_matrix(const Elements& elements, Index t) {
-  const Shape own = elements.shape_of(t);
+  const Shape of_tet = elements.shape_of(t);
   const Elastic& e = elements.elastic_of(t);
   const Law<double> law = linear_law(elements, t);
   Eigen::Matrix<double, 12, 12> K;
   for (int i = 0; i < 12; ++i) {
     Mat34<double> u = Mat34<double>::Zero();
     u.data()[i] = 1;
-    const Mat3<double> alpha = own.gradients.rightCols<3>();
+    const Mat3<double> alpha = of_tet.gradients.rightCols<3>();
     const Mat3<double> H = displacement_gradient(u, alpha), strain = (H + H.transpose()) / 2;
     Mat3<double> stress = e.lambda * strain.trace() * Mat3<double>::Identity() + 2 * e.mu * strain;
     if (e.fibre.any()) {
@@ -35,10 +35,10 @@ double square_by_matrix(const Elements& elements, Index t) {
                 2 * e.fibre.shear * (a * Ea.transpose() + Ea * a.transpose()) +
                 e.fibre.stretch * along * a * a.transpose();
     }
-    K.col(i) = (stress * own.gradients * own.volume).reshaped();
+    K.col(i) = (stress * of_tet.gradients * of_tet.volume).reshaped();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> solver(K, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[11] / (e.density * own.volume / 4);
+  return solver.eigenvalues()[11] / (e.density * of_tet.volume / 4);
 }
 
 World<double> cut_world(const Setup& setup, int strokes) {

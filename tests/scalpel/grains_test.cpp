@@ -72,9 +72,9 @@ bool has_bridge(const Knife& knife, Distance&& distance) {
     for (std::size_t at = 0; at < part.size(); ++at) {
       double low = 1, high = -1;
       for (Index p : grains[part[at]].points) {
-        const double own = distance(grains.point(p));
-        low = std::min(low, own);
-        high = std::max(high, own);
+        const double off = distance(grains.point(p));
+        low = std::min(low, off);
+        high = std::max(high, off);
       }
       above = above || low > far;
       below = below || high < -far;
@@ -343,8 +343,8 @@ TEST_CASE("mesh and blade that are turned, mirrored or renumbered together give 
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), random);
   const Vec3d n(1, 2, 3), along = n.normalized().unitOrthogonal(), edge = n.normalized().cross(along);
-  const auto cut = [&](const TetMesh& own, const Mat3<double>& A) {
-    Knife knife(own);
+  const auto cut = [&](const TetMesh& changed, const Mat3<double>& A) {
+    Knife knife(changed);
     const auto row = [&](double x) {
       const Vec3d p = middle + x * along;
       return std::vector<Vec3d>{A * (p - 0.2 * edge), A * (p + 0.2 * edge)};
@@ -354,14 +354,14 @@ TEST_CASE("mesh and blade that are turned, mirrored or renumbered together give 
     std::vector<double> shares;
     for (Index g = 0; g < knife.grains.count(); ++g) shares.push_back(knife.grains.volume(g));
     std::sort(shares.begin(), shares.end());
-    check_invariants(knife, own);
+    check_invariants(knife, changed);
     return std::pair(knife.area, shares);
   };
   const auto transformed = [&](const Mat3<double>& A) {
-    TetMesh own = mesh;
-    own.points = A * mesh.points;
-    if (A.determinant() < 0) own.tets.row(0).swap(own.tets.row(1));
-    return own;
+    TetMesh body_mesh = mesh;
+    body_mesh.points = A * mesh.points;
+    if (A.determinant() < 0) body_mesh.tets.row(0).swap(body_mesh.tets.row(1));
+    return body_mesh;
   };
   TetMesh renumbered = mesh;
   for (Index v = 0; v < mesh.vertex_count(); ++v)

@@ -45,7 +45,7 @@ class Knife {
     if (!incised.opened.empty()) {
       const MeshEdit edit = elements.topology.divide(grains.divide(elements.topology, incised.opened));
       elements.follow(edit);
-      for (const TetCopy& own : edit.copies) all_.push_back(own.copy);
+      for (const TetCopy& tet_copy : edit.copies) all_.push_back(tet_copy.copy);
       cut_off += static_cast<Index>(edit.cut_off.size());
     }
     return incised;
@@ -181,8 +181,9 @@ inline Rebuilt::Rebuilt(const Knife& knife) {
     std::array<Index, 4> corners;
     for (int k = 0; k < 4; ++k) {
       corners[std::size_t(k)] = vertex.of(4 * fragment.of(g) + k);
-      const Index own = topology.corners(grains[g].element)[k];
-      same_vertices = same_vertices && number_of.emplace(corners[std::size_t(k)], own).first->second == own;
+      const Index corner = topology.corners(grains[g].element)[k];
+      same_vertices =
+          same_vertices && number_of.emplace(corners[std::size_t(k)], corner).first->second == corner;
       all_vertices.insert(corners[std::size_t(k)]);
     }
     tets_of[{topology.parent(grains[g].element), corners}].insert(grains[g].element);

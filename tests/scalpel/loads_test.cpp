@@ -168,7 +168,7 @@ TEST_CASE("what lies on a held face stays held, also where a cut runs between it
     for (int f = 0; f < 4; ++f) {
       const Eigen::Vector4i corners = world.elements().topology.corners(t);
       const int* c = face_corners[f];
-      bool is_floor = grains.skin_of(t, f, world.elements()).sum() > 0;
+      bool is_floor = grains.boundary_share_of(t, f, world.elements()).sum() > 0;
       for (int k = 0; k < 3; ++k) is_floor = is_floor && world.elements().points(2, corners[c[k]]) == 0;
       if (!is_floor) continue;
       for (int k = 0; k < 3; ++k) CHECK(world.held().holds(corners[c[k]]));

@@ -58,9 +58,9 @@ std::set<Marked> marked_triangles(const Surface& surface, const SurfaceCells& ce
   const std::vector<Index> points = points_of_vertices(surface, cells);
   std::set<Marked> all;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    std::array<Index, 3> own;
-    for (int k = 0; k < 3; ++k) own[std::size_t(k)] = points[std::size_t(mesh.triangles[t][k])];
-    all.emplace(mesh.owner[t].tet, mesh.owner[t].code, own, mesh.region[t], mesh.cut[t]);
+    std::array<Index, 3> places;
+    for (int k = 0; k < 3; ++k) places[std::size_t(k)] = points[std::size_t(mesh.triangles[t][k])];
+    all.emplace(mesh.owner[t].tet, mesh.owner[t].code, places, mesh.region[t], mesh.cut[t]);
   }
   CHECK(all.size() == mesh.triangles.size());
   return all;
@@ -68,9 +68,9 @@ std::set<Marked> marked_triangles(const Surface& surface, const SurfaceCells& ce
 
 void check_closed_at_points(const std::set<Marked>& triangles) {
   std::map<std::pair<Index, Index>, int> passed;
-  for (const Marked& own : triangles)
+  for (const Marked& marked : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
-      const Index a = std::get<2>(own)[k], b = std::get<2>(own)[(k + 1) % 3];
+      const Index a = std::get<2>(marked)[k], b = std::get<2>(marked)[(k + 1) % 3];
       passed[std::minmax(a, b)] += a < b ? 1 : -1;
     }
   for (const auto& [edge, surplus] : passed) CHECK(surplus == 0);
@@ -195,9 +195,9 @@ TEST_CASE("each part of a block that planes have parted is a ball: its surface h
   Sets parts(cells->point_count());
   std::set<Index> points;
   std::set<std::pair<Index, Index>> edges;
-  for (const Marked& own : triangles)
+  for (const Marked& marked : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
-      const Index a = std::get<2>(own)[k], b = std::get<2>(own)[(k + 1) % 3];
+      const Index a = std::get<2>(marked)[k], b = std::get<2>(marked)[(k + 1) % 3];
       parts.join(a, b);
       points.insert(a);
       edges.insert(std::minmax(a, b));
@@ -205,7 +205,7 @@ TEST_CASE("each part of a block that planes have parted is a ball: its surface h
   std::map<Index, Index> euler;
   for (Index p : points) ++euler[parts.of(p)];
   for (const auto& [a, b] : edges) --euler[parts.of(a)];
-  for (const Marked& own : triangles) ++euler[parts.of(std::get<2>(own)[0])];
+  for (const Marked& marked : triangles) ++euler[parts.of(std::get<2>(marked)[0])];
   CHECK(euler.size() == 8);
   CHECK(world.elements().topology.pieces().size() == 8);
   for (const auto& [part, number] : euler) CHECK(number == 2);

@@ -56,8 +56,8 @@ TEST_CASE("surface, fracture energy and the step that cuts leave come from the s
   const Scene scene =
       scene_with(R"("surface": "faces", "path": [[0, 0, 0, 0, 0, 0, 1]])", R"({"cut_step": 0.5})");
   const Scene again = parse_scene(to_json(scene), "scene.json");
-  for (const Scene* own : {&scene, &again}) {
-    const Setup setup = resolve(*own, box_mesh(Vec3d::Constant(0.1), 2, 2, 2)).setup;
+  for (const Scene* each : {&scene, &again}) {
+    const Setup setup = resolve(*each, box_mesh(Vec3d::Constant(0.1), 2, 2, 2)).setup;
     CHECK(setup.scalpels[0].along_faces);
     CHECK(setup.materials[0].fracture_energy == 120);
     CHECK(setup.cut_step == 0.5);

@@ -91,8 +91,9 @@ std::string fault_of(Option a, Option b) {
 bool is_excluded(Option a, Option b) {
   if (a == Option::corotated && is_excluded(Option::precomputed, b)) return true;  // it is of such a region
   if (b == Option::corotated && is_excluded(a, Option::precomputed)) return true;
-  for (const Exclusion& own : exclusions())
-    if ((own.option == a && own.other == b) || (own.option == b && own.other == a)) return true;
+  for (const Exclusion& exclusion : exclusions())
+    if ((exclusion.option == a && exclusion.other == b) || (exclusion.option == b && exclusion.other == a))
+      return true;
   return false;
 }
 

@@ -97,7 +97,7 @@ TEST_CASE("a world that has measured its time step again goes on with the same b
       for (World<float>* each : {&world, &drawn, &other}) each->advance(0.01);
     CHECK(same_bits(world, drawn));
     CHECK(same_bits(world, other));
-    CHECK(world.save().ratios.own == other.save().ratios.own);
+    CHECK(world.save().ratios.of_vertex == other.save().ratios.of_vertex);
   }
 }
 
@@ -173,7 +173,7 @@ TEST_CASE("a checkpoint whose numbers do not fit its setup is refused") {
   refused([](auto& c) { c.pieces.piece_of.assign(busy_setup().region_of.size(), 7); });
   refused([](auto& c) { c.tools.grasps.clear(); });
   refused([](auto& c) { c.unravelling.tets = {1 << 30}; });
-  refused([](auto& c) { c.ratios.own.pop_back(); });
+  refused([](auto& c) { c.ratios.of_vertex.pop_back(); });
   refused([](auto& c) { c.held.hold({40, 9, Vec3d::Zero(), Vec3d::Zero()}); });
 }
 
@@ -268,11 +268,11 @@ TEST_CASE("checkpoints share what edits refer to by much: a renewal's displaceme
     if (setup.mesh.points(0, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
   setup.expandable = true;
   World<double> world(setup);
-  world.apply(Renew{0.01});
+  world.apply(Relinearise{0.01});
   const Checkpoint<double> first = world.save(), second = world.save();
-  const auto& begin = std::get<BeginRefresh>(first.history.front());
+  const auto& begin = std::get<BeginCondensing>(first.history.front());
   CHECK(begin.about);
-  CHECK(begin.about == std::get<BeginRefresh>(second.history.front()).about);
+  CHECK(begin.about == std::get<BeginCondensing>(second.history.front()).about);
 }
 
 TEST_CASE("checkpoints share the commands of a history, and see none that comes later") {

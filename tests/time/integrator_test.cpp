@@ -20,10 +20,10 @@ double oscillator(double omega, double damping, int steps) {
   u(0) = 1;
   v(0) = omega * omega * dt / 2;  // v at −Δt/2 of an oscillator that starts at rest
   v(0) *= 1 + damping * dt / 2;
-  Turns turns(1);
+  Reversals reversals(1);
   for (int i = 0; i < steps; ++i) {
     f(0) = -omega * omega * u(0);
-    central_difference(f, {{0, 1.0}}, dt, dt, damping, u, v, turns, one_thread);
+    central_difference(f, {{0, 1.0}}, dt, dt, damping, u, v, reversals, one_thread);
   }
   return u(0);
 }
@@ -64,13 +64,14 @@ TEST_CASE("erratum 3: the printed damping signs make an oscillator grow, ours ma
 
 TEST_CASE("a vertex without inverse mass stays where it is, and what is not a number is reported") {
   Mat3X<double> u = Mat3X<double>::Zero(3, 2), v = u, f = Mat3X<double>::Ones(3, 2);
-  Turns turns(2);
-  CHECK(central_difference(f, moving_vertices<double>({0, 1}), 0.1, 0.1, 0.0, u, v, turns, one_thread).all ==
-        near(0.03, 1e-12));
+  Reversals reversals(2);
+  CHECK(central_difference(f, moving_vertices<double>({0, 1}), 0.1, 0.1, 0.0, u, v, reversals, one_thread)
+            .all == near(0.03, 1e-12));
   CHECK(u.col(0).norm() == 0);
   f(0, 1) = std::nan("");
   CHECK(std::isinf(
-      central_difference(f, moving_vertices<double>({0, 1}), 0.1, 0.1, 0.0, u, v, turns, one_thread).all));
+      central_difference(f, moving_vertices<double>({0, 1}), 0.1, 0.1, 0.0, u, v, reversals, one_thread)
+          .all));
 }
 
 TEST_CASE("two and seven threads move vertices and find the fastest to the bit as one does") {
@@ -81,28 +82,28 @@ TEST_CASE("two and seven threads move vertices and find the fastest to the bit a
   inverse_mass[5000] = 0;
   const std::vector<MovingVertex<float>> moving = moving_vertices<float>(inverse_mass);
   const Mat3X<float> start_u = u, start_v = v;
-  const Turns start(std::size_t(count), many_turns - 1);
-  Turns turns = start;
-  const Fastest<float> one = central_difference(f, moving, 0.1F, 0.1F, 3.0F, u, v, turns, one_thread);
-  CHECK(one.turned > 0);
+  const Reversals start(std::size_t(count), many_reversals - 1);
+  Reversals reversals = start;
+  const Fastest<float> one = central_difference(f, moving, 0.1F, 0.1F, 3.0F, u, v, reversals, one_thread);
+  CHECK(one.reversing > 0);
   for (int threads : {2, 7}) {
     CAPTURE(threads);
     Parallel parallel(threads);
     Mat3X<float> other_u = start_u, other_v = start_v;
-    Turns other_turns = start;
+    Reversals other_reversals = start;
     const Fastest<float> several =
-        central_difference(f, moving, 0.1F, 0.1F, 3.0F, other_u, other_v, other_turns, parallel);
+        central_difference(f, moving, 0.1F, 0.1F, 3.0F, other_u, other_v, other_reversals, parallel);
     CHECK(one.all == several.all);
-    CHECK(one.turned == several.turned);
+    CHECK(one.reversing == several.reversing);
     CHECK(u == other_u);
     CHECK(v == other_v);
-    CHECK(turns == other_turns);
+    CHECK(reversals == other_reversals);
   }
 }
 
 TEST_CASE("just beyond the stable step every swing turns back faster, well below it never twice") {
   const auto count_of = [](double omega_dt) {
-    Turns turns(1);
+    Reversals reversals(1);
     Mat3X<double> u = Mat3X<double>::Zero(3, 1), v = u, f = u;
     u(0) = 1;
     int count = 0;  // at a speed that matters
@@ -110,10 +111,10 @@ TEST_CASE("just beyond the stable step every swing turns back faster, well below
     for (int i = 0; i < 40; ++i) {
       f(0) = -omega_dt * omega_dt * u(0);
       const Fastest<double> fastest =
-          central_difference(f, {{0, 1.0}}, 1.0, 1.0, 0.0, u, v, turns, one_thread);
+          central_difference(f, {{0, 1.0}}, 1.0, 1.0, 0.0, u, v, reversals, one_thread);
       highest = std::max(highest, fastest.all);
-      count += fastest.turned > 0.1 * highest;
-      if (fastest.turned > 0) CHECK(fastest.turned == fastest.all);
+      count += fastest.reversing > 0.1 * highest;
+      if (fastest.reversing > 0) CHECK(fastest.reversing == fastest.all);
     }
     return count;
   };

@@ -50,7 +50,7 @@ Eigen::MatrixXd inverse_mass(const Setup& setup, int degree) {
   mass.set_degree(degree);
   mass.follow(elements, all, [](Index) { return true; });
   mass.measure(moving_vertices<double>(inverse));
-  mass.arrange(moving_vertices<double>(inverse));
+  mass.set_moving(moving_vertices<double>(inverse));
   Parallel parallel;
   Eigen::MatrixXd C(3 * n, 3 * n);
   for (Index i = 0; i < 3 * n; ++i) {

@@ -185,7 +185,7 @@ TEST_CASE_TEMPLATE("while it unravels a world is saved, restored and replayed wi
   World<Real> world(setup);
   throw_it(world);
   const Checkpoint<Real> start = world.save();
-  Recorded<Real> recorded(world);
+  CommandRecorder<Real> recorded(world);
   for (int i = 0; i < 90 && !world.is_unravelling(); ++i) recorded.advance(frame);
   REQUIRE(world.is_unravelling());
   const Folder folder;
@@ -234,7 +234,7 @@ TEST_CASE_TEMPLATE("while selective masses wait a world is saved, restored and r
                    Real, float, double) {
   World<Real> world = collapsed_cube<Real>(9, 1);
   const Checkpoint<Real> start = world.save();
-  Recorded<Real> recorded(world);
+  CommandRecorder<Real> recorded(world);
   recorded.advance(frame);
   const Folder folder;
   write_checkpoint(folder.path / "state", world.save());

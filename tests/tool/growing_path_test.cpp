@@ -56,7 +56,7 @@ TEST_CASE(
     } else if (what < 97) {
       path.settle();
     } else if (what < 98) {
-      path = GrowingPath::from_kept(path.as_kept());
+      path = GrowingPath::from_saved(path.as_saved());
     } else if (what < 99 || copies.empty()) {
       copies.emplace_back(path, rows);
     } else {  // as a world is put back

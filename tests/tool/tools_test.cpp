@@ -77,7 +77,7 @@ TEST_CASE_TEMPLATE("what is done live, kept as paths of a setup, gives the same 
 TEST_CASE("live tools are recorded, and go on with the same bits from a checkpoint") {
   const Setup setup = body();
   World<float> world(setup), restored(setup, 2);
-  Recorded<float> recorded(world);
+  CommandRecorder<float> recorded(world);
   for (int i = 0; i < 16; ++i) {
     act(recorded, setup, i);
     if (i == 6) restored.restore(world.save());

@@ -113,10 +113,10 @@ void AppliedForces<Real>::follow(const Topology& topology, const MeshEdit&) {
   const auto is_orphan = [&](const Spring& spring) { return topology.around(spring.vertex).empty(); };
   if (std::none_of(springs_.begin(), springs_.end(), is_orphan)) return;
   for (Mat3X<double>* columns : {&moves_, &targets_}) {
-    Eigen::Index kept = 0;
+    Eigen::Index remaining = 0;
     for (Eigen::Index i = 0; i < columns->cols(); ++i)
-      if (!is_orphan(springs_[std::size_t(i)])) columns->col(kept++) = columns->col(i);
-    columns->conservativeResize(3, kept);
+      if (!is_orphan(springs_[std::size_t(i)])) columns->col(remaining++) = columns->col(i);
+    columns->conservativeResize(3, remaining);
   }
   drop_orphans(springs_, topology);
 }
@@ -134,8 +134,8 @@ std::string AppliedForces<Real>::save() const {
 }
 
 template <class Real>
-void AppliedForces<Real>::load(const std::string& kept, Index vertices) {
-  io::ByteReader in("checkpoint", kept);
+void AppliedForces<Real>::load(const std::string& saved, Index vertices) {
+  io::ByteReader in("checkpoint", saved);
   AppliedForces found;
   std::vector<VertexLoad> forces;
   std::vector<Spring> springs;

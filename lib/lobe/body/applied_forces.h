@@ -39,7 +39,7 @@ class AppliedForces : public ForceTerm<Real> {
   void begin_frame(double time, double duration) override;
   void follow(const Topology& topology, const MeshEdit& edit) override;
   std::string save() const override;
-  void load(const std::string& kept, Index vertices) override;
+  void load(const std::string& saved, Index vertices) override;
 
  private:
   // The point of a spring at a time in this frame [m].

@@ -15,7 +15,7 @@
 namespace lobe {
 
 // The body as some force terms need it before the steps of a frame.
-struct Surroundings {
+struct BodyView {
   const Model& model;
   const SurfaceMesh& surface;
   const std::vector<double>& mass;  // per vertex [kg]
@@ -24,7 +24,7 @@ struct Surroundings {
   double ratio = 1;                 // lumped_omega over the highest frequency of a single vertex
   // With selective masses: changes forces [N] to those that give lumped masses the same accelerations. Null
   // if masses are lumped.
-  std::function<void(Mat3X<double>&)> spread = {};
+  std::function<void(Mat3X<double>&)> scale_forces = {};
 };
 
 template <class Real>
@@ -53,11 +53,11 @@ class ForceTerm {
 
   // ---- For terms that act between the body and what is around it
 
-  virtual bool wants_surroundings() const { return false; }
+  virtual bool needs_body() const { return false; }
   // Both are called in each frame after its cuts and before its steps, with the tools and the body.
   // see_tools() returns whether other tools touch at this time than before.
   virtual bool see_tools(std::span<const ToolBody>, double /*time*/) { return false; }
-  virtual void see_surroundings(const Surroundings&, const At&) {}
+  virtual void see_body(const BodyView&, const At&) {}
   // The forces of the last evaluation on tools.
   virtual std::span<const OnTool> on_tools() const { return {}; }
 
@@ -72,7 +72,7 @@ class ForceTerm {
 
   // All of its state, for checkpoints. load() throws InputError for what save() did not write.
   virtual std::string save() const { return {}; }
-  virtual void load(const std::string& /*kept*/, Index /*vertices*/) {}
+  virtual void load(const std::string& /*saved*/, Index /*vertices*/) {}
 };
 
 }  // namespace lobe

@@ -3,8 +3,8 @@
 namespace lobe {
 
 template <class Real>
-void Loads<Real>::refresh(const Elements& elements, const std::vector<Index>& vertices,
-                          const std::function<double(Index)>& mass) {
+void Loads<Real>::update(const Elements& elements, const std::vector<Index>& vertices,
+                         const std::function<double(Index)>& mass) {
   for (Columns* columns : {&external_, &dead_}) columns->extend(elements.topology.vertex_count());
   for (Index v : vertices) {
     dead_.col(v) = loads_.at(elements, v).template cast<Real>();
@@ -14,11 +14,11 @@ void Loads<Real>::refresh(const Elements& elements, const std::vector<Index>& ve
 
 template <class Real>
 void Loads<Real>::put(double time, Parallel& parallel, Columns& f) const {
-  const double share = missing(time);
+  const double share = missing_share(time);
   parallel.for_ranges(f.count(), 16384, [&](Index begin, Index end) {
-    auto own = f.view().middleCols(begin, end - begin);
-    own = external_.view().middleCols(begin, end - begin);
-    if (share > 0) own -= Real(share) * dead_.view().middleCols(begin, end - begin);
+    auto columns = f.view().middleCols(begin, end - begin);
+    columns = external_.view().middleCols(begin, end - begin);
+    if (share > 0) columns -= Real(share) * dead_.view().middleCols(begin, end - begin);
   });
 }
 

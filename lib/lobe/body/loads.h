@@ -20,20 +20,20 @@ class Loads {
         ramp_(setup.load_ramp) {}
 
   // Updates the loads of these vertices after an edit. mass(v) is the mass on which gravity acts [kg].
-  void refresh(const Elements& elements, const std::vector<Index>& vertices,
-               const std::function<double(Index)>& mass);
+  void update(const Elements& elements, const std::vector<Index>& vertices,
+              const std::function<double(Index)>& mass);
   DeadLoads& dead_loads() { return loads_; }
   const DeadLoads& dead_loads() const { return loads_; }
 
   // The share of the dead loads that does not act yet at a time [s].
-  double missing(double time) const { return ramp_ > 0 ? std::max(0.0, 1 - time / ramp_) : 0; }
+  double missing_share(double time) const { return ramp_ > 0 ? std::max(0.0, 1 - time / ramp_) : 0; }
 
   void put(double time, Parallel& parallel, Columns& f) const;         // f = loads at a time
   void put_at(const std::vector<Index>& vertices, Columns& f) const {  // the same at these, at full size
     for (Index v : vertices) f.col(v) = external_.col(v);
   }
   Mat3X<double> at(double time) const {  // 3 × #vertices [N]
-    return (external_.view() - missing(time) * dead_.view()).template cast<double>();
+    return (external_.view() - missing_share(time) * dead_.view()).template cast<double>();
   }
   double work(const Mat3X<Real>& u) const;  // of all at full size on displacements [J]
 

@@ -15,20 +15,21 @@ struct State {
   Mat3X<Real> v;    // 3 × #vertices, velocity [m/s]
   double time = 0;  // [s]
   // By how much v is older than u [s]: half a step after a step, 0 where motion starts.
-  double behind = 0;
+  double velocity_lag = 0;
 
   bool is_valid() const {
-    return u.allFinite() && v.allFinite() && std::isfinite(time) && behind >= 0 && std::isfinite(behind);
+    return u.allFinite() && v.allFinite() && std::isfinite(time) && velocity_lag >= 0 &&
+           std::isfinite(velocity_lag);
   }
-  static constexpr auto fields = std::tuple(&State::u, &State::v, &State::time, &State::behind);
+  static constexpr auto fields = std::tuple(&State::u, &State::v, &State::time, &State::velocity_lag);
 };
 
 // A view of the present state of a world. It becomes invalid with the next cut.
 template <class Real>
 struct StateView {
   Eigen::Map<const Mat3X<Real>> u, v;
-  double time = 0, behind = 0;
-  operator State<Real>() const { return {u, v, time, behind}; }
+  double time = 0, velocity_lag = 0;
+  operator State<Real>() const { return {u, v, time, velocity_lag}; }
 };
 
 // Of the nodes that reduced regions have (lattice/embedding.h); none without such a region.
@@ -42,30 +43,30 @@ template <class Real>
 struct StateColumns {
   VertexColumns<Mat3X<Real>> u, v;  // [m], [m/s]
   Nodes<Real> nodes;
-  double time = 0, behind = 0;  // [s]
+  double time = 0, velocity_lag = 0;  // [s]
 };
 
 // Speeds of the last step [m/s].
 struct Speeds {
-  double fastest = 0;  // of free vertices
-  double turned = 0;   // of vertices that turned back (integrator.h)
-  double led = 0;      // of held vertices
+  double fastest = 0;    // of free vertices
+  double reversing = 0;  // of vertices that turned back (integrator.h)
+  double driven = 0;     // of held vertices
 };
 
 template <class Real>
 struct Motion : StateColumns<Real> {
   // Scratch of a step:
   VertexColumns<Mat3X<Real>> forces;  // [N]
-  Turns turns;                        // since the frame began
+  Reversals reversals;                // since the frame began
   Mat3X<Real> node_forces;            // 3 × #nodes [N]
-  Turns node_turns;
+  Reversals node_turns;
   Speeds speeds;
 
   void extend(Index vertices) {
     this->u.extend(vertices);
     this->v.extend(vertices);
     forces.extend(vertices);
-    turns.resize(std::size_t(vertices));
+    reversals.resize(std::size_t(vertices));
   }
 };
 

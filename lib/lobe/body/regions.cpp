@@ -35,13 +35,13 @@ std::vector<Index> Regions<Real>::condensed_vertices(Index vertices) const {
 }
 
 template <class Real>
-void Regions<Real>::begin_refresh(const Elements& elements, double due, const std::vector<double>& about) {
+void Regions<Real>::begin_condensing(const Elements& elements, double due, const std::vector<double>& about) {
   if (about.empty())
-    precomputed_.begin_refresh(elements);
+    precomputed_.begin_condensing(elements);
   else
-    precomputed_.begin_renewal(
+    precomputed_.begin_relinearising(
         elements, Eigen::Map<const Mat3X<double>>(about.data(), 3, Eigen::Index(about.size() / 3)));
-  refresh_due_ = due;
+  condensing_due_ = due;
 }
 
 template <class Real>
@@ -53,8 +53,9 @@ void Regions<Real>::add_free_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parall
 }
 
 template <class Real>
-void Regions<Real>::add_forces(const Mat3X<Real>& u, double missing, Mat3X<Real>& f, Parallel& parallel) {
-  if (!is_expanded_) precomputed_.add_forces(u, Real(missing), f, parallel);
+void Regions<Real>::add_forces(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
+                               Parallel& parallel) {
+  if (!is_expanded_) precomputed_.add_forces(u, Real(missing_share), f, parallel);
   add_free_forces(u, f, parallel);
 }
 
@@ -65,10 +66,10 @@ void Regions<Real>::add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, P
 }
 
 template <class Real>
-void Regions<Real>::add_forces_near(const Mat3X<Real>& u, double missing, Mat3X<Real>& f,
+void Regions<Real>::add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                                     Parallel& parallel) {
   add_free_forces(u, f, parallel);
-  if (!is_expanded_) precomputed_.add_forces(u, Real(missing), f, parallel);
+  if (!is_expanded_) precomputed_.add_forces(u, Real(missing_share), f, parallel);
 }
 
 template <class Real>
@@ -115,14 +116,15 @@ Vec3d Regions<Real>::force_on_fixed(const Elements& elements, const Mat3X<Real>&
 }
 
 template <class Real>
-void Regions<Real>::recover(const Model& model, double missing, Interior wanted, StateColumns<Real>& state) {
+void Regions<Real>::recover(const Model& model, double missing_share, Interior wanted,
+                            StateColumns<Real>& state) {
   const Revisions& now = model.revisions;
   const bool is_current = recovered_at_.structure == now.structure &&
                           recovered_at_.displacements == now.displacements &&
                           recovered_at_.velocities == now.velocities;
   if (is_current && recovered_ >= wanted) return;
   if (!is_expanded_)
-    precomputed_.recover(model.elements, Real(missing), state.u.padded(),
+    precomputed_.recover(model.elements, Real(missing_share), state.u.padded(),
                          wanted == Interior::all ? &state.v.padded() : nullptr);
   if (reduced_.any_embedded()) reduced_.recover(model.elements, wanted == Interior::all, state);
   recovered_ = wanted;

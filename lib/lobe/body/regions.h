@@ -59,12 +59,12 @@ class Regions {
   // Another thread condenses the region from scratch, about its present linearisation or about other
   // displacements (3 × #vertices [m]; empty: the present ones). The result is used from the time `due` on
   // [s].
-  bool wants_refresh() const { return precomputed_.wants_refresh(); }
-  bool is_refreshing() const { return precomputed_.is_refreshing(); }
-  double refresh_due() const { return refresh_due_; }
-  void begin_refresh(const Elements& elements, double due, const std::vector<double>& about);
+  bool needs_condensing() const { return precomputed_.needs_condensing(); }
+  bool is_condensing() const { return precomputed_.is_condensing(); }
+  double condensing_due() const { return condensing_due_; }
+  void begin_condensing(const Elements& elements, double due, const std::vector<double>& about);
   // False if the region could not be condensed. Nothing has changed then.
-  bool end_refresh(const Elements& elements) { return precomputed_.end_refresh(elements); }
+  bool end_condensing(const Elements& elements) { return precomputed_.end_condensing(elements); }
   const Mat3X<double>& linearised_about() const { return precomputed_.about(); }  // none: rest
 
   bool any_condensed() const { return precomputed_.tet_count() > 0; }  // tetrahedra, expanded or not
@@ -84,17 +84,17 @@ class Regions {
   void place_embedded(Motion<Real>& motion, Parallel& parallel) const {
     if (reduced_.any_embedded()) reduced_.place(motion, parallel);
   }
-  void collect(double missing, Motion<Real>& motion, Parallel& parallel) {
-    if (reduced_.any_embedded()) reduced_.collect(missing, motion, parallel);
+  void collect(double missing_share, Motion<Real>& motion, Parallel& parallel) {
+    if (reduced_.any_embedded()) reduced_.collect(missing_share, motion, parallel);
   }
 
-  // ---- Forces and energies. `missing`: share of the dead loads that does not act yet.
+  // ---- Forces and energies. `missing_share`: share of the dead loads that does not act yet.
 
-  void add_forces(const Mat3X<Real>& u, double missing, Mat3X<Real>& f,
+  void add_forces(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                   Parallel& parallel);  // 3 × #vertices [N]
   // The same near a state, for differences of forces: at rest without loads, and elsewhere.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
-  void add_forces_near(const Mat3X<Real>& u, double missing, Mat3X<Real>& f, Parallel& parallel);
+  void add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f, Parallel& parallel);
   // Adds the stiffness that each vertex feels when it moves while its neighbours are held. Returns the
   // smallest det F.
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
@@ -102,14 +102,14 @@ class Regions {
   ElasticEnergy energy(const Elements& elements, const StateColumns<Real>& state);
   // The displacement error of a condensed interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
   // acceleration of the interface [m/s²].
-  double lag(const Vec3d& acceleration) const { return precomputed_.lag(acceleration); }
+  double inertia_error(const Vec3d& acceleration) const { return precomputed_.inertia_error(acceleration); }
   const std::vector<Index>& shared() const { return precomputed_.shared(); }
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
   // Computes the condensed interior, which is in equilibrium with its interface. Does nothing if the state
   // has not changed since the last call.
   enum class Interior { none, displacements, all };
-  void recover(const Model& model, double missing, Interior wanted, StateColumns<Real>& state);
+  void recover(const Model& model, double missing_share, Interior wanted, StateColumns<Real>& state);
 
   template <class Visit>  // visit(layout, sums), of all that is evaluated in patches
   void visit_patches(Visit&& visit) {
@@ -121,8 +121,8 @@ class Regions {
   PatchCount patch_count();
   // Grows where the sums of the patches hold something else than forces.
   std::uint64_t sums_revision() const { return sums_revision_; }
-  void forget_sums();  // that patches keep
-  void spoil_sums() {  // before forces at other displacements are evaluated
+  void forget_sums();       // that patches keep
+  void invalidate_sums() {  // before forces at other displacements are evaluated
     forget_sums();
     ++sums_revision_;
   }
@@ -137,7 +137,7 @@ class Regions {
   LatticeRegion<Real> reduced_;
   bool expandable_;
   bool is_expanded_ = false;
-  double refresh_due_ = 0;  // [s]
+  double condensing_due_ = 0;  // [s]
   Interior recovered_ = Interior::none;
   Revisions recovered_at_;
   std::uint64_t sums_revision_ = 0;

@@ -13,7 +13,7 @@ namespace {
 constexpr io::Format format{"lobecond", 4, "condensed region"};
 
 std::uint64_t key_of(const RegionFactor& region, const Eigen::MatrixXd& loads,
-                     const Condensed::Dofs& interface, const char* method) {
+                     const Condensation::Dofs& interface, const char* method) {
   const SparseFactor::Matrix& K = region.K;
   const auto entries = std::size_t(K.nonZeros());
   std::uint64_t key = io::digest(method);
@@ -25,12 +25,12 @@ std::uint64_t key_of(const RegionFactor& region, const Eigen::MatrixXd& loads,
   return io::digest_of(std::span(interface.data(), interface.size()), key);
 }
 
-std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eigen::MatrixXd& loads,
-                                           const Condensed::Dofs& interface,
-                                           const SparseFactorMaker& make_factor, CondensingLog& log) {
+std::unique_ptr<Condensation> condense_afresh(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                              const Condensation::Dofs& interface,
+                                              const SparseFactorMaker& make_factor, CondensingLog& log) {
   auto factor = region.factorise(make_factor, log);
   return log.time(CondensingPhase::interface, [&] {
-    auto condensed = std::make_unique<Condensed>(std::move(factor), loads);
+    auto condensed = std::make_unique<Condensation>(std::move(factor), loads);
     condensed->promote(interface);
     return condensed;
   });
@@ -38,8 +38,9 @@ std::unique_ptr<Condensed> condense_afresh(const RegionFactor& region, const Eig
 
 // Whether a field of it, with everything driven at once, has no force inside and that of S on the interface:
 // its numbers are those of the region.
-bool is_in_equilibrium(const Condensed& condensed, const RegionFactor& region, const Eigen::MatrixXd& loads) {
-  const Condensed::Dofs& interface = condensed.interface();
+bool is_in_equilibrium(const Condensation& condensed, const RegionFactor& region,
+                       const Eigen::MatrixXd& loads) {
+  const Condensation::Dofs& interface = condensed.interface();
   const Eigen::VectorXd driven = Eigen::VectorXd::LinSpaced(condensed.stiffness().cols(), 1, 2);
   const Eigen::VectorXd u = condensed.field(driven), on_interface = condensed.stiffness() * driven;
   Eigen::VectorXd force = region.K.selfadjointView<Eigen::Lower>() * u - loads * driven.head(loads.cols());
@@ -50,10 +51,10 @@ bool is_in_equilibrium(const Condensed& condensed, const RegionFactor& region, c
 
 }  // namespace
 
-std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
-                                                    const Dofs& interface,
-                                                    const SparseFactorMaker& make_factor) {
-  std::unique_ptr<Condensed> condensed = with_springs(region, loads, interface, make_factor);
+std::unique_ptr<Condensation> CondensedCache::condense(const RegionFactor& region,
+                                                       const Eigen::MatrixXd& loads, const Dofs& interface,
+                                                       const SparseFactorMaker& make_factor) {
+  std::unique_ptr<Condensation> condensed = with_springs(region, loads, interface, make_factor);
   const auto count = Eigen::Index(interface.size());
   Eigen::MatrixXd springs = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
@@ -62,9 +63,10 @@ std::unique_ptr<Condensed> CondensedCache::condense(const RegionFactor& region, 
   return condensed;
 }
 
-std::unique_ptr<Condensed> CondensedCache::with_springs(const RegionFactor& region,
-                                                        const Eigen::MatrixXd& loads, const Dofs& interface,
-                                                        const SparseFactorMaker& make_factor) {
+std::unique_ptr<Condensation> CondensedCache::with_springs(const RegionFactor& region,
+                                                           const Eigen::MatrixXd& loads,
+                                                           const Dofs& interface,
+                                                           const SparseFactorMaker& make_factor) {
   if (folder_.empty()) return condense_afresh(region, loads, interface, make_factor, log_);
   std::unique_ptr<SparseFactor> factor = make_factor();
   char name[32];
@@ -82,14 +84,14 @@ std::unique_ptr<Condensed> CondensedCache::with_springs(const RegionFactor& regi
   return condensed;
 }
 
-std::unique_ptr<Condensed> CondensedCache::load(const std::filesystem::path& file, std::uint64_t key,
-                                                std::unique_ptr<SparseFactor> factor,
-                                                const Eigen::MatrixXd& loads, const Dofs& interface) {
+std::unique_ptr<Condensation> CondensedCache::load(const std::filesystem::path& file, std::uint64_t key,
+                                                   std::unique_ptr<SparseFactor> factor,
+                                                   const Eigen::MatrixXd& loads, const Dofs& interface) {
   try {
     const std::string contents = io::read_sealed(file, format);
     io::ByteReader in(file.string(), contents);
     in.expect(in.get<std::uint64_t>() == key);
-    auto condensed = Condensed::load(in, std::move(factor), loads);
+    auto condensed = Condensation::load(in, std::move(factor), loads);
     in.expect(!condensed || condensed->interface() == interface);
     return condensed;
   } catch (const InputError& error) {
@@ -98,7 +100,8 @@ std::unique_ptr<Condensed> CondensedCache::load(const std::filesystem::path& fil
   }
 }
 
-void CondensedCache::save(const std::filesystem::path& file, std::uint64_t key, const Condensed& condensed) {
+void CondensedCache::save(const std::filesystem::path& file, std::uint64_t key,
+                          const Condensation& condensed) {
   io::ByteWriter out;
   out.put(key);
   if (!condensed.save(out)) return;

@@ -8,14 +8,14 @@
 #include <string>
 #include <utility>
 
-#include "lobe/condense/condensed.h"
+#include "lobe/condense/condensation.h"
 #include "lobe/condense/region_factor.h"
 
 namespace lobe {
 
 class CondensedCache {
  public:
-  using Dofs = Condensed::Dofs;
+  using Dofs = Condensation::Dofs;
 
   explicit CondensedCache(std::filesystem::path folder = {},  // none: keeps nothing
                           CondensingLog::Progress progress = {})
@@ -24,19 +24,19 @@ class CondensedCache {
   // Returns the region condensed to its interface. It is read from the folder, or condensed from scratch and
   // stored there. A damaged file is replaced. A file that cannot be written is left out. take_notice()
   // reports both.
-  std::unique_ptr<Condensed> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
-                                      const Dofs& interface, const SparseFactorMaker& make_factor);
+  std::unique_ptr<Condensation> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                         const Dofs& interface, const SparseFactorMaker& make_factor);
   const CondensingLog& log() const { return log_; }
   std::string take_notice() { return std::exchange(notice_, {}); }
 
  private:
   // The condensed region as it is kept in the file: springs of the factor still hold the interface.
-  std::unique_ptr<Condensed> with_springs(const RegionFactor& region, const Eigen::MatrixXd& loads,
-                                          const Dofs& interface, const SparseFactorMaker& make_factor);
-  std::unique_ptr<Condensed> load(const std::filesystem::path& file, std::uint64_t key,
-                                  std::unique_ptr<SparseFactor> factor, const Eigen::MatrixXd& loads,
-                                  const Dofs& interface);
-  void save(const std::filesystem::path& file, std::uint64_t key, const Condensed& condensed);
+  std::unique_ptr<Condensation> with_springs(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                             const Dofs& interface, const SparseFactorMaker& make_factor);
+  std::unique_ptr<Condensation> load(const std::filesystem::path& file, std::uint64_t key,
+                                     std::unique_ptr<SparseFactor> factor, const Eigen::MatrixXd& loads,
+                                     const Dofs& interface);
+  void save(const std::filesystem::path& file, std::uint64_t key, const Condensation& condensed);
 
   std::filesystem::path folder_;
   CondensingLog log_;

@@ -15,20 +15,20 @@ Mat34<double> corners_of(const Elements& elements, const Mat3X<Real>& u, Index t
 }  // namespace
 
 template <class Real>
-void PrecomputedRegion<Real>::add_forces(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f,
+void PrecomputedRegion<Real>::add_forces(const Mat3X<Real>& u, Real missing_share, Mat3X<Real>& f,
                                          Parallel& parallel) {
-  if (has_frame_) return add_forces_in_frame(u, missing, f, parallel);
+  if (has_frame_) return add_forces_in_frame(u, missing_share, f, parallel);
   add_stiffness_forces(u, f, parallel);
   for (Index i = 0; i < interface_size(); ++i)
-    f.data()[components_[i]] += static_cast<Real>(of_loads_(i, 0) + double(missing) * of_loads_(i, 1));
+    f.data()[components_[i]] += static_cast<Real>(of_loads_(i, 0) + double(missing_share) * of_loads_(i, 1));
 }
 
 template <class Real>
 void PrecomputedRegion<Real>::add_stiffness_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
   const Index n = interface_size();
   for (Index i = 0; i < n; ++i) stiffness_.x()[i] = u.data()[components_[i]];
-  const std::vector<Real>& own = stiffness_.multiply(parallel);
-  for (Index i = 0; i < n; ++i) f.data()[components_[i]] -= own[i];
+  const std::vector<Real>& product = stiffness_.multiply(parallel);
+  for (Index i = 0; i < n; ++i) f.data()[components_[i]] -= product[i];
 }
 
 template <class Real>
@@ -39,9 +39,9 @@ void PrecomputedRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, Diago
     Mat3<double> S = Mat3<double>::Zero();
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
-        const Index row = reduced_->column(3 * v + i), column = reduced_->column(3 * v + j);
+        const Index row = condensed_->column(3 * v + i), column = condensed_->column(3 * v + j);
         if (row < 0 || column < 0) continue;  // fixed
-        S(i, j) = reduced_->stiffness()(amplitudes() + row, amplitudes() + column);
+        S(i, j) = condensed_->stiffness()(amplitudes() + row, amplitudes() + column);
       }
     S = pose.R * S * pose.R.transpose();
     K.col(v) += Eigen::Matrix<double, 6, 1>(S(0, 0), S(0, 1), S(0, 2), S(1, 1), S(1, 2), S(2, 2));
@@ -59,16 +59,16 @@ const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& ele
                                                              std::vector<double>& mass) {
   if (tet_count_ == 0) return shared_;
   const Eigen::VectorXd& follows =
-      reduced_->inertia(interior_masses(elements, roles_), shared_components(elements, roles_));
+      condensed_->inertia(interior_masses(elements, roles_), shared_components(elements, roles_));
   for (Index v = 0; v < static_cast<Index>(roles_.cols()); ++v)
     if (is_interior(v)) mass[v] = 0;
   double all = 0, positive = 0;  // the few that are not go to the others
   for (Index v : shared_) {
-    double own = 0;
+    double share = 0;
     for (int axis = 0; axis < 3; ++axis)
-      if (const Index at = reduced_->column(3 * v + axis); at >= 0) own += follows[at] / 3;
-    mass[v] = std::max(0.0, own);
-    all += own;
+      if (const Index at = condensed_->column(3 * v + axis); at >= 0) share += follows[at] / 3;
+    mass[v] = std::max(0.0, share);
+    all += share;
     positive += mass[v];
   }
   for (Index v : shared_) {
@@ -80,23 +80,23 @@ const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& ele
 }
 
 template <class Real>
-double PrecomputedRegion<Real>::lag(const Vec3d& acceleration) const {
-  return tet_count_ > 0 ? reduced_->sway().cwiseProduct(acceleration).norm() : 0;
+double PrecomputedRegion<Real>::inertia_error(const Vec3d& acceleration) const {
+  return tet_count_ > 0 ? condensed_->unit_inertia_error().cwiseProduct(acceleration).norm() : 0;
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::recover(const Elements& elements, Real missing, Mat3X<Real>& u,
+void PrecomputedRegion<Real>::recover(const Elements& elements, Real missing_share, Mat3X<Real>& u,
                                       Mat3X<Real>* v) const {
   if (tet_count_ == 0) return;
-  if (has_frame_) return recover_in_frame(elements, missing, u, v);
+  if (has_frame_) return recover_in_frame(elements, missing_share, u, v);
   const Index n = interface_size();
   Eigen::MatrixXd driven = Eigen::MatrixXd::Zero(2 + n, v ? 2 : 1);
-  driven.topLeftCorner<2, 1>() << 1, double(missing);
+  driven.topLeftCorner<2, 1>() << 1, double(missing_share);
   for (Index i = 0; i < n; ++i) {
     driven(2 + i, 0) = double(u.data()[components_[i]]);
     if (v) driven(2 + i, 1) = double(v->data()[components_[i]]);
   }
-  const Eigen::MatrixXd field = reduced_->field(driven);
+  const Eigen::MatrixXd field = condensed_->field(driven);
   for (Eigen::Index i = 0; i < roles_.size(); ++i) {
     if (roles_.data()[i] != Role::interior) continue;
     u.data()[i] = static_cast<Real>(field(i, 0));
@@ -114,8 +114,8 @@ typename PrecomputedRegion<Real>::Energy PrecomputedRegion<Real>::energy(const E
   for (Index t = 0; t < static_cast<Index>(member_.size()); ++t) {
     if (!member_[t]) continue;
     const Mat34<double> X = elements.corner_points(t);
-    const Mat34<double> own = pose.R.transpose() * (X + corners_of(elements, u, t)) - X;
-    e.elastic += linearisation_.energy(elements, t, own);
+    const Mat34<double> in_frame = pose.R.transpose() * (X + corners_of(elements, u, t)) - X;
+    e.elastic += linearisation_.energy(elements, t, in_frame);
   }
   e.loads = -loads_[0].cwiseProduct(u.leftCols(loads_[0].cols()).template cast<double>()).sum();
   return e;
@@ -128,8 +128,9 @@ Vec3d PrecomputedRegion<Real>::force_on_fixed(const Elements& elements, const Ma
   for (Index t : elements.topology.around(vertex)) {
     if (!has(t)) continue;
     const Eigen::Vector4i corners = elements.topology.corners(t);
-    const Linearisation::Forces own = linearisation_.forces(elements, t, corners);
-    const Mat34<double> f = (own.constant - own.K * corners_of(elements, u, t).reshaped()).reshaped(3, 4);
+    const Linearisation::Forces linear = linearisation_.forces(elements, t, corners);
+    const Mat34<double> f =
+        (linear.constant - linear.K * corners_of(elements, u, t).reshaped()).reshaped(3, 4);
     for (int c = 0; c < 4; ++c)
       if (elements.topology.tets()(c, t) == vertex) force += f.col(c);
   }

@@ -3,14 +3,14 @@
 //   f_B = −S u_B + (loads of the interior, condensed),
 // whatever the number of tetrahedra. The interior is in equilibrium and follows the interface; its
 // displacements are computed only on request. Cuts, tetrahedra that enter or leave, and grasped vertices keep
-// all of it exact (condensed.h). With a frame, u_B are the displacements from the rigid motion that fits the
-// interface best, and every held vertex belongs to the interface.
+// all of it exact (condensation.h). With a frame, u_B are the displacements from the rigid motion that fits
+// the interface best, and every held vertex belongs to the interface.
 #pragma once
 
 #include <future>
 #include <memory>
 
-#include "lobe/condense/reduced_region.h"
+#include "lobe/condense/condensed_region.h"
 #include "lobe/condense/rigid_frame.h"
 #include "lobe/numerics/symmetric_product.h"
 #include "lobe/setup/boundary_conditions.h"
@@ -42,20 +42,20 @@ class PrecomputedRegion {
 
   // Each edit makes the next ones cost more, until the region is condensed from scratch. Another thread does
   // this, from a copy of the present region. Edits go on meanwhile, and are repeated on the result.
-  bool wants_refresh() const {
-    return tet_count_ > 0 && !is_refreshing() && reduced_->touched() > most_touched_;
+  bool needs_condensing() const {
+    return tet_count_ > 0 && !is_condensing() && condensed_->touched() > most_touched_;
   }
-  bool is_refreshing() const { return refreshed_.valid(); }
-  void begin_refresh(const Elements& elements) { begin_refresh(elements, linearisation_); }
+  bool is_condensing() const { return recondensed_.valid(); }
+  void begin_condensing(const Elements& elements) { begin_condensing(elements, linearisation_); }
   // Relinearised about these displacements: 3 × #vertices [m].
-  void begin_renewal(const Elements& elements, const Mat3X<double>& about) {
-    begin_refresh(elements, Linearisation{about});
+  void begin_relinearising(const Elements& elements, const Mat3X<double>& about) {
+    begin_condensing(elements, Linearisation{about});
   }
   // Waits for the other thread and uses its result. Condensing from scratch changes nothing but rounding.
   // False if there is
   // no result, and then all stays as it is: the tangent at the new state is not positive definite, or the
   // region was followed lazily meanwhile.
-  bool end_refresh(const Elements& elements);
+  bool end_condensing(const Elements& elements);
 
   bool has_changed() const { return has_changed_; }  // by the last edit that was followed
   // 3 × #vertices, what it is linearised about [m]; none: rest.
@@ -63,7 +63,7 @@ class PrecomputedRegion {
   const std::vector<Index>& shared() const { return shared_; }  // vertices that are others' as well
   // The displacement error of the interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
   // acceleration of the interface [m/s²]. The masses are those of move_mass().
-  double lag(const Vec3d& acceleration) const;
+  double inertia_error(const Vec3d& acceleration) const;
 
   std::string take_notice() { return cache_.take_notice(); }        // of the cache
   const CondensingLog& condensing() const { return cache_.log(); }  // at the start
@@ -81,7 +81,7 @@ class PrecomputedRegion {
   const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass);
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
-                  Real missing,          // share of the dead loads that does not act yet
+                  Real missing_share,    // share of the dead loads that does not act yet
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
   void add_stiffness_forces(const Mat3X<Real>& u, Mat3X<Real>& f,
@@ -90,7 +90,7 @@ class PrecomputedRegion {
 
   // Computes displacements of the interior, and velocities if v is not null, from those of the interface.
   // Costs a solve with the factor for each.
-  void recover(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
+  void recover(const Elements& elements, Real missing_share, Mat3X<Real>& u, Mat3X<Real>* v) const;
 
   // Of recovered displacements:
   struct Energy {
@@ -109,20 +109,20 @@ class PrecomputedRegion {
   // frame with R_lk.
   Eigen::Index amplitudes() const { return has_frame_ ? 18 : 2; }
   using Amplitudes = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 18>;
-  Amplitudes amplitudes(Real missing, const Mat3<double>& R) const;
+  Amplitudes amplitudes(Real missing_share, const Mat3<double>& R) const;
   Eigen::RowVectorXd load_row(const Loads& loads, Index component) const;
   void place(const Mat3X<Real>& u, Pose& pose) const;
-  void add_forces_in_frame(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f, Parallel& parallel);
-  Vec3d torque_of_loads(const Amplitudes& a, Real missing) const;
-  void recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u, Mat3X<Real>* v) const;
+  void add_forces_in_frame(const Mat3X<Real>& u, Real missing_share, Mat3X<Real>& f, Parallel& parallel);
+  Vec3d torque_of_loads(const Amplitudes& a, Real missing_share) const;
+  void recover_in_frame(const Elements& elements, Real missing_share, Mat3X<Real>& u, Mat3X<Real>* v) const;
   void prepare_frame(const Elements& elements);
   void open(const std::vector<Index>& components);
   void grow(const Elements& elements, const RegionEdit& edit);
   void change_members(const Elements& elements, const RegionEdit& edit);
-  void begin_refresh(const Elements& elements, Linearisation linearisation);
+  void begin_condensing(const Elements& elements, Linearisation linearisation);
   void extend(Linearisation& linearisation, const RegionEdit& edit) const;
   void add(const Linearisation& linearisation, const Elements& elements, Index tet, double sign,
-           const std::vector<Index>& row, ReducedRegion::Change& sum) const;
+           const std::vector<Index>& row, CondensedRegion::Change& sum) const;
   void change(const Elements& elements, const RegionEdit& edit, const std::vector<Index>& components,
               Mat3X<Real>& external, Mat3X<Real>& dead);
   void take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external, Mat3X<Real>& dead);
@@ -130,7 +130,7 @@ class PrecomputedRegion {
   void keep_exact(const Elements& elements, const std::vector<Index>& edited);
   std::vector<Index> interface() const;
   Eigen::MatrixXd loads() const;
-  void take(std::unique_ptr<ReducedRegion> reduced);
+  void take(std::unique_ptr<CondensedRegion> condensed);
   void build(const Elements& elements);
   void prepare_step(const Elements& elements);
 
@@ -144,13 +144,13 @@ class PrecomputedRegion {
   Roles roles_;                 // 3 × #vertices
   Loads loads_;                 // of the interior, 3 × #vertices [N]
   bool has_changed_ = false;
-  bool is_outdated_ = false, refreshed_is_outdated_ = false;
+  bool is_outdated_ = false, recondensed_is_outdated_ = false;
   Linearisation linearisation_;
-  std::unique_ptr<ReducedRegion> reduced_;
+  std::unique_ptr<CondensedRegion> condensed_;
   Index most_touched_ = 0;  // beyond, it had better be condensed from scratch
   Index edited_ = 0;        // components, since its error was last measured
-  std::future<std::unique_ptr<ReducedRegion>> refreshed_;
-  Linearisation refreshed_linearisation_;
+  std::future<std::unique_ptr<CondensedRegion>> recondensed_;
+  Linearisation recondensed_linearisation_;
 
   // What a step reads.
   std::vector<Index> components_;  // of the interface: 3 × vertex + axis

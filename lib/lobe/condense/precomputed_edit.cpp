@@ -24,7 +24,7 @@ class Hold {
     for (const HeldVertices::Held& item : held.all()) {
       const bool stays = item.holder == HeldVertices::boundary && item.start.isZero(0) && item.goal.isZero(0);
       for (int axis = 0; axis < 3; ++axis)
-        if (item.axes[axis]) state_(axis, item.vertex) = stays ? fixed : led;
+        if (item.axes[axis]) state_(axis, item.vertex) = stays ? fixed : driven;
     }
   }
 
@@ -35,11 +35,11 @@ class Hold {
     if (!in_region) return Role::none;
     if (has_frame_) return in_others || !state_.col(v).isZero() ? Role::interface : Role::interior;
     if (state_(axis, v) == fixed) return Role::none;
-    return in_others || state_(axis, v) == led ? Role::interface : Role::interior;
+    return in_others || state_(axis, v) == driven ? Role::interface : Role::interior;
   }
 
  private:
-  enum : std::uint8_t { nobody, fixed, led };
+  enum : std::uint8_t { nobody, fixed, driven };
   const Elements& elements_;
   bool has_frame_;
   Eigen::Matrix<std::uint8_t, 3, Eigen::Dynamic> state_;
@@ -75,21 +75,21 @@ void add_constants(const Linearisation& linearisation, const Elements& elements,
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
     if (!elements.is_in(RegionModel::precomputed, t)) continue;
     const Eigen::Vector4i corners = elements.topology.corners(t);
-    const Linearisation::Forces own = linearisation.forces(elements, t, corners);
-    for (int i = 0; i < 12; ++i) loads(3 * corners[i / 3] + i % 3, 0) += own.constant[i];
+    const Linearisation::Forces linear = linearisation.forces(elements, t, corners);
+    for (int i = 0; i < 12; ++i) loads(3 * corners[i / 3] + i % 3, 0) += linear.constant[i];
   }
 }
 
 // As it now is; none where that cannot be.
-std::unique_ptr<ReducedRegion> reduced_afresh(const Elements& elements, const Roles& roles,
-                                              const Linearisation& linearisation,
-                                              const std::vector<Index>& interface, Eigen::MatrixXd loads,
-                                              const SparseFactorMaker& make_factor) {
+std::unique_ptr<CondensedRegion> condensed_anew(const Elements& elements, const Roles& roles,
+                                                const Linearisation& linearisation,
+                                                const std::vector<Index>& interface, Eigen::MatrixXd loads,
+                                                const SparseFactorMaker& make_factor) {
   add_constants(linearisation, elements, loads);
   CondensedCache none;
   try {
-    return std::make_unique<ReducedRegion>(RegionFactor(elements, roles, linearisation), interface, loads,
-                                           none, make_factor);
+    return std::make_unique<CondensedRegion>(RegionFactor(elements, roles, linearisation), interface, loads,
+                                             none, make_factor);
   } catch (const InputError&) {
     return nullptr;
   }
@@ -117,7 +117,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   const Hold hold(elements, held);
   const std::vector<Index> components = components_of(edit.vertices);
   const auto has_role = [&](Index i) { return roles_.data()[i] != Role::none; };
-  has_changed_ = !reduced_ || std::any_of(components.begin(), components.end(), has_role);
+  has_changed_ = !condensed_ || std::any_of(components.begin(), components.end(), has_role);
   for (Index i : components) roles_.data()[i] = hold.role(i / 3, i % 3);
   has_changed_ = has_changed_ || std::any_of(components.begin(), components.end(), has_role);
   if (!has_changed_) {
@@ -125,14 +125,14 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
     return {};
   }
   std::vector<Index> mechanism;
-  if (!reduced_) {
+  if (!condensed_) {
     change_members(elements, edit);
     take_loads(edit.vertices, external, dead);
     build(elements);
   } else if (lazily) {
     change_members(elements, edit);
     take_loads(edit.vertices, external, dead);
-    is_outdated_ = refreshed_is_outdated_ = true;
+    is_outdated_ = recondensed_is_outdated_ = true;
     return {};
   } else {
     open(components);
@@ -150,23 +150,23 @@ void PrecomputedRegion<Real>::grow(const Elements& elements, const RegionEdit& e
   const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
   member_.resize(std::size_t(tets), 0);
   shares_.resize(std::size_t(tets), 1);
-  if (!reduced_)
+  if (!condensed_)
     corners_ = elements.topology.tets();
   else
     corners_.conservativeResize(4, tets);
   roles_.conservativeResizeLike(Roles::Constant(3, vertices, Role::none));
   for (Mat3X<double>& load : loads_) load.conservativeResizeLike(Mat3X<double>::Zero(3, vertices));
   extend(linearisation_, edit);
-  extend(refreshed_linearisation_, edit);
+  extend(recondensed_linearisation_, edit);
 }
 
 // On the interface what belongs to it from now on, and what is new.
 template <class Real>
 void PrecomputedRegion<Real>::open(const std::vector<Index>& components) {
   const auto role = [&](Index i) { return roles_.data()[i]; };
-  reduced_->promote(
-      picked(components, [&](Index i) { return reduced_->is_interior(i) && role(i) == Role::interface; }));
-  reduced_->add(picked(components, [&](Index i) { return !reduced_->has(i) && role(i) != Role::none; }));
+  condensed_->promote(
+      picked(components, [&](Index i) { return condensed_->is_interior(i) && role(i) == Role::interface; }));
+  condensed_->add(picked(components, [&](Index i) { return !condensed_->has(i) && role(i) != Role::none; }));
 }
 
 // Stiffness and loads where they change. What becomes fixed leaves by way of the interface; components that
@@ -175,26 +175,26 @@ template <class Real>
 void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit,
                                      const std::vector<Index>& all, Mat3X<Real>& external,
                                      Mat3X<Real>& dead) {
-  reduced_->promote(picked(all, [&](Index i) {
+  condensed_->promote(picked(all, [&](Index i) {
     const auto around = elements.topology.around(i / 3);
-    return reduced_->is_interior(i) && roles_.data()[i] == Role::none &&
+    return condensed_->is_interior(i) && roles_.data()[i] == Role::none &&
            std::any_of(around.begin(), around.end(),
                        [&](Index t) { return elements.is_in(RegionModel::precomputed, t); });
   }));
-  const std::vector<Index> components = picked(all, [&](Index i) { return reduced_->has(i); });
+  const std::vector<Index> components = picked(all, [&](Index i) { return condensed_->has(i); });
   const auto count = Eigen::Index(components.size());
   const auto nothing = [&] {
-    return ReducedRegion::Change{Eigen::MatrixXd::Zero(count, count),
-                                 Eigen::MatrixXd::Zero(count, amplitudes())};
+    return CondensedRegion::Change{Eigen::MatrixXd::Zero(count, count),
+                                   Eigen::MatrixXd::Zero(count, amplitudes())};
   };
-  ReducedRegion::Change now = nothing(), repeated = nothing();
+  CondensedRegion::Change now = nothing(), repeated = nothing();
   std::vector<Index> row(std::size_t(roles_.size()), -1);
   for (std::size_t i = 0; i < components.size(); ++i) row[std::size_t(components[i])] = static_cast<Index>(i);
   const auto add_members = [&](const std::vector<Index>& tets, double sign) {
     for (Index t : tets) {
       if (!member_[t]) continue;
       add(linearisation_, elements, t, sign, row, now);
-      if (is_refreshing()) add(refreshed_linearisation_, elements, t, sign, row, repeated);
+      if (is_condensing()) add(recondensed_linearisation_, elements, t, sign, row, repeated);
     }
   };
   add_members(edit.left, -1);
@@ -202,14 +202,14 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
   add_members(edit.entered, 1);
   const Loads before = loads_;
   take_loads(edit.vertices, external, dead);
-  for (ReducedRegion::Change* change : {&now, &repeated})
+  for (CondensedRegion::Change* change : {&now, &repeated})
     for (Eigen::Index i = 0; i < count; ++i) {
       const Index component = components[std::size_t(i)];
       change->loads.row(i) += load_row(loads_, component) - load_row(before, component);
-      if (roles_.data()[component] == Role::none && reduced_->is_interior(component))
-        change->stiffness(i, i) += reduced_->spring();
+      if (roles_.data()[component] == Role::none && condensed_->is_interior(component))
+        change->stiffness(i, i) += condensed_->spring();
     }
-  if (!now.stiffness.isZero(0) || !now.loads.isZero(0)) reduced_->change(components, now, repeated);
+  if (!now.stiffness.isZero(0) || !now.loads.isZero(0)) condensed_->change(components, now, repeated);
 }
 
 template <class Real>
@@ -231,16 +231,16 @@ void PrecomputedRegion<Real>::change_members(const Elements& elements, const Reg
 template <class Real>
 void PrecomputedRegion<Real>::add(const Linearisation& linearisation, const Elements& elements, Index tet,
                                   double sign, const std::vector<Index>& row,
-                                  ReducedRegion::Change& sum) const {
-  const Linearisation::Forces own = linearisation.forces(elements, tet, corners_.col(tet));
+                                  CondensedRegion::Change& sum) const {
+  const Linearisation::Forces linear = linearisation.forces(elements, tet, corners_.col(tet));
   const double factor = sign * shares_[tet] / elements.share_of(tet);
   std::array<Index, 12> at;
   for (int i = 0; i < 12; ++i) at[i] = row[std::size_t(3 * corners_(i / 3, tet) + i % 3)];
   for (int i = 0; i < 12; ++i) {
     if (at[i] < 0) continue;
-    sum.loads(at[i], 0) += factor * own.constant[i];
+    sum.loads(at[i], 0) += factor * linear.constant[i];
     for (int j = 0; j < 12; ++j)
-      if (at[j] >= 0) sum.stiffness(at[i], at[j]) += factor * own.K(i, j);
+      if (at[j] >= 0) sum.stiffness(at[i], at[j]) += factor * linear.K(i, j);
   }
 }
 
@@ -270,12 +270,12 @@ void PrecomputedRegion<Real>::take_loads(const std::vector<Index>& vertices, Mat
 template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
                                                   const std::vector<Index>& components) {
-  reduced_->forget(
-      picked(components, [&](Index i) { return reduced_->has(i) && roles_.data()[i] == Role::none; }));
+  condensed_->forget(
+      picked(components, [&](Index i) { return condensed_->has(i) && roles_.data()[i] == Role::none; }));
   const std::vector<Index> interior = picked(
-      components, [&](Index i) { return roles_.data()[i] == Role::interior && reduced_->column(i) >= 0; });
+      components, [&](Index i) { return roles_.data()[i] == Role::interior && condensed_->column(i) >= 0; });
   std::vector<Index> mechanism;
-  if (reduced_->demote(interior)) return mechanism;
+  if (condensed_->demote(interior)) return mechanism;
   for (Index i : interior)
     for (Index t : elements.topology.around(i / 3)) mechanism.push_back(t);
   sort_unique(mechanism);
@@ -288,15 +288,15 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
 template <class Real>
 void PrecomputedRegion<Real>::keep_exact(const Elements& elements, const std::vector<Index>& edited) {
   edited_ += static_cast<Index>(edited.size());
-  if (4 * edited_ < reduced_->touched()) return;
+  if (4 * edited_ < condensed_->touched()) return;
   edited_ = 0;
-  if (reduced_->error() <= most_error) return;
-  auto afresh = reduced_afresh(elements, roles_, linearisation_, interface(), loads(), make_factor_);
+  if (condensed_->error() <= most_error) return;
+  auto afresh = condensed_anew(elements, roles_, linearisation_, interface(), loads(), make_factor_);
   if (!afresh) return;
   take(std::move(afresh));
-  if (!is_refreshing()) return;
-  refreshed_.wait();
-  begin_refresh(elements, std::move(refreshed_linearisation_));
+  if (!is_condensing()) return;
+  recondensed_.wait();
+  begin_condensing(elements, std::move(recondensed_linearisation_));
 }
 
 template <class Real>
@@ -326,59 +326,59 @@ Eigen::RowVectorXd PrecomputedRegion<Real>::load_row(const Loads& loads, Index c
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::take(std::unique_ptr<ReducedRegion> reduced) {
-  reduced_ = std::move(reduced);
-  most_touched_ = 2 * reduced_->touched() + 150;
+void PrecomputedRegion<Real>::take(std::unique_ptr<CondensedRegion> condensed) {
+  condensed_ = std::move(condensed);
+  most_touched_ = 2 * condensed_->touched() + 150;
 }
 
 template <class Real>
 void PrecomputedRegion<Real>::build(const Elements& elements) {
   const std::vector<Index> components = interface();
   refuse_interface(static_cast<Index>(components.size()));
-  take(std::make_unique<ReducedRegion>(RegionFactor(elements, roles_, linearisation_), components, loads(),
-                                       cache_, make_factor_));
+  take(std::make_unique<CondensedRegion>(RegionFactor(elements, roles_, linearisation_), components, loads(),
+                                         cache_, make_factor_));
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::begin_refresh(const Elements& elements, Linearisation linearisation) {
-  reduced_->record();
-  refreshed_is_outdated_ = false;
-  refreshed_linearisation_ = std::move(linearisation);
-  refreshed_ =
-      std::async(std::launch::async, [elements, roles = roles_, components = interface(), loads = loads(),
-                                      make_factor = make_factor_, linearisation = refreshed_linearisation_] {
-        auto reduced = reduced_afresh(elements, roles, linearisation, components, loads, make_factor);
-        if (reduced) {
-          reduced->inertia(interior_masses(elements, roles), shared_components(elements, roles));
-          reduced->sway();
+void PrecomputedRegion<Real>::begin_condensing(const Elements& elements, Linearisation linearisation) {
+  condensed_->record();
+  recondensed_is_outdated_ = false;
+  recondensed_linearisation_ = std::move(linearisation);
+  recondensed_ = std::async(
+      std::launch::async, [elements, roles = roles_, components = interface(), loads = loads(),
+                           make_factor = make_factor_, linearisation = recondensed_linearisation_] {
+        auto condensed = condensed_anew(elements, roles, linearisation, components, loads, make_factor);
+        if (condensed) {
+          condensed->inertia(interior_masses(elements, roles), shared_components(elements, roles));
+          condensed->unit_inertia_error();
         }
-        return reduced;
+        return condensed;
       });
 }
 
 template <class Real>
-bool PrecomputedRegion<Real>::end_refresh(const Elements& elements) {
-  std::unique_ptr<ReducedRegion> reduced = refreshed_.get();
-  if (!reduced || refreshed_is_outdated_ ||
-      !reduced_->repeat_on(*reduced)) {  // what one finds loose, to rounding, the other does not
+bool PrecomputedRegion<Real>::end_condensing(const Elements& elements) {
+  std::unique_ptr<CondensedRegion> condensed = recondensed_.get();
+  if (!condensed || recondensed_is_outdated_ ||
+      !condensed_->repeat_on(*condensed)) {  // what one finds loose, to rounding, the other does not
     most_touched_ *= 2;
-    reduced_->forget_steps();
+    condensed_->forget_operations();
     return false;
   }
-  linearisation_ = std::move(refreshed_linearisation_);
+  linearisation_ = std::move(recondensed_linearisation_);
   is_outdated_ = false;
-  take(std::move(reduced));
+  take(std::move(condensed));
   prepare_step(elements);
   return true;
 }
 
 template <class Real>
 void PrecomputedRegion<Real>::prepare_step(const Elements& elements) {
-  const Eigen::MatrixXd& S = reduced_->stiffness();
+  const Eigen::MatrixXd& S = condensed_->stiffness();
   const auto n = static_cast<Index>(S.rows() - amplitudes());
   stiffness_.set(S.bottomRightCorner(n, n));
   of_loads_ = -S.bottomLeftCorner(n, amplitudes());
-  components_ = reduced_->interface();
+  components_ = condensed_->interface();
   vertices_.clear();
   for (Index component : components_)
     if (vertices_.empty() || vertices_.back() != component / 3) vertices_.push_back(component / 3);

@@ -32,28 +32,28 @@ void PrecomputedRegion<Real>::place(const Mat3X<Real>& u, Pose& pose) const {
 
 template <class Real>
 typename PrecomputedRegion<Real>::Amplitudes PrecomputedRegion<Real>::amplitudes(
-    Real missing, const Mat3<double>& R) const {
+    Real missing_share, const Mat3<double>& R) const {
   Amplitudes a(amplitudes());
   a.template head<9>() = R.transpose().reshaped();
-  a.template tail<9>() = double(missing) * a.template head<9>();
+  a.template tail<9>() = double(missing_share) * a.template head<9>();
   return a;
 }
 
 // (42c)
 template <class Real>
-void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real missing, Mat3X<Real>& f,
+void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real missing_share, Mat3X<Real>& f,
                                                   Parallel& parallel) {
   if (vertices_.empty()) return;
   place(u, pose_);
   for (Eigen::Index i = 0; i < pose_.d.size(); ++i)
     stiffness_.x()[std::size_t(i)] = static_cast<Real>(pose_.d.data()[i]);
-  const std::vector<Real>& own = stiffness_.multiply(parallel);
-  for (Eigen::Index i = 0; i < forces_.size(); ++i) forces_.data()[i] = -double(own[std::size_t(i)]);
+  const std::vector<Real>& product = stiffness_.multiply(parallel);
+  for (Eigen::Index i = 0; i < forces_.size(); ++i) forces_.data()[i] = -double(product[std::size_t(i)]);
   Vec3d of_loads = Vec3d::Zero();
   if (has_loads_) {
-    const Amplitudes a = amplitudes(missing, pose_.R);
+    const Amplitudes a = amplitudes(missing_share, pose_.R);
     forces_.reshaped().noalias() += of_loads_ * a;
-    of_loads = torque_of_loads(a, missing);
+    of_loads = torque_of_loads(a, missing_share);
   }
   frame_.take_off(pose_, frame_.torque(pose_, forces_) - of_loads, forces_);
   for (Eigen::Index i = 0; i < forces_.cols(); ++i)
@@ -63,13 +63,13 @@ void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real mis
 // τ_f of (42c): of the loads on the interior, about the centroid of the interface, in the frame: from the
 // work that each amplitude's load does on the arms of the interior, Σ (Y + d)_k f_l.
 template <class Real>
-Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing) const {
+Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing_share) const {
   const auto count = amplitudes();
   Amplitudes work = at_rest_;
   work.noalias() += of_loads_.transpose() * pose_.d.reshaped();
-  work.noalias() -= reduced_->stiffness().topLeftCorner(count, count) * a;
+  work.noalias() -= condensed_->stiffness().topLeftCorner(count, count) * a;
   const Mat3<double> of_amplitudes =
-      (work.template head<9>() + double(missing) * work.template tail<9>()).reshaped(3, 3);
+      (work.template head<9>() + double(missing_share) * work.template tail<9>()).reshaped(3, 3);
   Mat3<double> M = Mat3<double>::Zero();
   for (int k = 0; k < 3; ++k) M += of_amplitudes.col(k) * pose_.R.row(k);
   return {M(1, 2) - M(2, 1), M(2, 0) - M(0, 2), M(0, 1) - M(1, 0)};
@@ -78,7 +78,7 @@ Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing
 // Displacements in the frame are those of (39); their velocities come with those of the frame and of the
 // loads in it.
 template <class Real>
-void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real missing, Mat3X<Real>& u,
+void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real missing_share, Mat3X<Real>& u,
                                                Mat3X<Real>* v) const {
   Pose pose;
   place(u, pose);
@@ -88,8 +88,9 @@ void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real mi
   Mat3<double> turning;  // Ṙ
   for (int axis = 0; axis < 3; ++axis) turning.col(axis) = pose.R * rate.spin.cross(Vec3d::Unit(axis));
   Eigen::MatrixXd driven(amplitudes() + pose.d.size(), 2);
-  driven << amplitudes(missing, pose.R), amplitudes(missing, turning), pose.d.reshaped(), rate.d.reshaped();
-  const Eigen::MatrixXd field = reduced_->field(driven);
+  driven << amplitudes(missing_share, pose.R), amplitudes(missing_share, turning), pose.d.reshaped(),
+      rate.d.reshaped();
+  const Eigen::MatrixXd field = condensed_->field(driven);
   for (Index i = 0; i < static_cast<Index>(roles_.cols()); ++i) {
     if (!is_interior(i)) continue;
     const Vec3d Y = elements.points.col(i) - frame_.centroid(), d = field.col(0).segment<3>(3 * i);

@@ -48,7 +48,7 @@ Part region_part(const Elements& elements, RegionModel model) {
 
 RegionFactor::RegionFactor(const Elements& elements, const Roles& roles, const Linearisation& linearisation) {
   const Part part = region_part(elements, linearisation.model());
-  const Elements own(part.body);
+  const Elements of_region(part.body);
   const auto vertices = static_cast<Index>(part.source.size());
   const Unknowns unknowns(vertices,
                           [&](Index v, int axis) { return roles(axis, part.source[v]) != Role::none; });
@@ -56,7 +56,7 @@ RegionFactor::RegionFactor(const Elements& elements, const Roles& roles, const L
   number.setConstant(3, elements.topology.vertex_count(), -1);
   number(Eigen::all, part.source) = unknowns.number;
   springs.assign(std::size_t(size), 0);
-  Tangent tangent(own, unknowns);
+  Tangent tangent(of_region, unknowns);
   Mat3X<double> about = Mat3X<double>::Zero(3, vertices);
   if (!linearisation.is_at_rest()) about = linearisation.about(Eigen::all, part.source);
   tangent.update(about);

@@ -39,9 +39,9 @@ void RigidFrame::fit(Pose& pose) const {
   Mat3<double> M = Mat3<double>::Zero(), at_rest = M;
   for (Eigen::Index i = 0; i < Y_.cols(); ++i) {
     pose.d.col(i) -= pose.centroid;
-    const Mat3<double> own =
+    const Mat3<double> of_point =
         pose.d.col(i) * Y_.col(i).transpose();  // then weighted: symmetric to the bit at rest
-    M += w_[i] * own;
+    M += w_[i] * of_point;
     at_rest += w_[i] * Y_.col(i) * Y_.col(i).transpose();
   }
   pose.R = closest_rotation(M);

@@ -17,17 +17,19 @@ class Contact<Real>::Here final : public Places {
   }
   Vec3d velocity_of_vertex(Index v) const override { return at_.v.col(v).template cast<double>(); }
   Vec3d of_point(int point) const override {
-    const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
-    if (own.count == 1) return of_vertex(own.corners[0]);
+    const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
+    if (surface_point.count == 1) return of_vertex(surface_point.corners[0]);
     Vec3d sum = Vec3d::Zero();
-    for (int i = 0; i < own.count; ++i) sum += own.weights[i] * of_vertex(own.corners[i]);
+    for (int i = 0; i < surface_point.count; ++i)
+      sum += surface_point.weights[i] * of_vertex(surface_point.corners[i]);
     return sum;
   }
   Vec3d velocity_of_point(int point) const override {
-    const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
-    if (own.count == 1) return velocity_of_vertex(own.corners[0]);
+    const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
+    if (surface_point.count == 1) return velocity_of_vertex(surface_point.corners[0]);
     Vec3d sum = Vec3d::Zero();
-    for (int i = 0; i < own.count; ++i) sum += own.weights[i] * velocity_of_vertex(own.corners[i]);
+    for (int i = 0; i < surface_point.count; ++i)
+      sum += surface_point.weights[i] * velocity_of_vertex(surface_point.corners[i]);
     return sum;
   }
 
@@ -45,8 +47,9 @@ class Contact<Real>::SelfForces final : public ContactForces {
     if (sum_.cols() < vertices) sum_.setZero(3, vertices);
   }
   void add_to_point(int point, const Vec3d& force) override {
-    const ContactSurface::Point& own = surface_->points()[std::size_t(point)];
-    for (int c = 0; c < own.count; ++c) add_to_vertex(own.corners[c], own.weights[c] * force);
+    const ContactSurface::Point& surface_point = surface_->points()[std::size_t(point)];
+    for (int c = 0; c < surface_point.count; ++c)
+      add_to_vertex(surface_point.corners[c], surface_point.weights[c] * force);
   }
   void add_to_vertex(Index v, const Vec3d& force) override {
     if (sum_.col(v).isZero(0)) vertices_.push_back(v);
@@ -103,18 +106,18 @@ void Contact<Real>::gather(const std::vector<int>& points, const Places& now) co
 template <class Real>
 void Contact<Real>::scatter(const std::vector<int>& points, Mat3X<Real>& f) const {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const ContactSurface::Point& own = surface_.points()[std::size_t(points[i])];
+    const ContactSurface::Point& surface_point = surface_.points()[std::size_t(points[i])];
     const Vec3d force = f_.col(Eigen::Index(i));
-    for (int c = 0; c < own.count; ++c)
-      f.col(own.corners[c]) += (own.weights[c] * force).template cast<Real>();
+    for (int c = 0; c < surface_point.count; ++c)
+      f.col(surface_point.corners[c]) += (surface_point.weights[c] * force).template cast<Real>();
   }
 }
 
 // A state that did not come from a step may be anywhere.
 template <class Real>
-void Contact<Real>::forget_if_given(const At& at) const {
-  if (at.model.revisions.given == given_) return;
-  given_ = at.model.revisions.given;
+void Contact<Real>::forget_if_replaced(const At& at) const {
+  if (at.model.revisions.replaced == replaced_) return;
+  replaced_ = at.model.revisions.replaced;
   for (ToolContact& tool : tools_) tool.forget();
   if (self_) self_->forget();
 }
@@ -125,7 +128,7 @@ template <class Real>
 template <class Visit>
 void Contact<Real>::visit_tools(const At& at, Visit&& visit) const {
   if (surface_.revision() == 0) return;  // the body has not been seen
-  forget_if_given(at);
+  forget_if_replaced(at);
   ContactLaw own_law = law();
   own_law.hold = surface_.softening() < 1 ? 0.75 * body_damping_ : 0;
   for (std::size_t i = 0; i < tools_.size(); ++i) {
@@ -154,32 +157,32 @@ void Contact<Real>::visit_self(const At& at, Visit&& visit) const {
 template <class Real>
 std::vector<int> Contact<Real>::there(double time) const {
   std::vector<int> tools;
-  for (const ToolContact& own : tools_)
-    if (own.is_there(time)) tools.push_back(own.tool());
+  for (const ToolContact& contact : tools_)
+    if (contact.is_there(time)) tools.push_back(contact.tool());
   return tools;
 }
 
 template <class Real>
 bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
   const std::vector<int> before = there(time);
-  std::erase_if(tools_, [&](const ToolContact& own) {
-    return !own.is_obstacle() &&
-           std::none_of(bodies.begin(), bodies.end(), [&](const ToolBody& body) { return own.is_of(body); });
+  std::erase_if(tools_, [&](const ToolContact& contact) {
+    return !contact.is_obstacle() && std::none_of(bodies.begin(), bodies.end(),
+                                                  [&](const ToolBody& body) { return contact.is_of(body); });
   });
   for (const ToolBody& body : bodies) {
-    auto own = std::find_if(tools_.begin(), tools_.end(),
-                            [&](const ToolContact& tool) { return tool.tool() == body.tool; });
-    if (own == tools_.end()) {
+    auto found = std::find_if(tools_.begin(), tools_.end(),
+                              [&](const ToolContact& tool) { return tool.tool() == body.tool; });
+    if (found == tools_.end()) {
       tools_.emplace_back(body.tool, *body.shape);
-      own = tools_.end() - 1;
-      for (const OfTool& kept : kept_)
-        if (kept.tool == body.tool) own->set_remembered(kept.remembered);
+      found = tools_.end() - 1;
+      for (const OfTool& saved : waiting_)
+        if (saved.tool == body.tool) found->set_remembered(saved.remembered);
     }
-    own->begin_frame(body, time);
+    found->begin_frame(body, time);
   }
   std::sort(tools_.begin(), tools_.end(),
             [](const ToolContact& a, const ToolContact& b) { return a.tool() < b.tool(); });
-  kept_.clear();
+  waiting_.clear();
   on_tools_.clear();
   for (const ToolContact& tool : tools_)
     if (!tool.is_obstacle()) on_tools_.push_back({.tool = tool.tool()});
@@ -188,13 +191,13 @@ bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
 
 // Searched with room for the whole frame, so that touched() is known before its steps.
 template <class Real>
-void Contact<Real>::see_surroundings(const Surroundings& now, const At& at) {
+void Contact<Real>::see_body(const BodyView& now, const At& at) {
   if (surface_.is_outdated(now)) {
     surface_.rebuild(now);
     for (ToolContact& tool : tools_) tool.forget();
     if (self_) self_->rebuild(surface_, now.model);
   }
-  forget_if_given(at);
+  forget_if_replaced(at);
   const double until = std::max(frame_end_, at.time);  // a world that was restored is in no frame
   for (ToolContact& tool : tools_)
     if (tool.is_outdated(until, body_moved_)) search(tool, at, tool.moves_until(at.time, until));
@@ -208,8 +211,9 @@ void Contact<Real>::find_touched(const At& at, double until) {
   touched_.clear();
   const auto take = [&](int triangle) {
     for (int p : surface_.triangles()[std::size_t(triangle)].points) {
-      const ContactSurface::Point& own = surface_.points()[std::size_t(p)];
-      touched_.insert(touched_.end(), own.corners.begin(), own.corners.begin() + own.count);
+      const ContactSurface::Point& surface_point = surface_.points()[std::size_t(p)];
+      touched_.insert(touched_.end(), surface_point.corners.begin(),
+                      surface_point.corners.begin() + surface_point.count);
     }
   };
   for (const ToolContact& tool : tools_) {
@@ -229,7 +233,7 @@ void Contact<Real>::find_touched(const At& at, double until) {
 
 template <class Real>
 void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
-  for (OnTool& own : on_tools_) own = {.tool = own.tool};
+  for (OnTool& on_tool : on_tools_) on_tool = {.tool = on_tool.tool};
   for (ToolContact& tool : tools_) tool.begin_forces();
   visit_tools(at, [&](std::size_t i, ToolContact& tool, const ToolContact::At& here) {
     if (f_.cols() < x_.cols()) f_.resize(3, x_.cols());
@@ -258,9 +262,11 @@ void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum)
     column[5] += share * K(2, 2);
   };
   const auto add_to = [&](int point, double weight, const Mat3<double>& K) {
-    const ContactSurface::Point& own = surface_.points()[std::size_t(point)];
-    for (int c = 0; c < own.count; ++c)
-      add_to_vertex(own.corners[c], own.count == 1 ? weight * weight : std::abs(weight * own.weights[c]), K);
+    const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
+    for (int c = 0; c < surface_point.count; ++c)
+      add_to_vertex(surface_point.corners[c],
+                    surface_point.count == 1 ? weight * weight : std::abs(weight * surface_point.weights[c]),
+                    K);
   };
   visit_tools(at, [&](std::size_t, ToolContact& tool, const ToolContact::At& here) {
     tool.visit_stiffness(here, [&](int place, double weight, const Mat3<double>& K) {
@@ -288,14 +294,14 @@ double Contact<Real>::energy(const At& at) const {
 
 template <class Real>
 void Contact<Real>::begin_steps() {
-  kept_step_ = last_step_;
+  step_at_start_ = last_step_;
   if (self_) self_->keep();
   for (ToolContact& tool : tools_) tool.keep();
 }
 
 template <class Real>
 void Contact<Real>::take_back_steps() {
-  last_step_ = kept_step_;
+  last_step_ = step_at_start_;
   if (self_) self_->take_back();
   for (ToolContact& tool : tools_) tool.take_back();
 }
@@ -322,8 +328,8 @@ std::string Contact<Real>::save() const {
 }
 
 template <class Real>
-void Contact<Real>::load(const std::string& kept, Index) {
-  io::ByteReader in("checkpoint", kept);
+void Contact<Real>::load(const std::string& saved, Index) {
+  io::ByteReader in("checkpoint", saved);
   const auto last_step = in.get<double>();
   in.expect(last_step >= 0 && std::isfinite(last_step));
   Remembered of_self;
@@ -334,12 +340,12 @@ void Contact<Real>::load(const std::string& kept, Index) {
     io::get(in, own.remembered);
   }
   in.expect_end();
-  kept_ = std::move(found);
+  waiting_ = std::move(found);
   last_step_ = last_step;
   if (self_) self_->set_remembered(of_self);
-  std::erase_if(tools_, [](const ToolContact& own) { return !own.is_obstacle(); });
+  std::erase_if(tools_, [](const ToolContact& contact) { return !contact.is_obstacle(); });
   for (ToolContact& tool : tools_)
-    for (const OfTool& own : kept_)
+    for (const OfTool& own : waiting_)
       if (own.tool == tool.tool()) tool.set_remembered(own.remembered);
   on_tools_.clear();
 }

@@ -23,21 +23,21 @@ template <class Real>
 class Contact : public ForceTerm<Real> {
  public:
   using At = typename ForceTerm<Real>::At;
-  static constexpr const char* own_name = "contact";
+  static constexpr const char* term_name = "contact";
 
   explicit Contact(const ContactSetup& setup = {}, double body_damping = 0);  // γ [1/s]
 
   ~Contact() override;
 
-  std::string name() const override { return own_name; }
+  std::string name() const override { return term_name; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
   void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
   double energy(const At& at) const override;
   std::vector<Index> touched() const override { return touched_; }
 
-  bool wants_surroundings() const override { return true; }
+  bool needs_body() const override { return true; }
   bool see_tools(std::span<const ToolBody> bodies, double time) override;
-  void see_surroundings(const Surroundings& now, const At& at) override;
+  void see_body(const BodyView& now, const At& at) override;
   void begin_frame(double time, double duration) override { frame_end_ = time + duration; }
   std::span<const OnTool> on_tools() const override { return on_tools_; }
   void begin_steps() override;
@@ -45,7 +45,7 @@ class Contact : public ForceTerm<Real> {
   void end_step(double farthest, double dt) override;
 
   std::string save() const override;
-  void load(const std::string& kept, Index vertices) override;
+  void load(const std::string& saved, Index vertices) override;
 
   const ContactSurface& surface() const { return surface_; }
 
@@ -63,7 +63,7 @@ class Contact : public ForceTerm<Real> {
   }
   std::vector<int> there(double time) const;  // tools
   class Here;                                 // Places
-  void forget_if_given(const At& at) const;
+  void forget_if_replaced(const At& at) const;
   void find_all(const At& at) const;
   void search(ToolContact& tool, const At& at, double ahead) const;
   void find_touched(const At& at, double until);
@@ -79,13 +79,13 @@ class Contact : public ForceTerm<Real> {
   ContactSurface surface_;
   mutable std::vector<ToolContact> tools_;     // obstacles first, as tools of numbers below 0
   mutable std::unique_ptr<SelfContact> self_;  // none: the body does not touch itself
-  std::vector<OfTool> kept_;
+  std::vector<OfTool> waiting_;
   std::vector<OnTool> on_tools_;
-  std::vector<Index> touched_;            // that may be in this frame
-  double frame_end_ = 0;                  // [s]
-  double body_moved_ = 0;                 // by at most that in all steps [m]
-  double last_step_ = 0, kept_step_ = 0;  // [s]; the last before steps began
-  mutable std::uint64_t given_ = 0;
+  std::vector<Index> touched_;                // that may be in this frame
+  double frame_end_ = 0;                      // [s]
+  double body_moved_ = 0;                     // by at most that in all steps [m]
+  double last_step_ = 0, step_at_start_ = 0;  // [s]; the last before steps began
+  mutable std::uint64_t replaced_ = 0;
 
   // Scratch: all points of the surface; those of a tool's candidates; forces of the body on itself.
   mutable Mat3X<double> all_, x_;

@@ -27,8 +27,8 @@ DiagonalStiffness stiffness_at_rest(const Elements& elements, const std::vector<
     for (Index t : topology.around(v)) {
       if (std::exchange(is_known[std::size_t(t)], 1)) continue;
       const Eigen::Vector4i corners = topology.corners(t);
-      const CornerStiffness own = corner_stiffness(elements, t, Mat34<double>::Zero());
-      for (int c = 0; c < 4; ++c) K.col(corners[c]) += own.col(c);
+      const CornerStiffness stiffness = corner_stiffness(elements, t, Mat34<double>::Zero());
+      for (int c = 0; c < 4; ++c) K.col(corners[c]) += stiffness.col(c);
     }
   }
   return K;
@@ -42,13 +42,13 @@ double largest_of(const Eigen::Matrix<double, 6, 1>& K) {
 
 }  // namespace
 
-bool ContactSurface::is_outdated(const Surroundings& now) const {
+bool ContactSurface::is_outdated(const BodyView& now) const {
   const Revisions& revisions = now.model.revisions;
   return revision_ == 0 || surface_ != now.surface.revision || structure_ != revisions.structure ||
          inertia_ != revisions.inertia;
 }
 
-void ContactSurface::rebuild(const Surroundings& now) {
+void ContactSurface::rebuild(const BodyView& now) {
   ++revision_;
   surface_ = now.surface.revision;
   structure_ = now.model.revisions.structure;
@@ -56,13 +56,13 @@ void ContactSurface::rebuild(const Surroundings& now) {
   omega_ = now.omega;
   take_triangles(now);
   find_stiffness(now);
-  is_softened_ = now.spread && omega_ > 0;
+  is_softened_ = now.scale_forces && omega_ > 0;
   if (is_softened_) fit_to_selective_masses(now);
   find_quartile();
 }
 
 // Sorted by their owners. A crease of the surface is two vertices there and one point here.
-void ContactSurface::take_triangles(const Surroundings& now) {
+void ContactSurface::take_triangles(const BodyView& now) {
   const SurfaceMesh& surface = now.surface;
   std::vector<Index> order(surface.triangles.size());
   std::iota(order.begin(), order.end(), 0);
@@ -71,7 +71,7 @@ void ContactSurface::take_triangles(const Surroundings& now) {
     return std::pair(x.tet, x.code) < std::pair(y.tet, y.code);
   });
   std::vector<const SurfaceMesh::Within*> within(std::size_t(surface.vertex_count()), nullptr);
-  for (const SurfaceMesh::Within& own : surface.within) within[std::size_t(own.vertex)] = &own;
+  for (const SurfaceMesh::Within& inner : surface.within) within[std::size_t(inner.vertex)] = &inner;
   std::vector<int> of_vertex(std::size_t(now.model.elements.topology.vertex_count()), -1);
   std::vector<int> of_within(within.size(), -1);
   triangles_.clear();
@@ -90,28 +90,28 @@ void ContactSurface::take_triangles(const Surroundings& now) {
   };
   double edges = 0;
   for (Index t : order) {
-    Triangle own{
+    Triangle triangle{
         .points = {}, .owner = surface.owner[std::size_t(t)], .is_cut = surface.cut[std::size_t(t)] != 0};
     Mat3<double> X;
     for (int c = 0; c < 3; ++c) {
-      own.points[c] = point_of(surface.triangles[std::size_t(t)][c]);
-      const Point& point = points_[std::size_t(own.points[c])];
+      triangle.points[c] = point_of(surface.triangles[std::size_t(t)][c]);
+      const Point& point = points_[std::size_t(triangle.points[c])];
       X.col(c).setZero();
       for (int i = 0; i < point.count; ++i)
         X.col(c) += point.weights[i] * now.model.elements.points.col(point.corners[i]);
     }
-    own.area = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0)).norm() / 2;
+    triangle.area = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0)).norm() / 2;
     for (int c = 0; c < 3; ++c) {
       const double edge = (X.col(c) - X.col((c + 1) % 3)).norm();
-      own.longest = std::max(own.longest, edge);
+      triangle.longest = std::max(triangle.longest, edge);
       edges += edge;
     }
-    triangles_.push_back(own);
+    triangles_.push_back(triangle);
   }
   mean_edge_ = triangles_.empty() ? 0 : edges / (3.0 * double(triangles_.size()));
 }
 
-void ContactSurface::find_stiffness(const Surroundings& now) {
+void ContactSurface::find_stiffness(const BodyView& now) {
   const auto vertices = std::size_t(now.model.elements.topology.vertex_count());
   std::vector<double> area(vertices, 0), kappa(vertices, -1);
   for (const Triangle& t : triangles_)
@@ -150,16 +150,16 @@ void ContactSurface::find_quartile() {
   std::sort(sorted.begin(), sorted.end());
   quartile_ = 0;
   double below = 0;
-  for (const auto& [stiffness, own] : sorted) {
+  for (const auto& [stiffness, share] : sorted) {
     quartile_ = stiffness;
-    if ((below += own) >= area / 4) break;
+    if ((below += share) >= area / 4) break;
   }
 }
 
 // K_c of each triangle is a third of κ A along its normal at each corner, which is no less than what its
 // points give. λ_max is a convex function of the share of it, so that lines through two of its values meet
 // the bound at too small a share, never at too large a one.
-void ContactSurface::fit_to_selective_masses(const Surroundings& now) {
+void ContactSurface::fit_to_selective_masses(const BodyView& now) {
   const Elements& elements = now.model.elements;
   if (softening_ == 0) {
     std::vector<TetStiffness> K;
@@ -184,7 +184,7 @@ void ContactSurface::fit_to_selective_masses(const Surroundings& now) {
             }
             add_stiffened(elements, u, share, f);
           },
-          {.tolerance = 0.01, .most = 40}, now.spread);
+          {.tolerance = 0.01, .most = 40}, now.scale_forces);
       return found.omega * found.omega;
     };
     const double most = (1 + most_added) * omega_ * omega_;

@@ -37,10 +37,10 @@ class ContactSurface {
   };
 
   // Whether it is of another boundary, or of other masses.
-  bool is_outdated(const Surroundings& now) const;
+  bool is_outdated(const BodyView& now) const;
   // In an order that depends on the body alone, not on the edits that led to it. O(#triangles log
   // #triangles).
-  void rebuild(const Surroundings& now);
+  void rebuild(const BodyView& now);
 
   std::uint64_t revision() const { return revision_; }  // grows with each rebuild
   const std::vector<Triangle>& triangles() const { return triangles_; }
@@ -58,10 +58,10 @@ class ContactSurface {
 
  private:
   static constexpr double most_beyond = 24;
-  void take_triangles(const Surroundings& now);
-  void find_stiffness(const Surroundings& now);
+  void take_triangles(const BodyView& now);
+  void find_stiffness(const BodyView& now);
   void find_quartile();
-  void fit_to_selective_masses(const Surroundings& now);
+  void fit_to_selective_masses(const BodyView& now);
   void add_stiffened(const Elements& elements, const Mat3X<double>& u, double share,
                      Mat3X<double>& f) const;  // f −= share K_c u [N]
 

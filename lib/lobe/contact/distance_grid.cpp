@@ -40,8 +40,8 @@ NearestTriangle::NearestTriangle(const std::vector<Vec3d>& points,
     }
   }
   for (const Eigen::Vector3i& t : triangles) {
-    auto& own = edge_normals_.emplace_back();
-    for (int c = 0; c < 3; ++c) own[std::size_t(c)] = of_edge.at(std::minmax(t[c], t[(c + 1) % 3]));
+    auto& normals = edge_normals_.emplace_back();
+    for (int c = 0; c < 3; ++c) normals[std::size_t(c)] = of_edge.at(std::minmax(t[c], t[(c + 1) % 3]));
   }
   order_.resize(triangles.size());
   std::iota(order_.begin(), order_.end(), 0);

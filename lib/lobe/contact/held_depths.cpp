@@ -53,10 +53,10 @@ void HeldDepths::add(int triangle, const Eigen::Vector3i& points, const Vec3d& w
 
 void HeldDepths::end(const ContactSurface& surface, const ContactLaw& law, double time) {
   for (int t : triangles_) {
-    const ContactSurface::Triangle& own = surface.triangles()[std::size_t(t)];
-    OfTriangle& kept = next_.emplace_back(own.owner.tet, own.owner.code);
+    const ContactSurface::Triangle& triangle = surface.triangles()[std::size_t(t)];
+    OfTriangle& kept = next_.emplace_back(triangle.owner.tet, triangle.owner.code);
     for (int c = 0; c < 3; ++c) {
-      const auto p = std::size_t(own.points[c]);
+      const auto p = std::size_t(triangle.points[c]);
       const Sum& sum = sums_[p];
       const double depth = sum.weight > 0 ? sum.depth / sum.weight : 0;
       kept.depth[c] = law.held_after(time, depth, now_[p]);

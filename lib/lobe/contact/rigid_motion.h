@@ -7,11 +7,11 @@
 namespace lobe {
 
 struct RigidMotion {
-  Vec3d position = Vec3d::Zero();                // [m]
-  Mat3<double> turn = Mat3<double>::Identity();  // from its own axes to the world's
-  Vec3d velocity = Vec3d::Zero();                // [m/s]
-  Vec3d spin = Vec3d::Zero();                    // angular velocity [rad/s]
-  double opening = 0, opens = 0;                 // of jaws [m], and how fast [m/s]
+  Vec3d position = Vec3d::Zero();                    // [m]
+  Mat3<double> rotation = Mat3<double>::Identity();  // from its own axes to the world's
+  Vec3d velocity = Vec3d::Zero();                    // [m/s]
+  Vec3d spin = Vec3d::Zero();                        // angular velocity [rad/s]
+  double opening = 0, opens = 0;                     // of jaws [m], and how fast [m/s]
 
   Vec3d velocity_at(const Vec3d& x) const { return velocity + spin.cross(x - position); }
 };

@@ -45,18 +45,19 @@ Mat3<double> SelfContact::corners_of(const At& at, int triangle) const {
 }
 
 auto SelfContact::inverse(const Places& now, int layer) -> const Inverse& {
-  Inverse& own = inverses_[std::size_t(layer)];
-  if (own.pass == pass_) return own;
-  own.pass = pass_;
+  Inverse& inverse_of = inverses_[std::size_t(layer)];
+  if (inverse_of.pass == pass_) return inverse_of;
+  inverse_of.pass = pass_;
   const Eigen::Vector4i& v = layers_[std::size_t(layer)].corners;
-  own.origin = now.of_vertex(v[0]);
+  inverse_of.origin = now.of_vertex(v[0]);
   Mat3<double> edges;
-  for (int c = 0; c < 3; ++c) edges.col(c) = now.of_vertex(v[c + 1]) - own.origin;
-  own.is_sound = edges.determinant() > 0;
-  if (!own.is_sound) return own;
-  own.to_weights = edges.inverse();
-  own.heights << 1 / own.to_weights.colwise().sum().norm(), own.to_weights.rowwise().norm().cwiseInverse();
-  return own;
+  for (int c = 0; c < 3; ++c) edges.col(c) = now.of_vertex(v[c + 1]) - inverse_of.origin;
+  inverse_of.is_sound = edges.determinant() > 0;
+  if (!inverse_of.is_sound) return inverse_of;
+  inverse_of.to_weights = edges.inverse();
+  inverse_of.heights << 1 / inverse_of.to_weights.colwise().sum().norm(),
+      inverse_of.to_weights.rowwise().norm().cwiseInverse();
+  return inverse_of;
 }
 
 Eigen::Vector4d SelfContact::Inverse::weights(const Vec3d& x) const {
@@ -79,24 +80,24 @@ double SelfContact::gap_of_points(const Places& now, const Mat3<double>& corners
 
 // The first of the candidate's tetrahedra that a point is in, and its barycentric coordinates there; −1:
 // none. The one that it was in last is tried before, and is the only one but where the point is on a face.
-int SelfContact::find_tet(const At& at, const Candidate& own, const Vec3d& x, const Anchor* anchor,
+int SelfContact::find_tet(const At& at, const Candidate& candidate, const Vec3d& x, const Anchor* anchor,
                           Eigen::Vector4d& b) {
-  const int end = own.first + own.count;
+  const int end = candidate.first + candidate.count;
   if (anchor)
-    for (int i = own.first; i < end; ++i) {
+    for (int i = candidate.first; i < end; ++i) {
       const int layer = pairs_[std::size_t(i)].layer;
       if (layers_[std::size_t(layer)].tet != anchor->in) continue;
       const Inverse& tet = inverse(at.places, layer);
       if (!tet.is_sound) break;
       b = tet.weights(x);
       if (b.minCoeff() < -1e-9) break;
-      for (int j = own.first; j < end; ++j)  // of others nothing is known
+      for (int j = candidate.first; j < end; ++j)  // of others nothing is known
         if (pairs_[std::size_t(j)].due <= at.moved) gaps_[std::size_t(j)] = 0;
       gaps_[std::size_t(i)] = 0;
       return layer;
     }
   int found = -1;
-  for (int i = own.first; i < end; ++i) {
+  for (int i = candidate.first; i < end; ++i) {
     const Pair& pair = pairs_[std::size_t(i)];
     if (pair.due > at.moved) continue;
     const Inverse& tet = inverse(at.places, pair.layer);
@@ -111,9 +112,9 @@ int SelfContact::find_tet(const At& at, const Candidate& own, const Vec3d& x, co
 }
 
 // A point that is held and has come out still has the face that it has come through.
-bool SelfContact::find_kept_face(const At& at, const Candidate& own, const Vec3d& x, Touch& touch) {
+bool SelfContact::find_kept_face(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch) {
   const auto& triangles = at.surface.triangles();
-  for (int i = own.first; i < own.first + own.count; ++i) {
+  for (int i = candidate.first; i < candidate.first + candidate.count; ++i) {
     const int number = pairs_[std::size_t(i)].layer;
     const Layer& layer = layers_[std::size_t(number)];
     if (layer.tet != touch.anchor->in) continue;
@@ -132,16 +133,16 @@ bool SelfContact::find_kept_face(const At& at, const Candidate& own, const Vec3d
   return false;
 }
 
-bool SelfContact::find_touch(const At& at, const Candidate& own, const Vec3d& x, Touch& touch) {
-  const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
+bool SelfContact::find_touch(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch) {
+  const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
   touch.held = held_.any() ? held_.at(triangle.points, touch.weights) : 0;
-  touch.layer = find_tet(at, own, x, touch.anchor, touch.corner_weights);
+  touch.layer = find_tet(at, candidate, x, touch.anchor, touch.corner_weights);
   const bool is_in = touch.layer >= 0;
   if (is_in) {
     const Layer& layer = layers_[std::size_t(touch.layer)];
     touch.face = face_at(layer, layer.rest * touch.corner_weights);
     if (touch.face < 0) return false;
-  } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, own, x, touch))) {
+  } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, candidate, x, touch))) {
     return false;
   }
   const Mat3<double> y = corners_of(at, touch.face);
@@ -157,23 +158,23 @@ bool SelfContact::find_touch(const At& at, const Candidate& own, const Vec3d& x,
   touch.face_weights[0] = 1 - touch.face_weights[1] - touch.face_weights[2];
   constexpr double farthest_beside = -0.5;  // it has slid off
   if (!is_in && touch.face_weights.minCoeff() < farthest_beside) return false;
-  const double a = at.surface.self_stiffness(own.triangle), c = at.surface.self_stiffness(touch.face);
+  const double a = at.surface.self_stiffness(candidate.triangle), c = at.surface.self_stiffness(touch.face);
   touch.stiffness = a + c > 0 ? a * c / (a + c) / 2 : 0;
   touch.area = triangle.area / points_per_triangle;
   return true;
 }
 
 // Until its points may be inside: both sides may move.
-void SelfContact::put_off(Candidate& own, double moved) {
-  own.due = std::numeric_limits<double>::infinity();
-  for (int i = own.first; i < own.first + own.count; ++i) {
+void SelfContact::put_off(Candidate& candidate, double moved) {
+  candidate.due = std::numeric_limits<double>::infinity();
+  for (int i = candidate.first; i < candidate.first + candidate.count; ++i) {
     Pair& pair = pairs_[std::size_t(i)];
     const double gap = gaps_[std::size_t(i)];
     if (gap <= near_)
       pair.due = moved;
     else if (std::isfinite(gap))
       pair.due = moved + (gap - near_) / 2;
-    own.due = std::min(own.due, pair.due);
+    candidate.due = std::min(candidate.due, pair.due);
   }
 }
 
@@ -201,7 +202,7 @@ Vec3d SelfContact::slip_of(const At& at, const Touch& touch, double pressure) co
 void SelfContact::add_forces(const At& at, ContactForces& f) {
   const auto& triangles = at.surface.triangles();
   visit_touches(at, [&](const Touch& touch) {
-    const ContactSurface::Triangle& own = triangles[std::size_t(touch.candidate->triangle)];
+    const ContactSurface::Triangle& triangle = triangles[std::size_t(touch.candidate->triangle)];
     const ContactSurface::Triangle& face = triangles[std::size_t(touch.face)];
     const Layer& layer = layers_[std::size_t(touch.layer)];
     double pressure = at.law.pressure(touch.depth, touch.held, touch.stiffness);
@@ -215,13 +216,13 @@ void SelfContact::add_forces(const At& at, ContactForces& f) {
     const Vec3d pushed = touch.area * pressure * touch.normal;
     const Vec3d rubbed = -touch.area * touch.stiffness / 2 * slip;
     for (int c = 0; c < 3; ++c) {
-      f.add_to_point(own.points[c], touch.weights[c] * (pushed + rubbed));
+      f.add_to_point(triangle.points[c], touch.weights[c] * (pushed + rubbed));
       f.add_to_point(face.points[c], -touch.face_weights[c] * pushed);
     }
     if (friction_ > 0)
       for (int c = 0; c < 4; ++c) f.add_to_vertex(layer.corners[c], -touch.corner_weights[c] * rubbed);
-    next_.push_back({.tet = own.owner.tet,
-                     .code = own.owner.code,
+    next_.push_back({.tet = triangle.owner.tet,
+                     .code = triangle.owner.code,
                      .divisions = divisions,
                      .number = touch.number,
                      .at = slip,
@@ -229,7 +230,7 @@ void SelfContact::add_forces(const At& at, ContactForces& f) {
                      .face_code = face.owner.code,
                      .in = layer.tet});
     if (at.law.hold > 0)
-      held_.add(touch.candidate->triangle, own.points, touch.weights, touch.area * touch.stiffness,
+      held_.add(touch.candidate->triangle, triangle.points, touch.weights, touch.area * touch.stiffness,
                 touch.depth);
   });
   held_.end(at.surface, at.law, at.since);

@@ -85,8 +85,8 @@ class SelfContact {
     held_.set(own.held);
     forget();
   }
-  void keep() { kept_ = remembered(); }
-  void take_back() { set_remembered(kept_); }
+  void keep() { anchors_at_start_ = remembered(); }
+  void take_back() { set_remembered(anchors_at_start_); }
 
  private:
   struct Layer {  // a tetrahedron with a corner on the boundary
@@ -142,10 +142,11 @@ class SelfContact {
   double gap_of_points(const Places& now, const Mat3<double>& corners, int layer);
   template <class Visit>
   void visit_touches(const At& at, Visit&& visit);
-  int find_tet(const At& at, const Candidate& own, const Vec3d& x, const Anchor* anchor, Eigen::Vector4d& b);
-  bool find_kept_face(const At& at, const Candidate& own, const Vec3d& x, Touch& touch);
-  bool find_touch(const At& at, const Candidate& own, const Vec3d& x, Touch& touch);
-  void put_off(Candidate& own, double moved);
+  int find_tet(const At& at, const Candidate& candidate, const Vec3d& x, const Anchor* anchor,
+               Eigen::Vector4d& b);
+  bool find_kept_face(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch);
+  bool find_touch(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch);
+  void put_off(Candidate& candidate, double moved);
   Vec3d speed_of(const At& at, const Touch& touch) const;
   Vec3d slip_of(const At& at, const Touch& touch, double pressure) const;
 
@@ -183,7 +184,7 @@ class SelfContact {
 
   std::vector<Anchor> anchors_, next_;  // of now, after the step that is under way
   HeldDepths held_;
-  Remembered kept_;  // when steps began
+  Remembered anchors_at_start_;  // when steps began
 };
 
 template <class Visit>
@@ -192,19 +193,19 @@ void SelfContact::visit_touches(const At& at, Visit&& visit) {
   held_.use(at.surface);
   AnchorReader anchors(anchors_);
   Touch touch;
-  for (Candidate& own : candidates_) {
-    if (own.due > at.moved) continue;
-    const Mat3<double> corners = corners_of(at, own.triangle);
-    const FaceOwner& owner = at.surface.triangles()[std::size_t(own.triangle)].owner;
-    touch.candidate = &own;
-    std::fill_n(gaps_.begin() + own.first, own.count, std::numeric_limits<double>::infinity());
+  for (Candidate& candidate : candidates_) {
+    if (candidate.due > at.moved) continue;
+    const Mat3<double> corners = corners_of(at, candidate.triangle);
+    const FaceOwner& owner = at.surface.triangles()[std::size_t(candidate.triangle)].owner;
+    touch.candidate = &candidate;
+    std::fill_n(gaps_.begin() + candidate.first, candidate.count, std::numeric_limits<double>::infinity());
     visit_centroids(divisions, [&](int number, const Vec3d& weights) {
       touch.number = number;
       touch.weights = weights;
       touch.anchor = anchors.find(owner, divisions, number);
-      if (find_touch(at, own, corners * weights, touch)) visit(touch);
+      if (find_touch(at, candidate, corners * weights, touch)) visit(touch);
     });
-    put_off(own, at.moved);
+    put_off(candidate, at.moved);
   }
 }
 
@@ -230,17 +231,17 @@ void SelfContact::visit_stiffness(const At& at, AtPoint&& at_point, AtVertex&& a
 template <class Triangle, class Tetrahedron>
 void SelfContact::visit_close(const At& at, Triangle&& triangle, Tetrahedron&& tetrahedron) {
   ++pass_;
-  for (const Candidate& own : candidates_) {
-    if (own.due > at.moved) continue;
-    const Mat3<double> corners = corners_of(at, own.triangle);
+  for (const Candidate& candidate : candidates_) {
+    if (candidate.due > at.moved) continue;
+    const Mat3<double> corners = corners_of(at, candidate.triangle);
     bool is_close = false;
-    for (int i = own.first; i < own.first + own.count; ++i) {
+    for (int i = candidate.first; i < candidate.first + candidate.count; ++i) {
       const Pair& pair = pairs_[std::size_t(i)];
       if (pair.due > at.moved || gap_of_points(at.places, corners, pair.layer) > near_) continue;
       is_close = true;
       tetrahedron(layers_[std::size_t(pair.layer)].corners);
     }
-    if (is_close) triangle(own.triangle);
+    if (is_close) triangle(candidate.triangle);
   }
 }
 

@@ -27,7 +27,7 @@ double gap_between(const Mat3<double>& triangle, const Mat34<double>& tet) {
   const auto beyond = [&](const Vec3d& n, const Vec3d& from, const auto& points, double sign) {
     return (sign / n.norm() * n.transpose() * (points.colwise() - from)).minCoeff();
   };
-  const Vec3d a = triangle.col(0), own = (triangle.col(1) - a).cross(triangle.col(2) - a);
+  const Vec3d a = triangle.col(0), normal = (triangle.col(1) - a).cross(triangle.col(2) - a);
   double gap = std::max(beyond(own, a, tet, 1), beyond(own, a, tet, -1));
   for (int c = 0; c < 4; ++c) {  // the face opposite to this corner
     const Vec3d x = tet.col((c + 1) % 4);
@@ -50,10 +50,10 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   const auto& triangles = surface.triangles();
   planes_.clear();
   rest_.clear();
-  for (const ContactSurface::Triangle& own : triangles) {
+  for (const ContactSurface::Triangle& triangle : triangles) {
     Mat3<double> X = Mat3<double>::Zero();
     for (int c = 0; c < 3; ++c) {
-      const ContactSurface::Point& point = surface.points()[std::size_t(own.points[c])];
+      const ContactSurface::Point& point = surface.points()[std::size_t(triangle.points[c])];
       for (int i = 0; i < point.count; ++i)
         X.col(c) += point.weights[i] * elements.points.col(point.corners[i]);
     }
@@ -262,9 +262,9 @@ void SelfContact::take_candidates(const ContactSurface& surface, double moved) {
     }
     const double gap = is_held ? 0 : found.gap;
     pairs_.push_back({found.layer, moved + std::max(0.0, gap - near_) / 2});
-    Candidate& own = candidates_.back();
-    ++own.count;
-    own.due = std::min(own.due, pairs_.back().due);
+    Candidate& candidate = candidates_.back();
+    ++candidate.count;
+    candidate.due = std::min(candidate.due, pairs_.back().due);
   }
   gaps_.resize(pairs_.size());
 }

@@ -50,7 +50,7 @@ bool ToolContact::is_outdated(double time, double body_moved) const {
 double ToolContact::gap_to(const Mat3<double>& triangle, const RigidMotion& now) const {
   const Vec3d centre = triangle.rowwise().sum() / 3;
   const double radius = std::sqrt((triangle.colwise() - centre).colwise().squaredNorm().maxCoeff());
-  return distance_.at(now.turn.transpose() * (centre - now.position), now.opening).value - radius -
+  return distance_.at(now.rotation.transpose() * (centre - now.position), now.opening).value - radius -
          distance_.error();
 }
 
@@ -63,30 +63,30 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
   candidates_.clear();
   double gap = std::numeric_limits<double>::infinity();  // to the nearest triangle that is no candidate
   for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
-    const ContactSurface::Triangle& own = surface.triangles()[t];
-    const Vec3d a = x.col(own.points[0]), b = x.col(own.points[1]), c = x.col(own.points[2]);
+    const ContactSurface::Triangle& triangle = surface.triangles()[t];
+    const Vec3d a = x.col(triangle.points[0]), b = x.col(triangle.points[1]), c = x.col(triangle.points[2]);
     const Vec3d centre = (a + b + c) / 3;
     const double radius = std::sqrt(
         std::max({(a - centre).squaredNorm(), (b - centre).squaredNorm(), (c - centre).squaredNorm()}));
     double distance = (centre - now.position).norm() - distance_.reach() - now.opening - radius;
-    if (distance <= margin) distance = gap_to(x(Eigen::all, own.points), now);
+    if (distance <= margin) distance = gap_to(x(Eigen::all, triangle.points), now);
     if (!(distance <= margin)) {
       gap = std::min(gap, distance);
       continue;
     }
     Candidate& found = candidates_.emplace_back();
     found.triangle = static_cast<int>(t);
-    found.divisions = divisions_of(own.longest, distance_.fineness());
-    found.points = own.points;
-    for (int p : own.points) place_of_[std::size_t(p)] = 0;
+    found.divisions = divisions_of(triangle.longest, distance_.fineness());
+    found.points = triangle.points;
+    for (int p : triangle.points) place_of_[std::size_t(p)] = 0;
   }
   for (std::size_t p = 0; p < place_of_.size(); ++p) {  // in the order of the surface, as sums go over them
     if (place_of_[p] < 0) continue;
     place_of_[p] = static_cast<int>(points_.size());
     points_.push_back(static_cast<int>(p));
   }
-  for (Candidate& own : candidates_)
-    for (int& p : own.points) p = place_of_[std::size_t(p)];
+  for (Candidate& candidate : candidates_)
+    for (int& p : candidate.points) p = place_of_[std::size_t(p)];
   slack_ = candidates_.empty() ? gap : margin;
   moved_ = 0;
   moved_at_ = time;
@@ -113,15 +113,15 @@ void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
   double grip = 0;
   Mat3<double> speeds;  // of the corners of a triangle
   const Candidate* of_speeds = nullptr;
-  visit_touches(at, now, [&](const Candidate& own, const Touch& touch) {
-    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
-    const double area = triangle.area / (own.divisions * own.divisions);
+  visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
+    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
+    const double area = triangle.area / (candidate.divisions * candidate.divisions);
     double pressure = at.law.pressure(touch.depth, touch.held, triangle.stiffness);
     if (at.law.damping > 0) {
-      if (std::exchange(of_speeds, &own) != &own)
+      if (std::exchange(of_speeds, &candidate) != &candidate)
         for (int c = 0; c < 3; ++c) speeds.col(c) = at.places.velocity_of_point(triangle.points[c]);
-      const Vec3d v = speeds * touch.weights - now.velocity - now.spin.cross(now.turn * touch.place);
-      const double approach = -touch.gradient.dot(now.turn.transpose() * v) +
+      const Vec3d v = speeds * touch.weights - now.velocity - now.spin.cross(now.rotation * touch.place);
+      const double approach = -touch.gradient.dot(now.rotation.transpose() * v) +
                               touch.gradient.y() * std::copysign(now.opens / 2, touch.place.y());
       pressure = std::max(0.0, pressure + at.law.damping * triangle.stiffness * approach);
     }
@@ -131,29 +131,29 @@ void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
     if (friction_ > 0)
       next_.push_back({.tet = triangle.owner.tet,
                        .code = triangle.owner.code,
-                       .divisions = own.divisions,
+                       .divisions = candidate.divisions,
                        .number = touch.number,
                        .at = touch.place - slip});
     if (at.law.hold > 0)
-      held_.add(own.triangle, triangle.points, touch.weights, area * triangle.stiffness, touch.depth);
-    const Vec3d own_force = area * traction, in_world = now.turn * own_force;
-    for (int c = 0; c < 3; ++c) f.col(own.points[c]) += touch.weights[c] * in_world;
+      held_.add(candidate.triangle, triangle.points, touch.weights, area * triangle.stiffness, touch.depth);
+    const Vec3d own_force = area * traction, in_world = now.rotation * own_force;
+    for (int c = 0; c < 3; ++c) f.col(candidate.points[c]) += touch.weights[c] * in_world;
     force += own_force;
     torque += touch.place.cross(own_force);
     grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
   });
   held_.end(at.surface, at.law, at.since);
-  on_tool_.force = now.turn * force;
-  on_tool_.torque = now.turn * torque;
+  on_tool_.force = now.rotation * force;
+  on_tool_.torque = now.rotation * torque;
   if (shape_.kind == RigidShape::Kind::jaws) on_tool_.grip = std::max(0.0, grip);
 }
 
 double ToolContact::energy(const At& at) const {
   if (!is_there(at.time)) return 0;
   double sum = 0;
-  visit_touches(at, motion_at(path_, at.time), [&](const Candidate& own, const Touch& touch) {
-    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
-    const double area = triangle.area / (own.divisions * own.divisions);
+  visit_touches(at, motion_at(path_, at.time), [&](const Candidate& candidate, const Touch& touch) {
+    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
+    const double area = triangle.area / (candidate.divisions * candidate.divisions);
     sum += area * at.law.energy(touch.depth, touch.held, triangle.stiffness);
     if (friction_ == 0) return;
     const double pressure = at.law.pressure(touch.depth, touch.held, triangle.stiffness);

@@ -79,13 +79,13 @@ class ToolContact {
   template <class Visit>
   void visit_stiffness(const At& at, Visit&& visit) const {
     const RigidMotion now = motion_at(path_, at.time);
-    visit_touches(at, now, [&](const Candidate& own, const Touch& touch) {
-      const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
-      const double k = triangle.stiffness * triangle.area / (own.divisions * own.divisions);
-      const Vec3d n = now.turn * touch.gradient;
+    visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
+      const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
+      const double k = triangle.stiffness * triangle.area / (candidate.divisions * candidate.divisions);
+      const Vec3d n = now.rotation * touch.gradient;
       Mat3<double> K = k * n * n.transpose();
       if (friction_ > 0) K += k / 2 * (Mat3<double>::Identity() - n * n.transpose());
-      for (int c = 0; c < 3; ++c) visit(own.points[c], touch.weights[c], K);
+      for (int c = 0; c < 3; ++c) visit(candidate.points[c], touch.weights[c], K);
     });
   }
 
@@ -95,8 +95,8 @@ class ToolContact {
   void visit_close(const Mat3X<double>& x, double time, double until, Visit&& visit) const {
     const RigidMotion now = motion_at(path_, time);
     const double ahead = moves_until(time, until);
-    for (const Candidate& own : candidates_)
-      if (gap_to(x(Eigen::all, own.points), now) <= ahead + held_.most()) visit(own.triangle);
+    for (const Candidate& candidate : candidates_)
+      if (gap_to(x(Eigen::all, candidate.points), now) <= ahead + held_.most()) visit(candidate.triangle);
   }
 
   // ---- What it remembers
@@ -111,8 +111,8 @@ class ToolContact {
     held_.set(own.held);
     forget();
   }
-  void keep() { kept_ = remembered(); }
-  void take_back() { set_remembered(kept_); }
+  void keep() { anchors_at_start_ = remembered(); }
+  void take_back() { set_remembered(anchors_at_start_); }
 
  private:
   static constexpr double nothing_ahead = -std::numeric_limits<double>::infinity();
@@ -149,7 +149,7 @@ class ToolContact {
 
   std::vector<Anchor> anchors_, next_;  // of now, after the step that is under way
   HeldDepths held_;
-  Remembered kept_;  // when steps began
+  Remembered anchors_at_start_;  // when steps began
   OnTool on_tool_;
 };
 
@@ -157,21 +157,22 @@ template <class Visit>
 void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const {
   AnchorReader anchors(anchors_);
   const double most_held = held_.most();
-  for (const Candidate& own : candidates_) {
+  for (const Candidate& candidate : candidates_) {
     Mat3<double> x;
-    for (int c = 0; c < 3; ++c) x.col(c) = now.turn.transpose() * (at.x.col(own.points[c]) - now.position);
+    for (int c = 0; c < 3; ++c)
+      x.col(c) = now.rotation.transpose() * (at.x.col(candidate.points[c]) - now.position);
     const Vec3d centre = x.rowwise().sum() / 3;
     const double radius = std::sqrt((x.colwise() - centre).colwise().squaredNorm().maxCoeff());
     if (distance_.at(centre, now.opening).value > radius + distance_.error() + most_held) continue;
-    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(own.triangle)];
-    visit_centroids(own.divisions, [&](int number, const Vec3d& weights) {
+    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
+    visit_centroids(candidate.divisions, [&](int number, const Vec3d& weights) {
       const Vec3d place = x * weights;
       const Distance g = distance_.at(place, now.opening);
       if (g.value >= most_held) return;
       const double held = held_.any() ? held_.at(triangle.points, weights) : 0;
       if (g.value >= held) return;
-      const Anchor* anchor = anchors.find(triangle.owner, own.divisions, number);
-      visit(own, Touch{weights, number, -g.value, held, anchor, g.gradient, place});
+      const Anchor* anchor = anchors.find(triangle.owner, candidate.divisions, number);
+      visit(candidate, Touch{weights, number, -g.value, held, anchor, g.gradient, place});
     });
   }
 }

@@ -57,12 +57,12 @@ void TetGroups::add_copy(Index tet, Index copy) {
 }
 
 template <class Box>
-bool TetGroups::may_meet(const Box& own, const SweptVolume& volume) const {
-  if (own.path < 0) return true;
-  const double moved = path_ - own.path;
-  if (own.box.isEmpty() || own.box.squaredExteriorDistance(volume.box) > moved * moved) return false;
+bool TetGroups::may_meet(const Box& group, const SweptVolume& volume) const {
+  if (group.path < 0) return true;
+  const double moved = path_ - group.path;
+  if (group.box.isEmpty() || group.box.squaredExteriorDistance(volume.box) > moved * moved) return false;
   const Vec3d around = Vec3d::Constant(moved);
-  return !volume.may_meet || volume.may_meet({own.box.min() - around, own.box.max() + around});
+  return !volume.may_meet || volume.may_meet({group.box.min() - around, group.box.max() + around});
 }
 
 template <class Real>

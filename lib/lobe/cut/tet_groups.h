@@ -42,7 +42,7 @@ class TetGroups {
   };
   void form(const Topology& topology, const Mat3X<double>& points);
   template <class Box>
-  bool may_meet(const Box& own, const SweptVolume& volume) const;
+  bool may_meet(const Box& group, const SweptVolume& volume) const;
 
   std::vector<Index> order_;
   std::vector<Index> leaf_of_;  // per tetrahedron; none before there is a copy

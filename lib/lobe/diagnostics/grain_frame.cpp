@@ -59,7 +59,7 @@ void write_grain_frame(const std::filesystem::path& file, const Elements& elemen
     cells.region.values(0, at) = static_cast<int>(elements.region_of[t]);
     cells.source.values(0, at) = t;
     cells.parent.values(0, at) = elements.topology.parent(t);
-    cells.skin.values(0, at) = grain.skin;
+    cells.skin.values(0, at) = grain.boundary;
     cells.ratio.values(0, at) = fields.volume_ratio;
     cells.density.values(0, at) = elements.elastic_of(t).density;
     cells.von_mises.values(0, at) = fields.von_mises;

@@ -24,22 +24,22 @@ Elements::Elements(const Body& body)
 void Elements::follow(const MeshEdit& edit) {
   points.extend(topology.vertex_count());
   for (const VertexSplit& split : edit.splits) points.col(split.copy) = points.col(split.vertex);
-  for (const TetCopy& own : edit.copies) {
-    if (!labels.empty()) labels.push_back(labels[own.tet]);
-    material_of.push_back(material_of[own.tet]);
-    region_of.push_back(region_of[own.tet]);
+  for (const TetCopy& tet_copy : edit.copies) {
+    if (!labels.empty()) labels.push_back(labels[tet_copy.tet]);
+    material_of.push_back(material_of[tet_copy.tet]);
+    region_of.push_back(region_of[tet_copy.tet]);
   }
   if (fibres.cols() > 0 && !edit.copies.empty()) {
     Eigen::Index at = fibres.cols();
     fibres.conservativeResize(Eigen::NoChange, topology.tet_count());
-    for (const TetCopy& own : edit.copies) fibres.col(at++) = fibres.col(own.tet);
+    for (const TetCopy& tet_copy : edit.copies) fibres.col(at++) = fibres.col(tet_copy.tet);
   }
   if (edit.shares.empty()) return;
   shares.resize(std::size_t(topology.tet_count()), 1);
   corner_volumes.resize(shares.size());
-  for (const TetShare& own : edit.shares) {
-    shares[own.tet] = own.share;
-    corner_volumes[own.tet] = volume(own.tet) / 4;
+  for (const TetShare& tet_share : edit.shares) {
+    shares[tet_share.tet] = tet_share.share;
+    corner_volumes[tet_share.tet] = volume(tet_share.tet) / 4;
   }
 }
 

@@ -37,9 +37,9 @@ struct Elements {
   double share_of(Index tet) const { return shares.empty() ? 1 : shares[tet]; }
   double volume(Index tet) const { return share_of(tet) * signed_volume(corner_points(tet)); }  // [m³]
   Shape shape_of(Index tet) const {
-    Shape own = shape(corner_points(tet));
-    own.volume *= share_of(tet);
-    return own;
+    Shape of_whole = shape(corner_points(tet));
+    of_whole.volume *= share_of(tet);
+    return of_whole;
   }
   // The topology has made copies, or divided volumes again.
   void follow(const MeshEdit& edit);

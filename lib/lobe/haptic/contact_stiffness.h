@@ -6,7 +6,7 @@
 #include <atomic>
 #include <thread>
 
-#include "lobe/haptic/patch.h"
+#include "lobe/haptic/contact_patch.h"
 
 namespace lobe {
 
@@ -50,7 +50,7 @@ class ContactStiffness {
   void help();
 
   const Settings settings_;
-  Patch patch_;                                    // of the helper while work is wanted
+  ContactPatch patch_;                             // of the helper while work is wanted
   Mat3<double> condensed_ = Mat3<double>::Zero();  // its result
   Mat3<double> K_ = Mat3<double>::Zero(), of_patch_ = Mat3<double>::Zero(),
                correction_ = Mat3<double>::Zero();

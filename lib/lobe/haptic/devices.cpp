@@ -8,17 +8,17 @@ bool MouseDevice::read(DeviceState& state) noexcept {
   constexpr HandLimits limits{.lag = 0.04, .top_speed = 0.5, .top_turn = 10, .force_cap = 1};
   const PointerTarget::At target = target_.read();
   if (!is_there_ && !target) return false;
-  if (!std::exchange(is_there_, true)) follower_ = Follower(*target);
-  const Vec3d before = follower_.pose().position;
-  if (target) follower_.aim({*target});
-  if (!std::exchange(begins_, false)) follower_.step(tick_, limits);
-  state.position = follower_.pose().position;
+  if (!std::exchange(is_there_, true)) filter_ = PoseFilter(*target);
+  const Vec3d before = filter_.pose().position;
+  if (target) filter_.aim({*target});
+  if (!std::exchange(begins_, false)) filter_.step(tick_, limits);
+  state.position = filter_.pose().position;
   state.velocity = (state.position - before) / tick_;
   return true;
 }
 
 void MouseDevice::begin_at(const Vec3d& tool) noexcept {
-  follower_ = Follower(tool);
+  filter_ = PoseFilter(tool);
   is_there_ = begins_ = true;
 }
 
@@ -51,8 +51,8 @@ void SimulatedHand::move(double dt) {
   const Vec3d before = goal_;
   time_ += dt;
   if (path_) goal_ = path_(time_);
-  const Vec3d led = path_ ? Vec3d((goal_ - before) / dt) : Vec3d::Zero();
-  const Vec3d grip = body_.grip * (goal_ - position_) + body_.grip_damping * (led - velocity_);
+  const Vec3d path_velocity = path_ ? Vec3d((goal_ - before) / dt) : Vec3d::Zero();
+  const Vec3d grip = body_.grip * (goal_ - position_) + body_.grip_damping * (path_velocity - velocity_);
   velocity_ += dt / body_.mass * (force_ + grip - body_.damping * velocity_);
   position_ += dt * velocity_;
 }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "lobe/haptic/link.h"
-#include "lobe/live/follower.h"
+#include "lobe/live/pose_filter.h"
 
 namespace lobe {
 
@@ -48,7 +48,7 @@ class MouseDevice final : public HapticDevice {
   const double tick_;
   PointerTarget target_;
   bool is_there_ = false, begins_ = false;
-  Follower follower_;
+  PoseFilter filter_;
 };
 
 // A hand with a device in it, simulated: a mass on a damper, which a spring draws along a path. Each read()

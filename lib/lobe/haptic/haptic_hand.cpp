@@ -12,14 +12,14 @@ using Kind = HandCommand::Kind;
 template <class Real>
 HapticHand<Real>::HapticHand(Session<Real>& session, HapticLink& link, const Settings& settings)
     : session_(session), link_(link), settings_(settings), stiffness_(settings.stiffness) {
-  if (settings.controller < 0) own_.emplace(session.connect("haptic"));
-  controller_ = own_ ? own_->number() : settings.controller;
-  session.between_frames([&] { session.let_in(*this); });
+  if (settings.controller < 0) made_controller_.emplace(session.connect("haptic"));
+  controller_ = made_controller_ ? made_controller_->number() : settings.controller;
+  session.between_frames([&] { session.add_hook(*this); });
 }
 
 template <class Real>
 HapticHand<Real>::~HapticHand() {
-  session_.between_frames([&] { session_.let_out(*this); });
+  session_.between_frames([&] { session_.remove_hook(*this); });
 }
 
 // ---- Before a frame
@@ -30,10 +30,10 @@ void HapticHand<Real>::press_buttons(Hands<Real>& hands, const HapticState& stat
   if (pressed == is_pressed_) return;
   is_pressed_ = pressed;
   try {
-    hands.obey(controller_, {.kind = pressed ? Kind::take_at_point : Kind::let_go,
-                             .hand = settings_.hand,
-                             .position = state.tool,
-                             .radius = settings_.radius});
+    hands.perform_command(controller_, {.kind = pressed ? Kind::take_at_point : Kind::let_go,
+                                        .hand = settings_.hand,
+                                        .position = state.tool,
+                                        .radius = settings_.radius});
   } catch (const InputError& error) {
     hands.say("refused", std::string("haptic: ") + error.what());
   }
@@ -54,11 +54,11 @@ void HapticHand<Real>::before_frame(Hands<Real>& hands, World<Real>&, double) {
   const auto state = link_.state.latest();
   if (state) {
     tell_troubles(hands, *state);
-    if (own_) press_buttons(hands, *state);
+    if (made_controller_) press_buttons(hands, *state);
   }
-  const auto led = hands.led(controller_, settings_.hand);
-  before_ = led.pose.position;
-  if (!state || led.tool == 0 || !model_.is_engaged || state->engagement != model_.engagement) return;
+  const auto led_tool = hands.led_tool(controller_, settings_.hand);
+  before_ = led_tool.pose.position;
+  if (!state || led_tool.tool == 0 || !model_.is_engaged || state->engagement != model_.engagement) return;
   if (state->is_there) hands.place(controller_, settings_.hand, {state->tool, state->orientation});
 }
 
@@ -126,15 +126,15 @@ void HapticHand<Real>::feel(World<Real>& world, ToolId tool, double duration) {
   const Felt felt = felt_by(world, tool);
   model_.force = felt.force;
   model_.torque = felt.torque;
-  model_.is_held = !felt.only_pushes;
+  model_.is_bilateral = !felt.only_pushes;
   std::vector<Index> contact;
   if (!felt.only_pushes) {
     contact = held_by(world, tool);
     if (contact.empty() && felt.force.norm() > least_push)
-      contact = near_tip(world, model_.anchor, 1.5 * felt.radius);
+      contact = near_tip(world, model_.tool_at_end, 1.5 * felt.radius);
   } else if (felt.force.norm() > least_push) {
     model_.normal = felt.force.normalized();
-    contact = near_tip(world, model_.anchor, 1.5 * felt.radius);
+    contact = near_tip(world, model_.tool_at_end, 1.5 * felt.radius);
   }
   const auto u = world.displacements();
   const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
@@ -144,22 +144,22 @@ void HapticHand<Real>::feel(World<Real>& world, ToolId tool, double duration) {
 
 template <class Real>
 void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, double duration) {
-  const auto led = hands.led(controller_, settings_.hand);
-  const bool is_same = led.tool != 0 && led.tool == tool_;
+  const auto led_tool = hands.led_tool(controller_, settings_.hand);
+  const bool is_same = led_tool.tool != 0 && led_tool.tool == tool_;
   if (!is_same) {
     stiffness_.forget();
-    tool_ = led.tool;
-    engagement_ += led.tool != 0;
+    tool_ = led_tool.tool;
+    engagement_ += led_tool.tool != 0;
     model_ = {.engagement = engagement_};
-    before_ = led.pose.position;
+    before_ = led_tool.pose.position;
   }
-  model_.is_engaged = led.tool != 0;
+  model_.is_engaged = led_tool.tool != 0;
   model_.frame = duration;
   model_.time = world.time();
-  if (led.tool != 0) {
-    model_.anchor = led.pose.position;
-    model_.position = 0.5 * (before_ + led.pose.position);
-    feel(world, led.tool, duration);
+  if (led_tool.tool != 0) {
+    model_.tool_at_end = led_tool.pose.position;
+    model_.position = 0.5 * (before_ + led_tool.pose.position);
+    feel(world, led_tool.tool, duration);
   }
   if (LocalModel* shared = link_.model.writable()) {
     *shared = model_;

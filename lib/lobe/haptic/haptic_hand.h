@@ -20,7 +20,7 @@
 namespace lobe {
 
 template <class Real>
-class HapticHand final : public SessionGuest<Real> {
+class HapticHand final : public SessionHook<Real> {
  public:
   struct Settings {
     int controller = -1;  // whose hand it is; −1: a controller of its own, and the buttons take hold
@@ -44,7 +44,7 @@ class HapticHand final : public SessionGuest<Real> {
   Session<Real>& session_;
   HapticLink& link_;
   const Settings settings_;
-  std::optional<Controller> own_;
+  std::optional<Controller> made_controller_;
   int controller_;
   ContactStiffness stiffness_;
   LocalModel model_;

@@ -23,7 +23,7 @@ class LinkedServo {
     const LocalModel before = model_;
     if (const auto latest = link_.model.latest()) model_ = *latest;
     const bool is_new = !before.is_engaged || before.engagement != model_.engagement;
-    return model_.is_engaged && is_new ? &model_.anchor : nullptr;
+    return model_.is_engaged && is_new ? &model_.tool_at_end : nullptr;
   }
 
   const HapticState& tick(const DeviceState* device, double dt) {

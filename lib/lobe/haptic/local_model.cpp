@@ -21,14 +21,14 @@ struct Push {
 
 Vec3d force_at(const LocalModel& model, const Vec3d& x) {
   const Vec3d way = x - model.position;
-  if (model.is_held) return model.force - model.K * way;
+  if (model.is_bilateral) return model.force - model.K * way;
   const Push push(model);
   return std::max(0.0, push.force - push.stiffness * model.normal.dot(way)) * push.per_normal;
 }
 
 Proxy quasi_static_proxy(const LocalModel& model, const Vec3d& device, double coupling, const Vec3d& offset) {
   const Vec3d way = device - model.position;
-  if (model.is_held) {
+  if (model.is_bilateral) {
     const Mat3<double> both = coupling * Mat3<double>::Identity() + model.K;
     const Vec3d y = both.inverse() * (coupling * way + model.force + offset);
     return {model.position + y, model.force + offset - model.K * y};

@@ -16,10 +16,10 @@ namespace lobe {
 struct LocalModel {
   bool is_engaged = false;                // there is a tool for the hand to lead
   std::uint32_t engagement = 0;           // counts those tools
-  bool is_held = true;                    // false: it only pushes, along the normal
+  bool is_bilateral = true;               // false: it only pushes, along the normal
   double frame = 1.0 / 120;               // between two models, of the clock [s]
   double time = 0;                        // simulated [s]
-  Vec3d anchor = Vec3d::Zero();           // where the tool is at the end of the frame [m]
+  Vec3d tool_at_end = Vec3d::Zero();      // where the tool is at the end of the frame [m]
   Vec3d position = Vec3d::Zero();         // x_k [m]
   Vec3d force = Vec3d::Zero();            // f_k, on the tool [N]
   Vec3d torque = Vec3d::Zero();           // on the tool [N m]

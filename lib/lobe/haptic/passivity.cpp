@@ -17,7 +17,7 @@ void Passivity::forget_above(double stored) { energy_ = std::min(energy_, stored
 
 double Passivity::damping(const Vec3d& velocity, double dt) const {
   const double square = velocity.squaredNorm();
-  if (energy_ >= -unfelt_ || square == 0) return 0;
+  if (energy_ >= -deadband_ || square == 0) return 0;
   return std::min(highest_damping_, -energy_ / (dt * square));
 }
 

@@ -19,10 +19,10 @@ double passive_stiffness(double device_damping, double coupling_damping, double 
 
 class Passivity {
  public:
-  // `highest_damping`: the most that the controller adds [N s/m]. It does nothing before more than `unfelt`
-  // [J] has come out.
-  Passivity(double device_damping, double highest_damping, double unfelt = 0)
-      : device_damping_(device_damping), highest_damping_(highest_damping), unfelt_(unfelt) {}
+  // `highest_damping`: the most that the controller adds [N s/m]. It does nothing before more than
+  // `passivity_deadband` [J] has come out.
+  Passivity(double device_damping, double highest_damping, double passivity_deadband = 0)
+      : device_damping_(device_damping), highest_damping_(highest_damping), deadband_(passivity_deadband) {}
 
   // Call it when the device has moved by `way` while it felt `force` for `dt`.
   void observe(const Vec3d& force, const Vec3d& way, double dt);
@@ -41,7 +41,7 @@ class Passivity {
   double energy() const { return energy_; }  // that went in and has not come out [J]
 
  private:
-  double device_damping_, highest_damping_, unfelt_;
+  double device_damping_, highest_damping_, deadband_;
   double energy_ = 0;
 };
 

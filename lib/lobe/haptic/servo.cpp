@@ -25,13 +25,14 @@ const ServoOptions& checked(const ServoOptions& options) {
   expect(options.longest_blend >= 0 && options.stale_frames >= 1 && is_above_0(options.fade) &&
              options.settling_frames >= 0,
          "haptic blending", "takes no negative times, and models last a frame at least");
-  expect(options.highest_damping >= 0 && options.unfelt >= 0 && options.most_active >= options.unfelt,
+  expect(options.highest_damping >= 0 && options.passivity_deadband >= 0 &&
+             options.most_active >= options.passivity_deadband,
          "haptic passivity controller", "must not have negative damping or energy");
   expect(is_above_0(space.scale) && is_above_0(space.force_gain), "haptic workspace",
          "its scale and force gain must be above 0, and finite");
-  expect(space.origin.allFinite() && space.turn.allFinite(), "haptic workspace", "must be finite");
-  expect((space.turn.transpose() * space.turn - Mat3<double>::Identity()).norm() < 1e-6, "haptic workspace",
-         "its turn must be orthogonal");
+  expect(space.origin.allFinite() && space.rotation.allFinite(), "haptic workspace", "must be finite");
+  expect((space.rotation.transpose() * space.rotation - Mat3<double>::Identity()).norm() < 1e-6,
+         "haptic workspace", "its rotation must be orthogonal");
   return options;
 }
 
@@ -48,7 +49,7 @@ Servo::Servo(const DeviceLimits& limits, const ServoOptions& options)
     : limits_((check(limits, "haptic device"), limits)),
       options_(checked(options)),
       damping_(options.coupling_damping * limits.damping),
-      passivity_(limits.damping, options.highest_damping, options.unfelt) {
+      passivity_(limits.damping, options.highest_damping, options.passivity_deadband) {
   const Workspace& space = options.workspace;
   const double bound = passive_stiffness(limits.damping, damping_, options.tick);
   state_.coupling = std::min(limits.stiffness, options.bound_share * bound);
@@ -56,7 +57,8 @@ Servo::Servo(const DeviceLimits& limits, const ServoOptions& options)
 }
 
 Vec3d Servo::tool_of(const Vec3d& device) const {
-  return options_.workspace.origin + options_.workspace.scale * (options_.workspace.turn * device) + clutch_;
+  return options_.workspace.origin + options_.workspace.scale * (options_.workspace.rotation * device) +
+         clutch_;
 }
 
 const HapticState& Servo::tick(const DeviceState* device, const LocalModel& model, double dt) {
@@ -65,7 +67,7 @@ const HapticState& Servo::tick(const DeviceState* device, const LocalModel& mode
   take_pose(device, dt);
   take_model(model, dt);
   const Vec3d force = wanted_force(dt);
-  const Vec3d torque = trust_ * (options_.workspace.turn.transpose() * model_.torque);
+  const Vec3d torque = trust_ * (options_.workspace.rotation.transpose() * model_.torque);
   send(force, torque, dt);
   return state_;
 }
@@ -92,10 +94,10 @@ void Servo::take_model(const LocalModel& model, double dt) {
   if (!is_new) return;
   const Vec3d was = model_.is_engaged ? force_at(model_, proxy_) : Vec3d::Zero();
   if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement)) {
-    clutch_ += model.anchor - tool_of(state_.device.position);
-    state_.tool = proxy_ = model.anchor;  // another one, which is there
+    clutch_ += model.tool_at_end - tool_of(state_.device.position);
+    state_.tool = proxy_ = model.tool_at_end;  // another one, which is there
     settled_.setZero();
-    unloaded_ = model.anchor;
+    unloaded_ = model.tool_at_end;
   }
   const Vec3d is = model.is_engaged ? force_at(model, proxy_) : Vec3d::Zero();
   offset_ = was + blended_ - is;
@@ -109,7 +111,7 @@ void Servo::take_model(const LocalModel& model, double dt) {
 double Servo::lead() const {
   const double tissue = model_.K.norm();  // no eigenvalue is above it
   const double felt = options_.workspace.scale * options_.workspace.force_gain * coupling_ *
-                      (model_.is_held ? tissue / (coupling_ + tissue) : 1);
+                      (model_.is_bilateral ? tissue / (coupling_ + tissue) : 1);
   const double half = 0.5 * options_.tick;
   if (!is_fresh_ || felt == 0) return 0;
   return std::clamp((limits_.damping - damping_) / felt - half, 0.0, half);
@@ -160,7 +162,7 @@ Vec3d Servo::wanted_force(double dt) {
   trust_ = std::clamp(trust_ + (is_stale || !is_fresh_ ? -fading : fading), 0.0, 1.0);
 
   const Workspace& space = options_.workspace;
-  const Vec3d felt = space.force_gain * (space.turn.transpose() * proxy.force);
+  const Vec3d felt = space.force_gain * (space.rotation.transpose() * proxy.force);
   limit_activity(2 * storable(proxy.force) * space.force_gain / space.scale, dt);
   Vec3d force = trust_ * share_ * (felt - (model_.is_engaged ? damping_ : 0.0) * state_.device.velocity);
   const double damping = passivity_.damping(state_.device.velocity, dt);

@@ -14,11 +14,11 @@
 
 namespace lobe {
 
-// Position of the tool = origin + turn · scale · that of the device; forces go back by the same turn, times
-// `force_gain`.
+// Position of the tool = origin + rotation · scale · that of the device; forces go back by the same rotation,
+// times `force_gain`.
 struct Workspace {
   Vec3d origin = Vec3d::Zero();  // [m]
-  Mat3<double> turn = Mat3<double>::Identity();
+  Mat3<double> rotation = Mat3<double>::Identity();
   double scale = 1, force_gain = 1;
 };
 
@@ -31,8 +31,8 @@ struct ServoOptions {
   double fade = 0.05;              // to nothing [s]
   double settling_frames = 6;  // time constant of the tool's way from the device to where it is in balance
   double highest_damping = 5;  // of the passivity controller [N s/m]; 0: it only observes
-  double unfelt = 5e-6;        // energy that may come out before the controller acts [J]
-  double most_active = 5e-5;   // beyond which the force is lowered, since damping is not enough [J]
+  double passivity_deadband = 5e-6;  // energy that may come out before the controller acts [J]
+  double most_active = 5e-5;         // beyond which the force is lowered, since damping is not enough [J]
   Workspace workspace = {};
 };
 

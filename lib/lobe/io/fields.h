@@ -22,14 +22,14 @@ template <class T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 template <class T>
 concept Dense = std::is_base_of_v<Eigen::MatrixBase<T>, T>;
-// A class that is stored as another type: as_kept() converts to it, from_kept() converts back.
+// A class that is stored as another type: as_saved() converts to it, from_saved() converts back.
 template <class T>
 concept Converted = requires(const T& x) {
-  T::from_kept(x.as_kept());
+  T::from_saved(x.as_saved());
 };
 
 template <class E>
-inline constexpr int choices = 0;  // of an enumeration that is read back: how many values it has
+inline constexpr int enum_size = 0;  // of an enumeration that is read back: how many values it has
 
 template <class>
 inline constexpr bool is_vector = false;
@@ -59,7 +59,7 @@ void put(ByteWriter& out, const T& x) {
   } else if constexpr (Plain<T>) {
     out.put(x);
   } else if constexpr (Converted<T>) {
-    put(out, x.as_kept());
+    put(out, x.as_saved());
   } else if constexpr (Dense<T>) {
     if constexpr (T::SizeAtCompileTime == Eigen::Dynamic) out.put(std::uint64_t(x.cols()));
     for (Eigen::Index i = 0; i < x.size(); ++i) out.put(x.data()[i]);
@@ -70,7 +70,7 @@ void put(ByteWriter& out, const T& x) {
     for (const auto& item : x) put(out, item);
   } else if constexpr (is_variant<T>) {
     out.put(std::uint8_t(x.index()));
-    std::visit([&](const auto& own) { put(out, own); }, x);
+    std::visit([&](const auto& held) { put(out, held); }, x);
   } else {
     static_assert(is_shared<T> || is_optional<T>);
     out.put(std::uint8_t(bool(x)));
@@ -107,14 +107,14 @@ void get(ByteReader& in, T& x) {
   } else if constexpr (std::is_same_v<T, bool>) {
     x = in.get_choice(2) == 1;
   } else if constexpr (std::is_enum_v<T>) {
-    static_assert(choices<T> > 0 && sizeof(T) == 1);
-    x = T(in.get_choice(choices<T>));
+    static_assert(enum_size<T> > 0 && sizeof(T) == 1);
+    x = T(in.get_choice(enum_size<T>));
   } else if constexpr (Plain<T>) {
     x = in.get<T>();
   } else if constexpr (Converted<T>) {
-    auto kept = x.as_kept();
-    get(in, kept);
-    x = T::from_kept(kept);
+    auto saved = x.as_saved();
+    get(in, saved);
+    x = T::from_saved(saved);
   } else if constexpr (Dense<T>) {
     get_dense(in, x);
   } else if constexpr (is_vector<T> || std::is_same_v<T, std::string>) {
@@ -143,17 +143,17 @@ std::size_t memory_of(const T& x) {
   if constexpr (Fielded<T>) {
     std::apply([&](auto... member) { ((bytes += memory_of(x.*member) - sizeof(x.*member)), ...); },
                T::fields);
-  } else if constexpr (requires { x.own_bytes(); }) {
-    bytes += x.own_bytes();
+  } else if constexpr (requires { x.unshared_bytes(); }) {
+    bytes += x.unshared_bytes();
   } else if constexpr (Converted<T>) {
-    bytes += memory_of(x.as_kept());
+    bytes += memory_of(x.as_saved());
   } else if constexpr (Dense<T>) {
     if constexpr (T::SizeAtCompileTime == Eigen::Dynamic) bytes += std::size_t(x.size()) * sizeof(*x.data());
   } else if constexpr (is_vector<T> || std::is_same_v<T, std::string>) {
     if constexpr (Plain<typename T::value_type>) return bytes + x.size() * sizeof(typename T::value_type);
     for (const auto& item : x) bytes += memory_of(item);
   } else if constexpr (is_variant<T>) {
-    std::visit([&](const auto& own) { bytes += memory_of(own) - sizeof(own); }, x);
+    std::visit([&](const auto& held) { bytes += memory_of(held) - sizeof(held); }, x);
   }
   return bytes;
 }

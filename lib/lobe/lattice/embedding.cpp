@@ -99,20 +99,21 @@ Embedding embed(const Elements& elements, const Lattice& lattice, const std::vec
     if (is_beside[std::size_t(v)]) e.interface.push_back(v);
   }
   for_samples([&](std::size_t part, Index sample) {
-    Part& own = parts[part];
+    Part& group = parts[part];
     if (is_full[std::size_t(sample / tet_samples)]) {
-      ++own.full;
-    } else if (own.embedded++ == 0) {
-      own.tet = sample / tet_samples;
+      ++group.full;
+    } else if (group.embedded++ == 0) {
+      group.tet = sample / tet_samples;
     }
   });
   std::vector<CellSums> sums = whole;
   for (std::size_t p = 0; p < parts.size(); ++p)
     if (parts[p].full >= parts[p].embedded) sums[p] = {};
   for_samples([&](std::size_t part, Index sample) {
-    const Part& own = parts[part];
-    const bool is_left_out = is_full[std::size_t(sample / tet_samples)], subtracts = own.full < own.embedded;
-    if (own.embedded > 0 && is_left_out == subtracts)
+    const Part& group = parts[part];
+    const bool is_left_out = is_full[std::size_t(sample / tet_samples)],
+               subtracts = group.full < group.embedded;
+    if (group.embedded > 0 && is_left_out == subtracts)
       add_sample(elements, lattice, sample, subtracts ? -1 : 1, sums[part]);
   });
   const CellSums gauss = gauss_points(lattice.frame.edge);

@@ -89,22 +89,23 @@ Vec3<Real> LatticeCells<Real>::force(Index node) const {
 }
 
 template <class Real>
-Mat3<double> LatticeCells<Real>::gradient(const Cell& own, const Mat3X<Real>& q) const {
+Mat3<double> LatticeCells<Real>::gradient(const Cell& data, const Mat3X<Real>& q) const {
   Mat3<double> H = Mat3<double>::Zero();
   for (int n = 0; n < 8; ++n)
-    H += q.col(own.part.nodes[std::size_t(n)]).template cast<double>() * own.cell.gradients.row(n);
+    H += q.col(data.part.nodes[std::size_t(n)]).template cast<double>() * data.cell.gradients.row(n);
   return H;
 }
 
 template <class Real>
 double LatticeCells<Real>::energy(const Mat3X<Real>& q) const {
   double sum = 0;
-  for (const Cell& own : cells_) {
+  for (const Cell& data : cells_) {
     Eigen::Matrix<double, 3, 8> at;
     for (int n = 0; n < 8; ++n)
-      at.col(n) = (q.col(own.part.nodes[std::size_t(n)]) - q.col(own.part.nodes[0])).template cast<double>();
-    sum += own.cell.volume * law_energy_density(own.law, gradient(own, q)) +
-           0.5 * (at * own.cell.fluctuation).cwiseProduct(at).sum();
+      at.col(n) =
+          (q.col(data.part.nodes[std::size_t(n)]) - q.col(data.part.nodes[0])).template cast<double>();
+    sum += data.cell.volume * law_energy_density(data.law, gradient(data, q)) +
+           0.5 * (at * data.cell.fluctuation).cwiseProduct(at).sum();
   }
   return sum;
 }
@@ -113,15 +114,15 @@ template <class Real>
 typename LatticeCells<Real>::Smallest LatticeCells<Real>::add_bounds(const Mat3X<Real>& q,
                                                                      std::vector<double>& bounds) const {
   Smallest smallest;
-  for (const Cell& own : cells_) {
-    const Mat3<double> H = gradient(own, q);
+  for (const Cell& data : cells_) {
+    const Mat3<double> H = gradient(data, q);
     const double ratio = volume_ratio(H);
-    if (ratio < smallest.volume_ratio) smallest = {ratio, own.cell.tet};
+    if (ratio < smallest.volume_ratio) smallest = {ratio, data.cell.tet};
     CellWeights tangents;
     for (int n = 0; n < 8; ++n)
-      tangents[n] = own.cell.volume * tangent_bound(law_diagonal_block<double>(
-                                          own.law, H, own.cell.gradients.row(n).transpose()));
-    lobe::add_bounds(own.cell, own.part, tangents, bounds);
+      tangents[n] = data.cell.volume * tangent_bound(law_diagonal_block<double>(
+                                           data.law, H, data.cell.gradients.row(n).transpose()));
+    lobe::add_bounds(data.cell, data.part, tangents, bounds);
   }
   return smallest;
 }

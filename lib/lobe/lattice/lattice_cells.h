@@ -31,7 +31,7 @@ class LatticeCells {
     Lattice::Part part;
     Law<double> law;
   };
-  Mat3<double> gradient(const Cell& own, const Mat3X<Real>& q) const;
+  Mat3<double> gradient(const Cell& data, const Mat3X<Real>& q) const;
   Index place(std::size_t slot, int corner) const;
 
   CellKernels<Real> kernels_;

@@ -425,8 +425,9 @@ typename LatticeRegion<Real>::Frequency LatticeRegion<Real>::highest_frequency(c
       bounds[std::size_t(own.nodes[n])] += std::abs(double(own.weights[n])) * stiffness;
   }
   double square = 0;
-  for (const MovingVertex<Real>& own : moving_)
-    square = std::max(square, bounds[std::size_t(own.vertex)] / embedding_.mass[std::size_t(own.vertex)]);
+  for (const MovingVertex<Real>& moving : moving_)
+    square =
+        std::max(square, bounds[std::size_t(moving.vertex)] / embedding_.mass[std::size_t(moving.vertex)]);
   found.omega = std::sqrt(square);
   return found;
 }

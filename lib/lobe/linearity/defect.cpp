@@ -16,7 +16,7 @@ Mat3<double> matrix(const Column& a) { return a.reshaped(3, 3); }
 
 }  // namespace
 
-Mat3<double> twin(const Mat3<double>& H) {
+Mat3<double> nonlinear_gradient(const Mat3<double>& H) {
   constexpr double least_stretch = 0.2;
   const Mat3<double> I = Mat3<double>::Identity(), strain = (H + H.transpose()) / 2;
   Eigen::SelfAdjointEigenSolver<Mat3<double>> principal;
@@ -116,7 +116,7 @@ Law<double> MeanDefects::law(const Mean& mean, const Mat3<double>& H) const {
 Column MeanDefects::at(Index zone, const Column& gradient, bool is_linear) const {
   const Mean& mean = mean_[std::size_t(zone)];
   if (mean.volume == 0) return Column::Zero();
-  const Mat3<double> H = is_linear ? twin(matrix(gradient)) : matrix(gradient);
+  const Mat3<double> H = is_linear ? nonlinear_gradient(matrix(gradient)) : matrix(gradient);
   Law<double> linear = linear_law(mean.material);
   linear.direction = mean.direction;
   return mean.volume * column(stress_defect(law(mean, H), linear, H));
@@ -132,7 +132,7 @@ Column MeanDefects::beyond_tangent(Index zone, const Column& gradient, const Col
   };
   const Mat3<double> F0 = Mat3<double>::Identity() + matrix(about);
   const Mat3<double> since = matrix(gradient - about) * F0.inverse();
-  const Column change = column((is_linear ? twin(since) : since) * F0);
+  const Column change = column((is_linear ? nonlinear_gradient(since) : since) * F0);
   constexpr double step = 1e-4;  // of the change: the tangent as a central difference
   const Column tangent = (stress_at(about + step * change) - stress_at(about - step * change)) / (2 * step);
   return mean.volume * (stress_at(about + change) - stress_at(about) - tangent);

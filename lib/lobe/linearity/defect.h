@@ -1,8 +1,8 @@
 // The stress defect of a linear law: how far its stress is from that of the non-linear model (theory, section
 // 15),
 //   D = P(F) − σ_linear(∇u)                                                                           [Pa].
-// It is computed in a state of the non-linear body. In a state of the linear body, twin() first gives the
-// non-linear state that the linear one stands for.
+// It is computed in a state of the non-linear body. In a state of the linear body, nonlinear_gradient() first
+// gives the non-linear state that the linear one stands for.
 #pragma once
 
 #include "lobe/linearity/zones.h"
@@ -12,7 +12,7 @@ namespace lobe {
 // Returns ∇u of the non-linear state that a linear one with gradient H stands for: R U − I. The skew part of
 // H is the rotation vector of R. The symmetric part ε of H is the Green strain of the stretch U = √(I + 2ε);
 // no stretch is taken below 0.2. So a rotation of the linear state counts as rotation, not as strain.
-Mat3<double> twin(const Mat3<double>& H);
+Mat3<double> nonlinear_gradient(const Mat3<double>& H);
 
 // Of the linear law of a material, at the displacement gradient H of the non-linear model.
 Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, const Mat3<double>& H);  // [Pa]
@@ -33,11 +33,12 @@ class MeanDefects {
   void find(const Elements& elements, const Zones& zones, Index zone);  // again, after a cut
 
   Eigen::Matrix<double, 9, 1> gradient(Index zone, const Mat3X<double>& u) const;
-  // The defect of a zone with this mean gradient. A linear zone is first given its non-linear state (twin()).
+  // The defect of a zone with this mean gradient. A linear zone is first given its non-linear state
+  // (nonlinear_gradient()).
   Eigen::Matrix<double, 9, 1> at(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                  bool is_linear) const;
   // The defect of a zone whose linear law is the tangent at the mean gradient `about`. For a linear zone,
-  // twin() is applied to its deformation since then.
+  // nonlinear_gradient() is applied to its deformation since then.
   Eigen::Matrix<double, 9, 1> beyond_tangent(Index zone, const Eigen::Matrix<double, 9, 1>& gradient,
                                              const Eigen::Matrix<double, 9, 1>& about, bool is_linear) const;
 

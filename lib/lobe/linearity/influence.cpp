@@ -23,9 +23,9 @@ class Means {
   // Of pieces that these unknowns leave free to move, nothing is counted.
   Means(const Elements& elements, const Zones& zones, const Unknowns& unknowns)
       : elements_(elements), zones_(zones), counts_(zones.of.size(), 0) {
-    const auto is_given = [&](Index v, int axis) { return unknowns.number(axis, v) < 0; };
+    const auto is_prescribed = [&](Index v, int axis) { return unknowns.number(axis, v) < 0; };
     for (const std::vector<Index>& piece : elements.topology.pieces())
-      if (is_held(elements, piece, is_given))
+      if (is_held(elements, piece, is_prescribed))
         for (Index t : piece) counts_[std::size_t(t)] = 1;
   }
 

@@ -28,9 +28,9 @@ struct Mode {
 // By inverse iteration; none where a piece floats.
 Mode lowest_mode(const Elements& elements, const HeldVertices& held, const std::vector<double>& mass) {
   const Unknowns unknowns = free_components(elements, held);
-  const auto is_given = [&](Index v, int axis) { return unknowns.number(axis, v) < 0; };
+  const auto is_prescribed = [&](Index v, int axis) { return unknowns.number(axis, v) < 0; };
   for (const std::vector<Index>& piece : elements.topology.pieces())
-    if (!is_held(elements, piece, is_given)) return {};
+    if (!is_held(elements, piece, is_prescribed)) return {};
   Tangent K(elements, unknowns);
   const Index vertices = elements.topology.vertex_count();
   K.update(Mat3X<double>::Zero(3, vertices));
@@ -86,9 +86,9 @@ double missing_mobility(Dynamics<Real>& body, const Mat3X<Real>& f) {
   Mat3X<Real> smooth = f;
   make_smooth(body, body.inertia.degrees().back(), smooth);
   double all = 0, left = 0;
-  for (const MovingVertex<Real>& own : body.inertia.moving()) {
-    all += double(own.inverse_mass) * double(f.col(own.vertex).squaredNorm());
-    left += double(own.inverse_mass) * double(f.col(own.vertex).dot(smooth.col(own.vertex)));
+  for (const MovingVertex<Real>& moving : body.inertia.moving()) {
+    all += double(moving.inverse_mass) * double(f.col(moving.vertex).squaredNorm());
+    left += double(moving.inverse_mass) * double(f.col(moving.vertex).dot(smooth.col(moving.vertex)));
   }
   return all > 0 ? 1 - left / all : 0;
 }
@@ -99,7 +99,7 @@ template <class Real>
 MassWatch<Real>::MassWatch(World<Real>& world, double tolerance, OnExceeded on_exceeded)
     : tolerance_(tolerance),
       on_exceeded_(std::move(on_exceeded)),
-      calming_(0.3 * world.body().damping),
+      decay_rate_(0.3 * world.body().damping),
       edits_(world.journal().edits.size()),
       restored_(world.body().model.revisions.restored) {
   const Mode mode = lowest_mode(world.elements(), world.held(), world.body().inertia.mass());
@@ -116,12 +116,12 @@ MassWatch<Real>::MassWatch(World<Real>& world, double tolerance, OnExceeded on_e
 template <class Real>
 double MassWatch<Real>::slowness(const World<Real>& world, int degree) const {
   if (degree == 1) return 0;
-  return slowness_ * world.body().inertia.lag(degree) /
-         world.body().inertia.lag(world.body().inertia.degrees().back());
+  return slowness_ * world.body().inertia.dispersion(degree) /
+         world.body().inertia.dispersion(world.body().inertia.degrees().back());
 }
 
 template <class Real>
-MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
+MassReport MassWatch<Real>::look(World<Real>& world, const CommandSink& send) {
   const auto start = std::chrono::steady_clock::now();
   const double frame = world.time() - std::exchange(time_, world.time());
   const bool begins = !(frame > 0);  // or goes back to what it was
@@ -133,7 +133,7 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
     if (degree == 1 || begins) return 0.0;
     return slowness(world, degree) * (now > 1 ? moving : smooth_acceleration(world.body(), degree)).norm;
   };
-  const double made = costs(now), left = begins ? 0 : error_ * std::exp(-calming_ * frame);
+  const double made = costs(now), left = begins ? 0 : error_ * std::exp(-decay_rate_ * frame);
   error_ = std::max(left, made);
   if (made > left && moving.vertex >= 0) place_ = world.elements().points.col(moving.vertex);
   MassReport report;
@@ -141,13 +141,13 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
   report.error = largest_ > 0 ? error_ / largest_ : 0;
   report.place = place_;
   report.exceeded = report.error > tolerance_;
-  const bool is_startled =
+  const bool was_disturbed =
       begins || world.tools().next_grasp_change(world.time() - 2e-9) < world.time() + 1.5 * frame;
   const std::size_t edits = world.journal().edits.size();
   const std::uint64_t restored = world.body().model.revisions.restored;
   const bool is_restored = std::exchange(restored_, restored) != restored;
   const bool is_cut = std::exchange(edits_, edits) != edits || is_restored;
-  if (!is_startled)
+  if (!was_disturbed)
     for (int degree : world.body().inertia.degrees()) {
       if (is_cut && degree > most_where_cut) break;
       if (!(costs(degree) < share * tolerance_ * largest_)) break;
@@ -155,7 +155,7 @@ MassReport MassWatch<Real>::look(World<Real>& world, const Steering& steering) {
     }
   if (report.error > alarm * tolerance_)
     report.degree = std::min(report.degree, world.body().inertia.degree());
-  if (report.degree != world.body().inertia.degree()) steering(SetMassDegree{report.degree});
+  if (report.degree != world.body().inertia.degree()) send(SetMassDegree{report.degree});
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.exceeded && on_exceeded_) on_exceeded_(report);
   return report;

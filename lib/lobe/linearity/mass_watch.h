@@ -11,7 +11,7 @@
 #include <functional>
 #include <limits>
 
-#include "lobe/linearity/steering.h"
+#include "lobe/linearity/command_sink.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -35,8 +35,8 @@ class MassWatch {
 
   // Call it at the start, and after each frame. Costs two norms over all vertices, and after a frame with
   // lumped masses one SelectiveMass::apply().
-  MassReport look(World<Real>& world) { return look(world, steering_of(world)); }
-  MassReport look(World<Real>& world, const Steering& steering);
+  MassReport look(World<Real>& world) { return look(world, sink_of(world)); }
+  MassReport look(World<Real>& world, const CommandSink& send);
 
   double looking_seconds() const { return looking_seconds_; }  // in all
 
@@ -45,8 +45,8 @@ class MassWatch {
 
   double tolerance_;
   OnExceeded on_exceeded_;
-  double slowness_ = 0;  // error over acceleration, at the highest degree [s²]; infinite: never
-  double calming_ = 0;   // rate at which errors die away [1/s]
+  double slowness_ = 0;    // error over acceleration, at the highest degree [s²]; infinite: never
+  double decay_rate_ = 0;  // rate at which errors die away [1/s]
   double time_ = std::numeric_limits<double>::infinity();  // of the last estimate [s]
   double error_ = 0;                                       // that may be left [√kg m]
   Vec3d place_ = Vec3d::Zero();                            // of it

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "lobe/condense/anchors.h"
 #include "lobe/condense/interface_size.h"
 #include "lobe/condense/narrow_interface.h"
+#include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/linearity/defect.h"
 #include "lobe/linearity/influence.h"
@@ -95,7 +95,7 @@ class Proposer {
       if (sides[t] == Side::linear)
         tagged.region_of[t] = condensed ? RegionModel::precomputed : RegionModel::tensor_mass;
     if (condensed)
-      for (Index t : unanchored_tets(tagged, held_by(setup_.prescribed)))
+      for (Index t : unsupported_tets(tagged, held_by(setup_.prescribed)))
         tagged.region_of[t] = RegionModel::nonlinear;
     return tagged.region_of;
   }

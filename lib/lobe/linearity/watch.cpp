@@ -11,12 +11,12 @@
 namespace lobe {
 namespace {
 
-constexpr double leave_down_to = 0.7;   // of the tolerance: where zones stop to leave
-constexpr double join_below = 0.4;      // where they may join
-constexpr int patience = 8;             // frames for which one must have been possible
-constexpr double leave_above = 0.8;     // of the tolerance: where a pre-computed region is expanded
-constexpr double renew_above = 0.25;    // where it is relinearised
-constexpr double condense_below = 0.5;  // where it is condensed again
+constexpr double leave_down_to = 0.7;       // of the tolerance: where zones stop to leave
+constexpr double join_below = 0.4;          // where they may join
+constexpr int patience = 8;                 // frames for which one must have been possible
+constexpr double leave_above = 0.8;         // of the tolerance: where a pre-computed region is expanded
+constexpr double relinearise_above = 0.25;  // where it is relinearised
+constexpr double condense_below = 0.5;      // where it is condensed again
 constexpr int patience_to_condense = 2;
 constexpr double delay_per_tet = 8e-6;      // of its renewal [s]: what condensing takes on a slow machine
 constexpr double influence_per_tet = 1e-4;  // until it is used [s]: what finding it takes on a slow machine
@@ -50,7 +50,7 @@ LinearityWatch<Real>::LinearityWatch(const World<Real>& world, const std::vector
       zones_(world.elements(),
              options_.zones > 0 ? options_.zones : usual_zone_count(world.elements().topology.tet_count())),
       defects_(world.elements(), zones_),
-      calm_(std::size_t(zones_.count()), 0),
+      frames_near_linear_(std::size_t(zones_.count()), 0),
       tet_volume_(tet_volumes(world.elements())),
       volume_(vertex_volumes(world.elements().topology, tet_volume_)),
       edits_(world.journal().edits.size()),
@@ -144,20 +144,20 @@ bool LinearityWatch<Real>::may_expand(const World<Real>& world) const {
 }
 
 template <class Real>
-bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool is_startled) const {
+bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool was_disturbed) const {
   if (world.is_unravelling()) return true;  // what is linear then is so on purpose
-  if (any_precomputed_ ? world.body().regions.is_expanded() : is_startled) return false;
-  const bool is_calm = last_.error < join_below * options_.tolerance;
-  const int every = !any_precomputed_    ? (is_calm ? 2 : 1)
+  if (any_precomputed_ ? world.body().regions.is_expanded() : was_disturbed) return false;
+  const bool error_is_small = last_.error < join_below * options_.tolerance;
+  const int every = !any_precomputed_    ? (error_is_small ? 2 : 1)
                     : !may_expand(world) ? options_.recover_every
-                    : is_calm            ? 6
+                    : error_is_small     ? 6
                                          : 3;
   return (looks_ - 1) % every > 0;
 }
 
 // The last report where there is no look.
 template <class Real>
-LinearityReport LinearityWatch<Real>::stand_in(const World<Real>& world) {
+LinearityReport LinearityWatch<Real>::report_without_estimate(const World<Real>& world) {
   last_.time = world.time();
   last_.to_nonlinear = last_.to_linear = 0;
   last_.is_expanded = world.body().regions.is_expanded();
@@ -185,7 +185,7 @@ Defects LinearityWatch<Real>::defects(const World<Real>& world, const Mat3X<doub
 
 // √Σ m |u|² [√kg m] by which a condensed interior lags behind its inertia, at the last forces.
 template <class Real>
-double LinearityWatch<Real>::lag_of(const World<Real>& world) const {
+double LinearityWatch<Real>::inertia_error_of(const World<Real>& world) const {
   const Dynamics<Real>& body = world.body();
   Vec3d sum = Vec3d::Zero();
   int count = 0;
@@ -194,7 +194,7 @@ double LinearityWatch<Real>::lag_of(const World<Real>& world) const {
     sum += body.inertia.inverse_mass(v) * body.motion.forces.col(v).template cast<double>();
     ++count;
   }
-  return count > 0 ? body.regions.lag(sum / count) : 0;
+  return count > 0 ? body.regions.inertia_error(sum / count) : 0;
 }
 
 template <class Real>
@@ -208,20 +208,20 @@ void LinearityWatch<Real>::place_worst(const Elements& elements, const Eigen::Ve
 }
 
 template <class Real>
-LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& steering) {
+LinearityReport LinearityWatch<Real>::look(World<Real>& world, const CommandSink& send) {
   const auto start = std::chrono::steady_clock::now();
   const bool begins = looks_++ == 0, is_cut = follow_edits(world);
   const double frame = world.time() - std::exchange(time_, world.time());
   const bool holders_changed =
       hold(world.held()) || world.tools().next_grasp_change(world.time() - 2e-9) < world.time() + 1.5 * frame;
-  const bool is_startled = begins || is_cut || holders_changed;
+  const bool was_disturbed = begins || is_cut || holders_changed;
   const bool expandable = may_expand(world);
-  if (expandable && is_startled && !world.is_unravelling()) {  // whatever the estimate
-    if (!world.body().regions.is_expanded()) steering(Expand{});
-    welcome_ = 0;
-    return stand_in(world);
+  if (expandable && was_disturbed && !world.is_unravelling()) {  // whatever the estimate
+    if (!world.body().regions.is_expanded()) send(Expand{});
+    frames_condensable_ = 0;
+    return report_without_estimate(world);
   }
-  if (may_skip(world, is_startled)) return stand_in(world);
+  if (may_skip(world, was_disturbed)) return report_without_estimate(world);
   const Mat3X<double> u = world.displacements().template cast<double>();
   double sum = 0;
   for (std::size_t v = 0; v < volume_.size(); ++v) sum += volume_[v] * u.col(Eigen::Index(v)).squaredNorm();
@@ -233,8 +233,8 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   zone_errors_ = error.reshaped(3, zones_.count());
   LinearityReport report;
   report.time = world.time();
-  const double lag = largest_ > 0 ? lag_of(world) / std::sqrt(density_) / largest_ : 0;
-  const double estimate = relative(error) + lag;
+  const double inertia_error = largest_ > 0 ? inertia_error_of(world) / std::sqrt(density_) / largest_ : 0;
+  const double estimate = relative(error) + inertia_error;
   report.is_expanded = world.body().regions.is_expanded();
   report.error = report.is_expanded ? 0 : estimate;
   report.exceeded = report.error > options_.tolerance;
@@ -242,9 +242,9 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.exceeded && options_.on_exceeded) options_.on_exceeded(report);
   if (expandable)
-    steer(world, steering, estimate, report);
+    correct_precomputed(world, send, estimate, report);
   else if (options_.correct)
-    correct(world, steering, of_zones, error, report);
+    correct(world, send, of_zones, error, report);
   last_ = report;
   return report;
 }
@@ -254,25 +254,26 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const Steering& s
 // motion that no estimate foresees. It is condensed again once that would have been allowed for some frames;
 // until then it is relinearised wherever the body has gone.
 template <class Real>
-void LinearityWatch<Real>::steer(const World<Real>& world, const Steering& steering, double estimate,
-                                 LinearityReport& report) {
+void LinearityWatch<Real>::correct_precomputed(const World<Real>& world, const CommandSink& send,
+                                               double estimate, LinearityReport& report) {
   const double delay = delay_per_tet * world.elements().topology.alive_count();
-  const bool is_welcome = estimate < condense_below * options_.tolerance;
+  const bool is_condensable = estimate < condense_below * options_.tolerance;
   if (world.body().regions.is_expanded()) {
-    welcome_ = is_welcome && world.body().regions.can_condense() ? welcome_ + 1 : 0;
-    if (welcome_ >= patience_to_condense) steering(Condense{});
+    frames_condensable_ = is_condensable && world.body().regions.can_condense() ? frames_condensable_ + 1 : 0;
+    if (frames_condensable_ >= patience_to_condense) send(Condense{});
   } else if (estimate > leave_above * options_.tolerance) {
-    steering(Expand{});
-    welcome_ = 0;
+    send(Expand{});
+    frames_condensable_ = 0;
   }
-  const bool is_far = estimate > renew_above * options_.tolerance || !world.body().regions.can_condense();
-  if (is_far && !world.body().regions.is_refreshing()) steering(Renew{delay});
+  const bool is_far =
+      estimate > relinearise_above * options_.tolerance || !world.body().regions.can_condense();
+  if (is_far && !world.body().regions.is_condensing()) send(Relinearise{delay});
   report.is_expanded = world.body().regions.is_expanded();
 }
 
 // Zones leave that lower the error most. Where it is small, zones join that could have joined for long.
 template <class Real>
-void LinearityWatch<Real>::correct(const World<Real>& world, const Steering& steering, const Defects& defects,
+void LinearityWatch<Real>::correct(const World<Real>& world, const CommandSink& send, const Defects& defects,
                                    Eigen::VectorXd error, LinearityReport& report) {
   Eigen::MatrixXd contributions(error.size(), zones_.count());
   for (Index z = 0; z < zones_.count(); ++z)
@@ -292,37 +293,37 @@ void LinearityWatch<Real>::correct(const World<Real>& world, const Steering& ste
     leaves = best >= 0;
     if (!leaves) break;
     error -= share_[std::size_t(best)] * contributions.col(best);
-    move(world, steering, best, RegionModel::nonlinear, report);
+    move(world, send, best, RegionModel::nonlinear, report);
   }
   Index next = -1;
   double smallest = join_below * options_.tolerance;
   for (Index z = 0; z < zones_.count(); ++z) {
-    int& calm = calm_[std::size_t(z)];
+    int& frames_near_linear = frames_near_linear_[std::size_t(z)];
     if (share_[std::size_t(z)] > 0) {
-      calm = 0;
+      frames_near_linear = 0;
       continue;
     }
     const double with = relative(error + contributions.col(z));
-    calm = with <= join_below * options_.tolerance ? calm + 1 : 0;
-    if (calm < patience || with > smallest || tets(z) > options_.most_tets) continue;
+    frames_near_linear = with <= join_below * options_.tolerance ? frames_near_linear + 1 : 0;
+    if (frames_near_linear < patience || with > smallest || tets(z) > options_.most_tets) continue;
     smallest = with;
     next = z;
   }
-  if (next >= 0 && report.to_nonlinear == 0) move(world, steering, next, options_.linear, report);
+  if (next >= 0 && report.to_nonlinear == 0) move(world, send, next, options_.linear, report);
 }
 
 template <class Real>
-void LinearityWatch<Real>::move(const World<Real>& world, const Steering& steering, Index zone,
+void LinearityWatch<Real>::move(const World<Real>& world, const CommandSink& send, Index zone,
                                 RegionModel model, LinearityReport& report) {
   std::vector<Index> tets;
   for (Index t : zones_.tets[std::size_t(zone)])
     if (world.elements().topology.alive(t) && world.elements().region_of[t] != model) tets.push_back(t);
-  steering(SetRegion{tets, model});
+  send(SetRegion{tets, model});
   (model == RegionModel::nonlinear ? report.to_nonlinear : report.to_linear) +=
       static_cast<Index>(tets.size());
   find_shares(world.elements());
   edits_ = world.journal().edits.size();
-  calm_[std::size_t(zone)] = 0;
+  frames_near_linear_[std::size_t(zone)] = 0;
 }
 
 template class LinearityWatch<float>;

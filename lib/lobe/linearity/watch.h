@@ -11,9 +11,9 @@
 #include <future>
 #include <memory>
 
+#include "lobe/linearity/command_sink.h"
 #include "lobe/linearity/defect.h"
 #include "lobe/linearity/influence.h"
-#include "lobe/linearity/steering.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -54,8 +54,8 @@ class LinearityWatch {
   // - After a cut, a grasp or a release an expandable region is expanded without an estimate.
   // - A background thread finds how cuts change the influence of zones. The result is used from a fixed
   //   simulated time on.
-  LinearityReport look(World<Real>& world) { return look(world, steering_of(world)); }
-  LinearityReport look(World<Real>& world, const Steering& steering);
+  LinearityReport look(World<Real>& world) { return look(world, sink_of(world)); }
+  LinearityReport look(World<Real>& world, const CommandSink& send);
 
   // Mean displacement error per zone [m] of the last estimate, 3 × #zones; empty before the first one.
   const Mat3X<double>& zone_errors() const { return zone_errors_; }
@@ -69,17 +69,18 @@ class LinearityWatch {
   bool follow_cuts(const World<Real>& world);
   void find_shares(const Elements& elements);
   bool hold(const HeldVertices& held);
-  bool may_skip(const World<Real>& world, bool is_startled) const;
-  LinearityReport stand_in(const World<Real>& world);
+  bool may_skip(const World<Real>& world, bool was_disturbed) const;
+  LinearityReport report_without_estimate(const World<Real>& world);
   bool may_expand(const World<Real>& world) const;
   Defects defects(const World<Real>& world, const Mat3X<double>& u, bool all) const;
-  double lag_of(const World<Real>& world) const;
+  double inertia_error_of(const World<Real>& world) const;
   void place_worst(const Elements& elements, const Eigen::VectorXd& error, LinearityReport& report) const;
-  void steer(const World<Real>& world, const Steering& steering, double estimate, LinearityReport& report);
+  void correct_precomputed(const World<Real>& world, const CommandSink& send, double estimate,
+                           LinearityReport& report);
   double relative(const Eigen::VectorXd& error) const;
-  void correct(const World<Real>& world, const Steering& steering, const Defects& defects,
+  void correct(const World<Real>& world, const CommandSink& send, const Defects& defects,
                Eigen::VectorXd error, LinearityReport& report);
-  void move(const World<Real>& world, const Steering& steering, Index zone, RegionModel model,
+  void move(const World<Real>& world, const CommandSink& send, Index zone, RegionModel model,
             LinearityReport& report);
 
   LinearityOptions options_;
@@ -89,20 +90,20 @@ class LinearityWatch {
   MeanDefects defects_;
   std::unique_ptr<Influence> influence_;
   std::future<std::unique_ptr<Influence>> next_influence_;
-  double influence_due_ = 0;         // [s]
-  bool influence_is_stale_ = false;  // there were cuts that not even the next one knows
-  std::vector<double> share_;        // share of each zone's volume that is linear
-  bool any_precomputed_ = false;     // tetrahedra
-  std::vector<int> calm_;            // frames since which each zone could have been linear
-  std::vector<double> tet_volume_;   // at rest [m³]
-  std::vector<double> volume_;       // per vertex [m³]
-  double density_ = 1;               // mean [kg/m³]
-  std::vector<Index> holding_;       // grasps that hold
-  double time_ = 0;                  // of the last estimate [s]
-  int welcome_ = 0;                  // frames since which the region could have been condensed
-  std::size_t edits_ = 0;            // of the world's, that are known
-  std::uint64_t restored_ = 0;       // how often it had been restored then
-  double largest_ = 0;               // norm so far [m^2.5]
+  double influence_due_ = 0;             // [s]
+  bool influence_is_stale_ = false;      // there were cuts that not even the next one knows
+  std::vector<double> share_;            // share of each zone's volume that is linear
+  bool any_precomputed_ = false;         // tetrahedra
+  std::vector<int> frames_near_linear_;  // frames since which each zone could have been linear
+  std::vector<double> tet_volume_;       // at rest [m³]
+  std::vector<double> volume_;           // per vertex [m³]
+  double density_ = 1;                   // mean [kg/m³]
+  std::vector<Index> holding_;           // grasps that hold
+  double time_ = 0;                      // of the last estimate [s]
+  int frames_condensable_ = 0;           // frames since which the region could have been condensed
+  std::size_t edits_ = 0;                // of the world's, that are known
+  std::uint64_t restored_ = 0;           // how often it had been restored then
+  double largest_ = 0;                   // norm so far [m^2.5]
   double looking_seconds_ = 0;
   int looks_ = 0;
   LinearityReport last_;

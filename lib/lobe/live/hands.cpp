@@ -38,7 +38,7 @@ ToolPose of_tool(const ToolPose& hand, const Vec3d& arm) {
 }  // namespace
 
 template <class Real>
-void Hands<Real>::obey(int controller, const HandCommand& command) {
+void Hands<Real>::perform_command(int controller, const HandCommand& command) {
   check(command);
   if (command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point)
     return take_hold(controller, command);
@@ -71,7 +71,7 @@ void Hands<Real>::take_hold(int controller, const HandCommand& command) {
     return say("missed", name_of(controller, command.hand) + ": no free vertex lies within " +
                              rounded(command.radius) + " m of the point");
   hand.tool = world_.tools().next_id();
-  hand.follower = Follower(point);
+  hand.filter = PoseFilter(point);
   apply_(TakeHold{name_of(controller, command.hand), std::move(vertices)});
 }
 
@@ -86,8 +86,8 @@ void Hands<Real>::bring(int controller, const HandCommand& command) {
       },
       *command.tool);
   hand.tool = tool;
-  hand.is_led = true;
-  hand.follower = Follower(command.position);
+  hand.is_leading = true;
+  hand.filter = PoseFilter(command.position);
 }
 
 template <class Real>
@@ -97,7 +97,7 @@ void Hands<Real>::let_go(Hand& hand) {
 }
 
 template <class Real>
-int Hands<Real>::lose(int controller) {
+int Hands<Real>::drop(int controller) {
   int full = 0;
   for (Hand& hand : hands_) {
     if (hand.controller != controller) continue;
@@ -160,23 +160,23 @@ std::vector<Index> Hands<Real>::free_corners(Index triangle) {
 
 template <class Real>
 void Hands<Real>::lead(const HandCommand& command, Hand& hand) {
-  hand.follower.aim({command.position, command.orientation});
+  hand.filter.aim({command.position, command.orientation});
   hand.is_placed = false;
 }
 
 template <class Real>
 void Hands<Real>::place(int controller, HandNumber number, const ToolPose& pose) {
   Hand* hand = find(controller, number);
-  if (!hand || !hand->is_led) return;
-  hand->follower.aim(pose);
+  if (!hand || !hand->is_leading) return;
+  hand->filter.aim(pose);
   hand->is_placed = true;
 }
 
 template <class Real>
-auto Hands<Real>::led(int controller, HandNumber number) const -> Led {
+auto Hands<Real>::led_tool(int controller, HandNumber number) const -> LedTool {
   const Hand* hand = find(controller, number);
-  if (!hand || !hand->is_led) return {};
-  return {hand->tool, hand->follower.pose()};
+  if (!hand || !hand->is_leading) return {};
+  return {hand->tool, hand->filter.pose()};
 }
 
 template <class Real>
@@ -189,10 +189,10 @@ void Hands<Real>::turn_on(const HandCommand& command, Hand& hand) {
 template <class Real>
 void Hands<Real>::before_frame(double duration) {
   for (Hand& hand : hands_) {
-    if (hand.tool == 0 || !hand.is_led) continue;
-    const bool moves = hand.is_placed ? hand.follower.step_at_once(duration, limits_)
-                                      : hand.follower.step(duration, limits_);
-    if (moves) apply_(Lead{hand.tool, of_tool(hand.follower.pose(), hand.arm)});
+    if (hand.tool == 0 || !hand.is_leading) continue;
+    const bool moves = hand.is_placed ? hand.filter.step_without_lag(duration, limits_)
+                                      : hand.filter.step(duration, limits_);
+    if (moves) apply_(Lead{hand.tool, of_tool(hand.filter.pose(), hand.arm)});
   }
 }
 
@@ -203,8 +203,8 @@ void Hands<Real>::begin_to_lead(Hand& hand) {
   const auto& held = world_.held().all();
   hand.vertices = static_cast<Index>(
       std::count_if(held.begin(), held.end(), [&](const auto& item) { return item.holder == hand.tool; }));
-  hand.arm = grasp.centre - hand.follower.pose().position;
-  hand.is_led = true;
+  hand.arm = grasp.centre - hand.filter.pose().position;
+  hand.is_leading = true;
 }
 
 template <class Real>
@@ -212,7 +212,7 @@ void Hands<Real>::after_frame() {
   for (Hand& hand : hands_) {
     const Grasp* grasp = world_.tools().grasp(hand.tool);
     if (!grasp) continue;
-    if (!hand.is_led) begin_to_lead(hand);
+    if (!hand.is_leading) begin_to_lead(hand);
     const double force = grasp->force.norm();
     if (force <= limits_.force_cap) continue;
     say("slipped", name_of(hand.controller, hand.number) + ": pulled with " + rounded(force) +
@@ -269,7 +269,7 @@ void Hands<Real>::tell(std::vector<HandStatus>& hands) const {
     HandStatus status{.controller = hand.controller, .hand = hand.number, .tool = hand.tool};
     world_.tools().visit(hand.tool, [&]<class Kind>(const Kind& tool) {
       status.type = Kind::Path::type;
-      status.holds = hand.is_led && tool.is_on();
+      status.holds = hand.is_leading && tool.is_on();
       status.shape = tool.shape();
       if constexpr (requires { tool.force; }) {
         status.force = -tool.force;
@@ -277,7 +277,7 @@ void Hands<Real>::tell(std::vector<HandStatus>& hands) const {
       }
     });
     status.vertices = hand.vertices;
-    status.pose = hand.follower.pose();
+    status.pose = hand.filter.pose();
     hands.push_back(status);
   }
 }

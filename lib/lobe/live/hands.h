@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "lobe/linearity/steering.h"
-#include "lobe/live/follower.h"
+#include "lobe/linearity/command_sink.h"
 #include "lobe/live/hand_queue.h"
 #include "lobe/live/messages.h"
+#include "lobe/live/pose_filter.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -15,7 +15,7 @@ namespace lobe {
 template <class Real>
 class Hands {
  public:
-  Hands(World<Real>& world, Steering apply, const HandQueue& controllers, Messages& messages,
+  Hands(World<Real>& world, CommandSink apply, const HandQueue& controllers, Messages& messages,
         const HandLimits& limits)
       : world_(world),
         apply_(std::move(apply)),
@@ -25,15 +25,15 @@ class Hands {
 
   // Performs take_at_ray, take_at_point, bring, lead, turn_on or let_go. Throws InputError for what cannot be
   // done, and then has done nothing.
-  void obey(int controller, const HandCommand& command);
+  void perform_command(int controller, const HandCommand& command);
   // Puts a hand at a pose, without the lag of a lead command. Does nothing if the hand has no tool.
   void place(int controller, HandNumber number, const ToolPose& pose);
-  struct Led {
+  struct LedTool {
     ToolId tool = 0;  // 0: the hand is empty, or its grasp has not taken hold yet
     ToolPose pose = {};
   };
-  Led led(int controller, HandNumber number) const;
-  int lose(int controller);          // its hands let go; returns how many held something
+  LedTool led_tool(int controller, HandNumber number) const;
+  int drop(int controller);          // its hands let go; returns how many held something
   void forget() { hands_.clear(); }  // the world was put back, and their tools have let go
 
   void before_frame(double duration);  // leads the tools [s]
@@ -50,10 +50,10 @@ class Hands {
     HandNumber number = 0;
     ToolId tool = 0;            // 0: empty
     bool is_placed = false;     // follows at once
-    bool is_led = false;        // a grasp: it has taken hold
+    bool is_leading = false;    // a grasp: it has taken hold
     Vec3d arm = Vec3d::Zero();  // from where it took hold to the centre of what it holds [m]
     Index vertices = 0;         // that it holds
-    Follower follower = {};
+    PoseFilter filter = {};
   };
 
   void take_hold(int controller, const HandCommand& command);
@@ -72,7 +72,7 @@ class Hands {
   void begin_to_lead(Hand& hand);
 
   World<Real>& world_;
-  Steering apply_;
+  CommandSink apply_;
   const HandQueue& controllers_;
   Messages& messages_;
   HandLimits limits_;

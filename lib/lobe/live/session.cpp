@@ -23,7 +23,7 @@ const SessionOptions& checked(const SessionOptions& options) {
   expect(is_above_0(options.speed), "its speed must be above 0, and finite");
   expect(options.queue > 0, "its queue must have room for a command");
   expect(options.back_every >= 0, "the time between states to go back to must be at least 0 s");
-  expect(options.patience >= 0, "its patience must be 0 s or more");
+  expect(options.controller_timeout >= 0, "its patience must be 0 s or more");
   expect(
       is_above_0(hand.lag) && is_above_0(hand.top_speed) && is_above_0(hand.top_turn) && hand.force_cap > 0,
       "the limits of hands must be above 0");
@@ -68,12 +68,12 @@ bool Session<Real>::step_frame() {
     return false;
   }
   steps_once_ = false;
-  for (SessionGuest<Real>* guest : guests_) guest->before_frame(hands_, world_, frame_);
+  for (SessionHook<Real>* hook : hooks_) hook->before_frame(hands_, world_, frame_);
   hands_.before_frame(frame_);
   const Report report = timeline_.advance(frame_);
   ++frames_;
   hands_.after_frame();
-  for (SessionGuest<Real>* guest : guests_) guest->after_frame(hands_, world_, frame_);
+  for (SessionHook<Real>* hook : hooks_) hook->after_frame(hands_, world_, frame_);
   for (const Condition& condition : report.conditions) report_condition(condition);
   if (!report.ok) {
     say("stands_still", "the simulation cannot go on from here: go back, or restart");
@@ -88,7 +88,7 @@ bool Session<Real>::step_frame() {
 template <class Real>
 void Session<Real>::report_condition(const Condition& condition) {
   const bool is_again = condition.kind == Condition::Kind::sub_stepped;
-  frames_again_ += is_again;
+  reruns_ += is_again;
   say(name(condition.kind), is_again ? "a frame was run again with smaller steps" : condition.text);
 }
 
@@ -113,13 +113,13 @@ void Session<Real>::publish_status() {
   status->possible_factor = is_running_ ? pace_.possible_factor() : 0;
   status->frames = frames_;
   status->frames_late = pace_.frames_late();
-  status->frames_again = frames_again_;
+  status->reruns = reruns_;
   status->can_go_back = timeline_.can_go_back();
   status->revision = world_.surface().revision();
   hands_.tell(status->hands);
-  status->sequences.resize(heard_.size());
-  std::transform(heard_.begin(), heard_.end(), status->sequences.begin(),
-                 [](const Heard& heard) { return heard.sequence; });
+  status->sequences.resize(last_commands_.size());
+  std::transform(last_commands_.begin(), last_commands_.end(), status->sequences.begin(),
+                 [](const LastCommand& last_command) { return last_command.sequence; });
   status->messages = messages_.all();
   status_.publish();
   if (options_.published) options_.published();
@@ -131,37 +131,37 @@ void Session<Real>::publish_status() {
 template <class Real>
 void Session<Real>::take_commands() {
   const std::vector<int> gone = queue_.gone();
-  while (const auto sent = queue_.take()) obey(*sent);
+  while (const auto sent = queue_.take()) perform_command(*sent);
   for (int controller : gone) {
-    if (const int full = hands_.lose(controller); full > 0)
+    if (const int full = hands_.drop(controller); full > 0)
       say("controller_gone",
           queue_.name(controller) + ": its " + std::to_string(full) + " tools have let go");
-    heard_[std::size_t(controller)] = {};
+    last_commands_[std::size_t(controller)] = {};
     queue_.forget(controller);
     was_told_ = true;
   }
-  if (options_.patience > 0) lose_the_silent();
+  if (options_.controller_timeout > 0) drop_silent_controllers();
 }
 
 template <class Real>
-void Session<Real>::lose_the_silent() {
-  const auto patience = std::chrono::duration<double>(options_.patience);
+void Session<Real>::drop_silent_controllers() {
+  const auto patience = std::chrono::duration<double>(options_.controller_timeout);
   for (int controller : hands_.controllers()) {
-    if (Clock::now() - heard_[std::size_t(controller)].at < patience) continue;
-    if (hands_.lose(controller) > 0)
+    if (Clock::now() - last_commands_[std::size_t(controller)].at < patience) continue;
+    if (hands_.drop(controller) > 0)
       say("controller_gone", queue_.name(controller) + ": silent for more than " +
-                                 rounded(options_.patience) + " s, its tools have let go");
+                                 rounded(options_.controller_timeout) + " s, its tools have let go");
   }
 }
 
 template <class Real>
-void Session<Real>::obey(const HandQueue::Sent& sent) {
-  Heard& heard = heard_[std::size_t(sent.controller)];
-  heard = {std::max(heard.sequence, sent.command.sequence), Clock::now()};
+void Session<Real>::perform_command(const HandQueue::Sent& sent) {
+  LastCommand& last_command = last_commands_[std::size_t(sent.controller)];
+  last_command = {std::max(last_command.sequence, sent.command.sequence), Clock::now()};
   was_told_ = true;
   try {
     if (sent.command.kind <= Kind::let_go)
-      hands_.obey(sent.controller, sent.command);
+      hands_.perform_command(sent.controller, sent.command);
     else
       control(sent.command);
   } catch (const InputError& error) {
@@ -219,11 +219,12 @@ template <class Real>
 void Session<Real>::edit(const HandCommand& command) {
   if (!command.body_edit) throw InputError("edit", "has no command for the body");
   const bool is_edit = std::visit(
-      []<class Own>(const Own&) {
-        return std::is_same_v<Own, RemoveTets> || std::is_same_v<Own, SetRegion> ||
-               std::is_same_v<Own, Expand> || std::is_same_v<Own, Condense> || std::is_same_v<Own, Renew> ||
-               std::is_same_v<Own, SetMassDegree> || std::is_same_v<Own, SetForces> ||
-               std::is_same_v<Own, SetSprings> || std::is_same_v<Own, MoveSprings>;
+      []<class Edit>(const Edit&) {
+        return std::is_same_v<Edit, RemoveTets> || std::is_same_v<Edit, SetRegion> ||
+               std::is_same_v<Edit, Expand> || std::is_same_v<Edit, Condense> ||
+               std::is_same_v<Edit, Relinearise> || std::is_same_v<Edit, SetMassDegree> ||
+               std::is_same_v<Edit, SetForces> || std::is_same_v<Edit, SetSprings> ||
+               std::is_same_v<Edit, MoveSprings>;
       },
       *command.body_edit);
   if (!is_edit) throw InputError("edit", "is not for tools, frames, or what the world does by itself");

@@ -22,10 +22,10 @@
 #include <string>
 #include <thread>
 
-#include "lobe/live/guest.h"
 #include "lobe/live/hand_queue.h"
 #include "lobe/live/hands.h"
 #include "lobe/live/pace.h"
+#include "lobe/live/session_hook.h"
 #include "lobe/live/timeline.h"
 
 namespace lobe {
@@ -39,7 +39,7 @@ struct SessionOptions {
   std::uint32_t queue = 1024;           // hand commands that wait for a frame
   double back_every = 0.5;              // between two states that can be gone back to [s]
   std::size_t back_memory = 64u << 20;  // of these states [bytes]
-  double patience = 0;                  // a controller that is silent for longer is gone [s]; 0: never
+  double controller_timeout = 0;        // a controller that is silent for longer is gone [s]; 0: never
   HandLimits hand = {};
   CondensingLog::Progress condensing = {};  // while pre-computed regions are condensed
   std::function<void()> published = {};     // called after each picture; must not wait
@@ -115,12 +115,12 @@ class Session {
   // hands let go. Throws InputError for a file that is damaged, or of another scene, precision or version;
   // nothing has changed then.
   void restore(const std::filesystem::path& file);
-  // A guest takes part in all frames between let_in() and let_out(), and must live so long.
-  void let_in(SessionGuest<Real>& guest) { guests_.push_back(&guest); }
-  void let_out(SessionGuest<Real>& guest) { std::erase(guests_, &guest); }
+  // A hook takes part in all frames between add_hook() and remove_hook(), and must live so long.
+  void add_hook(SessionHook<Real>& hook) { hooks_.push_back(&hook); }
+  void remove_hook(SessionHook<Real>& hook) { std::erase(hooks_, &hook); }
 
  private:
-  struct Heard {
+  struct LastCommand {
     std::uint64_t sequence = 0;
     Pace::Clock::time_point at{};
   };
@@ -128,12 +128,12 @@ class Session {
   void run();
   void wait_until(Pace::Clock::time_point due);
   void take_commands();
-  void obey(const HandQueue::Sent& sent);
+  void perform_command(const HandQueue::Sent& sent);
   void control(const HandCommand& command);
   void edit(const HandCommand& command);
   void go_back(const HandCommand& command);
   void set_running(bool running);
-  void lose_the_silent();
+  void drop_silent_controllers();
   void do_work();
   void report_condition(const Condition& condition);
   void publish(const Report& report);
@@ -148,14 +148,14 @@ class Session {
   Timeline<Real> timeline_;
   Messages messages_;
   Hands<Real> hands_;
-  std::vector<SessionGuest<Real>*> guests_;
+  std::vector<SessionHook<Real>*> hooks_;
   Pace pace_;
-  std::array<Heard, HandQueue::most_controllers> heard_;
+  std::array<LastCommand, HandQueue::most_controllers> last_commands_;
   double speed_;
   bool is_running_;
   bool steps_once_ = false, stands_still_ = false;
   bool was_told_ = false, was_changed_ = false;  // since the last picture: the session something, the body
-  std::int64_t frames_ = 0, frames_again_ = 0;
+  std::int64_t frames_ = 0, reruns_ = 0;
   TripleBuffer<SessionStatus> status_;
 
   std::thread thread_;

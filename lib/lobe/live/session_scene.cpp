@@ -23,7 +23,7 @@ const char* edit_name(const Command& command) {
   if (std::holds_alternative<SetSprings>(command) || std::holds_alternative<MoveSprings>(command))
     return "springs were set";
   if (std::holds_alternative<Expand>(command) || std::holds_alternative<Condense>(command) ||
-      std::holds_alternative<Renew>(command))
+      std::holds_alternative<Relinearise>(command))
     return "a precomputed region was expanded, condensed or relinearised";
   return nullptr;
 }

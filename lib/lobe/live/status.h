@@ -51,9 +51,9 @@ struct SessionStatus {
       0;                    // the same per second of work: what it could reach without waiting for the clock
   std::int64_t frames = 0;  // of the session, over all restarts
   std::int64_t frames_late = 0;
-  std::int64_t frames_again = 0;  // that were run again with smaller steps
-  double can_go_back = 0;         // [s]
-  std::uint64_t revision = 0;     // of the surface
+  std::int64_t reruns = 0;     // that were run again with smaller steps
+  double can_go_back = 0;      // [s]
+  std::uint64_t revision = 0;  // of the surface
   std::vector<HandStatus> hands;
   // Per controller: the sequence of its last command that this state contains.
   std::vector<std::uint64_t> sequences;

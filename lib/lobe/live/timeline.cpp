@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "lobe/io/sealed_file.h"
-#include "lobe/sim/kept.h"
+#include "lobe/sim/enum_sizes.h"
 
 namespace lobe {
 namespace {
@@ -17,39 +17,39 @@ constexpr io::Format format{
 
 template <class Real>
 Timeline<Real>::Timeline(World<Real>& world, double apart, std::size_t most_bytes)
-    : world_(world), recorded_(world), first_(world.save()), kept_(SIZE_MAX, apart, most_bytes) {
-  kept_.keep(world);
+    : world_(world), recorder_(world), first_(world.save()), checkpoints_(SIZE_MAX, apart, most_bytes) {
+  checkpoints_.keep(world);
 }
 
 template <class Real>
 Report Timeline<Real>::advance(double duration) {
-  Report report = recorded_.advance(duration);
-  if (report.ok) kept_.keep(world_, recording().commands.size());
+  Report report = recorder_.advance(duration);
+  if (report.ok) checkpoints_.keep(world_, recording().commands.size());
   return report;
 }
 
 template <class Real>
 void Timeline<Real>::go_back(double seconds) {
   constexpr double tolerance = 1e-6;  // frames are a little shorter than asked for [s]
-  const auto* kept = kept_.latest(world_.time() - seconds + tolerance);
-  if (!kept) return restart();
-  recorded_.go_back(kept->checkpoint, kept->mark);
+  const auto* entry = checkpoints_.latest(world_.time() - seconds + tolerance);
+  if (!entry) return restart();
+  recorder_.go_back(entry->checkpoint, entry->mark);
   let_go_of_all();
 }
 
 template <class Real>
 void Timeline<Real>::restart() {
-  recorded_.go_back(first_, 0);
-  kept_.clear();
-  kept_.keep(world_);
+  recorder_.go_back(first_, 0);
+  checkpoints_.clear();
+  checkpoints_.keep(world_);
   let_go_of_all();
 }
 
 template <class Real>
 void Timeline<Real>::restore(SavedSession<Real> saved) {
-  recorded_.go_on(saved.state, std::move(saved.recording));
-  kept_.clear();
-  kept_.keep(world_, recording().commands.size());
+  recorder_.go_on(saved.state, std::move(saved.recording));
+  checkpoints_.clear();
+  checkpoints_.keep(world_, recording().commands.size());
   let_go_of_all();
 }
 

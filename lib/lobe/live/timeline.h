@@ -27,7 +27,7 @@ class Timeline {
   // `most_bytes`.
   Timeline(World<Real>& world, double apart, std::size_t most_bytes);
 
-  void apply(const Command& command) { recorded_.apply(command); }
+  void apply(const Command& command) { recorder_.apply(command); }
   Report advance(double duration);
   // Goes back to the latest state that is at least `seconds` old, else to the first. Grasps of hands then let
   // go, and other tools of hands are taken away.
@@ -38,16 +38,16 @@ class Timeline {
   void restore(SavedSession<Real> saved);
 
   double can_go_back() const { return world_.time() - first_.state.time; }  // [s]
-  std::size_t bytes() const { return kept_.bytes(); }  // of the states in memory, but the first
-  const Recording& recording() const { return recorded_.recording(); }
+  std::size_t bytes() const { return checkpoints_.bytes(); }  // of the states in memory, but the first
+  const Recording& recording() const { return recorder_.recording(); }
 
  private:
   void let_go_of_all();
 
   World<Real>& world_;
-  Recorded<Real> recorded_;
+  CommandRecorder<Real> recorder_;
   Checkpoint<Real> first_;
-  CheckpointRing<Real> kept_;
+  CheckpointRing<Real> checkpoints_;
 };
 
 }  // namespace lobe

@@ -80,12 +80,12 @@ class FibreInterpolation {
 
   // `weights`: barycentric coordinates of a point of the tetrahedron.
   Vec3d at(Index tet, const Eigen::Vector4d& weights) const {
-    const Vec3d own = mesh_.fibres.col(tet);
-    if (own.isZero(0) || !own.allFinite()) return own;
-    Mat3<double> A = own * own.transpose();
+    const Vec3d fibre = mesh_.fibres.col(tet);
+    if (fibre.isZero(0) || !fibre.allFinite()) return fibre;
+    Mat3<double> A = fibre * fibre.transpose();
     for (int c = 0; c < 4; ++c) A += (weights[c] - 0.25) * means_.col(mesh_.tets(c, tet)).reshaped(3, 3);
     const Vec3d found = Eigen::SelfAdjointEigenSolver<Mat3<double>>(A).eigenvectors().col(2);
-    return found.dot(own) < 0 ? Vec3d(-found) : found;
+    return found.dot(fibre) < 0 ? Vec3d(-found) : found;
   }
 
  private:

@@ -137,13 +137,13 @@ Surface::Face Surface::face_of(Index code, const SurfaceCells::Cell& cell) const
 // Drops the faces of a cell that are not outer any more, and adds those to faces_ which the edit has opened,
 // or has given other points or another tetrahedron.
 void Surface::find_changed(const SurfaceCells& cells, Index cell) {
-  const SurfaceCells::Cell own = cells.cell(cell);
+  const SurfaceCells::Cell found_cell = cells.cell(cell);
   for (Index code = 4 * cell; code < 4 * cell + 4; ++code) {
-    if (own.tet < 0 || !(own.outer >> code % 4 & 1)) {
+    if (found_cell.tet < 0 || !(found_cell.outer >> code % 4 & 1)) {
       drop(code);
       continue;
     }
-    Face face = face_of(code, own);
+    Face face = face_of(code, found_cell);
     face.triangle = triangle_of_[std::size_t(code)];
     face.cut = cells.is_cut(code, face.triangle < 0 || mesh_.cut[face.triangle]);
     if (face.triangle >= 0) {
@@ -224,8 +224,8 @@ void Surface::take_out(Index vertex) {
 void Surface::find_places_anew(const SurfaceCells& cells, std::span<const Index> changed) {
   corners_.clear();
   for (Index cell : changed)
-    if (const SurfaceCells::Cell own = cells.cell(cell); own.tet >= 0)
-      corners_.insert(corners_.end(), own.points.begin(), own.points.end());
+    if (const SurfaceCells::Cell found_cell = cells.cell(cell); found_cell.tet >= 0)
+      corners_.insert(corners_.end(), found_cell.points.begin(), found_cell.points.end());
   sort_unique(corners_);
   for (Index point : corners_)
     for (Index vertex : vertex_of_[point]) {

@@ -13,19 +13,19 @@ void update_positions(const SurfaceMesh& surface, const Eigen::Ref<const Mat3X<d
     const Index v = surface.mesh_vertex[i];
     x.col(i) = (X.col(v) + u.col(v).template cast<double>()).template cast<Real>();
   }
-  for (const SurfaceMesh::Within& own : surface.within) {
+  for (const SurfaceMesh::Within& inner : surface.within) {
     Vec3d sum = Vec3d::Zero();
     for (int k = 0; k < 4; ++k)
-      sum += own.weights[k] * (X.col(own.corners[k]) + u.col(own.corners[k]).template cast<double>());
-    x.col(own.vertex) = sum.cast<Real>();
+      sum += inner.weights[k] * (X.col(inner.corners[k]) + u.col(inner.corners[k]).template cast<double>());
+    x.col(inner.vertex) = sum.cast<Real>();
   }
 }
 
 template <class Real>
 Mat3X<Real> at_surface(const SurfaceMesh& surface, const Eigen::Ref<const Mat3X<Real>>& values) {
   Mat3X<Real> found = values(Eigen::all, surface.mesh_vertex);
-  for (const SurfaceMesh::Within& own : surface.within)
-    found.col(own.vertex) = values(Eigen::all, own.corners) * own.weights.cast<Real>();
+  for (const SurfaceMesh::Within& inner : surface.within)
+    found.col(inner.vertex) = values(Eigen::all, inner.corners) * inner.weights.cast<Real>();
   return found;
 }
 

@@ -101,11 +101,11 @@ void Topology::add_neighbour(Index tet, int face, Index other) {
 void Topology::forget_neighbour(Index tet, Index other) {
   std::array<std::vector<Index>, 4> left;
   std::array<bool, 4> had{};
-  for_neighbours(tet, [&](int face, Index own) {
-    if (own == other)
+  for_neighbours(tet, [&](int face, Index neighbour) {
+    if (neighbour == other)
       had[face] = true;
     else
-      left[face].push_back(own);
+      left[face].push_back(neighbour);
   });
   for (int f = 0; f < 4; ++f)
     if (had[f]) set_neighbours(tet, f, left[f]);
@@ -182,22 +182,22 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
   }
   std::vector<std::vector<Index>> apart;
   for (std::size_t at = 0; searches > 1; ++at) {
-    const Index own = root(found_by_[queue[at]]);
+    const Index this_root = root(found_by_[queue[at]]);
     for_neighbours(queue[at], [&](int, Index other) {
       if (found_by_[other] < 0) {
-        found_by_[other] = own;
-        ++open[own];
+        found_by_[other] = this_root;
+        ++open[this_root];
         queue.push_back(other);
-      } else if (const Index met = root(found_by_[other]); met != own) {
-        search_of[met] = own;
-        open[own] += open[met];
+      } else if (const Index met = root(found_by_[other]); met != this_root) {
+        search_of[met] = this_root;
+        open[this_root] += open[met];
         --searches;
       }
     });
-    if (--open[own] > 0 || searches == 1) continue;
+    if (--open[this_root] > 0 || searches == 1) continue;
     std::vector<Index>& piece = apart.emplace_back();
     std::copy_if(queue.begin(), queue.end(), std::back_inserter(piece),
-                 [&](Index t) { return root(found_by_[t]) == own; });
+                 [&](Index t) { return root(found_by_[t]) == this_root; });
     --searches;
   }
   for (const std::vector<Index>& piece : apart)
@@ -224,10 +224,10 @@ void Topology::find_cut_off(const std::vector<Index>& rims, const std::vector<In
   };
   for (std::size_t i = 0, begin = 0; i < ends.size(); begin = std::size_t(ends[i++]))
     if (begin < std::size_t(ends[i]))
-      edit.beside.push_back(search({rims.data() + begin, std::size_t(ends[i]) - begin}));
+      edit.next_to_removed.push_back(search({rims.data() + begin, std::size_t(ends[i]) - begin}));
   if (lefts.empty()) return;
   const Index last = lefts.size() == 1 ? lefts[0] : search(std::vector(lefts));
-  edit.beside.insert(edit.beside.begin(), last);
+  edit.next_to_removed.insert(edit.next_to_removed.begin(), last);
   for (auto& [first, piece] : pieces)
     if (std::find(piece.begin(), piece.end(), last) == piece.end()) edit.cut_off.push_back(std::move(piece));
 }
@@ -242,10 +242,10 @@ MeshEdit Topology::remove(std::span<const Index> tets) {
   std::vector<Index> ends, touched;
   const std::vector<Index> rims = rims_of(edit.removed, ends);
   for (Index t : edit.removed) {
-    const Eigen::Vector4i beside = neighbours_.col(t);
+    const Eigen::Vector4i neighbours = neighbours_.col(t);
     unlink(t);
     std::array<bool, 4> whole{};
-    if (stars_are_whole_) whole = stays_whole(tets_.col(t), beside);
+    if (stars_are_whole_) whole = stays_whole(tets_.col(t), neighbours);
     for (int c = 0; c < 4; ++c)
       if (!whole[c]) touched.push_back(tets_(c, t));
   }
@@ -270,15 +270,17 @@ bool Topology::ring_closes(Index from, Index to, Index v, Index w, Index behind)
 
 // Of a tetrahedron that was unlinked: at which corners the rings around its edges show that what was beside
 // it still hangs together. What hung together around a corner before then does.
-std::array<bool, 4> Topology::stays_whole(const Eigen::Vector4i& corners,
-                                          const Eigen::Vector4i& beside) const {  // per face; negative: none
+std::array<bool, 4> Topology::stays_whole(
+    const Eigen::Vector4i& corners,
+    const Eigen::Vector4i& neighbours) const {  // per face; negative: none
   std::array<int, 4> parts;
-  for (int c = 0; c < 4; ++c) parts[c] = static_cast<int>((beside.array() >= 0).count()) - (beside[c] >= 0);
+  for (int c = 0; c < 4; ++c)
+    parts[c] = static_cast<int>((neighbours.array() >= 0).count()) - (neighbours[c] >= 0);
   for (int edge = 0; edge < 6; ++edge) {
     const auto [i, j] = edge_corners[edge];
     const auto [k, l] = edge_corners[5 - edge];  // the opposite one
-    if (beside[k] < 0 || beside[l] < 0) continue;
-    const bool closes = ring_closes(beside[k], beside[l], corners[i], corners[j], corners[l]);
+    if (neighbours[k] < 0 || neighbours[l] < 0) continue;
+    const bool closes = ring_closes(neighbours[k], neighbours[l], corners[i], corners[j], corners[l]);
     parts[i] -= closes;
     parts[j] -= closes;
   }

@@ -38,8 +38,8 @@ struct MeshEdit {
   std::vector<TetShare> shares;  // of all that have another share than before
   std::vector<VertexSplit> splits;
   // For each connected part of the removed tetrahedra: one tetrahedron next to it that is left.
-  std::vector<Index> beside;
-  // The pieces into which the body came apart, except the piece of beside[0]. Empty if it did not.
+  std::vector<Index> next_to_removed;
+  // The pieces into which the body came apart, except the piece of next_to_removed[0]. Empty if it did not.
   std::vector<std::vector<Index>> cut_off;
 
   bool empty() const { return removed.empty() && copies.empty() && splits.empty(); }
@@ -154,7 +154,7 @@ class Topology {
   void split_if_apart(Index v, std::vector<VertexSplit>& splits);
   Index parts_around(Index v);
   bool ring_closes(Index from, Index to, Index v, Index w, Index behind) const;
-  std::array<bool, 4> stays_whole(const Eigen::Vector4i& corners, const Eigen::Vector4i& beside) const;
+  std::array<bool, 4> stays_whole(const Eigen::Vector4i& corners, const Eigen::Vector4i& neighbours) const;
 
   VertexColumns<Tets> tets_;
   VertexColumns<Tets>

@@ -53,11 +53,11 @@ MeshEdit Topology::divide(const TetDivision& division) {
     edit.shares.push_back({part.tet, part.share});
     take_corners(part.tet, part.corners);
   }
-  for (const TetDivision::Neighbours& own : division.neighbours)
-    for (int f = 0; f < 4; ++f) set_neighbours(own.tet, f, own.across[f]);
+  for (const TetDivision::Neighbours& around : division.neighbours)
+    for (int f = 0; f < 4; ++f) set_neighbours(around.tet, f, around.across[f]);
   split_vertices(division, edit);
   std::vector<Index> rim;
-  for (const TetDivision::Neighbours& own : division.neighbours) rim.push_back(own.tet);
+  for (const TetDivision::Neighbours& listed : division.neighbours) rim.push_back(listed.tet);
   sort_unique(rim);
   find_cut_off(rim, {static_cast<Index>(rim.size())}, edit);
   return edit;

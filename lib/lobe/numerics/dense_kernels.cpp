@@ -51,12 +51,12 @@ LOBE_FLATTEN void symmetric_product(const Real* tiles, SymmetricHalf shape, cons
       });
       const Real* tile = panel + k;
       for (Index t = first; t < tile_count; ++t, tile += SymmetricHalf::tile_size) {
-        const T own(x + t * rows + k, aligned);
+        const T pack_of_x(x + t * rows + k, aligned);
         T even = 0, odd = 0;
         unrolled<columns>([&](int c) {
           const T S(tile + c * rows, aligned);
           (c % 2 == 0 ? even : odd) += S * x_of[c];
-          sums[c] += S * own;
+          sums[c] += S * pack_of_x;
         });
         T sum(y + t * rows + k, aligned);
         sum += even + odd;

@@ -40,11 +40,11 @@ void panel_product(const Real* A, const Real* B, Index depth, Real* sums) {
       for (T& s : sum) s = 0;
       const Real *a = A + i, *b = B + j;
       for (Index k = 0; k < depth; ++k, a += panel_rows, b += ProductPanels::columns) {
-        T own[packs];
-        unrolled<packs>([&](int p) { own[p].copy_from(a + p * width, aligned); });
+        T pack_of_a[packs];
+        unrolled<packs>([&](int p) { pack_of_a[p].copy_from(a + p * width, aligned); });
         unrolled<columns>([&](int c) {
           const T factor = b[c];
-          unrolled<packs>([&](int p) { sum[c * packs + p] += own[p] * factor; });
+          unrolled<packs>([&](int p) { sum[c * packs + p] += pack_of_a[p] * factor; });
         });
       }
       unrolled<columns * packs>([&](int s) {

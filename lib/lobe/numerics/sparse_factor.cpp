@@ -73,30 +73,30 @@ Column column(const SparseFactor::Matrix& L, Eigen::Index j) {
 }
 
 // x_row −= value × own, for all rows of the column.
-LOBE_WIDE void subtract_column(Column column, const double* __restrict own, double* __restrict x) {
+LOBE_WIDE void subtract_column(Column column, const double* __restrict x_column, double* __restrict x) {
   for (int e = 0; e < column.count; ++e) {
     double* other = x + std::ptrdiff_t(batch) * column.row[e];
-    for (int k = 0; k < batch; ++k) other[k] -= column.value[e] * own[k];
+    for (int k = 0; k < batch; ++k) other[k] -= column.value[e] * x_column[k];
   }
 }
 
 // own −= Σ value × x_row.
-LOBE_WIDE void subtract_rows(Column column, const double* x, double* own) {
+LOBE_WIDE void subtract_rows(Column column, const double* x, double* x_column) {
   double sum[batch];
-  for (int k = 0; k < batch; ++k) sum[k] = own[k];
+  for (int k = 0; k < batch; ++k) sum[k] = x_column[k];
   for (int e = 0; e < column.count; ++e) {
     const double* other = x + std::ptrdiff_t(batch) * column.row[e];
     for (int k = 0; k < batch; ++k) sum[k] -= column.value[e] * other[k];
   }
-  for (int k = 0; k < batch; ++k) own[k] = sum[k];
+  for (int k = 0; k < batch; ++k) x_column[k] = sum[k];
 }
 
 // x = L⁻¹ b, passing over columns that nothing reaches: from a few unknowns only their ancestors in the
 // elimination tree are reached.
 void forward(const SparseFactor::Matrix& L, Rows& x) {
   for (Eigen::Index j = 0; j < L.cols(); ++j) {
-    const Eigen::Matrix<double, 1, batch> own = x.row(j);
-    if (!own.isZero(0)) subtract_column(column(L, j), own.data(), x.data());
+    const Eigen::Matrix<double, 1, batch> row = x.row(j);
+    if (!row.isZero(0)) subtract_column(column(L, j), row.data(), x.data());
   }
 }
 
@@ -141,14 +141,14 @@ auto span_of(const Values& values, Eigen::Index count) {
 }
 
 bool Ldlt::save(io::ByteWriter& out) const {
-  const Matrix& own = L();
+  const Matrix& factor = L();
   const Eigen::VectorXd D = factor_.vectorD();
-  out.put_all(span_of(own.outerIndexPtr(), own.cols() + 1));
-  out.put_all(span_of(own.innerIndexPtr(), own.nonZeros()));
-  out.put_all(span_of(own.valuePtr(), own.nonZeros()));
+  out.put_all(span_of(factor.outerIndexPtr(), factor.cols() + 1));
+  out.put_all(span_of(factor.innerIndexPtr(), factor.nonZeros()));
+  out.put_all(span_of(factor.valuePtr(), factor.nonZeros()));
   out.put_all(span_of(D.data(), D.size()));
   out.put_all(span_of(factor_.permutationP().indices().data(), D.size()));
-  return own.isCompressed();
+  return factor.isCompressed();
 }
 
 bool Ldlt::load(io::ByteReader& in) {

@@ -117,10 +117,10 @@ bool Supernodal::factorise(const Matrix& A, Eigen::Index negative) {
     assemble(A, s, updates, at, front);
     const Eigen::Index width = nodes_.width(s), rows = Eigen::Index(below(s).size());
     if (!sweep(front, width, loose, products)) return false;
-    double* own = values_.data() + begin_[std::size_t(s)];
-    Eigen::Map<Dense>(own, width, width) =
+    double* values = values_.data() + begin_[std::size_t(s)];
+    Eigen::Map<Dense>(values, width, width) =
         -Dense(front.topLeftCorner(width, width).selfadjointView<Eigen::Lower>());
-    Eigen::Map<Dense>(own + width * width, rows, width) = front.bottomLeftCorner(rows, width);
+    Eigen::Map<Dense>(values + width * width, rows, width) = front.bottomLeftCorner(rows, width);
     updates[std::size_t(s)] = front.bottomRightCorner(rows, rows);
   }
   return negative == 0;
@@ -140,10 +140,10 @@ void Supernodal::solve(Dense& x, const Marks& given, const Marks& wanted) const 
   DenseProducts products;
   for (int s = 0; s < nodes_.count(); ++s) {
     if (!given[std::size_t(s)]) continue;
-    auto own = x.middleCols(nodes_.first[std::size_t(s)], nodes_.width(s));
-    const Dense others = products.product({own}, {L(s), true});
+    auto part = x.middleCols(nodes_.first[std::size_t(s)], nodes_.width(s));
+    const Dense others = products.product({part}, {L(s), true});
     for (std::size_t i = 0; i < below(s).size(); ++i) x.col(below(s)[i]) -= others.col(Eigen::Index(i));
-    own = products.product({own}, {inverse_pivot(s)});
+    part = products.product({part}, {inverse_pivot(s)});
   }
   for (int s = nodes_.count(); s-- > 0;)
     if (wanted[std::size_t(s)]) {
@@ -158,10 +158,10 @@ Supernodal::Dense Supernodal::solve_few(const Dense& B) const {
   X(nodes_.place, Eigen::all) = B;
   for (int s = 0; s < nodes_.count(); ++s)
     for (auto x : X.colwise()) {
-      auto own = x.segment(nodes_.first[std::size_t(s)], nodes_.width(s));
-      const Eigen::VectorXd others = L(s) * own;
+      auto part = x.segment(nodes_.first[std::size_t(s)], nodes_.width(s));
+      const Eigen::VectorXd others = L(s) * part;
       for (std::size_t i = 0; i < below(s).size(); ++i) x[below(s)[i]] -= others[Eigen::Index(i)];
-      own = inverse_pivot(s) * Eigen::VectorXd(own);
+      part = inverse_pivot(s) * Eigen::VectorXd(part);
     }
   for (int s = nodes_.count(); s-- > 0;)
     for (auto x : X.colwise())

@@ -31,17 +31,17 @@ struct Groups {
   Lists neighbours;              // of each group, without itself
 };
 Groups find_groups(const Eigen::SparseMatrix<double>& A) {
-  const Lists own = neighbours_of(A);
+  const Lists neighbours = neighbours_of(A);
   Groups groups;
-  std::vector<int> group_of(own.size());
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    if (i > 0 && own[i] != own[i - 1]) groups.first.push_back(static_cast<int>(i));
+  std::vector<int> group_of(neighbours.size());
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    if (i > 0 && neighbours[i] != neighbours[i - 1]) groups.first.push_back(static_cast<int>(i));
     group_of[i] = static_cast<int>(groups.first.size()) - 1;
   }
-  if (!own.empty()) groups.first.push_back(static_cast<int>(own.size()));
+  if (!neighbours.empty()) groups.first.push_back(static_cast<int>(neighbours.size()));
   for (std::size_t g = 0; g + 1 < groups.first.size(); ++g) {
     std::vector<int>& list = groups.neighbours.emplace_back();
-    for (int i : own[std::size_t(groups.first[g])])
+    for (int i : neighbours[std::size_t(groups.first[g])])
       if (group_of[std::size_t(i)] != static_cast<int>(g)) list.push_back(group_of[std::size_t(i)]);
     sort_unique(list);
   }
@@ -136,17 +136,17 @@ std::vector<Run> find_runs(const Lists& neighbours, const std::vector<int>& orde
   Lists below(order.size()), children(order.size());
   std::vector<Run> runs;
   for (int j = 0; j < static_cast<int>(order.size()); ++j) {
-    std::vector<int>& own = below[std::size_t(j)];
+    std::vector<int>& rows = below[std::size_t(j)];
     for (int h : neighbours[std::size_t(order[std::size_t(j)])])
-      if (place[std::size_t(h)] > j) own.push_back(place[std::size_t(h)]);
+      if (place[std::size_t(h)] > j) rows.push_back(place[std::size_t(h)]);
     for (int child : children[std::size_t(j)]) {
       for (int i : below[std::size_t(child)])
-        if (i > j) own.push_back(i);
+        if (i > j) rows.push_back(i);
       below[std::size_t(child)] = {};
     }
-    sort_unique(own);
+    sort_unique(rows);
     if (parent[std::size_t(j)] >= 0) children[std::size_t(parent[std::size_t(j)])].push_back(j);
-    Run run{j, j + 1, own};
+    Run run{j, j + 1, rows};
     while (!runs.empty() && !runs.back().below.empty() && runs.back().below.front() < run.end &&
            join(runs.back(), run))
       runs.pop_back();

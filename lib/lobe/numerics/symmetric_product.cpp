@@ -48,9 +48,9 @@ const std::vector<Real>& SymmetricProduct<Real>::multiply(Parallel& parallel) {
   const Index parts = static_cast<Index>(parts_.size()) - 1, padded = shape_.padded();
   parallel.for_ranges(parts, 1, [&](Index begin, Index end) {
     for (Index p = begin; p < end; ++p) {
-      Real* own = sums_.data() + std::size_t(p) * padded;
-      std::fill_n(own, padded, Real(0));
-      kernels_.symmetric_product(tiles_.data(), shape_, x_.data(), parts_[p], parts_[p + 1], own);
+      Real* sums = sums_.data() + std::size_t(p) * padded;
+      std::fill_n(sums, padded, Real(0));
+      kernels_.symmetric_product(tiles_.data(), shape_, x_.data(), parts_[p], parts_[p + 1], sums);
     }
   });
   for (Index i = 0; i < padded; ++i) y_[i] = diagonal_[i] * x_[i];

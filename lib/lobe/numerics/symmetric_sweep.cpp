@@ -26,17 +26,17 @@ bool sweep(Matrix& K, Eigen::Index swept, double loose, DenseProducts& products)
   const Eigen::ArrayXd diagonal = K.diagonal();
   for (Eigen::Index k = 0; k < swept; k += most) {
     const Eigen::Index count = std::min(most, swept - k), after = n - k - count;
-    Matrix own(n, count);
-    own.topRows(k) = K.middleRows(k, count).leftCols(k).transpose();
-    own.bottomRows(n - k) = K.middleCols(k, count).bottomRows(n - k);
-    Matrix pivot = own.middleRows(k, count).selfadjointView<Eigen::Lower>();
+    Matrix pivots(n, count);
+    pivots.topRows(k) = K.middleRows(k, count).leftCols(k).transpose();
+    pivots.bottomRows(n - k) = K.middleCols(k, count).bottomRows(n - k);
+    Matrix pivot = pivots.middleRows(k, count).selfadjointView<Eigen::Lower>();
     const Eigen::LLT<Matrix> factor(pivot);
     const auto L = factor.matrixLLT().diagonal().array();
     if (factor.info() != Eigen::Success || !(L.square() > loose * diagonal.segment(k, count)).all())
       return false;
     pivot = factor.solve(Matrix::Identity(count, count));
-    const Matrix left = products.product({own}, {pivot});
-    subtract_lower(left, own, K, products);
+    const Matrix left = products.product({pivots}, {pivot});
+    subtract_lower(left, pivots, K, products);
     K.middleRows(k, count).leftCols(k) = left.topRows(k).transpose();
     K.middleCols(k, count).bottomRows(after) = left.bottomRows(after);
     K.block(k, k, count, count) = -pivot;

@@ -40,7 +40,7 @@ void PressureNodes::follow(const Elements& elements, const std::vector<Index>& l
     }
   }
   sort_unique(touched);
-  for (Index node : touched) refresh(elements, node);
+  for (Index node : touched) update(elements, node);
 }
 
 Index PressureNodes::node_at(Index vertex, std::uint16_t material, double lambda) {
@@ -64,7 +64,7 @@ Index PressureNodes::node_at(Index vertex, std::uint16_t material, double lambda
 
 // Volumes are summed again from the tetrahedra that are left: nothing is subtracted, and no rounding
 // accumulates.
-void PressureNodes::refresh(const Elements& elements, Index node) {
+void PressureNodes::update(const Elements& elements, Index node) {
   volume_[node] = 0;
   for (Index t : tets_of_[node]) volume_[node] += elements.volume(t) / 4;
   if (!tets_of_[node].empty()) {

@@ -66,7 +66,7 @@ class PressureNodes {
 
  private:
   Index node_at(Index vertex, std::uint16_t material, double lambda);
-  void refresh(const Elements& elements, Index node);
+  void update(const Elements& elements, Index node);
 
   VertexLists<Index> nodes_at_;  // per vertex: one node per material
   VertexLists<Index> tets_of_{std::vector<Index>{0}};

@@ -25,7 +25,7 @@ class NonlinearRegion {
   void add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     if (tet_count() == 0) return;
     if (evaluator_ == Evaluator::stored) terms_.add_forces(u, f, parallel);
-    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? ElementPart::beside_svk : ElementPart::all,
+    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? ElementPart::without_svk : ElementPart::all,
                          parallel);
   }
 

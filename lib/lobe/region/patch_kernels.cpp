@@ -37,14 +37,14 @@ void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
 template <class Real>
 void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart part, Parallel& parallel) {
   const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{.fibre = law.terms.fibre}; };
-  if (part == ElementPart::beside_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
+  if (part == ElementPart::without_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
   if (nodal_pressure_) find_pressures(u, parallel);
   // Collapse is rare: asking is all that it costs the others, and a patch that has an element below the
   // threshold, with some room for the rounding of the question, is evaluated again.
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
                      PatchArrays<Real> patch = arrays(p, local);
-                     if (part == ElementPart::beside_svk)
+                     if (part == ElementPart::without_svk)
                        patch.law.terms.svk = patch.law.terms.fibre = patch.law.terms.pressure = false;
                      const Guarding guarding = patch.law.terms.guard ? Guarding::asked : Guarding::off;
                      const Real smallest = kernels_.add_forces(patch, guarding, sums);
@@ -130,7 +130,7 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
   if (nodal_pressure_) find_pressures(u, parallel);
   Mat3X<Real> entries(3, layout_.places().vertex_count());  // of the stiffness per vertex [N/m]
   ratios_.resize(std::size_t(layout_.patch_count()));
-  for (const StiffnessPart part : {StiffnessPart::diagonal, StiffnessPart::beside}) {
+  for (const StiffnessPart part : {StiffnessPart::diagonal, StiffnessPart::off_diagonal}) {
     entries.setZero();
     sums_.add_forces(layout_, u, entries, parallel,
                      [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {

@@ -30,8 +30,8 @@ class PatchSums {
   static void gather(const Layout& layout, Index p, const Mat3X<Real>& u, LocalVectors& local) {
     const Index* vertices = layout.vertices(p);
     for (Index n = 0; n < layout.patch(p).vertices; ++n) {
-      const Real* own = u.data() + 3 * std::size_t(vertices[n]);
-      local[n].xyz0 = {own[0], own[1], own[2], 0};
+      const Real* of_vertex = u.data() + 3 * std::size_t(vertices[n]);
+      local[n].xyz0 = {of_vertex[0], of_vertex[1], of_vertex[2], 0};
     }
   }
 
@@ -41,8 +41,9 @@ class PatchSums {
     keeps_ = true;
     awake_.clear();
     for (Index p = 0; p < layout.patch_count(); ++p) {
-      const std::span<const Index> own = layout.vertices_of(p);
-      if (!std::all_of(own.begin(), own.end(), [&](Index v) { return still[v] != 0; })) awake_.push_back(p);
+      const std::span<const Index> vertices = layout.vertices_of(p);
+      if (!std::all_of(vertices.begin(), vertices.end(), [&](Index v) { return still[v] != 0; }))
+        awake_.push_back(p);
     }
   }
   // Marks the vertices of the patches that do not keep their sums.
@@ -90,12 +91,12 @@ class PatchSums {
     using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
     const std::span<const Index> all = places.items();
     for (Index v : vertices) {
-      Four sum{}, own;
+      Four sum{}, of_patch;
       for (const Index& place : places[v]) {
         const std::size_t ahead = std::size_t(&place - all.data()) + 32;
         if (ahead < all.size()) __builtin_prefetch(sums_.data() + all[ahead]);
-        std::memcpy(&own, &sums_[place], sizeof own);
-        sum += own;
+        std::memcpy(&of_patch, &sums_[place], sizeof of_patch);
+        sum += of_patch;
       }
       for (int d = 0; d < 3; ++d) f(d, v) += sum[d];
     }

@@ -14,13 +14,13 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
     laws_.push_back(nonlinear_law(elastic, elements.volume_penalty, elements.guard_below));
     laws_.back().terms.pressure = nodal_pressure_;
   }
-  const std::vector<Layout::Item> own = items_of(model, elements, enter);
-  if (own.empty() && tet_count() == 0) return;  // what is not there takes no memory
+  const std::vector<Layout::Item> items = items_of(model, elements, enter);
+  if (items.empty() && tet_count() == 0) return;  // what is not there takes no memory
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   for (Index t : leave)
     if (layout_.slot_of(t) >= 0) remove(t);
   if (nodal_pressure_) nodes_.follow(elements, leave, enter);
-  layout_.enter(own, elements.points.padded());
+  layout_.enter(items, elements.points.padded());
   const std::size_t patches = std::size_t(layout_.patch_count());
   resize_with_room(blocks_, patches * patch_blocks);
   if (fibres_) resize_with_room(fibre_blocks_, patches * patch_blocks);
@@ -31,7 +31,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
     pressure_.resize(std::size_t(nodes_.count()));
     slopes_.resize(3, 4 * Eigen::Index(elements.topology.tet_count()));
   }
-  for (const Layout::Item& item : own) write(elements, item);
+  for (const Layout::Item& item : items) write(elements, item);
 }
 
 template <class Real>

@@ -10,9 +10,9 @@
 
 namespace lobe {
 
-// Which terms of the law are evaluated. beside_svk: all but SVK, which another evaluator computes; no nodal
+// Which terms of the law are evaluated. without_svk: all but SVK, which another evaluator computes; no nodal
 // pressure.
-enum class ElementPart { all, beside_svk };
+enum class ElementPart { all, without_svk };
 
 template <class Real>
 class Patches {

@@ -67,10 +67,10 @@ void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index
     changed.push_back(slot / Layout::capacity);
     corners_[slot] = corners_[layout_.leave(t, corners_[slot])];
   }
-  const std::vector<Layout::Item> own = items_of(model, elements, enter);
-  layout_.enter(own, elements.points.padded());
+  const std::vector<Layout::Item> items = items_of(model, elements, enter);
+  layout_.enter(items, elements.points.padded());
   corners_.resize(std::size_t(layout_.patch_count()) * Layout::capacity);
-  for (const Layout::Item& item : own) {
+  for (const Layout::Item& item : items) {
     const Index slot = layout_.slot_of(item.id), p = slot / Layout::capacity;
     corners_[slot] = layout_.local_corners(p, item.corners);
     changed.push_back(p);

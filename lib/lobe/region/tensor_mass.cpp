@@ -15,15 +15,15 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
 
 // V B_ij of shape.h and linear_block() from the area vectors of the faces opposite to two corners: α_c is
 // minus that of its face over 3V.
-Mat3<double> block_of(const Elements& elements, Index tet, int own, int other) {  // [N/m]
+Mat3<double> block_of(const Elements& elements, Index tet, int corner, int other) {  // [N/m]
   const Mat34<double> X = elements.corner_points(tet);
   const auto doubled_area = [&](int c) -> Vec3d {
     const int* face = face_corners[c];
     return (X.col(face[1]) - X.col(face[0])).cross(X.col(face[2]) - X.col(face[0]));
   };
-  const Vec3d a = doubled_area(own), b = doubled_area(other);
+  const Vec3d a = doubled_area(corner), b = doubled_area(other);
   const double per_36_volumes =
-      elements.share_of(tet) / (6 * a.dot(X.col(face_corners[own][0]) - X.col(own)));
+      elements.share_of(tet) / (6 * a.dot(X.col(face_corners[corner][0]) - X.col(corner)));
   const Elastic& elastic = elements.elastic_of(tet);  // without a Law: a cut sums six edges' blocks again
   const Mat3<double> block =
       hooke_block<double>(a, b, per_36_volumes * elastic.lambda, per_36_volumes * elastic.mu);
@@ -200,8 +200,8 @@ double TensorMassRegion<Real>::energy(const Mat3X<Real>& u) const {
   double sum = 0;
   for_edges(
       [&](Index i, Index j, const Mat3<double>& K) {  // minus half of each end's displacement times its force
-        const Vec3d own = u.col(i).template cast<double>(), other = u.col(j).template cast<double>();
-        sum += 0.5 * (own.dot(K * (other - own)) - other.dot(K.transpose() * (other - own)));
+        const Vec3d u_i = u.col(i).template cast<double>(), other = u.col(j).template cast<double>();
+        sum += 0.5 * (u_i.dot(K * (other - u_i)) - other.dot(K.transpose() * (other - u_i)));
       });
   return sum;
 }

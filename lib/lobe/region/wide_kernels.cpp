@@ -16,11 +16,11 @@ void add_to_vertices(const Eigen::Matrix<T, 3, n>& forces, const Numbers& number
   for (int c = 0; c < n; ++c) Vectors::store(forces.col(c), at_corners[c]);
   unrolled<n * Vectors::count>([&](int i) {
     const int lane = i / n, c = i % n;
-    Four sum, own;
+    Four sum, lane_sum;
     Real* place = sums + 4 * numbers[c][first + lane];
     std::memcpy(&sum, place, sizeof sum);
-    std::memcpy(&own, at_corners[c] + Vectors::offset(lane), sizeof own);
-    sum += own;
+    std::memcpy(&lane_sum, at_corners[c] + Vectors::offset(lane), sizeof lane_sum);
+    sum += lane_sum;
     std::memcpy(place, &sum, sizeof sum);
   });
 }
@@ -90,8 +90,8 @@ template <class Real, std::size_t i = 0>
 Real add_forces(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f) {
   constexpr Terms terms = compiled_terms[i];
   if constexpr (i + 1 < std::size(compiled_terms))
-    if (const Terms& own = patch.law.terms;
-        !are_of_one_solid(terms, own) || !terms.includes(with_guard(own, false)))
+    if (const Terms& of_law = patch.law.terms;
+        !are_of_one_solid(terms, of_law) || !terms.includes(with_guard(of_law, false)))
       return add_forces<Real, i + 1>(patch, guarding, f);
   Real* sums = &f->xyz0[0];
   if (guarding == Guarding::off) return add_forces_of<Real, terms, Guarding::off>(patch, sums);
@@ -145,10 +145,10 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
 
 template <class Real, StiffnessPart part, bool nodal_pressure>
 Real add_stiffness_part(const PatchArrays<Real>& patch, Real* sums) {
-  const Terms& own = patch.law.terms;
-  if (own.neo_hookean)
+  const Terms& terms = patch.law.terms;
+  if (terms.neo_hookean)
     return add_stiffness_of<Real, part, Terms{.svk = false, .neo_hookean = true}>(patch, sums);
-  if (own.fibre)
+  if (terms.fibre)
     return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure, .fibre = true}>(patch, sums);
   return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure}>(patch, sums);
 }
@@ -156,8 +156,8 @@ Real add_stiffness_part(const PatchArrays<Real>& patch, Real* sums) {
 template <class Real>
 Real add_stiffness(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K) {
   Real* sums = &K->xyz0[0];
-  if (part == StiffnessPart::beside)  // a pressure adds to the diagonal
-    return add_stiffness_part<Real, StiffnessPart::beside, false>(patch, sums);
+  if (part == StiffnessPart::off_diagonal)  // a pressure adds to the diagonal
+    return add_stiffness_part<Real, StiffnessPart::off_diagonal, false>(patch, sums);
   return patch.pressure_blocks ? add_stiffness_part<Real, StiffnessPart::diagonal, true>(patch, sums)
                                : add_stiffness_part<Real, StiffnessPart::diagonal, false>(patch, sums);
 }

@@ -14,7 +14,7 @@ namespace lobe {
 // acts.
 enum class Guarding { off, asked, acting };
 
-enum class StiffnessPart { diagonal, beside };  // xx, yy, zz; xy, xz, yz
+enum class StiffnessPart { diagonal, off_diagonal };  // xx, yy, zz; xy, xz, yz
 
 template <class Real>
 struct PatchArrays {  // one patch: all its tetrahedra are of one material

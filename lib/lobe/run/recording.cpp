@@ -10,7 +10,7 @@
 #include "lobe/error.h"
 #include "lobe/io/scanner.h"
 #include "lobe/io/sealed_file.h"
-#include "lobe/sim/kept.h"
+#include "lobe/sim/enum_sizes.h"
 
 namespace lobe {
 namespace {
@@ -62,16 +62,16 @@ class Returns {
       const auto* back = std::get_if<GoBack>(&recording.commands[i].command);
       if (!back) continue;
       if (back->entries > i) throw InputError("recording", "goes back to what comes later");
-      kept_[back->entries] = {};
+      checkpoints_[back->entries] = {};
     }
   }
   void keep(std::size_t entries, const World<Real>& world) {
-    if (const auto at = kept_.find(entries); at != kept_.end()) at->second = world.save();
+    if (const auto at = checkpoints_.find(entries); at != checkpoints_.end()) at->second = world.save();
   }
-  void go_back(const GoBack& back, World<Real>& world) const { world.restore(kept_.at(back.entries)); }
+  void go_back(const GoBack& back, World<Real>& world) const { world.restore(checkpoints_.at(back.entries)); }
 
  private:
-  std::map<std::uint64_t, Checkpoint<Real>> kept_;
+  std::map<std::uint64_t, Checkpoint<Real>> checkpoints_;
 };
 
 }  // namespace
@@ -93,33 +93,33 @@ std::uint64_t digest(World<Real>& world) {
 }
 
 template <class Real>
-Recorded<Real>::Recorded(World<Real>& world) : world_(world) {
+CommandRecorder<Real>::CommandRecorder(World<Real>& world) : world_(world) {
   recording_.setup = world.journal().setup;
   recording_.in_double = std::is_same_v<Real, double>;
 }
 
 template <class Real>
-void Recorded<Real>::apply(const Command& command) {
+void CommandRecorder<Real>::apply(const Command& command) {
   world_.apply(command);
   const bool is_same = is_about_tools(command) && !recording_.commands.empty();
   recording_.commands.push_back({command, is_same ? recording_.commands.back().digest : digest(world_)});
 }
 
 template <class Real>
-Report Recorded<Real>::advance(double duration) {
+Report CommandRecorder<Real>::advance(double duration) {
   Report report = world_.advance(duration);
   recording_.commands.push_back({Advance{duration}, digest(world_)});
   return report;
 }
 
 template <class Real>
-void Recorded<Real>::go_back(const Checkpoint<Real>& checkpoint, std::size_t entries) {
+void CommandRecorder<Real>::go_back(const Checkpoint<Real>& checkpoint, std::size_t entries) {
   world_.restore(checkpoint);
   recording_.commands.push_back({GoBack{entries}, digest(world_)});
 }
 
 template <class Real>
-void Recorded<Real>::go_on(const Checkpoint<Real>& checkpoint, Recording recording) {
+void CommandRecorder<Real>::go_on(const Checkpoint<Real>& checkpoint, Recording recording) {
   const State<Real>& state = checkpoint.state;
   const bool is_its_end = recording.commands.empty() ||
                           digest_of<Real>(state.u, state.v, state.time) == recording.commands.back().digest;
@@ -130,12 +130,12 @@ void Recorded<Real>::go_on(const Checkpoint<Real>& checkpoint, Recording recordi
 }
 
 template <class Real>
-Replayed replay(const Recording& recording, World<Real>& world) {
+ReplayResult replay(const Recording& recording, World<Real>& world) {
   if (recording.setup != world.journal().setup)
     throw InputError("recording", "is of another scene, mesh or version of them");
   if (recording.in_double != std::is_same_v<Real, double>)
     throw InputError("recording", recording.in_double ? "is in double precision" : "is in single precision");
-  Replayed replayed;
+  ReplayResult replayed;
   Returns<Real> returns(recording);
   for (const RecordedCommand& recorded : recording.commands) {
     returns.keep(replayed.commands, world);
@@ -171,9 +171,9 @@ Recording read_recording(const std::filesystem::path& file) {
 
 template std::uint64_t digest(World<float>&);
 template std::uint64_t digest(World<double>&);
-template class Recorded<float>;
-template class Recorded<double>;
-template Replayed replay(const Recording&, World<float>&);
-template Replayed replay(const Recording&, World<double>&);
+template class CommandRecorder<float>;
+template class CommandRecorder<double>;
+template ReplayResult replay(const Recording&, World<float>&);
+template ReplayResult replay(const Recording&, World<double>&);
 
 }  // namespace lobe

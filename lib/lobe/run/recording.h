@@ -41,9 +41,9 @@ std::uint64_t digest(World<Real>& world);
 
 // Passes commands on to a world and records them.
 template <class Real>
-class Recorded {
+class CommandRecorder {
  public:
-  explicit Recorded(World<Real>& world);
+  explicit CommandRecorder(World<Real>& world);
 
   void apply(const Command& command);
   Report advance(double duration);
@@ -59,7 +59,7 @@ class Recorded {
   Recording recording_;
 };
 
-struct Replayed {
+struct ReplayResult {
   std::size_t commands = 0;  // that gave the recorded bits
   bool same = true;          // false: the next one did not
   double time = 0;           // of the world, where it ended [s]
@@ -69,7 +69,7 @@ struct Replayed {
 // or precision. Stops at the first command after which the state differs. States that it goes back to are
 // kept meanwhile.
 template <class Real>
-Replayed replay(const Recording& recording, World<Real>& world);
+ReplayResult replay(const Recording& recording, World<Real>& world);
 
 // Reading throws InputError for a file that is damaged, cut off or of another version.
 void write_recording(const std::filesystem::path& file, const Recording& recording);

@@ -7,11 +7,11 @@
 
 #include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
-#include "lobe/run/recorder.h"
+#include "lobe/run/frame_writer.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/report_json.h"
 #include "lobe/run/results_folder.h"
-#include "lobe/run/watched.h"
+#include "lobe/run/watch_results.h"
 #include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
 
@@ -26,17 +26,17 @@ double seconds_since(Clock::time_point start) {
 }
 
 template <class Real>
-bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Recorder& recorder,
-          Totals& totals, Watched<Real>& watched, WatchedMasses<Real>& masses) {
+bool play(World<Real>& world, const Scene& scene, const RunOptions& options, FrameWriter& frame_writer,
+          Totals& totals, LinearityResults<Real>& watched, MassResults<Real>& masses) {
   const Frames frames = frames_of(scene.time);
   const auto record = [&](bool last) {
     const Clock::time_point start = Clock::now();
-    recorder.record(world, last);
+    frame_writer.record(world, last);
     totals.series.push_back(state_json(world));
     totals.output_seconds += seconds_since(start);
   };
   record(false);
-  std::optional<Recorded<Real>> recorded;
+  std::optional<CommandRecorder<Real>> recorded;
   if (!options.record.empty()) recorded.emplace(world);
   bool ok = true;
   const auto look = [&] {
@@ -81,16 +81,16 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   World<Real> world(resolved.setup, options.threads, options.condensing);
   const double setup_seconds = seconds_since(start);
   clear_earlier_run(options.directory, {mesh_path(scene), scene.file});
-  Recorder recorder(scene.output, options.directory);
+  FrameWriter frame_writer(scene.output, options.directory);
   Totals totals;
   RunResult result;
   result.warnings = resolved.warnings;
   const Json regions = region_counts(world.elements());
   const double limit = world.time_step_limit();
-  Watched<Real> watched(world, scene, resolved);
-  WatchedMasses<Real> masses(world, scene);
-  result.ok = play(world, scene, options, recorder, totals, watched, masses);
-  result.picture_request = recorder.finish();
+  LinearityResults<Real> watched(world, scene, resolved);
+  MassResults<Real> masses(world, scene);
+  result.ok = play(world, scene, options, frame_writer, totals, watched, masses);
+  result.picture_request = frame_writer.finish();
   for (const std::string& warning : {watched.warning(), masses.warning()})
     if (!warning.empty()) result.warnings.push_back(warning);
   result.warnings.insert(result.warnings.end(), totals.warnings.begin(), totals.warnings.end());
@@ -114,8 +114,8 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"smallest_volume_ratio", totals.smallest_volume_ratio},
       {"tetrahedra_removed", totals.tets_removed},
       {"timing", timing_json(totals, world.time(), setup_seconds, world.body().regions.condensing())},
-      {"skipped", skipped_json(totals, resolved.setup, recorder.frame_count())},
-      {"frames", recorder.frame_count()},
+      {"skipped", skipped_json(totals, resolved.setup, frame_writer.frame_count())},
+      {"frames", frame_writer.frame_count()},
       {"warnings", result.warnings},
       {"conditions", totals.conditions},
       {"cuts", totals.cuts},

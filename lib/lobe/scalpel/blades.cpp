@@ -33,9 +33,10 @@ bool is_in(const Grains& grains, Index grain, const Vec3d& X) {
 }
 
 // A little more than what grains are in now.
-Eigen::AlignedBox3d box_around(const Grains& grains, std::span<const Index> own, const Placement& placement) {
+Eigen::AlignedBox3d box_around(const Grains& grains, std::span<const Index> of_tet,
+                               const Placement& placement) {
   Eigen::AlignedBox3d box;
-  for (Index grain : own)
+  for (Index grain : of_tet)
     for (Index p : grains[grain].points) box.extend(placement(grains.point(p)));
   const Vec3d spare = Vec3d::Constant(1e-6 * box.sizes().maxCoeff());
   return {box.min() - spare, box.max() + spare};
@@ -50,7 +51,7 @@ class KnownPlacements {
   }
   Placement operator()(Index tet) const {
     const auto at = std::lower_bound(own_.begin(), own_.end(), tet,
-                                     [](const auto& own, Index t) { return own.first < t; });
+                                     [](const auto& pair, Index t) { return pair.first < t; });
     return at != own_.end() && at->first == tet ? at->second : find_(tet);
   }
 
@@ -84,7 +85,7 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   for (const Row& row : stroke->rows) places.push_back(places_of(row, body));
   Row now = places_at(step.to, *stroke, stroke->rows.back().size());
   std::vector<Vec3d> there;
-  for (const Station& station : now) there.push_back(station.place);
+  for (const BladePoint& station : now) there.push_back(station.place);
   double way = 0;  // beyond that of the tissue
   for (std::size_t i = 0; i < there.size(); ++i) way = std::max(way, (there[i] - places.back()[i]).norm());
   if (way < least_way * grains.mean_edge()) return Incised{};
@@ -119,7 +120,7 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
   Row row = places_at(step.from, stroke, count);
   Eigen::AlignedBox3d box;
-  for (const Station& station : row) box.extend(station.place);
+  for (const BladePoint& station : row) box.extend(station.place);
   find_in_body(row, body.tets_in({box, {}, {}}), body.placement);
   stroke.rows = {std::move(row)};
   return &stroke;
@@ -174,7 +175,7 @@ Blades::Row Blades::places_at(const BladePose& pose, Stroke& stroke, std::size_t
 // The first grain that each is in. Stations stand in a line: those in a box follow each other.
 void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const Placements& find) const {
   constexpr double flat = 1e-3;
-  auto left = std::count_if(row.begin(), row.end(), [](const Station& own) { return own.grain < 0; });
+  auto left = std::count_if(row.begin(), row.end(), [](const BladePoint& point) { return point.grain < 0; });
   const Vec3d start = row.front().place, way = row.back().place - start;
   Eigen::Index axis = 0;
   way.cwiseAbs().maxCoeff(&axis);
@@ -184,18 +185,19 @@ void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const Placem
   };
   for (std::size_t i = 0; i < tets.size() && left > 0; ++i) {
     const Placement placement = find(tets[i]);
-    const auto own = grains.of(tets[i]);
-    const Eigen::AlignedBox3d box = box_around(grains, own, placement);
+    const auto of_tet = grains.of(tets[i]);
+    const Eigen::AlignedBox3d box = box_around(grains, of_tet, placement);
     const auto [first, last] = std::minmax({station_at(box.min()[axis]), station_at(box.max()[axis])});
     const auto end = static_cast<std::size_t>(std::floor(last) + 1);
     for (auto at = static_cast<std::size_t>(std::max(0.0, std::ceil(first))); at < end && at < row.size();
          ++at) {
-      Station& station = row[at];
+      BladePoint& station = row[at];
       if (station.grain >= 0 || !box.contains(station.place)) continue;
       if (placement.gradient.determinant() < flat) break;
       const Vec3d rest = placement.start + placement.gradient.inverse() * (station.place - placement.image);
-      const auto in = std::find_if(own.begin(), own.end(), [&](Index g) { return is_in(grains, g, rest); });
-      if (in == own.end()) continue;
+      const auto in =
+          std::find_if(of_tet.begin(), of_tet.end(), [&](Index g) { return is_in(grains, g, rest); });
+      if (in == of_tet.end()) continue;
       station.grain = *in;
       station.rest = rest;
       --left;
@@ -253,7 +255,7 @@ void Blades::set_state(const State& state) {
 
 bool Blades::fits(const State& state, const Grains* grains) {
   if (!grains) return state.on.empty() && state.strokes.empty();
-  const auto is_station = [&](const Station& s) {
+  const auto is_station = [&](const BladePoint& s) {
     return s.grain >= -1 && s.grain < grains->count() && s.rest.allFinite() && s.place.allFinite();
   };
   for (const Stroke& stroke : state.strokes) {

@@ -44,13 +44,13 @@ class Blades {
 
   Grains grains;
 
-  struct Station {                // of an edge
+  struct BladePoint {             // of an edge
     Index grain = -1;             // −1: outside the body
     Vec3d rest = Vec3d::Zero();   // in the grain [m]
     Vec3d place = Vec3d::Zero();  // when it was found [m]
-    static constexpr auto fields = std::tuple(&Station::grain, &Station::rest, &Station::place);
+    static constexpr auto fields = std::tuple(&BladePoint::grain, &BladePoint::rest, &BladePoint::place);
   };
-  using Row = std::vector<Station>;
+  using Row = std::vector<BladePoint>;
   struct Stroke {
     int tool = 0, number = 0, bit = 0, rows_made = 0;
     bool goes_on = true;

@@ -15,7 +15,7 @@ bool has(const std::vector<Index>& sorted, Index value) {
 std::vector<Index> both_sides(const Grains& grains, const std::vector<Index>& faces) {
   std::vector<Index> sides;
   for (Index code : faces)
-    for (Index side : {code, grains.beside(code)}) sides.push_back(side);
+    for (Index side : {code, grains.other_side(code)}) sides.push_back(side);
   std::sort(sides.begin(), sides.end());
   return sides;
 }
@@ -44,9 +44,9 @@ std::vector<Index>::iterator largest_around(const Grains& grains, const std::vec
   auto largest = faces.end();
   double area = -1;
   for (auto face = faces.begin(); face != faces.end(); ++face) {
-    if (has(crumb, *face / 4) == has(crumb, grains.beside(*face) / 4)) continue;
-    if (const double own = grains.area(*face); own > area) {
-      area = own;
+    if (has(crumb, *face / 4) == has(crumb, grains.other_side(*face) / 4)) continue;
+    if (const double face_area = grains.area(*face); face_area > area) {
+      area = face_area;
       largest = face;
     }
   }

@@ -22,7 +22,7 @@ class Division {
   Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
            std::vector<Index>& places);
   ~Division() {
-    for (const Own& own : own_) places_[std::size_t(own.grain)] = -1;
+    for (const NearGrain& near : near_grains_) places_[std::size_t(near.grain)] = -1;
   }
   Division(const Division&) = delete;
   Division& operator=(const Division&) = delete;
@@ -32,25 +32,25 @@ class Division {
   std::vector<std::pair<Index, Index>> moved_grains() const;
 
  private:
-  struct Own {  // a grain of a tetrahedron around the vertices of those that were touched
+  struct NearGrain {  // a grain of a tetrahedron around the vertices of those that were touched
     Index grain, element;
     Corners corners;  // of its tetrahedron, as they will be
     bool has_new_corners = false;
     Index seen_at = -1;  // the vertex around which it has not been found yet
   };
 
-  Own* own(Index grain) {
+  NearGrain* near_grain(Index grain) {
     const Index place = places_[std::size_t(grain)];
-    return place < 0 ? nullptr : &own_[std::size_t(place)];
+    return place < 0 ? nullptr : &near_grains_[std::size_t(place)];
   }
-  const Own* own(Index grain) const { return const_cast<Division*>(this)->own(grain); }
-  Own& known(Index grain);
+  const NearGrain* near_grain(Index grain) const { return const_cast<Division*>(this)->near_grain(grain); }
+  NearGrain& known(Index grain);
   Index element_of(Index grain) const {
-    const Own* known = own(grain);
+    const NearGrain* known = near_grain(grain);
     return known ? known->element : grains_[grain].element;
   }
   Corners corners_of(Index grain) const {
-    const Own* known = own(grain);
+    const NearGrain* known = near_grain(grain);
     return known ? known->corners : topology_.corners(grains_[grain].element);
   }
   std::span<const Index> grains_of(Index tet) const;
@@ -68,7 +68,7 @@ class Division {
   const Topology& topology_;
   std::vector<Index>& places_;  // in own_
   std::vector<Index> touched_, vertices_;
-  std::vector<Own> own_;
+  std::vector<NearGrain> near_grains_;
   std::vector<Index> star_, front_;                // grains around a vertex; those found there
   std::map<Index, std::vector<Index>> grains_of_;  // of tetrahedra that were divided, and of their parts
   Index new_tets_ = 0;
@@ -82,23 +82,23 @@ Division::Division(const Grains& grains, const Topology& topology, const std::ve
   for (Index t : touched)
     for (Index v : topology.corners(t)) vertices_.push_back(v);
   sort_unique(vertices_);
-  own_.reserve(32 * vertices_.size());
+  near_grains_.reserve(32 * vertices_.size());
 }
 
-Division::Own& Division::known(Index grain) {
+Division::NearGrain& Division::known(Index grain) {
   Index& place = places_[std::size_t(grain)];
   if (place < 0) {
-    place = static_cast<Index>(own_.size());
+    place = static_cast<Index>(near_grains_.size());
     const Index element = grains_[grain].element;
-    own_.push_back({grain, element, topology_.corners(element)});
+    near_grains_.push_back({grain, element, topology_.corners(element)});
   }
-  return own_[std::size_t(place)];
+  return near_grains_[std::size_t(place)];
 }
 
 std::vector<std::pair<Index, Index>> Division::moved_grains() const {
   std::vector<std::pair<Index, Index>> moved;
-  for (const Own& own : own_)
-    if (own.element != grains_[own.grain].element) moved.emplace_back(own.grain, own.element);
+  for (const NearGrain& near : near_grains_)
+    if (near.element != grains_[near.grain].element) moved.emplace_back(near.grain, near.element);
   std::sort(moved.begin(), moved.end());
   return moved;
 }
@@ -121,11 +121,11 @@ void Division::find_star(Index v) {
 
 bool Division::hangs_together(Index v) {
   front_.assign(1, star_.front());
-  own(star_.front())->seen_at = -1;
+  near_grain(star_.front())->seen_at = -1;
   for (std::size_t at = 0; at < front_.size() && front_.size() < star_.size(); ++at)
     for (int f = 0; f < 4; ++f) {
       const Index other = grains_.neighbour(front_[at], f);
-      Own* next = other < 0 ? nullptr : own(other);
+      NearGrain* next = other < 0 ? nullptr : near_grain(other);
       if (!next || next->seen_at != v) continue;
       next->seen_at = -1;
       front_.push_back(other);
@@ -136,17 +136,17 @@ bool Division::hangs_together(Index v) {
 // In order of their first grains.
 std::vector<std::vector<Index>> Division::parts_around(Index v) {
   std::sort(star_.begin(), star_.end());
-  for (Index grain : star_) own(grain)->seen_at = v;
+  for (Index grain : star_) near_grain(grain)->seen_at = v;
   std::vector<std::vector<Index>> parts;
   for (Index first : star_) {
-    Own* start = own(first);
+    NearGrain* start = near_grain(first);
     if (start->seen_at != v) continue;
     start->seen_at = -1;
     std::vector<Index>& part = parts.emplace_back(1, first);
     for (std::size_t at = 0; at < part.size(); ++at)
       for (int f = 0; f < 4; ++f) {
         const Index other = grains_.neighbour(part[at], f);
-        Own* next = other < 0 ? nullptr : own(other);
+        NearGrain* next = other < 0 ? nullptr : near_grain(other);
         if (!next || next->seen_at != v) continue;
         next->seen_at = -1;
         part.push_back(other);
@@ -177,7 +177,7 @@ void Division::split(Index v) {
     const Index copy = topology_.vertex_count() + static_cast<Index>(result_.vertices.size());
     result_.vertices.push_back(v);
     for (Index grain : parts[i]) {
-      Own& known = *own(grain);
+      NearGrain& known = *near_grain(grain);
       known.has_new_corners = true;
       for (Index& corner : known.corners)
         if (corner == v) corner = copy;
@@ -187,7 +187,7 @@ void Division::split(Index v) {
 
 std::vector<Index> Division::changed_tets() const {
   std::vector<Index> tets;
-  for (const Own& known : own_)
+  for (const NearGrain& known : near_grains_)
     if (known.has_new_corners) tets.push_back(known.element);
   sort_unique(tets);
   return tets;
@@ -215,7 +215,7 @@ void Division::divide(Index tet) {
   for (auto part = parts.begin(); part != parts.end(); ++part) {
     const Index number = part == keeps ? tet : topology_.tet_count() + new_tets_++;
     result_.parts.push_back({number, tet, part->corners, part->share});
-    for (Index grain : part->grains) own(grain)->element = number;
+    for (Index grain : part->grains) near_grain(grain)->element = number;
     grains_of_[number] = part->grains;
   }
 }
@@ -265,10 +265,10 @@ TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& o
   for (const TetDivision::Part& part : result.parts)
     while (of_element_.vertex_count() <= part.tet) of_element_.add_vertex();
   for (const auto& [grain, element] : division.moved_grains()) {
-    Grain& own = grains_[std::size_t(grain)];
-    of_element_.erase_value(own.element, grain);
+    Grain& moved = grains_[std::size_t(grain)];
+    of_element_.erase_value(moved.element, grain);
     of_element_.append(element, grain);
-    own.element = element;
+    moved.element = element;
     changed_.push_back(grain);
   }
   return result;

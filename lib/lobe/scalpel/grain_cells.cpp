@@ -3,19 +3,19 @@
 namespace lobe {
 
 SurfaceCells::Cell GrainCells::cell(Index grain) const {
-  const Grains::Grain& own = grains_[grain];
-  if (!elements_.topology.alive(own.element)) return {};
+  const Grains::Grain& data = grains_[grain];
+  if (!elements_.topology.alive(data.element)) return {};
   unsigned outer = 0;
   for (int f = 0; f < 4; ++f) outer |= unsigned(grains_.neighbour(grain, f) < 0) << f;
-  return {own.element, own.points, outer};
+  return {data.element, data.points, outer};
 }
 
 std::vector<Index> GrainCells::outer_faces() const {
   std::vector<Index> codes;
   for (Index grain = 0; grain < count(); ++grain) {
-    const Cell own = cell(grain);
-    for (Index f = 0; f < 4 && own.tet >= 0; ++f)
-      if (own.outer >> f & 1) codes.push_back(4 * grain + f);
+    const Cell found_cell = cell(grain);
+    for (Index f = 0; f < 4 && found_cell.tet >= 0; ++f)
+      if (found_cell.outer >> f & 1) codes.push_back(4 * grain + f);
   }
   return codes;
 }
@@ -29,11 +29,12 @@ SurfacePlace GrainCells::place(Index point) const {
   const Index t = grains_[grains_.around(point).front()].element;
   const Eigen::Vector4i corners = elements_.topology.corners(t);
   const Vec3d& X = grains_.point(point);
-  const Mat34<double> own = elements_.corner_points(t);
+  const Mat34<double> corner_points = elements_.corner_points(t);
   for (int k = 0; k < 4; ++k)
-    if (own.col(k) == X) return {corners[k]};
+    if (corner_points.col(k) == X) return {corners[k]};
   SurfacePlace place{-1, corners};
-  place.weights.tail<3>() = shape(own).gradients.rightCols<3>().transpose() * (X - own.col(0));
+  place.weights.tail<3>() =
+      shape(corner_points).gradients.rightCols<3>().transpose() * (X - corner_points.col(0));
   place.weights[0] = 1 - place.weights.tail<3>().sum();
   return place;
 }
@@ -41,7 +42,7 @@ SurfacePlace GrainCells::place(Index point) const {
 void GrainCells::append_changed(const MeshEdit& edit, std::vector<Index>& cells) const {
   for (const VertexSplit& split : edit.splits)
     for (Index t : split.tets) append_cells_of(t, cells);
-  for (const TetShare& own : edit.shares) append_cells_of(own.tet, cells);
+  for (const TetShare& tet_share : edit.shares) append_cells_of(tet_share.tet, cells);
 }
 
 std::unique_ptr<SurfaceCells> surface_cells(const Elements& elements, const Grains* grains) {

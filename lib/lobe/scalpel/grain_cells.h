@@ -17,7 +17,7 @@ class GrainCells : public SurfaceCells {
   std::vector<Index> outer_faces() const override;  // O(#grains)
   std::span<const Index> around(Index point) const override { return grains_.around(point); }
   void append_cells_of(Index tet, std::vector<Index>& cells) const override;
-  bool is_cut(Index code, bool) const override { return !grains_.is_skin(code / 4, int(code % 4)); }
+  bool is_cut(Index code, bool) const override { return !grains_.was_boundary(code / 4, int(code % 4)); }
   SurfacePlace place(Index point) const override;  // of one that a grain has
 
   // Tells the cells which tetrahedra an edit of the topology has given other corners. Grains do not know of

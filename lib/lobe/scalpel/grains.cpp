@@ -17,12 +17,12 @@ int place_of(const Eigen::Vector4i& points, Index point) {
 }
 
 // One bit per face of each tetrahedron.
-std::vector<std::uint8_t> skin_of_tets(const Topology& topology) {
-  std::vector<std::uint8_t> skin(std::size_t(topology.tet_count()), 0);
+std::vector<std::uint8_t> boundary_of_tets(const Topology& topology) {
+  std::vector<std::uint8_t> boundary(std::size_t(topology.tet_count()), 0);
   const TetCells cells = TetCells::since_start(topology);
   for (Index code : cells.outer_faces())
-    skin[std::size_t(code / 4)] |= std::uint8_t(!cells.is_cut(code, true) << code % 4);
-  return skin;
+    boundary[std::size_t(code / 4)] |= std::uint8_t(!cells.is_cut(code, true) << code % 4);
+  return boundary;
 }
 
 }  // namespace
@@ -44,9 +44,9 @@ Grains::Grains(const Elements& elements) {
   on_.assign(points_.size(), 0);
   const std::size_t grains = grain_of.size() + grain_of.size() / 2;
   grains_.reserve(grains);
-  beside_.reserve(grains);
+  other_sides_.reserve(grains);
   double sum = 0, volumes = 0;
-  const std::vector<std::uint8_t> skin = skin_of_tets(topology);
+  const std::vector<std::uint8_t> boundary = boundary_of_tets(topology);
   for (Index t = 0; t < topology.tet_count(); ++t) {
     if (!topology.alive(t)) continue;
     grain_of[std::size_t(t)] = count();
@@ -54,7 +54,7 @@ Grains::Grains(const Elements& elements) {
     const Eigen::Vector4i corners = topology.corners(t);
     volumes += signed_volume(elements.corner_points(t));
     for (Index v : corners) around_.append(v, count());
-    grains_.push_back({corners, t, 1, 0, skin[std::size_t(t)]});
+    grains_.push_back({corners, t, 1, 0, boundary[std::size_t(t)]});
     for (const auto& edge : edge_corners) {
       const Index a = corners[edge[0]], b = corners[edge[1]];
       const double length = (point(a) - point(b)).norm();
@@ -62,13 +62,13 @@ Grains::Grains(const Elements& elements) {
       sum += length;
     }
   }
-  beside_.assign(grains_.size(), {-1, -1, -1, -1});
+  other_sides_.assign(grains_.size(), {-1, -1, -1, -1});
   for (Index grain = 0; grain < count(); ++grain)  // of tetrahedra that share a face with several, in turn
     topology.for_neighbours((*this)[grain].element, [&](int face, Index tet) {
       const Index other = grain_of[std::size_t(tet)];
       for (int f = 0; f < 4; ++f)
-        if (place_of((*this)[grain].points, (*this)[other].points[f]) < 0 && beside(4 * other + f) < 0 &&
-            beside(4 * grain + face) < 0)
+        if (place_of((*this)[grain].points, (*this)[other].points[f]) < 0 && other_side(4 * other + f) < 0 &&
+            other_side(4 * grain + face) < 0)
           link(4 * grain + face, 4 * other + f);
     });
   mean_edge_ = count() > 0 ? sum / (6.0 * count()) : 0;
@@ -76,14 +76,14 @@ Grains::Grains(const Elements& elements) {
 }
 
 void Grains::link(Index code, Index other) {
-  beside_[std::size_t(code / 4)][std::size_t(code % 4)] = other;
-  if (other >= 0) beside_[std::size_t(other / 4)][std::size_t(other % 4)] = code;
+  other_sides_[std::size_t(code / 4)][std::size_t(code % 4)] = other;
+  if (other >= 0) other_sides_[std::size_t(other / 4)][std::size_t(other % 4)] = code;
 }
 
 // From all its neighbours.
 void Grains::unlink(Index grain) {
-  for (Index& code : beside_[std::size_t(grain)]) {
-    if (code >= 0) beside_[std::size_t(code / 4)][std::size_t(code % 4)] = -1;
+  for (Index& code : other_sides_[std::size_t(grain)]) {
+    if (code >= 0) other_sides_[std::size_t(code / 4)][std::size_t(code % 4)] = -1;
     code = -1;
   }
 }
@@ -103,7 +103,7 @@ double Grains::area(Index code) const {
 
 // A grain's face lies on that of its tetrahedron where the coordinate that belongs to the corner opposite is
 // 0.
-Vec3d Grains::skin_of(Index element, int face, const Elements& elements) const {
+Vec3d Grains::boundary_share_of(Index element, int face, const Elements& elements) const {
   constexpr double rounding = 1e-9;
   const Mat34<double> X = elements.corner_points(element);
   const Mat34<double> gradients = shape(X).gradients;
@@ -112,7 +112,7 @@ Vec3d Grains::skin_of(Index element, int face, const Elements& elements) const {
   Vec3d sum = Vec3d::Zero();
   for (Index grain : of(element))
     for (int f = 0; f < 4; ++f) {
-      if (!is_skin(grain, f)) continue;
+      if (!was_boundary(grain, f)) continue;
       Vec3d middle = Vec3d::Zero();
       bool is_on_face = true;
       for (int k : face_corners[f]) {
@@ -154,7 +154,7 @@ void Grains::forget_stroke(int stroke) {
 void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   const Index other = count();
   grains_.push_back(Grain((*this)[grain]));
-  beside_.push_back({-1, -1, -1, -1});
+  other_sides_.push_back({-1, -1, -1, -1});
   Grain &near_a = grains_[std::size_t(grain)], &near_b = grains_.back();
   const int at_a = place_of(near_a.points, a), at_b = place_of(near_a.points, b);
   near_a.points[at_b] = near_b.points[at_a] = point;
@@ -162,9 +162,9 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   near_b.share *= 1 - share;
   near_a.open &= std::uint8_t(~(1 << at_a));
   near_b.open &= std::uint8_t(~(1 << at_b));
-  near_a.skin &= std::uint8_t(~(1 << at_a));
-  near_b.skin &= std::uint8_t(~(1 << at_b));
-  link(4 * other + at_a, beside(4 * grain + at_a));
+  near_a.boundary &= std::uint8_t(~(1 << at_a));
+  near_b.boundary &= std::uint8_t(~(1 << at_b));
+  link(4 * other + at_a, other_side(4 * grain + at_a));
   link(4 * grain + at_a, 4 * other + at_b);
   around_.erase_value(b, grain);
   for (Index p : near_b.points)
@@ -208,8 +208,8 @@ void Grains::link_halves(const std::vector<Index>& star, Index halves, Index a, 
     const Eigen::Vector4i& points = (*this)[grain].points;
     for (int f = 0; f < 4; ++f) {
       if (points[f] == a || points[f] == point) continue;
-      const Index code = beside(4 * grain + f), other = code < 0 ? -1 : scratch_[std::size_t(code / 4)];
-      beside_[std::size_t(scratch_[std::size_t(grain)])][std::size_t(f)] =
+      const Index code = other_side(4 * grain + f), other = code < 0 ? -1 : scratch_[std::size_t(code / 4)];
+      other_sides_[std::size_t(scratch_[std::size_t(grain)])][std::size_t(f)] =
           other < 0 ? -1 : 4 * other + code % 4;
     }
   }
@@ -219,17 +219,17 @@ void Grains::link_halves(const std::vector<Index>& star, Index halves, Index a, 
 std::vector<Index> Grains::open(const std::vector<Index>& faces) {
   std::vector<Index> points, elements;
   for (Index code : faces) {
-    const Index grain = code / 4, other = beside(code);
+    const Index grain = code / 4, other = other_side(code);
     elements.push_back((*this)[grain].element);
     changed_.push_back(grain);
-    Grain& own = grains_[std::size_t(grain)];
-    own.open |= std::uint8_t(1 << code % 4);
-    for (int c : face_corners[code % 4]) points.push_back(own.points[c]);
+    Grain& data = grains_[std::size_t(grain)];
+    data.open |= std::uint8_t(1 << code % 4);
+    for (int c : face_corners[code % 4]) points.push_back(data.points[c]);
     if (other < 0) continue;
     elements.push_back((*this)[other / 4].element);
     changed_.push_back(other / 4);
     grains_[std::size_t(other / 4)].open |= std::uint8_t(1 << other % 4);
-    beside_[std::size_t(other / 4)][std::size_t(other % 4)] = -1;
+    other_sides_[std::size_t(other / 4)][std::size_t(other % 4)] = -1;
     link(code, -1);
   }
   sort_unique(points);
@@ -247,9 +247,9 @@ bool Grains::hangs_together(Index point) {
   front.assign(1, star.front());
   scratch_[std::size_t(star.front())] = 0;
   for (std::size_t at = 0; at < front.size() && front.size() < star.size(); ++at) {
-    const Grain& own = (*this)[front[at]];
+    const Grain& next = (*this)[front[at]];
     for (int f = 0; f < 4; ++f) {
-      if (own.points[f] == point) continue;
+      if (next.points[f] == point) continue;
       const Index other = neighbour(front[at], f);
       if (other < 0 || scratch_[std::size_t(other)] >= 0) continue;
       scratch_[std::size_t(other)] = 0;
@@ -297,8 +297,8 @@ void Grains::split_if_apart(Index point) {
     on_.push_back(std::uint32_t(on_[std::size_t(point)]));
     around_.add_vertex();
     for (Index grain : parts[i]) {
-      Eigen::Vector4i& own = grains_[std::size_t(grain)].points;
-      own[place_of(own, point)] = copy;
+      Eigen::Vector4i& points = grains_[std::size_t(grain)].points;
+      points[place_of(points, point)] = copy;
       around_.erase_value(point, grain);
       around_.append(copy, grain);
     }
@@ -324,7 +324,7 @@ void Grains::forget(const std::vector<Index>& elements) {
 }
 
 std::size_t Grains::bytes() const {
-  return grains_.size() * (sizeof(Grain) + sizeof beside_[0]) + points_.size() * sizeof(Vec3d) +
+  return grains_.size() * (sizeof(Grain) + sizeof other_sides_[0]) + points_.size() * sizeof(Vec3d) +
          shortest_.size() * sizeof(double) + on_.size() * sizeof(std::uint32_t) +
          grains_.size() * sizeof scratch_[0] +
          (around_.items().size() + of_element_.items().size()) * sizeof(Index);

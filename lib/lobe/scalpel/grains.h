@@ -41,10 +41,10 @@ class Grains {
  public:
   struct Grain {
     Eigen::Vector4i points;
-    Index element;          // the tetrahedron of the simulation that it is part of
-    double share = 1;       // of its parent's volume
-    std::uint8_t open = 0;  // one bit per face
-    std::uint8_t skin = 0;  // the same: it was on the boundary at the start
+    Index element;              // the tetrahedron of the simulation that it is part of
+    double share = 1;           // of its parent's volume
+    std::uint8_t open = 0;      // one bit per face
+    std::uint8_t boundary = 0;  // the same: it was on the boundary at the start
   };
 
   // One per tetrahedron that is there, in their order. O(#tets).
@@ -57,10 +57,10 @@ class Grains {
   std::span<const Index> around(Index point) const { return around_[point]; }
   std::span<const Index> of(Index element) const { return of_element_[element]; }
   bool is_open(Index grain, int face) const { return grains_[std::size_t(grain)].open >> face & 1; }
-  bool is_skin(Index grain, int face) const { return grains_[std::size_t(grain)].skin >> face & 1; }
+  bool was_boundary(Index grain, int face) const { return grains_[std::size_t(grain)].boundary >> face & 1; }
   // The grain that it is connected to across a face; −1: the face is open, or on the boundary.
   Index neighbour(Index grain, int face) const {
-    const Index code = beside_[std::size_t(grain)][std::size_t(face)];
+    const Index code = other_sides_[std::size_t(grain)][std::size_t(face)];
     return code < 0 ? -1 : code / 4;
   }
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
@@ -75,14 +75,14 @@ class Grains {
   const std::vector<std::uint32_t>& on() const { return on_; }
   void set_on(std::vector<std::uint32_t> on) { on_ = std::move(on); }
 
-  double volume(Index grain) const;  // at rest [m³]
-  double area(Index code) const;     // of a face 4 × grain + face, at rest [m²]
-  Index beside(Index code) const {   // the same face of its neighbour; −1: none
-    return beside_[std::size_t(code / 4)][std::size_t(code % 4)];
+  double volume(Index grain) const;     // at rest [m³]
+  double area(Index code) const;        // of a face 4 × grain + face, at rest [m²]
+  Index other_side(Index code) const {  // the same face of its neighbour; −1: none
+    return other_sides_[std::size_t(code / 4)][std::size_t(code % 4)];
   }
   // The filled part of a face of a tetrahedron that was on the boundary at the start: three times its share
   // of the area, times the barycentric coordinates of its middle. Ones if the face is whole.
-  Vec3d skin_of(Index element, int face, const Elements& elements) const;
+  Vec3d boundary_share_of(Index element, int face, const Elements& elements) const;
   // Whether a vertex of the simulation lies in the material of tetrahedra around it, and is not only a corner
   // of tetrahedra of which there is a part elsewhere.
   bool fills(Index vertex, const Elements& elements) const;
@@ -118,7 +118,8 @@ class Grains {
   std::vector<std::vector<Index>> parts_around(Index point);
 
   std::vector<Grain> grains_;
-  std::vector<std::array<Index, 4>> beside_;  // per face: the same face of the neighbour, 4 × grain + face
+  std::vector<std::array<Index, 4>>
+      other_sides_;  // per face: the same face of the neighbour, 4 × grain + face
   std::vector<Vec3d> points_;
   std::vector<double> shortest_;
   std::vector<std::uint32_t> on_;

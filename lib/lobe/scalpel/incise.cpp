@@ -107,22 +107,22 @@ Step::Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::ve
 
 const Placement& Step::placement_of(Index element) {
   const auto at = std::lower_bound(placements_.begin(), placements_.end(), element,
-                                   [](const auto& own, Index t) { return own.first < t; });
+                                   [](const auto& pair, Index t) { return pair.first < t; });
   if (at != placements_.end() && at->first == element) return at->second;
-  for (const auto& [t, own] : others_)
-    if (t == element) return own;
+  for (const auto& [t, there] : others_)
+    if (t == element) return there;
   return others_.emplace_back(element, find_placement_(element)).second;
 }
 
 bool Step::has_placement(Index element) const {
   const auto at = std::lower_bound(placements_.begin(), placements_.end(), element,
-                                   [](const auto& own, Index t) { return own.first < t; });
+                                   [](const auto& pair, Index t) { return pair.first < t; });
   return at != placements_.end() && at->first == element;
 }
 
 Step::Mark* Step::mark_of(const Edge& edge) {
   const auto at = std::lower_bound(marks_.begin(), marks_.end(), edge,
-                                   [](const Mark& own, const Edge& e) { return own.edge < e; });
+                                   [](const Mark& mark, const Edge& e) { return mark.edge < e; });
   return at != marks_.end() && at->edge == edge && at->counts ? &*at : nullptr;
 }
 
@@ -134,7 +134,7 @@ Step::Mark* Step::mark_of(const Near& near, int a, int b) {
 
 bool Step::is_near_grain(Index grain) const {
   const auto at = std::lower_bound(near_.begin(), near_.end(), grain,
-                                   [](const Near& own, Index g) { return own.grain < g; });
+                                   [](const Near& near_grain, Index g) { return near_grain.grain < g; });
   return at != near_.end() && at->grain == grain;
 }
 
@@ -145,14 +145,14 @@ std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
 
 void Step::find_near() {
   const double reach = blade_.reach() * grains_.mean_edge();
-  std::vector<std::pair<Index, Index>> own;  // grains, and places in placements_
+  std::vector<std::pair<Index, Index>> placed;  // grains, and places in placements_
   for (std::size_t i = 0; i < placements_.size(); ++i)
-    for (Index grain : grains_.of(placements_[i].first)) own.emplace_back(grain, static_cast<Index>(i));
-  std::sort(own.begin(), own.end());
-  near_.reserve(own.size());
-  points_.reserve(2 * own.size());
-  Places places(2 * own.size());
-  for (const auto& [grain, at] : own) {
+    for (Index grain : grains_.of(placements_[i].first)) placed.emplace_back(grain, static_cast<Index>(i));
+  std::sort(placed.begin(), placed.end());
+  near_.reserve(placed.size());
+  points_.reserve(2 * placed.size());
+  Places places(2 * placed.size());
+  for (const auto& [grain, at] : placed) {
     const Placement& placement = placements_[std::size_t(at)].second;
     const Eigen::Vector4i& numbers = grains_[grain].points;
     Mat34<double> x;
@@ -193,11 +193,11 @@ void Step::put_on() {
 bool Step::release_flat() {
   bool found = false;
   for (const Near& near : near_) {
-    const auto& own = near.points;
-    if (!std::all_of(own.begin(), own.end(), [&](Index p) { return is_on(points_[std::size_t(p)]); }))
+    const auto& points = near.points;
+    if (!std::all_of(points.begin(), points.end(), [&](Index p) { return is_on(points_[std::size_t(p)]); }))
       continue;
     Point* worst = nullptr;
-    for (Index p : own) {
+    for (Index p : points) {
       Point& point = points_[std::size_t(p)];
       if (!point.is_on) continue;
       if (!worst || std::pair(point.distance, point.number) > std::pair(worst->distance, worst->number))
@@ -230,11 +230,11 @@ void Step::find_crossed() {
   std::sort(edges.begin(), edges.end(), [](const Crossed& e, const Crossed& f) { return e.edge < f.edge; });
   constexpr double least = 1e-3;
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
-    const Crossed& own = edges[i];
-    while (end < edges.size() && edges[end].edge == own.edge) ++end;
-    const auto share = crossing(points_[std::size_t(own.a)].x, points_[std::size_t(own.b)].x);
+    const Crossed& crossed = edges[i];
+    while (end < edges.size() && edges[end].edge == crossed.edge) ++end;
+    const auto share = crossing(points_[std::size_t(crossed.a)].x, points_[std::size_t(crossed.b)].x);
     if (!share) continue;
-    marks_.push_back({own.edge, std::clamp(*share, least, 1 - least)});
+    marks_.push_back({crossed.edge, std::clamp(*share, least, 1 - least)});
     for (std::size_t k = i; k < end; ++k) ++edges[k].near->marks;
   }
 }
@@ -280,15 +280,15 @@ bool Step::is_near(Index grain, const Eigen::Vector3i& points) {
 
 // Closed faces on the stroke's sheet, each from one side.
 std::vector<Index> Step::faces_on() {
-  std::vector<Index> faces, own;
+  std::vector<Index> faces, touching;
   const auto is_point_on = [&](Index p) { return grains_.is_on(p, blade_.stroke); };
   for (const auto& [t, placement] : placements_)
     for (Index grain : grains_.of(t)) {
       const Eigen::Vector4i& p = grains_[grain].points;
-      if (std::count_if(p.begin(), p.end(), is_point_on) >= 3) own.push_back(grain);
+      if (std::count_if(p.begin(), p.end(), is_point_on) >= 3) touching.push_back(grain);
     }
-  std::sort(own.begin(), own.end());
-  for (Index grain : own) {
+  std::sort(touching.begin(), touching.end());
+  for (Index grain : touching) {
     const Eigen::Vector4i& p = grains_[grain].points;
     for (int f = 0; f < 4; ++f) {
       const int* c = face_corners[f];
@@ -322,19 +322,19 @@ std::vector<Index> Step::faces_between_sides() {
 }
 
 Vec3d Step::middle_of_face(Index code) {
-  const Grains::Grain& own = grains_[code / 4];
+  const Grains::Grain& data = grains_[code / 4];
   const int* c = face_corners[code % 4];
-  return place(code / 4, (grains_.point(own.points[c[0]]) + grains_.point(own.points[c[1]]) +
-                          grains_.point(own.points[c[2]])) /
+  return place(code / 4, (grains_.point(data.points[c[0]]) + grains_.point(data.points[c[1]]) +
+                          grains_.point(data.points[c[2]])) /
                              3);
 }
 
 void Step::open(std::vector<Index> faces) {
   result_.crumbs = keep_crumbs(grains_, faces);
   for (Index code : faces) {
-    const Index beside = grains_.beside(code);
-    result_.faces.push_back(
-        {grains_[code / 4].element, grains_[beside / 4].element, grains_.area(code), middle_of_face(code)});
+    const Index neighbour = grains_.other_side(code);
+    result_.faces.push_back({grains_[code / 4].element, grains_[neighbour / 4].element, grains_.area(code),
+                             middle_of_face(code)});
     result_.area += result_.faces.back().area;
   }
   result_.opened = grains_.open(faces);

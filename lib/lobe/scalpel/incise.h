@@ -31,9 +31,9 @@ struct Incised {
   std::vector<Index> opened;  // the tetrahedra beside the faces that were opened
   double area = 0;            // of these faces, at rest [m²]
   struct Face {
-    Index element, beside;  // tetrahedra
-    double area;            // at rest [m²]
-    Vec3d middle;           // where it is now [m]
+    Index element, neighbour;  // tetrahedra
+    double area;               // at rest [m²]
+    Vec3d middle;              // where it is now [m]
   };
   std::vector<Face> faces;
   Index crumbs = 0;           // that would have been cut off

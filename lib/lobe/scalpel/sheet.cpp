@@ -32,9 +32,9 @@ Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
   for (std::size_t i = 0; i + 1 < from.size(); ++i)
     for (const std::array<Vec3d, 3>& t : {std::array<Vec3d, 3>{from[i], from[i + 1], to[i + 1]},
                                           std::array<Vec3d, 3>{from[i], to[i + 1], to[i]}}) {
-      Triangle& own = triangles_.emplace_back(Triangle{t, {}});
-      for (const Vec3d& corner : t) own.box.extend(corner);
-      box_.extend(own.box);
+      Triangle& triangle = triangles_.emplace_back(Triangle{t, {}});
+      for (const Vec3d& corner : t) triangle.box.extend(corner);
+      box_.extend(triangle.box);
       normal_ += (t[1] - t[0]).cross(t[2] - t[0]);
     }
   normal_.normalize();  // zero where there is none

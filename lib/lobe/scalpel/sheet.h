@@ -48,9 +48,9 @@ class Sheet {
   };
   template <class Visit>  // visit(part) of those whose box is as near as that, until it returns true
   bool visit_parts(const Eigen::AlignedBox3d& box, double square, Visit&& visit) const {
-    for (const Part& own : groups_) {
-      if (own.box.squaredExteriorDistance(box) > square) continue;
-      for (std::size_t i = own.begin; i < own.end; ++i)
+    for (const Part& group : groups_) {
+      if (group.box.squaredExteriorDistance(box) > square) continue;
+      for (std::size_t i = group.begin; i < group.end; ++i)
         if (parts_[i].box.squaredExteriorDistance(box) <= square && visit(parts_[i])) return true;
     }
     return false;

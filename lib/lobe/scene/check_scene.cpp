@@ -147,12 +147,12 @@ class MeaningChecker {
 
 }  // namespace
 
-std::vector<Fault> meaning_faults(const Scene& scene) { return MeaningChecker(scene).check(); }
+std::vector<Fault> semantic_faults(const Scene& scene) { return MeaningChecker(scene).check(); }
 
 void check_scene(const Scene& scene) {
   const std::string name = scene.file.empty() ? "scene" : scene.file.string();
   std::vector<Fault> faults = schema_faults(parse_json(to_json(scene), name), name);
-  if (faults.empty()) faults = meaning_faults(scene);
+  if (faults.empty()) faults = semantic_faults(scene);
   if (!faults.empty()) throw InputError(std::move(faults));
 }
 

@@ -9,8 +9,8 @@
 
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
-#include "lobe/scene/suspicions.h"
 #include "lobe/scene/tool_kinds.h"
+#include "lobe/scene/unit_checks.h"
 #include "lobe/text.h"
 
 namespace lobe {

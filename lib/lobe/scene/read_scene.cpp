@@ -247,7 +247,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& file) {
   if (!faults.empty()) throw InputError(std::move(faults));
   Scene scene = from_document(document);
   scene.file = file;
-  faults = meaning_faults(scene);
+  faults = semantic_faults(scene);
   if (!faults.empty()) throw InputError(std::move(faults));
   return scene;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "lobe/condense/anchors.h"
 #include "lobe/condense/interface_size.h"
+#include "lobe/condense/supports.h"
 #include "lobe/lattice/lattice.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/resolve_parts.h"
@@ -82,7 +82,7 @@ void check_precomputed(Resolution& resolution) {
   const Setup& setup = resolution.result.setup;
   if (!std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed)) return;
   const Elements elements(setup);
-  refuse_unanchored(elements, held_by(setup.prescribed));
+  refuse_unsupported(elements, held_by(setup.prescribed));
   if (!measures_representation(resolution.scene)) suspect_interface(resolution, elements);
 }
 
@@ -233,7 +233,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   resolve_contact(resolution);
   resolve_gestures(resolution);
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
-  suspect_units(resolution);
+  warn_of_units(resolution);
   check_precomputed(resolution);
   check_reduced(resolution);
   if (options.choose_regions) choose_regions(resolution, options.progress);

@@ -49,7 +49,7 @@ void resolve_boundary(Resolution& resolution);
 void resolve_tools(Resolution& resolution);
 void resolve_contact(Resolution& resolution);
 void resolve_gestures(Resolution& resolution);
-void suspect_units(Resolution& resolution);
+void warn_of_units(Resolution& resolution);
 
 // Whether all precomputed regions, which have one matrix in common, leave it to the clock what they are.
 bool measures_representation(const Scene& scene);

@@ -26,11 +26,11 @@ void resolve_contact(Resolution& resolution) {
   contact = scene.contact;
   for (std::size_t i = 0; i < contact.obstacles.size(); ++i) {
     const std::string here = "/contact/obstacles/" + std::to_string(i);
-    ObstacleSetup& own = contact.obstacles[i];
-    if (const double length = own.orientation.norm(); !(std::abs(length - 1) < 1e-6))
+    ObstacleSetup& obstacle = contact.obstacles[i];
+    if (const double length = obstacle.orientation.norm(); !(std::abs(length - 1) < 1e-6))
       resolution.fail(here + "/orientation", "the quaternion has length " + rounded(length) + ", must be 1");
-    if (auto shape = resolve_shape(resolution, own.shape, scene.obstacle_files[i], here + "/shape"))
-      own.shape = *std::move(shape);
+    if (auto shape = resolve_shape(resolution, obstacle.shape, scene.obstacle_files[i], here + "/shape"))
+      obstacle.shape = *std::move(shape);
   }
   Setup& setup = resolution.result.setup;
   const bool may_be_touched = contact.is_on() || !setup.probes.empty();

@@ -163,13 +163,13 @@ ordered_json write_contact(const Scene& scene) {
   ordered_json entry = {{"self", contact.self}, {"friction", contact.friction}, {"damping", contact.damping}};
   entry["obstacles"] = ordered_json::array();
   for (std::size_t i = 0; i < contact.obstacles.size(); ++i) {
-    const ObstacleSetup& own = contact.obstacles[i];
-    const Eigen::Vector4d& q = own.orientation;
-    entry["obstacles"].push_back({{"name", own.name},
-                                  {"shape", write_shape(own.shape, scene.obstacle_files[i])},
-                                  {"position", vector_json(own.position)},
+    const ObstacleSetup& obstacle = contact.obstacles[i];
+    const Eigen::Vector4d& q = obstacle.orientation;
+    entry["obstacles"].push_back({{"name", obstacle.name},
+                                  {"shape", write_shape(obstacle.shape, scene.obstacle_files[i])},
+                                  {"position", vector_json(obstacle.position)},
                                   {"orientation", {q[0], q[1], q[2], q[3]}},
-                                  {"friction", own.friction}});
+                                  {"friction", obstacle.friction}});
   }
   return entry;
 }

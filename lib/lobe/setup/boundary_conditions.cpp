@@ -94,7 +94,7 @@ Vec3d path_at(const std::vector<PathPoint>& path, double time) {
   return at.from->position + at.share * (at.to->position - at.from->position);
 }
 
-Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time) {
+Eigen::Vector4d orientation_at(const std::vector<PathPoint>& path, double time) {
   const Between at = between(path, time);
   if (at.from->orientation == at.to->orientation) return at.from->orientation;
   const Eigen::Quaterniond a(at.from->orientation), b(at.to->orientation);

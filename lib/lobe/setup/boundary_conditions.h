@@ -40,7 +40,7 @@ Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& 
 Vec3d path_at(const std::vector<PathPoint>& path, double time);
 // Orientation on a path at a time: a unit quaternion x, y, z, w. Between two points it turns at a constant
 // rate, the shortest way.
-Eigen::Vector4d turn_at(const std::vector<PathPoint>& path, double time);
+Eigen::Vector4d orientation_at(const std::vector<PathPoint>& path, double time);
 double opening_at(const std::vector<PathPoint>& path, double time);  // of jaws [m]
 
 // Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
@@ -69,8 +69,8 @@ class HeldVertices {
   const std::vector<Held>& all() const { return items_; }
 
   bool operator==(const HeldVertices& other) const { return items_ == other.items_; }
-  const std::vector<Held>& as_kept() const { return items_; }
-  static HeldVertices from_kept(const std::vector<Held>& items) {
+  const std::vector<Held>& as_saved() const { return items_; }
+  static HeldVertices from_saved(const std::vector<Held>& items) {
     HeldVertices held;
     for (const Held& item : items) held.hold(item);
     return held;

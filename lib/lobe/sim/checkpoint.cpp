@@ -6,7 +6,7 @@
 #include "lobe/contact/contact.h"
 #include "lobe/error.h"
 #include "lobe/io/scanner.h"
-#include "lobe/sim/kept.h"
+#include "lobe/sim/enum_sizes.h"
 
 namespace lobe {
 namespace {
@@ -27,7 +27,7 @@ Checkpoint<Real> World<Real>::save() const {
   Checkpoint<Real> c;
   c.setup = journal_.setup;
   c.history = journal_.edits;
-  c.state = {body_.motion.u.view(), body_.motion.v.view(), time(), body_.motion.behind};
+  c.state = {body_.motion.u.view(), body_.motion.v.view(), time(), body_.motion.velocity_lag};
   c.held = held();
   c.tools = tools_.state();
   if (blades_) c.blades = blades_->state();
@@ -35,12 +35,12 @@ Checkpoint<Real> World<Real>::save() const {
   c.sleep = body_.sleep.state();
   c.unravelling = unravelling_.state();
   c.ratios = limit_.ratios();
-  c.limit = limit_.kept();
+  c.limit = limit_.frame_limit();
   c.nodes = body_.regions.reduced().state(body_.motion);
   c.mass_degree = body_.inertia.degree();
   if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
   c.pending = pending_;
-  c.touched = touched_;
+  c.touch_expansion = touch_expansion_;
   for (const auto& term : body_.terms) c.terms.push_back({term->name(), term->save()});
   return c;
 }
@@ -60,7 +60,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     fresh.body_.terms = std::move(body_.terms);
     fresh.display_ = std::move(display_);
     fresh.display_.rebuild(fresh.elements(), fresh.grains());
-    fresh.body_.model.revisions = beyond(body_.model.revisions, fresh.body_.model.revisions);
+    fresh.body_.model.revisions = newer_than_both(body_.model.revisions, fresh.body_.model.revisions);
     *this = std::move(fresh);
   }
   check_fits(c);
@@ -72,14 +72,14 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
 template <class Real>
 void World<Real>::load_terms(const Checkpoint<Real>& c) {
   const AppliedForces<Real> none;
-  std::erase_if(body_.terms, [](const auto& term) { return term->name() == Contact<Real>::own_name; });
+  std::erase_if(body_.terms, [](const auto& term) { return term->name() == Contact<Real>::term_name; });
   if (!body_.terms.empty()) applied().load(none.save(), 0);
-  for (const auto& kept : c.terms) {
-    if (kept.name == none.name()) applied();
-    if (kept.name == Contact<Real>::own_name) start_contact();
-    const auto own = std::find_if(body_.terms.begin(), body_.terms.end(),
-                                  [&](const auto& term) { return term->name() == kept.name; });
-    if (own != body_.terms.end()) (*own)->load(kept.kept, elements().topology.vertex_count());
+  for (const auto& entry : c.terms) {
+    if (entry.name == none.name()) applied();
+    if (entry.name == Contact<Real>::term_name) start_contact();
+    const auto known = std::find_if(body_.terms.begin(), body_.terms.end(),
+                                    [&](const auto& term) { return term->name() == entry.name; });
+    if (known != body_.terms.end()) (*known)->load(entry.saved, elements().topology.vertex_count());
   }
   show_tools(time());
 }
@@ -97,13 +97,13 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   if (blades_) blades_->set_state(c.blades);
   pieces_.set_state(c.pieces);
   pending_ = c.pending;
-  touched_ = c.touched;
+  touch_expansion_ = c.touch_expansion;
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.release(body_.model, v);
   for (const auto& term : body_.terms)  // whose stiffness the step limit has to do with
-    if (term->wants_surroundings()) look_around(*term);
+    if (term->needs_body()) show_body_to(*term);
   limit_.set_ratios(c.ratios);
-  limit_.set_kept(c.limit, body_);
+  limit_.set_frame_limit(c.limit, body_);
   if (implicit_) implicit_->set_acceleration(body_.model, c.acceleration);
 }
 
@@ -117,7 +117,7 @@ void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   body_.motion.nodes.v = c.nodes.v;
   body_.motion.u.view() = c.state.u;
   body_.motion.v.view() = c.state.v;
-  body_.state_was_given();
+  body_.state_was_replaced();
 }
 
 // The mesh before all edits: no vertex has moved, and copies are what they were.
@@ -142,15 +142,15 @@ template <class Real>
 void World<Real>::check_repeats(const Command& command) const {
   const Index vertices = elements().topology.vertex_count();
   const Regions<Real>& regions = body_.regions;
-  bool fits = !std::holds_alternative<Advance>(command) && !std::holds_alternative<Renew>(command) &&
+  bool fits = !std::holds_alternative<Advance>(command) && !std::holds_alternative<Relinearise>(command) &&
               !std::holds_alternative<SetMassDegree>(command);
   if (const auto* hold = std::get_if<Hold>(&command))
     for (const HeldVertices::Held& item : hold->held.all()) fits = fits && item.vertex < vertices;
-  if (const auto* begin = std::get_if<BeginRefresh>(&command))
-    fits = fits && !regions.is_refreshing() && regions.any_condensed() &&
+  if (const auto* begin = std::get_if<BeginCondensing>(&command))
+    fits = fits && !regions.is_condensing() && regions.any_condensed() &&
            (!begin->about || begin->about->size() == std::size_t(3 * vertices));
-  if (std::holds_alternative<EndRefresh>(command))  // the region may be cut away while it is condensed
-    fits = fits && regions.is_refreshing();
+  if (std::holds_alternative<EndCondensing>(command))  // the region may be cut away while it is condensed
+    fits = fits && regions.is_condensing();
   if (!fits) refuse();
 }
 
@@ -184,18 +184,19 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
     });
   };
   const std::vector<int> degrees = body_.inertia.degrees();
-  bool fits =
-      std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices &&
-      c.state.v.cols() == vertices && (piece_of.empty() || piece_of.size() == tets) &&
-      Tools::fits(c.tools, vertices, setup_) && Blades::fits(c.blades, grains()) &&
-      c.sleep.asleep.size() == body_.sleep.state().asleep.size() &&
-      c.sleep.restless_till.size() == c.sleep.asleep.size() && c.ratios.own.size() == std::size_t(vertices) &&
-      (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
+  bool fits = std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 &&
+              c.state.u.cols() == vertices && c.state.v.cols() == vertices &&
+              (piece_of.empty() || piece_of.size() == tets) && Tools::fits(c.tools, vertices, setup_) &&
+              Blades::fits(c.blades, grains()) &&
+              c.sleep.asleep.size() == body_.sleep.state().asleep.size() &&
+              c.sleep.still_since.size() == c.sleep.asleep.size() &&
+              c.ratios.of_vertex.size() == std::size_t(vertices) &&
+              (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
   fits = fits && is_known(0) && body_.regions.reduced().fits(c.nodes, elements());
   for (Index piece : piece_of) fits = fits && is_known(piece);
   for (const auto& term : c.terms) {
-    if (AppliedForces<Real> trial; term.name == trial.name()) trial.load(term.kept, vertices);
-    if (Contact<Real> trial; term.name == trial.name()) trial.load(term.kept, vertices);
+    if (AppliedForces<Real> trial; term.name == trial.name()) trial.load(term.saved, vertices);
+    if (Contact<Real> trial; term.name == trial.name()) trial.load(term.saved, vertices);
   }
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
   for (const HeldVertices::Held& item : c.held.all())
@@ -232,32 +233,33 @@ Checkpoint<Real> read_checkpoint(const std::filesystem::path& file) {
 template <class Real>
 void CheckpointRing<Real>::keep(const World<Real>& world, std::size_t mark) {
   if (most_ == 0) return;
-  if (!kept_.empty() && world.time() < kept_.back().checkpoint.state.time + apart_ - just_before) return;
-  if (kept_.size() == most_) kept_.pop_front();
+  if (!entries_.empty() && world.time() < entries_.back().checkpoint.state.time + apart_ - just_before)
+    return;
+  if (entries_.size() == most_) entries_.pop_front();
   Checkpoint<Real> checkpoint = world.save();
   const std::size_t size = io::memory_of(checkpoint);
-  kept_.push_back({std::move(checkpoint), mark, size});
-  while (kept_.size() > 1 && bytes() > most_bytes_) kept_.pop_front();
+  entries_.push_back({std::move(checkpoint), mark, size});
+  while (entries_.size() > 1 && bytes() > most_bytes_) entries_.pop_front();
 }
 
 template <class Real>
 std::size_t CheckpointRing<Real>::bytes() const {
   std::size_t sum = 0;
-  for (const Kept& kept : kept_) sum += kept.bytes;
+  for (const Entry& entry : entries_) sum += entry.bytes;
   return sum;
 }
 
 template <class Real>
-auto CheckpointRing<Real>::latest(double time) -> const Kept* {
-  while (!kept_.empty() && kept_.back().checkpoint.state.time > time) kept_.pop_back();
-  return kept_.empty() ? nullptr : &kept_.back();
+auto CheckpointRing<Real>::latest(double time) -> const Entry* {
+  while (!entries_.empty() && entries_.back().checkpoint.state.time > time) entries_.pop_back();
+  return entries_.empty() ? nullptr : &entries_.back();
 }
 
 template <class Real>
 bool CheckpointRing<Real>::roll_back(World<Real>& world, double seconds) {
-  const Kept* kept = latest(world.time() - seconds);
-  if (kept) world.restore(kept->checkpoint);
-  return kept != nullptr;
+  const Entry* entry = latest(world.time() - seconds);
+  if (entry) world.restore(entry->checkpoint);
+  return entry != nullptr;
 }
 
 #define LOBE_INSTANTIATE(Real)                                                           \

@@ -25,24 +25,24 @@ struct Checkpoint {
   Sleep::State sleep;
   Unravelling::State unravelling;
   FrequencyRatios ratios;
-  typename StepLimit<Real>::Kept limit;
+  typename StepLimit<Real>::FrameLimit limit;
   typename LatticeRegion<Real>::State nodes;
   int mass_degree = 1;
   Mat3X<double> acceleration;  // of implicit dynamics [m/s²]; empty: to be taken from the forces
   std::vector<Condition> pending;
   struct Term {
-    std::string name, kept;
-    static constexpr auto fields = std::tuple(&Term::name, &Term::kept);
+    std::string name, saved;
+    static constexpr auto fields = std::tuple(&Term::name, &Term::saved);
   };
   std::vector<Term> terms;  // of forces, by their names
-  Touched touched;
+  TouchExpansion touch_expansion;
 
   bool is_valid() const { return acceleration.allFinite(); }
   static constexpr auto fields = std::tuple(
       &Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held, &Checkpoint::tools,
       &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling,
       &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes, &Checkpoint::mass_degree,
-      &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms, &Checkpoint::touched);
+      &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms, &Checkpoint::touch_expansion);
 };
 
 // A digest of all that decides how a world moves: mesh, materials, regions, loads, tools …
@@ -62,7 +62,7 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
 template <class Real>
 class CheckpointRing {
  public:
-  struct Kept {
+  struct Entry {
     Checkpoint<Real> checkpoint;
     std::size_t mark = 0;   // of the application: when it was made
     std::size_t bytes = 0;  // about
@@ -76,20 +76,20 @@ class CheckpointRing {
   void keep(const World<Real>& world, std::size_t mark = 0);  // if the last is old enough
   // Removes the checkpoints after this time [s] and returns the latest one that is left. Null if none is
   // left.
-  const Kept* latest(double time);
+  const Entry* latest(double time);
   // Restores the latest checkpoint that is at least `seconds` old, and forgets those after it. False if there
   // is none.
   bool roll_back(World<Real>& world, double seconds);
-  void clear() { kept_.clear(); }
-  std::size_t size() const { return kept_.size(); }
+  void clear() { entries_.clear(); }
+  std::size_t size() const { return entries_.size(); }
   std::size_t bytes() const;
-  double earliest() const { return kept_.empty() ? 0 : kept_.front().checkpoint.state.time; }  // [s]
+  double earliest() const { return entries_.empty() ? 0 : entries_.front().checkpoint.state.time; }  // [s]
 
  private:
   std::size_t most_;
   double apart_;
   std::size_t most_bytes_;
-  std::deque<Kept> kept_;
+  std::deque<Entry> entries_;
 };
 
 }  // namespace lobe

@@ -42,7 +42,7 @@ struct Expand {
 };
 
 // Condenses an expanded region again. Its interior then takes its displacements from the interface. Refused
-// if an edit has changed the region since the last Renew.
+// if an edit has changed the region since the last Relinearise.
 struct Condense {
   bool operator==(const Condense&) const = default;
   static constexpr auto fields = std::tuple();
@@ -50,10 +50,10 @@ struct Condense {
 
 // Relinearises pre-computed regions about the present state. Another thread does the work. The result is used
 // from the first frame that starts `delay` later; if it is not ready by then, the world waits for it.
-struct Renew {
+struct Relinearise {
   double delay = 0;  // [s], > 0
-  bool operator==(const Renew&) const = default;
-  static constexpr auto fields = std::tuple(&Renew::delay);
+  bool operator==(const Relinearise&) const = default;
+  static constexpr auto fields = std::tuple(&Relinearise::delay);
 };
 
 // Sets the degree of selective masses, one of Inertia::degrees(), between two frames. Displacements stay. If
@@ -104,23 +104,23 @@ struct Hold {
   static constexpr auto fields = std::tuple(&Hold::held);
 };
 
-// BeginRefresh: another thread begins to condense pre-computed regions from scratch. EndRefresh: the result
-// is used. World makes both commands.
-struct BeginRefresh {
-  double due = 0;  // when EndRefresh follows [s]
+// BeginCondensing: another thread begins to condense pre-computed regions from scratch. EndCondensing: the
+// result is used. World makes both commands.
+struct BeginCondensing {
+  double due = 0;  // when EndCondensing follows [s]
   // Relinearised about these, 3 × #vertices [m]; none: as before.
   std::shared_ptr<const std::vector<double>> about = {};
-  bool operator==(const BeginRefresh& other) const {
+  bool operator==(const BeginCondensing& other) const {
     return due == other.due && (about == other.about || (about && other.about && *about == *other.about));
   }
   bool is_valid() const {
     return std::isfinite(due) &&
            (!about || std::all_of(about->begin(), about->end(), [](double x) { return std::isfinite(x); }));
   }
-  static constexpr auto fields = std::tuple(&BeginRefresh::due, &BeginRefresh::about);
+  static constexpr auto fields = std::tuple(&BeginCondensing::due, &BeginCondensing::about);
 };
-struct EndRefresh {
-  bool operator==(const EndRefresh&) const = default;
+struct EndCondensing {
+  bool operator==(const EndCondensing&) const = default;
   static constexpr auto fields = std::tuple();
 };
 
@@ -137,8 +137,9 @@ struct Joined<std::variant<A...>, std::variant<B...>, std::variant<C...>> {
   using Type = std::variant<A..., B..., C...>;
 };
 using Command =
-    Joined<std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Renew, SetMassDegree>, ToolCommand,
-           std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginRefresh, EndRefresh,
+    Joined<std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree>,
+           ToolCommand,
+           std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginCondensing, EndCondensing,
                         Superseded>>::Type;
 
 // Whether a command only says what tools do in the next frame. Such a command does not change the state.
@@ -148,13 +149,14 @@ inline bool is_about_tools(const Command& command) {
 
 // Remembers whether something pressed on the interior of a pre-computed region. The region is expanded for
 // it, and condensed again later.
-struct Touched {
+struct TouchExpansion {
   static constexpr double patience = 0.5;  // untouched for so long, it is condensed again [s]
   bool has_expanded = false;
   bool is_lost = false;  // the report has said that forces have no effect
   double last = 0;       // [s]
   bool is_valid() const { return std::isfinite(last); }
-  static constexpr auto fields = std::tuple(&Touched::has_expanded, &Touched::is_lost, &Touched::last);
+  static constexpr auto fields =
+      std::tuple(&TouchExpansion::has_expanded, &TouchExpansion::is_lost, &TouchExpansion::last);
 };
 
 }  // namespace lobe

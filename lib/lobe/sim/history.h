@@ -74,7 +74,7 @@ class History {
 // What a world was built from, and what has been done since.
 struct Journal {
   std::uint64_t setup = 0;  // fingerprint() of all that it was built from (checkpoint.h)
-  History edits;            // BeginRefresh and EndRefresh are Superseded, except the last ones
+  History edits;            // BeginCondensing and EndCondensing are Superseded, except the last ones
 };
 
 }  // namespace lobe

@@ -41,7 +41,8 @@ bool Pieces::needs_all(Model& model, const MeshEdit& edit) const {
                                const Eigen::Vector4i corners = topology.corners(t);
                                return std::any_of(corners.begin(), corners.end(), gone);
                              });
-  return lost_a_holder && std::any_of(edit.beside.begin(), edit.beside.end(), [&](Index tet) {
+  return lost_a_holder &&
+         std::any_of(edit.next_to_removed.begin(), edit.next_to_removed.end(), [&](Index tet) {
            return was_held(tet) && !topology.visit_piece(tet, [&](Index t) { return is_held(model, t); });
          });
 }
@@ -50,10 +51,10 @@ bool Pieces::needs_all(Model& model, const MeshEdit& edit) const {
 // the body.
 std::vector<std::vector<Index>> Pieces::to_judge(Model& model, const MeshEdit& edit) const {
   std::vector<std::vector<Index>> pieces = edit.cut_off;
-  const Index beside = edit.beside.front();
-  if (was_held(beside)) return pieces;
+  const Index next_to_it = edit.next_to_removed.front();
+  if (was_held(next_to_it)) return pieces;
   std::vector<Index>& other = pieces.emplace_back();
-  model.elements.topology.visit_piece(beside, [&](Index t) {
+  model.elements.topology.visit_piece(next_to_it, [&](Index t) {
     other.push_back(t);
     return false;
   });

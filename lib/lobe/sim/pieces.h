@@ -27,7 +27,7 @@ class Pieces {
   std::vector<std::vector<Index>> loosened_by(Model& model, const MeshEdit& edit);
   void follow(const MeshEdit& edit) {  // a copy belongs to the piece of its original
     if (state_.piece_of.empty()) return;
-    for (const TetCopy& own : edit.copies) state_.piece_of.push_back(state_.piece_of[own.tet]);
+    for (const TetCopy& tet_copy : edit.copies) state_.piece_of.push_back(state_.piece_of[tet_copy.tet]);
   }
   // The same after a grasp or a release.
   std::vector<std::vector<Index>> loosened(Model& model) {

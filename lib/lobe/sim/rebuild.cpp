@@ -36,8 +36,8 @@ void follow_mode(World<Real>& fresh, const World<Real>& world, const CompactMesh
     state.u = about(Eigen::all, c.vertex_source).template cast<Real>();
     fresh.set_state(state);
     constexpr double moment = 1e-9;  // [s]
-    fresh.apply(Renew{moment});
-    while (fresh.body().regions.is_refreshing()) fresh.advance(moment);
+    fresh.apply(Relinearise{moment});
+    while (fresh.body().regions.is_condensing()) fresh.advance(moment);
   }
   world.body().regions.is_expanded() ? fresh.apply(Expand{}) : fresh.apply(Condense{});
 }

@@ -124,7 +124,7 @@ void validate_motion(const Dynamics<Real>& body) {
   const Index vertices = body.model.elements.topology.vertex_count();
   const Motion<Real>& motion = body.motion;
   check(motion.u.count() == vertices && motion.v.count() == vertices && motion.forces.count() == vertices &&
-            motion.turns.size() == std::size_t(vertices),
+            motion.reversals.size() == std::size_t(vertices),
         "motion: one displacement, velocity and force per vertex");
   check(motion.u.view().allFinite() && motion.v.view().allFinite() && std::isfinite(motion.time),
         "motion: the state is not finite");
@@ -141,15 +141,16 @@ void validate_masses(const Dynamics<Real>& body) {
   if (is_condensed)
     for (const Index v : body.regions.shared()) carries[std::size_t(v)] = 1;
   for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
-    const double own = mass[std::size_t(v)];
+    const double vertex_mass = mass[std::size_t(v)];
     const bool follows = (is_condensed && body.regions.is_interior(v)) || body.regions.is_embedded(v);
     const double lumped =
         follows ? 0 : std::max(lumped_mass(elements, v), body.inertia.floor().at(elements, v));
-    check(carries[std::size_t(v)] ? std::isfinite(own) && own >= lumped : own == lumped,
-          "inertia: a vertex's mass");
+    check(
+        carries[std::size_t(v)] ? std::isfinite(vertex_mass) && vertex_mass >= lumped : vertex_mass == lumped,
+        "inertia: a vertex's mass");
     const double inverse = body.inertia.inverse_mass(v);
-    const bool rests = body.model.held.fixes(v) || own == 0;
-    check(rests ? inverse == 0 : std::abs(inverse * own - 1) < 1e-12, "inertia: an inverse mass");
+    const bool rests = body.model.held.fixes(v) || vertex_mass == 0;
+    check(rests ? inverse == 0 : std::abs(inverse * vertex_mass - 1) < 1e-12, "inertia: an inverse mass");
   }
 }
 
@@ -195,12 +196,12 @@ void validate_surface(const Surface& surface, const SurfaceCells& cells, const E
 }
 
 void validate_places(const SurfaceMesh& mesh, const Topology& topology) {
-  for (const SurfaceMesh::Within& own : mesh.within) {
-    check(own.vertex >= 0 && own.vertex < mesh.vertex_count(), "surface: a place of no vertex");
-    check(std::abs(own.weights.sum() - 1) < 1e-9, "surface: weights that are not 1 together");
-    const auto around = topology.around(own.corners[0]);
+  for (const SurfaceMesh::Within& inner : mesh.within) {
+    check(inner.vertex >= 0 && inner.vertex < mesh.vertex_count(), "surface: a place of no vertex");
+    check(std::abs(inner.weights.sum() - 1) < 1e-9, "surface: weights that are not 1 together");
+    const auto around = topology.around(inner.corners[0]);
     check(std::any_of(around.begin(), around.end(),
-                      [&](Index t) { return topology.corners(t) == own.corners; }),
+                      [&](Index t) { return topology.corners(t) == inner.corners; }),
           "surface: a vertex within no tetrahedron");
   }
 }

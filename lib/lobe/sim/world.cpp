@@ -6,7 +6,7 @@
 #include <numeric>
 #include <type_traits>
 
-#include "lobe/condense/anchors.h"
+#include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/setup/check_setup.h"
 #include "lobe/sim/checkpoint.h"
@@ -59,7 +59,7 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
   body_.sleep = Sleep(setup.sleep, setup.sleep / 8 * longest_move_ / diagonal(elements()));
   if (setup.cut_frequency > 0)
     body_.inertia.set_floor({setup.cut_frequency * setup.cut_frequency, setup.expandable});
-  refuse_unanchored(elements(), held());
+  refuse_unsupported(elements(), held());
   follow(everything(elements().topology));
   pieces_ = Pieces(body_.model);
   if (setup.integrator == Integrator::generalised_alpha)
@@ -86,7 +86,7 @@ void World<Real>::scale_masses(double share) {
   for (Index v : all) squares.push_back(limit_.exact_square(body_, v));
   const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
   body_.inertia.scale(squares, share);
-  refresh(all);
+  update(all);
   scaling.added = std::accumulate(mass.begin(), mass.end(), 0.0) - total;
   scaling.share = scaling.added / total;
   limit_.measure_at_rest(body_);
@@ -98,7 +98,7 @@ void World<Real>::scale_masses(double share) {
 template <class Real>
 bool World<Real>::step(double dt) {
   begin_frame(dt);
-  show_surroundings();
+  show_body();
   tools_.begin_forces();
   if (implicit_ && !implicit_step(dt)) return false;
   if (!implicit_) {
@@ -113,17 +113,17 @@ bool World<Real>::step(double dt) {
 template <class Real>
 void World<Real>::move(double dt) {
   Motion<Real>& motion = body_.motion;
-  feel(dt);
-  body_.leave_out_held();
+  add_tool_forces(dt);
+  body_.restore_held_components();
   body_.sleep.update(body_, [&](Index v) { return limit_.bounded_square(v); });
-  body_.push(motion.behind + dt / 2, dt);
+  body_.push(motion.velocity_lag + dt / 2, dt);
   motion.time += dt;
-  motion.behind = dt / 2;
+  motion.velocity_lag = dt / 2;
   limit_.count_step();
-  lead(dt);
+  move_driven(dt);
   const bool any_moving = !body_.inertia.moving().empty() || body_.regions.reduced().any_moving();
-  if (any_moving || motion.speeds.led > 0) ++body_.model.revisions.displacements;
-  const double farthest = (motion.speeds.fastest + motion.speeds.led) * dt;
+  if (any_moving || motion.speeds.driven > 0) ++body_.model.revisions.displacements;
+  const double farthest = (motion.speeds.fastest + motion.speeds.driven) * dt;
   tools_.moved(farthest, std::numeric_limits<Real>::epsilon());
   for (const auto& term : body_.terms) term->end_step(farthest, dt);
 }
@@ -131,7 +131,7 @@ void World<Real>::move(double dt) {
 // What grasps do to the vertices that they hold: whoever holds one bears the force on it. What else acts on
 // tools.
 template <class Real>
-void World<Real>::feel(double dt) {
+void World<Real>::add_tool_forces(double dt) {
   const Motion<Real>& motion = body_.motion;
   for (const HeldVertices::Held& item : held().all()) {
     if (item.holder == HeldVertices::boundary) continue;
@@ -139,18 +139,18 @@ void World<Real>::feel(double dt) {
     tools_.add_force(item.holder, -motion.forces.col(item.vertex).template cast<double>(), x, dt);
   }
   for (const auto& term : body_.terms)
-    for (const OnTool& own : term->on_tools()) tools_.add_force(own, dt);
+    for (const OnTool& on_tool : term->on_tools()) tools_.add_force(on_tool, dt);
 }
 
 // What is held moves as whoever holds it says.
 template <class Real>
-void World<Real>::lead(double dt) {
+void World<Real>::move_driven(double dt) {
   Motion<Real>& motion = body_.motion;
   double fastest = 0;
   std::vector<Index> woken;
   tools_.place(motion.time);
-  for (const HeldVertices::Held& item : body_.inertia.led()) {
-    const Vec3<Real> u = led_displacement(item, motion.time).template cast<Real>();
+  for (const HeldVertices::Held& item : body_.inertia.driven()) {
+    const Vec3<Real> u = prescribed_displacement(item, motion.time).template cast<Real>();
     for (int i = 0; i < 3; ++i) {
       if (!item.axes[i]) continue;
       motion.v(i, item.vertex) = (u[i] - motion.u(i, item.vertex)) / Real(dt);
@@ -161,11 +161,11 @@ void World<Real>::lead(double dt) {
     if (speed > 0 && body_.sleep.is_asleep(item.vertex)) woken.push_back(item.vertex);
   }
   if (!woken.empty()) body_.sleep.wake(woken, body_);
-  motion.speeds.led = std::sqrt(fastest);
+  motion.speeds.driven = std::sqrt(fastest);
 }
 
 template <class Real>
-Vec3d World<Real>::led_displacement(const HeldVertices::Held& item, double time) const {
+Vec3d World<Real>::prescribed_displacement(const HeldVertices::Held& item, double time) const {
   if (item.holder != HeldVertices::boundary)
     return tools_.displacement(item, elements().points.col(item.vertex));
   const double ramp = setup_.ramp > 0 ? std::clamp(time / setup_.ramp, 0.0, 1.0) : 1.0;
@@ -177,7 +177,7 @@ bool World<Real>::implicit_step(double dt) {
   if constexpr (std::is_same_v<Real, double>) {
     tools_.place(time() + dt);
     const auto given = [&](const HeldVertices::Held& item, double time) {
-      return led_displacement(item, time);
+      return prescribed_displacement(item, time);
     };
     if (!implicit_->step(body_, dt, given)) return false;
     tools_.moved(body_.motion.speeds.fastest * dt, std::numeric_limits<double>::epsilon());
@@ -186,7 +186,7 @@ bool World<Real>::implicit_step(double dt) {
     };
     if (std::any_of(held().all().begin(), held().all().end(), is_grasped)) {
       body_.find_forces();
-      feel(dt);
+      add_tool_forces(dt);
     }
     return true;
   }
@@ -194,8 +194,8 @@ bool World<Real>::implicit_step(double dt) {
 }
 
 template <class Real>
-void World<Real>::catch_up() {
-  if (!implicit_) body_.catch_up();
+void World<Real>::synchronise_velocities() {
+  if (!implicit_) body_.synchronise_velocities();
 }
 
 // ---- State
@@ -204,7 +204,7 @@ template <class Real>
 StateView<Real> World<Real>::state() {
   body_.recover(Regions<Real>::Interior::all);
   const Motion<Real>& motion = body_.motion;
-  return {motion.u.view(), motion.v.view(), motion.time, motion.behind};
+  return {motion.u.view(), motion.v.view(), motion.time, motion.velocity_lag};
 }
 
 template <class Real>
@@ -223,7 +223,7 @@ template <class Real>
 void World<Real>::check(const State<Real>& state) {
   if (!state.u.allFinite() || !state.v.allFinite() || !std::isfinite(state.time))
     throw InputError("state", "it holds values that are not finite");
-  if (!(state.behind >= 0) || !std::isfinite(state.behind))
+  if (!(state.velocity_lag >= 0) || !std::isfinite(state.velocity_lag))
     throw InputError("state", "its velocities must be behind by 0 s or more");
 }
 
@@ -237,13 +237,13 @@ void World<Real>::set_state(const State<Real>& state) {
   motion.u.view() = state.u;
   motion.v.view() = state.v;
   motion.time = state.time;
-  motion.behind = implicit_ ? 0 : state.behind;
+  motion.velocity_lag = implicit_ ? 0 : state.velocity_lag;
   body_.regions.reduced().settle_all(elements(), limit_.highest_at_rest(), motion);
-  body_.state_was_given();
+  body_.state_was_replaced();
   body_.sleep.wake_all(state.time);
   limit_.restart(body_);
   unravelling_.restart(state.time);
-  tools_.state_was_given();
+  tools_.state_was_replaced();
 }
 
 template <class Real>

@@ -113,7 +113,7 @@ class World {
   void perform(const SetRegion& command);
   void perform(const Expand&);
   void perform(const Condense&);
-  void perform(const Renew& command);
+  void perform(const Relinearise& command);
   void perform(const SetMassDegree& command);
   template <class Bring>
   requires requires { &Bring::check; }
@@ -130,8 +130,8 @@ class World {
   void perform(const SetSprings& command);
   void perform(const MoveSprings& command) { applied().move(command.points); }
   void perform(const Hold& command);
-  void perform(const BeginRefresh& command);
-  void perform(const EndRefresh&);
+  void perform(const BeginCondensing& command);
+  void perform(const EndCondensing&);
   void perform(const Superseded& command) { journal_.edits.push_back(command); }
 
   Blades& blades();
@@ -141,7 +141,7 @@ class World {
   void expand_ahead(const BladeMove& move);
   MeshEdit divide(const std::vector<Index>& opened);
   void hold_what_is_filled(const MeshEdit& edit);
-  bool lies_on_held_skin(Index v) const;
+  bool lies_on_held_boundary(Index v) const;
   CutWork work_of(const Incised& incised) const;
   void share_loads(const MeshEdit& edit);
   void begin_floor();
@@ -151,8 +151,8 @@ class World {
   RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);
   void follow(const MeshEdit& edit);
   void follow(RegionEdit edit);
-  void add_unanchored(RegionEdit& edit);
-  void refresh(const std::vector<Index>& vertices);
+  void add_unsupported(RegionEdit& edit);
+  void update(const std::vector<Index>& vertices);
   void release(const std::vector<Index>& vertices);
   void move_mass();
   void embed();
@@ -160,7 +160,7 @@ class World {
   void free_ahead(const std::vector<Index>& tets);
   void set_expanded(bool is_expanded);
   void use_mass_degree(int degree);
-  void forget_former_refreshes();
+  void forget_former_condensing();
   void scale_masses(double share);
   Index treat_loose(const std::vector<std::vector<Index>>& pieces);
   void freeze(const std::vector<Index>& piece);
@@ -171,9 +171,9 @@ class World {
 
   void begin_frame(double duration);
   void show_tools(double until);
-  void show_surroundings();
+  void show_body();
   void prepare_frame(double duration, Report& report);
-  void refresh_condensed();
+  void condense_anew();
   void unravel();
   void play_tools(double duration, Report& report);
   void advance_to(double end, Report& report);
@@ -182,11 +182,11 @@ class World {
   void go_back(const StateColumns<Real>& state, const Sleep::State& sleep);
   std::string culprit() const;
   void move(double dt);
-  void lead(double dt);
-  void feel(double dt);
-  Vec3d led_displacement(const HeldVertices::Held& item, double time) const;
+  void move_driven(double dt);
+  void add_tool_forces(double dt);
+  Vec3d prescribed_displacement(const HeldVertices::Held& item, double time) const;
   bool implicit_step(double dt);
-  void catch_up();
+  void synchronise_velocities();
   void see_interior();
   std::vector<Index> meeting(const SweptVolume& volume);
 
@@ -202,7 +202,7 @@ class World {
 
   AppliedForces<Real>& applied();
   void start_contact();
-  void look_around(ForceTerm<Real>& term);
+  void show_body_to(ForceTerm<Real>& term);
   bool follow_touch(const std::vector<Index>& touched);
   void terms_have_changed(const std::vector<Index>& touched_before);
   void report_lost_forces(const std::vector<Index>& touched);
@@ -219,7 +219,7 @@ class World {
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
   double longest_move_;                             // a step that moves a vertex further is trouble [m]
-  Touched touched_;
+  TouchExpansion touch_expansion_;
   std::vector<Condition> pending_;  // found by edits; part of the next report
   Display<Real> display_;
 };

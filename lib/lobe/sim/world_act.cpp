@@ -30,16 +30,16 @@ void World<Real>::perform(const Hold& command) {
 template <class Real>
 AppliedForces<Real>& World<Real>::applied() {
   for (const auto& term : body_.terms)
-    if (auto* own = dynamic_cast<AppliedForces<Real>*>(term.get())) return *own;
-  auto own = std::make_shared<AppliedForces<Real>>();
-  body_.terms.push_back(own);
-  return *own;
+    if (auto* present = dynamic_cast<AppliedForces<Real>*>(term.get())) return *present;
+  auto added = std::make_shared<AppliedForces<Real>>();
+  body_.terms.push_back(added);
+  return *added;
 }
 
 // Where a tool has a body, contact is among the terms from then on.
 template <class Real>
 void World<Real>::start_contact() {
-  const auto is_contact = [](const auto& term) { return term->name() == Contact<Real>::own_name; };
+  const auto is_contact = [](const auto& term) { return term->name() == Contact<Real>::term_name; };
   if (std::any_of(body_.terms.begin(), body_.terms.end(), is_contact)) return;
   body_.terms.push_back(std::make_shared<Contact<Real>>(setup_.contact, setup_.damping));
   limit_.forget();
@@ -56,34 +56,34 @@ void World<Real>::show_tools(double until) {
 }
 
 template <class Real>
-void World<Real>::show_surroundings() {
+void World<Real>::show_body() {
   for (std::size_t i = 0; i < body_.terms.size(); ++i) {
     ForceTerm<Real>& term = *body_.terms[i];
-    if (!term.wants_surroundings()) continue;
-    look_around(term);
+    if (!term.needs_body()) continue;
+    show_body_to(term);
     if (!body_.sleep.any() && !body_.regions.any_condensed()) continue;
     const std::vector<Index> touched = term.touched();
     if (body_.sleep.any()) body_.sleep.wake(touched, body_);  // who may be touched does not sleep
-    if (body_.regions.any_condensed() && follow_touch(touched)) look_around(term);
+    if (body_.regions.any_condensed() && follow_touch(touched)) show_body_to(term);
   }
 }
 
 template <class Real>
-void World<Real>::look_around(ForceTerm<Real>& term) {
-  Surroundings around{.model = body_.model,
-                      .surface = surface().mesh(),
-                      .mass = body_.inertia.mass(),
-                      .omega = limit_.omega_at_rest(body_),
-                      .lumped_omega = limit_.lumped_omega_at_rest(body_),
-                      .ratio = limit_.lumped_ratio_at_rest(body_)};
+void World<Real>::show_body_to(ForceTerm<Real>& term) {
+  BodyView body{.model = body_.model,
+                .surface = surface().mesh(),
+                .mass = body_.inertia.mass(),
+                .omega = limit_.omega_at_rest(body_),
+                .lumped_omega = limit_.lumped_omega_at_rest(body_),
+                .ratio = limit_.lumped_ratio_at_rest(body_)};
   if (body_.inertia.is_selective())
-    around.spread = [&](Mat3X<double>& forces) {
-      Mat3X<Real> own = forces.template cast<Real>();
+    body.scale_forces = [&](Mat3X<double>& forces) {
+      Mat3X<Real> scaled = forces.template cast<Real>();
       body_.prepare_inertia();
-      body_.inertia.apply(body_.parallel, own);
-      forces = own.template cast<double>();
+      body_.inertia.apply(body_.parallel, scaled);
+      forces = scaled.template cast<double>();
     };
-  term.see_surroundings(around, body_.here());
+  term.see_body(body, body_.here());
 }
 
 // The interior of a precomputed region has no mass of its own: it is expanded where it may be pressed. True
@@ -93,17 +93,18 @@ bool World<Real>::follow_touch(const std::vector<Index>& touched) {
   const auto interior =
       std::find_if(touched.begin(), touched.end(), [&](Index v) { return body_.regions.is_interior(v); });
   const bool is_pressed = interior != touched.end(), is_expanded = body_.regions.is_expanded();
-  if (is_pressed) touched_.last = time();
+  if (is_pressed) touch_expansion_.last = time();
   if (is_pressed && !is_expanded) {
     if (body_.regions.can_be_expanded()) {
       perform(Expand{});
-      return touched_.has_expanded = true;
+      return touch_expansion_.has_expanded = true;
     }
-    if (!std::exchange(touched_.is_lost, true)) report_lost_forces({*interior});
+    if (!std::exchange(touch_expansion_.is_lost, true)) report_lost_forces({*interior});
   }
-  const bool is_over = touched_.has_expanded && time() > touched_.last + Touched::patience;
+  const bool is_over =
+      touch_expansion_.has_expanded && time() > touch_expansion_.last + TouchExpansion::patience;
   if (!is_over || !is_expanded || !body_.regions.can_condense()) return false;
-  touched_.has_expanded = false;
+  touch_expansion_.has_expanded = false;
   perform(Condense{});
   return true;
 }
@@ -112,7 +113,7 @@ template <class Real>
 void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
   refuse_excluded(Option::force_terms, options_of(setup_), "force term");
   const bool is_known = std::any_of(body_.terms.begin(), body_.terms.end(),
-                                    [&](const auto& own) { return own->name() == term->name(); });
+                                    [&](const auto& present) { return present->name() == term->name(); });
   if (is_known) throw InputError("force term", "there is one of the name \"" + term->name() + "\" already");
   body_.terms.push_back(std::move(term));
   terms_have_changed({});
@@ -123,7 +124,7 @@ void World<Real>::perform(const SetForces& command) {
   AppliedForces<Real>().set(command.forces,
                             elements().topology.vertex_count());  // throws before anything changes
   const std::vector<Index> before = body_.touched_by_terms();
-  catch_up();
+  synchronise_velocities();
   applied().set(command.forces, elements().topology.vertex_count());
   terms_have_changed(before);
 }
@@ -134,7 +135,7 @@ void World<Real>::perform(const SetSprings& command) {
   AppliedForces<Real>().set(command.springs,
                             elements().topology.vertex_count());  // throws before anything changes
   const std::vector<Index> before = body_.touched_by_terms();
-  catch_up();
+  synchronise_velocities();
   applied().set(command.springs, elements().topology.vertex_count());
   terms_have_changed(before);
 }

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "lobe/assert.h"
-#include "lobe/condense/anchors.h"
+#include "lobe/condense/supports.h"
 #include "lobe/error.h"
-#include "lobe/sim/turning.h"
+#include "lobe/sim/hinges.h"
 #include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 #include "lobe/sort_unique.h"
@@ -23,7 +23,7 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
     edit.vertices.push_back(split.vertex);
     edit.copied.emplace_back(split.vertex, split.copy);
   }
-  for (const TetShare& own : cut.shares) edit.entered.push_back(own.tet);
+  for (const TetShare& tet_share : cut.shares) edit.entered.push_back(tet_share.tet);
   for (Index v = vertices_before; v < topology.vertex_count(); ++v) edit.vertices.push_back(v);
   sort_unique(edit.entered);
   edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
@@ -36,10 +36,10 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
 // Of those that get another one: 0 where a copy is new.
 std::vector<double> shares_of(const Elements& elements, const MeshEdit& edit) {
   std::vector<double> shares;
-  for (const TetShare& own : edit.shares) {
+  for (const TetShare& tet_share : edit.shares) {
     const bool is_new = std::any_of(edit.copies.begin(), edit.copies.end(),
-                                    [&](const TetCopy& copy) { return copy.copy == own.tet; });
-    shares.push_back(is_new ? 0 : elements.share_of(own.tet));
+                                    [&](const TetCopy& copy) { return copy.copy == tet_share.tet; });
+    shares.push_back(is_new ? 0 : elements.share_of(tet_share.tet));
   }
   return shares;
 }
@@ -61,7 +61,7 @@ std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const D
 
 template <class Real>
 void World<Real>::apply(const Command& command) {
-  std::visit([&](const auto& own) { perform(own); }, command);
+  std::visit([&](const auto& any) { perform(any); }, command);
   if constexpr (is_debug_build) validate(*this);
 }
 
@@ -75,7 +75,7 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
   const MeshEdit edit = cut(tets);
   if (edit.empty()) return 0;
   const auto removed = static_cast<Index>(edit.removed.size());
-  change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
+  change_region(hinged_tets(body_.model, edit), RegionModel::nonlinear);
   const Index vanished = treat_loose(pieces_.loosened_by(body_.model, edit));
   if (elements().topology.alive_count() == 0)
     notice(Condition::Kind::everything_cut, "no tetrahedron is left");
@@ -84,7 +84,7 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
 
 template <class Real>
 MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
-  catch_up();
+  synchronise_velocities();
   state();
   MeshEdit edit = body_.model.elements.topology.remove(tets);
   if (edit.empty()) return edit;
@@ -170,14 +170,14 @@ void World<Real>::check_tets(const std::vector<Index>& tets) const {
 // Every part follows an edit, in this order.
 template <class Real>
 void World<Real>::follow(RegionEdit edit) {
-  add_unanchored(edit);
+  add_unsupported(edit);
   body_.regions.follow(elements(), edit);
-  refresh(edit.vertices);
+  update(edit.vertices);
   const std::vector<Index> mechanism = body_.regions.follow_condensed(body_.model, edit, body_.loads);
   if (const std::string text = body_.regions.take_notice(); !text.empty())
     notice(Condition::Kind::cache, text);
   if (body_.regions.is_expanded()) {
-    refresh(edit.vertices);
+    update(edit.vertices);
   } else if (body_.regions.condensed_has_changed()) {
     move_mass();
     release(edit.vertices);
@@ -192,11 +192,11 @@ void World<Real>::follow(RegionEdit edit) {
 
 // What nothing keeps in place within the pre-computed region after an edit will turn: it becomes non-linear.
 template <class Real>
-void World<Real>::add_unanchored(RegionEdit& edit) {
+void World<Real>::add_unsupported(RegionEdit& edit) {
   if (std::none_of(edit.left.begin(), edit.left.end(),
                    [&](Index t) { return body_.regions.is_condensed(t); }))
     return;
-  const std::vector<Index> tets = unanchored_tets(elements(), held());
+  const std::vector<Index> tets = unsupported_tets(elements(), held());
   if (tets.empty()) return;
   const RegionEdit change = change_of_region(tets, RegionModel::nonlinear);
   for (auto list : {&RegionEdit::left, &RegionEdit::entered, &RegionEdit::vertices}) {
@@ -209,13 +209,13 @@ void World<Real>::add_unanchored(RegionEdit& edit) {
 
 // Masses and loads of these vertices, as the tetrahedra around them give them.
 template <class Real>
-void World<Real>::refresh(const std::vector<Index>& vertices) {
+void World<Real>::update(const std::vector<Index>& vertices) {
   const Topology& topology = elements().topology;
   body_.motion.extend(topology.vertex_count());
   body_.sleep.extend(topology.vertex_count(), time());
   limit_.extend(topology.vertex_count());
-  body_.inertia.refresh(body_.model, vertices);
-  body_.loads.refresh(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
+  body_.inertia.update(body_.model, vertices);
+  body_.loads.update(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
   for (Index v : vertices)
     if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
   release(vertices);
@@ -226,7 +226,7 @@ template <class Real>
 void World<Real>::release(const std::vector<Index>& vertices) {
   for (Index v : vertices) {
     body_.inertia.release(body_.model, v);
-    limit_.refresh(body_, v);
+    limit_.update(body_, v);
   }
 }
 
@@ -240,18 +240,18 @@ void World<Real>::move_mass() {
 
 template <class Real>
 Setup World<Real>::current_setup(CompactMesh& c) const {
-  const Elements& own = elements();
-  c = compact(own.topology, own.points.view(), own.labels);
+  const Elements& body = elements();
+  c = compact(body.topology, body.points.view(), body.labels);
   Setup setup = setup_;
   setup.mesh = c.mesh;
-  if (own.fibres.cols() > 0) setup.mesh.fibres = own.fibres(Eigen::all, c.tet_source);
+  if (body.fibres.cols() > 0) setup.mesh.fibres = body.fibres(Eigen::all, c.tet_source);
   setup.material_of.clear();
   setup.region_of.clear();
   setup.shares.clear();
   for (Index t : c.tet_source) {
-    setup.material_of.push_back(own.material_of[t]);
-    setup.region_of.push_back(own.region_of[t]);
-    if (!own.shares.empty()) setup.shares.push_back(own.shares[t]);
+    setup.material_of.push_back(body.material_of[t]);
+    setup.region_of.push_back(body.region_of[t]);
+    if (!body.shares.empty()) setup.shares.push_back(body.shares[t]);
   }
   setup.prescribed.clear();
   for (const HeldVertices::Held& item : held().all()) {
@@ -260,7 +260,7 @@ Setup World<Real>::current_setup(CompactMesh& c) const {
     if (c.vertex_target[item.vertex] >= 0)
       setup.prescribed.push_back({c.vertex_target[item.vertex], goal, item.axes});
   }
-  setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), own.topology, c);
+  setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), body.topology, c);
   setup.cut_frequency = std::sqrt(body_.inertia.floor().square);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];

@@ -60,7 +60,7 @@ Condition diverged(double step, const std::string& fastest, double time) {
 
 // Driven vertices may be driven to infinity. No force shows that if no free vertex is near.
 template <class Real>
-bool led_are_finite(const HeldVertices& held, const StateColumns<Real>& state) {
+bool driven_are_finite(const HeldVertices& held, const StateColumns<Real>& state) {
   return std::all_of(held.all().begin(), held.all().end(), [&](const HeldVertices::Held& item) {
     return state.u.col(item.vertex).allFinite() && state.v.col(item.vertex).allFinite();
   });
@@ -73,7 +73,7 @@ template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
   body_.sleep.begin_frame();
   tools_.begin_forces();
-  for (Turns* turns : {&body_.motion.turns, &body_.motion.node_turns})
+  for (Reversals* turns : {&body_.motion.reversals, &body_.motion.node_turns})
     std::fill(turns->begin(), turns->end(), 0);
   for (int i = 0; i < steps; ++i) {
     if (implicit_) {
@@ -92,7 +92,7 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
     if (is_in_trouble(dt, first_try)) return false;
   }
   tools_.end_forces(steps * dt);
-  return led_are_finite(held(), body_.motion);
+  return driven_are_finite(held(), body_.motion);
 }
 
 // A vertex is not a number or moved further than an edge in one step; in a first try also where one swings to
@@ -102,7 +102,7 @@ template <class Real>
 bool World<Real>::is_in_trouble(double dt, bool first_try) const {
   const Speeds& speeds = body_.motion.speeds;
   if (!(speeds.fastest * dt < longest_move_)) return true;
-  return first_try && speeds.turned * dt > 0.02 * longest_move_;
+  return first_try && speeds.reversing * dt > 0.02 * longest_move_;
 }
 
 // The vertex that is fastest or not a number, for messages.
@@ -155,7 +155,7 @@ void World<Real>::begin_frame(double duration) {
 // Edits, tools and cuts, and the time step limit that follows from them.
 template <class Real>
 void World<Real>::prepare_frame(double duration, Report& report) {
-  refresh_condensed();
+  condense_anew();
   if (!implicit_ && limit_.is_due(body_)) {
     const Timed timed(report, Phase::time_step);
     limit_.find_anew(body_);
@@ -164,7 +164,7 @@ void World<Real>::prepare_frame(double duration, Report& report) {
     unravel();
   }
   play_tools(duration, report);
-  show_surroundings();
+  show_body();
   {
     const Timed timed(report, Phase::cutting);
     embed();
@@ -229,20 +229,20 @@ template <class Real>
 void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& sleep) {
   static_cast<StateColumns<Real>&>(body_.motion) = state;
   body_.sleep.set_state(sleep);
-  body_.state_was_given();
-  tools_.state_was_given();
+  body_.state_was_replaced();
+  tools_.state_was_replaced();
   for (const auto& term : body_.terms) term->take_back_steps();
 }
 
 // The result of condensing is taken when it is due, on a slow machine by waiting for it, so that a run is the
 // same to the bit on every one.
 template <class Real>
-void World<Real>::refresh_condensed() {
+void World<Real>::condense_anew() {
   constexpr double delay = 1;  // [s]
-  if (body_.regions.is_refreshing() && time() >= body_.regions.refresh_due())
-    perform(EndRefresh{});
-  else if (body_.regions.wants_refresh())
-    perform(BeginRefresh{time() + delay});
+  if (body_.regions.is_condensing() && time() >= body_.regions.condensing_due())
+    perform(EndCondensing{});
+  else if (body_.regions.needs_condensing())
+    perform(BeginCondensing{time() + delay});
 }
 
 // Tetrahedra that stay crushed, as the limit has found them.
@@ -274,7 +274,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   };
   HeldVertices now = held();
   if (tools_.update_grasps(time(), now, displacement, position, exists)) {
-    catch_up();
+    synchronise_velocities();
     perform(Hold{now});
     report.tets_removed += treat_loose(pieces_.loosened(body_.model));
   }
@@ -292,7 +292,7 @@ template <class Real>
 void World<Real>::see_interior() {
   const bool is_condensed = body_.regions.any_condensed() && !body_.regions.is_expanded();
   if ((!is_condensed && !body_.regions.reduced().any_embedded()) || seen_ == body_.model.revisions) return;
-  tools_.state_was_given();
+  tools_.state_was_replaced();
   state();
   seen_ = body_.model.revisions;
 }

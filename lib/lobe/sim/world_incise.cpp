@@ -6,7 +6,7 @@
 #include "lobe/error.h"
 #include "lobe/scalpel/grain_cells.h"
 #include "lobe/setup/exclusions.h"
-#include "lobe/sim/turning.h"
+#include "lobe/sim/hinges.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -64,11 +64,11 @@ template <class Real>
 Blades::BodyNow World<Real>::body_now() {
   see_interior();
   const auto placement = [this](Index t) {
-    const Elements& own = elements();
-    const Eigen::Vector4i corners = own.topology.corners(t);
+    const Elements& body = elements();
+    const Eigen::Vector4i corners = body.topology.corners(t);
     const Mat34<double> u = body_.motion.u.padded()(Eigen::all, corners).template cast<double>();
-    const Mat3<double> alpha = own.shape_of(t).gradients.template rightCols<3>();
-    const Vec3d start = own.points.col(corners[0]);
+    const Mat3<double> alpha = body.shape_of(t).gradients.template rightCols<3>();
+    const Vec3d start = body.points.col(corners[0]);
     return Placement{start, start + u.col(0), Mat3<double>::Identity() + displacement_gradient(u, alpha)};
   };
   const auto tets_in = [this](const SweptVolume& volume) {
@@ -106,7 +106,7 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
     const MeshEdit edit = divide(incised->opened);
     report.tets_copied += static_cast<Index>(edit.copies.size());
     if (edit.empty()) continue;
-    change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
+    change_region(hinged_tets(body_.model, edit), RegionModel::nonlinear);
     report.tets_removed += treat_loose(pieces_.loosened_by(body_.model, edit));
   }
   if (crumbs > 0)
@@ -138,7 +138,7 @@ CutWork World<Real>::work_of(const Incised& incised) const {
   for (const Incised::Face& face : incised.faces) {
     const double energy = face.area / 2 *
                           (elements().elastic_of(face.element).fracture_energy +
-                           elements().elastic_of(face.beside).fracture_energy);
+                           elements().elastic_of(face.neighbour).fracture_energy);
     work.energy += energy;
     work.moment += energy * face.middle;
   }
@@ -174,21 +174,21 @@ void World<Real>::hold_what_is_filled(const MeshEdit& edit) {
   std::vector<Index> empty;
   for (const VertexSplit& split : edit.splits)
     for (Index v : {split.vertex, split.copy})
-      if (held().holds(v) && !blades_->grains.fills(v, elements()) && !lies_on_held_skin(v))
+      if (held().holds(v) && !blades_->grains.fills(v, elements()) && !lies_on_held_boundary(v))
         empty.push_back(v);
   for (Index v : empty) body_.model.held.free(v);
 }
 
 // Whether there is skin at a vertex, of a face that one holder holds at all three corners.
 template <class Real>
-bool World<Real>::lies_on_held_skin(Index v) const {
+bool World<Real>::lies_on_held_boundary(Index v) const {
   const Topology& topology = elements().topology;
   for (Index t : topology.around(v)) {
     const Eigen::Vector4i corners = topology.corners(t);
     for (int f = 0; f < 4; ++f) {
       const int* c = face_corners[f];
       if (corners[f] == v || !is_held_by_one(held(), {corners[c[0]], corners[c[1]], corners[c[2]]})) continue;
-      if (blades_->grains.skin_of(t, f, elements()).sum() > 0) return true;
+      if (blades_->grains.boundary_share_of(t, f, elements()).sum() > 0) return true;
     }
   }
   return false;
@@ -197,18 +197,19 @@ bool World<Real>::lies_on_held_skin(Index v) const {
 // A load on a face goes with the parts of it.
 template <class Real>
 void World<Real>::share_loads(const MeshEdit& edit) {
-  for (const TetShare& own : edit.shares)
-    for (int f : body_.loads.dead_loads().loaded_faces(elements().topology.parent(own.tet)))
-      body_.loads.dead_loads().set_weights(own.tet, f, blades_->grains.skin_of(own.tet, f, elements()));
+  for (const TetShare& tet_share : edit.shares)
+    for (int f : body_.loads.dead_loads().loaded_faces(elements().topology.parent(tet_share.tet)))
+      body_.loads.dead_loads().set_weights(tet_share.tet, f,
+                                           blades_->grains.boundary_share_of(tet_share.tet, f, elements()));
 }
 
 // As it was done, without what followed from it.
 template <class Real>
 MeshEdit World<Real>::repeat_incision(const Incise& command) {
-  Blades& own = blades();
-  divide_grains(command, own.grains);
+  Blades& present = blades();
+  divide_grains(command, present.grains);
   if (!command.incision.empty()) journal_.edits.push_back(command);
-  return divide(own.grains.open(command.incision.opened));
+  return divide(present.grains.open(command.incision.opened));
 }
 
 // Tried first on a copy: what cannot be done changes nothing.
@@ -218,7 +219,7 @@ void World<Real>::perform(const Incise& command) {
   divide_grains(command, trial);
   const MeshEdit edit = repeat_incision(command);
   if (edit.empty()) return;
-  change_region(turning_tets(body_.model, edit), RegionModel::nonlinear);
+  change_region(hinged_tets(body_.model, edit), RegionModel::nonlinear);
   treat_loose(pieces_.loosened_by(body_.model, edit));
 }
 

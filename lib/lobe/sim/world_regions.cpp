@@ -2,7 +2,7 @@
 // scratch, relinearised, and non-linear for a while (theory, section 14).
 #include <algorithm>
 
-#include "lobe/condense/anchors.h"
+#include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/sim/world.h"
@@ -15,11 +15,12 @@ void World<Real>::perform(const SetRegion& command) {
   check_tets(command.tets);
   if (command.model == RegionModel::precomputed) refuse_precomputed(command.tets);
   if (command.model == RegionModel::reduced) refuse_reduced(command.tets);
-  std::vector<Index> own = command.tets;
-  sort_unique(own);
-  std::erase_if(own, [&](Index t) { return !elements().topology.alive(t); });
-  unravelling_.leave_alone(own);
-  if (std::all_of(own.begin(), own.end(), [&](Index t) { return elements().region_of[t] == command.model; }))
+  std::vector<Index> tets = command.tets;
+  sort_unique(tets);
+  std::erase_if(tets, [&](Index t) { return !elements().topology.alive(t); });
+  unravelling_.leave_alone(tets);
+  if (std::all_of(tets.begin(), tets.end(),
+                  [&](Index t) { return elements().region_of[t] == command.model; }))
     return;
   change_region(command.tets, command.model);
 }
@@ -31,7 +32,7 @@ void World<Real>::refuse_precomputed(const std::vector<Index>& tets) const {
   refuse_excluded(Option::precomputed, used, "region");
   Elements changed = elements();
   for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
-  refuse_unanchored(changed, held());
+  refuse_unsupported(changed, held());
   body_.regions.refuse_large(changed, held());
 }
 
@@ -46,7 +47,7 @@ void World<Real>::refuse_reduced(const std::vector<Index>& tets) const {
 
 template <class Real>
 void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
-  catch_up();
+  synchronise_velocities();
   state();
   RegionEdit edit = change_of_region(tets, model);
   if (edit.left.empty()) return;
@@ -74,24 +75,24 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
 
 // The history says what the region is linearised about, whatever it was before.
 template <class Real>
-void World<Real>::perform(const BeginRefresh& command) {
-  BeginRefresh own = command;
+void World<Real>::perform(const BeginCondensing& command) {
+  BeginCondensing begin = command;
   const Mat3X<double>& former = body_.regions.linearised_about();
-  if (!own.about && former.size() > 0)
-    own.about = std::make_shared<std::vector<double>>(former.data(), former.data() + former.size());
-  body_.regions.begin_refresh(elements(), own.due, own.about ? *own.about : std::vector<double>{});
-  journal_.edits.push_back(std::move(own));
+  if (!begin.about && former.size() > 0)
+    begin.about = std::make_shared<std::vector<double>>(former.data(), former.data() + former.size());
+  body_.regions.begin_condensing(elements(), begin.due, begin.about ? *begin.about : std::vector<double>{});
+  journal_.edits.push_back(std::move(begin));
 }
 
 template <class Real>
-void World<Real>::perform(const EndRefresh& command) {
-  catch_up();
-  const bool is_condensed = body_.regions.end_refresh(elements());
+void World<Real>::perform(const EndCondensing& command) {
+  synchronise_velocities();
+  const bool is_condensed = body_.regions.end_condensing(elements());
   if (!body_.regions.is_expanded()) move_mass();
   ++body_.model.revisions.structure;
   limit_.forget();
   journal_.edits.push_back(command);
-  if (is_condensed) forget_former_refreshes();
+  if (is_condensed) forget_former_condensing();
 }
 
 // A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it
@@ -99,37 +100,37 @@ void World<Real>::perform(const EndRefresh& command) {
 // the interior has other bits. If it was expanded when condensing from scratch last began, later edits stay
 // in the list, since condensing it again needs another pass.
 template <class Real>
-void World<Real>::forget_former_refreshes() {
+void World<Real>::forget_former_condensing() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) {
     return std::holds_alternative<Kind>(journal_.edits[i]);
   };
   std::size_t last = journal_.edits.size(), expanded_at = journal_.edits.size();
   for (std::size_t i = 0; i < journal_.edits.size(); ++i)
-    if (is(i, BeginRefresh{})) last = i;
+    if (is(i, BeginCondensing{})) last = i;
   for (std::size_t i = 0; i < last; ++i) {
     if (is(i, Expand{})) expanded_at = i;
     if (is(i, Condense{})) expanded_at = journal_.edits.size();
   }
   for (std::size_t i = 0; i < std::min(last, expanded_at); ++i)
-    if (is(i, BeginRefresh{}) || is(i, EndRefresh{}) || is(i, Expand{}) || is(i, Condense{}))
+    if (is(i, BeginCondensing{}) || is(i, EndCondensing{}) || is(i, Expand{}) || is(i, Condense{}))
       journal_.edits.supersede(i);
 }
 
 template <class Real>
-void World<Real>::perform(const Renew& command) {
+void World<Real>::perform(const Relinearise& command) {
   if (!(command.delay > 0))
     throw InputError("region", "the delay until it is relinearised must be above 0 s");
-  if (body_.regions.is_refreshing() || !body_.regions.any_condensed()) return;
+  if (body_.regions.is_condensing() || !body_.regions.any_condensed()) return;
   const Mat3X<double> u = displacements().template cast<double>();
-  perform(BeginRefresh{time() + command.delay,
-                       std::make_shared<std::vector<double>>(u.data(), u.data() + u.size())});
+  perform(BeginCondensing{time() + command.delay,
+                          std::make_shared<std::vector<double>>(u.data(), u.data() + u.size())});
 }
 
 template <class Real>
 void World<Real>::perform(const Expand& command) {
   if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
   if (body_.regions.is_expanded() || !body_.regions.any_condensed()) return;
-  catch_up();
+  synchronise_velocities();
   state();
   set_expanded(true);
   journal_.edits.push_back(command);
@@ -141,7 +142,7 @@ void World<Real>::perform(const Condense& command) {
   if (!body_.regions.can_condense())
     throw InputError("region",
                      "it was edited while it was expanded, and must be relinearised before it is condensed");
-  catch_up();
+  synchronise_velocities();
   set_expanded(false);
   journal_.edits.push_back(command);
 }
@@ -149,7 +150,7 @@ void World<Real>::perform(const Condense& command) {
 template <class Real>
 void World<Real>::set_expanded(bool is_expanded) {
   body_.regions.set_expanded(is_expanded);
-  tools_.state_was_given();              // the interior has moved unseen
+  tools_.state_was_replaced();           // the interior has moved unseen
   if (body_.inertia.may_be_selective())  // also around those that are held
     for (Index t = 0; t < elements().topology.tet_count(); ++t)
       if (body_.regions.is_condensed(t)) {
@@ -157,7 +158,7 @@ void World<Real>::set_expanded(bool is_expanded) {
         body_.inertia.add_edits({corners.begin(), corners.end()});
       }
   const std::vector<Index> vertices = body_.regions.condensed_vertices(elements().topology.vertex_count());
-  refresh(vertices);
+  update(vertices);
   if (!is_expanded) {
     body_.regions.take_over_loads(body_.loads);
     move_mass();
@@ -193,13 +194,13 @@ void World<Real>::embed_as(std::vector<std::uint8_t> wanted) {
   state();
   limit_.forget();
   const std::vector<Index> vertices = region.vertices();
-  refresh(vertices);
+  update(vertices);
   region.embed(body_.model, std::move(wanted), limit_.highest_at_rest(), body_.inertia.masses(), body_.loads,
                body_.motion);
   release(vertices);
   body_.state_has_moved();
   ++body_.model.revisions.structure;
-  tools_.state_was_given();
+  tools_.state_was_replaced();
 }
 
 // What is cut, and what is within a cell of it, is non-linear from then on.
@@ -222,7 +223,7 @@ template <class Real>
 void World<Real>::use_mass_degree(int degree) {
   const int before = body_.inertia.degree_now();
   if (degree == before) return;
-  catch_up();
+  synchronise_velocities();
   body_.inertia.use(degree);
   if (degree > before) {
     body_.prepare_inertia();

@@ -200,10 +200,11 @@ void Skin::follow(const Topology& topology, const MeshEdit& edit, const Grains* 
   for (Index t : edit.removed) touched(t);
   for (const VertexSplit& split : edit.splits)
     for (Index t : split.tets) touched(t);
-  for (const TetCopy& own : edit.copies) copies_of_[topology.parent(own.copy)].push_back(own.copy);
-  for (const TetShare& own : edit.shares) {
-    touched(own.tet);
-    cut.push_back(topology.parent(own.tet));
+  for (const TetCopy& tet_copy : edit.copies)
+    copies_of_[topology.parent(tet_copy.copy)].push_back(tet_copy.copy);
+  for (const TetShare& tet_share : edit.shares) {
+    touched(tet_share.tet);
+    cut.push_back(topology.parent(tet_share.tet));
   }
   follow(topology, triangles, vertices, cut, grains);
 }
@@ -320,15 +321,15 @@ void Skin::find_positions(Mat3X<float>& x) {
   x_.resize(std::size_t(count) + cut_.size());
   const Eigen::Vector4f *const mesh = mesh_x_.data(), *const weights = weights_.data();
   const Eigen::Vector4i* const corners = carrier_corners_.data();
-  Eigen::Vector4f* const own = x_.data();
+  Eigen::Vector4f* const carried = x_.data();
   const Columns columns(x, count);
   for (Index i = 0; i < count; ++i) {
     const Eigen::Vector4f& w = weights[i];
     const Eigen::Vector4i& c = corners[i];
-    own[i] = (w[0] * mesh[c[0]] + w[1] * mesh[c[1]]) + (w[2] * mesh[c[2]] + w[3] * mesh[c[3]]);
-    if (i + 1 < count) columns.put_before_last(i, own[i]);
+    carried[i] = (w[0] * mesh[c[0]] + w[1] * mesh[c[1]]) + (w[2] * mesh[c[2]] + w[3] * mesh[c[3]]);
+    if (i + 1 < count) columns.put_before_last(i, carried[i]);
   }
-  columns.put_last(own[count - 1]);
+  columns.put_last(carried[count - 1]);
   find_cut_positions(x);
 }
 

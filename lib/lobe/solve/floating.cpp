@@ -10,7 +10,7 @@ namespace lobe {
 // One row per given component: what it lets pass of the translations e_i and rotations e_i × (X −
 // centre)/size. The piece is held if they have rank 6.
 bool is_held(const Elements& elements, const std::vector<Index>& piece,
-             const std::function<bool(Index vertex, int axis)>& is_given) {
+             const std::function<bool(Index vertex, int axis)>& is_prescribed) {
   std::vector<Index> vertices;
   for (Index t : piece)
     for (int c = 0; c < 4; ++c) vertices.push_back(elements.topology.tets()(c, t));
@@ -20,7 +20,7 @@ bool is_held(const Elements& elements, const std::vector<Index>& piece,
   std::vector<Eigen::Matrix<double, 1, 6>> rows;
   for (Index v : vertices)
     for (int axis = 0; axis < 3; ++axis) {
-      if (!is_given(v, axis)) continue;
+      if (!is_prescribed(v, axis)) continue;
       const Vec3d arm = (elements.points.col(v) - centre) / size;
       Eigen::Matrix<double, 1, 6> row;
       row << Vec3d::Unit(axis).transpose(), arm.cross(Vec3d::Unit(axis)).transpose();
@@ -36,11 +36,11 @@ bool is_held(const Elements& elements, const std::vector<Index>& piece,
 void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns) {
   std::vector<std::vector<Index>> open = elements.topology.pieces();
   std::vector<std::uint8_t> anchored(std::size_t(elements.topology.vertex_count()), 0);
-  const auto is_given = [&](Index v, int axis) { return unknowns.number(axis, v) < 0 || anchored[v]; };
+  const auto is_prescribed = [&](Index v, int axis) { return unknowns.number(axis, v) < 0 || anchored[v]; };
   for (std::size_t before = open.size() + 1; before > open.size() && !open.empty();) {
     before = open.size();
     std::erase_if(open, [&](const std::vector<Index>& piece) {
-      if (!is_held(elements, piece, is_given)) return false;
+      if (!is_held(elements, piece, is_prescribed)) return false;
       for (Index t : piece)
         for (int c = 0; c < 4; ++c) anchored[elements.topology.tets()(c, t)] = 1;
       return true;

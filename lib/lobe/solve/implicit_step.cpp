@@ -42,7 +42,7 @@ Mat3X<double> ImplicitStep::Problem::inertia(const DynamicState& end) const {
   Mat3X<double> f = (1 - o_.alpha_m_) * end.a + o_.alpha_m_ * from_.a;
   f += loads_.damping * ((1 - o_.alpha_f_) * end.v + o_.alpha_f_ * from_.v);
   for (Eigen::Index v = 0; v < f.cols(); ++v) f.col(v) *= loads_.mass[std::size_t(v)];
-  o_.unknowns_->clear_given(f);
+  o_.unknowns_->clear_prescribed(f);
   return f;
 }
 
@@ -54,7 +54,7 @@ NewtonPoint ImplicitStep::Problem::at(const Mat3X<double>& u) const {
   point.potential = e.energy / (1 - o_.alpha_f_) - loads_.external.cwiseProduct(moved).sum() +
                     moved.cwiseProduct(inertial + inertia_at_start_).sum() / 2;
   point.residual = loads_.external + e.forces - inertial;
-  o_.unknowns_->clear_given(point.residual);
+  o_.unknowns_->clear_prescribed(point.residual);
   point.scale = std::max({loads_.external.norm(), e.forces.norm(), inertial.norm()});
   point.smallest_volume_ratio = e.smallest_volume_ratio;
   point.smallest_tet = e.smallest_tet;
@@ -76,7 +76,7 @@ bool ImplicitStep::Problem::direction(const NewtonPoint& at, Mat3X<double>& dire
 NewtonPoint ImplicitStep::Problem::start() const {
   const auto with_given = [&](Mat3X<double> u) {
     for (Eigen::Index i = 0; i < u.size(); ++i)
-      if (o_.unknowns_->number.data()[i] < 0) u.data()[i] = loads_.given.data()[i];
+      if (o_.unknowns_->number.data()[i] < 0) u.data()[i] = loads_.prescribed.data()[i];
     return u;
   };
   NewtonPoint straight_on = at(with_given(from_.u + dt_ * from_.v)), here = at(with_given(from_.u));

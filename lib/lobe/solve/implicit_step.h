@@ -24,7 +24,7 @@ struct DynamicState {
 struct StepLoads {
   const std::vector<double>& mass;  // per vertex [kg]
   Mat3X<double> external;           // at t_α, 3 × #vertices [N]
-  Mat3X<double> given;              // displacements of held components at the step's end, 3 × #vertices [m]
+  Mat3X<double> prescribed;         // displacements of held components at the step's end, 3 × #vertices [m]
   double damping = 0;               // γ [1/s]
 };
 

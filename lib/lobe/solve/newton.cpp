@@ -8,20 +8,20 @@ namespace {
 
 const char* line_search(const NewtonProblem& problem, const Mat3X<double>& direction, double slope,
                         NewtonPoint& point) {
-  const char* trouble = "";
+  const char* reason = "";
   const double least_ratio = std::min(0.0, point.smallest_volume_ratio);
   for (double length = 1; length > 1e-3; length /= 2) {
     NewtonPoint trial = problem.at(point.u + length * direction);
     point.smallest_tet = trial.smallest_tet;
-    trouble = "every step inverts it";
+    reason = "every step inverts it";
     if (!(trial.smallest_volume_ratio > least_ratio)) continue;
-    trouble = "no step lowers the potential";
+    reason = "no step lowers the potential";
     const bool falls = trial.potential <= point.potential + 1e-4 * length * slope;
     if (!falls && !(trial.residual.norm() < 0.9 * point.residual.norm())) continue;
     point = std::move(trial);
     return nullptr;
   }
-  return trouble;
+  return reason;
 }
 
 }  // namespace
@@ -31,22 +31,22 @@ NewtonResult minimise(NewtonProblem& problem, NewtonPoint& point, double toleran
   Mat3X<double> direction;
   for (; result.iterations < most_iterations; ++result.iterations) {
     if (!std::isfinite(point.scale)) {
-      result.trouble = "its forces are too large for double precision";
+      result.reason = "its forces are too large for double precision";
       return result;
     }
     result.converged = point.residual.norm() <= tolerance * point.scale;
     if (result.converged) return result;
     if (!problem.direction(point, direction)) {
-      result.trouble = "the tangent is singular there (a mechanism, or a collapsed tetrahedron)";
+      result.reason = "the tangent is singular there (a mechanism, or a collapsed tetrahedron)";
       return result;
     }
     const double slope = -direction.cwiseProduct(point.residual).sum();
-    if (const char* trouble = line_search(problem, direction, slope, point)) {
-      result.trouble = trouble;
+    if (const char* reason = line_search(problem, direction, slope, point)) {
+      result.reason = reason;
       return result;
     }
   }
-  result.trouble = "Newton's method did not converge";
+  result.reason = "Newton's method did not converge";
   return result;
 }
 

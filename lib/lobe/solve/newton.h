@@ -25,7 +25,7 @@ class NewtonProblem {
 
 struct NewtonResult {
   bool converged = false;
-  const char* trouble = "";  // why not
+  const char* reason = "";  // why not
   int iterations = 0;
 };
 

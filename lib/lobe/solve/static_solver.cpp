@@ -56,7 +56,7 @@ class Equilibrium : public NewtonProblem {
 
   // From the equilibrium result.u at another fraction; the result changes its state only on success.
   bool find(double fraction);
-  const char* trouble() const { return trouble_; }  // of the last equilibrium that was not found
+  const char* reason() const { return reason_; }  // of the last equilibrium that was not found
 
   NewtonPoint at(const Mat3X<double>& u) const override;
   bool direction(const NewtonPoint& at, Mat3X<double>& direction) override;
@@ -71,7 +71,7 @@ class Equilibrium : public NewtonProblem {
   Tangent tangent_;
   std::unique_ptr<SparseFactor> factor_;
   double fraction_ = 0;
-  const char* trouble_ = "";
+  const char* reason_ = "";
 };
 
 NewtonPoint Equilibrium::at(const Mat3X<double>& u) const {
@@ -82,7 +82,7 @@ NewtonPoint Equilibrium::at(const Mat3X<double>& u) const {
   point.residual = fraction_ * eq_.loads + e.forces;
   point.scale =
       std::max(fraction_ * eq_.loads.norm(), point.residual.norm());  // loads, or the reactions where held
-  eq_.unknowns.clear_given(point.residual);
+  eq_.unknowns.clear_prescribed(point.residual);
   point.smallest_volume_ratio = e.smallest_volume_ratio;
   point.smallest_tet = e.smallest_tet;
   return point;
@@ -110,11 +110,11 @@ bool Equilibrium::follow_boundary(NewtonPoint& point) {
   for (Eigen::Index i = 0; i < move.size(); ++i)
     if (eq_.unknowns.number.data()[i] >= 0) move.data()[i] = 0;
   if (move.isZero(0)) return true;
-  trouble_ = "the tangent is singular there (a mechanism, or a collapsed tetrahedron)";
+  reason_ = "the tangent is singular there (a mechanism, or a collapsed tetrahedron)";
   if (!factorise(point.u)) return false;
   const Eigen::VectorXd residual = eq_.unknowns.gather(point.residual);
   point = at(point.u + move + eq_.unknowns.scatter(tangent_.solve(*factor_, residual, point.u, move)));
-  trouble_ = "the prescribed displacements invert it";
+  reason_ = "the prescribed displacements invert it";
   return point.smallest_volume_ratio > 0;
 }
 
@@ -128,7 +128,7 @@ bool Equilibrium::find(double fraction) {
   const NewtonResult newton = minimise(*this, point, options_.tolerance, options_.most_iterations);
   result_.iterations += newton.iterations;
   result_.worst_tet = point.smallest_tet;
-  trouble_ = newton.trouble;
+  reason_ = newton.reason;
   if (!newton.converged) return false;
   result_.u = point.u;
   result_.residual = point.scale > 0 ? point.residual.norm() / point.scale : 0;
@@ -165,7 +165,7 @@ StaticResult solve_static(const Setup& setup, const StaticOptions& options) {
     step = std::min(step, 1 - result.load_fraction) / 2;
     if (step >= options.smallest_load_step) continue;
     result.reason = "no equilibrium beyond " + rounded(100 * result.load_fraction) + " % of the load; " +
-                    most_compressed(result.worst_tet) + equilibrium.trouble() +
+                    most_compressed(result.worst_tet) + equilibrium.reason() +
                     ": a volume_penalty, smaller loads or a finer mesh there may help";
     return result;
   }

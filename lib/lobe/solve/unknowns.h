@@ -28,7 +28,7 @@ struct Unknowns {
       if (const Index at = number.data()[i]; at >= 0) full.data()[i] = x[at];
     return full;
   }
-  void clear_given(Mat3X<double>& full) const {
+  void clear_prescribed(Mat3X<double>& full) const {
     for (Eigen::Index i = 0; i < number.size(); ++i)
       if (number.data()[i] < 0) full.data()[i] = 0;
   }
@@ -39,12 +39,13 @@ struct Unknowns {
 
 // The components that nothing holds, of the vertices that have tetrahedra.
 inline Unknowns free_components(const Elements& elements, const HeldVertices& held) {
-  Eigen::Matrix<bool, 3, Eigen::Dynamic> given =
+  Eigen::Matrix<bool, 3, Eigen::Dynamic> prescribed =
       Eigen::Matrix<bool, 3, Eigen::Dynamic>::Zero(3, elements.topology.vertex_count());
   for (const HeldVertices::Held& item : held.all())
-    for (int axis = 0; axis < 3; ++axis) given(axis, item.vertex) |= item.axes[axis];
-  return Unknowns(elements.topology.vertex_count(),
-                  [&](Index v, int axis) { return !given(axis, v) && !elements.topology.around(v).empty(); });
+    for (int axis = 0; axis < 3; ++axis) prescribed(axis, item.vertex) |= item.axes[axis];
+  return Unknowns(elements.topology.vertex_count(), [&](Index v, int axis) {
+    return !prescribed(axis, v) && !elements.topology.around(v).empty();
+  });
 }
 
 }  // namespace lobe

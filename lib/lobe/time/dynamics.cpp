@@ -23,25 +23,25 @@ void Dynamics<Real>::find_forces() {
   else
     loads.put(motion.time, parallel, motion.forces);
   regions.place_embedded(motion, parallel);
-  regions.add_forces(motion.u.padded(), loads.missing(motion.time), motion.forces.padded(), parallel);
+  regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), motion.forces.padded(), parallel);
   for (const auto& term : terms) term->add_forces(here(), motion.forces.padded());
-  regions.collect(loads.missing(motion.time), motion, parallel);
+  regions.collect(loads.missing_share(motion.time), motion, parallel);
 }
 
 template <class Real>
 void Dynamics<Real>::recover(typename Regions<Real>::Interior wanted) {
-  regions.recover(model, loads.missing(motion.time), wanted, motion);
+  regions.recover(model, loads.missing_share(motion.time), wanted, motion);
 }
 
 template <class Real>
-void Dynamics<Real>::arrange() {
-  inertia.arrange(
+void Dynamics<Real>::find_moving() {
+  inertia.find_moving(
       model, sleep.revision(), [&](Index v) { return sleep.is_asleep(v); }, motion);
 }
 
 template <class Real>
 void Dynamics<Real>::prepare_inertia() {
-  arrange();
+  find_moving();
   inertia.prepare(model, sleep.any(), [&](Index t) { return regions.is_dynamic(model.elements, t); });
 }
 
@@ -63,8 +63,8 @@ template <class Real>
 std::vector<Index> Dynamics<Real>::touched_by_terms() const {
   std::vector<Index> vertices;
   for (const auto& term : terms) {
-    const std::vector<Index> own = term->touched();
-    vertices.insert(vertices.end(), own.begin(), own.end());
+    const std::vector<Index> touched = term->touched();
+    vertices.insert(vertices.end(), touched.begin(), touched.end());
   }
   return vertices;
 }
@@ -84,9 +84,9 @@ Vec3d Dynamics<Real>::reaction(int holder) {
 }
 
 template <class Real>
-void Dynamics<Real>::leave_out_held() {
-  arrange();
-  for (const HeldVertices::Held& item : inertia.led()) {
+void Dynamics<Real>::restore_held_components() {
+  find_moving();
+  for (const HeldVertices::Held& item : inertia.driven()) {
     if (model.held.fixes(item.vertex)) continue;  // it is none that moves by itself
     for (int i = 0; i < 3; ++i)
       if (item.axes[i]) motion.forces(i, item.vertex) = motion.v(i, item.vertex) = 0;
@@ -101,22 +101,22 @@ void Dynamics<Real>::push(double kick, double dt) {
   }
   Fastest<Real> fastest =
       central_difference(motion.forces.padded(), inertia.moving(), Real(kick), Real(dt), Real(damping),
-                         motion.u.padded(), motion.v.padded(), motion.turns, parallel);
+                         motion.u.padded(), motion.v.padded(), motion.reversals, parallel);
   if (regions.reduced().any_moving()) {
     const Fastest<Real> nodes = regions.reduced().push(Real(kick), Real(dt), Real(damping), motion, parallel);
-    fastest = {std::max(fastest.all, nodes.all), std::max(fastest.turned, nodes.turned)};
+    fastest = {std::max(fastest.all, nodes.all), std::max(fastest.reversing, nodes.reversing)};
   }
   motion.speeds.fastest = std::sqrt(double(fastest.all));
-  motion.speeds.turned = std::sqrt(double(fastest.turned));
+  motion.speeds.reversing = std::sqrt(double(fastest.reversing));
   ++model.revisions.velocities;
 }
 
 template <class Real>
-void Dynamics<Real>::catch_up() {
-  if (motion.behind == 0) return;
+void Dynamics<Real>::synchronise_velocities() {
+  if (motion.velocity_lag == 0) return;
   find_forces();
-  leave_out_held();
-  push(std::exchange(motion.behind, 0), 0);
+  restore_held_components();
+  push(std::exchange(motion.velocity_lag, 0), 0);
 }
 
 template <class Real>
@@ -126,9 +126,9 @@ void Dynamics<Real>::state_has_moved() {
 }
 
 template <class Real>
-void Dynamics<Real>::state_was_given() {
+void Dynamics<Real>::state_was_replaced() {
   state_has_moved();
-  ++model.revisions.given;
+  ++model.revisions.replaced;
 }
 
 template struct Dynamics<float>;

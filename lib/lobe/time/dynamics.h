@@ -35,7 +35,7 @@ struct Dynamics {
   void find_forces();
   // Computes the displacements of the condensed interior, and its velocities if asked for.
   void recover(typename Regions<Real>::Interior wanted);
-  void arrange();          // finds the vertices that move
+  void find_moving();      // finds the vertices that move
   void prepare_inertia();  // and the couplings of selective masses
   Energies energies();
   Vec3d reaction(int holder);  // force that the holder must apply now [N]
@@ -44,10 +44,10 @@ struct Dynamics {
   // overwrites. Forces act for the time `kick`: half of the last step and half of this one.
   void push(double kick, double dt);
   // Restores the held components of vertices that slide: free in some components, held in others.
-  void leave_out_held();
+  void restore_held_components();
   // Brings velocities up to the time of the displacements, before an edit makes the forces jump. The forces
   // from before the edit act until then, those after it from then on.
-  void catch_up();
+  void synchronise_velocities();
 
   typename ForceTerm<Real>::At here() const {
     return {model, motion.u.padded(), motion.v.padded(), motion.time};
@@ -56,7 +56,7 @@ struct Dynamics {
   std::vector<Index> touched_by_terms() const;
 
   // To be called after the state was changed by other means than a step.
-  void state_was_given();
+  void state_was_replaced();
   void state_has_moved();
 };
 

@@ -17,17 +17,17 @@ struct FrequencyRatios {
   static constexpr double slightest = 0.02;  // change of the limit that is worth it
   static constexpr int most_steps = static_cast<int>(2 * evaluations / slightest);
 
-  double most = 1;         // of a vertex of which nothing is known
-  std::vector<float> own;  // per vertex, up to most
-  double limit = 0;        // of the time step, when it was measured [s]
-  int steps = 0;           // since then, up to most_steps
+  double most = 1;               // of a vertex of which nothing is known
+  std::vector<float> of_vertex;  // per vertex, up to most
+  double limit = 0;              // of the time step, when it was measured [s]
+  int steps = 0;                 // since then, up to most_steps
 
   bool is_valid() const {
     return most > 0 && std::isfinite(most) && limit >= 0 && steps >= 0 && steps <= most_steps &&
-           std::all_of(own.begin(), own.end(),
+           std::all_of(of_vertex.begin(), of_vertex.end(),
                        [&](float one) { return one > 0 && one <= static_cast<float>(most); });
   }
-  static constexpr auto fields = std::tuple(&FrequencyRatios::most, &FrequencyRatios::own,
+  static constexpr auto fields = std::tuple(&FrequencyRatios::most, &FrequencyRatios::of_vertex,
                                             &FrequencyRatios::limit, &FrequencyRatios::steps);
 
   // Whether the change of the limit may cost or gain, in so many steps, twice the time that a measurement
@@ -38,18 +38,21 @@ struct FrequencyRatios {
   }
   void step() { steps = std::min(steps + 1, most_steps); }
 
-  double square(Index v) const { return double(own[std::size_t(v)]) * double(own[std::size_t(v)]); }
-  void extend(Index vertices) { own.resize(std::size_t(vertices), static_cast<float>(most)); }
-  void forget(Index v) { own[std::size_t(v)] = static_cast<float>(most); }
+  double square(Index v) const {
+    return double(of_vertex[std::size_t(v)]) * double(of_vertex[std::size_t(v)]);
+  }
+  void extend(Index vertices) { of_vertex.resize(std::size_t(vertices), static_cast<float>(most)); }
+  void forget(Index v) { of_vertex[std::size_t(v)] = static_cast<float>(most); }
   void forget_all(double ratio) {  // of the vertex of the highest estimate; all vertices have it from now on
     most = ratio;
-    std::fill(own.begin(), own.end(), static_cast<float>(ratio));
+    std::fill(of_vertex.begin(), of_vertex.end(), static_cast<float>(ratio));
   }
-  void measured(double omega, const std::vector<double>& alone,
+  void measured(double omega, const std::vector<double>& estimates,
                 double least) {  // ω_max, ω_v of each vertex [rad/s]
-    most = std::max(most, omega / *std::max_element(alone.begin(), alone.end()));
-    for (std::size_t v = 0; v < own.size(); ++v)
-      own[v] = static_cast<float>(alone[v] * most > omega ? std::max(least, omega / alone[v]) : most);
+    most = std::max(most, omega / *std::max_element(estimates.begin(), estimates.end()));
+    for (std::size_t v = 0; v < of_vertex.size(); ++v)
+      of_vertex[v] =
+          static_cast<float>(estimates[v] * most > omega ? std::max(least, omega / estimates[v]) : most);
   }
 };
 

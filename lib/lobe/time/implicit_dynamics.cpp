@@ -16,7 +16,7 @@ void ImplicitDynamics::set_acceleration(const Model& model, const Mat3X<double>&
 }
 
 // The accelerations are taken from the forces after every edit.
-bool ImplicitDynamics::step(Dynamics<double>& body, double dt, const Given& given) {
+bool ImplicitDynamics::step(Dynamics<double>& body, double dt, const PrescribedMotion& prescribed) {
   const Model& model = body.model;
   Motion<double>& motion = body.motion;
   const bool is_stale = !is_current(model.revisions);
@@ -36,9 +36,9 @@ bool ImplicitDynamics::step(Dynamics<double>& body, double dt, const Given& give
   for (const auto& term : body.terms)
     term->add_forces(body.here(), loads.external);  // that do not depend on u
   for (const HeldVertices::Held& item : model.held.all()) {
-    const Vec3d u = given(item, motion.time + dt);
+    const Vec3d u = prescribed(item, motion.time + dt);
     for (int i = 0; i < 3; ++i)
-      if (item.axes[i]) loads.given(i, item.vertex) = u[i];
+      if (item.axes[i]) loads.prescribed(i, item.vertex) = u[i];
   }
   DynamicState next{motion.u.view(), motion.v.view(), acceleration_};
   if (!step_.step(loads, dt, next)) return false;

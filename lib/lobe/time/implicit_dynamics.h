@@ -15,8 +15,8 @@ class ImplicitDynamics {
 
   // Takes one step [s]. False if it was not solved; then nothing has moved. given(item, time): the
   // displacement of a held vertex [m].
-  using Given = std::function<Vec3d(const HeldVertices::Held& item, double time)>;
-  bool step(Dynamics<double>& body, double dt, const Given& given);
+  using PrescribedMotion = std::function<Vec3d(const HeldVertices::Held& item, double time)>;
+  bool step(Dynamics<double>& body, double dt, const PrescribedMotion& prescribed);
 
   // Part of a checkpoint: accelerations [m/s²], 3 × #vertices, or empty where they are to be taken from the
   // forces.
@@ -25,7 +25,8 @@ class ImplicitDynamics {
 
  private:
   bool is_current(const Revisions& now) const {
-    return !is_new_ && at_.structure == now.structure && at_.inertia == now.inertia && at_.given == now.given;
+    return !is_new_ && at_.structure == now.structure && at_.inertia == now.inertia &&
+           at_.replaced == now.replaced;
   }
 
   ImplicitStep step_;

@@ -18,7 +18,7 @@ void Inertia<Real>::copy(Index vertex, Index copy) {
 }
 
 template <class Real>
-void Inertia<Real>::refresh(const Model& model, const std::vector<Index>& vertices) {
+void Inertia<Real>::update(const Model& model, const std::vector<Index>& vertices) {
   const auto n = std::size_t(model.elements.topology.vertex_count());
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(n, 0);
   add_edits(vertices);
@@ -70,22 +70,23 @@ void Inertia<Real>::check_degree(int degree) const {
 
 template <class Real>
 void Inertia<Real>::apply(int degree, Parallel& parallel, Mat3X<Real>& f) {
-  const int own = selective_.degree();
+  const int asked_degree = selective_.degree();
   selective_.set_degree(degree);
   apply(parallel, f);
-  selective_.set_degree(own);
+  selective_.set_degree(asked_degree);
 }
 
 template <class Real>
 void Inertia<Real>::slow_short_waves(Parallel& parallel, Motion<Real>& motion) {
   Mat3X<Real> once = Mat3X<Real>::Zero(3, motion.v.count());
-  for (const MovingVertex<Real>& own : moving_)
-    once.col(own.vertex) = motion.v.col(own.vertex) / own.inverse_mass;
+  for (const MovingVertex<Real>& moving : moving_)
+    once.col(moving.vertex) = motion.v.col(moving.vertex) / moving.inverse_mass;
   apply(parallel, once);
   Mat3X<Real> twice = once;
   apply(parallel, twice);
-  for (const MovingVertex<Real>& own : moving_)
-    motion.v.col(own.vertex) = own.inverse_mass * (Real(2) * once.col(own.vertex) - twice.col(own.vertex));
+  for (const MovingVertex<Real>& free_vertex : moving_)
+    motion.v.col(free_vertex.vertex) =
+        free_vertex.inverse_mass * (Real(2) * once.col(free_vertex.vertex) - twice.col(free_vertex.vertex));
 }
 
 // ½ v·C⁻¹v by conjugate gradients: M C p = M v in the inner product of M⁻¹, in which M C is symmetric. What
@@ -99,14 +100,14 @@ double Inertia<Real>::kinetic_energy(const StateColumns<Real>& state, Parallel& 
   SelectiveMass<Real> selective = selective_;  // which keeps the accelerations of the last step
   const auto inner = [&](const Mat3X<Real>& a, const Mat3X<Real>& b) {
     double sum = 0;
-    for (const MovingVertex<Real>& own : moving_)
-      sum += double(own.inverse_mass) * double(a.col(own.vertex).dot(b.col(own.vertex)));
+    for (const MovingVertex<Real>& moving : moving_)
+      sum += double(moving.inverse_mass) * double(a.col(moving.vertex).dot(b.col(moving.vertex)));
     return sum;
   };
   Mat3X<Real> left = Mat3X<Real>::Zero(3, state.v.count());
-  for (const MovingVertex<Real>& own : moving_)
-    left.col(own.vertex) = state.v.col(own.vertex) / own.inverse_mass;
-  for (const Held& item : led_)
+  for (const MovingVertex<Real>& moving : moving_)
+    left.col(moving.vertex) = state.v.col(moving.vertex) / moving.inverse_mass;
+  for (const Held& item : driven_)
     for (int axis = 0; axis < 3; ++axis)
       if (item.axes[axis]) left(axis, item.vertex) = 0;
   Mat3X<Real> along = left, image;
@@ -116,7 +117,7 @@ double Inertia<Real>::kinetic_energy(const StateColumns<Real>& state, Parallel& 
   constexpr int most = 1000;
   for (int i = 0; i < most && square > small; ++i) {
     image = along;
-    selective.apply(led_, parallel, image);
+    selective.apply(driven_, parallel, image);
     const double step = square / inner(along, image);
     twice += step * square;
     left -= Real(step) * image;

@@ -25,10 +25,10 @@ class Inertia {
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }  // [1/kg], 0 also where held
   double inverse_mass(Index v) const { return inverse_mass_[std::size_t(v)]; }
 
-  // After an edit: refresh() computes the masses of vertices from their tetrahedra; call release() next.
+  // After an edit: update() computes the masses of vertices from their tetrahedra; call release() next.
   // copy() gives a copy the mass scaling of its original.
   void copy(Index vertex, Index copy);
-  void refresh(const Model& model, const std::vector<Index>& vertices);
+  void update(const Model& model, const std::vector<Index>& vertices);
   // Computes the inverse mass of a vertex whose mass has changed, or that was held or released.
   void release(Model& model, Index v);
   // For changing masses directly: those of a condensed interior move to its interface.
@@ -43,7 +43,7 @@ class Inertia {
     return mass_[std::size_t(v)] - (v < static_cast<Index>(added_.size()) ? added_[std::size_t(v)] : 0);
   }
   // Adds mass, at most this share of the whole, at the vertices whose `squares`, ω_v² [1/s²], are largest.
-  // Call refresh() next.
+  // Call update() next.
   void scale(const std::vector<double>& squares, double share);
   const MassScaling& scaling() const { return scaling_; }
   MassScaling& scaling() { return scaling_; }
@@ -53,9 +53,9 @@ class Inertia {
   // Finds the vertices that a step moves, if masses, held vertices, sleeping vertices or the state have
   // changed. Vertices at rest are set here, and a step does nothing for them.
   template <class IsAsleep>
-  void arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);
+  void find_moving(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);
   const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // free vertices
-  const std::vector<Held>& led() const { return led_; }  // held, but not at one place in all components
+  const std::vector<Held>& driven() const { return driven_; }  // held, but not at one place in all components
 
   // ---- Selective masses (selective_mass.h)
 
@@ -72,17 +72,17 @@ class Inertia {
     if (may_be_selective()) edits_.insert(edits_.end(), vertices.begin(), vertices.end());
   }
 
-  // apply() changes forces [N] to those that give lumped masses the accelerations C f. Call arrange(), then
-  // prepare(), before it.
+  // apply() changes forces [N] to those that give lumped masses the accelerations C f. Call find_moving(),
+  // then prepare(), before it.
   template <class TakesPart>  // takes_part(tet): whether its vertices are coupled
   void prepare(const Model& model, bool any_asleep, TakesPart&& takes_part);
-  void apply(Parallel& parallel, Mat3X<Real>& f) { selective_.apply(led_, parallel, f); }
+  void apply(Parallel& parallel, Mat3X<Real>& f) { selective_.apply(driven_, parallel, f); }
   void apply(int degree, Parallel& parallel, Mat3X<Real>& f);
   // Call it when inertia grows: v → v − (1 − P)² v. Short waves then keep about their momentum, since with
   // their old speed they would go too far. Long waves keep their speed.
   void slow_short_waves(Parallel& parallel, Motion<Real>& motion);
   double kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const;  // [J]
-  double lag(int degree) const { return selective_.lag(degree); }                    // [s²]
+  double dispersion(int degree) const { return selective_.dispersion(degree); }      // [s²]
   typename SelectiveMass<Real>::Acceleration acceleration() const { return selective_.acceleration(); }
 
  private:
@@ -96,36 +96,36 @@ class Inertia {
   double sum_of_floor_ = 0;
 
   std::vector<MovingVertex<Real>> moving_;
-  std::vector<Held> led_;
-  Revisions arranged_at_{.inertia = never};
-  std::uint64_t arranged_sleepers_ = 0;
+  std::vector<Held> driven_;
+  Revisions moving_found_at_{.inertia = never};
+  std::uint64_t sleepers_then_ = 0;
 
   int highest_degree_, degree_;
   SelectiveMass<Real> selective_;
   std::vector<Index> edits_;
   std::uint64_t measured_at_ = never;
-  bool couplings_are_arranged_ = false;
+  bool couplings_have_moving_ = false;
 
   static constexpr std::uint64_t never = ~std::uint64_t(0);
 };
 
 template <class Real>
 template <class IsAsleep>
-void Inertia<Real>::arrange(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep,
-                            Motion<Real>& motion) {
+void Inertia<Real>::find_moving(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep,
+                                Motion<Real>& motion) {
   const Revisions& now = model.revisions;
-  if (arranged_at_.inertia == now.inertia && arranged_at_.given == now.given &&
-      arranged_sleepers_ == sleepers)
+  if (moving_found_at_.inertia == now.inertia && moving_found_at_.replaced == now.replaced &&
+      sleepers_then_ == sleepers)
     return;
-  arranged_at_ = now;
-  arranged_sleepers_ = sleepers;
-  couplings_are_arranged_ = false;
+  moving_found_at_ = now;
+  sleepers_then_ = sleepers;
+  couplings_have_moving_ = false;
   moving_ = moving_vertices<Real>(inverse_mass_);
-  std::erase_if(moving_, [&](const MovingVertex<Real>& own) { return is_asleep(own.vertex); });
-  led_.clear();
+  std::erase_if(moving_, [&](const MovingVertex<Real>& moving) { return is_asleep(moving.vertex); });
+  driven_.clear();
   for (const Held& item : model.held.all()) {
     if (item.holder != HeldVertices::boundary || item.start != item.goal || item.axes != all_axes) {
-      led_.push_back(item);
+      driven_.push_back(item);
       continue;
     }
     motion.u.col(item.vertex) = item.goal.template cast<Real>();
@@ -141,11 +141,11 @@ void Inertia<Real>::prepare(const Model& model, bool any_asleep, TakesPart&& tak
     selective_.follow(model.elements, edits_, takes_part);
     edits_.clear();
     selective_.measure(moving_vertices<Real>(inverse_mass_));
-    couplings_are_arranged_ = !any_asleep;
+    couplings_have_moving_ = !any_asleep;
     measured_at_ = model.revisions.inertia;
   }
-  if (!couplings_are_arranged_) selective_.arrange(moving_);
-  couplings_are_arranged_ = true;
+  if (!couplings_have_moving_) selective_.set_moving(moving_);
+  couplings_have_moving_ = true;
 }
 
 extern template class Inertia<float>;

@@ -22,10 +22,10 @@ namespace lobe {
 // √3 does so twice in a row; the limit is 2.
 template <class Real>
 struct Fastest {
-  Real all = 0, turned = 0;
+  Real all = 0, reversing = 0;
 };
-using Turns = std::vector<std::uint8_t>;  // per vertex: in how many steps, up to now, it did so
-constexpr std::uint8_t many_turns = 2;
+using Reversals = std::vector<std::uint8_t>;  // per vertex: in how many steps, up to now, it did so
+constexpr std::uint8_t many_reversals = 2;
 
 template <class Real>
 struct StepFactors {  // v⁺ = keep v⁻ + push f/m, u⁺ = u + dt v⁺
@@ -55,7 +55,7 @@ std::vector<MovingVertex<Real>> moving_vertices(const std::vector<double>& inver
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  const StepFactors<Real>& step, Index begin, Index end, Mat3X<Real>& u,
-                                 Mat3X<Real>& v, Turns& turns) {
+                                 Mat3X<Real>& v, Reversals& reversals) {
   Fastest<Real> fastest;
   bool finite = true;
   for (Index at = begin; at < end; ++at) {
@@ -67,10 +67,10 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
     const Real speed = after.squaredNorm();
     finite = finite && speed < std::numeric_limits<Real>::max();
     fastest.all = std::max(fastest.all, speed);
-    const bool turned = before.dot(after) < 0 && speed > before.squaredNorm();
-    std::uint8_t& count = turns[std::size_t(i)];
-    count = turned ? std::min<std::uint8_t>(count + 1, many_turns) : 0;
-    if (count == many_turns) fastest.turned = std::max(fastest.turned, speed);
+    const bool reversing = before.dot(after) < 0 && speed > before.squaredNorm();
+    std::uint8_t& count = reversals[std::size_t(i)];
+    count = reversing ? std::min<std::uint8_t>(count + 1, many_reversals) : 0;
+    if (count == many_reversals) fastest.reversing = std::max(fastest.reversing, speed);
   }
   if (!finite) fastest.all = std::numeric_limits<Real>::infinity();
   return fastest;
@@ -81,15 +81,15 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v,
-                                 Turns& turns, Parallel& parallel) {
+                                 Reversals& reversals, Parallel& parallel) {
   const StepFactors<Real> step(kick, dt, damping);
   Fastest<Real> fastest;
   std::mutex mutex;
   parallel.for_ranges(static_cast<Index>(moving.size()), 2048, [&](Index begin, Index end) {
-    const Fastest<Real> own = central_difference(f, moving, step, begin, end, u, v, turns);
+    const Fastest<Real> of_range = central_difference(f, moving, step, begin, end, u, v, reversals);
     const std::lock_guard lock(mutex);
-    fastest.all = std::max(fastest.all, own.all);
-    fastest.turned = std::max(fastest.turned, own.turned);
+    fastest.all = std::max(fastest.all, of_range.all);
+    fastest.reversing = std::max(fastest.reversing, of_range.reversing);
   });
   return fastest;
 }

@@ -65,12 +65,12 @@ auto SelectiveMass<Real>::find_row(const Elements& elements, Index vertex,
     const Shape s = elements.shape_of(t);
     const Elastic& e = elements.elastic_of(t);
     const bool counts = takes_part(t);
-    int own = 0;
-    while (corners[own] != vertex) ++own;
-    const Vec3d alpha = s.gradients.col(own);
+    int corner = 0;
+    while (corners[corner] != vertex) ++corner;
+    const Vec3d alpha = s.gradients.col(corner);
     K += s.volume * linear_block<double>(linear_law(elements, t), alpha, alpha);
     for (int c = 0; c < 4; ++c) {
-      if (c == own || !counts) continue;
+      if (c == corner || !counts) continue;
       const double between = -s.volume * (e.lambda + 2 * e.mu) * alpha.dot(s.gradients.col(c));
       const auto is_it = [&](const Neighbour& n) { return n.vertex == corners[c]; };
       auto at = std::find_if(row.neighbours.begin(), row.neighbours.end(), is_it);
@@ -93,40 +93,42 @@ double SelectiveMass<Real>::weight(Index vertex, const Neighbour& neighbour) con
 }
 
 template <class Real>
-void SelectiveMass<Real>::arrange(const std::vector<MovingVertex<Real>>& moving) {
-  struct Own {
+void SelectiveMass<Real>::set_moving(const std::vector<MovingVertex<Real>>& moving) {
+  struct Couplings {
     MovingVertex<Real> it;
     std::size_t first, end;  // of its couplings
   };
-  std::vector<Own> own;
+  std::vector<Couplings> of_vertices;
   std::vector<Neighbour> couplings;
   for (const MovingVertex<Real>& it : moving) {
     const std::size_t first = couplings.size();
     for (const Neighbour& neighbour : rows_[std::size_t(it.vertex)].neighbours)
       if (const double w = weight(it.vertex, neighbour); w > 0) couplings.push_back({neighbour.vertex, w});
-    own.push_back({it, first, couplings.size()});
+    of_vertices.push_back({it, first, couplings.size()});
   }
-  for (std::size_t at = 0; at < own.size(); at += window) {
-    const auto begin = own.begin() + std::ptrdiff_t(at);
-    const auto end = own.begin() + std::ptrdiff_t(std::min(at + window, own.size()));
-    std::stable_sort(begin, end,
-                     [&](const Own& a, const Own& b) { return a.end - a.first > b.end - b.first; });
+  for (std::size_t at = 0; at < of_vertices.size(); at += window) {
+    const auto begin = of_vertices.begin() + std::ptrdiff_t(at);
+    const auto end = of_vertices.begin() + std::ptrdiff_t(std::min(at + window, of_vertices.size()));
+    std::stable_sort(begin, end, [&](const Couplings& a, const Couplings& b) {
+      return a.end - a.first > b.end - b.first;
+    });
   }
   order_.clear();
   place_of_.assign(rows_.size(), -1);
-  for (std::size_t at = 0; at < own.size(); ++at) {
-    order_.push_back(own[at].it);
-    place_of_[std::size_t(own[at].it.vertex)] = static_cast<Index>(at);
+  for (std::size_t at = 0; at < of_vertices.size(); ++at) {
+    order_.push_back(of_vertices[at].it);
+    place_of_[std::size_t(of_vertices[at].it.vertex)] = static_cast<Index>(at);
   }
-  const std::size_t places = (own.size() + 3) / 4 * 4;
+  const std::size_t places = (of_vertices.size() + 3) / 4 * 4;
   starts_.assign(1, 0);
   fours_.clear();
   diagonal_.assign(places, 0);
   for (std::size_t at = 0; at < places; ++at) {
     const auto row = static_cast<Index>(at - at % 4);
     auto slot = static_cast<std::size_t>(starts_.back());
-    for (std::size_t i = at < own.size() ? own[at].first : 0; at < own.size() && i < own[at].end; ++i) {
-      const Real coupling = Real(couplings[i].weight * double(own[at].it.inverse_mass));
+    for (std::size_t i = at < of_vertices.size() ? of_vertices[at].first : 0;
+         at < of_vertices.size() && i < of_vertices[at].end; ++i) {
+      const Real coupling = Real(couplings[i].weight * double(of_vertices[at].it.inverse_mass));
       diagonal_[at] += coupling;
       const Index place = place_of_[std::size_t(couplings[i].vertex)];
       if (place < 0) continue;
@@ -153,17 +155,17 @@ template <class Use>
 void SelectiveMass<Real>::multiply(const Vectors& x, Index begin, Index end, Use&& use) const {
   using Vector = Eigen::Matrix<Real, 4, 1>;
   for (Index g = begin; g < end; ++g) {
-    Vector own[4], product[4];
+    Vector column[4], product[4];
     for (int r = 0; r < 4; ++r) {
-      own[r] = x.col(4 * g + r);
-      product[r] = diagonal_[std::size_t(4 * g + r)] * own[r];
+      column[r] = x.col(4 * g + r);
+      product[r] = diagonal_[std::size_t(4 * g + r)] * column[r];
     }
     for (Index e = starts_[std::size_t(g)]; e < starts_[std::size_t(g) + 1]; ++e) {
       const Four& four = fours_[std::size_t(e)];
       for (int r = 0; r < 4; ++r)
         product[r] -= four.weights[std::size_t(r)] * x.col(four.places[std::size_t(r)]);
     }
-    for (int r = 0; r < 4; ++r) use(4 * g + r, own[r], product[r]);
+    for (int r = 0; r < 4; ++r) use(4 * g + r, column[r], product[r]);
   }
 }
 
@@ -171,10 +173,10 @@ template <class Real>
 void SelectiveMass<Real>::measure(const std::vector<MovingVertex<Real>>& free) {
   constexpr double margin = 1.02;
   highest_ = 1;
-  arrange(free);
+  set_moving(free);
   if (order_.empty()) return;
   std::vector<double> inverse_mass;  // by places
-  for (const MovingVertex<Real>& own : order_) inverse_mass.push_back(double(own.inverse_mass));
+  for (const MovingVertex<Real>& moving : order_) inverse_mass.push_back(double(moving.inverse_mass));
   const HighestFrequency found = highest_frequency<Real>(
       inverse_mass, [&](Index at) { return double(diagonal_[std::size_t(at)]); }, 1,
       [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
@@ -191,7 +193,7 @@ void SelectiveMass<Real>::measure(const std::vector<MovingVertex<Real>>& free) {
 }
 
 template <class Real>
-double SelectiveMass<Real>::lag(int degree) const {
+double SelectiveMass<Real>::dispersion(int degree) const {
   constexpr double small = 1e-5;
   const Chebyshev chebyshev(degree);
   double now = chebyshev.first(), before = 0;
@@ -226,8 +228,8 @@ void SelectiveMass<Real>::apply(const std::vector<HeldVertices::Held>& sliding, 
   chebyshev.iterate([&](double back, double push) {
     const Real b = Real(back), p = Real(push);
     parallel.for_ranges(fours, 512, [&](Index begin, Index end) {
-      multiply(now_, begin, end, [&](Index at, const auto& own, const auto& product) {
-        next_.col(at) = own + b * (own - next_.col(at)) + p * (right_.col(at) - product);
+      multiply(now_, begin, end, [&](Index at, const auto& column, const auto& product) {
+        next_.col(at) = column + b * (column - next_.col(at)) + p * (right_.col(at) - product);
       });
     });
     leave_out(next_);
@@ -246,10 +248,10 @@ auto SelectiveMass<Real>::acceleration() const -> Acceleration {
   double sum = 0, most_of_it = 0;
   Index vertex = -1;
   for (std::size_t at = 0; at < order_.size(); ++at) {
-    const double own = double(now_.col(Eigen::Index(at)).squaredNorm()) / double(order_[at].inverse_mass);
-    sum += own;
-    if (own <= most_of_it) continue;
-    most_of_it = own;
+    const double square = double(now_.col(Eigen::Index(at)).squaredNorm()) / double(order_[at].inverse_mass);
+    sum += square;
+    if (square <= most_of_it) continue;
+    most_of_it = square;
     vertex = order_[at].vertex;
   }
   return {std::sqrt(sum), vertex};

@@ -34,7 +34,7 @@ class SelectiveMass {
   // products with L.
   void measure(const std::vector<MovingVertex<Real>>& free);
   // Sets which of these vertices move, while others rest.
-  void arrange(const std::vector<MovingVertex<Real>>& moving);
+  void set_moving(const std::vector<MovingVertex<Real>>& moving);
 
   // Changes forces [N] to those that give lumped masses the accelerations C f. Held components of vertices
   // that slide are left out.
@@ -45,8 +45,8 @@ class SelectiveMass {
   };
   Acceleration acceleration() const;  // of the last call
 
-  // -P'(0) over the highest eigenvalue of M⁻¹L [s²]: for long waves C f is M⁻¹(f - lag L M⁻¹f).
-  double lag(int degree) const;
+  // -P'(0) over the highest eigenvalue of M⁻¹L [s²]: for long waves C f is M⁻¹(f - dispersion L M⁻¹f).
+  double dispersion(int degree) const;
 
  private:
   struct Neighbour {

@@ -10,7 +10,7 @@ namespace lobe {
 void Sleep::wake_all(double time) {
   count_ = 0;
   state_.asleep.assign(state_.asleep.size(), 0);
-  state_.restless_till.assign(state_.asleep.size(), time);
+  state_.still_since.assign(state_.asleep.size(), time);
   ++revision_;
 }
 
@@ -22,21 +22,21 @@ void Sleep::set_state(const State& state) {
 }
 
 template <class Real>
-auto Sleep::now(const Dynamics<Real>& body) const -> KeptAt {
+auto Sleep::now(const Dynamics<Real>& body) const -> FoundAt {
   const Revisions& model = body.model.revisions;
-  return {model.structure, model.given, body.regions.sums_revision(), revision_};
+  return {model.structure, model.replaced, body.regions.sums_revision(), revision_};
 }
 
 template <class Real>
 bool Sleep::forces_are_kept(const Dynamics<Real>& body) const {
-  return kept_at_ == now(body);
+  return found_at_ == now(body);
 }
 
 template <class Real>
 const std::vector<Index>* Sleep::begin_forces(Dynamics<Real>& body) {
   if (!is_on()) return nullptr;
   if (!forces_are_kept(body)) body.regions.forget_sums();
-  return any() && forces_are_kept(body) ? &wanted_ : nullptr;
+  return any() && forces_are_kept(body) ? &evaluated_ : nullptr;
 }
 
 template <class Real>
@@ -50,17 +50,17 @@ void Sleep::update(Dynamics<Real>& body, const Square& square) {
 template <class Real>
 void Sleep::fall_asleep(Dynamics<Real>& body, const Square& square) {
   const double time = body.motion.time;
-  if (body.loads.missing(time) > 0) return;
+  if (body.loads.missing_share(time) > 0) return;
   for (Index v = 0; v < body.motion.u.count(); ++v)
-    if (!is_asleep(v) && !is_still(v, body, square(v))) state_.restless_till[v] = time;
+    if (!is_asleep(v) && !is_still(v, body, square(v))) state_.still_since[v] = time;
   const auto rests = [&](Index v) {
-    return state_.asleep[v] != 0 || time - state_.restless_till[v] >= calm_time;
+    return state_.asleep[v] != 0 || time - state_.still_since[v] >= still_time;
   };
   body.regions.visit_patches([&](const auto& layout, const auto&) {
     for (Index p = 0; p < layout.patch_count(); ++p) {
-      const std::span<const Index> own = layout.vertices_of(p);
-      if (!std::all_of(own.begin(), own.end(), rests)) continue;
-      for (Index v : own) {
+      const std::span<const Index> vertices = layout.vertices_of(p);
+      if (!std::all_of(vertices.begin(), vertices.end(), rests)) continue;
+      for (Index v : vertices) {
         if (is_asleep(v)) continue;
         ++count_;
         ++revision_;
@@ -84,8 +84,9 @@ bool Sleep::is_still(Index vertex, const Dynamics<Real>& body, double square) co
 template <class Real>
 void Sleep::wake_pulled(Dynamics<Real>& body) {
   std::vector<Index> pulled;
-  for (const Watched& own : watched_)
-    if (!(double(body.motion.forces.col(own.vertex).norm()) <= own.most)) pulled.push_back(own.vertex);
+  for (const BorderVertex& border : border_)
+    if (!(double(body.motion.forces.col(border.vertex).norm()) <= border.most))
+      pulled.push_back(border.vertex);
   if (!pulled.empty()) wake(pulled, body);
 }
 
@@ -97,11 +98,11 @@ void Sleep::wake(const std::vector<Index>& vertices, Dynamics<Real>& body) {
     for (Index v : vertices) {
       if (v >= layout.places().vertex_count()) continue;
       for (Index place : layout.places()[v])
-        for (Index own : layout.vertices_of(place / patch_vertices)) {
-          if (!is_asleep(own)) continue;
+        for (Index vertex : layout.vertices_of(place / patch_vertices)) {
+          if (!is_asleep(vertex)) continue;
           --count_;
-          state_.asleep[own] = 0;
-          state_.restless_till[own] = body.motion.time;
+          state_.asleep[vertex] = 0;
+          state_.still_since[vertex] = body.motion.time;
         }
     }
   });
@@ -109,41 +110,42 @@ void Sleep::wake(const std::vector<Index>& vertices, Dynamics<Real>& body) {
 
 template <class Real>
 void Sleep::keep_forces(Dynamics<Real>& body, const Square& square) {
-  wanted_.clear();
-  watched_.clear();
-  body.arrange();
+  evaluated_.clear();
+  border_.clear();
+  body.find_moving();
   if (any()) {
-    const std::vector<std::uint8_t> wanted = find_wanted(body);
+    const std::vector<std::uint8_t> evaluated = find_evaluated(body);
     for (Index v = 0; v < body.motion.u.count(); ++v) {
-      if (!wanted[v]) continue;
-      wanted_.push_back(v);
+      if (!evaluated[v]) continue;
+      evaluated_.push_back(v);
       const double inverse_mass = body.inertia.inverse_mass(v);
-      if (state_.asleep[v] && inverse_mass > 0) watched_.push_back({v, square(v) / inverse_mass * move_});
+      if (state_.asleep[v] && inverse_mass > 0) border_.push_back({v, square(v) / inverse_mass * move_});
     }
   } else {
     body.regions.forget_sums();
   }
-  kept_at_ = now(body);
+  found_at_ = now(body);
 }
 
 // The vertices whose forces may change: those that are awake, driven or touched by force terms, the
 // interface of condensed regions, and their neighbours by patches. Patches that sleep keep their sums from
 // here on.
 template <class Real>
-std::vector<std::uint8_t> Sleep::find_wanted(Dynamics<Real>& body) {
-  std::vector<std::uint8_t> wanted(state_.asleep.size());
-  std::transform(state_.asleep.begin(), state_.asleep.end(), wanted.begin(),
+std::vector<std::uint8_t> Sleep::find_evaluated(Dynamics<Real>& body) {
+  std::vector<std::uint8_t> evaluated(state_.asleep.size());
+  std::transform(state_.asleep.begin(), state_.asleep.end(), evaluated.begin(),
                  [](auto a) { return std::uint8_t(a == 0); });
   body.regions.visit_patches([&](const auto& layout, auto& sums) { sums.keep(layout, state_.asleep); });
-  body.regions.visit_patches([&](const auto& layout, const auto& sums) { sums.mark_awake(layout, wanted); });
-  for (const HeldVertices::Held& item : body.inertia.led()) wanted[item.vertex] = 1;
-  for (Index v : body.touched_by_terms()) wanted[v] = 1;
+  body.regions.visit_patches(
+      [&](const auto& layout, const auto& sums) { sums.mark_awake(layout, evaluated); });
+  for (const HeldVertices::Held& item : body.inertia.driven()) evaluated[item.vertex] = 1;
+  for (Index v : body.touched_by_terms()) evaluated[v] = 1;
   if (body.regions.any_condensed())
     for (Index t = 0; t < body.model.elements.topology.tet_count(); ++t)
       if (body.regions.is_condensed(t))
-        for (Index v : body.model.elements.topology.corners(t)) wanted[v] = 1;
-  body.regions.visit_patches([&](const auto& layout, auto& sums) { sums.add_at(layout, wanted); });
-  return wanted;
+        for (Index v : body.model.elements.topology.corners(t)) evaluated[v] = 1;
+  body.regions.visit_patches([&](const auto& layout, auto& sums) { sums.add_at(layout, evaluated); });
+  return evaluated;
 }
 
 #define LOBE_INSTANTIATE(Real)                                           \

@@ -16,26 +16,25 @@ struct Dynamics;
 
 class Sleep {
  public:
-  static constexpr double calm_time = 0.1;      // a vertex that is still for so long may fall asleep [s]
+  static constexpr double still_time = 0.1;     // a vertex that is still for so long may fall asleep [s]
   using Square = std::function<double(Index)>;  // ω_v² of a vertex, or a bound of it [1/s²]
 
   // Part of a checkpoint; empty if nothing may sleep.
   struct State {
-    std::vector<std::uint8_t> asleep;   // per vertex
-    std::vector<double> restless_till;  // per vertex [s]
+    std::vector<std::uint8_t> asleep;  // per vertex
+    std::vector<double> still_since;   // per vertex [s]
 
     bool is_valid() const {
       return std::all_of(asleep.begin(), asleep.end(), [](auto one) { return one <= 1; }) &&
-             std::all_of(restless_till.begin(), restless_till.end(),
-                         [](double t) { return std::isfinite(t); });
+             std::all_of(still_since.begin(), still_since.end(), [](double t) { return std::isfinite(t); });
     }
-    static constexpr auto fields = std::tuple(&State::asleep, &State::restless_till);
+    static constexpr auto fields = std::tuple(&State::asleep, &State::still_since);
   };
 
   Sleep() = default;
   // `tolerance`: by how much sleep may change displacements [m]; 0: nothing sleeps. `move`: how far a
   // sleeping vertex may be from its equilibrium while its neighbours are held [m].
-  Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / calm_time) {}
+  Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / still_time) {}
 
   bool is_on() const { return move_ > 0; }
   bool any() const { return count_ > 0; }
@@ -46,7 +45,7 @@ class Sleep {
   void extend(Index vertices, double time) {  // new ones are awake
     if (!is_on()) return;
     state_.asleep.resize(std::size_t(vertices), 0);
-    state_.restless_till.resize(std::size_t(vertices), time);
+    state_.still_since.resize(std::size_t(vertices), time);
   }
   // Wakes these vertices and all patches around them.
   template <class Real>
@@ -68,7 +67,7 @@ class Sleep {
   const std::vector<Index>* begin_forces(Dynamics<Real>& body);
 
  private:
-  struct Watched {  // a sleeping vertex next to one that is awake
+  struct BorderVertex {  // a sleeping vertex next to one that is awake
     Index vertex = 0;
     double most = 0;  // a larger force wakes it [N]
   };
@@ -84,7 +83,7 @@ class Sleep {
   template <class Real>
   void keep_forces(Dynamics<Real>& body, const Square& square);
   template <class Real>
-  std::vector<std::uint8_t> find_wanted(Dynamics<Real>& body);
+  std::vector<std::uint8_t> find_evaluated(Dynamics<Real>& body);
 
   double move_ = 0;           // [m]
   double slowest_drift_ = 0;  // [m/s]
@@ -94,14 +93,14 @@ class Sleep {
   bool frame_begins_ = false;
 
   // What a step reads while a vertex sleeps, and the revisions for which it was found:
-  std::vector<Index> wanted_;
-  std::vector<Watched> watched_;
-  struct KeptAt {
-    std::uint64_t structure = 0, given = 0, sums = 0, sleepers = 0;
-    bool operator==(const KeptAt&) const = default;
-  } kept_at_{.structure = ~std::uint64_t(0)};
+  std::vector<Index> evaluated_;
+  std::vector<BorderVertex> border_;
+  struct FoundAt {
+    std::uint64_t structure = 0, replaced = 0, sums = 0, sleepers = 0;
+    bool operator==(const FoundAt&) const = default;
+  } found_at_{.structure = ~std::uint64_t(0)};
   template <class Real>
-  KeptAt now(const Dynamics<Real>& body) const;
+  FoundAt now(const Dynamics<Real>& body) const;
 };
 
 }  // namespace lobe

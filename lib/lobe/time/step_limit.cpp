@@ -46,34 +46,34 @@ double StepLimit<Real>::find(Body& body) {
 
 template <class Real>
 double StepLimit<Real>::keep(Body& body) {
-  kept_.limit = find(body);
-  kept_.time = body.motion.time;
-  kept_.limiting_vertex = limiting_vertex_;
-  kept_.volume_ratio = volume_ratio_;
-  kept_.volume_ratio_tet = volume_ratio_tet_;
-  kept_at_ = body.model.revisions;
-  return kept_.limit;
+  frame_limit_.limit = find(body);
+  frame_limit_.time = body.motion.time;
+  frame_limit_.limiting_vertex = limiting_vertex_;
+  frame_limit_.volume_ratio = volume_ratio_;
+  frame_limit_.volume_ratio_tet = volume_ratio_tet_;
+  frame_limit_at_ = body.model.revisions;
+  return frame_limit_.limit;
 }
 
 template <class Real>
 double StepLimit<Real>::at_end(Body& body) {
   if (holds(body)) return std::numeric_limits<double>::infinity();
-  kept_.is_new = true;
+  frame_limit_.is_new = true;
   return keep(body);
 }
 
 template <class Real>
 bool StepLimit<Real>::holds(const Body& body) const {
   const Revisions& now = body.model.revisions;
-  return !body.sleep.is_on() && body.motion.time - kept_.time < interval * (1 - 1e-9) &&
-         kept_at_.structure == now.structure && kept_at_.inertia == now.inertia &&
-         kept_at_.given == now.given;
+  return !body.sleep.is_on() && body.motion.time - frame_limit_.time < interval * (1 - 1e-9) &&
+         frame_limit_at_.structure == now.structure && frame_limit_at_.inertia == now.inertia &&
+         frame_limit_at_.replaced == now.replaced;
 }
 
 template <class Real>
-void StepLimit<Real>::set_kept(const Kept& kept, const Body& body) {
-  kept_ = kept;
-  kept_at_ = body.model.revisions;
+void StepLimit<Real>::set_frame_limit(const FrameLimit& frame_limit, const Body& body) {
+  frame_limit_ = frame_limit;
+  frame_limit_at_ = body.model.revisions;
 }
 
 template <class Real>
@@ -97,14 +97,14 @@ HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettin
   const double small =
       at_rest ? 1e-9 * mean_edge_ : std::sqrt(double(std::numeric_limits<Real>::epsilon())) / 3 * farthest;
   if (!(small < 0.01 * mean_edge_)) return {};
-  body.regions.spoil_sums();
+  body.regions.invalidate_sums();
   const Mat3X<Real> velocities = body.terms.empty() ? Mat3X<Real>() : Mat3X<Real>(body.motion.v.view());
-  const double missing = body.loads.missing(body.motion.time);
+  const double missing_share = body.loads.missing_share(body.motion.time);
   const auto add_forces = [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
     if (at_rest)
       body.regions.add_forces_near_rest(u, f, body.parallel);
     else
-      body.regions.add_forces_near(u, missing, f, body.parallel);
+      body.regions.add_forces_near(u, missing_share, f, body.parallel);
     for (const auto& term : body.terms) term->add_forces({body.model, u, velocities, body.motion.time}, f);
   };
   Mat3X<Real> there = Mat3X<Real>::Zero(3, at.cols());
@@ -226,7 +226,7 @@ void StepLimit<Real>::follow_shares(const Body& body, const MeshEdit& edit,
 }
 
 template <class Real>
-void StepLimit<Real>::refresh(const Body& body, Index v) {
+void StepLimit<Real>::update(const Body& body, Index v) {
   ratios_.forget(v);
   if (is_known(body)) frequencies_.update(v, weight(body, v));
 }

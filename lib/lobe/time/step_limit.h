@@ -32,24 +32,24 @@ class StepLimit {
   // while nothing is edited and nothing sleeps.
   static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
-  double for_frame(Body& body) { return holds(body) ? kept_.limit : keep(body); }
+  double for_frame(Body& body) { return holds(body) ? frame_limit_.limit : keep(body); }
   double at_end(Body& body);  // of a frame; infinite where the last one holds
   // At the start of a frame: whether the limit was found since the start of the last frame, or no longer
   // holds.
-  bool is_due(const Body& body) { return std::exchange(kept_.is_new, false) || !holds(body); }
+  bool is_due(const Body& body) { return std::exchange(frame_limit_.is_new, false) || !holds(body); }
   double keep(Body& body);       // finds it now
-  struct Kept {                  // part of a checkpoint
+  struct FrameLimit {            // part of a checkpoint
     double limit = 0, time = 0;  // [s]; when it was found
     bool is_new = true;
     Index limiting_vertex = -1, volume_ratio_tet = -1;
     double volume_ratio = 1;
     bool is_valid() const { return limit >= 0 && std::isfinite(time) && !std::isnan(volume_ratio); }
     static constexpr auto fields =
-        std::tuple(&Kept::limit, &Kept::time, &Kept::is_new, &Kept::limiting_vertex, &Kept::volume_ratio_tet,
-                   &Kept::volume_ratio);
+        std::tuple(&FrameLimit::limit, &FrameLimit::time, &FrameLimit::is_new, &FrameLimit::limiting_vertex,
+                   &FrameLimit::volume_ratio_tet, &FrameLimit::volume_ratio);
   };
-  const Kept& kept() const { return kept_; }
-  void set_kept(const Kept& kept, const Body& body);
+  const FrameLimit& frame_limit() const { return frame_limit_; }
+  void set_frame_limit(const FrameLimit& frame_limit, const Body& body);
 
   // Call it at the start of a frame. It measures the ratios again if the limit has changed enough.
   void measure_again(Body& body);
@@ -69,10 +69,10 @@ class StepLimit {
   template <class Change>
   void follow_region(const Body& body, Index tet, Change&& change);
   void extend(Index vertices) { ratios_.extend(vertices); }
-  void refresh(const Body& body, Index vertex);  // after its inverse mass has changed
+  void update(const Body& body, Index vertex);  // after its inverse mass has changed
   void forget() {
     known_ = Known::nothing;
-    kept_at_ = {};
+    frame_limit_at_ = {};
   }
 
   double bounded_square(Index v) const {  // ω_v² or a bound of it [1/s²]
@@ -85,9 +85,11 @@ class StepLimit {
   // The highest frequency at rest with lumped masses, condensed or expanded, whichever is higher [rad/s].
   double highest_at_rest() const { return std::max(at_rest_[0][1].omega, at_rest_[1][1].omega); }
   const HighestFrequency& search() const { return search_; }  // the last at rest
-  Index limiting_vertex() const { return kept_.limiting_vertex; }
-  double volume_ratio() const { return kept_.volume_ratio; }  // the smallest det F, when it was last kept
-  Index volume_ratio_tet() const { return kept_.volume_ratio_tet; }
+  Index limiting_vertex() const { return frame_limit_.limiting_vertex; }
+  double volume_ratio() const {
+    return frame_limit_.volume_ratio;
+  }  // the smallest det F, when it was last kept
+  Index volume_ratio_tet() const { return frame_limit_.volume_ratio_tet; }
 
   // Highest frequencies of the body at rest, condensed or expanded as it is now [rad/s]: with its masses, and
   // with lumped masses. The ratio is that of the latter to the highest vertex estimate.
@@ -141,8 +143,8 @@ class StepLimit {
   double node_omega_ = 0;  // a bound of the frequencies of nodes [rad/s]
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;
-  Kept kept_;
-  Revisions kept_at_;
+  FrameLimit frame_limit_;
+  Revisions frame_limit_at_;
 };
 
 template <class Real>

@@ -31,12 +31,12 @@ std::string counted(std::size_t count) { return std::to_string(count) + " tetrah
 
 template <class Real>
 double volume_ratio_of(const Elements& elements, Index tet, const Mat3X<Real>& u) {
-  const Mat34<Real> own = u(Eigen::all, elements.topology.corners(tet));
+  const Mat34<Real> at_corners = u(Eigen::all, elements.topology.corners(tet));
   return volume_ratio<double>(displacement_gradient<double>(
-      own.template cast<double>(), elements.shape_of(tet).gradients.template rightCols<3>()));
+      at_corners.template cast<double>(), elements.shape_of(tet).gradients.template rightCols<3>()));
 }
 
-bool is_led(const HeldVertices& held) {
+bool is_driven(const HeldVertices& held) {
   return std::any_of(held.all().begin(), held.all().end(), [](const HeldVertices::Held& item) {
     return item.holder != HeldVertices::boundary || item.start != item.goal;
   });
@@ -56,7 +56,7 @@ void Unravelling::leave_alone(const std::vector<Index>& tets) {
 template <class Real>
 void Unravelling::lump(const Dynamics<Real>& body, double volume_ratio) {
   const double guard = body.model.elements.guard_below, least = state_.is_lumped ? guard : guard / 2;
-  state_.is_lumped = body.inertia.may_be_selective() && volume_ratio < least && !is_led(body.model.held);
+  state_.is_lumped = body.inertia.may_be_selective() && volume_ratio < least && !is_driven(body.model.held);
 }
 
 // All that were made linear and still are, halfway from the threshold of the guard to rest.
@@ -74,17 +74,17 @@ bool Unravelling::have_come_back(const Dynamics<Real>& body) const {
 std::optional<Unravelling::Remedy> Unravelling::make_linear_around(const Elements& elements, double time,
                                                                    std::vector<Index> tangled) {
   state_.since = time;
-  std::vector<Index>& own = state_.tets;
-  const std::size_t crushed = tangled.size(), before = own.size();
-  tangled.insert(tangled.end(), own.begin(), own.end());
+  std::vector<Index>& tets = state_.tets;
+  const std::size_t crushed = tangled.size(), before = tets.size();
+  tangled.insert(tangled.end(), tets.begin(), tets.end());
   std::vector<Index> others;
   while (others.empty() && !tangled.empty() && state_.stage < stages) {
     others = with_rings(elements.topology, tangled, rings[state_.stage++]);
     std::erase_if(others, [&](Index t) { return elements.region_of[t] != RegionModel::nonlinear; });
   }
   if (others.empty()) return {};
-  own.insert(own.end(), others.begin(), others.end());
-  std::sort(own.begin(), own.end());
+  tets.insert(tets.end(), others.begin(), others.end());
+  std::sort(tets.begin(), tets.end());
   const std::string why = before > 0 ? counted(before) + " that are linear have not come back"
                                      : counted(crushed) + " stay crushed or inverted, the first of them " +
                                            std::to_string(tangled.front());

@@ -80,7 +80,7 @@ double volume_ratio_of(const Elements& elements, Index tet, const Mat3X<Real>& u
 
 // Whether a tool or prescribed displacements move the body. They may crush it on purpose, so nothing is
 // unravelled meanwhile.
-bool is_led(const HeldVertices& held);
+bool is_driven(const HeldVertices& held);
 
 // Returns the tangled tetrahedra: non-linear ones that are crushed, of held pieces. A piece that nothing
 // holds is left out, since it would grow as a linear one when it turns.
@@ -102,7 +102,7 @@ std::optional<Unravelling::Remedy> Unravelling::look(const Dynamics<Real>& body,
                                                      WasHeld&& was_held) {
   const Elements& elements = body.model.elements;
   const double time = body.motion.time;
-  if (is_led(body.model.held)) restart(time);
+  if (is_driven(body.model.held)) restart(time);
   const bool has_waited = time - state_.since >= (is_on() ? patience_ / 2 : patience_);
   const bool is_crushed = volume_ratio < elements.guard_below / 2;  // a strong bend may be beyond the guard
   if (is_on()) {

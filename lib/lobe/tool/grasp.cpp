@@ -47,7 +47,7 @@ std::optional<PlacedTool> Grasp::placed(double time, const HeldPoints& held) con
   }
   if (placed.vertices.empty()) return std::nullopt;
   placed.position /= double(placed.vertices.size());
-  placed.orientation = turn_at(path.recent(), time);
+  placed.orientation = orientation_at(path.recent(), time);
   placed.force = force;
   placed.torque = torque;
   return placed;

@@ -49,7 +49,7 @@ void GrowingPath::settle() {
   recent_.clear();
 }
 
-std::size_t GrowingPath::own_bytes() const {
+std::size_t GrowingPath::unshared_bytes() const {
   return past_.size() * sizeof(past_[0]) + recent_.size() * sizeof(PathPoint);
 }
 

@@ -33,9 +33,9 @@ class GrowingPath {
   void settle();
 
   // In files and digests it is the list of its rows.
-  Rows as_kept() const { return all(); }
-  static GrowingPath from_kept(Rows rows) { return GrowingPath(std::move(rows)); }
-  std::size_t own_bytes() const;  // that it does not share
+  Rows as_saved() const { return all(); }
+  static GrowingPath from_saved(Rows rows) { return GrowingPath(std::move(rows)); }
+  std::size_t unshared_bytes() const;  // that it does not share
 
  private:
   void reopen();

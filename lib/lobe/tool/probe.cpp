@@ -23,21 +23,21 @@ void BringProbe::check(Index, const Options& used) const {
 }
 
 ToolShape Probe::shape() const {
-  const RigidShape& own = shape_of_tip;
-  switch (own.kind) {
+  const RigidShape& tip = shape_of_tip;
+  switch (tip.kind) {
     case RigidShape::Kind::sphere:
-      return {.radius = own.radius};
+      return {.radius = tip.radius};
     case RigidShape::Kind::capsule:
-      return {.radius = own.radius, .blade = own.length * Vec3d::UnitZ()};
+      return {.radius = tip.radius, .blade = tip.length * Vec3d::UnitZ()};
     case RigidShape::Kind::plane:
       return {};
     case RigidShape::Kind::jaws:
-      return {.radius = own.size[0] / 2, .blade = own.size[2] * Vec3d::UnitZ()};
+      return {.radius = tip.size[0] / 2, .blade = tip.size[2] * Vec3d::UnitZ()};
     case RigidShape::Kind::box:
     case RigidShape::Kind::mesh:
       break;
   }
-  return {.radius = own.fineness()};
+  return {.radius = tip.fineness()};
 }
 
 double Probe::goes() const {
@@ -92,7 +92,7 @@ std::optional<PlacedTool> Probe::placed(double time, const HeldPoints&) const {
       !path.empty() && time >= path.front().time - just_before && time < goes() - just_before;
   if (!was_just_brought && !is_there) return std::nullopt;
   const ToolPose now =
-      path.empty() ? pose : ToolPose{path_at(path.recent(), time), turn_at(path.recent(), time)};
+      path.empty() ? pose : ToolPose{path_at(path.recent(), time), orientation_at(path.recent(), time)};
   ToolShape drawn = shape();
   drawn.blade = Eigen::Quaterniond(now.orientation) * drawn.blade;
   drawn.opening = path.empty() ? pose.opening.value_or(0) : opening_at(path.recent(), time);

@@ -32,9 +32,9 @@ void Scalpel::turn_on(bool on) {
 
 // The energy over the way is the force along it. Without a way, which is when the tissue alone has moved,
 // there is none to tell.
-void Scalpel::cut_by(const CutWork& own, const Vec3d& own_way, const Vec3d& tip) {
-  work.energy += own.energy;
-  work.moment += own.moment;
+void Scalpel::cut_by(const CutWork& done, const Vec3d& own_way, const Vec3d& tip) {
+  work.energy += done.energy;
+  work.moment += done.moment;
   way += own_way;
   length += own_way.norm();
   if (!(work.energy > 0) || !(way.norm() > 0)) return;

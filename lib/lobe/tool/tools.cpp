@@ -135,8 +135,8 @@ const std::vector<ToolBody>& Tools::bodies(double from, double to) {
 // ---- A step
 
 void Tools::cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip) {
-  for (Scalpel& own : lists_.scalpels)
-    if (own.id == scalpel) own.cut_by(work, way, tip);
+  for (Scalpel& blade : lists_.scalpels)
+    if (blade.id == scalpel) blade.cut_by(work, way, tip);
 }
 
 void Tools::place(double time) {
@@ -145,18 +145,18 @@ void Tools::place(double time) {
     if (grasp.phase != Grasp::Phase::holding) continue;
     Placed& placed = placed_[std::size_t(grasp.id)];
     placed.offset = path_at(grasp.path.recent(), now);
-    const Eigen::Vector4d turn = turn_at(grasp.path.recent(), now);
-    placed.is_turned = turn != Eigen::Vector4d(0, 0, 0, 1);
-    if (placed.is_turned) placed.turn = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
+    const Eigen::Vector4d orientation = orientation_at(grasp.path.recent(), now);
+    placed.is_rotated = orientation != Eigen::Vector4d(0, 0, 0, 1);
+    if (placed.is_rotated) placed.rotation = Eigen::Quaterniond(orientation).normalized().toRotationMatrix();
   }
 }
 
 Vec3d Tools::displacement(const HeldVertices::Held& item, const Vec3d& rest) const {
   const Placed& placed = placed_[std::size_t(item.holder)];
-  if (!placed.is_turned) return item.start + placed.offset;
+  if (!placed.is_rotated) return item.start + placed.offset;
   const Vec3d& centre = grasp(item.holder)->centre;
   const Vec3d arm = rest + item.start - centre;
-  return centre + placed.offset + placed.turn * arm - rest;
+  return centre + placed.offset + placed.rotation * arm - rest;
 }
 
 void Tools::begin_forces() { impulses_of_part_.assign(placed_.size(), {}); }
@@ -167,11 +167,11 @@ void Tools::add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double 
   impulse.angular += dt * (x - position(*grasp(holder))).cross(force);
 }
 
-void Tools::add_force(const OnTool& own, double dt) {
-  Impulse& impulse = impulses_of_part_[std::size_t(own.tool)];
-  impulse.linear += dt * own.force;
-  impulse.angular += dt * own.torque;
-  impulse.grip += dt * own.grip;
+void Tools::add_force(const OnTool& on_tool, double dt) {
+  Impulse& impulse = impulses_of_part_[std::size_t(on_tool.tool)];
+  impulse.linear += dt * on_tool.force;
+  impulse.angular += dt * on_tool.torque;
+  impulse.grip += dt * on_tool.grip;
 }
 
 void Tools::end_forces(double duration) {

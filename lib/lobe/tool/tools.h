@@ -54,7 +54,7 @@ class Tools {
     return groups_.meeting(topology, points, u, volume);
   }
   void add_copies(const std::vector<TetCopy>& copies) {
-    for (const TetCopy& own : copies) groups_.add_copy(own.tet, own.copy);
+    for (const TetCopy& tet_copy : copies) groups_.add_copy(tet_copy.tet, tet_copy.copy);
   }
 
   void cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip);
@@ -70,13 +70,13 @@ class Tools {
   // grasp takes hold or lets go has several parts. begin_forces() begins a part, or repeats it.
   void begin_forces();
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
-  void add_force(const OnTool& own, double dt);
+  void add_force(const OnTool& on_tool, double dt);
   void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
 
   // moved(): one more step was made, in which no vertex moved further than `distance` [m] apart from
-  // rounding. state_was_given(): the state was replaced.
+  // rounding. state_was_replaced(): the state was replaced.
   void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
-  void state_was_given() { groups_.forget(); }
+  void state_was_replaced() { groups_.forget(); }
 
   // ---- For checkpoints
 
@@ -96,8 +96,8 @@ class Tools {
  private:
   struct Placed {
     Vec3d offset = Vec3d::Zero();
-    bool is_turned = false;
-    Mat3<double> turn = Mat3<double>::Identity();
+    bool is_rotated = false;
+    Mat3<double> rotation = Mat3<double>::Identity();
   };
 
   struct Impulse {

@@ -13,16 +13,16 @@ struct HandLimits {
   double force_cap = 20;   // a grasp that is pulled at with more slips off [N]
 };
 
-class Follower {
+class PoseFilter {
  public:
-  Follower() = default;
-  explicit Follower(const Vec3d& position) { now_.position = target_.position = position; }
+  PoseFilter() = default;
+  explicit PoseFilter(const Vec3d& position) { now_.position = target_.position = position; }
 
   void aim(const ToolPose& target) { target_ = target; }
   // Moves the tool by dt [s]. False if it rests at its target.
   bool step(double dt, const HandLimits& limits);
   // The same without a lag, for a device whose motion is smooth by itself.
-  bool step_at_once(double dt, const HandLimits& limits);
+  bool step_without_lag(double dt, const HandLimits& limits);
   const ToolPose& pose() const { return now_; }
 
  private:

@@ -1,4 +1,4 @@
-#include "lobe/live/follower.h"
+#include "lobe/live/pose_filter.h"
 
 #include <cmath>
 
@@ -32,7 +32,7 @@ Eigen::Quaterniond turned(const Eigen::Quaterniond& from, const Vec3d& by) {
 
 }  // namespace
 
-bool Follower::step(double dt, const HandLimits& limits) {
+bool PoseFilter::step(double dt, const HandLimits& limits) {
   constexpr double near = 1e-7, slow = 1e-5;  // [m], [rad], and per second
   const Eigen::Quaterniond from(now_.orientation), to(target_.orientation);
   const Vec3d gap = target_.position - now_.position, turn = rotation_vector(to * from.conjugate());
@@ -42,7 +42,7 @@ bool Follower::step(double dt, const HandLimits& limits) {
   return true;
 }
 
-bool Follower::step_at_once(double dt, const HandLimits& limits) {
+bool PoseFilter::step_without_lag(double dt, const HandLimits& limits) {
   const Eigen::Quaterniond from(now_.orientation), to(target_.orientation);
   Vec3d way = target_.position - now_.position, turn = rotation_vector(to * from.conjugate());
   if (way.isZero(0) && turn.isZero(0)) return false;

@@ -18,18 +18,18 @@
 
 namespace lobe {
 
-struct PatchLimits {
+struct ContactPatchLimits {
   double reach = 0.026;   // of the patch, from the contact [m]
   Index most_free = 150;  // vertices; a finer mesh has a smaller patch
 };
 
-class Patch {
+class ContactPatch {
  public:
   // The tangent ∂²W/∂u² of the patch at displacements(v) [m], in double. Only tetrahedra count: nodal
   // pressures, contact and springs are left out. O(tetrahedra of the patch); allocates only while patches
   // grow.
   void gather(const Model& model, std::span<const Index> contact,
-              const std::function<Vec3d(Index)>& displacement, const PatchLimits& limits);
+              const std::function<Vec3d(Index)>& displacement, const ContactPatchLimits& limits);
 
   Index free_count() const { return free_; }   // vertices
   bool is_empty() const { return is_empty_; }  // of tetrahedra
@@ -40,7 +40,7 @@ class Patch {
   Mat3<double> condense();
 
  private:
-  void choose_vertices(const Model& model, std::span<const Index> contact, const PatchLimits& limits);
+  void choose_vertices(const Model& model, std::span<const Index> contact, const ContactPatchLimits& limits);
   void add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement);
 
   Eigen::MatrixXd K_;            // lower triangle; the last 3 are the contact

@@ -1,4 +1,4 @@
-// A guest takes part in every frame of a session, in the session's thread. The hand of a haptic device is
+// A hook takes part in every frame of a session, in the session's thread. The hand of a haptic device is
 // one: it moves its tool in every frame, and it reads the world and not only pictures of it.
 #pragma once
 
@@ -7,9 +7,9 @@
 namespace lobe {
 
 template <class Real>
-class SessionGuest {
+class SessionHook {
  public:
-  virtual ~SessionGuest() = default;
+  virtual ~SessionHook() = default;
   // Is called after the commands of a frame were performed and before the tools move.
   virtual void before_frame(Hands<Real>& hands, World<Real>& world, double duration) = 0;
   virtual void after_frame(Hands<Real>& hands, World<Real>& world, double duration) = 0;

@@ -1,4 +1,4 @@
-#include "lobe/live/follower.h"
+#include "lobe/live/pose_filter.h"
 
 #include <doctest/doctest.h>
 
@@ -19,37 +19,37 @@ constexpr double frame = 1.0 / 120;
 TEST_CASE("a tool approaches a hand that jumps as a critically damped spring does, whatever the frames") {
   const HandLimits limits{.lag = 0.04, .top_speed = 1e3};
   for (int frames : {1, 4, 50}) {
-    Follower follower(Vec3d::Zero());
-    follower.aim({Vec3d(0.01, 0, 0)});
+    PoseFilter filter(Vec3d::Zero());
+    filter.aim({Vec3d(0.01, 0, 0)});
     const double time = 0.05, omega = 2 / limits.lag;
-    for (int i = 0; i < frames; ++i) CHECK(follower.step(time / frames, limits));
+    for (int i = 0; i < frames; ++i) CHECK(filter.step(time / frames, limits));
     const double exact = 0.01 * (1 - (1 + omega * time) * std::exp(-omega * time));
-    CHECK(follower.pose().position.x() == near(exact, 1e-12));
+    CHECK(filter.pose().position.x() == near(exact, 1e-12));
   }
 }
 
 TEST_CASE("behind a hand that moves uniformly a tool is late by the lag") {
   const HandLimits limits;
-  Follower follower(Vec3d::Zero());
+  PoseFilter filter(Vec3d::Zero());
   const double speed = 0.1;
   double time = 0;
   for (int i = 0; i < 4000; ++i) {  // frames that are short beside the lag
     time += frame / 40;
-    follower.aim({Vec3d(0, speed * time, 0)});
-    follower.step(frame / 40, limits);
+    filter.aim({Vec3d(0, speed * time, 0)});
+    filter.step(frame / 40, limits);
   }
-  CHECK(speed * time - follower.pose().position.y() == near(speed * limits.lag, 0.01));
+  CHECK(speed * time - filter.pose().position.y() == near(speed * limits.lag, 0.01));
 }
 
 TEST_CASE("no tool moves or turns faster than it may, and it comes to rest where the hand is") {
   const HandLimits limits;
-  Follower follower(Vec3d::Zero());
+  PoseFilter filter(Vec3d::Zero());
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(2.5, Vec3d(1, 2, 3).normalized()));
-  follower.aim({Vec3d(0.3, -0.2, 0.1), -turn.coeffs()});  // the same turn, the other way to write it
+  filter.aim({Vec3d(0.3, -0.2, 0.1), -turn.coeffs()});  // the same turn, the other way to write it
   int frames = 0;
-  ToolPose before = follower.pose();
-  while (follower.step(frame, limits)) {
-    const ToolPose now = follower.pose();
+  ToolPose before = filter.pose();
+  while (filter.step(frame, limits)) {
+    const ToolPose now = filter.pose();
     CHECK((now.position - before.position).norm() <= limits.top_speed * frame * (1 + 1e-12));
     const double angle =
         Eigen::Quaterniond(now.orientation).angularDistance(Eigen::Quaterniond(before.orientation));

@@ -34,13 +34,13 @@
 
 namespace lobe {
 
-class Condensed {
+class Condensation {
  public:
   using Matrix = Eigen::MatrixXd;
   using Dofs = std::vector<Index>;  // components by their rows of K̂; those added later follow
 
   // Nothing is touched, B is empty.
-  Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads);  // f: size of K̂ × #amplitudes [N]
+  Condensation(std::unique_ptr<SparseFactor> factor, const Matrix& loads);  // f: size of K̂ × #amplitudes [N]
 
   // Rows and columns of S: amplitudes, then the interface in this order.
   const Dofs& interface() const { return interface_; }
@@ -70,18 +70,18 @@ class Condensed {
   // Before anything was changed or added; false where the factor cannot be kept. What was saved goes on with
   // the same loads.
   bool save(io::ByteWriter& out) const;
-  static std::unique_ptr<Condensed> load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
-                                         const Matrix& loads);
+  static std::unique_ptr<Condensation> load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
+                                            const Matrix& loads);
 
   // The whole field in equilibrium: all dofs × #columns, from [a; u_B] in each column.
   Matrix field(const Matrix& driven) const;
   // Forces on the interior while the interface is held, all dofs × #columns [N]: what the interface bears,
   // interface × #columns [N] (field() transposed), and displacements, all dofs × #columns [m].
-  Matrix borne(const Matrix& forces) const;
-  Matrix held(const Matrix& forces) const;
+  Matrix interface_forces(const Matrix& forces) const;
+  Matrix fixed_interface_response(const Matrix& forces) const;
 
  private:
-  Condensed() = default;
+  Condensation() = default;
   Matrix solve(const Matrix& forces, const Matrix& phi) const;
   Matrix of_added(const Matrix& forces) const;
   double error_of(const Eigen::VectorXd& driven) const;

@@ -1,5 +1,5 @@
 // A condensed region in terms of the components of the mesh, 3 × vertex + axis: which of them it has, and the
-// operations of condensed.h on them. The operations may be recorded, to be repeated on a region that was
+// operations of condensation.h on them. The operations may be recorded, to be repeated on a region that was
 // condensed from an earlier state.
 #pragma once
 
@@ -10,25 +10,25 @@
 
 namespace lobe {
 
-class ReducedRegion {
+class CondensedRegion {
  public:
-  using Matrix = Condensed::Matrix;
+  using Matrix = Condensation::Matrix;
   using Components = std::vector<Index>;
 
   // The region as it is, condensed to these components.
-  ReducedRegion(const RegionFactor& region, const Components& interface,
-                const Matrix& loads,  // 3 × #vertices, #amplitudes [N]
-                CondensedCache& cache, const SparseFactorMaker& make_factor);
+  CondensedRegion(const RegionFactor& region, const Components& interface,
+                  const Matrix& loads,  // 3 × #vertices, #amplitudes [N]
+                  CondensedCache& cache, const SparseFactorMaker& make_factor);
 
   bool has(Index component) const { return number(component) >= 0; }
   Index column(Index component) const {  // of the stiffness, less the amplitudes; −1 if it is interior
-    return has(component) ? condensed_->column(number(component)) : -1;
+    return has(component) ? condensation_->column(number(component)) : -1;
   }
   bool is_interior(Index component) const { return has(component) && column(component) < 0; }
-  Index touched() const { return condensed_->touched(); }
-  double error() const { return condensed_->error(); }  // relative
-  Components interface() const;                         // in the order of the columns
-  const Matrix& stiffness() const { return condensed_->stiffness(); }
+  Index touched() const { return condensation_->touched(); }
+  double error() const { return condensation_->error(); }  // relative
+  Components interface() const;                            // in the order of the columns
+  const Matrix& stiffness() const { return condensation_->stiffness(); }
   Matrix field(const Matrix& driven) const;  // per component, 0 where there is none
   // The mass that the interior gives to each component of the interface, if the interface moves as a whole
   // along an axis. It is computed once, and again after an operation.
@@ -37,7 +37,7 @@ class ReducedRegion {
       const Components& moving);    // per component of the interface [kg]
   // The displacement error of the interior because it has no inertia, per axis: √Σ m |u|² for 1 m/s² [√kg
   // s²]. It belongs to the last call of inertia(). It is 0 if there was none since the last operation.
-  Vec3d sway();
+  Vec3d unit_inertia_error();
 
   void promote(const Components& components);
   void add(const Components& components);
@@ -52,39 +52,39 @@ class ReducedRegion {
   double spring() const { return spring_; }  // of the size of the stiffness [N/m]
 
   void record() { is_recorded_ = true; }
-  void forget_steps() {
+  void forget_operations() {
     is_recorded_ = false;
-    steps_.clear();
+    operations_.clear();
   }
   // The same operations on another; false if they do not end the same way.
-  bool repeat_on(ReducedRegion& other) const;
+  bool repeat_on(CondensedRegion& other) const;
 
  private:
   enum class Kind : std::uint8_t { promote, add, change, demote, forget };
-  struct Step {
+  struct Operation {
     Kind kind;
     Components components;
     Change change = {}, repeated = {};
     bool worked = true;
   };
-  bool take(Step step);
-  bool apply(const Step& step, const Change& change);
+  bool take(Operation operation);
+  bool apply(const Operation& operation, const Change& change);
   Index number(Index component) const {
     return std::size_t(component) < number_.size() ? number_[std::size_t(component)] : -1;
   }
-  Condensed::Dofs numbers(const Components& components) const;
+  Condensation::Dofs numbers(const Components& components) const;
 
-  std::vector<Index> number_;  // per component, in condensed_
+  std::vector<Index> number_;  // per component, in condensation_
   double spring_ = 1;
-  std::unique_ptr<Condensed> condensed_;
+  std::unique_ptr<Condensation> condensation_;
   struct Inertia {
     Eigen::VectorXd of_interface, of_interior;  // per component and dof [kg]
     Matrix follows;                             // how the interior moves, dofs × axes
-    std::optional<Vec3d> sway;
+    std::optional<Vec3d> unit_inertia_error;
   };
   std::optional<Inertia> inertia_;
   bool is_recorded_ = false;
-  std::vector<Step> steps_;
+  std::vector<Operation> operations_;
 };
 
 }  // namespace lobe

@@ -1,4 +1,4 @@
-#include "lobe/run/recorder.h"
+#include "lobe/run/frame_writer.h"
 
 #include <cmath>
 #include <cstdio>
@@ -28,7 +28,7 @@ nlohmann::ordered_json tool_json(const PlacedTool& tool, const Mat3X<double>& x)
 }  // namespace
 
 template <class Real>
-void Recorder::record(World<Real>& world, bool last) {
+void FrameWriter::record(World<Real>& world, bool last) {
   const bool frame_due = world.time() >= next_frame_ - just_before;
   const bool picture_due = next_picture_ < output_.pictures.size() &&
                            world.time() >= output_.pictures[next_picture_] - just_before;
@@ -49,7 +49,7 @@ void Recorder::record(World<Real>& world, bool last) {
 }
 
 template <class Real>
-void Recorder::add_pictures(World<Real>& world, const std::string& frame) {
+void FrameWriter::add_pictures(World<Real>& world, const std::string& frame) {
   const Mat3X<double> x = world.elements().points.view() + world.state().u.template cast<double>();
   for (; next_picture_ < output_.pictures.size() &&
          world.time() >= output_.pictures[next_picture_] - just_before;
@@ -70,7 +70,7 @@ void Recorder::add_pictures(World<Real>& world, const std::string& frame) {
   }
 }
 
-std::filesystem::path Recorder::finish() const {
+std::filesystem::path FrameWriter::finish() const {
   write_pvd(directory_ / "series.pvd", frames_);
   if (pictures_.empty()) return {};
   const std::filesystem::path file = directory_ / "pictures.json";
@@ -79,7 +79,7 @@ std::filesystem::path Recorder::finish() const {
   return file;
 }
 
-template void Recorder::record(World<float>&, bool);
-template void Recorder::record(World<double>&, bool);
+template void FrameWriter::record(World<float>&, bool);
+template void FrameWriter::record(World<double>&, bool);
 
 }  // namespace lobe

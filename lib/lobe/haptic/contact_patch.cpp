@@ -1,4 +1,4 @@
-#include "lobe/haptic/patch.h"
+#include "lobe/haptic/contact_patch.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -16,7 +16,8 @@ constexpr Index none = -1, in_contact = -2;
 
 // Ring by ring, so that the nearest come first; in each ring by number, so that the order is the same
 // whatever came before.
-void Patch::choose_vertices(const Model& model, std::span<const Index> contact, const PatchLimits& limits) {
+void ContactPatch::choose_vertices(const Model& model, std::span<const Index> contact,
+                                   const ContactPatchLimits& limits) {
   const Topology& topology = model.elements.topology;
   const auto X = model.elements.points.view();
   for (Index v : vertices_)
@@ -47,8 +48,8 @@ void Patch::choose_vertices(const Model& model, std::span<const Index> contact, 
   }
 }
 
-void Patch::gather(const Model& model, std::span<const Index> contact,
-                   const std::function<Vec3d(Index)>& displacement, const PatchLimits& limits) {
+void ContactPatch::gather(const Model& model, std::span<const Index> contact,
+                          const std::function<Vec3d(Index)>& displacement, const ContactPatchLimits& limits) {
   choose_vertices(model, contact, limits);
   const Index size = 3 * free_ + 3;
   K_.resize(size, size);
@@ -64,7 +65,7 @@ void Patch::gather(const Model& model, std::span<const Index> contact,
   for (Index t : tets_) add_tet(model, t, displacement);
 }
 
-void Patch::add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement) {
+void ContactPatch::add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement) {
   const Eigen::Vector4i corners = model.elements.topology.corners(tet);
   Mat34<double> u;
   Index at[4];
@@ -80,12 +81,12 @@ void Patch::add_tet(const Model& model, Index tet, const std::function<Vec3d(Ind
         K_.block<3, 3>(at[a], at[b]) += K.block<3, 3>(3 * a, 3 * b);
 }
 
-Mat3<double> Patch::blocked() const {
+Mat3<double> ContactPatch::blocked() const {
   const Mat3<double> K = K_.bottomRightCorner<3, 3>();
   return 0.5 * (K + K.transpose());
 }
 
-Mat3<double> Patch::condense() {
+Mat3<double> ContactPatch::condense() {
   const Mat3<double> K_rr = blocked();
   const Index n = 3 * free_;
   if (n == 0) return K_rr;

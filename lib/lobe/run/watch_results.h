@@ -22,9 +22,9 @@ inline std::string place_in_words(const Vec3d& place) {
 
 // Collects what the watch of automatic linear regions reports.
 template <class Real>
-class Watched {
+class LinearityResults {
  public:
-  Watched(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
+  LinearityResults(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
     if (!scene.auto_regions || scene.corrects_masses()) return;
     tolerance_ = scene.auto_regions->tolerance;
     corrects_ = scene.auto_regions->correct;
@@ -36,9 +36,9 @@ class Watched {
     watch_.emplace(world, grasps, LinearityOptions{tolerance_, corrects_});
   }
 
-  void look(World<Real>& world, Recorded<Real>* recorded) {
+  void look(World<Real>& world, CommandRecorder<Real>* recorded) {
     if (!watch_) return;
-    const LinearityReport seen = recorded ? watch_->look(world, steering_of(*recorded)) : watch_->look(world);
+    const LinearityReport seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
     expanded_ += seen.is_expanded;
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
@@ -78,18 +78,18 @@ class Watched {
 
 // Collects what the watch of selective masses reports.
 template <class Real>
-class WatchedMasses {
+class MassResults {
  public:
-  WatchedMasses(World<Real>& world, const Scene& scene) {
+  MassResults(World<Real>& world, const Scene& scene) {
     if (!scene.corrects_masses()) return;
     tolerance_ = scene.auto_regions->tolerance;
     watch_.emplace(world, tolerance_);
   }
 
-  void look(World<Real>& world, Recorded<Real>* recorded) {
+  void look(World<Real>& world, CommandRecorder<Real>* recorded) {
     if (!watch_) return;
     if (!series_.empty()) ++frames_[std::to_string(world.body().inertia.degree())];  // of the frame before
-    const MassReport seen = recorded ? watch_->look(world, steering_of(*recorded)) : watch_->look(world);
+    const MassReport seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
     series_.push_back({{"time", seen.time}, {"error", seen.error}, {"degree", seen.degree}});

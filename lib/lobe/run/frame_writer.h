@@ -12,9 +12,9 @@
 
 namespace lobe {
 
-class Recorder {
+class FrameWriter {
  public:
-  Recorder(const Output& output, std::filesystem::path directory)
+  FrameWriter(const Output& output, std::filesystem::path directory)
       : output_(output), directory_(std::move(directory)) {}
 
   // Writes a frame if a frame or a picture is due at the world's time. With `last` it writes one in any case.

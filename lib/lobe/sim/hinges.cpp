@@ -1,4 +1,4 @@
-#include "lobe/sim/turning.h"
+#include "lobe/sim/hinges.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -42,16 +42,16 @@ class HeldPlaces {
   Vec3d first_ = Vec3d::Zero(), second_ = Vec3d::Zero();
 };
 
-bool turns(const Model& model, const std::vector<Index>& piece) {
+bool is_hinged(const Model& model, const std::vector<Index>& piece) {
   HeldPlaces places(model);
   return std::none_of(piece.begin(), piece.end(), [&](Index t) { return places.add(t); }) && places.any();
 }
 
 // What is left of a body that may have lost what held it.
-std::vector<Index> rest_that_turns(Model& model, Index beside) {
+std::vector<Index> hinged_rest(Model& model, Index next_to_it) {
   HeldPlaces places(model);
   std::vector<Index> piece;
-  const bool is_fixed = model.elements.topology.visit_piece(beside, [&](Index t) {
+  const bool is_fixed = model.elements.topology.visit_piece(next_to_it, [&](Index t) {
     piece.push_back(t);
     return places.add(t);
   });
@@ -60,7 +60,7 @@ std::vector<Index> rest_that_turns(Model& model, Index beside) {
 
 }  // namespace
 
-std::vector<Index> turning_tets(Model& model, const MeshEdit& edit) {
+std::vector<Index> hinged_tets(Model& model, const MeshEdit& edit) {
   std::vector<Index> found;
   bool may_have_lost_anchors = false;
   const auto is_held = [&](Index t) {
@@ -68,7 +68,7 @@ std::vector<Index> turning_tets(Model& model, const MeshEdit& edit) {
     return std::any_of(corners.begin(), corners.end(), [&](Index v) { return model.held.holds(v); });
   };
   for (const std::vector<Index>& piece : edit.cut_off) {
-    if (turns(model, piece)) found.insert(found.end(), piece.begin(), piece.end());
+    if (is_hinged(model, piece)) found.insert(found.end(), piece.begin(), piece.end());
     may_have_lost_anchors = may_have_lost_anchors || std::any_of(piece.begin(), piece.end(), is_held);
   }
   const auto has_lost = [&](Index t) {  // a held vertex of which no tetrahedron is left
@@ -79,8 +79,8 @@ std::vector<Index> turning_tets(Model& model, const MeshEdit& edit) {
   };
   if (std::any_of(edit.removed.begin(), edit.removed.end(), has_lost)) may_have_lost_anchors = true;
   if (may_have_lost_anchors)
-    for (Index beside : edit.beside) {
-      const std::vector<Index> rest = rest_that_turns(model, beside);
+    for (Index next_to_it : edit.next_to_removed) {
+      const std::vector<Index> rest = hinged_rest(model, next_to_it);
       found.insert(found.end(), rest.begin(), rest.end());
     }
   sort_unique(found);

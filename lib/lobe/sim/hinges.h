@@ -9,6 +9,6 @@ namespace lobe {
 // linear: a linear piece that turns far grows. Costs O(tetrahedra of the pieces that were cut off). If a held
 // piece was cut off, or all tetrahedra around a held vertex are gone, it also costs a search for three held
 // vertices in what is left.
-std::vector<Index> turning_tets(Model& model, const MeshEdit& edit);
+std::vector<Index> hinged_tets(Model& model, const MeshEdit& edit);
 
 }  // namespace lobe

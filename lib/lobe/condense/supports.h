@@ -11,9 +11,9 @@ namespace lobe {
 // region. It is not held if no boundary condition holds a vertex of it, or if it could move as a rigid body
 // while its interface and its held vertices stand still. In a region with a frame all parts but the largest
 // count as not held, and the largest if it could move so. O(#tetrahedra).
-std::vector<Index> unanchored_tets(const Elements& elements, const HeldVertices& held);
+std::vector<Index> unsupported_tets(const Elements& elements, const HeldVertices& held);
 
 // Throws InputError that names such a part.
-void refuse_unanchored(const Elements& elements, const HeldVertices& held);
+void refuse_unsupported(const Elements& elements, const HeldVertices& held);
 
 }  // namespace lobe

@@ -7,11 +7,11 @@
 
 namespace lobe {
 
-using Steering = std::function<void(const Command&)>;
+using CommandSink = std::function<void(const Command&)>;
 
 // Sends commands to the world itself.
 template <class World>
-Steering steering_of(World& world) {
+CommandSink sink_of(World& world) {
   return [&world](const Command& command) { world.apply(command); };
 }
 

@@ -1,5 +1,5 @@
 // What is possible but most likely a mistake in units: millimetres, kilopascals, g/cm³.
-#include "lobe/scene/suspicions.h"
+#include "lobe/scene/unit_checks.h"
 
 #include <algorithm>
 
@@ -69,7 +69,7 @@ double expected_sag(const Elastic& m, double gravity, double size) {
   return m.density * gravity * size * size / young;
 }
 
-void suspect_units(Resolution& resolution) {
+void warn_of_units(Resolution& resolution) {
   const double size = box_diagonal(resolution.mesh());
   suspect_size(resolution, size);
   const std::vector<Elastic>& materials = resolution.result.setup.materials;

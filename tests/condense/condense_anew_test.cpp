@@ -82,10 +82,11 @@ TEST_CASE(
     CAPTURE(i);
     world.remove_tets(cut_of(setup, i));
     REQUIRE(world.advance(frame).ok);
-    if (i % 4 == 0 || count<EndRefresh>(world) > ended) CHECK(compare_with_rebuilt(world).largest() < 1e-9);
-    ended = count<EndRefresh>(world);
+    if (i % 4 == 0 || count<EndCondensing>(world) > ended)
+      CHECK(compare_with_rebuilt(world).largest() < 1e-9);
+    ended = count<EndCondensing>(world);
   }
-  CHECK(count<BeginRefresh>(world) >= 1);
+  CHECK(count<BeginCondensing>(world) >= 1);
   CHECK(ended >= 1);
 }
 
@@ -96,7 +97,7 @@ TEST_CASE("it is taken in the same frame on one, two and seven threads, and from
   const Folder folder;
   for (int i = 0; i < 18; ++i) {
     play(first, setup, i, i + 1);
-    const bool in_between = count<BeginRefresh>(first) > 0 && count<EndRefresh>(first) == 0;
+    const bool in_between = count<BeginCondensing>(first) > 0 && count<EndCondensing>(first) == 0;
     if (!in_between || saved_at > 0) continue;
     write_checkpoint(folder.path / "state", first.save());
     saved_at = i + 1;
@@ -116,13 +117,13 @@ TEST_CASE("a renewal that another has replaced is forgotten, and a world that is
   World<double> world(setup), restored(setup, 2);
   for (int i = 0; i < 6; ++i) {
     play(world, setup, i, i + 1);
-    world.apply(Renew{0.5 * frame});
+    world.apply(Relinearise{0.5 * frame});
     REQUIRE(world.advance(frame).ok);  // it begins with the next frame
     REQUIRE(world.advance(frame).ok);
   }
   CHECK(count<Superseded>(world) == 2 * 5);
-  CHECK(count<BeginRefresh>(world) == 1);
-  CHECK(count<EndRefresh>(world) == 1);
+  CHECK(count<BeginCondensing>(world) == 1);
+  CHECK(count<EndCondensing>(world) == 1);
   restored.restore(world.save());
   CHECK(restored.journal().edits == world.journal().edits);
   play(world, setup, 6, 9);
@@ -143,9 +144,9 @@ TEST_CASE("a restored world goes on with the same bits where somebody held befor
     if (i % 2 == 0) world.apply(LetGo{hand});
   }
   REQUIRE(count<Hold>(world) > 2);
-  world.apply(Renew{0.5 * frame});
-  while (world.body().regions.is_refreshing()) REQUIRE(world.advance(frame).ok);
-  REQUIRE(count<EndRefresh>(world) > 0);
+  world.apply(Relinearise{0.5 * frame});
+  while (world.body().regions.is_condensing()) REQUIRE(world.advance(frame).ok);
+  REQUIRE(count<EndCondensing>(world) > 0);
   restored.restore(world.save());
   CHECK(restored.state().u == world.state().u);
   play(world, setup, 4, 7);
@@ -178,14 +179,14 @@ TEST_CASE("rags move the same on one, two and seven threads, and from a checkpoi
   };
   const auto finish =
       [&](World<float>& world) {  // until what another thread has condensed meanwhile takes over
-        while (world.body().regions.is_refreshing()) REQUIRE(world.advance(frame).ok);
+        while (world.body().regions.is_condensing()) REQUIRE(world.advance(frame).ok);
       };
   const std::size_t all = cuts.size();
   World<float> first(setup, 1), second(setup, 2);
   std::vector<std::pair<std::size_t, Checkpoint<float>>> saved;
   for (const std::size_t i : {std::size_t(15), std::size_t(35), all}) {
     play_on(first, saved.empty() ? 0 : saved.back().first, i);
-    CHECK(first.body().regions.is_refreshing());
+    CHECK(first.body().regions.is_condensing());
     saved.emplace_back(i, first.save());
   }
   finish(first);

@@ -9,9 +9,9 @@
 namespace lobe::meshing {
 
 // Sets of numbers that are joined pair by pair.
-class Groups {
+class DisjointSets {
  public:
-  explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
   Index root(Index i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;

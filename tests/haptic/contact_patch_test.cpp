@@ -1,4 +1,4 @@
-#include "lobe/haptic/patch.h"
+#include "lobe/haptic/contact_patch.h"
 
 #include <doctest/doctest.h>
 
@@ -73,7 +73,7 @@ TEST_CASE("a patch of everything has the stiffness of the body in balance") {
   World<double> world(setup);
   const std::vector<Index> contact = top_of(setup, 0.012);
   REQUIRE(contact.size() >= 4);
-  Patch patch;
+  ContactPatch patch;
   patch.gather(world.body().model, contact, displacement_of(world), {.reach = 1, .most_free = 100000});
   const Mat3<double> exact = static_stiffness(world, contact);
   CHECK((patch.condense() - exact).norm() < 1e-6 * exact.norm());
@@ -83,7 +83,7 @@ TEST_CASE("the smaller the patch, the stiffer; nothing is stiffer than the conta
   const Setup setup = held_block(6);
   World<double> world(setup);
   const std::vector<Index> contact = top_of(setup, 0.012);
-  Patch patch;
+  ContactPatch patch;
   double before = 0;
   for (double reach : {0.0, 0.01, 0.02, 0.03, 1.0}) {
     patch.gather(world.body().model, contact, displacement_of(world), {.reach = reach, .most_free = 100000});
@@ -115,9 +115,9 @@ TEST_CASE("a patch has no more vertices than are asked for, and the same ones ea
   const Setup setup = held_block(6);
   World<double> world(setup);
   const std::vector<Index> contact = top_of(setup, 0.012);
-  Patch patch, used;
+  ContactPatch patch, used;
   used.gather(world.body().model, {contact.data(), 1}, displacement_of(world), {.reach = 1});
-  for (Patch* each : {&patch, &used})
+  for (ContactPatch* each : {&patch, &used})
     each->gather(world.body().model, contact, displacement_of(world), {.reach = 1, .most_free = 40});
   CHECK(patch.free_count() == 40);
   CHECK(patch.condense() == used.condense());

@@ -1,4 +1,4 @@
-#include "lobe/condense/anchors.h"
+#include "lobe/condense/supports.h"
 
 #include <algorithm>
 
@@ -25,29 +25,29 @@ std::vector<std::vector<Index>> parts_of_region(const Elements& elements) {
   return parts;
 }
 
-class Anchors {
+class Supports {
  public:
-  Anchors(const Elements& elements, const HeldVertices& held) : elements_(elements) {
-    given_.setZero(3, elements.topology.vertex_count());
+  Supports(const Elements& elements, const HeldVertices& held) : elements_(elements) {
+    prescribed_.setZero(3, elements.topology.vertex_count());
     for (const HeldVertices::Held& item : held.all())
       if (item.holder == HeldVertices::boundary)
-        for (int axis = 0; axis < 3; ++axis) given_(axis, item.vertex) |= item.axes[axis];
+        for (int axis = 0; axis < 3; ++axis) prescribed_(axis, item.vertex) |= item.axes[axis];
   }
 
   bool hold(const std::vector<Index>& part) const {
-    return any_corner(part, [&](Index v) { return given_.col(v).any(); }) &&
-           keep_shape(part, [&](Index v, int axis) { return given_(axis, v); });
+    return any_corner(part, [&](Index v) { return prescribed_.col(v).any(); }) &&
+           keep_shape(part, [&](Index v, int axis) { return prescribed_(axis, v); });
   }
   // In a frame all components of a vertex that is held in any are driven.
   bool hold_in_frame(const std::vector<Index>& part) const {
-    return keep_shape(part, [&](Index v, int) { return given_.col(v).any(); });
+    return keep_shape(part, [&](Index v, int) { return prescribed_.col(v).any(); });
   }
 
  private:
-  template <class Given>
-  bool keep_shape(const std::vector<Index>& part, Given&& given) const {
+  template <class Prescribed>
+  bool keep_shape(const std::vector<Index>& part, Prescribed&& prescribed) const {
     return shares_a_face(part) ||
-           is_held(elements_, part, [&](Index v, int axis) { return given(v, axis) || is_shared(v); });
+           is_held(elements_, part, [&](Index v, int axis) { return prescribed(v, axis) || is_shared(v); });
   }
   template <class Holds>
   bool any_corner(const std::vector<Index>& part, Holds&& holds) const {
@@ -71,26 +71,26 @@ class Anchors {
   }
 
   const Elements& elements_;
-  Eigen::Matrix<bool, 3, Eigen::Dynamic> given_;
+  Eigen::Matrix<bool, 3, Eigen::Dynamic> prescribed_;
 };
 
 }  // namespace
 
-std::vector<Index> unanchored_tets(const Elements& elements, const HeldVertices& held) {
-  const Anchors anchors(elements, held);
+std::vector<Index> unsupported_tets(const Elements& elements, const HeldVertices& held) {
+  const Supports supports(elements, held);
   const std::vector<std::vector<Index>> parts = parts_of_region(elements);
   const auto largest = std::max_element(parts.begin(), parts.end(),
                                         [](const auto& a, const auto& b) { return a.size() < b.size(); });
   const bool has_frame = elements.precomputed_frame == RegionFrame::corotated;
   std::vector<Index> tets;
   for (auto part = parts.begin(); part != parts.end(); ++part)
-    if (has_frame ? part != largest || !anchors.hold_in_frame(*part) : !anchors.hold(*part))
+    if (has_frame ? part != largest || !supports.hold_in_frame(*part) : !supports.hold(*part))
       tets.insert(tets.end(), part->begin(), part->end());
   return tets;
 }
 
-void refuse_unanchored(const Elements& elements, const HeldVertices& held) {
-  const std::vector<Index> tets = unanchored_tets(elements, held);
+void refuse_unsupported(const Elements& elements, const HeldVertices& held) {
+  const std::vector<Index> tets = unsupported_tets(elements, held);
   if (tets.empty()) return;
   const std::string some =
       std::to_string(tets.size()) + " of its tetrahedra, among them " + std::to_string(tets[0]);

@@ -1,4 +1,4 @@
-#include "lobe/condense/condensed.h"
+#include "lobe/condense/condensation.h"
 
 #include <doctest/doctest.h>
 
@@ -40,7 +40,7 @@ struct Chain {
   }
 };
 
-Condensed condensed(const Chain& chain) {
+Condensation condensed(const Chain& chain) {
   auto factor = make_ldlt();
   const SparseFactor::Matrix K = chain.matrix();
   factor->analyse(K);
@@ -48,7 +48,7 @@ Condensed condensed(const Chain& chain) {
   Eigen::MatrixXd loads = Eigen::MatrixXd::Ones(chain.stiffness.size(), 2);
   loads.row(0).setZero();
   loads.col(1) *= -1;  // as dead loads that are missing at first
-  Condensed condensed(std::move(factor), loads);
+  Condensation condensed(std::move(factor), loads);
   condensed.promote({0});
   return condensed;
 }
@@ -57,7 +57,7 @@ Condensed condensed(const Chain& chain) {
 
 TEST_CASE("what edits have cost a condensed structure is measured: its distance from the exact solution") {
   Chain chain;
-  Condensed chain_as_cut = condensed(chain);
+  Condensation chain_as_cut = condensed(chain);
   CHECK(chain_as_cut.error() < 1e-14);
   double before = 0;
   for (const double left : {1e-1, 1e-3, 1e-4}) {
@@ -69,9 +69,9 @@ TEST_CASE("what edits have cost a condensed structure is measured: its distance 
       change << -goes, goes, goes, -goes;
       REQUIRE(chain_as_cut.change({k - 1, k}, change, Eigen::MatrixXd::Zero(2, 2)));
     }
-    const Eigen::VectorXd own = chain_as_cut.field(Eigen::Vector3d(1, 0, 0));
+    const Eigen::VectorXd field = chain_as_cut.field(Eigen::Vector3d(1, 0, 0));
     const Exact exact = chain.field(1, 0);
-    const double distance = std::sqrt(chain.energy(own.cast<long double>() - exact) / chain.energy(exact));
+    const double distance = std::sqrt(chain.energy(field.cast<long double>() - exact) / chain.energy(exact));
     CHECK(chain_as_cut.error() > distance / 2);
     CHECK(chain_as_cut.error() < 2 * distance);
     CHECK(distance > before);

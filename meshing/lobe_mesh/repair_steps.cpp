@@ -201,25 +201,25 @@ void face_outwards(CgalMesh& mesh, RepairReport& report) {
 
 }  // namespace
 
-Surface repair_by_rungs(const Surface& surface, double largest_hole, RepairReport& report,
+Surface repair_in_steps(const Surface& surface, double largest_hole, RepairReport& report,
                         const std::function<void(const Surface&)>& done) {
   CgalMesh mesh;
-  const auto rung = [&](const std::string& name, const auto& step) {
+  const auto run_step = [&](const std::string& name, const auto& step) {
     const std::size_t steps = report.steps.size();
     guarded("repair (" + name + ")", step);
     if (report.steps.size() > steps) done(from_cgal(mesh));
   };
-  rung("orient", [&] { mesh = orient(surface, report); });
-  rung("stitch", [&] { stitch(mesh, report); });
-  rung("specks", [&] { drop_specks(mesh, report); });
-  rung("holes", [&] { fill_holes(mesh, largest_hole, report); });
+  run_step("orient", [&] { mesh = orient(surface, report); });
+  run_step("stitch", [&] { stitch(mesh, report); });
+  run_step("specks", [&] { drop_specks(mesh, report); });
+  run_step("holes", [&] { fill_holes(mesh, largest_hole, report); });
   // The triangles that replace intersecting ones may be degenerate, and their replacements may intersect.
   Index changed = 1;
   for (int round = 0; round < most_rounds && changed > 0; ++round) {
-    rung("degenerate", [&] { remove_degenerate(mesh, report); });
-    rung("self-intersections", [&] { changed = remove_intersections(mesh, report); });
+    run_step("degenerate", [&] { remove_degenerate(mesh, report); });
+    run_step("self-intersections", [&] { changed = remove_intersections(mesh, report); });
   }
-  rung("orientation", [&] { face_outwards(mesh, report); });
+  run_step("orientation", [&] { face_outwards(mesh, report); });
   mesh.collect_garbage();
   return from_cgal(mesh);
 }

@@ -1,4 +1,4 @@
-#include "lobe/condense/condensed.h"
+#include "lobe/condense/condensation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace lobe {
 namespace {
 
-using Matrix = Condensed::Matrix;
+using Matrix = Condensation::Matrix;
 
 // A pivot below this share of the stiffness of its component alone: something moves without a force.
 constexpr double loose = 1e-10;
@@ -32,7 +32,7 @@ std::optional<Matrix> change_between(const std::vector<Index>& interior, const M
 
 }  // namespace
 
-Condensed::Condensed(std::unique_ptr<SparseFactor> factor, const Matrix& loads)
+Condensation::Condensation(std::unique_ptr<SparseFactor> factor, const Matrix& loads)
     : factor_(std::move(factor)), loads_(loads), response_(loads) {
   for (Eigen::Index l = 0; l < loads.cols(); ++l)
     if (!loads.col(l).isZero(0)) response_.col(l) = factor_->solve(loads.col(l));
@@ -61,7 +61,7 @@ Matrix get(io::ByteReader& in, Eigen::Index rows, Eigen::Index columns) {
 
 }  // namespace
 
-bool Condensed::save(io::ByteWriter& out) const {
+bool Condensation::save(io::ByteWriter& out) const {
   if (!added_.empty() || !changed_.empty() || !factor_->save(out)) return false;
   out.put_all(std::span(touched_.data(), touched_.size()));
   out.put_all(std::span(interface_.data(), interface_.size()));
@@ -69,11 +69,11 @@ bool Condensed::save(io::ByteWriter& out) const {
   return true;
 }
 
-std::unique_ptr<Condensed> Condensed::load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
-                                           const Matrix& loads) {
+std::unique_ptr<Condensation> Condensation::load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
+                                                 const Matrix& loads) {
   if (!factor->load(in)) return nullptr;
   in.expect(factor->size() == loads.rows());
-  std::unique_ptr<Condensed> c(new Condensed);
+  std::unique_ptr<Condensation> c(new Condensation);
   c->factor_ = std::move(factor);
   c->loads_ = loads;
   c->slot_.assign(std::size_t(loads.rows()), -1);
@@ -99,13 +99,13 @@ std::unique_ptr<Condensed> Condensed::load(io::ByteReader& in, std::unique_ptr<S
   return c;
 }
 
-std::vector<Index> Condensed::slots(const Dofs& dofs) const {
+std::vector<Index> Condensation::slots(const Dofs& dofs) const {
   std::vector<Index> slots;
   for (Index d : dofs) slots.push_back(slot_[std::size_t(d)]);
   return slots;
 }
 
-void Condensed::touch(const Dofs& dofs) {
+void Condensation::touch(const Dofs& dofs) {
   Dofs fresh;
   for (Index d : dofs)
     if (slot_[std::size_t(d)] < 0) fresh.push_back(d);
@@ -127,14 +127,14 @@ void Condensed::touch(const Dofs& dofs) {
 }
 
 // All but A, by zeros.
-void Condensed::grow_to(Eigen::Index touched) {
+void Condensation::grow_to(Eigen::Index touched) {
   N_.conservativeResizeLike(Matrix::Zero(touched, touched));
   Phi_.conservativeResizeLike(Matrix::Zero(touched, Phi_.cols()));
   changed_loads_.conservativeResizeLike(Matrix::Zero(touched, loads_.cols()));
 }
 
 // The interface takes these up, with rows and columns of zeros.
-void Condensed::join(const Dofs& dofs) {
+void Condensation::join(const Dofs& dofs) {
   for (Index d : dofs) {
     column_[std::size_t(d)] = static_cast<Index>(interface_.size());
     interface_.push_back(d);
@@ -144,7 +144,7 @@ void Condensed::join(const Dofs& dofs) {
   Phi_.conservativeResizeLike(Matrix::Zero(Phi_.rows(), size));
 }
 
-void Condensed::leave(const Dofs& dofs) {
+void Condensation::leave(const Dofs& dofs) {
   for (Index d : dofs) column_[std::size_t(d)] = -1;
   const auto amplitudes = static_cast<Index>(loads_.cols());
   std::vector<Index> places(static_cast<std::size_t>(amplitudes));
@@ -163,7 +163,7 @@ void Condensed::leave(const Dofs& dofs) {
 }
 
 // What is touched for the first time has no φ yet.
-Condensed::Response Condensed::response_at(const Dofs& dofs) {
+Condensation::Response Condensation::response_at(const Dofs& dofs) {
   const auto count = Eigen::Index(dofs.size()), amplitudes = loads_.cols();
   Response at{Matrix::Zero(count, S_.cols()), {}, Matrix::Zero(count, count)};
   for (Eigen::Index i = 0; i < count; ++i)
@@ -193,7 +193,7 @@ Condensed::Response Condensed::response_at(const Dofs& dofs) {
   return at;
 }
 
-bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
+bool Condensation::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
   const std::vector<Index> interior = interior_rows(dofs);
   const Eigen::Index amplitudes = loads_.cols();
   if (interior.empty()) {
@@ -223,23 +223,23 @@ bool Condensed::change(const Dofs& dofs, const Matrix& stiffness, const Matrix& 
 }
 
 // Of (6).
-void Condensed::note(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
-  const std::vector<Index> own = slots(dofs);
-  changed_loads_(own, Eigen::all) += loads;
-  for (std::size_t j = 0; j < own.size(); ++j)
-    for (std::size_t i = 0; i < own.size(); ++i)
+void Condensation::note(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
+  const std::vector<Index> their_slots = slots(dofs);
+  changed_loads_(their_slots, Eigen::all) += loads;
+  for (std::size_t j = 0; j < their_slots.size(); ++j)
+    for (std::size_t i = 0; i < their_slots.size(); ++i)
       if (const double entry = stiffness(Eigen::Index(i), Eigen::Index(j)); entry != 0)
-        changed_.emplace_back(own[i], own[j], entry);
+        changed_.emplace_back(their_slots[i], their_slots[j], entry);
 }
 
-std::vector<Index> Condensed::interior_rows(const Dofs& dofs) const {
+std::vector<Index> Condensation::interior_rows(const Dofs& dofs) const {
   std::vector<Index> rows;
   for (std::size_t i = 0; i < dofs.size(); ++i)
     if (column(dofs[i]) < 0) rows.push_back(static_cast<Index>(i));
   return rows;
 }
 
-void Condensed::promote(const Dofs& dofs) {
+void Condensation::promote(const Dofs& dofs) {
   if (dofs.empty()) return;
   auto [G, Z, C] = response_at(dofs);  // R so far
   const auto count = Eigen::Index(dofs.size()), before = S_.rows();
@@ -255,7 +255,7 @@ void Condensed::promote(const Dofs& dofs) {
   products_.add_symmetric(1, {ZC}, {Z, true}, N_);
 }
 
-bool Condensed::demote(const Dofs& dofs) {
+bool Condensation::demote(const Dofs& dofs) {
   if (dofs.empty()) return true;
   std::vector<Index> places;
   for (Index d : dofs) places.push_back(static_cast<Index>(loads_.cols()) + column(d));
@@ -270,9 +270,9 @@ bool Condensed::demote(const Dofs& dofs) {
   return true;
 }
 
-void Condensed::forget(const Dofs& dofs) { leave(dofs); }
+void Condensation::forget(const Dofs& dofs) { leave(dofs); }
 
-Index Condensed::add(Index count, double scale) {
+Index Condensation::add(Index count, double scale) {
   const auto first = static_cast<Index>(slot_.size()), place = touched();
   Dofs dofs(static_cast<std::size_t>(count));
   std::iota(dofs.begin(), dofs.end(), first);
@@ -294,7 +294,7 @@ Index Condensed::add(Index count, double scale) {
 }
 
 // A (f + E_T φ); of those that were added, φ alone.
-Condensed::Matrix Condensed::solve(const Matrix& forces, const Matrix& phi) const {
+Condensation::Matrix Condensation::solve(const Matrix& forces, const Matrix& phi) const {
   Matrix sum = forces, u(Eigen::Index(slot_.size()), phi.cols());
   for (Index s = 0; s < touched(); ++s) {
     const Index d = touched_[std::size_t(s)];
@@ -312,14 +312,14 @@ Condensed::Matrix Condensed::solve(const Matrix& forces, const Matrix& phi) cons
   return u;
 }
 
-double Condensed::error() const {
+double Condensation::error() const {
   Eigen::VectorXd by_loads = Eigen::VectorXd::Zero(S_.cols()), by_interface = by_loads;
   by_loads.head(loads_.cols()).setLinSpaced(1, 2);
   by_interface.tail(S_.cols() - loads_.cols()).setLinSpaced(1, 2);
   return std::max(error_of(by_loads), error_of(by_interface));
 }
 
-double Condensed::error_of(const Eigen::VectorXd& driven) const {
+double Condensation::error_of(const Eigen::VectorXd& driven) const {
   const Eigen::VectorXd a = driven.head(loads_.cols()), phi = Phi_ * driven;
   Eigen::VectorXd u = A_.selfadjointView<Eigen::Lower>() * phi, r = phi - changed_loads_ * a;
   for (Index s = 0; s < touched(); ++s)
@@ -334,26 +334,26 @@ double Condensed::error_of(const Eigen::VectorXd& driven) const {
   return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
-Condensed::Matrix Condensed::field(const Matrix& driven) const {
+Condensation::Matrix Condensation::field(const Matrix& driven) const {
   return solve(loads_ * driven.topRows(loads_.cols()), Phi_ * driven);
 }
 
 // The forces on dofs that K̂ does not know, T × #columns.
-Condensed::Matrix Condensed::of_added(const Matrix& forces) const {
+Condensation::Matrix Condensation::of_added(const Matrix& forces) const {
   Matrix phi = Matrix::Zero(touched(), forces.cols());
   for (Index s = 0; s < touched(); ++s)
     if (const Index d = touched_[std::size_t(s)]; !known(d)) phi.row(s) = forces.row(d);
   return phi;
 }
 
-Condensed::Matrix Condensed::borne(const Matrix& forces) const {
+Condensation::Matrix Condensation::interface_forces(const Matrix& forces) const {
   const Matrix free = solve(forces.topRows(loads_.rows()), of_added(forces))(touched_, Eigen::all);
   return Phi_.rightCols(Eigen::Index(interface_.size())).transpose() * free;
 }
 
-Condensed::Matrix Condensed::held(const Matrix& forces) const {
-  const Matrix own = forces.topRows(loads_.rows()), added = of_added(forces);
-  return solve(own, added - N_ * solve(own, added)(touched_, Eigen::all));
+Condensation::Matrix Condensation::fixed_interface_response(const Matrix& forces) const {
+  const Matrix of_first = forces.topRows(loads_.rows()), added = of_added(forces);
+  return solve(of_first, added - N_ * solve(of_first, added)(touched_, Eigen::all));
 }
 
 }  // namespace lobe

@@ -1,0 +1,19 @@
+// How many values the enumerations have that checkpoints and recordings keep.
+#pragma once
+
+#include "lobe/io/fields.h"
+#include "lobe/sim/report.h"
+#include "lobe/tool/tools.h"
+
+namespace lobe::io {
+
+template <>
+inline constexpr int enum_size<RegionModel> = 1 + int(RegionModel::reduced);
+template <>
+inline constexpr int enum_size<RigidShape::Kind> = 1 + int(RigidShape::Kind::mesh);
+template <>
+inline constexpr int enum_size<Grasp::Phase> = 1 + int(Grasp::Phase::released);
+template <>
+inline constexpr int enum_size<Condition::Kind> = 1 + int(Condition::Kind::lost_force);
+
+}  // namespace lobe::io

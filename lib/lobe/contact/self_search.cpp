@@ -28,7 +28,7 @@ double gap_between(const Mat3<double>& triangle, const Mat34<double>& tet) {
     return (sign / n.norm() * n.transpose() * (points.colwise() - from)).minCoeff();
   };
   const Vec3d a = triangle.col(0), normal = (triangle.col(1) - a).cross(triangle.col(2) - a);
-  double gap = std::max(beyond(own, a, tet, 1), beyond(own, a, tet, -1));
+  double gap = std::max(beyond(normal, a, tet, 1), beyond(normal, a, tet, -1));
   for (int c = 0; c < 4; ++c) {  // the face opposite to this corner
     const Vec3d x = tet.col((c + 1) % 4);
     const Vec3d n = (tet.col((c + 2) % 4) - x).cross(tet.col((c + 3) % 4) - x);

@@ -33,7 +33,7 @@ struct GestureRow {
          estimated = 0;  // L2, of the largest displacement so far; the last the largest
   double watching = 0;   // share of the time, corrections included
   Index moved = 0;       // tetrahedra that changed their model
-  double expanded = 0;   // share of the frames after which the precomputed region was
+  double expanded = 0;   // share of the frames after which the precomputed region was, or all was full
 };
 
 // How the regions are made, and whether they are corrected.
@@ -47,6 +47,11 @@ constexpr int mass_degree = 12;  // of selective masses
 
 Setup all_nonlinear(Setup setup) {
   std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
+  return setup;
+}
+
+Setup all_reduced(Setup setup) {
+  std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::reduced);
   return setup;
 }
 
@@ -92,7 +97,6 @@ std::vector<Making> makings(const Setup& setup, const std::vector<Gesture>& gest
                        bool correct) {
     list.push_back({name, with_regions(setup, region_of), watch, correct});
   };
-  add("nonlinear", all_nonlinear(setup).region_of, false, false);
   ProposalOptions options;
   options.tolerance = tolerance;
   const Proposal condensed = propose_regions(setup, gestures, options);
@@ -149,6 +153,8 @@ class Player {
       expanded_ += seen.is_expanded;
       watching_ += watch.seconds() - before;
     }
+    const auto& reduced = world_.body().regions.reduced();
+    expanded_ += reduced.any() && !reduced.any_embedded();
     if (mass_watch_) {
       const double before = watch.seconds();
       expanded_ += world_.body().inertia.degree() == 1;
@@ -209,11 +215,18 @@ std::vector<std::unique_ptr<Player>> players_of(std::vector<Making>& list, doubl
   return players;
 }
 
-std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, double tolerance) {
-  const std::vector<Gesture> gestures =
-      resolved.gestures.empty() ? usual_gestures(resolved.setup) : resolved.gestures;
-  const std::vector<Trial> trials = solve_trials(resolved.setup, gestures);
-  std::vector<Making> list = makings(resolved.setup, gestures, trials, tolerance);
+std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, double tolerance,
+                             bool only_reduced) {
+  std::vector<Trial> trials;
+  std::vector<Making> list{{"nonlinear", all_nonlinear(resolved.setup)}};
+  if (!only_reduced) {
+    const std::vector<Gesture> gestures =
+        resolved.gestures.empty() ? usual_gestures(resolved.setup) : resolved.gestures;
+    trials = solve_trials(resolved.setup, gestures);
+    for (Making& making : makings(resolved.setup, gestures, trials, tolerance))
+      list.push_back(std::move(making));
+  }
+  list.push_back({"reduced", all_reduced(resolved.setup)});
   const std::vector<std::unique_ptr<Player>> players = players_of(list, tolerance);
   const std::vector<double> mass = players[0]->world().body().inertia.mass();
   const int frames = static_cast<int>(std::lround(scene.time.duration / scene.time.frame));
@@ -235,8 +248,7 @@ std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, doubl
     rows[p].static_error = worst_error(region_of, trials);
     rows[p].tets = static_cast<Index>(region_of.size());
     rows[p].linear_share =
-        1 - double(std::count(region_of.begin(), region_of.end(), RegionModel::nonlinear)) /
-                double(region_of.size());
+        double(std::count_if(region_of.begin(), region_of.end(), is_linear)) / double(region_of.size());
     rows[p].speedup = players[0]->seconds() / players[p]->seconds();
     rows[p].worst_frame = players[p]->slowest() / players[0]->slowest();
     rows[p].estimated = players[p]->estimated();
@@ -283,7 +295,7 @@ set xlabel 'speed-up of all frames over all non-linear'
 set ylabel 'largest error of any frame [%]'
 regions = "proposed proposed-corrected precomputed-alone precomputed-corrected selective-mass-alone \
 selective-mass-corrected"
-others = "strain-recipe proposed-precomputed all-linear-corrected precomputed-in-frame"
+others = "reduced strain-recipe proposed-precomputed all-linear-corrected precomputed-in-frame"
 colours = "#d95f02 #e7298a #8da0cb #7570b3 #66c2a5 #1b9e77"
 series(i, r) = strcol(1) eq word(scenes, i) && strcol(2) eq word(own, i) && strcol(3) eq r ? column(5) : NaN
 at(i, r, tolerance) = column(13) == tolerance ? series(i, r) : NaN
@@ -325,8 +337,9 @@ std::string bench_gestures(const Options& options) {
       const Resolved resolved = resolve(scene, read_mesh(mesh).mesh, {false});
       const bool is_own = mesh == meshes.front();
       if (is_own) own += std::to_string(resolved.setup.mesh.tet_count()) + " ";
-      for (double tolerance : options.quick || !is_own ? std::vector{0.02} : std::vector{0.01, 0.02, 0.05})
-        for (GestureRow row : play(scene, resolved, tolerance)) {
+      const bool is_one = options.quick || options.reduced || !is_own;
+      for (double tolerance : is_one ? std::vector{0.02} : std::vector{0.01, 0.02, 0.05})
+        for (GestureRow row : play(scene, resolved, tolerance, options.reduced)) {
           row.scene = path.stem().string();
           print(row);
           all.push_back(row);

@@ -221,7 +221,7 @@ void bench_hybrid(const Options& options) {
               "error max", "transient", "set up s");
   std::vector<HybridRow> all;
   for (const Case& organ : make_organs(options)) {
-    if (organ.scene.auto_regions) continue;  // played below
+    if (organ.scene.auto_regions || options.reduced) continue;  // gestures are played below
     for (const TetMesh& mesh : organ.meshes) {
       const Setup gesture = reference_setup(resolve(organ.scene, mesh, {false}).setup),
                   setup = at_the_end(gesture);

@@ -125,11 +125,11 @@ TEST_CASE("the energy of a smooth field converges to that of its tetrahedra with
 
 TEST_CASE("cells of which some tetrahedra are full are the same, whichever of their samples are summed") {
   const EmbeddedBox box(12);
-  const std::vector<CellSums> whole = sum_cells(box.elements, box.lattice);
+  const WholeLattice whole = sum_cells(box.elements, box.lattice);
   std::vector<std::uint8_t> flags(std::size_t(box.setup.mesh.vertex_count()), 1);
   for (Index v = 0; v < box.setup.mesh.vertex_count(); ++v)
     flags[std::size_t(v)] = box.setup.mesh.points(0, v) > 0.05;
-  const Embedding some = embed(box.elements, box.lattice, whole, flags);
+  const Embedding some = embed(box.elements, box.lattice, whole, {flags, {}});
   CHECK(some.cells.size() < box.embedding.cells.size());
   CHECK(some.cells.size() > box.embedding.cells.size() / 2);
   std::vector<char> is_full(std::size_t(box.setup.mesh.tet_count()), 0);
@@ -137,30 +137,41 @@ TEST_CASE("cells of which some tetrahedra are full are the same, whichever of th
   for (const LatticeCell& cell : some.cells) {
     double volume = 0;
     CellGradients N = CellGradients::Zero();
-    std::vector<std::pair<double, CellGradients>> samples;
     for (std::size_t i = 0; i < box.lattice.part_of_sample.size(); ++i) {
       const auto t = static_cast<Index>(i) / tet_samples;
       if (box.lattice.part_of_sample[i] != cell.part || is_full[std::size_t(t)]) continue;
       const Vec3d X = box.elements.corner_points(t) * sample_weights().col(Eigen::Index(i) % tet_samples);
-      samples.emplace_back(box.elements.volume(t) / tet_samples,
-                           cell_gradients(box.lattice.in_cell(cell.part, X), box.lattice.frame.edge));
-      volume += samples.back().first;
-      N += samples.back().first * samples.back().second;
+      const double V = box.elements.volume(t) / tet_samples;
+      volume += V;
+      N += V * cell_gradients(box.lattice.in_cell(cell.part, X), box.lattice.frame.edge);
     }
     N /= volume;
-    const double alpha = 1e4 * (3 * 4e4 + 2 * 1e4) / (2 * (4e4 + 1e4));  // E/2
     CellMatrix S = CellMatrix::Zero();
-    for (const auto& [V, g] : samples) S += alpha / 2 * V * (g - N) * (g - N).transpose();
     for (int i = 0; i < 8; ++i) {
       const Vec3d at =
           Vec3d(i & 1, i >> 1 & 1, i >> 2) / std::sqrt(3.0) + Vec3d::Constant(0.5 - 0.5 / std::sqrt(3.0));
       const CellGradients g = cell_gradients(at, box.lattice.frame.edge);
-      S += alpha / 2 * volume / 8 * (g - N) * (g - N).transpose();
+      S += whole.stiffness[0] * volume / 8 * (g - N) * (g - N).transpose();
     }
     CHECK(cell.volume == near(volume, 1e-12));
     CHECK((cell.gradients - N).norm() < 1e-12 * N.norm());
     CHECK((cell.fluctuation - S).norm() < 1e-11 * S.norm());
   }
+}
+
+TEST_CASE("fluctuations are as stiff as tetrahedra are in bending, by refinement as a continuum is") {
+  const auto stiffness = [](int n) {  // per μ, of cells that n tetrahedra fill side by side
+    const TetMesh mesh = box_mesh({0.06, 0.06, 0.06}, 3 * n, 3 * n, 3 * n);
+    const Elements elements(reduced_setup(mesh, 0.02));
+    const Lattice lattice = make_lattice(elements, {0.02, Vec3d::Zero()});
+    return sum_cells(elements, lattice).stiffness[0] / 1e4;
+  };
+  const double exact = (1 + 4 * 5.0 / 6) / 3;  // at λ = 4 μ
+  const double coarse = stiffness(2), middle = stiffness(4), fine = stiffness(8);
+  MESSAGE("per μ: " << coarse << ", " << middle << ", " << fine << ", exact " << exact);
+  CHECK(coarse - exact > 3.5 * (middle - exact));
+  CHECK(middle - exact > 3.5 * (fine - exact));
+  CHECK(fine == near(exact, 0.1));
 }
 
 TEST_CASE("nodes take over all mass and its centre") {

@@ -24,7 +24,7 @@ struct EmbeddedBox {
         elements(setup),
         lattice(make_lattice(elements, choose_lattice(elements, setup.lattice_cell))),
         embedding(embed(elements, lattice, sum_cells(elements, lattice),
-                        std::vector<std::uint8_t>(std::size_t(setup.mesh.vertex_count()), 1))) {}
+                        {std::vector<std::uint8_t>(std::size_t(setup.mesh.vertex_count()), 1), {}})) {}
 
   template <class Real = double>
   LatticeCells<Real> cells(InstructionSet set = chosen_instruction_set()) const {

@@ -1,84 +1,153 @@
 #include "lobe/lattice/embedding.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "lobe/fem/hooke.h"
 #include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
 namespace {
 
-// α: half of Young's modulus.
-double fluctuation_stiffness(const Elastic& e) {
-  return e.mu * (3 * e.lambda + 2 * e.mu) / (2 * (e.lambda + e.mu));
-}
-
 void add_sample(const Elements& elements, const Lattice& lattice, Index sample, double sign, CellSums& sums) {
   const Index tet = sample / tet_samples, part = lattice.part_of_sample[std::size_t(sample)];
   const Vec3d X = elements.corner_points(tet) * sample_weights().col(sample % tet_samples);
   const double volume = sign * elements.volume(tet) / tet_samples;
-  const CellGradients at = cell_gradients(lattice.in_cell(part, X), lattice.frame.edge);
   sums.volume += volume;
-  sums.gradients += volume * at;
-  sums.squares.noalias() += volume * at.lazyProduct(at.transpose());
+  sums.gradients += volume * cell_gradients(lattice.in_cell(part, X), lattice.frame.edge);
 }
 
-// Of the Gauss points of a cell, an eighth of whose volume each has, per volume.
-CellSums gauss_points(double edge) {
-  CellSums sums;
+// The gradients at the Gauss points of a cell.
+std::array<CellGradients, 8> gauss_points(double edge) {
+  std::array<CellGradients, 8> points;
   const double inner = std::sqrt(1.0 / 12);
   for (int g = 0; g < 8; ++g) {
     Vec3d at = Vec3d::Constant(0.5 - inner);
     for (int d = 0; d < 3; ++d)
       if (g >> d & 1) at[d] = 0.5 + inner;
-    const CellGradients own = cell_gradients(at, edge);
-    sums.volume += 1.0 / 8;
-    sums.gradients += own / 8;
-    sums.squares += own * own.transpose() / 8;
+    points[std::size_t(g)] = cell_gradients(at, edge);
   }
-  return sums;
+  return points;
 }
 
-// Σ_x V_x (g_x − N)(g_x − N)ᵀ.
-CellMatrix spread(const CellSums& sums, const CellGradients& N) {
-  const CellMatrix cross = sums.gradients * N.transpose();
-  return sums.squares - cross - cross.transpose() + sums.volume * N * N.transpose();
-}
-
-LatticeCell cell_of(const Elements& elements, Index part, Index tet, const CellSums& sums,
-                    const CellSums& gauss) {
-  LatticeCell cell{.part = part, .tet = tet};
-  cell.volume = sums.volume;
-  cell.gradients = sums.gradients / sums.volume;
-  const double alpha = fluctuation_stiffness(elements.elastic_of(tet));
-  cell.fluctuation = alpha / 2 * (spread(sums, cell.gradients) + sums.volume * spread(gauss, cell.gradients));
-  return cell;
+// S for α = 1: V/8 Σ_g (G_g − N)(G_g − N)ᵀ.
+CellMatrix spread(const CellSums& sums, const std::array<CellGradients, 8>& gauss) {
+  CellMatrix S = CellMatrix::Zero();
+  for (const CellGradients& at : gauss) {
+    const CellGradients apart = at - sums.gradients / sums.volume;
+    S += sums.volume / 8 * apart * apart.transpose();
+  }
+  return S;
 }
 
 double corner_mass(const Elements& elements, Index tet) {
   return elements.elastic_of(tet).density * elements.corner_volumes[std::size_t(tet)];
 }
 
+// One of nine modes of a cell, about its middle.
+constexpr int mode_count = 9;
+Vec3d mode(int number, const Elastic& e, const Vec3d& x) {
+  const int a = number / 3, b = (a + 1 + number % 3) % 3;
+  Vec3d u = Vec3d::Zero();
+  if (number % 3 == 2) {
+    u[a] = x[(a + 1) % 3] * x[(a + 2) % 3];
+    return u;
+  }
+  u[a] = x[a] * x[b];
+  u[b] = -0.5 * (x[a] * x[a] + e.lambda / (e.lambda + 2 * e.mu) * x[b] * x[b]);
+  return u;
+}
+
+double of_fine_mesh(const Elastic& e) {
+  return e.mu / 3 * (1 + 4 * (e.lambda + e.mu) / (e.lambda + 2 * e.mu));
+}
+
+Vec3d middle(const Lattice& lattice, Index part) {
+  const Eigen::Array3d cell = lattice.parts[std::size_t(part)].cell.cast<double>().array();
+  return lattice.frame.origin + lattice.frame.edge * (cell + 0.5).matrix();
+}
+
 }  // namespace
 
-std::vector<CellSums> sum_cells(const Elements& elements, const Lattice& lattice) {
-  std::vector<CellSums> sums(lattice.parts.size());
+WholeLattice sum_cells(const Elements& elements, const Lattice& lattice) {
+  WholeLattice whole{std::vector<CellSums>(lattice.parts.size()), {}};
   for (std::size_t i = 0; i < lattice.part_of_sample.size(); ++i)
     if (const Index part = lattice.part_of_sample[i]; part >= 0)
-      add_sample(elements, lattice, static_cast<Index>(i), 1, sums[std::size_t(part)]);
-  return sums;
+      add_sample(elements, lattice, static_cast<Index>(i), 1, whole.sums[std::size_t(part)]);
+  whole.stiffness = fluctuation_stiffness(elements, lattice, whole.sums);
+  return whole;
+}
+
+std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattice& lattice,
+                                          const std::vector<CellSums>& sums) {
+  using Modes = std::array<Mat3<double>, mode_count>;
+  Modes zero;
+  zero.fill(Mat3<double>::Zero());
+  std::vector<Modes> strain(lattice.parts.size(), zero);  // ∫ ∇u
+  std::vector<double> own(elements.materials.size(), 0), of_lattice = own, stiffness;
+  for (std::size_t first = 0; first < lattice.part_of_sample.size(); first += tet_samples) {
+    const Index tet = static_cast<Index>(first) / tet_samples;
+    const std::uint16_t material = elements.material_of[std::size_t(tet)];
+    for (std::size_t i = first; i < first + tet_samples; ++i) {
+      const auto begin = lattice.part_of_sample.begin() + Eigen::Index(first);
+      const Index part = lattice.part_of_sample[i];
+      if (part < 0 || std::find(begin, begin + Eigen::Index(i - first), part) != begin + Eigen::Index(i - first))
+        continue;
+      const auto count = std::count(begin, begin + tet_samples, part);
+      const Shape shape = elements.shape_of(tet);
+      const double volume = shape.volume * double(count) / tet_samples;
+      const Mat34<double> X = elements.corner_points(tet).colwise() - middle(lattice, part);
+      const Elastic& e = elements.materials[material];
+      for (int number = 0; number < mode_count; ++number) {
+        Mat34<double> u;
+        for (int c = 0; c < 4; ++c) u.col(c) = mode(number, e, X.col(c));
+        const Mat3<double> H = u * shape.gradients.transpose();
+        strain[std::size_t(part)][std::size_t(number)] += volume * H;
+        own[material] += volume * hooke_energy_density<double>(H, e.lambda, e.mu);
+      }
+    }
+  }
+  const auto gauss = gauss_points(lattice.frame.edge);
+  for (std::size_t p = 0; p < lattice.parts.size(); ++p) {
+    const std::uint16_t material = lattice.parts[p].material;
+    const Elastic& e = elements.materials[material];
+    const CellMatrix S = spread(sums[p], gauss);
+    for (int number = 0; number < mode_count; ++number) {
+      const Mat3<double> mean = strain[p][std::size_t(number)] / sums[p].volume;
+      own[material] -= sums[p].volume * hooke_energy_density<double>(mean, e.lambda, e.mu);
+      Eigen::Matrix<double, 3, 8> q;
+      for (int c = 0; c < 8; ++c)
+        q.col(c) = mode(number, e, lattice.frame.edge * (Vec3d(c & 1, c >> 1 & 1, c >> 2).array() - 0.5).matrix());
+      of_lattice[material] += 0.5 * (q * S).cwiseProduct(q).sum();
+    }
+  }
+  for (std::size_t m = 0; m < own.size(); ++m) {
+    const double least = of_fine_mesh(elements.materials[m]);
+    stiffness.push_back(of_lattice[m] > 0 ? std::max(least, own[m] / of_lattice[m]) : least);
+  }
+  return stiffness;
+}
+
+void take_out(const Elements& elements, Index tet, Lattice& lattice, WholeLattice& whole) {
+  for (Index sample = tet_samples * tet; sample < tet_samples * (tet + 1); ++sample) {
+    Index& part = lattice.part_of_sample[std::size_t(sample)];
+    if (part < 0) continue;
+    add_sample(elements, lattice, sample, -1, whole.sums[std::size_t(part)]);
+    part = -1;
+  }
 }
 
 // Of a part, the fewer of its samples are summed: those that it has, or those that it does not have.
-Embedding embed(const Elements& elements, const Lattice& lattice, const std::vector<CellSums>& whole,
-                std::vector<std::uint8_t> is_embedded) {
+Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLattice& whole,
+                VertexRoles roles) {
   struct Part {
     Index tet = -1, embedded = 0, full = 0;  // the first that is embedded; numbers of samples
   };
   Embedding e;
-  e.is_embedded = std::move(is_embedded);
+  e.roles = std::move(roles);
   std::vector<Part> parts(lattice.parts.size());
-  std::vector<std::uint8_t> is_beside(e.is_embedded.size(), 0),
+  std::vector<std::uint8_t> is_beside(e.roles.is_embedded.size(), 0),
       is_full(lattice.part_of_sample.size() / tet_samples);
   const auto for_samples = [&](auto&& visit) {  // visit(part, sample), of reduced tetrahedra
     for (std::size_t i = 0; i < lattice.part_of_sample.size(); ++i)
@@ -90,12 +159,14 @@ Embedding embed(const Elements& elements, const Lattice& lattice, const std::vec
     const Eigen::Vector4i corners = elements.topology.corners(t);
     is_full[std::size_t(t)] =
         !std::all_of(corners.begin(), corners.end(), [&](Index v) { return e.embeds(v); });
-    if (!is_full[std::size_t(t)]) continue;
+    const bool stays =
+        std::all_of(corners.begin(), corners.end(), [&](Index v) { return e.roles.stays(v); });
+    if (!is_full[std::size_t(t)] || stays) continue;
     e.full.push_back(t);
-    for (Index v : corners) is_beside[std::size_t(v)] = e.is_embedded[std::size_t(v)];
+    for (Index v : corners) is_beside[std::size_t(v)] = e.embeds(v);
   }
-  for (Index v = 0; v < static_cast<Index>(e.is_embedded.size()); ++v) {
-    if (e.is_embedded[std::size_t(v)]) e.vertices.push_back(v);
+  for (Index v = 0; v < static_cast<Index>(is_beside.size()); ++v) {
+    if (e.embeds(v)) e.vertices.push_back(v);
     if (is_beside[std::size_t(v)]) e.interface.push_back(v);
   }
   for_samples([&](std::size_t part, Index sample) {
@@ -106,7 +177,7 @@ Embedding embed(const Elements& elements, const Lattice& lattice, const std::vec
       group.tet = sample / tet_samples;
     }
   });
-  std::vector<CellSums> sums = whole;
+  std::vector<CellSums> sums = whole.sums;
   for (std::size_t p = 0; p < parts.size(); ++p)
     if (parts[p].full >= parts[p].embedded) sums[p] = {};
   for_samples([&](std::size_t part, Index sample) {
@@ -116,10 +187,13 @@ Embedding embed(const Elements& elements, const Lattice& lattice, const std::vec
     if (group.embedded > 0 && is_left_out == subtracts)
       add_sample(elements, lattice, sample, subtracts ? -1 : 1, sums[part]);
   });
-  const CellSums gauss = gauss_points(lattice.frame.edge);
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    if (parts[p].embedded > 0)
-      e.cells.push_back(cell_of(elements, static_cast<Index>(p), parts[p].tet, sums[p], gauss));
+  const auto gauss = gauss_points(lattice.frame.edge);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (parts[p].embedded == 0) continue;
+    const double alpha = whole.stiffness[lattice.parts[p].material];
+    e.cells.push_back({static_cast<Index>(p), parts[p].tet, sums[p].volume,
+                       sums[p].gradients / sums[p].volume, alpha * spread(sums[p], gauss)});
+  }
   std::stable_sort(e.cells.begin(), e.cells.end(), [&](const LatticeCell& a, const LatticeCell& b) {
     return lattice.parts[std::size_t(a.part)].material < lattice.parts[std::size_t(b.part)].material;
   });

@@ -11,8 +11,8 @@ using CellMatrix = Eigen::Matrix<double, 8, 8>;
 
 // A part of the lattice with the samples of it whose tetrahedra are not full. With the displacements q_n of its nodes
 //   F = I + Σ_n q_n ⊗ N_n,   W = V W_law(F) + ½ Σ_nm S_nm q_n·q_m.
-// S is the energy of the fluctuation ½ α |F_x − F|², half over the samples and half over the eight Gauss points
-// of the cell, which hold nodes that no sample is near. It does not resist a rotation.
+// S is the energy of the fluctuation ½ α |F_g − F|² over the eight Gauss points g of the cell, each with an
+// eighth of V. It does not resist a rotation.
 struct LatticeCell {
   Index part = 0, tet = 0;                          // tet: of its first sample
   double volume = 0;                                // V [m³]
@@ -20,32 +20,58 @@ struct LatticeCell {
   CellMatrix fluctuation = CellMatrix::Zero();      // S_nm [N/m]
 };
 
-struct Embedding {
-  std::vector<std::uint8_t> is_embedded;  // per vertex
-  std::vector<Index> vertices;            // those
-  std::vector<Index> interface;           // those of them that are corners of full tetrahedra
-  std::vector<Index> full;                // reduced tetrahedra
-  std::vector<LatticeCell> cells;         // by material
-  std::vector<double> mass;               // per node [kg]; 0: nothing follows it
+// What vertices do: they follow nodes, stay at their rest positions for ever, or move by themselves.
+struct VertexRoles {
+  std::vector<std::uint8_t> is_embedded, is_still;  // per vertex; is_still: empty if none is
+  bool embeds(Index v) const { return has(is_embedded, v); }
+  bool stays(Index v) const { return has(is_still, v); }
+  bool operator==(const VertexRoles&) const = default;
 
-  bool embeds(Index v) const {
-    return v < static_cast<Index>(is_embedded.size()) && is_embedded[std::size_t(v)];
+ private:
+  static bool has(const std::vector<std::uint8_t>& flags, Index v) {
+    return v < static_cast<Index>(flags.size()) && flags[std::size_t(v)];
   }
 };
 
-// What samples of a part add up to: V, Σ V ∇w and Σ V ∇w ∇wᵀ.
+// A full tetrahedron whose corners all stay where they are has no force on anything, and is left out.
+struct Embedding {
+  VertexRoles roles;
+  std::vector<Index> vertices;     // embedded ones
+  std::vector<Index> interface;    // those of them that are corners of full tetrahedra
+  std::vector<Index> full;         // reduced tetrahedra
+  std::vector<LatticeCell> cells;  // by material
+  std::vector<double> mass;        // per node [kg]; 0: nothing follows it
+
+  bool embeds(Index v) const { return roles.embeds(v); }
+};
+
+// What samples of a part add up to: V and Σ V ∇w.
 struct CellSums {
   double volume = 0;                                // [m³]
   CellGradients gradients = CellGradients::Zero();  // [m²]
-  CellMatrix squares = CellMatrix::Zero();          // [m]
 };
-std::vector<CellSums> sum_cells(const Elements& elements,
-                                const Lattice& lattice);  // per part, of all samples
 
-// α is half of Young's modulus, which is exact for a cube that is bent. `whole`: sum_cells(). Costs a pass
-// over the tetrahedra, and a microsecond for each that is full in a part that is not.
-Embedding embed(const Elements& elements, const Lattice& lattice, const std::vector<CellSums>& whole,
-                std::vector<std::uint8_t> is_embedded);
+// What a lattice is while no vertex moves by itself.
+struct WholeLattice {
+  std::vector<CellSums> sums;     // per part
+  std::vector<double> stiffness;  // α of each material [Pa]
+};
+WholeLattice sum_cells(const Elements& elements, const Lattice& lattice);
+// Takes a tetrahedron out of a lattice and of its sums.
+void take_out(const Elements& elements, Index tet, Lattice& lattice, WholeLattice& whole);
+
+// α of each material [Pa], so that its cells together have the energy of their tetrahedra in nine modes of a
+// cell, the energy of the mean strain left out. About the cell's middle these are u_a = x_b x_c, and bending
+// with free faces, u_a = x_a x_b, u_b = −½ x_a² − ½ λ/(λ + 2μ) x_b². Tetrahedra have their vertices' values,
+// so that α contains by how much the mesh itself is too stiff. At least that of a fine mesh,
+// μ/3 (1 + 4 (λ + μ)/(λ + 2μ)).
+std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattice& lattice,
+                                          const std::vector<CellSums>& sums);
+
+// `whole`: sum_cells(). Costs a pass over the tetrahedra, and half a microsecond for each that is full in a
+// part that is not.
+Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLattice& whole,
+                VertexRoles roles);
 
 // Row sums of the mass of the embedded vertices, per vertex [kg]. The lattice alone then has no frequency
 // above `omega` [rad/s], the highest of the full body at rest: where it would, mass is added. Returns how

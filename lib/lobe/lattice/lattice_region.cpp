@@ -18,7 +18,7 @@ double bound_of(const Eigen::Matrix<double, 6, 1>& K) {
 
 // The residual of nodes that are settled, squared and relative.
 template <class Real>
-constexpr double settled = std::is_same_v<Real, float> ? 1e-14 : 1e-24;
+constexpr double settled = std::is_same_v<Real, float> ? 1e-10 : 1e-24;
 
 }  // namespace
 
@@ -28,14 +28,23 @@ template <class Real>
 void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edit) {
   const auto enters = [&](Index t) { return elements.is_in(RegionModel::reduced, t); };
   if (!any() && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return;
+  all_.follow(elements, edit, RegionModel::reduced);
   member_.resize(std::size_t(elements.topology.tet_count()), 0);
-  const auto change = [&](Index t, bool is_member) {
-    if (member_[std::size_t(t)] || is_member) is_outdated_ = true;
-    tet_count_ += is_member - member_[std::size_t(t)];
-    member_[std::size_t(t)] = is_member;
-  };
-  for (Index t : edit.left) change(t, false);
-  for (Index t : edit.entered) change(t, enters(t));
+  for (Index t : edit.left) {
+    if (!member_[std::size_t(t)]) continue;
+    member_[std::size_t(t)] = 0;
+    --tet_count_;
+    has_lost_ = true;
+    const bool is_elsewhere = elements.topology.alive(t) && !enters(t);
+    if (!is_elsewhere) is_outdated_ = true;
+    if (!is_outdated_) take_out(elements, t, lattice_, whole_);
+  }
+  for (Index t : edit.entered) {
+    if (!enters(t) || member_[std::size_t(t)]) continue;
+    member_[std::size_t(t)] = 1;
+    ++tet_count_;
+    is_outdated_ = true;
+  }
   if (is_outdated_) list_vertices(elements.topology);
   if (any() && lattice_.frame.edge == 0) lattice_.frame = choose_lattice(elements, cell_);
 }
@@ -54,10 +63,20 @@ void LatticeRegion<Real>::list_vertices(const Topology& topology) {
 }
 
 template <class Real>
-std::vector<std::uint8_t> LatticeRegion<Real>::may_embed(const Model& model, double time) const {
+VertexRoles LatticeRegion<Real>::roles(const Model& model, std::vector<std::uint8_t> is_embedded) const {
+  VertexRoles roles{std::move(is_embedded), Flags(std::size_t(model.elements.topology.vertex_count()), 0)};
+  for (const HeldVertices::Held& item : model.held.all())
+    roles.is_still[std::size_t(item.vertex)] = item.holder == HeldVertices::boundary &&
+                                               item.axes == all_axes && item.start.isZero(0) &&
+                                               item.goal.isZero(0);
+  return roles;
+}
+
+template <class Real>
+VertexRoles LatticeRegion<Real>::roles(const Model& model, double time, bool may_embed) const {
   const Topology& topology = model.elements.topology;
   Flags may(std::size_t(topology.vertex_count()), 0), is_anchor = may;
-  if (!any()) return may;
+  if (!any() || !may_embed) return roles(model, std::move(may));
   for (Index v : vertices_) {
     const auto around = topology.around(v);
     may[std::size_t(v)] = !around.empty() && !zones_.is_full(v, time);
@@ -71,31 +90,46 @@ std::vector<std::uint8_t> LatticeRegion<Real>::may_embed(const Model& model, dou
     for (Index t : topology.around(v))
       for (Index other : topology.corners(t)) may[std::size_t(other)] = 0;
   }
-  return may;
+  return roles(model, std::move(may));
 }
 
+// Two sides of a cut must have no node in common: those that are left are half a cell away from what is cut.
 template <class Real>
-std::vector<Index> LatticeRegion<Real>::near(const Elements& elements, const std::vector<Index>& tets) const {
+std::vector<Index> LatticeRegion<Real>::in_the_way(const Elements& elements,
+                                                   const std::vector<Index>& tets) const {
+  constexpr double least = 0.75, at_once = 1.25;  // cells
   std::vector<Index> found;
-  if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return has(t); })) return found;
-  Flags is_near(member_.size(), 0);
-  const auto middle = [&](Index t) -> Vec3d { return elements.corner_points(t).rowwise().mean(); };
-  for (Index start : tets) {
-    if (!has(start)) continue;
-    std::vector<Index> queue{start};
-    std::unordered_set<Index> met{start};
-    for (std::size_t i = 0; i < queue.size(); ++i) {
-      is_near[std::size_t(queue[i])] = 1;
-      elements.topology.for_neighbours(queue[i], [&](int, Index other) {
-        if (has(other) && (middle(other) - middle(start)).norm() <= lattice_.frame.edge &&
-            met.insert(other).second)
-          queue.push_back(other);
-      });
-    }
-  }
-  for (Index t = 0; t < static_cast<Index>(is_near.size()); ++t)
-    if (is_near[std::size_t(t)]) found.push_back(t);
+  const auto add = [&](double distance) {
+    const Flags is_near = within(elements, tets, distance * lattice_.frame.edge);
+    for (Index t = 0; t < static_cast<Index>(member_.size()); ++t)
+      if (member_[std::size_t(t)] && is_near[std::size_t(t)]) found.push_back(t);
+  };
+  if (any()) add(least);
+  if (found.empty()) return found;
+  found.clear();
+  add(at_once);
   return found;
+}
+
+// Per tetrahedron: whether it is as near to one of these, along others.
+template <class Real>
+std::vector<std::uint8_t> LatticeRegion<Real>::within(const Elements& elements,
+                                                      const std::vector<Index>& tets, double distance) const {
+  Flags is_near(std::size_t(elements.topology.tet_count()), 0);
+  std::vector<std::pair<Index, Index>> queue;  // and from where
+  const auto middle = [&](Index t) -> Vec3d { return elements.corner_points(t).rowwise().mean(); };
+  const auto meet = [&](Index t, Index start) {
+    if (std::exchange(is_near[std::size_t(t)], 1) == 0) queue.emplace_back(t, start);
+  };
+  for (Index t : tets)
+    if (elements.topology.alive(t)) meet(t, t);
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    const auto [tet, start] = queue[i];
+    elements.topology.for_neighbours(tet, [&](int, Index other) {
+      if ((middle(other) - middle(start)).norm() <= distance) meet(other, start);
+    });
+  }
+  return is_near;
 }
 
 // Nodes take the values of former ones at the same corner of the lattice, until they are settled.
@@ -117,9 +151,10 @@ void LatticeRegion<Real>::make_lattice_anew(const Elements& elements, Nodes<Real
     values.v.col(n) = nodes.v.col(found->second);
   }
   lattice_ = std::move(fresh);
-  sums_ = sum_cells(elements, lattice_);
-  whole_ =
-      lobe::embed(elements, lattice_, sums_, Flags(std::size_t(elements.topology.vertex_count()), 1)).cells;
+  whole_ = sum_cells(elements, lattice_);
+  whole_cells_ =
+      lobe::embed(elements, lattice_, whole_, {Flags(std::size_t(elements.topology.vertex_count()), 1), {}})
+          .cells;
   nodes = std::move(values);
 }
 
@@ -177,7 +212,7 @@ void LatticeRegion<Real>::add_nodes(const Lattice& lattice, const std::vector<do
 
 // The momentum of what an edit has removed goes with it: vertices are counted then by the masses that are left.
 template <class Real>
-void LatticeRegion<Real>::embed(const Model& model, Flags wanted, double omega, std::vector<double>& mass,
+void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double omega, std::vector<double>& mass,
                                 Loads<Real>& loads, Motion<Real>& motion) {
   const Elements& elements = model.elements;
   const Embedding former = std::move(embedding_);
@@ -188,14 +223,14 @@ void LatticeRegion<Real>::embed(const Model& model, Flags wanted, double omega, 
   };
   MovingMasses before, after, free_to_change;
   for (Index v : vertices_)
-    if (is_outdated_ ? was_embedded(v) || wanted[std::size_t(v)] : !was_embedded(v) && wanted[std::size_t(v)])
+    if (is_outdated_ ? was_embedded(v) || wanted.embeds(v) : !was_embedded(v) && wanted.embeds(v))
       add_vertex(v, before);
   if (!is_outdated_) add_nodes(lattice_, former.mass, motion.nodes, nullptr, before);
 
   const bool is_anew = is_outdated_;
   if (is_anew) make_lattice_anew(elements, motion.nodes);
-  is_outdated_ = false;
-  embedding_ = lobe::embed(elements, lattice_, sums_, std::move(wanted));
+  is_outdated_ = has_lost_ = false;
+  embedding_ = lobe::embed(elements, lattice_, whole_, std::move(wanted));
   mass_added_ = give_mass(elements, lattice_, mass, omega, embedding_);
 
   const Flags touched = touched_nodes(former, is_anew);
@@ -207,7 +242,7 @@ void LatticeRegion<Real>::embed(const Model& model, Flags wanted, double omega, 
     const Mat3X<double> u = of_vertices.view().template cast<double>();
     Mat3X<double> q = of_nodes.template cast<double>();
     begin_fresh_nodes(elements, fresh, u, q);
-    settle(elements, lattice_, embedding_, whole_, mass, omega, touched, u, settled<Real>, q);
+    settle(elements, lattice_, embedding_, whole_cells_, mass, omega, touched, u, settled<Real>, q);
     of_nodes = q.template cast<Real>();
   };
   take(motion.u, motion.nodes.u);
@@ -263,13 +298,13 @@ void LatticeRegion<Real>::take_over(const Elements& elements, std::vector<double
 
 template <class Real>
 void LatticeRegion<Real>::build(const Elements& elements) {
-  visit_patches([&](const auto&, const auto& sums) {
+  full_.visit_patches([&](const auto&, const auto& sums) {
     past_patches_.evaluated += sums.count().evaluated;
     past_patches_.skipped += sums.count().skipped;
   });
   full_ = NonlinearRegion<Real>(evaluator_);
   RegionEdit edit;
-  edit.entered = embedding_.full;
+  if (any_embedded()) edit.entered = embedding_.full;
   full_.follow(elements, edit, RegionModel::reduced);
   cells_.build(elements, lattice_, embedding_.cells);
   place_interface(elements);
@@ -311,7 +346,7 @@ void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Mot
     const Mat3X<double> u = of_vertices.view().template cast<double>();
     Mat3X<double> q = Mat3X<double>::Zero(3, lattice_.node_count());
     begin_fresh_nodes(elements, touched, u, q);
-    settle(elements, lattice_, embedding_, whole_, mass, omega, touched, u, settled<Real>, q);
+    settle(elements, lattice_, embedding_, whole_cells_, mass, omega, touched, u, settled<Real>, q);
     of_nodes = q.template cast<Real>();
   };
   take(motion.u, motion.nodes.u);
@@ -320,7 +355,7 @@ void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Mot
 
 template <class Real>
 typename LatticeRegion<Real>::State LatticeRegion<Real>::state(const Motion<Real>& motion) const {
-  return {motion.nodes.u, motion.nodes.v, embedding_.is_embedded, zones_.state()};
+  return {motion.nodes.u, motion.nodes.v, embedding_.roles.is_embedded, zones_.state()};
 }
 
 template <class Real>
@@ -328,7 +363,7 @@ bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) con
   const Index vertices = elements.topology.vertex_count();
   const auto is_vertex = [&](Index v) { return v >= 0 && v < vertices; };
   bool fits = state.u.cols() == lattice_.node_count() &&
-              state.is_embedded.size() == embedding_.is_embedded.size() &&
+              state.is_embedded.size() == embedding_.roles.is_embedded.size() &&
               state.zones.until.size() <= std::size_t(vertices) &&
               std::is_sorted(state.zones.touched.begin(), state.zones.touched.end()) &&
               std::all_of(state.zones.touched.begin(), state.zones.touched.end(), is_vertex);
@@ -393,7 +428,7 @@ void LatticeRegion<Real>::recover(const Elements& elements, bool velocities,
 
 template <class Real>
 double LatticeRegion<Real>::elastic_energy(const Mat3X<Real>& u, const Nodes<Real>& nodes) {
-  return full_.energy(u) + cells_.energy(nodes.u);
+  return full().energy(u) + cells_.energy(nodes.u);
 }
 
 template <class Real>

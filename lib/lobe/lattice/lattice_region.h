@@ -20,7 +20,7 @@ class LatticeRegion {
  public:
   // `cell`: edge of the cells [m]; 0: chosen by choose_lattice().
   explicit LatticeRegion(double cell = 0, Evaluator evaluator = Evaluator::direct)
-      : cell_(cell), evaluator_(evaluator), full_(evaluator) {}
+      : cell_(cell), evaluator_(evaluator), all_(evaluator), full_(evaluator) {}
 
   Index tet_count() const { return tet_count_; }
   bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[std::size_t(tet)]; }
@@ -32,7 +32,7 @@ class LatticeRegion {
   }  // of its tetrahedra, now or before an edit
   const Lattice& lattice() const { return lattice_; }
   const Embedding& embedding() const { return embedding_; }
-  Index full_tet_count() const { return full_.tet_count(); }
+  Index full_tet_count() const { return any_embedded() ? full_.tet_count() : tet_count_; }
   PatchCount past_patches() const { return past_patches_; }  // of evaluators that embed() has replaced
   double mass_added() const { return mass_added_; }          // so that nodes need no shorter steps [kg]
 
@@ -44,17 +44,19 @@ class LatticeRegion {
   void look(const Elements& elements, double time, std::vector<Index> touched) {
     if (any()) zones_.look(elements, lattice_.frame.edge, time, std::move(touched));
   }
-  // Its tetrahedra that are within a cell of these, these included.
-  std::vector<Index> near(const Elements& elements, const std::vector<Index>& tets) const;
-  // Which vertices may be embedded at a time, per vertex.
-  std::vector<std::uint8_t> may_embed(const Model& model, double time) const;
-  bool is_embedded_as(const std::vector<std::uint8_t>& wanted) const {
-    return !is_outdated_ && wanted == embedding_.is_embedded;
+  // Its tetrahedra that must leave before these are cut: none while it is far from them, else more than now
+  // touch them, so that it is seldom asked.
+  std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const;
+  // What vertices may do at a time: without `may_embed`, none is embedded.
+  VertexRoles roles(const Model& model, double time, bool may_embed) const;
+  VertexRoles roles(const Model& model, std::vector<std::uint8_t> is_embedded) const;
+  bool has_roles(const VertexRoles& wanted) const {
+    return !is_outdated_ && !has_lost_ && wanted == embedding_.roles;
   }
   // Embeds these vertices and no others. Displacements and velocities of vertices() must be up to date, and
   // masses and loads those of their tetrahedra: the nodes take them over from embedded vertices. Momentum is
   // conserved. `omega`: the highest frequency of the full body at rest [rad/s].
-  void embed(const Model& model, std::vector<std::uint8_t> wanted, double omega,
+  void embed(const Model& model, VertexRoles wanted, double omega,
              std::vector<double>& mass,  // per vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
   // Takes the nearest displacements and velocities that the lattice has, after others were given.
@@ -75,7 +77,7 @@ class LatticeRegion {
 
   void place(Motion<Real>& motion, Parallel& parallel) const;  // embedded corners of full tetrahedra
   void add_full_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-    full_.add_forces(u, f, parallel);
+    full().add_forces(u, f, parallel);
   }
   // Finds the forces on the nodes; `missing`: the share of the dead loads that does not act yet.
   void collect(double missing, Motion<Real>& motion, Parallel& parallel);
@@ -96,7 +98,7 @@ class LatticeRegion {
   // The stiffness that free and embedded vertices feel from full tetrahedra.
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                            Parallel& parallel) {
-    return full_.add_diagonal_stiffness(u, K, parallel);
+    return full().add_diagonal_stiffness(u, K, parallel);
   }
   struct Frequency {
     double omega = 0;  // a bound of the nodes' frequencies [rad/s]
@@ -108,6 +110,7 @@ class LatticeRegion {
 
   template <class Visit>
   void visit_patches(Visit&& visit) {
+    all_.visit_patches(visit);
     full_.visit_patches(visit);
   }
 
@@ -123,6 +126,9 @@ class LatticeRegion {
   };
 
   using Flags = std::vector<std::uint8_t>;
+
+  NonlinearRegion<Real>& full() { return any_embedded() ? full_ : all_; }
+  Flags within(const Elements& elements, const std::vector<Index>& tets, double distance) const;
 
   void list_vertices(const Topology& topology);
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
@@ -142,16 +148,18 @@ class LatticeRegion {
   Index tet_count_ = 0;
   std::vector<Index> vertices_;
   bool is_outdated_ = false;  // the lattice
+  bool has_lost_ = false;     // tetrahedra since it was embedded
   FullZones zones_;
   Lattice lattice_;
-  std::vector<CellSums> sums_;      // of the whole lattice, as if nothing were full
-  std::vector<LatticeCell> whole_;  // likewise
+  WholeLattice whole_;
+  std::vector<LatticeCell> whole_cells_;  // of it
   Embedding embedding_;
   double mass_added_ = 0;
   PatchCount past_patches_;
 
   // What a step reads.
-  NonlinearRegion<Real> full_;
+  NonlinearRegion<Real> all_;   // its tetrahedra, for while no vertex is embedded
+  NonlinearRegion<Real> full_;  // the full ones otherwise
   LatticeCells<Real> cells_;
   std::vector<Place> places_;
   std::vector<Index> shares_begin_;  // per node

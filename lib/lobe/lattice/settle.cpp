@@ -6,78 +6,90 @@
 namespace lobe {
 namespace {
 
-// Σ_i m_i w_i w_iᵀ + S/ω², of the nodes that are touched.
+// A = Σ_i m_i w_i w_iᵀ + S/ω², part by part, of the parts that have a node that is touched. One matrix for all
+// three components.
 class NormalEquations {
  public:
   NormalEquations(const Elements& elements, const Lattice& lattice, const Embedding& embedding,
                   const std::vector<LatticeCell>& whole, const std::vector<double>& mass, double omega,
                   const std::vector<std::uint8_t>& touched)
-      : lattice_(lattice), touched_(touched), square_(omega * omega) {
-    const auto is_touched = [&](Index part) {
-      const auto& nodes = lattice.parts[std::size_t(part)].nodes;
-      return std::any_of(nodes.begin(), nodes.end(), [&](Index n) { return touched[std::size_t(n)] != 0; });
-    };
-    for (Index v : embedding.vertices)
-      if (const Index part = lattice.part_of_vertex[std::size_t(v)]; is_touched(part))
-        rows_.push_back({v, part, mass[std::size_t(v)], lattice.weights(v, elements.points.col(v))});
-    for (const LatticeCell& cell : whole)
-      if (is_touched(cell.part)) cells_.push_back(&cell);
+      : elements_(elements), lattice_(lattice), mass_(mass), touched_(touched) {
+    for (std::size_t p = 0; p < lattice.parts.size(); ++p) {
+      const auto& nodes = lattice.parts[p].nodes;
+      if (std::none_of(nodes.begin(), nodes.end(), [&](Index n) { return is_touched(n); })) continue;
+      if (slot_.empty()) slot_.assign(lattice.parts.size(), -1);
+      slot_[p] = static_cast<Index>(parts_.size());
+      parts_.push_back({nodes, CellMatrix::Zero(), CellMatrix::Zero()});
+    }
+    if (parts_.empty()) return;
+    for (Index v : embedding.vertices) {
+      const Index slot = slot_[std::size_t(part_of(v))];
+      if (slot < 0) continue;
+      vertices_.push_back(v);
+      const CellWeights w = lattice.weights(v, elements.points.col(v));
+      parts_[std::size_t(slot)].matrix += mass[std::size_t(v)] * w * w.transpose();
+    }
+    for (const LatticeCell& cell : whole) {
+      const Index slot = slot_[std::size_t(cell.part)];
+      if (slot < 0) continue;
+      Part& part = parts_[std::size_t(slot)];
+      part.fluctuation = cell.fluctuation / (omega * omega);
+      part.matrix += part.fluctuation;
+    }
   }
 
+  // What is left of Σ_i m_i w_i u_i, from differences, which are small.
   Mat3X<double> residual(const Mat3X<double>& u, const Mat3X<double>& q) const {
     Mat3X<double> r = Mat3X<double>::Zero(3, q.cols());
-    for (const Row& row : rows_) add(row, row.mass * (u.col(row.vertex) - value(row, q)), r);
-    add_fluctuation(q, -1, r);
+    for (Index v : vertices_) {
+      const CellWeights w = lattice_.weights(v, elements_.points.col(v));
+      const auto& nodes = lattice_.parts[std::size_t(part_of(v))].nodes;
+      Vec3d left = u.col(v);
+      for (int n = 0; n < 8; ++n) left -= w[n] * q.col(nodes[std::size_t(n)]);
+      left *= mass_[std::size_t(v)];
+      for (int n = 0; n < 8; ++n) r.col(nodes[std::size_t(n)]) += w[n] * left;
+    }
+    for (const Part& part : parts_) add(part, -part.fluctuation, q, r);
     return leave_untouched(std::move(r));
   }
   Mat3X<double> times(const Mat3X<double>& q) const {
     Mat3X<double> r = Mat3X<double>::Zero(3, q.cols());
-    for (const Row& row : rows_) add(row, row.mass * value(row, q), r);
-    add_fluctuation(q, 1, r);
+    for (const Part& part : parts_) add(part, part.matrix, q, r);
     return leave_untouched(std::move(r));
   }
   Mat3X<double> diagonal() const {  // 1 where there is none
     Mat3X<double> d = Mat3X<double>::Zero(3, lattice_.node_count());
-    for (const Row& row : rows_)
-      for (int n = 0; n < 8; ++n)
-        d.col(node(row.part, n)).array() += row.mass * row.weights[n] * row.weights[n];
-    for (const LatticeCell* cell : cells_)
-      for (int n = 0; n < 8; ++n) d.col(node(cell->part, n)).array() += cell->fluctuation(n, n) / square_;
+    for (const Part& part : parts_)
+      for (int n = 0; n < 8; ++n) d.col(part.nodes[std::size_t(n)]).array() += part.matrix(n, n);
     return (d.array() > 0).select(d, 1);
   }
 
  private:
-  struct Row {
-    Index vertex, part;
-    double mass;
-    CellWeights weights;
+  struct Part {
+    std::array<Index, 8> nodes;
+    CellMatrix matrix, fluctuation;
   };
-  Index node(Index part, int n) const { return lattice_.parts[std::size_t(part)].nodes[std::size_t(n)]; }
-  Vec3d value(const Row& row, const Mat3X<double>& q) const {
-    Vec3d sum = Vec3d::Zero();
-    for (int n = 0; n < 8; ++n) sum += row.weights[n] * q.col(node(row.part, n));
-    return sum;
-  }
-  void add(const Row& row, const Vec3d& value, Mat3X<double>& r) const {
-    for (int n = 0; n < 8; ++n) r.col(node(row.part, n)) += row.weights[n] * value;
-  }
-  void add_fluctuation(const Mat3X<double>& q, double sign, Mat3X<double>& r) const {
-    for (const LatticeCell* cell : cells_)
-      for (int n = 0; n < 8; ++n)
-        for (int m = 0; m < 8; ++m)
-          r.col(node(cell->part, n)) += sign / square_ * cell->fluctuation(n, m) * q.col(node(cell->part, m));
+  bool is_touched(Index node) const { return touched_[std::size_t(node)] != 0; }
+  Index part_of(Index vertex) const { return lattice_.part_of_vertex[std::size_t(vertex)]; }
+  static void add(const Part& part, const CellMatrix& A, const Mat3X<double>& q, Mat3X<double>& r) {
+    Eigen::Matrix<double, 3, 8> at;
+    for (int n = 0; n < 8; ++n) at.col(n) = q.col(part.nodes[std::size_t(n)]);
+    const Eigen::Matrix<double, 3, 8> image = at * A;
+    for (int n = 0; n < 8; ++n) r.col(part.nodes[std::size_t(n)]) += image.col(n);
   }
   Mat3X<double> leave_untouched(Mat3X<double> r) const {
     for (Index n = 0; n < lattice_.node_count(); ++n)
-      if (!touched_[std::size_t(n)]) r.col(n).setZero();
+      if (!is_touched(n)) r.col(n).setZero();
     return r;
   }
 
+  const Elements& elements_;
   const Lattice& lattice_;
+  const std::vector<double>& mass_;
   const std::vector<std::uint8_t>& touched_;
-  double square_;
-  std::vector<Row> rows_;
-  std::vector<const LatticeCell*> cells_;
+  std::vector<Index> slot_;  // per part of the lattice, in parts_; −1: not touched
+  std::vector<Part> parts_;
+  std::vector<Index> vertices_;
 };
 
 }  // namespace

@@ -54,7 +54,7 @@ std::vector<Trial> solve_trials(
 double static_error(const std::vector<RegionModel>& region_of, const Trial& trial) {
   Setup setup = trial.setup;
   for (std::size_t t = 0; t < region_of.size(); ++t)  // condensed it would be the same equilibrium
-    if (region_of[t] != RegionModel::nonlinear) setup.region_of[t] = RegionModel::tensor_mass;
+    if (is_linear(region_of[t])) setup.region_of[t] = RegionModel::tensor_mass;
   StaticOptions options = static_options();
   options.start = &trial.u;
   const StaticResult found = solve_static(setup, options);

@@ -112,7 +112,8 @@ void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   LatticeRegion<Real>& region = body_.regions.reduced();
   if (!region.any()) return;
   region.set_zones(c.nodes.zones);
-  if (!region.is_embedded_as(c.nodes.is_embedded)) embed_as(c.nodes.is_embedded);
+  VertexRoles roles = region.roles(body_.model, c.nodes.is_embedded);
+  if (!region.has_roles(roles)) embed_as(std::move(roles));
   body_.motion.nodes.u = c.nodes.u;
   body_.motion.nodes.v = c.nodes.v;
   body_.motion.u.view() = c.state.u;

@@ -156,7 +156,7 @@ class World {
   void release(const std::vector<Index>& vertices);
   void move_mass();
   void embed();
-  void embed_as(std::vector<std::uint8_t> wanted);
+  void embed_as(VertexRoles wanted);
   void free_ahead(const std::vector<Index>& tets);
   void set_expanded(bool is_expanded);
   void use_mass_degree(int degree);

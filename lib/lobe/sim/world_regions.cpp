@@ -183,13 +183,12 @@ void World<Real>::embed() {
     if (item.holder != HeldVertices::boundary) touched.push_back(item.vertex);
   sort_unique(touched);
   region.look(elements(), time(), std::move(touched));
-  std::vector<std::uint8_t> wanted(std::size_t(elements().topology.vertex_count()), 0);
-  if (limit_.highest_at_rest() > 0) wanted = region.may_embed(body_.model, time());
-  if (!region.is_embedded_as(wanted)) embed_as(std::move(wanted));
+  VertexRoles wanted = region.roles(body_.model, time(), limit_.highest_at_rest() > 0);
+  if (!region.has_roles(wanted)) embed_as(std::move(wanted));
 }
 
 template <class Real>
-void World<Real>::embed_as(std::vector<std::uint8_t> wanted) {
+void World<Real>::embed_as(VertexRoles wanted) {
   LatticeRegion<Real>& region = body_.regions.reduced();
   state();
   limit_.forget();
@@ -203,11 +202,11 @@ void World<Real>::embed_as(std::vector<std::uint8_t> wanted) {
   tools_.state_was_replaced();
 }
 
-// What is cut, and what is within a cell of it, is non-linear from then on.
+// What is cut, and what is near, is non-linear from then on.
 template <class Real>
 void World<Real>::free_ahead(const std::vector<Index>& tets) {
-  const LatticeRegion<Real>& region = body_.regions.reduced();
-  if (region.any()) change_region(region.near(elements(), tets), RegionModel::nonlinear);
+  const std::vector<Index> found = body_.regions.reduced().in_the_way(elements(), tets);
+  if (!found.empty()) change_region(found, RegionModel::nonlinear);
 }
 
 // ---- Inertia

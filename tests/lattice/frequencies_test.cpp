@@ -1,0 +1,88 @@
+// Natural frequencies of a free bar at rest, all of it embedded, against those of its own tetrahedra.
+#include <doctest/doctest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "lattice_support.h"
+#include "lobe/fem/hooke.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+constexpr double edge = 0.01;
+
+Setup bar_setup(double lambda) {
+  TetMesh mesh = box_mesh({16 * edge, 4 * edge, 3 * edge}, 16, 4, 3);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> jitter(-0.15 * edge, 0.15 * edge);
+  for (double& x : mesh.points.reshaped()) x += jitter(random);
+  Setup setup = reduced_setup(mesh, 1.7 * edge);
+  setup.materials[0].lambda = lambda;
+  return setup;
+}
+
+// Those of K x = ω² M x, without the six of rigid motions [rad/s].
+Eigen::VectorXd lowest(const Eigen::MatrixXd& K, const std::vector<double>& mass, int count) {
+  Eigen::VectorXd roots(K.rows());
+  for (Eigen::Index i = 0; i < roots.size(); ++i) roots[i] = 1 / std::sqrt(mass[std::size_t(i / 3)]);
+  const Eigen::MatrixXd scaled = roots.asDiagonal() * K * roots.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .segment(6, count)
+      .cwiseSqrt();
+}
+
+void add(Index row, Index column, const Mat3<double>& block, Eigen::MatrixXd& K) {
+  K.block<3, 3>(3 * row, 3 * column) += block;
+}
+
+Eigen::MatrixXd stiffness_of_tets(const Elements& elements) {
+  const Index size = 3 * elements.topology.vertex_count();
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(size, size);
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    const Shape s = elements.shape_of(t);
+    const Elastic& e = elements.elastic_of(t);
+    const Eigen::Vector4i corners = elements.topology.corners(t);
+    for (int j = 0; j < 4; ++j)
+      for (int k = 0; k < 4; ++k)
+        add(corners[j], corners[k],
+            s.volume * hooke_block<double>(s.gradients.col(j), s.gradients.col(k), e.lambda, e.mu), K);
+  }
+  return K;
+}
+
+Eigen::MatrixXd stiffness_of_cells(const EmbeddedBox& box) {
+  const Index size = 3 * box.lattice.node_count();
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(size, size);
+  for (const LatticeCell& cell : box.embedding.cells) {
+    const Elastic& e = box.elements.elastic_of(cell.tet);
+    const auto& nodes = box.lattice.parts[std::size_t(cell.part)].nodes;
+    for (int n = 0; n < 8; ++n)
+      for (int m = 0; m < 8; ++m)
+        add(nodes[std::size_t(n)], nodes[std::size_t(m)],
+            cell.volume * hooke_block<double>(cell.gradients.row(n).transpose(),
+                                              cell.gradients.row(m).transpose(), e.lambda, e.mu) +
+                cell.fluctuation(n, m) * Mat3<double>::Identity(),
+            K);
+  }
+  return K;
+}
+
+}  // namespace
+
+TEST_CASE("a lattice has the lowest natural frequencies of its tetrahedra") {
+  for (const double lambda : {1e4, 4e4, 9e4}) {  // μ = 10⁴
+    EmbeddedBox box(bar_setup(lambda), 0);
+    give_mass(box.elements, box.lattice, box.vertex_masses(), 0, box.embedding);
+    const Eigen::VectorXd exact = lowest(stiffness_of_tets(box.elements), box.vertex_masses(), 8);
+    const Eigen::VectorXd found = lowest(stiffness_of_cells(box), box.embedding.mass, 8);
+    const Eigen::VectorXd error = found.cwiseQuotient(exact).array() - 1;
+    MESSAGE("lambda / mu " << lambda / 1e4 << ": " << (100 * error).transpose() << " %");
+    CHECK(exact[0] > 1);
+    CHECK(error.cwiseAbs().maxCoeff() < 0.06);
+    CHECK(error.cwiseAbs().mean() < 0.03);
+  }
+}

@@ -7,28 +7,55 @@
 using namespace lobe;
 using namespace lobe::test;
 
-TEST_CASE("vertices around what is touched are full until a while after, all vertices for a shorter while") {
+namespace {
+
+Index vertex_at(const Elements& elements, double x) {
+  for (Index v = 0; v < elements.topology.vertex_count(); ++v)
+    if ((elements.points.col(v) - Vec3d(x, 0, 0)).norm() < 1e-9) return v;
+  return -1;
+}
+
+}  // namespace
+
+TEST_CASE("vertices around what is touched are full until a while after, all where tools take hold or let go") {
   const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
-  const auto at = [&](double x) {
-    for (Index v = 0; v < elements.topology.vertex_count(); ++v)
-      if ((elements.points.col(v) - Vec3d(x, 0, 0)).norm() < 1e-9) return v;
-    return Index(-1);
-  };
+  const auto at = [&](double x) { return vertex_at(elements, x); };
   FullZones zones;
   zones.look(elements, 0.05, 0, {});
   CHECK_FALSE(zones.is_full(at(0), 0));
-  zones.look(elements, 0.05, 1, {at(0)});  // reaches 2 cm
-  CHECK(zones.is_full(at(0), 1));
-  CHECK(zones.is_full(at(0.02), 1));
-  CHECK_FALSE(zones.is_full(at(0.03), 1));
-  zones.look(elements, 0.05, 5, {at(0)});
-  CHECK(zones.is_full(at(0.02), 5.1));
-  zones.look(elements, 0.05, 6, {});  // it lets go
-  CHECK(zones.is_full(at(0.08), 6));
-  CHECK(zones.is_full(at(0.08), 6.19));
-  CHECK_FALSE(zones.is_full(at(0.08), 6.2));
+  zones.look(elements, 0.05, 1, {.held = {at(0)}});  // reaches 2 cm
+  CHECK(zones.is_full(at(0), 1.06));
+  CHECK(zones.is_full(at(0.02), 1.06));
+  CHECK(zones.is_full(at(0.03), 1.04));
+  CHECK_FALSE(zones.is_full(at(0.03), 1.06));
+  zones.look(elements, 0.05, 5, {.held = {at(0)}});
+  CHECK(zones.is_full(at(0.02), 5.24));
+  CHECK_FALSE(zones.is_full(at(0.08), 5));
+  zones.look(elements, 0.05, 6, {.pressed = {at(0.08)}});
+  CHECK(zones.is_full(at(0.04), 6.04));
+  CHECK_FALSE(zones.is_full(at(0.04), 6.06));
+  CHECK(zones.is_full(at(0.06), 6.06));
+  zones.look(elements, 0.05, 7, {.pressed = {at(0.07)}});  // slides
+  CHECK_FALSE(zones.is_full(at(0.04), 7));
   FullZones other;
   other.set_state(zones.state());
-  CHECK(other.is_full(at(0.08), 6.1));
+  CHECK(other.is_full(at(0.08), 7.1));
   CHECK(other.state().touched == zones.state().touched);
+}
+
+TEST_CASE("all is full while the body is quick in comparison with how far it has ever moved") {
+  const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
+  FullZones zones;
+  const auto is_full = [&](double time, double displacement, double speed, double damping) {
+    zones.look(elements, 0.05, time,
+               {.displacement = displacement, .speed = speed, .damping = damping});
+    return zones.is_full(0, time);
+  };
+  CHECK(is_full(1, 0.001, 0.01, 0));
+  CHECK_FALSE(is_full(2, 0.001, 0.007, 0));
+  CHECK(is_full(3, 0.001, 0.01, 20));
+  CHECK_FALSE(is_full(4, 0.001, 0.01, 40));  // what damping ends sooner is wrong by less
+  CHECK_FALSE(is_full(5, 0.01, 0.01, 0));
+  CHECK_FALSE(is_full(6, 0.001, 0.01, 0));  // has been further
+  CHECK_FALSE(is_full(7, 0, 0, 0));
 }

@@ -28,6 +28,7 @@ template <class Real>
 void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edit) {
   const auto enters = [&](Index t) { return elements.is_in(RegionModel::reduced, t); };
   if (!any() && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return;
+  inner_.clear();
   all_.follow(elements, edit, RegionModel::reduced);
   member_.resize(std::size_t(elements.topology.tet_count()), 0);
   for (Index t : edit.left) {
@@ -73,24 +74,46 @@ VertexRoles LatticeRegion<Real>::roles(const Model& model, std::vector<std::uint
 }
 
 template <class Real>
-VertexRoles LatticeRegion<Real>::roles(const Model& model, double time, bool may_embed) const {
-  const Topology& topology = model.elements.topology;
-  Flags may(std::size_t(topology.vertex_count()), 0), is_anchor = may;
-  if (!any() || !may_embed) return roles(model, std::move(may));
-  for (Index v : vertices_) {
-    const auto around = topology.around(v);
-    may[std::size_t(v)] = !around.empty() && !zones_.is_full(v, time);
-    is_anchor[std::size_t(v)] =
-        model.held.holds(v) ||
-        std::any_of(around.begin(), around.end(), [&](Index t) { return !member_[std::size_t(t)]; });
-  }
-  for (Index v : vertices_) {
-    if (!is_anchor[std::size_t(v)]) continue;
-    may[std::size_t(v)] = 0;
-    for (Index t : topology.around(v))
-      for (Index other : topology.corners(t)) may[std::size_t(other)] = 0;
+VertexRoles LatticeRegion<Real>::roles(const Model& model, double time, bool may_embed) {
+  Flags may(std::size_t(model.elements.topology.vertex_count()), 0);
+  if (any() && may_embed) {
+    if (inner_.size() != may.size()) find_inner(model);
+    for (Index v : vertices_) may[std::size_t(v)] = inner_[std::size_t(v)] && !zones_.is_full(v, time);
   }
   return roles(model, std::move(may));
+}
+
+template <class Real>
+void LatticeRegion<Real>::find_inner(const Model& model) {
+  const Topology& topology = model.elements.topology;
+  inner_.assign(std::size_t(topology.vertex_count()), 0);
+  for (Index v : vertices_) {
+    const auto around = topology.around(v);
+    inner_[std::size_t(v)] =
+        !around.empty() && std::all_of(around.begin(), around.end(), [&](Index t) { return has(t); });
+  }
+  for (const HeldVertices::Held& item : model.held.all())
+    for (Index t : topology.around(item.vertex))
+      for (Index v : topology.corners(t)) inner_[std::size_t(v)] = 0;
+}
+
+// Nodes count with their masses.
+template <class Real>
+void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& motion,
+                               const std::vector<double>& mass, double damping,
+                               const std::vector<Index>& held, const std::vector<Index>& pressed) {
+  if (!any()) return;
+  const auto norm = [&](const Mat3X<Real>& of_vertices, const Mat3X<Real>& of_nodes) {
+    double sum = 0;
+    for (std::size_t v = 0; v < mass.size(); ++v)
+      if (!embeds(static_cast<Index>(v))) sum += mass[v] * double(of_vertices.col(Eigen::Index(v)).squaredNorm());
+    for (std::size_t n = 0; n < embedding_.mass.size(); ++n)
+      sum += embedding_.mass[n] * double(of_nodes.col(Eigen::Index(n)).squaredNorm());
+    return std::sqrt(sum);
+  };
+  zones_.look(elements, lattice_.frame.edge, motion.time,
+              {held, pressed, norm(motion.u.padded(), motion.nodes.u),
+               norm(motion.v.padded(), motion.nodes.v), damping});
 }
 
 // Two sides of a cut must have no node in common: those that are left are half a cell away from what is cut.
@@ -361,12 +384,14 @@ typename LatticeRegion<Real>::State LatticeRegion<Real>::state(const Motion<Real
 template <class Real>
 bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) const {
   const Index vertices = elements.topology.vertex_count();
-  const auto is_vertex = [&](Index v) { return v >= 0 && v < vertices; };
+  const auto are_vertices = [&](const std::vector<Index>& list) {
+    return std::is_sorted(list.begin(), list.end()) &&
+           (list.empty() || (list.front() >= 0 && list.back() < vertices));
+  };
   bool fits = state.u.cols() == lattice_.node_count() &&
               state.is_embedded.size() == embedding_.roles.is_embedded.size() &&
               state.zones.until.size() <= std::size_t(vertices) &&
-              std::is_sorted(state.zones.touched.begin(), state.zones.touched.end()) &&
-              std::all_of(state.zones.touched.begin(), state.zones.touched.end(), is_vertex);
+              are_vertices(state.zones.held) && are_vertices(state.zones.touched);
   for (std::size_t v = 0; fits && v < state.is_embedded.size(); ++v) {
     if (!state.is_embedded[v]) continue;
     const auto around = elements.topology.around(static_cast<Index>(v));

@@ -41,14 +41,17 @@ class LatticeRegion {
   // Takes note of tetrahedra that left or entered; embed() must follow before anything is evaluated. Throws
   // InputError for cells that do not suit the tetrahedra (choose_lattice).
   void follow(const Elements& elements, const RegionEdit& edit);
-  void look(const Elements& elements, double time, std::vector<Index> touched) {
-    if (any()) zones_.look(elements, lattice_.frame.edge, time, std::move(touched));
-  }
+  // What becomes full now, while tools hold vertices and force terms act on some (sorted lists). `mass`: per
+  // vertex [kg].
+  void look(const Elements& elements, const Motion<Real>& motion, const std::vector<double>& mass,
+            double damping, const std::vector<Index>& held, const std::vector<Index>& pressed);
   // Its tetrahedra that must leave before these are cut: none while it is far from them, else more than now
   // touch them, so that it is seldom asked.
   std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const;
+  // Call it when vertices are held or let go without an edit.
+  void holds_have_changed() { inner_.clear(); }
   // What vertices may do at a time: without `may_embed`, none is embedded.
-  VertexRoles roles(const Model& model, double time, bool may_embed) const;
+  VertexRoles roles(const Model& model, double time, bool may_embed);
   VertexRoles roles(const Model& model, std::vector<std::uint8_t> is_embedded) const;
   bool has_roles(const VertexRoles& wanted) const {
     return !is_outdated_ && !has_lost_ && wanted == embedding_.roles;
@@ -131,6 +134,7 @@ class LatticeRegion {
   Flags within(const Elements& elements, const std::vector<Index>& tets, double distance) const;
 
   void list_vertices(const Topology& topology);
+  void find_inner(const Model& model);
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
   Flags touched_nodes(const Embedding& before, bool all) const;
   Flags nodes_of_changed(const Embedding& before, bool all) const;
@@ -150,6 +154,7 @@ class LatticeRegion {
   bool is_outdated_ = false;  // the lattice
   bool has_lost_ = false;     // tetrahedra since it was embedded
   FullZones zones_;
+  Flags inner_;  // per vertex: no other region has it, nor is it next to a held one; empty: not known
   Lattice lattice_;
   WholeLattice whole_;
   std::vector<LatticeCell> whole_cells_;  // of it

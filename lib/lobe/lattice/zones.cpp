@@ -1,17 +1,34 @@
 #include "lobe/lattice/zones.h"
 
 #include <algorithm>
+#include <iterator>
 #include <unordered_map>
 
 namespace lobe {
 
-void FullZones::look(const Elements& elements, double cell, double time, std::vector<Index> touched) {
-  if (touched.empty() && state_.touched.empty()) return;
-  const bool lets_go =
-      !std::includes(touched.begin(), touched.end(), state_.touched.begin(), state_.touched.end());
-  if (lets_go) state_.all_until = std::max(state_.all_until, time + burst);
+namespace {
+
+// Above which the body is quick, of speed over displacement [1/s].
+double highest_rate(double damping) {
+  constexpr double e = 2.718281828459045;
+  const double time = damping > 0 ? std::min(FullZones::longest, 2 / (e * damping)) : FullZones::longest;
+  return FullZones::most / (FullZones::share * time);
+}
+
+}  // namespace
+
+void FullZones::look(const Elements& elements, double cell, double time, const Sight& sight) {
+  const auto keep_full = [&](double while_) { state_.all_until = std::max(state_.all_until, time + while_); };
+  state_.largest = std::max(state_.largest, sight.displacement);
+  if (sight.speed > highest_rate(sight.damping) * state_.largest) keep_full(quick);
+  if (sight.held != state_.held) keep_full(burst);
+  state_.held = sight.held;
+  std::vector<Index> touched;
+  std::set_union(sight.held.begin(), sight.held.end(), sight.pressed.begin(), sight.pressed.end(),
+                 std::back_inserter(touched));
   if (touched != state_.touched) around_is_known_ = false;
   state_.touched = std::move(touched);
+  if (state_.touched.empty()) return;
   if (!around_is_known_) find_around(elements, reach * cell);
   state_.until.resize(std::size_t(elements.topology.vertex_count()), lowest);
   for (Index v : around_) state_.until[std::size_t(v)] = time + linger;

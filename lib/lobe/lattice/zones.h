@@ -1,4 +1,5 @@
-// Where reduced regions are full for a while: around what takes hold of them, and everywhere after it lets go.
+// Where reduced regions are full for a while: around what takes hold of them, and everywhere just after
+// something has taken hold or let go, and while the body moves quickly (theory, section 18).
 #pragma once
 
 #include <cmath>
@@ -13,23 +14,38 @@ namespace lobe {
 class FullZones {
  public:
   static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
-  static constexpr double burst = 0.2;    // all are full after something let go [s]
+  static constexpr double burst = 0.05;   // all are full after something has taken hold or let go [s]
+  static constexpr double quick = 0.03;   // and after the body was quick [s]
   static constexpr double reach = 0.4;    // how far around what is touched they are full, in cells
 
-  struct State {                 // part of a checkpoint
-    std::vector<Index> touched;  // sorted
-    std::vector<double> until;   // per vertex: when it was last to be full [s]; empty: none ever was
-    double all_until = lowest;   // all vertices [s]
+  // A lattice whose frequencies are off by a share moves the body wrongly by share · τ |v|, where damping ends
+  // what grows within τ. The body is quick where that is more than `most` of its largest displacement.
+  static constexpr double share = 0.05, most = 0.015;
+  static constexpr double longest = 0.04;  // τ where nothing damps [s]
+
+  struct State {                        // part of a checkpoint
+    std::vector<Index> held, touched;   // sorted; held ones are touched
+    std::vector<double> until;          // per vertex: when it was last to be full [s]; empty: none ever was
+    double all_until = lowest;          // all vertices [s]
+    double largest = 0;                 // √Σ m |u|² so far [√kg m]
     bool is_valid() const {
       for (double t : until)
         if (std::isnan(t)) return false;
-      return !std::isnan(all_until);
+      return !std::isnan(all_until) && largest >= 0;
     }
-    static constexpr auto fields = std::tuple(&State::touched, &State::until, &State::all_until);
+    static constexpr auto fields =
+        std::tuple(&State::held, &State::touched, &State::until, &State::all_until, &State::largest);
   };
 
-  // Vertices that something holds or presses now, sorted. `cell`: the edge of the lattice's cells [m].
-  void look(const Elements& elements, double cell, double time, std::vector<Index> touched);
+  struct Sight {                 // of a moment
+    std::vector<Index> held;     // vertices that tools hold, sorted
+    std::vector<Index> pressed;  // on which force terms act, sorted
+    double displacement = 0;     // √Σ m |u|² [√kg m]
+    double speed = 0;            // √Σ m |v|² [√kg m/s]
+    double damping = 0;          // γ [1/s]
+  };
+  // `cell`: the edge of the lattice's cells [m].
+  void look(const Elements& elements, double cell, double time, const Sight& sight);
   bool is_full(Index v, double time) const {
     return time < state_.all_until - just_before ||
            (v < static_cast<Index>(state_.until.size()) && time < state_.until[std::size_t(v)] - just_before);

@@ -112,6 +112,7 @@ void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   LatticeRegion<Real>& region = body_.regions.reduced();
   if (!region.any()) return;
   region.set_zones(c.nodes.zones);
+  region.holds_have_changed();
   VertexRoles roles = region.roles(body_.model, c.nodes.is_embedded);
   if (!region.has_roles(roles)) embed_as(std::move(roles));
   body_.motion.nodes.u = c.nodes.u;

@@ -154,6 +154,7 @@ void World<Real>::freeze(const std::vector<Index>& piece) {
     body_.model.held.hold({v, HeldVertices::boundary, u, u});
   }
   release(vertices);
+  body_.regions.reduced().holds_have_changed();
   embed();
 }
 

@@ -178,11 +178,12 @@ template <class Real>
 void World<Real>::embed() {
   LatticeRegion<Real>& region = body_.regions.reduced();
   if (!region.any() && !region.any_embedded()) return;
-  std::vector<Index> touched = body_.touched_by_terms();
+  std::vector<Index> pressed = body_.touched_by_terms(), in_tools;
   for (const HeldVertices::Held& item : held().all())
-    if (item.holder != HeldVertices::boundary) touched.push_back(item.vertex);
-  sort_unique(touched);
-  region.look(elements(), time(), std::move(touched));
+    if (item.holder != HeldVertices::boundary) in_tools.push_back(item.vertex);
+  sort_unique(pressed);
+  sort_unique(in_tools);
+  region.look(elements(), body_.motion, body_.inertia.mass(), body_.damping, in_tools, pressed);
   VertexRoles wanted = region.roles(body_.model, time(), limit_.highest_at_rest() > 0);
   if (!region.has_roles(wanted)) embed_as(std::move(wanted));
 }

@@ -259,6 +259,14 @@ std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, doubl
   return rows;
 }
 
+// Grasps move the other way: a gesture that nothing was chosen by.
+Scene reversed(Scene scene) {
+  for (Tool& tool : scene.tools)
+    if (tool.type == GraspSetup::type)
+      for (PathPoint& point : tool.path) point.position = -point.position;
+  return scene;
+}
+
 void print(const GestureRow& r) {
   std::printf("%-16s %7d %6.3f %-24s %7.2f %9.4f %8.2f %8.2f %9.4f %9.4f %9.4f %8.3f %7d %8.2f\n",
               r.scene.c_str(), r.tets, r.tolerance, r.regions.c_str(), r.linear_share, r.static_error,
@@ -325,12 +333,11 @@ std::string bench_gestures(const Options& options) {
     for (const char* name : {"liver_declared.json", "liver_undeclared.json"})
       scenes.push_back(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / name);
   if (options.quick) scenes.resize(1);
+  if (options.reduced && options.scenes.empty()) scenes.erase(scenes.begin());  // the same, declared
   std::vector<GestureRow> all;
   std::string names, own;
-  for (const std::filesystem::path& path : scenes) {
-    const Scene scene = read_scene(path);
-    if (!scene.auto_regions) continue;
-    names += path.stem().string() + " ";
+  const auto play_all = [&](const Scene& scene, const std::string& name) {
+    names += name + " ";
     std::vector<std::filesystem::path> meshes = options.meshes;
     meshes.insert(meshes.begin(), mesh_path(scene));
     for (const std::filesystem::path& mesh : meshes) {  // its own is drawn
@@ -340,14 +347,20 @@ std::string bench_gestures(const Options& options) {
       const bool is_one = options.quick || options.reduced || !is_own;
       for (double tolerance : is_one ? std::vector{0.02} : std::vector{0.01, 0.02, 0.05})
         for (GestureRow row : play(scene, resolved, tolerance, options.reduced)) {
-          row.scene = path.stem().string();
+          row.scene = name;
           print(row);
           all.push_back(row);
         }
     }
+  };
+  for (const std::filesystem::path& path : scenes) {
+    const Scene scene = read_scene(path);
+    if (!scene.auto_regions) continue;
+    play_all(scene, path.stem().string());
+    if (options.reduced) play_all(reversed(scene), path.stem().string() + "_reversed");
   }
   if (all.empty()) return "";
-  io::write_file(options.output / "gestures.csv", csv(all));
+  io::write_file(options.output / (options.reduced ? "reduced.csv" : "gestures.csv"), csv(all));
   return "scenes = \"" + names + "\"\nown = \"" + own + "\"\n" + gestures_plot;
 }
 

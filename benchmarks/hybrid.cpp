@@ -8,6 +8,7 @@
 
 #include "benchmarks/accuracy_cases.h"
 #include "benchmarks/accuracy_models.h"
+#include "benchmarks/frequencies.h"
 #include "benchmarks/gestures.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
@@ -243,6 +244,10 @@ void bench_hybrid(const Options& options) {
     }
   }
   if (!all.empty()) io::write_file(options.output / "hybrid.csv", csv(all));
+  if (options.reduced) {
+    bench_gestures(options);
+    return bench_frequencies(options);
+  }
   io::write_file(options.output / "hybrid.gp", (all.empty() ? "" : hybrid_plot) + bench_gestures(options));
 }
 

@@ -34,7 +34,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "kernels, realtime: timed as well as one thread; accuracy: of every run; huge: most ranks")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_flag("--reduced", options.reduced, "hybrid: only gestures, all non-linear and all reduced");
+  app.add_flag("--reduced", options.reduced, "hybrid: only gestures, all non-linear and all reduced, and natural frequencies");
   app.add_option("--minutes", options.minutes, "soak: how long; live: simulated minutes of random hands")
       ->check(CLI::Range(0.01, 1e5))
       ->capture_default_str();

@@ -62,6 +62,20 @@ def table_gestures_meshes():
     return markdown(["scene", "tetrahedra", "regions", "speed-up", "worst frame", "mean error", "largest error"], found)
 
 
+def table_reduced():
+    body = [[row["scene"].removeprefix("liver_").replace("undeclared_", "").replace("undeclared", "as shipped"),
+             thousands(row["tets"]), f"{row['speedup']:.2f}", f"{row['worst_frame']:.2f}", percent(row["mean_error"], 2),
+             percent(row["largest_error"]), percent(row["expanded"], 0)] for row in rows("reduced", regions="reduced")]
+    return markdown(["gesture", "tetrahedra", "speed-up", "worst frame", "mean error", "largest error", "full"], body)
+
+
+def table_frequencies():
+    body = [[thousands(row["tets"]), f"{row['lambda_over_mu']:.0f}", f"{1000 * row['cell']:.1f}", thousands(row["cells"]),
+             f"{row['alpha_over_mu']:.2f}", percent(row["mean_error"]), percent(row["largest_error"])]
+            for row in rows("frequencies")]
+    return markdown(["tetrahedra", "λ/μ", "cell [mm]", "cells", "α/μ", "mean error", "largest error"], body)
+
+
 def table_live():
     body = [[thousands(row["tets"]), f"{row['bare_us']:,.0f}", f"{100 * row['overhead']:.1f}",
              f"{row['publish_us']:.0f}", f"{row['seal_us']:.0f}"] for row in rows("live", frames__ge=1)]
@@ -88,7 +102,7 @@ def table_huge():
 
 
 TABLES = {"contact": table_contact, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid, "gestures": table_gestures,
-          "gestures-meshes": table_gestures_meshes}
+          "gestures-meshes": table_gestures_meshes, "reduced": table_reduced, "frequencies": table_frequencies}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)
 
 

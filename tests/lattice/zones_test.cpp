@@ -15,6 +15,13 @@ Index vertex_at(const Elements& elements, double x) {
   return -1;
 }
 
+FullZones::Sight touch(const std::vector<Index>& held, const std::vector<Index>& pressed) {
+  FullZones::Sight sight;
+  sight.held = held;
+  sight.pressed = pressed;
+  return sight;
+}
+
 }  // namespace
 
 TEST_CASE("vertices around what is touched are full until a while after, all where tools take hold or let go") {
@@ -23,19 +30,19 @@ TEST_CASE("vertices around what is touched are full until a while after, all whe
   FullZones zones;
   zones.look(elements, 0.05, 0, {});
   CHECK_FALSE(zones.is_full(at(0), 0));
-  zones.look(elements, 0.05, 1, {.held = {at(0)}});  // reaches 2 cm
+  zones.look(elements, 0.05, 1, touch({at(0)}, {}));  // reaches 2 cm
   CHECK(zones.is_full(at(0), 1.06));
   CHECK(zones.is_full(at(0.02), 1.06));
   CHECK(zones.is_full(at(0.03), 1.04));
   CHECK_FALSE(zones.is_full(at(0.03), 1.06));
-  zones.look(elements, 0.05, 5, {.held = {at(0)}});
+  zones.look(elements, 0.05, 5, touch({at(0)}, {}));
   CHECK(zones.is_full(at(0.02), 5.24));
   CHECK_FALSE(zones.is_full(at(0.08), 5));
-  zones.look(elements, 0.05, 6, {.pressed = {at(0.08)}});
+  zones.look(elements, 0.05, 6, touch({}, {at(0.08)}));
   CHECK(zones.is_full(at(0.04), 6.04));
   CHECK_FALSE(zones.is_full(at(0.04), 6.06));
   CHECK(zones.is_full(at(0.06), 6.06));
-  zones.look(elements, 0.05, 7, {.pressed = {at(0.07)}});  // slides
+  zones.look(elements, 0.05, 7, touch({}, {at(0.07)}));  // slides
   CHECK_FALSE(zones.is_full(at(0.04), 7));
   FullZones other;
   other.set_state(zones.state());
@@ -47,8 +54,7 @@ TEST_CASE("all is full while the body is quick in comparison with how far it has
   const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
   FullZones zones;
   const auto is_full = [&](double time, double displacement, double speed, double damping) {
-    zones.look(elements, 0.05, time,
-               {.displacement = displacement, .speed = speed, .damping = damping});
+    zones.look(elements, 0.05, time, {{}, {}, displacement, speed, damping});
     return zones.is_full(0, time);
   };
   CHECK(is_full(1, 0.001, 0.01, 0));

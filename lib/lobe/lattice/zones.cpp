@@ -8,7 +8,7 @@ namespace lobe {
 
 namespace {
 
-// Above which the body is quick, of speed over displacement [1/s].
+// Above which a body that swings is quick, of speed over displacement [1/s].
 double highest_rate(double damping) {
   constexpr double e = 2.718281828459045;
   const double time = damping > 0 ? std::min(FullZones::longest, 2 / (e * damping)) : FullZones::longest;
@@ -20,7 +20,8 @@ double highest_rate(double damping) {
 void FullZones::look(const Elements& elements, double cell, double time, const Sight& sight) {
   const auto keep_full = [&](double while_) { state_.all_until = std::max(state_.all_until, time + while_); };
   state_.largest = std::max(state_.largest, sight.displacement);
-  if (sight.speed > highest_rate(sight.damping) * state_.largest) keep_full(quick);
+  const bool is_quick = sight.speed > highest_rate(sight.damping) * state_.largest;
+  if (is_quick && sight.held.empty()) keep_full(quick);
   if (sight.held != state_.held) keep_full(burst);
   state_.held = sight.held;
   std::vector<Index> touched;

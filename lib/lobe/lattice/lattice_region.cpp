@@ -92,9 +92,11 @@ void LatticeRegion<Real>::find_inner(const Model& model) {
     inner_[std::size_t(v)] =
         !around.empty() && std::all_of(around.begin(), around.end(), [&](Index t) { return has(t); });
   }
-  for (const HeldVertices::Held& item : model.held.all())
+  for (const HeldVertices::Held& item : model.held.all()) {
+    if (item.holder != HeldVertices::boundary) continue;  // what tools hold is in a zone (zones.h)
     for (Index t : topology.around(item.vertex))
       for (Index v : topology.corners(t)) inner_[std::size_t(v)] = 0;
+  }
 }
 
 // Nodes count with their masses.

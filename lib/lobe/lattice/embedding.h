@@ -9,10 +9,11 @@ namespace lobe {
 
 using CellMatrix = Eigen::Matrix<double, 8, 8>;
 
-// A part of the lattice with the samples of it whose tetrahedra are not full. With the displacements q_n of its nodes
+// A part of the lattice with the samples of it whose tetrahedra are not full. With the displacements q_n of
+// its nodes
 //   F = I + Σ_n q_n ⊗ N_n,   W = V W_law(F) + ½ Σ_nm S_nm q_n·q_m.
-// S is the energy of the fluctuation ½ α |F_x − F|², half over the samples and half over the eight Gauss points
-// of the cell, which hold nodes that no sample is near. It does not resist a rotation.
+// S is the energy of the fluctuation ½ α |F_x − F|², half over the samples and half over the eight Gauss
+// points of the cell, which hold nodes that no sample is near. It does not resist a rotation.
 struct LatticeCell {
   Index part = 0, tet = 0;                          // tet: of its first sample
   double volume = 0;                                // V [m³]

@@ -133,7 +133,8 @@ std::vector<std::uint8_t> LatticeRegion<Real>::touched_nodes(const Embedding& be
   return touched;
 }
 
-// Of vertices that were embedded, or are not any more: those may change their velocity for the momentum's sake.
+// Of vertices that were embedded, or are not any more: those may change their velocity for the momentum's
+// sake.
 template <class Real>
 std::vector<std::uint8_t> LatticeRegion<Real>::nodes_of_changed(const Embedding& before, bool all) const {
   Flags changed = touched_nodes(before, all);
@@ -175,7 +176,8 @@ void LatticeRegion<Real>::add_nodes(const Lattice& lattice, const std::vector<do
   }
 }
 
-// The momentum of what an edit has removed goes with it: vertices are counted then by the masses that are left.
+// The momentum of what an edit has removed goes with it: vertices are counted then by the masses that are
+// left.
 template <class Real>
 void LatticeRegion<Real>::embed(const Model& model, Flags wanted, double omega, std::vector<double>& mass,
                                 Loads<Real>& loads, Motion<Real>& motion) {

@@ -1,7 +1,8 @@
 // The reduced regions of a body: non-linear tetrahedra whose vertices mostly follow the nodes of a lattice
 // (embedding.h), so that a step evaluates cells in place of tetrahedra. Vertices move by themselves where
 // they are held, shared with another region, next to such, or in a zone that is full for a while (zones.h).
-// A step costs some 30 ns per cell, 20 ns per embedded vertex at a full tetrahedron, and these tetrahedra.
+// In single precision a step costs some 30 ns per cell and 20 ns per embedded corner of full tetrahedra. The
+// forces of full tetrahedra come on top.
 // Forces conserve linear and angular momentum, and a rotation costs no energy.
 #pragma once
 
@@ -27,37 +28,38 @@ class LatticeRegion {
   bool any() const { return tet_count_ > 0; }
   bool embeds(Index v) const { return embedding_.embeds(v); }
   bool any_embedded() const { return !embedding_.vertices.empty(); }
-  const std::vector<Index>& vertices() const {
-    return vertices_;
-  }  // of its tetrahedra, now or before an edit
+  // Corners of its tetrahedra; until embed() also those of tetrahedra that have left.
+  const std::vector<Index>& vertices() const { return vertices_; }
   const Lattice& lattice() const { return lattice_; }
   const Embedding& embedding() const { return embedding_; }
   Index full_tet_count() const { return full_.tet_count(); }
   PatchCount past_patches() const { return past_patches_; }  // of evaluators that embed() has replaced
-  double mass_added() const { return mass_added_; }          // so that nodes need no shorter steps [kg]
+  double mass_added() const { return mass_added_; }  // to nodes, so that they need no shorter steps [kg]
 
   // ---- Edits
 
   // Takes note of tetrahedra that left or entered; embed() must follow before anything is evaluated. Throws
   // InputError for cells that do not suit the tetrahedra (choose_lattice).
   void follow(const Elements& elements, const RegionEdit& edit);
+  // Notes which vertices something holds or presses at `time` [s]. Those around them become full (zones.h).
   void look(const Elements& elements, double time, std::vector<Index> touched) {
     if (any()) zones_.look(elements, lattice_.frame.edge, time, std::move(touched));
   }
-  // Its tetrahedra that are within a cell of these, these included.
+  // Tetrahedra of reduced regions that are within a cell's edge of these, those of `tets` included.
   std::vector<Index> near(const Elements& elements, const std::vector<Index>& tets) const;
-  // Which vertices may be embedded at a time, per vertex.
+  // Per vertex, 1: it may be embedded at `time` [s].
   std::vector<std::uint8_t> may_embed(const Model& model, double time) const;
   bool is_embedded_as(const std::vector<std::uint8_t>& wanted) const {
     return !is_outdated_ && wanted == embedding_.is_embedded;
   }
-  // Embeds these vertices and no others. Displacements and velocities of vertices() must be up to date, and
-  // masses and loads those of their tetrahedra: the nodes take them over from embedded vertices. Momentum is
-  // conserved. `omega`: the highest frequency of the full body at rest [rad/s].
+  // Embeds the `wanted` vertices and no others. Conserves momentum. Displacements and velocities of
+  // vertices() must be up to date, and each vertex must have its full mass and load: those of embedded
+  // vertices then move to the nodes. `omega`: the highest frequency of the full body at rest [rad/s].
   void embed(const Model& model, std::vector<std::uint8_t> wanted, double omega,
              std::vector<double>& mass,  // per vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
-  // Takes the nearest displacements and velocities that the lattice has, after others were given.
+  // After World::set_state(): fits displacements and velocities of the nodes to those of the embedded
+  // vertices, by least squares.
   void settle_all(const Elements& elements, double omega, Motion<Real>& motion) const;
 
   struct State {       // part of a checkpoint
@@ -73,12 +75,14 @@ class LatticeRegion {
 
   // ---- A step, in this order
 
-  void place(Motion<Real>& motion, Parallel& parallel) const;  // embedded corners of full tetrahedra
+  // Computes displacements of the embedded corners of full tetrahedra from those of the nodes.
+  void place(Motion<Real>& motion, Parallel& parallel) const;
   void add_full_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     full_.add_forces(u, f, parallel);
   }
-  // Finds the forces on the nodes; `missing`: the share of the dead loads that does not act yet.
+  // Sums the forces on the nodes. `missing`: the share of the dead loads that the ramp has not applied yet.
   void collect(double missing, Motion<Real>& motion, Parallel& parallel);
+  // Moves the nodes by one step of central differences.
   Fastest<Real> push(Real kick, Real dt, Real damping, Motion<Real>& motion, Parallel& parallel) const {
     return central_difference(motion.node_forces, moving_, kick, dt, damping, motion.nodes.u, motion.nodes.v,
                               motion.node_turns, parallel);
@@ -89,7 +93,7 @@ class LatticeRegion {
 
   // Computes displacements of all embedded vertices, and velocities if asked for.
   void recover(const Elements& elements, bool velocities, StateColumns<Real>& state) const;
-  double elastic_energy(const Mat3X<Real>& u, const Nodes<Real>& nodes);  // [J], u placed
+  double elastic_energy(const Mat3X<Real>& u, const Nodes<Real>& nodes);  // [J]; call place() first
   double energy_of_loads(const Nodes<Real>& nodes) const;                 // [J]
   double kinetic_energy(const Nodes<Real>& nodes) const;                  // [J]
 

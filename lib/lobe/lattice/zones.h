@@ -1,4 +1,5 @@
-// Where reduced regions are full for a while: around what takes hold of them, and everywhere after it lets go.
+// Where reduced regions are full for a while: around what takes hold of them, and everywhere after it lets
+// go.
 #pragma once
 
 #include <cmath>

@@ -287,7 +287,8 @@ void World<Real>::play_tools(double duration, Report& report) {
   pending_.clear();
 }
 
-// A condensed interior, or vertices that follow nodes, are where nobody has looked yet, and move as they like.
+// A condensed interior, or vertices that follow nodes, are where nobody has looked yet, and move as they
+// like.
 template <class Real>
 void World<Real>::see_interior() {
   const bool is_condensed = body_.regions.any_condensed() && !body_.regions.is_expanded();

@@ -29,8 +29,8 @@ export class Stage {
     this.scene = new THREE.Scene();
     const steps = ladder(Math.min(devicePixelRatio, software ? 1 : 2));
     [this.best] = steps;
-    // Software stays in the quick look: to compile the shaders of the other takes it seconds. It draws fewer pixels
-    // before a picture takes half of what the hand may wait.
+    // Software stays in the quick look: to compile the shaders of the other takes it seconds. It draws fewer
+    // pixels sooner, so that the hand waits less.
     this.quality = software
       ? new Quality(steps.slice(firstQuick(steps)), 0, {slow: 11, quick: 5})
       : new Quality(steps, 0);

@@ -1,4 +1,5 @@
-// Walks through the live page as a new user would, and keeps a picture of each step: docs/guide/live_page.md shows them.
+// Walks through the live page as a new user would, and keeps a picture of each step, as docs/guide/live_page.md
+// shows them.
 // Usage: node walk.mjs LOBE_VIEW SCENE MODULES FOLDER, or ./dev walk. MODULES is a folder in which npm has
 // installed playwright-core; ffmpeg writes the pictures.
 import {spawnSync} from 'node:child_process';

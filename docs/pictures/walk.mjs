@@ -1,7 +1,6 @@
-// Walks through the live page as a new user would, and keeps a picture of each step, as docs/guide/live_page.md
-// shows them.
-// Usage: node walk.mjs LOBE_VIEW SCENE MODULES FOLDER, or ./dev walk. MODULES is a folder in which npm has
-// installed playwright-core; ffmpeg writes the pictures.
+// Walks through the live page as a new user would, and keeps a picture of each step, as
+// docs/guide/live_page.md shows them. Usage: node walk.mjs LOBE_VIEW SCENE MODULES FOLDER, or ./dev walk.
+// MODULES is a folder in which npm has installed playwright-core; ffmpeg writes the pictures.
 import {spawnSync} from 'node:child_process';
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';

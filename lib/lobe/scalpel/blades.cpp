@@ -94,7 +94,7 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   swept.reserve(places.size());
   for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
   const bool has_moved = has_moved_since(stroke->rows.back(), places[places.size() - 2]);
-  const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved};
+  const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved, stroke->begun};
   const std::vector<Index> tets = tets_near(swept, blade, body);
   const KnownPlacements placements(tets, body.placement);
   find_in_body(now, tets, std::ref(placements));
@@ -115,6 +115,7 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   Stroke& stroke = strokes_.emplace_back();
   stroke.tool = step.tool;
   stroke.number = step.stroke;
+  stroke.begun = begun_++;
   while (taken >> stroke.bit & 1) ++stroke.bit;
   const double length = (step.from.heel - step.from.tip).norm();
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
@@ -251,15 +252,18 @@ void Blades::keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) con
 void Blades::set_state(const State& state) {
   grains.set_on(state.on);
   strokes_ = state.strokes;
+  begun_ = state.begun;
 }
 
 bool Blades::fits(const State& state, const Grains* grains) {
-  if (!grains) return state.on.empty() && state.strokes.empty();
+  if (!grains) return state.on.empty() && state.strokes.empty() && state.begun == 0;
   const auto is_station = [&](const BladePoint& s) {
     return s.grain >= -1 && s.grain < grains->count() && s.rest.allFinite() && s.place.allFinite();
   };
   for (const Stroke& stroke : state.strokes) {
-    if (stroke.bit < 0 || stroke.bit >= Grains::most_strokes || stroke.rows.empty()) return false;
+    if (stroke.bit < 0 || stroke.bit >= Grains::most_strokes || stroke.rows.empty() || stroke.begun < 0 ||
+        stroke.begun >= state.begun)
+      return false;
     for (const Row& row : stroke.rows)
       if (row.size() < 2 || row.size() != stroke.rows.front().size() ||
           !std::all_of(row.begin(), row.end(), is_station))

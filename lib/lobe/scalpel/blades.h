@@ -53,17 +53,20 @@ class Blades {
   using Row = std::vector<BladePoint>;
   struct Stroke {
     int tool = 0, number = 0, bit = 0, rows_made = 0;
+    Index begun = 0;  // how many of the body began before
     bool goes_on = true;
     std::vector<Row> rows;  // the last few that the edge has left behind, the present one last
-    static constexpr auto fields = std::tuple(&Stroke::tool, &Stroke::number, &Stroke::bit,
-                                              &Stroke::rows_made, &Stroke::goes_on, &Stroke::rows);
+    static constexpr auto fields =
+        std::tuple(&Stroke::tool, &Stroke::number, &Stroke::bit, &Stroke::rows_made, &Stroke::begun,
+                   &Stroke::goes_on, &Stroke::rows);
   };
   struct State {  // with the grains, all that a later step depends on
     std::vector<std::uint32_t> on;
     std::vector<Stroke> strokes;
-    static constexpr auto fields = std::tuple(&State::on, &State::strokes);
+    Index begun = 0;  // strokes since the start
+    static constexpr auto fields = std::tuple(&State::on, &State::strokes, &State::begun);
   };
-  State state() const { return {grains.on(), strokes_}; }
+  State state() const { return {grains.on(), strokes_, begun_}; }
   void set_state(const State& state);
   static bool fits(const State& state, const Grains* grains);  // null: there are none
 
@@ -80,6 +83,7 @@ class Blades {
   void keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const;
 
   std::vector<Stroke> strokes_;
+  Index begun_ = 0;
 };
 
 }  // namespace lobe

@@ -337,11 +337,12 @@ void Step::open(std::vector<Index> faces) {
                              middle_of_face(code)});
     result_.area += result_.faces.back().area;
   }
-  result_.opened = grains_.open(faces);
+  result_.opened = grains_.open(faces, blade_.number);
   result_.incision.opened = std::move(faces);
 }
 
 Incised Step::cut() {
+  result_.incision.stroke = blade_.number;
   find_near();
   if (blade_.along_faces) {
     open(faces_between_sides());

@@ -13,6 +13,7 @@ struct Blade {
   // The tissue has moved since the last sheet. The straight lines between the stored places may now lie ahead
   // of the end of that sheet. The last sheet finds the edges in between.
   bool looks_back = false;
+  Index number = -1;  // the stroke's, of all strokes of the body
 
   // The distance from the sheet within which grains may have to be divided, in mean edges.
   double reach() const { return along_faces ? 2 : 2 * snap; }

@@ -32,13 +32,13 @@ class Knife {
 
   // The edge moves from one row of points to another.
   Incised sweep(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
-    swept_.push_back(Sheet(from, to));
+    swept_.add(from, to);
     const Placements at_rest = [&](Index t) {
       const Vec3d start = elements.points.col(elements.topology.corners(t)[0]);
       return Placement{start, start, Mat3<double>::Identity()};
     };
     const Incised incised =
-        incise(grains, {stroke_, snap_, along_faces_}, swept_.back(), swept_, near(swept_.back()), at_rest);
+        incise(grains, {stroke_, snap_, along_faces_}, swept_, near(swept_.last()), at_rest);
     area += incised.area;
     crumbs += incised.crumbs;
     opened_ += static_cast<Index>(incised.incision.opened.size());
@@ -88,7 +88,7 @@ class Knife {
   std::vector<Index> all_;
   int stroke_ = -1;
   Index opened_ = 0;
-  std::vector<Sheet> swept_;
+  SweptSheets swept_;
 };
 
 class Sets {  // that are joined

@@ -90,15 +90,14 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   for (std::size_t i = 0; i < there.size(); ++i) way = std::max(way, (there[i] - places.back()[i]).norm());
   if (way < least_way * grains.mean_edge()) return Incised{};
   places.push_back(there);
-  std::vector<Sheet> swept;
-  swept.reserve(places.size());
-  for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
+  SweptSheets swept;
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.add(places[i], places[i + 1]);
   const bool has_moved = has_moved_since(stroke->rows.back(), places[places.size() - 2]);
   const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved, stroke->begun};
   const std::vector<Index> tets = tets_near(swept, blade, body);
   const KnownPlacements placements(tets, body.placement);
   find_in_body(now, tets, std::ref(placements));
-  Incised incised = incise(grains, blade, swept.back(), swept, tets, std::ref(placements));
+  Incised incised = incise(grains, blade, swept, tets, std::ref(placements));
   incised.way = way_of(now, stroke->rows.back(), there, places[places.size() - 2]);
   const std::vector<Vec3d> before = places.size() > 2 ? places[places.size() - 3] : std::vector<Vec3d>{};
   keep(std::move(now), before, *stroke);
@@ -149,10 +148,10 @@ void Blades::end_strokes() {
 }
 
 // Tetrahedra near the last sheet, and that before if the blade looks back.
-std::vector<Index> Blades::tets_near(const std::vector<Sheet>& swept, const Blade& blade,
+std::vector<Index> Blades::tets_near(const SweptSheets& swept, const Blade& blade,
                                      const BodyNow& body) const {
-  const Sheet& sheet = swept.back();
-  const Sheet* last = blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr;
+  const Sheet& sheet = swept.last();
+  const Sheet* last = blade.looks_back ? swept.before_last() : nullptr;
   const double reach = std::max(blade.reach(), open_within) * grains.mean_edge();
   const Eigen::AlignedBox3d box = last ? sheet.box().merged(last->box()) : sheet.box();
   const Vec3d around = Vec3d::Constant(reach);

@@ -72,8 +72,7 @@ class Blades {
 
  private:
   Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
-  std::vector<Index> tets_near(const std::vector<Sheet>& swept, const Blade& blade,
-                               const BodyNow& body) const;
+  std::vector<Index> tets_near(const SweptSheets& swept, const Blade& blade, const BodyNow& body) const;
   Row places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const;
   void find_in_body(Row& row, const std::vector<Index>& tets, const Placements& find) const;
   static Vec3d way_of(const Row& now, const Row& before, const std::vector<Vec3d>& there,

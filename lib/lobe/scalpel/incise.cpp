@@ -31,8 +31,8 @@ class Places {
 
 class Step {
  public:
-  Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
-       const std::vector<Index>& elements, const Placements& placement);
+  Step(Grains& grains, const Blade& blade, const SweptSheets& swept, const std::vector<Index>& elements,
+       const Placements& placement);
   Incised cut();
 
  private:
@@ -83,7 +83,7 @@ class Step {
   Grains& grains_;
   const Blade blade_;
   const Sheet& sheet_;
-  const std::vector<Sheet>& swept_;
+  const SweptSheets& swept_;
   const Sheet* last_;  // none: there is no need of it
   const Placements& find_placement_;
   std::vector<std::pair<Index, Placement>> placements_, others_;  // by element, sorted; and of those beside
@@ -93,13 +93,13 @@ class Step {
   Incised result_;
 };
 
-Step::Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
-           const std::vector<Index>& elements, const Placements& placement)
+Step::Step(Grains& grains, const Blade& blade, const SweptSheets& swept, const std::vector<Index>& elements,
+           const Placements& placement)
     : grains_(grains),
       blade_(blade),
-      sheet_(sheet),
+      sheet_(swept.last()),
       swept_(swept),
-      last_(blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr),
+      last_(blade.looks_back ? swept.before_last() : nullptr),
       find_placement_(placement) {
   placements_.reserve(elements.size());
   for (Index t : elements) placements_.emplace_back(t, placement(t));
@@ -271,11 +271,7 @@ bool Step::is_near(Index grain, const Eigen::Vector3i& points) {
   Eigen::Vector3i sorted = points;  // both sides find the same sum
   std::sort(sorted.begin(), sorted.end());
   const Vec3d middle = (grains_.point(sorted[0]) + grains_.point(sorted[1]) + grains_.point(sorted[2])) / 3;
-  const Vec3d x = place(grain, middle);
-  const double within = open_within * grains_.mean_edge();
-  return std::any_of(swept_.rbegin(), swept_.rend(), [&](const Sheet& sheet) {
-    return sheet.box().squaredExteriorDistance(x) < within * within && sheet.distance(x) < within;
-  });
+  return swept_.is_near(place(grain, middle), open_within * grains_.mean_edge());
 }
 
 // Closed faces on the stroke's sheet, each from one side.
@@ -361,9 +357,9 @@ Incised Step::cut() {
 
 }  // namespace
 
-Incised incise(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
+Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept,
                const std::vector<Index>& elements, const Placements& placement) {
-  return Step(grains, blade, sheet, swept, elements, placement).cut();
+  return Step(grains, blade, swept, elements, placement).cut();
 }
 
 }  // namespace lobe

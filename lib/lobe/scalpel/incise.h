@@ -42,10 +42,9 @@ struct Incised {
   Index refused = 0;          // edges that were not bisected, of tetrahedra with the most grains already
 };
 
-// Cuts where the sheet meets these tetrahedra: all that are within reach of it. Faces open where all three
-// points lie on the stroke's sheet, and their middle near what it has swept last: `swept`, of which `sheet`
-// is one.
-Incised incise(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
+// Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all three
+// points lie on the stroke's sheets, and their middle near what it has swept last.
+Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept,
                const std::vector<Index>& elements, const Placements& placement);
 
 inline constexpr Index most_grains = 256;   // of a tetrahedron

@@ -106,4 +106,23 @@ std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
   return count % 2 == 1 ? first : std::nullopt;
 }
 
+void SweptSheets::add(std::vector<Vec3d> from, std::vector<Vec3d> to) {
+  Rows& rows = sheets_.emplace_back(Rows{std::move(from), std::move(to), {}});
+  for (const std::vector<Vec3d>* row : {&rows.from, &rows.to})
+    for (const Vec3d& p : *row) rows.box.extend(p);
+}
+
+const Sheet& SweptSheets::sheet(std::size_t i) const {
+  const Rows& rows = sheets_[i];
+  if (!rows.sheet) rows.sheet.emplace(rows.from, rows.to);
+  return *rows.sheet;
+}
+
+bool SweptSheets::is_near(const Vec3d& p, double within) const {
+  for (std::size_t i = sheets_.size(); i-- > 0;)
+    if (sheets_[i].box.squaredExteriorDistance(p) < within * within && sheet(i).distance(p) < within)
+      return true;
+  return false;
+}
+
 }  // namespace lobe

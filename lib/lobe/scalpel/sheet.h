@@ -63,4 +63,28 @@ class Sheet {
   Eigen::AlignedBox3d box_;
 };
 
+// What a stroke has swept last: sheets one after the other. One is made when it is asked for; most of the time
+// nothing is near any but the last.
+class SweptSheets {
+ public:
+  // A sheet between two rows of as many points each [m].
+  void add(std::vector<Vec3d> from, std::vector<Vec3d> to);
+  void clear() { sheets_.clear(); }
+
+  const Sheet& last() const { return sheet(sheets_.size() - 1); }
+  const Sheet* before_last() const { return sheets_.size() > 1 ? &sheet(sheets_.size() - 2) : nullptr; }
+  // Whether a point is nearer than that to any of them [m].
+  bool is_near(const Vec3d& p, double within) const;
+
+ private:
+  struct Rows {
+    std::vector<Vec3d> from, to;
+    Eigen::AlignedBox3d box;  // around them [m]
+    mutable std::optional<Sheet> sheet = {};
+  };
+  const Sheet& sheet(std::size_t i) const;
+
+  std::vector<Rows> sheets_;
+};
+
 }  // namespace lobe

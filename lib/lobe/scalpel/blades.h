@@ -74,7 +74,7 @@ class Blades {
   Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
   std::vector<Index> tets_near(const SweptSheets& swept, const Blade& blade, const BodyNow& body) const;
   Row places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const;
-  void find_in_body(Row& row, const std::vector<Index>& tets, const Placements& find) const;
+  void find_in_body(Row& row, const PlacedTets& tets) const;
   static Vec3d way_of(const Row& now, const Row& before, const std::vector<Vec3d>& there,
                       const std::vector<Vec3d>& from);
   std::vector<Vec3d> places_of(const Row& row, const BodyNow& body) const;

@@ -27,6 +27,29 @@ struct Placement {
 };
 using Placements = std::function<Placement(Index element)>;
 
+// Tetrahedra in ascending order, each with where it is.
+class PlacedTets {
+ public:
+  PlacedTets(const std::vector<Index>& tets, Placements find);
+
+  struct Placed {
+    Index tet;
+    Placement placement;
+  };
+  auto begin() const { return placed_.begin(); }
+  auto end() const { return placed_.end(); }
+  std::size_t size() const { return placed_.size(); }
+  const Placed& operator[](std::size_t i) const { return placed_[i]; }
+  bool has(Index tet) const { return find(tet) != nullptr; }
+  Placement of(Index tet) const;  // of any; found where it is not one of these
+
+ private:
+  const Placement* find(Index tet) const;
+
+  std::vector<Placed> placed_;
+  Placements find_;
+};
+
 struct Incised {
   Incision incision;
   std::vector<Index> opened;  // the tetrahedra beside the faces that were opened
@@ -44,8 +67,7 @@ struct Incised {
 
 // Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all three
 // points lie on the stroke's sheets, and their middle near what it has swept last.
-Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept,
-               const std::vector<Index>& elements, const Placements& placement);
+Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
 inline constexpr Index most_grains = 256;   // of a tetrahedron
 inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens

@@ -85,7 +85,8 @@ def cylinder(row):
     return " / ".join(example("02_cylinder_volume")[3 * row:3 * row + 3])
 
 
-def blade(column, most, region="nonlinear", digits=2):  # of the liver and the cube; bold where it is above what was aimed at
+# Of the liver and the cube; bold where it is above what was aimed at.
+def blade(column, most, region="nonlinear", digits=2):
     found = [f"{one('scalpel', column, mesh=mesh, region=region):.{digits}f}" for mesh in ("liver_10k", "cube_48k")]
     missed = [float(figure) > most for figure in found]
     if all(missed):

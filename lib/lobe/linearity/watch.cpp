@@ -103,8 +103,8 @@ bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   return was_cut;
 }
 
-// Since the last look: the means of zones that lost tetrahedra, or whose tetrahedra were divided or have other
-// vertices; of all where the world was restored.
+// Since the last look: the means of zones that lost tetrahedra, or whose tetrahedra were divided or have
+// other vertices; of all where the world was restored.
 template <class Real>
 bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   const Elements& elements = world.elements();

@@ -65,8 +65,8 @@ struct Incised {
   Index refused = 0;          // edges that were not bisected, of tetrahedra with the most grains already
 };
 
-// Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all three
-// points lie on the stroke's sheets, and their middle near what it has swept last.
+// Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all
+// three points lie on the stroke's sheets, and their middle near what it has swept last.
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
 inline constexpr Index most_grains = 256;   // of a tetrahedron

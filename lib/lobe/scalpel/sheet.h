@@ -64,8 +64,8 @@ class Sheet {
   Eigen::AlignedBox3d box_;
 };
 
-// What a stroke has swept last: sheets between rows of points, one after the other. A sheet is made when it is asked
-// for; most of the time nothing is near any but the last.
+// What a stroke has swept last: sheets between rows of points, one after the other. A sheet is made when it
+// is asked for. Most of the time nothing is near any but the last.
 class SweptSheets {
  public:
   void add(std::vector<Vec3d> row);  // of as many points as the others [m]

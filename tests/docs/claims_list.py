@@ -85,8 +85,13 @@ def cylinder(row):
     return " / ".join(example("02_cylinder_volume")[3 * row:3 * row + 3])
 
 
-def scalpel(column, mesh, region="nonlinear", digits=2):
-    return f"{one('scalpel', column, mesh=mesh, region=region):.{digits}f}"
+# Of the liver and the cube; bold where it is above what was aimed at.
+def blade(column, most, region="nonlinear", digits=2):
+    found = [f"{one('scalpel', column, mesh=mesh, region=region):.{digits}f}" for mesh in ("liver_10k", "cube_48k")]
+    missed = [float(figure) > most for figure in found]
+    if all(missed):
+        return f"**{'; '.join(found)}**"
+    return "; ".join(f"**{figure}**" if is_missed else figure for figure, is_missed in zip(found, missed))
 
 
 def cuts_left(column, cut_step, digits):
@@ -157,6 +162,7 @@ CLAIMS = [
                 f"{max(map(drawn, rows('surface'))):.0f} ns per vertex"),
     (S, lambda: f"positions and normals of the skin take {span(rows('skin'), 'update_ns', 0)} ns per vertex"),
     (S, lambda: f"with the skin takes {span(rows('skin'), 'follow_us', 0)} µs"),
+    (S, lambda: f"along the cut of a blade takes {span(rows('skin'), 'blade_us', 0)} µs per tetrahedron"),
     ("docs/scene.md", lambda: f"A force evaluation takes {kernel('svk_nodal_pressure') / kernel('svk'):.1f} times as long"),
     ("docs/stability.md", lambda: f"{len(rows('stress', passed='yes'))} of {len(rows('stress'))} runs end as they must. In "
                                   f"{len([r for r in rows('stress') if r['unravelling_s'] > 0])} of them a tangle was "
@@ -231,20 +237,14 @@ CLAIMS = [
                 f"({high(rows('gestures', regions='precomputed-corrected', tets=2925), 'watching') * 100:.0f} % at 2,925)"),
     (B, lambda: f"masses {span(rows('gestures', regions='selective-mass-corrected', tets=[10299, 12022]), 'watching', 1, 100)} % "
                 f"at 10,299 and 12,022, {watching('selective-mass-corrected', 50247)} % at 50,247"),
-    (B, lambda: f"| geometry per cut tetrahedron, liver; cube [µs] | 5 | **{scalpel('geometry_us', 'liver_10k', digits=0)}; "
-                f"{scalpel('geometry_us', 'cube_48k', digits=0)}** |"),
-    (B, lambda: f"| all, non-linear, in batches of 8; 47 [µs, wall] | 12 | **{scalpel('all_us', 'liver_10k', digits=0)}; "
-                f"{scalpel('all_us', 'cube_48k', digits=0)}** |"),
-    (B, lambda: f"| all, tensor-mass [µs, wall] | 15 | **{scalpel('all_us', 'liver_10k', 'tensor-mass', 0)}; "
-                f"{scalpel('all_us', 'cube_48k', 'tensor-mass', 0)}** |"),
-    (B, lambda: f"| frame of a 40 mm blade, liver; cube [ms, wall] | 0.3 | **{scalpel('frame_ms', 'liver_10k')}; "
-                f"{scalpel('frame_ms', 'cube_48k')}** |"),
-    (B, lambda: f"| bytes of grains per cut tetrahedron, liver; cube | 400 | **{scalpel('bytes', 'liver_10k', digits=0)}; "
-                f"{scalpel('bytes', 'cube_48k', digits=0)}** |"),
-    (B, lambda: f"| step after a full cut, non-linear, liver; cube | 1.10 | {scalpel('step_ratio', 'liver_10k')}; "
-                f"**{scalpel('step_ratio', 'cube_48k')}** |"),
-    (B, lambda: f"| the same, tensor-mass | 1.10 | **{scalpel('step_ratio', 'liver_10k', 'tensor-mass')}; "
-                f"{scalpel('step_ratio', 'cube_48k', 'tensor-mass')}** |"),
+    (B, lambda: f"| geometry per cut tetrahedron, liver; cube [µs] | 5 | {blade('geometry_us', 5, digits=0)} |"),
+    (B, lambda: f"| all, non-linear, in batches of 8; 47 [µs, wall] | 12 | {blade('all_us', 12, digits=0)} |"),
+    (B, lambda: f"| all, tensor-mass [µs, wall] | 15 | {blade('all_us', 15, 'tensor-mass', 0)} |"),
+    (B, lambda: f"| frame of a 40 mm blade, liver; cube [ms, wall] | 0.3 | {blade('frame_ms', 0.3)} |"),
+    (B, lambda: f"| bytes of grains per cut tetrahedron, liver; cube | 400 | {blade('bytes', 400, digits=0)} |"),
+    (B, lambda: f"| step after a full cut, non-linear, liver; cube | 1.10 | {blade('step_ratio', 1.1)} |"),
+    (B, lambda: f"| the same, tensor-mass | 1.10 | {blade('step_ratio', 1.1, 'tensor-mass')} | copies add edges and vertices; a "
+                f"world built afresh from the cut body takes {blade('fresh_ratio', 9, 'tensor-mass')} |"),
     (B, lambda: f"worst; median | 0.7; 0.95 | {cuts_left('worst_limit', 0.75, 3)}; {cuts_left('median_limit', 0.75, 2)} | "
                 f"without the floor {cuts_left('worst_limit', 0, 2)}; {cuts_left('median_limit', 0, 2)} |"),
     (B, lambda: f"`page.csv` has {page('p50_ms')[0]} and {page('p95_ms')[0]} ms all by software, and {page('p50_ms')[1]} and "

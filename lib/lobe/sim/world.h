@@ -222,7 +222,6 @@ class World {
   std::unique_ptr<Blades> prepared_;                // what they will be then, while the mesh is as it is now
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
-  double longest_move_;                             // a step that moves a vertex further is trouble [m]
   TouchExpansion touch_expansion_;
   std::vector<Condition> pending_;  // found by edits; part of the next report
   Display<Real> display_;

@@ -101,8 +101,9 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
 template <class Real>
 bool World<Real>::is_in_trouble(double dt, bool first_try) const {
   const Speeds& speeds = body_.motion.speeds;
-  if (!(speeds.fastest * dt < longest_move_)) return true;
-  return first_try && speeds.reversing * dt > 0.02 * longest_move_;
+  const double longest = body_.motion.longest_move;
+  if (!(speeds.fastest * dt < longest)) return true;
+  return first_try && speeds.reversing * dt > 0.02 * longest;
 }
 
 // The vertex that is fastest or not a number, for messages.

@@ -50,6 +50,7 @@ void bench_haptic(const Options& options);
 void bench_skin(const Options& options);
 void bench_scalpel(const Options& options);
 void bench_contact(const Options& options);
+void bench_palpation(const Options& options);
 void bench_huge(const Options& options);
 void bench_soak(const Options& options);
 

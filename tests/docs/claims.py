@@ -10,7 +10,7 @@ import re
 import sys
 
 from claims_list import CLAIMS
-from results import ROOT, percent, rows, thousands
+from results import ROOT, one, percent, rows, thousands
 
 
 def markdown(header, body):
@@ -79,6 +79,22 @@ def table_contact():
                      "stable step over that without"], body)
 
 
+def table_palpation():
+    places = ("right of the tumour", "over the tumour", "left of the tumour")
+    body = [[place, *(f"{one('palpation', 'force_N', place=place, tumour=t, indentation_mm=7):.1f} N" for t in ("yes", "no"))]
+            for place in places]
+    return markdown(["place", "with the tumour", "without"], body)
+
+
+def table_haptic():
+    chosen = dict(mesh="liver_10k", speed=0.1)
+    body = []
+    for row in rows("haptic", frame_hz=120, **chosen):
+        slow = one("haptic", "rms", frame_hz=20, method=row["method"], **chosen)
+        body.append([row["method"], *(f"{100 * row[column]:.1f}" for column in ("rms", "max", "jump")), f"{100 * slow:.1f}"])
+    return markdown(["between frames", "rms %", "largest %", "largest jump %", "rms % at 20 Hz"], body)
+
+
 def table_huge():
     body = [[thousands(row["tets"]), thousands(row["ranks"]), f"{row['wall_s']:.1f} s",
              thousands(row["newton"]), thousands(row["linear"]), f"{row['peak_rank_bytes'] / 1e9:.2f} GB",
@@ -87,8 +103,9 @@ def table_huge():
                      "received per product, all ranks"], body)
 
 
-TABLES = {"contact": table_contact, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid, "gestures": table_gestures,
-          "gestures-meshes": table_gestures_meshes}
+TABLES = {"contact": table_contact, "haptic": table_haptic, "palpation": table_palpation,
+          "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
+          "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)
 
 

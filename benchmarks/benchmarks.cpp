@@ -18,6 +18,7 @@ std::span<const Benchmark> all_benchmarks() {
       {"skin", "a fine textured surface: cost per frame, and at a cut", bench_skin},
       {"contact", "what contact costs per step, far and touching, and does to the time step limit",
        bench_contact},
+      {"palpation", "what a finger feels over a tumour, beside it and without it", bench_palpation},
       {"live", "what a session costs beside its frames; a replay of minutes of random hands", bench_live},
       {"haptic", "forces between frames against frames of 1 ms; how punctual a loop at 1 kHz is",
        bench_haptic},

@@ -14,10 +14,10 @@ struct Options {
   std::filesystem::path output;  // made if it does not exist
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
-  int threads = 1;      // kernels, realtime: if above 1, timed as well as one thread; accuracy: of every run;
-                        // huge: most ranks
+  int threads = 1;  // kernels, realtime: if above 1, timed as well as one thread; accuracy: of every run;
+                    // huge: most ranks
   bool reduced = false;  // hybrid: only gestures, all non-linear and all reduced, and natural frequencies
-  double minutes = 10;  // soak: of wall time; live: simulated
+  double minutes = 10;   // soak: of wall time; live: simulated
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
   std::vector<std::filesystem::path> meshes;  // accuracy, hybrid, realtime: of the one scene, beside its own
 };
@@ -51,6 +51,7 @@ void bench_haptic(const Options& options);
 void bench_skin(const Options& options);
 void bench_scalpel(const Options& options);
 void bench_contact(const Options& options);
+void bench_palpation(const Options& options);
 void bench_huge(const Options& options);
 void bench_soak(const Options& options);
 

@@ -85,8 +85,8 @@ Eigen::VectorXd Linearised::lowest_frequencies() const {
         Eigen::HouseholderQR<Eigen::MatrixXd>(factor->solve_all(M.asDiagonal() * X)).householderQ() *
         Eigen::MatrixXd::Identity(n, block);
     const Eigen::MatrixXd KQ = K.selfadjointView<Eigen::Lower>() * Q;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(
-        Q.transpose() * KQ, Q.transpose() * M.asDiagonal() * Q);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(Q.transpose() * KQ,
+                                                                          Q.transpose() * M.asDiagonal() * Q);
     squares = small.eigenvalues();
     X = Q * small.eigenvectors();
   }
@@ -202,8 +202,8 @@ std::string csv(const std::vector<FrequencyRow>& rows) {
   out << "scene,tets,lambda_over_mu,cell,cells,full_tets,alpha_over_mu,mean_error,largest_error\n"
       << std::setprecision(4);
   for (const FrequencyRow& r : rows)
-    out << r.scene << ',' << r.tets << ',' << r.ratio << ',' << r.edge << ',' << r.cells << ',' << r.full << ','
-        << r.stiffness << ',' << r.mean << ',' << r.worst << '\n';
+    out << r.scene << ',' << r.tets << ',' << r.ratio << ',' << r.edge << ',' << r.cells << ',' << r.full
+        << ',' << r.stiffness << ',' << r.mean << ',' << r.worst << '\n';
   return out.str();
 }
 

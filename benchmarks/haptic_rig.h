@@ -172,14 +172,15 @@ inline Predict linear_in_time(const std::vector<FeltFrame>& frames) {
   };
 }
 
-// [PDA] reference [15]: along the tool's last motion.
+// [PDA] reference [15]: along the tool's last motion, but no further than 1.5 times that, as far as linear in
+// time goes. After a rest the last motion is tiny, and what it says about further places is worth nothing.
 inline Predict linear_in_position(const std::vector<FeltFrame>& frames, const HandPath& path) {
   return [&](std::size_t k, double time) -> Vec3d {
     if (k < 2) return Vec3d::Zero();
     const FeltFrame &last = frames[k - 1], &former = frames[k - 2];
     const Vec3d d = last.position - former.position;
     if (d.norm() < 1e-6) return last.force;
-    const double share = (path.at(time) - last.position).dot(d) / d.squaredNorm();
+    const double share = std::clamp((path.at(time) - last.position).dot(d) / d.squaredNorm(), -1.5, 1.5);
     return last.force + share * (last.force - former.force);
   };
 }

@@ -23,7 +23,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   lobe::bench::Options& options = arguments.options;
   app.add_option("NAME", arguments.name,
                  "which benchmark: kernels, cut, realtime, features, hybrid, accuracy, validation, surface, "
-                 "skin, scalpel, contact, live, haptic, huge, stress or soak")
+                 "skin, scalpel, contact, palpation, live, haptic, huge, stress or soak")
       ->required();
   app.add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   app.add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")
@@ -34,7 +34,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "kernels, realtime: timed as well as one thread; accuracy: of every run; huge: most ranks")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_flag("--reduced", options.reduced, "hybrid: only gestures, all non-linear and all reduced, and natural frequencies");
+  app.add_flag("--reduced", options.reduced,
+               "hybrid: only gestures, all non-linear and all reduced, and natural frequencies");
   app.add_option("--minutes", options.minutes, "soak: how long; live: simulated minutes of random hands")
       ->check(CLI::Range(0.01, 1e5))
       ->capture_default_str();

@@ -40,13 +40,14 @@ View view_of(const Camera& camera) {
   return view;
 }
 
-// Everything that must be seen: organs and the tips of tools.
+// Everything that must be seen: organs, the tips of tools, the places of bodies.
 std::vector<Vec3> points_to_show(const std::vector<LoadedPanel>& panels) {
   std::vector<Vec3> points;
   for (const auto& [panel, surface] : panels) {
     for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
       points.emplace_back(Eigen::Map<const Vec3>(surface->GetPoint(i)));
     for (const Tool& tool : panel.tools) points.push_back(tool.position);
+    for (const Body& body : panel.bodies) points.push_back(body.position);
   }
   return points;
 }
@@ -136,6 +137,7 @@ void fill_panel(vtkRenderer* renderer, const LoadedPanel& loaded, const View& vi
   add_organ(renderer, surface, panel, colors);
   for (const Tool& tool : panel.tools)
     add_tool(renderer, tool, default_axis(tool, surface, view), view.out, 2 * surface->GetLength());
+  for (const Body& body : panel.bodies) add_body(renderer, body);
   add_title(renderer, panel.title, size);
   if (panel.color == "region") add_region_legend(renderer, regions_shown(surface), size);
   if (by_array) add_color_scale(renderer, colors, panel.color, size);

@@ -100,6 +100,29 @@ Tool read_tool(const json& object, const std::string& place) {
   return tool;
 }
 
+Body read_body(const json& object, const std::string& place) {
+  check_keys(object, place, {"box", "capsule", "position", "orientation"});
+  if (object.contains("box") == object.contains("capsule")) fail(place, "needs \"box\" or \"capsule\"");
+  Body body;
+  optional_key(object, place, "box", [&](const json& v, const Place& at) {
+    body.box = numbers<3>(v, at);
+    if (!(body.box.minCoeff() > 0)) fail(at, "must be above 0");
+  });
+  optional_key(object, place, "capsule", [&](const json& v, const Place& at) {
+    const auto size = numbers<2>(v, at);
+    if (!(size[0] > 0) || size[1] < 0) fail(at, "must be [radius, length], above 0 and at least 0");
+    body.radius = size[0];
+    body.length = size[1];
+  });
+  body.position = numbers<3>(required_key(object, place, "position"), place + "/position");
+  optional_key(object, place, "orientation", [&](const json& v, const Place& at) {
+    body.orientation.coeffs() = numbers<4>(v, at);
+    if (!(body.orientation.norm() > 0)) fail(at, "must not be zero");
+    body.orientation.normalize();
+  });
+  return body;
+}
+
 std::filesystem::path mesh_path(const json& value, const std::string& place,
                                 const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / text(value, place);
@@ -108,7 +131,8 @@ std::filesystem::path mesh_path(const json& value, const std::string& place,
 }
 
 Panel read_panel(const json& object, const std::string& place, const std::filesystem::path& folder) {
-  check_keys(object, place, {"mesh", "first", "title", "color", "range", "edges", "fibres", "tools"});
+  check_keys(object, place,
+             {"mesh", "first", "title", "color", "range", "edges", "fibres", "tools", "bodies"});
   Panel panel;
   panel.mesh = mesh_path(required_key(object, place, "mesh"), place + "/mesh", folder);
   optional_key(object, place, "first",
@@ -130,6 +154,10 @@ Panel read_panel(const json& object, const std::string& place, const std::filesy
   optional_key(object, place, "tools", [&](const json& v, const Place& at) {
     for_each(v, at,
              [&](const json& tool, const Place& there) { panel.tools.push_back(read_tool(tool, there)); });
+  });
+  optional_key(object, place, "bodies", [&](const json& v, const Place& at) {
+    for_each(v, at,
+             [&](const json& body, const Place& there) { panel.bodies.push_back(read_body(body, there)); });
   });
   return panel;
 }

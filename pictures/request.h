@@ -4,7 +4,8 @@
 //      "out": "picture_0.50.png", "size": [1280, 960],
 //      "panels": [{"mesh": "frame_0015.vtu", "title": "t = 0.50 s", "color": "region",
 //                  "edges": true, "fibres": true, "first": "frame_0000.vtu", "range": [0, 1],
-//                  "tools": [{"type": "cautery", "position": [0, 0, 0.05], "radius": 0.006}]}],
+//                  "tools": [{"type": "cautery", "position": [0, 0, 0.05], "radius": 0.006}],
+//                  "bodies": [{"box": [0.01, 0.02, 0.03], "position": [0, 0, 0.1]}]}],
 //      "camera": {"direction": [0.3, -1, 0.4], "up": [0, 0, 1], "zoom": 1},
 //      "clip": {"point": [0, 0, 0], "normal": [0, -1, 0]}}]}
 //
@@ -13,6 +14,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -32,6 +34,15 @@ struct Tool {
   std::optional<Vec3> direction;  // from the tip along the shaft; default: up and out of the picture
 };
 
+// A rigid body of the scenes: jaws, an obstacle.
+struct Body {
+  Vec3 box = Vec3::Zero();  // edges of a box about its position [m]; 0: it is a capsule
+  double radius = 0;        // of a capsule [m]
+  double length = 0;        // of its axis, from its position along z [m]
+  Vec3 position = Vec3::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+};
+
 struct Panel {
   std::filesystem::path mesh;  // VTU, VTP, OBJ, STL or PLY
   std::filesystem::path
@@ -43,6 +54,7 @@ struct Panel {
   bool edges = false;
   bool fibres = false;  // short lines along the cell array `fibre`, as far as it lies in the surface
   std::vector<Tool> tools;
+  std::vector<Body> bodies;
 };
 
 struct Camera {

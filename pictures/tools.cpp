@@ -2,6 +2,7 @@
 
 #include <vtkActor.h>
 #include <vtkConeSource.h>
+#include <vtkCubeSource.h>
 #include <vtkLineSource.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
@@ -63,6 +64,19 @@ vtkProperty* add_ball(vtkRenderer* renderer, const Vec3& center, double radius, 
   return add(renderer, sphere, color);
 }
 
+vtkNew<vtkTransformPolyDataFilter> moved(vtkAlgorithm* source, const Eigen::Matrix3d& axes,
+                                         const Vec3& position) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = axes;
+  matrix.topRightCorner<3, 1>() = position;
+  vtkNew<vtkTransform> placed;
+  placed->SetMatrix(matrix.data());
+  vtkNew<vtkTransformPolyDataFilter> transform;
+  transform->SetInputConnection(source->GetOutputPort());
+  transform->SetTransform(placed);
+  return transform;
+}
+
 // A cone from its base to its point, squeezed along `flat` to the given share of its width.
 vtkProperty* add_spike(vtkRenderer* renderer, const Vec3& base, const Vec3& point, double radius,
                        const Vec3& flat, double share, const Color& color) {
@@ -75,15 +89,7 @@ vtkProperty* add_spike(vtkRenderer* renderer, const Vec3& base, const Vec3& poin
   axes.col(1) = (flat - flat.dot(axes.col(0)) * axes.col(0)).normalized();
   axes.col(2) = axes.col(0).cross(axes.col(1));
   axes.col(1) *= share;
-  vtkNew<vtkTransform> placed;
-  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
-  matrix.topLeftCorner<3, 3>() = axes;
-  matrix.topRightCorner<3, 1>() = (base + point) / 2;
-  placed->SetMatrix(matrix.data());
-  vtkNew<vtkTransformPolyDataFilter> transform;
-  transform->SetInputConnection(cone->GetOutputPort());
-  transform->SetTransform(placed);
-  return add(renderer, transform, color);
+  return add(renderer, moved(cone, axes, (base + point) / 2), color);
 }
 
 // Bare metal near the tip, then the insulating sleeve.
@@ -156,6 +162,20 @@ void add_tool(vtkRenderer* renderer, const Tool& tool, const Vec3& away, const V
       break;
   }
   for (const Vec3& point : tool.points) add_ball(renderer, point, 0.18 * tool.radius, held);
+}
+
+void add_body(vtkRenderer* renderer, const Body& body) {
+  if (body.box.isZero(0)) {
+    const Vec3 end = body.position + body.orientation * Vec3(0, 0, body.length);
+    if (body.length > 0) add_rod(renderer, body.position, end, body.radius, steel);
+    for (const Vec3& tip : {body.position, end}) add_ball(renderer, tip, body.radius, steel);
+    return;
+  }
+  vtkNew<vtkCubeSource> cube;
+  cube->SetXLength(body.box.x());
+  cube->SetYLength(body.box.y());
+  cube->SetZLength(body.box.z());
+  add(renderer, moved(cube, body.orientation.toRotationMatrix(), body.position), steel);
 }
 
 }  // namespace picture

@@ -1,6 +1,6 @@
-// Walks through the live page as a new user would, and keeps a picture of each step: docs/live.md shows them.
-// Usage: node walk.mjs LOBE_VIEW SCENE MODULES FOLDER, or ./dev walk. MODULES is a folder in which npm has
-// installed playwright-core; ffmpeg writes the pictures.
+// Walks through the live page as a new user would, and keeps a picture of each step, as
+// docs/guide/live_page.md shows them. Usage: node walk.mjs LOBE_VIEW SCENE MODULES FOLDER, or ./dev walk.
+// MODULES is a folder in which npm has installed playwright-core; ffmpeg writes the pictures.
 import {spawnSync} from 'node:child_process';
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -11,7 +11,7 @@ const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resol
 const folder = mkdtempSync(path.join(tmpdir(), 'lobe-walk-'));
 const server = new Server(program, '--save-to', folder);
 const browser = await findBrowser(modules).launch();
-const page = await browser.newPage({viewport: {width: 1120, height: 680}});
+const page = await browser.newPage({viewport: {width: 1280, height: 720}});
 
 // What draws here is not a graphics card, but has as much time.
 await page.addInitScript(() => {

@@ -1,10 +1,12 @@
-// All of lobe in one header. Folders are the chapters of the theory (docs/theory.md):
+// What an application usually needs, in one header; contact/ and haptic/ have headers of their own. Folders
+// are the chapters of the theory (docs/theory.md):
 //   mesh/         tetrahedra, topology and surface that follow cuts, quality
 //   numerics/     sparse factors, dense products, highest eigenvalues
 //   fem/          the mathematics of one element, and the elements of a body
 //   setup/        the setup of a world: a body, its loads, its held vertices, its tools
 //   region/       tensor-mass and non-linear regions that share vertices
-//   condense/     pre-computed linear regions, reduced to what they share with others
+//   condense/     pre-computed linear regions, condensed to what they share with others
+//   lattice/      reduced regions: a lattice moves most of their vertices
 //   body/         all regions of a body, its state, its loads, forces from outside
 //   cut/          tetrahedra that an instrument touches
 //   scalpel/      blades that divide tetrahedra into grains
@@ -17,7 +19,7 @@
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
 //   diagnostics/  strain, stress, volume, differences between results
-//   snapshot/     pictures of a running simulation, for other threads
+//   snapshot/     snapshots of a running simulation, for other threads
 //   skin/         a fine textured surface that the tetrahedra carry
 //   run/          a scene played, recorded and reported
 //   live/         a session: a world that follows the clock while people lead its tools
@@ -26,67 +28,77 @@
 // Glossary. One word for one thing, here and in docs/README.md:
 //   body: what is simulated: one mesh with its materials, regions and loads; an organ.
 //   mesh: the tetrahedra and vertices of a body, at rest.
+//   world: a body that is being simulated: its state, its tools and its time; C++ class World.
+//   scene: a JSON file that says what a world starts from and what happens in it.
 //   rest position: where a vertex is without loads [m].
 //   displacement: present position less rest position [m].
 //   region: the part of a body that one model computes.
-//   non-linear region: a region of St Venant-Kirchhoff or neo-Hookean tetrahedra; right for large
-//     displacements.
+//   non-linear region: a region of St Venant-Kirchhoff or neo-Hookean tetrahedra, for large
+//     displacements and rotations.
 //   linear region: a tensor-mass or a pre-computed region; right for small strains without rotation.
-//   tensor-mass region: a linear region that moves with its own inertia.
+//   tensor-mass region: a linear region that moves with its own inertia; the paper's non-linear
+//     tensor-mass model is the evaluator stored.
 //   pre-computed region: a linear region that is condensed to its interface; precomputed in scenes.
 //   interface: the vertices that a region shares with other regions.
 //   condense: to eliminate the interior of a linear region, so that only its interface remains (static
 //     condensation).
 //   relinearise: to linearise a pre-computed region again about the present displacement.
-//   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for that.
-//   reduced region: a non-linear region whose vertices follow a lattice where motion is smooth.
+//   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for
+//     that.
+//   reduced region: a non-linear region whose vertices mostly follow a coarse lattice, for motion that
+//     is smooth across a cell.
 //   lattice: cubic cells over reduced regions, with nodes at their corners.
 //   embedded vertex: a vertex that follows the nodes of a lattice.
-//   full: computed by its own vertices; a full zone of a reduced region is so for a while.
+//   full: not moved by the lattice: a full vertex moves by itself, a full tetrahedron is evaluated as
+//     it is.
 //   zone: a connected group of tetrahedra that changes its model as a whole.
 //   piece: tetrahedra that are connected by faces; a loose piece is one that nothing holds.
 //   contact patch: the tetrahedra around what a haptic tool touches, whose stiffness it feels.
-//   patch: up to 512 tetrahedra that are evaluated together.
+//   patch: up to 512 tetrahedra that are evaluated together; not a contact patch.
 //   held vertex: a vertex whose position the boundary conditions prescribe.
 //   driven vertex: a held vertex whose prescribed position moves.
 //   free vertex: a vertex that nothing holds.
 //   grasped vertex: a vertex that moves with a tool.
 //   tool: a grasp, a cautery, a scalpel or a probe, on a path or moved by hand.
 //   lead: to move a tool by hand, to a new pose in each frame.
-//   hand: a number under which a person or program commands one tool.
+//   hand: what moves one tool in a session; a controller names each of its hands by a number.
 //   controller: a person or program that has hands in a session.
-//   gesture: a motion or force that a scene declares, for which regions are chosen.
-//   frame: the time between two pictures; tools, cuts and edits act at its start.
+//   gesture: a motion or force that acts on the body; a declared gesture stands in the scene, and
+//     regions are chosen for it.
+//   frame: the simulated time of one call of advance(); tools, cuts and edits act at its start.
 //   step: one advance of the explicit scheme; a frame takes as many as stability needs.
-//   stable step: the longest step that does not grow an error: 2/ω_max.
-//   diagonal stiffness: the stiffness that each vertex feels when it moves while its neighbours are held.
+//   stable step: the longest step in which an error does not grow: 2/ω_max, with ω_max the highest
+//     frequency of the body [rad/s].
+//   diagonal stiffness: the stiffness that each vertex feels when it moves while its neighbours are
+//     held.
 //   lumped mass: a diagonal mass matrix, a quarter of each tetrahedron's mass at each corner.
 //   selective mass: inertia that is larger for short waves, so that steps may be longer.
 //   mass floor: mass added where a blade has cut, so that the stable step does not shrink.
-//   watch: estimates an error while a scene runs, and asks for corrections.
-//   sleep: parts at rest are left out of the evaluation until they move.
+//   watch: the part of lobe that estimates an error while a scene runs, and asks for corrections.
+//   sleep: the state of parts at rest, which are not evaluated until they move.
 //   guard: an energy that keeps crushed non-linear tetrahedra from collapsing.
-//   tangle: crushed tetrahedra that hold each other inverted; the world unravels it.
+//   tangle: neighbouring tetrahedra that are inverted and keep each other so; the world unravels it.
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.
 //   skin: a finer textured surface that the tetrahedra carry.
-//   snapshot: state, surface, tools and figures of one moment, copied for other threads; a picture of the
-//     simulation.
-//   grain: a piece of a tetrahedron that the scalpel has cut.
+//   snapshot: state, surface, tools and figures of one moment, copied for other threads.
+//   grain: a part of a tetrahedron that a scalpel has cut.
 //   stroke: the way of a blade from where it begins to cut to where it stops.
 //   crumb: a tiny part that a blade would cut off; it stays attached.
-//   condition: something that a step reports by name, with a remedy.
+//   condition: what the report of a frame names, with a remedy.
 //   checkpoint: all of a world's state, from which it goes on with the same bits.
 //   same bits: results that are equal to the last digit.
 //   digest: a number that is computed from a state and differs if any bit differs.
 //   recording: the calls made to a world, with a digest after each, which a replay compares.
 //   session: a world that follows the clock while several people command it.
 //
-// Symbols (SI units): X rest position [m], x current position [m], u = x − X displacement [m], v velocity
-// [m/s], f force [N] acting ON a vertex, α_j gradient of the barycentric coordinate of vertex j [1/m], F = I
-// + Σ u_j ⊗ α_j, E Green-St Venant strain, S second Piola-Kirchhoff stress [Pa], λ, μ Lamé coefficients [Pa],
-// κ volume penalty [Pa], ρ density [kg/m³], V rest volume [m³]. [PDA]: G. Picinbono, H. Delingette, N.
-// Ayache, Real-Time Large Displacement Elasticity for Surgery Simulation: Non-Linear Tensor-Mass Model; its
-// errata are in docs/errata.md.
+// Symbols (SI units):
+//   X rest position [m]; x current position [m]; u = x − X displacement [m]; v velocity [m/s]
+//   f force that acts ON a vertex [N]
+//   α_j gradient of the barycentric coordinate of vertex j [1/m]
+//   F = I + Σ u_j ⊗ α_j deformation gradient; E Green-St Venant strain; S second Piola-Kirchhoff stress [Pa]
+//   λ, μ Lamé coefficients [Pa]; κ volume penalty [Pa]; ρ density [kg/m³]; V rest volume [m³]
+// [PDA]: G. Picinbono, H. Delingette, N. Ayache, Real-Time Large Displacement Elasticity for Surgery
+// Simulation: Non-Linear Tensor-Mass Model; its errata are in docs/errata.md.
 #pragma once
 
 #include "lobe/condense/interface_size.h"

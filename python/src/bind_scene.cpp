@@ -77,7 +77,8 @@ void bind_scene(py::module_& module) {
            "of the\n"
            "file that the document names. regions: (m,) codes of models per tetrahedron (0 tensor-mass, 1 "
            "precomputed,\n"
-           "2 nonlinear), in place of the document's. folder: what relative paths are relative to. Raises "
+           "2 nonlinear, 3 reduced), in place of the document's. folder: what relative paths are relative "
+           "to. Raises "
            "InputError\n"
            "with all faults.")
       .def_property_readonly(

@@ -1,9 +1,12 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
+#include "lobe/contact/quadrature.h"
 #include "lobe/contact/rigid_motion.h"
 #include "lobe/contact/signed_distance.h"
 #include "near.h"
@@ -39,6 +42,55 @@ TEST_CASE("the gradient of a distance is its slope, and of length 1") {
           (distance.at(x + h * at.gradient).value - distance.at(x - h * at.gradient).value) / (2 * h);
       CHECK(slope == near(1, 1e-6));
     }
+  }
+}
+
+TEST_CASE("what is said to be beyond a gap is no nearer, and little that is beyond is not said to be") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-0.03, 0.03);
+  for (const RigidShape& shape :
+       {RigidShape::sphere(0.01), RigidShape::capsule(0.006, 0.02), RigidShape::box({0.01, 0.02, 0.03}),
+        RigidShape::plane(), RigidShape::jaws({0.01, 0.006, 0.02})}) {
+    const SignedDistance distance(shape);
+    int beyond = 0, said = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3d x(any(random), any(random), any(random));
+      for (double gap : {0.0, 0.004}) {
+        const bool is_beyond = distance.at(x, 0.008).value >= gap;
+        beyond += is_beyond;
+        said += distance.is_beyond(x, gap, 0.008);
+        CHECK((is_beyond || !distance.is_beyond(x, gap, 0.008)));
+      }
+    }
+    CHECK(said > 0.9 * beyond);
+  }
+}
+
+TEST_CASE(
+    "the points of a triangle are where their weights say, and strips that are skipped hold none nearby") {
+  Mat3<double> x;
+  x << 0.1, 1.1, 0.3, 0.2, 0.1, 0.9, -0.4, 0, 0.5;
+  for (int n : {1, 2, 5}) {
+    std::vector<Vec3d> expected;
+    visit_centroids(n, [&](int, const Vec3d& weights) { expected.push_back(weights); });
+    const auto never = [](const Vec3d&, double) { return false; };
+    int count = 0;
+    visit_places(x, n, never, [&](int number, const Vec3d& place, auto&& weights) {
+      CHECK(number == count++);
+      CHECK((weights() - expected[std::size_t(number)]).norm() < 1e-12);
+      CHECK((place - x * expected[std::size_t(number)]).norm() < 1e-12);
+    });
+    CHECK(count == n * n);
+    std::vector<char> was_visited(expected.size(), 0);
+    const Vec3d corner = x.col(0);
+    const auto is_far = [&](const Vec3d& middle, double radius) {
+      return (middle - corner).norm() > radius + 0.4;
+    };
+    visit_places(x, n, is_far,
+                 [&](int number, const Vec3d&, auto&&) { was_visited[std::size_t(number)] = 1; });
+    for (std::size_t q = 0; q < expected.size(); ++q)
+      CHECK((was_visited[q] || (x * expected[q] - corner).norm() > 0.4));
+    CHECK((n < 5 || std::count(was_visited.begin(), was_visited.end(), 0) > 0));
   }
 }
 

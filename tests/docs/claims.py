@@ -10,7 +10,7 @@ import re
 import sys
 
 from claims_list import CLAIMS
-from results import ROOT, percent, rows, thousands
+from results import ROOT, one, percent, rows, thousands
 
 
 def markdown(header, body):
@@ -62,20 +62,6 @@ def table_gestures_meshes():
     return markdown(["scene", "tetrahedra", "regions", "speed-up", "worst frame", "mean error", "largest error"], found)
 
 
-def table_reduced():
-    body = [[row["scene"].removeprefix("liver_").replace("undeclared_", "").replace("undeclared", "as shipped"),
-             thousands(row["tets"]), f"{row['speedup']:.2f}", f"{row['worst_frame']:.2f}", percent(row["mean_error"], 2),
-             percent(row["largest_error"]), percent(row["expanded"], 0)] for row in rows("reduced", regions="reduced")]
-    return markdown(["gesture", "tetrahedra", "speed-up", "worst frame", "mean error", "largest error", "full"], body)
-
-
-def table_frequencies():
-    body = [[thousands(row["tets"]), f"{row['lambda_over_mu']:.0f}", f"{1000 * row['cell']:.1f}", thousands(row["cells"]),
-             f"{row['alpha_over_mu']:.2f}", percent(row["mean_error"]), percent(row["largest_error"])]
-            for row in rows("frequencies")]
-    return markdown(["tetrahedra", "λ/μ", "cell [mm]", "cells", "α/μ", "mean error", "largest error"], body)
-
-
 def table_live():
     body = [[thousands(row["tets"]), f"{row['bare_us']:,.0f}", f"{100 * row['overhead']:.1f}",
              f"{row['publish_us']:.0f}", f"{row['seal_us']:.0f}"] for row in rows("live", frames__ge=1)]
@@ -93,16 +79,33 @@ def table_contact():
                      "stable step over that without"], body)
 
 
+def table_palpation():
+    places = ("right of the tumour", "over the tumour", "left of the tumour")
+    body = [[place, *(f"{one('palpation', 'force_N', place=place, tumour=t, indentation_mm=7):.1f} N" for t in ("yes", "no"))]
+            for place in places]
+    return markdown(["place", "with the tumour", "without"], body)
+
+
+def table_haptic():
+    chosen = dict(mesh="liver_10k", speed=0.1)
+    body = []
+    for row in rows("haptic", frame_hz=120, **chosen):
+        slow = one("haptic", "rms", frame_hz=20, method=row["method"], **chosen)
+        body.append([row["method"], *(f"{100 * row[column]:.1f}" for column in ("rms", "max", "jump")), f"{100 * slow:.1f}"])
+    return markdown(["between frames", "rms %", "largest %", "largest jump %", "rms % at 20 Hz"], body)
+
+
 def table_huge():
-    body = [[thousands(row["tets"]), thousands(row["ranks"]), thousands(row["smoothing_steps"]), f"{row['wall_s']:.0f} s",
+    body = [[thousands(row["tets"]), thousands(row["ranks"]), f"{row['wall_s']:.1f} s",
              thousands(row["newton"]), thousands(row["linear"]), f"{row['peak_rank_bytes'] / 1e9:.2f} GB",
              f"{row['halo_bytes'] / 1e6:.3f} MB" if row["halo_bytes"] else "0"] for row in rows("huge")]
-    return markdown(["tetrahedra", "ranks", "smoothing steps", "wall time", "Newton", "CG in all", "memory per rank",
+    return markdown(["tetrahedra", "ranks", "wall time", "Newton", "CG in all", "memory per rank",
                      "received per product, all ranks"], body)
 
 
-TABLES = {"contact": table_contact, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid, "gestures": table_gestures,
-          "gestures-meshes": table_gestures_meshes, "reduced": table_reduced, "frequencies": table_frequencies}
+TABLES = {"contact": table_contact, "haptic": table_haptic, "palpation": table_palpation,
+          "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
+          "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)
 
 

@@ -85,8 +85,13 @@ def cylinder(row):
     return " / ".join(example("02_cylinder_volume")[3 * row:3 * row + 3])
 
 
-def scalpel(column, mesh, region="nonlinear", digits=2):
-    return f"{one('scalpel', column, mesh=mesh, region=region):.{digits}f}"
+# Of the liver and the cube; bold where it is above what was aimed at.
+def blade(column, most, region="nonlinear", digits=2):
+    found = [f"{one('scalpel', column, mesh=mesh, region=region):.{digits}f}" for mesh in ("liver_10k", "cube_48k")]
+    missed = [float(figure) > most for figure in found]
+    if all(missed):
+        return f"**{'; '.join(found)}**"
+    return "; ".join(f"**{figure}**" if is_missed else figure for figure, is_missed in zip(found, missed))
 
 
 def cuts_left(column, cut_step, digits):
@@ -117,14 +122,39 @@ def one_version(program):
     return f"{version.pop():g}" if len(version) == 1 else version
 
 
+def pressed(place, tumour="yes"):
+    """The force of a finger at an indentation of 7 mm [N]."""
+    return one("palpation", "force_N", place=place, tumour=tumour, indentation_mm=7)
+
+
+def felt():
+    over, beside = pressed("over the tumour"), max(pressed(f"{side} of the tumour") for side in ("left", "right"))
+    return over / beside, over / pressed("over the tumour", "no")
+
+
+def predicted(method, column, frame_hz=120):
+    return one("haptic", column, mesh="liver_10k", speed=0.1, method=method, frame_hz=frame_hz)
+
+
+def loop_on_the_liver():
+    rms, largest, jump = (predicted("the servo (c with a)", column) for column in ("rms", "max", "jump"))
+    assert rms <= 0.05 and largest <= 0.12 and jump <= 0.02
+    assert rms > predicted("constant", "rms") / 2 and rms > predicted("linear in time", "rms")
+    assert predicted("the servo (c with a)", "max", 20) > 0.9
+    return "Not all that was asked for holds on this liver"
+
+
 CLAIMS = [
+    ("docs/haptics.md", loop_on_the_liver),
+    ("docs/contact.md", lambda: "Over the tumour the force is {:.1f} times that beside it, and {:.1f} times that of the "
+                                "same place without it".format(*felt())),
     (R, lambda: f"runs at {realtime(10299, 1):.1f} times real time on one thread"),
     (R, lambda: f"| St Venant-Kirchhoff forces | {kernel('svk'):.2f}; {kernel('svk', precision='double'):.2f} |"),
     (R, lambda: f"| linear tensor-mass forces | {kernel('tensor_mass'):.2f}; {kernel('tensor_mass', precision='double'):.2f} |"),
     (R, lambda: f"| remove one tetrahedron [µs] | {span(cuts('nonlinear', 1), 'us_per_tet')} |"),
     (R, lambda: f"| memory per tetrahedron [bytes] | {kernel('step', 'world_bytes_per_tet'):.0f} |"),
     (R, lambda: f"| force error after cuts, against a rebuilt model | {high(rows('cut'), 'error'):.0e} |"),
-    (R, lambda: f"agree with FEniCSx and GetFEM to {independent():.0e} of the largest displacement"),
+    (R, lambda: f"agree with FEniCSx and GetFEM to {independent():.1e} of the largest displacement"),
     (R, lambda: "Turek-Hron CSM1 the deflection of the beam, extrapolated, is off by " + percent(
         one("validation", "error", family="Turek-Hron", case="CSM1", quantity="u_y(A), extrapolated"), 2)),
     (R, lambda: f"in steps of {realtime(10299, 1, 'dt_us') / 1000:.2f} ms"),
@@ -143,8 +173,8 @@ CLAIMS = [
     (R, lambda: f"| non-linear + volume term | {cylinder(2)} | 0.2 / 0.5 / 1 |"),
     ("docs/contact.md", lambda: f"A pressure of 10 kPa goes {one('contact', 'depth_at_10_kPa_mm', tets=10299, contact='far probe'):.2f} "
                                 f"mm deep on the finer organ"),
-    ("docs/huge.md", lambda: f"took {one('huge', 'wall_s', tets=1996500) / 60:.1f} minutes (asked: 10) and "
-                             f"{2 * one('huge', 'peak_rank_bytes', tets=1996500) / 2**30:.1f} GiB in all (asked: 12)"),
+    ("docs/huge.md", lambda: f"take {one('huge', 'wall_s', tets=1996500, ranks=2):.0f} s (target: 10 minutes) and "
+                             f"{2 * one('huge', 'peak_rank_bytes', tets=1996500, ranks=2) / 2**30:.1f} GiB in all (target: 12)"),
     ("docs/stability.md", lambda: f"the largest energy of the second half is {ends(growth_of_energy('single', *PLAIN), '.1f')} "
                                   f"times that of the first ({growth_of_energy('single', 'selective')[0]:.1f} with selective masses)"),
     ("docs/stability.md", lambda: "In double precision the factor is "
@@ -157,6 +187,7 @@ CLAIMS = [
                 f"{max(map(drawn, rows('surface'))):.0f} ns per vertex"),
     (S, lambda: f"positions and normals of the skin take {span(rows('skin'), 'update_ns', 0)} ns per vertex"),
     (S, lambda: f"with the skin takes {span(rows('skin'), 'follow_us', 0)} µs"),
+    (S, lambda: f"along the cut of a blade takes {span(rows('skin'), 'blade_us', 0)} µs per tetrahedron"),
     ("docs/scene.md", lambda: f"A force evaluation takes {kernel('svk_nodal_pressure') / kernel('svk'):.1f} times as long"),
     ("docs/stability.md", lambda: f"{len(rows('stress', passed='yes'))} of {len(rows('stress'))} runs end as they must. In "
                                   f"{len([r for r in rows('stress') if r['unravelling_s'] > 0])} of them a tangle was "
@@ -164,11 +195,11 @@ CLAIMS = [
     ("docs/validation.md", lambda: f"{len(rows('validation', passed='yes'))} of {len(rows('validation'))} rows passed"),
     (B, lambda: f"A liver of 10,299 tetrahedra then runs at {realtime(10299, 1):.1f} times real time on one thread"),
     (B, lambda: f"one of 51,586 at {realtime(51586, 2):.2f} times on two threads"),
-    (B, lambda: f"From 10,000 tetrahedra on they were {span(corrected(tets__ge=10000), 'speedup')} times as fast, with "
-                f"an error of at most {percent(high(corrected(tets__ge=10000), 'largest_error'))} in any frame"),
-    (B, lambda: f"With {percent(hybrid('precomputed', -1)['linear_fraction'], 0)} of the volume pre-computed a step is "
-                f"{hybrid('precomputed', -1)['speedup']:.1f} times as fast, with an error of "
-                f"{percent(hybrid('precomputed', -1)['error_l2'])} in equilibrium"),
+    (B, lambda: f"they were {span(corrected(tets__ge=10000), 'speedup')} times as fast on livers of 10,299 to 50,247 "
+                f"tetrahedra. The error was at most {percent(high(corrected(tets__ge=10000), 'largest_error'))} in every frame"),
+    (B, lambda: f"{percent(hybrid('precomputed', -1)['linear_fraction'], 0)} of the volume pre-computed, a step is "
+                f"{hybrid('precomputed', -1)['speedup']:.1f} times as fast. The relative L2 error in equilibrium is "
+                f"{percent(hybrid('precomputed', -1)['error_l2'])}."),
     (B, lambda: f"in its place: {hybrid('tensor-mass', -1)['speedup']:.1f} times as fast"),
     (B, lambda: f"right after a release the error was {span(alone(), 'largest_error', 0, 100)} %"),
     (B, lambda: f"We reached {span(corrected(tets__ge=10000), 'speedup')} times."),
@@ -231,23 +262,17 @@ CLAIMS = [
                 f"({high(rows('gestures', regions='precomputed-corrected', tets=2925), 'watching') * 100:.0f} % at 2,925)"),
     (B, lambda: f"masses {span(rows('gestures', regions='selective-mass-corrected', tets=[10299, 12022]), 'watching', 1, 100)} % "
                 f"at 10,299 and 12,022, {watching('selective-mass-corrected', 50247)} % at 50,247"),
-    (B, lambda: f"| geometry per cut tetrahedron, liver; cube [µs] | 5 | **{scalpel('geometry_us', 'liver_10k', digits=0)}; "
-                f"{scalpel('geometry_us', 'cube_48k', digits=0)}** |"),
-    (B, lambda: f"| all, non-linear, in batches of 8; 47 [µs, wall] | 12 | **{scalpel('all_us', 'liver_10k', digits=0)}; "
-                f"{scalpel('all_us', 'cube_48k', digits=0)}** |"),
-    (B, lambda: f"| all, tensor-mass [µs, wall] | 15 | **{scalpel('all_us', 'liver_10k', 'tensor-mass', 0)}; "
-                f"{scalpel('all_us', 'cube_48k', 'tensor-mass', 0)}** |"),
-    (B, lambda: f"| frame of a 40 mm blade, liver; cube [ms, wall] | 0.3 | **{scalpel('frame_ms', 'liver_10k')}; "
-                f"{scalpel('frame_ms', 'cube_48k')}** |"),
-    (B, lambda: f"| bytes of grains per cut tetrahedron, liver; cube | 400 | **{scalpel('bytes', 'liver_10k', digits=0)}; "
-                f"{scalpel('bytes', 'cube_48k', digits=0)}** |"),
-    (B, lambda: f"| step after a full cut, non-linear, liver; cube | 1.10 | {scalpel('step_ratio', 'liver_10k')}; "
-                f"**{scalpel('step_ratio', 'cube_48k')}** |"),
-    (B, lambda: f"| the same, tensor-mass | 1.10 | **{scalpel('step_ratio', 'liver_10k', 'tensor-mass')}; "
-                f"{scalpel('step_ratio', 'cube_48k', 'tensor-mass')}** |"),
+    (B, lambda: f"| geometry per cut tetrahedron, liver; cube [µs] | 5 | {blade('geometry_us', 5, digits=0)} |"),
+    (B, lambda: f"| all, non-linear, in batches of 8; 47 [µs, wall] | 12 | {blade('all_us', 12, digits=0)} |"),
+    (B, lambda: f"| all, tensor-mass [µs, wall] | 15 | {blade('all_us', 15, 'tensor-mass', 0)} |"),
+    (B, lambda: f"| frame of a 40 mm blade, liver; cube [ms, wall] | 0.3 | {blade('frame_ms', 0.3)} |"),
+    (B, lambda: f"| bytes of grains per cut tetrahedron, liver; cube | 400 | {blade('bytes', 400, digits=0)} |"),
+    (B, lambda: f"| step after a full cut, non-linear, liver; cube | 1.10 | {blade('step_ratio', 1.1)} |"),
+    (B, lambda: f"| the same, tensor-mass | 1.10 | {blade('step_ratio', 1.1, 'tensor-mass')} | copies add edges and vertices; a "
+                f"world built afresh from the cut body takes {blade('fresh_ratio', 9, 'tensor-mass')} |"),
     (B, lambda: f"worst; median | 0.7; 0.95 | {cuts_left('worst_limit', 0.75, 3)}; {cuts_left('median_limit', 0.75, 2)} | "
                 f"without the floor {cuts_left('worst_limit', 0, 2)}; {cuts_left('median_limit', 0, 2)} |"),
-    (B, lambda: f"`page.csv` has {page('p50_ms')[0]} and {page('p95_ms')[0]} ms, and {page('p50_ms')[1]} and "
+    (B, lambda: f"`page.csv` has {page('p50_ms')[0]} and {page('p95_ms')[0]} ms all by software, and {page('p50_ms')[1]} and "
                 f"{page('p95_ms')[1]} ms where only WebGL is by software"),
     (B, lambda: f"Undeclared ones: {ends(held('liver_undeclared', tets__ge=10000), '.1f')} times the tolerance "
                 f"({held('liver_undeclared', tets=2925)[0]:.1f} times at 2,925). The mean error is at most "

@@ -176,7 +176,7 @@ TEST_CASE("zones that become full and are embedded again keep linear and angular
   const Energies first = world.energies();
   const Index v = vertices_near(setup.mesh, {0.16, 0.02, 0.02}, 0.012).front();
   Index most = 0, least = setup.mesh.tet_count();
-  for (int i = 0; i < 40; ++i) {  // it is quick at first
+  for (int i = 0; i < 40; ++i) {                                // it is quick at first
     if (i == 10) world.apply(SetForces{{{v, Vec3d::Zero()}}});  // is touched, and nothing else
     if (i == 18) world.apply(SetForces{{}});
     REQUIRE(world.advance(0.02).ok);
@@ -256,7 +256,8 @@ TEST_CASE("dead loads and gravity act on what follows a lattice, and grow as the
 }
 
 TEST_CASE(
-    "a gesture on a reduced bar: steps of the limit suffice but in one frame, and held vertices are where they "
+    "a gesture on a reduced bar: steps of the limit suffice but in one frame, and held vertices are where "
+    "they "
     "should be") {
   Setup setup = pulled_bar();
   World<double> world(setup), exact(pulled_bar(RegionModel::nonlinear));

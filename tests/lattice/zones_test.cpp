@@ -24,7 +24,8 @@ FullZones::Sight touch(const std::vector<Index>& held, const std::vector<Index>&
 
 }  // namespace
 
-TEST_CASE("vertices around what is touched are full until a while after, all where tools take hold or let go") {
+TEST_CASE(
+    "vertices around what is touched are full until a while after, all where tools take hold or let go") {
   const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
   const auto at = [&](double x) { return vertex_at(elements, x); };
   FullZones zones;

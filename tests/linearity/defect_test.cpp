@@ -4,9 +4,11 @@
 
 #include <Eigen/Geometry>
 
+#include "doubled.h"
 #include "fibre_support.h"
 #include "lobe/condense/linearisation.h"
 #include "lobe/fem/svk.h"
+#include "lobe/linearity/influence.h"
 #include "near.h"
 #include "support.h"
 #include "world_support.h"
@@ -218,4 +220,44 @@ TEST_CASE("zones take every tetrahedron once, and are of about the same size") {
   CHECK(std::count(taken.begin(), taken.end(), 1) == std::ptrdiff_t(taken.size()));
   CHECK(volume == near(1e-3, 1e-12));
   CHECK_THROWS_WITH(Zones(elements, 0), doctest::Contains("must be 1 to the number of tetrahedra"));
+}
+
+TEST_CASE("a body of doubled tetrahedra that share their volume has the defects of the plain one") {
+  for (const Setup& plain : {body_of(irregular_box(3)), fibrous_setup(irregular_box(3)),
+                             averaged(hybrid_setup(irregular_box(3)))}) {
+    const Elements one(plain), two(doubled(plain));
+    const Zones zones(one, 5);
+    Zones twice = zones;
+    const auto count = static_cast<Index>(zones.of.size());
+    twice.of.insert(twice.of.end(), zones.of.begin(), zones.of.end());
+    for (std::vector<Index>& tets : twice.tets)
+      for (std::size_t i = 0, n = tets.size(); i < n; ++i) tets.push_back(tets[i] + count);
+    const Mat3X<double> u = random_displacement(plain.mesh.vertex_count(), 1e-3);
+    const Defects exact = exact_defects(one, zones, u);
+    CHECK((exact_defects(two, twice, u) - exact).norm() < 1e-12 * exact.norm());
+    const MeanDefects means(one, zones), of_two(two, twice);
+    for (Index z = 0; z < zones.count(); ++z) {
+      double volume = 0;
+      for (Index t : twice.tets[std::size_t(z)]) volume += two.volume(t);
+      CHECK(volume == near(zones.volume[std::size_t(z)], 1e-12));
+      const auto gradient = means.gradient(z, u);
+      CHECK((of_two.gradient(z, u) - gradient).norm() < 1e-12 * gradient.norm());
+      const auto about = (0.5 * gradient).eval();
+      const double stress =
+          (4e4 + 2e4) * gradient.norm() * volume;  // λ + 2μ: a defect is a small difference of it
+      for (const bool is_linear : {false, true}) {
+        const auto at = means.at(z, gradient, is_linear);
+        CHECK((of_two.at(z, gradient, is_linear) - at).norm() < 1e-12 * at.norm());
+        const auto beyond = means.beyond_tangent(z, gradient, about, is_linear);
+        CHECK((of_two.beyond_tangent(z, gradient, about, is_linear) - beyond).norm() < 1e-12 * stress);
+      }
+    }
+    HeldVertices held;
+    for (Index v = 0; v < plain.mesh.vertex_count(); ++v)
+      if (plain.mesh.points(0, v) < 1e-3)
+        held.hold({v, HeldVertices::boundary, Vec3d::Zero(), Vec3d::Zero()});
+    const Eigen::VectorXd error = Influence(one, zones, held, {}).displacement(exact);
+    CHECK((Influence(two, twice, held, {}).displacement(exact) - error).norm() <
+          1e-6 * error.norm());  // it is in single precision
+  }
 }

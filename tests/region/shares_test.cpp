@@ -1,8 +1,7 @@
 // Copies of tetrahedra that share their volume, as a blade leaves them.
 #include <doctest/doctest.h>
 
-#include <random>
-
+#include "doubled.h"
 #include "fibre_support.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/sim/world.h"
@@ -14,27 +13,6 @@ using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-// Each tetrahedron twice on the same vertices, of a random share of its volume and the rest.
-Setup doubled(Setup setup) {
-  const Index count = setup.mesh.tet_count();
-  const Tets tets = setup.mesh.tets;
-  setup.mesh.tets.resize(4, 2 * count);
-  setup.mesh.tets << tets, tets;
-  setup.mesh.labels.resize(std::size_t(2 * count), 0);
-  if (setup.mesh.fibres.cols() > 0) {
-    const Mat3X<double> fibres = setup.mesh.fibres;
-    setup.mesh.fibres.resize(3, 2 * count);
-    setup.mesh.fibres << fibres, fibres;
-  }
-  for (auto twice : {&setup.material_of}) twice->insert(twice->end(), twice->begin(), twice->end());
-  setup.region_of.insert(setup.region_of.end(), setup.region_of.begin(), setup.region_of.end());
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> share(0.01, 0.99);
-  for (Index t = 0; t < count; ++t) setup.shares.push_back(share(random));
-  for (Index t = 0; t < count; ++t) setup.shares.push_back(1 - setup.shares[std::size_t(t)]);
-  return setup;
-}
 
 Setup clamped(Setup setup) {
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)

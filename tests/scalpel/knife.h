@@ -28,17 +28,20 @@ class Knife {
     stroke_ = (stroke_ + 1) % Grains::most_strokes;
     grains.forget_stroke(stroke_);
     swept_.clear();
+    is_under_way_ = false;
   }
 
-  // The edge moves from one row of points to another.
+  // The edge moves from one row of points, which is where it is, to another.
   Incised sweep(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
-    swept_.push_back(Sheet(from, to));
+    if (!is_under_way_) swept_.add(from);
+    is_under_way_ = true;
+    swept_.add(to);
     const Placements at_rest = [&](Index t) {
       const Vec3d start = elements.points.col(elements.topology.corners(t)[0]);
       return Placement{start, start, Mat3<double>::Identity()};
     };
     const Incised incised =
-        incise(grains, {stroke_, snap_, along_faces_}, swept_.back(), swept_, near(swept_.back()), at_rest);
+        incise(grains, {stroke_, snap_, along_faces_}, swept_, PlacedTets(near(swept_.last()), at_rest));
     area += incised.area;
     crumbs += incised.crumbs;
     opened_ += static_cast<Index>(incised.incision.opened.size());
@@ -88,7 +91,8 @@ class Knife {
   std::vector<Index> all_;
   int stroke_ = -1;
   Index opened_ = 0;
-  std::vector<Sheet> swept_;
+  SweptSheets swept_;
+  bool is_under_way_ = false;
 };
 
 class Sets {  // that are joined

@@ -58,6 +58,7 @@ TEST_CASE("a sheet tells where it is crossed, and how far a point is from it") {
   CHECK(*sheet.crossing({0.3, 0.4, -1}, {0.3, 0.4, 3}) == 0.25);
   CHECK(!sheet.crossing({0.3, 0.4, 1}, {0.3, 0.4, 3}));
   CHECK(!sheet.crossing({1.3, 0.4, -1}, {1.3, 0.4, 3}));
-  CHECK(sheet.distance({0.7, 0.2, 0.5}) == 0.5);
-  CHECK(sheet.distance({1, 2, 0}) == 1);
+  CHECK(sheet.distance({0.7, 0.2, 0.5}, 2) == 0.5);
+  CHECK(sheet.distance({1, 2, 0}, 2) == 1);
+  CHECK(sheet.distance({1, 2, 0}, 0.99) > 1);  // farther than it asks for
 }

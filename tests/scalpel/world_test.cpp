@@ -247,6 +247,49 @@ TEST_CASE("a frame of a cut body has grains for cells, which fill it and do not 
   CHECK(Topology(frame.mesh).pieces().size() == 2);
 }
 
+TEST_CASE(
+    "a frame says which stroke has opened a face of a grain; so does one of a world that was restored") {
+  Setup setup = bar_and_blade();
+  setup.gravity.setZero();
+  setup.scalpels.push_back(setup.scalpels.front());  // a second blade, later and further on
+  setup.scalpels.back().name = "other";
+  for (PathPoint& row : setup.scalpels.back().path) {
+    row.time += 0.2;
+    row.position.x() -= 0.04;
+  }
+  for (Vec3d& heel : setup.scalpels.back().heels) heel.x() -= 0.04;
+  World<double> world(setup), restored(setup);
+  for (int i = 0; i < 24; ++i) {
+    REQUIRE(world.advance(1.0 / 30).ok);
+    if (i == 9) restored.restore(world.save());  // amid the first stroke and the second
+  }
+  for (int i = 10; i < 24; ++i) REQUIRE(restored.advance(1.0 / 30).ok);
+  for (World<double>* simulated : {&world, &restored}) {
+    const Folder folder;
+    const Grains& grains = *simulated->grains();
+    write_grain_frame(folder.path / "frame.vtu", simulated->elements(), grains, simulated->state().u,
+                      simulated->state().v);
+    const MeshFile frame = read_mesh(folder.path / "frame.vtu");
+    const Eigen::MatrixXd& stroke = frame.cell_data.at("stroke");
+    REQUIRE(stroke.cols() == grains.count());
+    std::array<int, 3> count{};
+    for (Index g = 0; g < grains.count(); ++g) {
+      const int number = static_cast<int>(stroke(0, g));
+      REQUIRE(number >= -1);
+      REQUIRE(number <= 1);
+      ++count[std::size_t(number + 1)];
+      bool is_open = false;
+      for (int f = 0; f < 4; ++f) is_open = is_open || grains.is_open(g, f);
+      CHECK(is_open == (number >= 0));
+      if (number < 0) continue;
+      double middle = 0;
+      for (Index p : grains[g].points) middle += grains.point(p).x() / 4;
+      CHECK(std::abs(middle - (number == 0 ? 0.0665 : 0.0265)) < 0.015);  // at rest, an edge around the blade
+    }
+    for (const int own_count : count) CHECK(own_count > 20);
+  }
+}
+
 TEST_CASE("a blade cuts with every option of a scene") {
   std::vector<Setup> setups(8, bar_and_blade(0.4));
   setups[0].materials[0].nodal_pressure = 1;

@@ -149,9 +149,8 @@ TEST_CASE("materials are one of two pairs, and stable") {
 TEST_CASE("regions name a model") {
   check({
       {R"({"regions": [{"model": "nonlinaer"}]})",
-       "/regions/0/model: \"nonlinaer\", must be \"tensor-mass\", \"precomputed\" or \"nonlinear\"; did you "
-       "mean "
-       "\"nonlinear\"?"},
+       "/regions/0/model: \"nonlinaer\", must be \"tensor-mass\", \"precomputed\", \"nonlinear\" or "
+       "\"reduced\"; did you mean \"nonlinear\"?"},
       {R"({"regions": [{}]})", "/regions/0: needs \"model\""},
       {R"({"regions": {"auto": {"gestures": [{"where": {"all": true}}]}}})",
        "/regions/auto/gestures/0: needs exactly one of \"displacement\" or \"force\""},

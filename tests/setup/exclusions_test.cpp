@@ -30,7 +30,9 @@ void ask_for(Setup& setup, Option option) {
       std::fill_n(setup.region_of.begin(), half, RegionModel::reduced);
       break;
     case Option::fibres:
-      setup.materials[0].fibre.stretch = 1e3;
+      setup.materials.push_back(Elastic{});
+      setup.materials.back().fibre.stretch = 1e3;
+      setup.material_of.back() = static_cast<std::uint16_t>(setup.materials.size() - 1);
       setup.mesh.fibres = Vec3d::UnitZ().replicate(1, setup.mesh.tet_count());
       break;
     case Option::nodal_pressure:

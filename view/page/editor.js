@@ -143,7 +143,7 @@ export class Editor {
       place.innerHTML =
         `<b>${proposal.speedup.toFixed(2)} ×</b> as fast as all non-linear; ` +
         `${Math.round(100 * proposal.linear)} % linear` +
-        '<table><tr><th>error, found by trying</th><th>predicted</th></tr>' +
+        '<table><tr><th>Error of</th><th>tried</th><th>predicted</th></tr>' +
         proposal.gestures
           .map(g => `<tr><td></td><td>${percent(g.error)}</td><td>${percent(g.predicted)}</td></tr>`)
           .join('') +

@@ -29,8 +29,11 @@ export class Stage {
     this.scene = new THREE.Scene();
     const steps = ladder(Math.min(devicePixelRatio, software ? 1 : 2));
     [this.best] = steps;
-    // Software stays in the quick look: to compile the shaders of the other takes it seconds.
-    this.quality = new Quality(software ? steps.slice(firstQuick(steps)) : steps, 0);
+    // Software stays in the quick look: to compile the shaders of the other takes it seconds. It draws fewer
+    // pixels sooner, so that the hand waits less.
+    this.quality = software
+      ? new Quality(steps.slice(firstQuick(steps)), 0, {slow: 11, quick: 5})
+      : new Quality(steps, 0);
     this.step = this.quality.step; // of quality.js, at which it draws
     this.onLook = []; // called when it has changed
     this.onQuality = []; // called with the step, when that has changed by itself

@@ -61,6 +61,7 @@ struct Motion : StateColumns<Real> {
   Mat3X<Real> node_forces;            // 3 × #nodes [N]
   Reversals node_turns;
   Speeds speeds;
+  double longest_move = 0;  // a step that moves a vertex further is trouble [m]
 
   void extend(Index vertices) {
     this->u.extend(vertices);

@@ -1,6 +1,6 @@
 // All regions of a body: tensor-mass, non-linear, reduced and pre-computed ones, which share vertices at
-// their interfaces. Only this class knows which tetrahedra are condensed and whether they are expanded, that is,
-// non-linear for a while.
+// their interfaces. Only this class knows which tetrahedra are condensed and whether they are expanded, that
+// is, non-linear for a while.
 #pragma once
 
 #include "lobe/body/loads.h"

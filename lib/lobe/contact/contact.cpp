@@ -113,13 +113,18 @@ void Contact<Real>::scatter(const std::vector<int>& points, Mat3X<Real>& f) cons
   }
 }
 
+template <class Real>
+void Contact<Real>::forget_all() const {
+  for (ToolContact& tool : tools_) tool.forget();
+  if (self_) self_->forget();
+}
+
 // A state that did not come from a step may be anywhere.
 template <class Real>
 void Contact<Real>::forget_if_replaced(const At& at) const {
   if (at.model.revisions.replaced == replaced_) return;
   replaced_ = at.model.revisions.replaced;
-  for (ToolContact& tool : tools_) tool.forget();
-  if (self_) self_->forget();
+  forget_all();
 }
 
 // Those that are there, with what may touch them. What they press on is held only where selective masses have
@@ -176,7 +181,7 @@ bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
       tools_.emplace_back(body.tool, *body.shape);
       found = tools_.end() - 1;
       for (const OfTool& saved : waiting_)
-        if (saved.tool == body.tool) found->set_remembered(saved.remembered);
+        if (saved.tool == body.tool) found->memory().set(saved.remembered);
     }
     found->begin_frame(body, time);
   }
@@ -234,7 +239,7 @@ void Contact<Real>::find_touched(const At& at, double until) {
 template <class Real>
 void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
   for (OnTool& on_tool : on_tools_) on_tool = {.tool = on_tool.tool};
-  for (ToolContact& tool : tools_) tool.begin_forces();
+  visit_memories([](ContactMemory& memory) { memory.begin_forces(); });
   visit_tools(at, [&](std::size_t i, ToolContact& tool, const ToolContact::At& here) {
     if (f_.cols() < x_.cols()) f_.resize(3, x_.cols());
     f_.leftCols(Eigen::Index(tool.points().size())).setZero();
@@ -242,7 +247,6 @@ void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
     if (!tool.is_obstacle()) on_tools_[i - setup_.obstacles.size()] = tool.on_tool();
     scatter(tool.points(), f);
   });
-  if (self_) self_->begin_forces();
   visit_self(at, [&](const SelfContact::At& here) {
     self_forces_->begin(surface_, f.cols());
     self_->add_forces(here, *self_forces_);
@@ -293,36 +297,41 @@ double Contact<Real>::energy(const At& at) const {
 // ---- What was before
 
 template <class Real>
+template <class Visit>
+void Contact<Real>::visit_memories(Visit&& visit) {
+  if (self_) visit(self_->memory());
+  for (ToolContact& tool : tools_) visit(tool.memory());
+}
+
+template <class Real>
 void Contact<Real>::begin_steps() {
   step_at_start_ = last_step_;
-  if (self_) self_->keep();
-  for (ToolContact& tool : tools_) tool.keep();
+  visit_memories([](ContactMemory& memory) { memory.keep(); });
 }
 
 template <class Real>
 void Contact<Real>::take_back_steps() {
   last_step_ = step_at_start_;
-  if (self_) self_->take_back();
-  for (ToolContact& tool : tools_) tool.take_back();
+  visit_memories([](ContactMemory& memory) { memory.take_back(); });
+  forget_all();
 }
 
 template <class Real>
 void Contact<Real>::end_step(double farthest, double dt) {
   body_moved_ += farthest;
   last_step_ = dt;
-  if (self_) self_->end_step();
-  for (ToolContact& tool : tools_) tool.end_step();
+  visit_memories([](ContactMemory& memory) { memory.end_step(); });
 }
 
 template <class Real>
 std::string Contact<Real>::save() const {
   io::ByteWriter out;
   out.put(last_step_);
-  io::put(out, self_ ? self_->remembered() : Remembered());
+  io::put(out, self_ ? self_->memory().remembered() : Remembered());
   out.put(std::uint64_t(tools_.size()));
   for (const ToolContact& tool : tools_) {
     out.put(tool.tool());
-    io::put(out, tool.remembered());
+    io::put(out, tool.memory().remembered());
   }
   return out.bytes();
 }
@@ -342,11 +351,12 @@ void Contact<Real>::load(const std::string& saved, Index) {
   in.expect_end();
   waiting_ = std::move(found);
   last_step_ = last_step;
-  if (self_) self_->set_remembered(of_self);
+  if (self_) self_->memory().set(of_self);
   std::erase_if(tools_, [](const ToolContact& contact) { return !contact.is_obstacle(); });
   for (ToolContact& tool : tools_)
     for (const OfTool& own : waiting_)
-      if (own.tool == tool.tool()) tool.set_remembered(own.remembered);
+      if (own.tool == tool.tool()) tool.memory().set(own.remembered);
+  forget_all();
   on_tools_.clear();
 }
 

@@ -62,7 +62,10 @@ class Contact : public ForceTerm<Real> {
             .deepest = deepest_contact * surface_.mean_edge() / surface_.softening()};
   }
   std::vector<int> there(double time) const;  // tools
-  class Here;                                 // Places
+  template <class Visit>
+  void visit_memories(Visit&& visit);  // visit(memory) of the body on itself, then of each tool
+  void forget_all() const;             // what may touch
+  class Here;                          // Places
   void forget_if_replaced(const At& at) const;
   void find_all(const At& at) const;
   void search(ToolContact& tool, const At& at, double ahead) const;

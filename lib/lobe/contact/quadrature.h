@@ -18,4 +18,28 @@ void visit_centroids(int n, Visit&& visit) {
     }
 }
 
+// Where these are in a triangle with the corners x: visit(number, place, weights()). They are found by strips
+// along the first edge. A strip is left out if skip(middle, radius) says so of a ball that it lies in.
+template <class Skip, class Visit>
+void visit_places(const Mat3<double>& x, int n, Skip&& skip, Visit&& visit) {
+  const Vec3d along = (x.col(1) - x.col(0)) / n, up = (x.col(2) - x.col(0)) / n, turned = (along + up) / 3;
+  const double third = 1.0 / (3 * n), length = along.norm(), height = turned.norm();
+  int number = 0;
+  for (int j = 0; j < n; ++j) {
+    const int last = n - j - 1;  // upright triangles before the last, and as many that are turned
+    Vec3d place = x.col(0) + turned + j * up;
+    if (skip(place + 0.5 * last * along, 0.5 * last * length + height)) {
+      number += 2 * last + 1;
+      continue;
+    }
+    const double b = (3 * j + 1) * third;
+    for (int i = 0; i <= last; ++i, place += along) {
+      const double a = (3 * i + 1) * third;
+      visit(number++, place, [&] { return Vec3d(1 - a - b, a, b); });
+      if (i < last)
+        visit(number++, place + turned, [&] { return Vec3d(1 - a - b - 2 * third, a + third, b + third); });
+    }
+  }
+}
+
 }  // namespace lobe

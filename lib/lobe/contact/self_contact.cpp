@@ -135,7 +135,7 @@ bool SelfContact::find_kept_face(const At& at, const Candidate& candidate, const
 
 bool SelfContact::find_touch(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch) {
   const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
-  touch.held = held_.any() ? held_.at(triangle.points, touch.weights) : 0;
+  touch.held = memory_.held().any() ? memory_.held().at(triangle.points, touch.weights) : 0;
   touch.layer = find_tet(at, candidate, x, touch.anchor, touch.corner_weights);
   const bool is_in = touch.layer >= 0;
   if (is_in) {
@@ -221,19 +221,19 @@ void SelfContact::add_forces(const At& at, ContactForces& f) {
     }
     if (friction_ > 0)
       for (int c = 0; c < 4; ++c) f.add_to_vertex(layer.corners[c], -touch.corner_weights[c] * rubbed);
-    next_.push_back({.tet = triangle.owner.tet,
-                     .code = triangle.owner.code,
-                     .divisions = divisions,
-                     .number = touch.number,
-                     .at = slip,
-                     .face_tet = face.owner.tet,
-                     .face_code = face.owner.code,
-                     .in = layer.tet});
+    memory_.add({.tet = triangle.owner.tet,
+                 .code = triangle.owner.code,
+                 .divisions = divisions,
+                 .number = touch.number,
+                 .at = slip,
+                 .face_tet = face.owner.tet,
+                 .face_code = face.owner.code,
+                 .in = layer.tet});
     if (at.law.hold > 0)
-      held_.add(touch.candidate->triangle, triangle.points, touch.weights, touch.area * touch.stiffness,
-                touch.depth);
+      memory_.held().add(touch.candidate->triangle, triangle.points, touch.weights,
+                         touch.area * touch.stiffness, touch.depth);
   });
-  held_.end(at.surface, at.law, at.since);
+  memory_.held().end(at.surface, at.law, at.since);
 }
 
 double SelfContact::energy(const At& at) {

@@ -23,8 +23,8 @@
 
 #include <limits>
 
-#include "lobe/contact/anchors.h"
 #include "lobe/contact/contact_law.h"
+#include "lobe/contact/contact_memory.h"
 #include "lobe/contact/contact_surface.h"
 #include "lobe/contact/places.h"
 #include "lobe/contact/quadrature.h"
@@ -69,24 +69,9 @@ class SelfContact {
   template <class Triangle, class Tetrahedron>
   void visit_close(const At& at, Triangle&& triangle, Tetrahedron&& tetrahedron);
 
-  // ---- What is remembered: of friction ξ of each point
+  // ---- What it remembers: of friction ξ of each point. If that is replaced, forget() must follow.
 
-  void begin_forces() {  // in each evaluation
-    next_.clear();
-    held_.begin();
-  }
-  void end_step() {
-    anchors_.swap(next_);
-    held_.end_step();
-  }
-  Remembered remembered() const { return {anchors_, held_.kept()}; }
-  void set_remembered(const Remembered& own) {
-    anchors_ = own.anchors;
-    held_.set(own.held);
-    forget();
-  }
-  void keep() { anchors_at_start_ = remembered(); }
-  void take_back() { set_remembered(anchors_at_start_); }
+  ContactMemory& memory() { return memory_; }
 
  private:
   struct Layer {  // a tetrahedron with a corner on the boundary
@@ -182,16 +167,14 @@ class SelfContact {
   };
   std::vector<Found> found_;
 
-  std::vector<Anchor> anchors_, next_;  // of now, after the step that is under way
-  HeldDepths held_;
-  Remembered anchors_at_start_;  // when steps began
+  ContactMemory memory_;
 };
 
 template <class Visit>
 void SelfContact::visit_touches(const At& at, Visit&& visit) {
   ++pass_;
-  held_.use(at.surface);
-  AnchorReader anchors(anchors_);
+  memory_.held().use(at.surface);
+  AnchorReader anchors = memory_.anchors();
   Touch touch;
   for (Candidate& candidate : candidates_) {
     if (candidate.due > at.moved) continue;

@@ -249,7 +249,7 @@ void SelfContact::find_pairs(const ContactSurface& surface, const Places& now, d
 void SelfContact::take_candidates(const ContactSurface& surface, double moved) {
   candidates_.clear();
   pairs_.clear();
-  auto anchor = anchors_.begin();
+  auto anchor = memory_.all_anchors().begin();
   bool is_held = false;
   for (const Found& found : found_) {
     if (candidates_.empty() || candidates_.back().triangle != found.triangle) {
@@ -257,8 +257,8 @@ void SelfContact::take_candidates(const ContactSurface& surface, double moved) {
       candidates_.back().due = std::numeric_limits<double>::infinity();
       const FaceOwner& owner = surface.triangles()[std::size_t(found.triangle)].owner;
       const std::pair own(owner.tet, owner.code);
-      while (anchor != anchors_.end() && std::pair(anchor->tet, anchor->code) < own) ++anchor;
-      is_held = anchor != anchors_.end() && std::pair(anchor->tet, anchor->code) == own;
+      while (anchor != memory_.all_anchors().end() && std::pair(anchor->tet, anchor->code) < own) ++anchor;
+      is_held = anchor != memory_.all_anchors().end() && std::pair(anchor->tet, anchor->code) == own;
     }
     const double gap = is_held ? 0 : found.gap;
     pairs_.push_back({found.layer, moved + std::max(0.0, gap - near_) / 2});

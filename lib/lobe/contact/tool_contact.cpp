@@ -57,7 +57,7 @@ double ToolContact::gap_to(const Mat3<double>& triangle, const RigidMotion& now)
 void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, double time,
                          double body_moved, double ahead) {
   const RigidMotion now = motion_at(path_, time);
-  const double margin = 0.2 * surface.mean_edge() + 1.1 * ahead + held_.most();
+  const double margin = 0.2 * surface.mean_edge() + 1.1 * ahead + memory_.held().most();
   place_of_.assign(surface.points().size(), -1);
   points_.clear();
   candidates_.clear();
@@ -96,13 +96,20 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
 
 // ---- Forces
 
+void ToolContact::find_places(const Mat3X<double>& x, const RigidMotion& now) const {
+  const auto count = static_cast<Eigen::Index>(points_.size());
+  if (places_.cols() < count) places_.resize(3, count);
+  const Mat3<double> to_tool = now.rotation.transpose();
+  for (Eigen::Index p = 0; p < count; ++p) places_.col(p) = to_tool * (x.col(p) - now.position);
+}
+
 // The tangential way from the anchor, which has followed where it slides, to the point [m].
 Vec3d ToolContact::slip_of(const Touch& touch, double stiffness, double pressure) const {
   if (!touch.anchor) return Vec3d::Zero();
-  const Vec3d n = touch.gradient.normalized(), way = touch.place - touch.anchor->at;
-  const Vec3d slip = way - n * n.dot(way);
-  const double force = stiffness / 2 * slip.norm(), most = friction_ * pressure;
-  return force > most ? Vec3d(slip * most / force) : slip;
+  const Vec3d &g = touch.gradient, way = touch.place - touch.anchor->at;
+  const Vec3d slip = way - g * (g.dot(way) / g.squaredNorm());
+  const double square = stiffness * stiffness / 4 * slip.squaredNorm(), most = friction_ * pressure;
+  return square > most * most ? Vec3d(slip * (most / std::sqrt(square))) : slip;
 }
 
 void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
@@ -129,20 +136,21 @@ void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
     const Vec3d slip = friction_ > 0 ? slip_of(touch, triangle.stiffness, pressure) : Vec3d::Zero();
     traction -= triangle.stiffness / 2 * slip;
     if (friction_ > 0)
-      next_.push_back({.tet = triangle.owner.tet,
-                       .code = triangle.owner.code,
-                       .divisions = candidate.divisions,
-                       .number = touch.number,
-                       .at = touch.place - slip});
+      memory_.add({.tet = triangle.owner.tet,
+                   .code = triangle.owner.code,
+                   .divisions = candidate.divisions,
+                   .number = touch.number,
+                   .at = touch.place - slip});
     if (at.law.hold > 0)
-      held_.add(candidate.triangle, triangle.points, touch.weights, area * triangle.stiffness, touch.depth);
+      memory_.held().add(candidate.triangle, triangle.points, touch.weights, area * triangle.stiffness,
+                         touch.depth);
     const Vec3d own_force = area * traction, in_world = now.rotation * own_force;
     for (int c = 0; c < 3; ++c) f.col(candidate.points[c]) += touch.weights[c] * in_world;
     force += own_force;
     torque += touch.place.cross(own_force);
     grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
   });
-  held_.end(at.surface, at.law, at.since);
+  memory_.held().end(at.surface, at.law, at.since);
   on_tool_.force = now.rotation * force;
   on_tool_.torque = now.rotation * torque;
   if (shape_.kind == RigidShape::Kind::jaws) on_tool_.grip = std::max(0.0, grip);

@@ -16,8 +16,8 @@
 
 #include <limits>
 
-#include "lobe/contact/anchors.h"
 #include "lobe/contact/contact_law.h"
+#include "lobe/contact/contact_memory.h"
 #include "lobe/contact/contact_surface.h"
 #include "lobe/contact/places.h"
 #include "lobe/contact/quadrature.h"
@@ -57,7 +57,7 @@ class ToolContact {
   }
   const std::vector<int>& points() const { return points_; }  // of the surface, that candidates have
 
-  // ---- Forces. x, f: one column for each of points().
+  // ---- Forces. x, f: one column for each of points(). memory().begin_forces() in each evaluation.
 
   struct At {
     const ContactSurface& surface;
@@ -67,14 +67,10 @@ class ToolContact {
     const Mat3X<double>& x;  // [m]
     const Places& places;    // of the surface
   };
-  void begin_forces() {  // in each evaluation, before add_forces() if it may touch
-    next_.clear();
-    held_.begin();
-  }
   void add_forces(const At& at, Mat3X<double>& f);  // [N]
   const OnTool& on_tool() const { return on_tool_; }
-  double energy(const At& at) const;                               // [J]
-  void use(const ContactSurface& surface) { held_.use(surface); }  // before any of these
+  double energy(const At& at) const;                                        // [J]
+  void use(const ContactSurface& surface) { memory_.held().use(surface); }  // before any of these
   // visit(point, weight, K): each touch, whose stiffness K, 3 × 3 [N/m], a point shares by its weight.
   template <class Visit>
   void visit_stiffness(const At& at, Visit&& visit) const {
@@ -96,23 +92,14 @@ class ToolContact {
     const RigidMotion now = motion_at(path_, time);
     const double ahead = moves_until(time, until);
     for (const Candidate& candidate : candidates_)
-      if (gap_to(x(Eigen::all, candidate.points), now) <= ahead + held_.most()) visit(candidate.triangle);
+      if (gap_to(x(Eigen::all, candidate.points), now) <= ahead + memory_.held().most())
+        visit(candidate.triangle);
   }
 
-  // ---- What it remembers
+  // ---- What it remembers. If that is replaced, forget() must follow.
 
-  void end_step() {  // what the last evaluation of forces has found holds from now on
-    anchors_.swap(next_);
-    held_.end_step();
-  }
-  Remembered remembered() const { return {anchors_, held_.kept()}; }
-  void set_remembered(const Remembered& own) {
-    anchors_ = own.anchors;
-    held_.set(own.held);
-    forget();
-  }
-  void keep() { anchors_at_start_ = remembered(); }
-  void take_back() { set_remembered(anchors_at_start_); }
+  ContactMemory& memory() { return memory_; }
+  const ContactMemory& memory() const { return memory_; }
 
  private:
   static constexpr double nothing_ahead = -std::numeric_limits<double>::infinity();
@@ -129,7 +116,8 @@ class ToolContact {
     Vec3d gradient, place;
   };
   double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // or less [m]
-  template <class Visit>                                                      // visit(candidate, touch)
+  void find_places(const Mat3X<double>& x, const RigidMotion& now) const;
+  template <class Visit>  // visit(candidate, touch)
   void visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const;
   Vec3d slip_of(const Touch& touch, double stiffness, double pressure) const;
 
@@ -147,29 +135,31 @@ class ToolContact {
   double moved_at_ = 0;
   double ahead_ = 0, ahead_until_ = nothing_ahead;  // at most since it was searched, until a time [m], [s]
 
-  std::vector<Anchor> anchors_, next_;  // of now, after the step that is under way
-  HeldDepths held_;
-  Remembered anchors_at_start_;  // when steps began
+  ContactMemory memory_;
   OnTool on_tool_;
+  mutable Mat3X<double> places_;  // scratch: where points_ are, in the tool's axes [m]
 };
 
 template <class Visit>
 void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const {
-  AnchorReader anchors(anchors_);
-  const double most_held = held_.most();
+  AnchorReader anchors = memory_.anchors();
+  const double most_held = memory_.held().most();
+  const auto is_beyond = [&](const Vec3d& middle, double radius) {
+    return distance_.is_beyond(middle, radius + most_held, now.opening);
+  };
+  find_places(at.x, now);
   for (const Candidate& candidate : candidates_) {
-    Mat3<double> x;
-    for (int c = 0; c < 3; ++c)
-      x.col(c) = now.rotation.transpose() * (at.x.col(candidate.points[c]) - now.position);
+    const Mat3<double> x = places_(Eigen::all, candidate.points);
     const Vec3d centre = x.rowwise().sum() / 3;
     const double radius = std::sqrt((x.colwise() - centre).colwise().squaredNorm().maxCoeff());
-    if (distance_.at(centre, now.opening).value > radius + distance_.error() + most_held) continue;
+    if (is_beyond(centre, radius + distance_.error())) continue;
     const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
-    visit_centroids(candidate.divisions, [&](int number, const Vec3d& weights) {
-      const Vec3d place = x * weights;
+    visit_places(x, candidate.divisions, is_beyond, [&](int number, const Vec3d& place, auto&& weights_of) {
+      if (is_beyond(place, 0)) return;
       const Distance g = distance_.at(place, now.opening);
       if (g.value >= most_held) return;
-      const double held = held_.any() ? held_.at(triangle.points, weights) : 0;
+      const Vec3d weights = weights_of();
+      const double held = memory_.held().any() ? memory_.held().at(triangle.points, weights) : 0;
       if (g.value >= held) return;
       const Anchor* anchor = anchors.find(triangle.owner, candidate.divisions, number);
       visit(candidate, Touch{weights, number, -g.value, held, anchor, g.gradient, place});

@@ -26,10 +26,11 @@ struct Cells {
         source{"source", Eigen::MatrixXd(1, n), Type::int32},
         parent{"parent", Eigen::MatrixXd(1, n), Type::int32},
         skin{"skin", Eigen::MatrixXd(1, n), Type::int32},
+        stroke{"stroke", Eigen::MatrixXd(1, n), Type::int32},
         ratio{"volume_ratio", Eigen::MatrixXd(1, n), Type::float32},
         density{"density", Eigen::MatrixXd(1, n), Type::float32},
         von_mises{"von_mises", Eigen::MatrixXd(1, n), Type::float32} {}
-  DataArray region, source, parent, skin, ratio, density, von_mises;
+  DataArray region, source, parent, skin, stroke, ratio, density, von_mises;
 };
 
 }  // namespace
@@ -60,13 +61,14 @@ void write_grain_frame(const std::filesystem::path& file, const Elements& elemen
     cells.source.values(0, at) = t;
     cells.parent.values(0, at) = elements.topology.parent(t);
     cells.skin.values(0, at) = grain.boundary;
+    cells.stroke.values(0, at) = grain.stroke;
     cells.ratio.values(0, at) = fields.volume_ratio;
     cells.density.values(0, at) = elements.elastic_of(t).density;
     cells.von_mises.values(0, at) = fields.von_mises;
   }
-  write_vtu(
-      file, mesh, {{"displacement", moved, Type::float64}, {"velocity", speeds, Type::float64}},
-      {cells.region, cells.source, cells.parent, cells.skin, cells.ratio, cells.density, cells.von_mises});
+  write_vtu(file, mesh, {{"displacement", moved, Type::float64}, {"velocity", speeds, Type::float64}},
+            {cells.region, cells.source, cells.parent, cells.skin, cells.stroke, cells.ratio, cells.density,
+             cells.von_mises});
 }
 
 }  // namespace lobe

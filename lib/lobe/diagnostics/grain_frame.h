@@ -9,8 +9,9 @@
 namespace lobe {
 
 // As write_frame(), with the grains for cells. `source` is the tetrahedron of the simulation that a grain is
-// part of, `parent` that of the mesh at the start. `skin` has a bit for the
-// face opposite to each corner: set where it was on the boundary at the start.
+// part of, `parent` that of the mesh at the start. `skin` has a bit for the face opposite to each corner: set
+// where it was on the boundary at the start. `stroke` is the last stroke that has opened a face of a grain,
+// counted from 0 in the order in which they began; −1: none has.
 void write_grain_frame(const std::filesystem::path& file, const Elements& elements, const Grains& grains,
                        const Mat3X<double>& u,   // 3 × #vertices [m]
                        const Mat3X<double>& v);  // 3 × #vertices [m/s]

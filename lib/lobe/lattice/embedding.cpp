@@ -92,7 +92,8 @@ std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattic
     for (std::size_t i = first; i < first + tet_samples; ++i) {
       const auto begin = lattice.part_of_sample.begin() + Eigen::Index(first);
       const Index part = lattice.part_of_sample[i];
-      if (part < 0 || std::find(begin, begin + Eigen::Index(i - first), part) != begin + Eigen::Index(i - first))
+      if (part < 0 ||
+          std::find(begin, begin + Eigen::Index(i - first), part) != begin + Eigen::Index(i - first))
         continue;
       const auto count = std::count(begin, begin + tet_samples, part);
       const Shape shape = elements.shape_of(tet);
@@ -118,7 +119,8 @@ std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattic
       own[material] -= sums[p].volume * hooke_energy_density<double>(mean, e.lambda, e.mu);
       Eigen::Matrix<double, 3, 8> q;
       for (int c = 0; c < 8; ++c)
-        q.col(c) = mode(number, e, lattice.frame.edge * (Vec3d(c & 1, c >> 1 & 1, c >> 2).array() - 0.5).matrix());
+        q.col(c) =
+            mode(number, e, lattice.frame.edge * (Vec3d(c & 1, c >> 1 & 1, c >> 2).array() - 0.5).matrix());
       of_lattice[material] += 0.5 * (q * S).cwiseProduct(q).sum();
     }
   }
@@ -159,8 +161,7 @@ Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLat
     const Eigen::Vector4i corners = elements.topology.corners(t);
     is_full[std::size_t(t)] =
         !std::all_of(corners.begin(), corners.end(), [&](Index v) { return e.embeds(v); });
-    const bool stays =
-        std::all_of(corners.begin(), corners.end(), [&](Index v) { return e.roles.stays(v); });
+    const bool stays = std::all_of(corners.begin(), corners.end(), [&](Index v) { return e.roles.stays(v); });
     if (!is_full[std::size_t(t)] || stays) continue;
     e.full.push_back(t);
     for (Index v : corners) is_beside[std::size_t(v)] = e.embeds(v);

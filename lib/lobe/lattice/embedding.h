@@ -9,7 +9,8 @@ namespace lobe {
 
 using CellMatrix = Eigen::Matrix<double, 8, 8>;
 
-// A part of the lattice with the samples of it whose tetrahedra are not full. With the displacements q_n of its nodes
+// A part of the lattice with the samples of it whose tetrahedra are not full. With the displacements q_n of
+// its nodes
 //   F = I + Σ_n q_n ⊗ N_n,   W = V W_law(F) + ½ Σ_nm S_nm q_n·q_m.
 // S is the energy of the fluctuation ½ α |F_g − F|² over the eight Gauss points g of the cell, each with an
 // eighth of V. It does not resist a rotation.

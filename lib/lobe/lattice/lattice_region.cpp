@@ -108,7 +108,8 @@ void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& mot
   const auto norm = [&](const Mat3X<Real>& of_vertices, const Mat3X<Real>& of_nodes) {
     double sum = 0;
     for (std::size_t v = 0; v < mass.size(); ++v)
-      if (!embeds(static_cast<Index>(v))) sum += mass[v] * double(of_vertices.col(Eigen::Index(v)).squaredNorm());
+      if (!embeds(static_cast<Index>(v)))
+        sum += mass[v] * double(of_vertices.col(Eigen::Index(v)).squaredNorm());
     for (std::size_t n = 0; n < embedding_.mass.size(); ++n)
       sum += embedding_.mass[n] * double(of_nodes.col(Eigen::Index(n)).squaredNorm());
     return std::sqrt(sum);
@@ -193,7 +194,8 @@ std::vector<std::uint8_t> LatticeRegion<Real>::touched_nodes(const Embedding& be
   return touched;
 }
 
-// Of vertices that were embedded, or are not any more: those may change their velocity for the momentum's sake.
+// Of vertices that were embedded, or are not any more: those may change their velocity for the momentum's
+// sake.
 template <class Real>
 std::vector<std::uint8_t> LatticeRegion<Real>::nodes_of_changed(const Embedding& before, bool all) const {
   Flags changed = touched_nodes(before, all);
@@ -235,10 +237,11 @@ void LatticeRegion<Real>::add_nodes(const Lattice& lattice, const std::vector<do
   }
 }
 
-// The momentum of what an edit has removed goes with it: vertices are counted then by the masses that are left.
+// The momentum of what an edit has removed goes with it: vertices are counted then by the masses that are
+// left.
 template <class Real>
-void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double omega, std::vector<double>& mass,
-                                Loads<Real>& loads, Motion<Real>& motion) {
+void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double omega,
+                                std::vector<double>& mass, Loads<Real>& loads, Motion<Real>& motion) {
   const Elements& elements = model.elements;
   const Embedding former = std::move(embedding_);
   const auto was_embedded = [&](Index v) { return former.embeds(v); };
@@ -392,8 +395,8 @@ bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) con
   };
   bool fits = state.u.cols() == lattice_.node_count() &&
               state.is_embedded.size() == embedding_.roles.is_embedded.size() &&
-              state.zones.until.size() <= std::size_t(vertices) &&
-              are_vertices(state.zones.held) && are_vertices(state.zones.touched);
+              state.zones.until.size() <= std::size_t(vertices) && are_vertices(state.zones.held) &&
+              are_vertices(state.zones.touched);
   for (std::size_t v = 0; fits && v < state.is_embedded.size(); ++v) {
     if (!state.is_embedded[v]) continue;
     const auto around = elements.topology.around(static_cast<Index>(v));

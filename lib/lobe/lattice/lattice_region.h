@@ -1,7 +1,8 @@
 // The reduced regions of a body: non-linear tetrahedra whose vertices mostly follow the nodes of a lattice
 // (embedding.h), so that a step evaluates cells in place of tetrahedra. Vertices move by themselves where
 // they are held, shared with another region, next to such, or in a zone that is full for a while (zones.h).
-// A step costs some 30 ns per cell, 20 ns per embedded vertex at a full tetrahedron, and these tetrahedra.
+// In single precision a step costs some 30 ns per cell and 20 ns per embedded corner of full tetrahedra. The
+// forces of full tetrahedra come on top.
 // Forces conserve linear and angular momentum, and a rotation costs no energy.
 #pragma once
 
@@ -27,14 +28,13 @@ class LatticeRegion {
   bool any() const { return tet_count_ > 0; }
   bool embeds(Index v) const { return embedding_.embeds(v); }
   bool any_embedded() const { return !embedding_.vertices.empty(); }
-  const std::vector<Index>& vertices() const {
-    return vertices_;
-  }  // of its tetrahedra, now or before an edit
+  // Corners of its tetrahedra; until embed() also those of tetrahedra that have left.
+  const std::vector<Index>& vertices() const { return vertices_; }
   const Lattice& lattice() const { return lattice_; }
   const Embedding& embedding() const { return embedding_; }
   Index full_tet_count() const { return any_embedded() ? full_.tet_count() : tet_count_; }
   PatchCount past_patches() const { return past_patches_; }  // of evaluators that embed() has replaced
-  double mass_added() const { return mass_added_; }          // so that nodes need no shorter steps [kg]
+  double mass_added() const { return mass_added_; }  // to nodes, so that they need no shorter steps [kg]
 
   // ---- Edits
 
@@ -62,7 +62,8 @@ class LatticeRegion {
   void embed(const Model& model, VertexRoles wanted, double omega,
              std::vector<double>& mass,  // per vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
-  // Takes the nearest displacements and velocities that the lattice has, after others were given.
+  // After World::set_state(): fits displacements and velocities of the nodes to those of the embedded
+  // vertices, by least squares.
   void settle_all(const Elements& elements, double omega, Motion<Real>& motion) const;
 
   struct State {       // part of a checkpoint
@@ -78,12 +79,14 @@ class LatticeRegion {
 
   // ---- A step, in this order
 
-  void place(Motion<Real>& motion, Parallel& parallel) const;  // embedded corners of full tetrahedra
+  // Computes displacements of the embedded corners of full tetrahedra from those of the nodes.
+  void place(Motion<Real>& motion, Parallel& parallel) const;
   void add_full_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     full().add_forces(u, f, parallel);
   }
-  // Finds the forces on the nodes; `missing`: the share of the dead loads that does not act yet.
+  // Sums the forces on the nodes. `missing`: the share of the dead loads that the ramp has not applied yet.
   void collect(double missing, Motion<Real>& motion, Parallel& parallel);
+  // Moves the nodes by one step of central differences.
   Fastest<Real> push(Real kick, Real dt, Real damping, Motion<Real>& motion, Parallel& parallel) const {
     return central_difference(motion.node_forces, moving_, kick, dt, damping, motion.nodes.u, motion.nodes.v,
                               motion.node_turns, parallel);
@@ -94,7 +97,7 @@ class LatticeRegion {
 
   // Computes displacements of all embedded vertices, and velocities if asked for.
   void recover(const Elements& elements, bool velocities, StateColumns<Real>& state) const;
-  double elastic_energy(const Mat3X<Real>& u, const Nodes<Real>& nodes);  // [J], u placed
+  double elastic_energy(const Mat3X<Real>& u, const Nodes<Real>& nodes);  // [J]; call place() first
   double energy_of_loads(const Nodes<Real>& nodes) const;                 // [J]
   double kinetic_energy(const Nodes<Real>& nodes) const;                  // [J]
 

@@ -23,11 +23,11 @@ class FullZones {
   static constexpr double share = 0.05, most = 0.015;
   static constexpr double longest = 0.04;  // τ where nothing damps [s]
 
-  struct State {                        // part of a checkpoint
-    std::vector<Index> held, touched;   // sorted; held ones are touched
-    std::vector<double> until;          // per vertex: when it was last to be full [s]; empty: none ever was
-    double all_until = lowest;          // all vertices [s]
-    double largest = 0;                 // √Σ m |u|² so far [√kg m]
+  struct State {                       // part of a checkpoint
+    std::vector<Index> held, touched;  // sorted; held ones are touched
+    std::vector<double> until;         // per vertex: when it was last to be full [s]; empty: none ever was
+    double all_until = lowest;         // all vertices [s]
+    double largest = 0;                // √Σ m |u|² so far [√kg m]
     bool is_valid() const {
       for (double t : until)
         if (std::isnan(t)) return false;

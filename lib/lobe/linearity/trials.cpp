@@ -9,11 +9,13 @@ namespace {
 
 constexpr double least_reached = 0.05;  // share of a gesture that is still of use
 
-double norm(const TetMesh& mesh, const Mat3X<double>& u) {  // √∫|u|², vertex by vertex
+double norm(const Setup& setup, const Mat3X<double>& u) {  // √∫|u|², vertex by vertex
   double sum = 0;
-  for (Index t = 0; t < mesh.tet_count(); ++t)
-    sum += signed_volume(tet_points(mesh, t)) / 4 *
-           u(Eigen::all, mesh.tets.col(t)).colwise().squaredNorm().sum();
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const double share = setup.shares.empty() ? 1 : setup.shares[std::size_t(t)];
+    sum += share * signed_volume(tet_points(setup.mesh, t)) / 4 *
+           u(Eigen::all, setup.mesh.tets.col(t)).colwise().squaredNorm().sum();
+  }
   return std::sqrt(sum);
 }
 
@@ -45,7 +47,7 @@ std::vector<Trial> solve_trials(
     if (found.load_fraction < least_reached || found.u.isZero(0)) continue;
     scale(trial.setup, found.load_fraction);
     trial.u = std::move(found.u);
-    trial.norm = norm(setup.mesh, trial.u);
+    trial.norm = norm(setup, trial.u);
     trials.push_back(std::move(trial));
   }
   return trials;
@@ -58,7 +60,7 @@ double static_error(const std::vector<RegionModel>& region_of, const Trial& tria
   StaticOptions options = static_options();
   options.start = &trial.u;
   const StaticResult found = solve_static(setup, options);
-  return found.converged ? norm(setup.mesh, found.u - trial.u) / trial.norm : 1;
+  return found.converged ? norm(setup, found.u - trial.u) / trial.norm : 1;
 }
 
 }  // namespace lobe

@@ -23,10 +23,13 @@ constexpr double influence_per_tet = 1e-4;  // until it is used [s]: what findin
 
 bool is_linear(const Elements& elements, Index tet) { return is_linear(elements.region_of[tet]); }
 
-std::vector<double> tet_volumes(const Elements& elements) {  // 0 where there is none any more
-  std::vector<double> volume(std::size_t(elements.topology.tet_count()), 0);
-  for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    if (elements.topology.alive(t)) volume[std::size_t(t)] = elements.volume(t);
+double volume_left(const Elements& elements, Index t) {
+  return elements.topology.alive(t) ? elements.volume(t) : 0;
+}
+
+std::vector<double> tet_volumes(const Elements& elements) {
+  std::vector<double> volume;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) volume.push_back(volume_left(elements, t));
   return volume;
 }
 
@@ -93,31 +96,42 @@ bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   if (!influence_is_stale_ || next_influence_.valid()) return was_cut;
   influence_is_stale_ = false;
   influence_due_ = world.time() + influence_per_tet * world.elements().topology.alive_count();
-  next_influence_ =
-      std::async(std::launch::async, [elements = world.elements(), boundary = boundary_of(world), this] {
-        return std::make_unique<Influence>(elements, zones_, boundary, grasps_);
-      });
+  next_influence_ = std::async(std::launch::async, [elements = world.elements(), zones = zones_,
+                                                    boundary = boundary_of(world), grasps = grasps_] {
+    return std::make_unique<Influence>(elements, zones, boundary, grasps);
+  });
   return was_cut;
 }
 
-// Since the last look: the means of zones that lost tetrahedra, of all where the world was restored.
+// Since the last look: the means of zones that lost tetrahedra, or whose tetrahedra were divided or have
+// other vertices; of all where the world was restored.
 template <class Real>
 bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   const Elements& elements = world.elements();
+  const Topology& topology = elements.topology;
   const History& history = world.journal().edits;
   const std::uint64_t restored_now = world.body().model.revisions.restored;
   const bool restored = std::exchange(restored_, restored_now) != restored_now;
   if (!restored && history.size() == edits_) return false;
   std::vector<char> was_cut(std::size_t(zones_.count()), restored);
-  if (restored) tet_volume_ = tet_volumes(elements);
+  const auto mark = [&](Index t) { was_cut[std::size_t(zones_.of[std::size_t(t)])] = 1; };
+  const auto known = static_cast<Index>(tet_volume_.size());
+  if (restored || known != topology.tet_count()) zones_.follow_copies(topology);
+  for (Index t = known; t < topology.tet_count(); ++t) mark(t);
+  for (auto v = static_cast<Index>(volume_.size()); v < topology.vertex_count(); ++v)
+    for (Index t : topology.around(v)) mark(t);
   for (std::size_t i = std::exchange(edits_, history.size()); i < history.size(); ++i)
     if (const auto* removal = std::get_if<RemoveTets>(&history[i]))
-      for (Index t : removal->tets) was_cut[std::size_t(zones_.of[std::size_t(t)])] = 1;
+      for (Index t : removal->tets) mark(t);
+  tet_volume_.resize(std::size_t(topology.tet_count()));
+  for (Index z = 0; z < zones_.count(); ++z)
+    if (was_cut[std::size_t(z)])
+      for (Index t : zones_.tets[std::size_t(z)]) tet_volume_[std::size_t(t)] = volume_left(elements, t);
   find_shares(elements);
   if (std::count(was_cut.begin(), was_cut.end(), 1) == 0) return false;
   for (Index z = 0; z < zones_.count(); ++z)
     if (was_cut[std::size_t(z)]) defects_.find(elements, zones_, z);
-  volume_ = vertex_volumes(elements.topology, tet_volume_);
+  volume_ = vertex_volumes(topology, tet_volume_);
   return true;
 }
 

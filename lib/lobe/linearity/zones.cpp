@@ -27,6 +27,9 @@ Zones::Zones(const Elements& elements, Index count) : of(std::size_t(elements.to
                        nullptr, nullptr, &cut, part.data(), vertex_part.data());
     std::copy(part.begin(), part.end(), of.begin());
   }
+  const Index first_copy = tet_count - elements.topology.tet_copy_count();
+  for (Index t = first_copy; t < tet_count; ++t)
+    of[std::size_t(t)] = of[std::size_t(elements.topology.parent(t))];
   tets.resize(std::size_t(count));
   for (Index t = 0; t < tet_count; ++t) tets[std::size_t(of[t])].push_back(t);
   std::erase_if(tets, [](const std::vector<Index>& zone) { return zone.empty(); });
@@ -36,6 +39,16 @@ Zones::Zones(const Elements& elements, Index count) : of(std::size_t(elements.to
       of[std::size_t(t)] = static_cast<Index>(z);
       sum += elements.volume(t);
     }
+  }
+}
+
+void Zones::follow_copies(const Topology& topology) {
+  const Index first_copy = topology.tet_count() - topology.tet_copy_count();
+  of.resize(std::size_t(first_copy));
+  for (std::vector<Index>& zone : tets) std::erase_if(zone, [&](Index t) { return t >= first_copy; });
+  for (Index t = first_copy; t < topology.tet_count(); ++t) {
+    of.push_back(of[std::size_t(topology.parent(t))]);
+    tets[std::size_t(of.back())].push_back(t);
   }
 }
 

@@ -12,6 +12,9 @@ struct Zones {
   Zones(const Elements& elements, Index count);
 
   Index count() const { return static_cast<Index>(tets.size()); }
+  // Copies of tetrahedra that a blade has cut are in the zones of what they are copies of. Call it where
+  // there are others than before. O(#tetrahedra).
+  void follow_copies(const Topology& topology);
   double norm(const Eigen::VectorXd& u) const;  // √∫|u|² of a displacement per zone [m^2.5], 3 × #zones
 
   std::vector<Index> of;                 // per tetrahedron

@@ -1,4 +1,5 @@
-// The hands of all controllers. Their commands become commands of the world.
+// The hands of all controllers. Their commands (live/hand_command.h) become commands of the world
+// (sim/command.h).
 #pragma once
 
 #include <string>
@@ -23,8 +24,9 @@ class Hands {
         messages_(messages),
         limits_(limits) {}
 
-  // Performs take_at_ray, take_at_point, bring, lead, turn_on or let_go. Throws InputError for what cannot be
-  // done, and then has done nothing.
+  // Performs take_at_ray, take_at_point, bring, lead, turn_on or let_go. Throws InputError for a command that
+  // is malformed, and then has done nothing. A grasp that finds nothing is the message `missed`; the hand is
+  // then empty.
   void perform_command(int controller, const HandCommand& command);
   // Puts a hand at a pose, without the lag of a lead command. Does nothing if the hand has no tool.
   void place(int controller, HandNumber number, const ToolPose& pose);
@@ -34,13 +36,13 @@ class Hands {
   };
   LedTool led_tool(int controller, HandNumber number) const;
   int drop(int controller);          // its hands let go; returns how many held something
-  void forget() { hands_.clear(); }  // the world was put back, and their tools have let go
+  void forget() { hands_.clear(); }  // after the world went back to an earlier state: its tools are gone
 
   void before_frame(double duration);  // leads the tools [s]
   void after_frame();                  // notes which grasps hold and which slip
 
   void say(const std::string& name, const std::string& text) { messages_.say(world_.time(), name, text); }
-  void tell(std::vector<HandStatus>& hands) const;
+  void tell(std::vector<HandStatus>& hands) const;  // appends the status of each hand that holds a tool
   // The controllers that have hands, each once.
   std::vector<int> controllers() const;
 
@@ -49,8 +51,8 @@ class Hands {
     int controller = 0;
     HandNumber number = 0;
     ToolId tool = 0;            // 0: empty
-    bool is_placed = false;     // follows at once
-    bool is_leading = false;    // a grasp: it has taken hold
+    bool is_placed = false;     // poses act at once, without lag
+    bool is_leading = false;    // poses move the tool; a grasp first takes hold
     Vec3d arm = Vec3d::Zero();  // from where it took hold to the centre of what it holds [m]
     Index vertices = 0;         // that it holds
     PoseFilter filter = {};

@@ -1,5 +1,5 @@
-// A session simulates a body in frames of one length that follow the clock. Meanwhile any thread sends hand
-// commands and looks at pictures (docs/live.md).
+// A session simulates a body in real time, in frames of equal length. Meanwhile any thread may send commands
+// of hands and read snapshots (docs/live.md).
 //
 //   Session<float> session(resolved.setup);
 //   Controller mouse = session.connect("mouse");
@@ -9,8 +9,8 @@
 //   mouse.send({.kind = HandCommand::Kind::lead, .hand = 1, .position = there});
 //   const auto picture = session.pictures().latest();
 //
-// Hands act only through commands of the world (sim/command.h). All of these are recorded, so that a replay
-// gives the same bits.
+// Hands act only through commands of the world (sim/command.h). All of these are recorded. A replay gives the
+// same bits.
 #pragma once
 
 #include <array>
@@ -31,18 +31,22 @@
 namespace lobe {
 
 struct SessionOptions {
-  double frame = 1.0 / 120;  // [s], above 0; shortened by up to 2e-9 of it, so that sums of frames are exact
-  int threads = 1;           // of the world
-  double speed = 1;          // simulated seconds per second of the clock
-  bool paced = true;         // false: frames follow each other without waiting
-  bool running = true;       // false: it begins paused
-  std::uint32_t queue = 1024;           // hand commands that wait for a frame
-  double back_every = 0.5;              // between two states that can be gone back to [s]
-  std::size_t back_memory = 64u << 20;  // of these states [bytes]
-  double controller_timeout = 0;        // a controller that is silent for longer is gone [s]; 0: never
-  HandLimits hand = {};
-  CondensingLog::Progress condensing = {};  // while pre-computed regions are condensed
-  std::function<void()> published = {};     // called after each picture; must not wait
+  // Length of a frame [s], above 0. The session lowers it by up to 2e-9 of itself, so that multiples are
+  // exact.
+  double frame = 1.0 / 120;
+  int threads = 1;                      // that the world computes with
+  double speed = 1;                     // simulated seconds per second of the clock
+  bool paced = true;                    // false: frames follow each other without waiting
+  bool running = true;                  // false: it begins paused
+  std::uint32_t queue = 1024;           // capacity of the queue of hand commands
+  double back_every = 0.5;              // simulated time between two states kept for going back [s]
+  std::size_t back_memory = 64u << 20;  // memory for these states [bytes]
+  double controller_timeout = 0;        // after this silence a controller's hands let go [s]; 0: never
+  HandLimits hand = {};                 // lag, top speed and greatest force of hands
+  // Called with the finished share while pre-computed regions are condensed.
+  CondensingLog::Progress condensing = {};
+  // Called after each status by the thread that makes it, at first by the constructor. Must not wait.
+  std::function<void()> published = {};
 };
 
 // A controller is a person or program that has hands. When it is destroyed its hands let go. The session must
@@ -82,25 +86,25 @@ class Session {
 
   // ---- Any thread
 
-  Controller connect(const std::string& name) {
-    return {queue_, name};
-  }  // InputError: more than 64 at a time
-  // The latest picture. A status is made after its picture. So a picture that is taken after a status
-  // contains all commands that the status lists.
+  // Registers a controller. Throws InputError if 64 are connected already.
+  Controller connect(const std::string& name) { return {queue_, name}; }
+  // The latest snapshot. To see what a command has done, read status() first and pictures() second: the
+  // snapshot then has all commands that the status lists.
   const TripleBuffer<Snapshot<Real>>& pictures() const { return pictures_; }
-  TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }
-  // Calls `work` between two frames and waits until it is done. `work` may read the world and the recording,
-  // or make a scene. Throws what `work` throws. The simulation waits meanwhile. Do not call it from within
-  // `work`. The thread that drives a session that is not started reads the world directly instead.
+  TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }  // live/status.h
+  // Runs `work` between two frames and returns when it is done. The simulation waits meanwhile. `work` may
+  // read the world and the recording, or make a scene; it must not call between_frames(). An exception of
+  // `work` is thrown here. If the session is not started, `work` runs on the calling thread; then only the
+  // thread that calls step_frame() may call this.
   void between_frames(const std::function<void()>& work);
 
-  // ---- The thread that drives it
+  // ---- To run it: the thread that owns it
 
-  void start();  // a thread of its own, until stop()
+  void start();  // starts a thread that simulates until stop()
   void stop();
   bool is_started() const { return thread_.joinable(); }
-  // Performs the commands sent since the last frame, then simulates one frame. False if the session pauses.
-  // Not while started.
+  // Performs the commands sent since the last frame, then simulates one frame. While it pauses it only
+  // performs the commands, and returns false. Do not call it between start() and stop().
   bool step_frame();
 
   // ---- Between frames only: while the session is not started, or within between_frames()
@@ -111,11 +115,10 @@ class Session {
   double frame() const { return frame_; }  // [s]
   // Writes the present state, and the recording that led to it, into a file.
   void save(const std::filesystem::path& file) const { write_session(file, timeline_.save()); }
-  // Goes on from a saved state of the same scene, and from its recording, as if it had just come there. All
-  // hands let go. Throws InputError for a file that is damaged, or of another scene, precision or version;
-  // nothing has changed then.
+  // Goes on from a file of save(), of the same scene. All hands let go. Throws InputError for a file that is
+  // damaged, or of another scene, precision or version; the session is then unchanged.
   void restore(const std::filesystem::path& file);
-  // A hook takes part in all frames between add_hook() and remove_hook(), and must live so long.
+  // Calls a hook in each frame until remove_hook(). The hook must outlive that call.
   void add_hook(SessionHook<Real>& hook) { hooks_.push_back(&hook); }
   void remove_hook(SessionHook<Real>& hook) { std::erase(hooks_, &hook); }
 
@@ -154,7 +157,8 @@ class Session {
   double speed_;
   bool is_running_;
   bool steps_once_ = false, stands_still_ = false;
-  bool was_told_ = false, was_changed_ = false;  // since the last picture: the session something, the body
+  bool was_told_ = false;     // since the last status: something has happened that it must show
+  bool was_changed_ = false;  // since the last snapshot: the body was edited, or put back
   std::int64_t frames_ = 0, reruns_ = 0;
   TripleBuffer<SessionStatus> status_;
 

@@ -111,7 +111,7 @@ void Topology::forget_neighbour(Index tet, Index other) {
     if (had[f]) set_neighbours(tet, f, left[f]);
 }
 
-void Topology::set_neighbours(Index tet, int face, const std::vector<Index>& others) {
+void Topology::set_neighbours(Index tet, int face, std::span<const Index> others) {
   if (neighbours_(face, tet) < 0) close_face(4 * tet + face);
   neighbours_(face, tet) = -1;
   if (has_more(tet))

@@ -56,10 +56,14 @@ struct TetDivision {
   };
   std::vector<Part> parts;  // all of each tetrahedron that was divided or has new corners
   struct Neighbours {
-    Index tet;
-    std::array<std::vector<Index>, 4> across;  // each face
+    Index tet = 0;
+    std::array<Index, 5> begin{};  // of each face, in others; and the end
   };
   std::vector<Neighbours> neighbours;  // of the parts, and of all beside them
+  std::vector<Index> others;
+  std::span<const Index> across(const Neighbours& of, std::size_t face) const {
+    return {others.data() + of.begin[face], others.data() + of.begin[face + 1]};
+  }
 };
 
 class Topology {
@@ -141,7 +145,7 @@ class Topology {
   };
   bool has_more(Index tet) const { return tet < more_.vertex_count() && !more_[tet].empty(); }
   void forget_neighbour(Index tet, Index other);
-  void set_neighbours(Index tet, int face, const std::vector<Index>& others);
+  void set_neighbours(Index tet, int face, std::span<const Index> others);
   void add_neighbour(Index tet, int face, Index other);
   void take_corners(Index tet, const Eigen::Vector4i& corners);
   void split_vertices(const TetDivision& division, MeshEdit& edit);

@@ -1,5 +1,6 @@
 #include "lobe/run/frame_writer.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
 
@@ -17,12 +18,47 @@ std::string numbered(const char* format, std::size_t number) {
   return name;
 }
 
-nlohmann::ordered_json tool_json(const PlacedTool& tool, const Mat3X<double>& x) {
-  const auto array = [](const Vec3d& p) { return nlohmann::ordered_json{p[0], p[1], p[2]}; };
-  nlohmann::ordered_json entry{{"type", tool.type}, {"position", array(tool.position)}};
+using Json = nlohmann::ordered_json;
+
+Json array(const Vec3d& p) { return {p[0], p[1], p[2]}; }
+
+Json tool_json(const PlacedTool& tool, const Mat3X<double>& x) {
+  Json entry{{"type", tool.type}, {"position", array(tool.position)}};
   if (tool.shape.radius > 0) entry["radius"] = tool.shape.radius;
   for (Index v : tool.vertices) entry["points"].push_back(array(x.col(v)));
   return entry;
+}
+
+Json body_json(const char* shape, Json size, const Vec3d& position, const Eigen::Vector4d& q) {
+  return {{shape, std::move(size)}, {"position", array(position)}, {"orientation", {q[0], q[1], q[2], q[3]}}};
+}
+
+// Planes and meshes are not drawn.
+void add_obstacle(Json& bodies, const ObstacleSetup& obstacle) {
+  const RigidShape& shape = obstacle.shape;
+  if (shape.kind == RigidShape::Kind::sphere || shape.kind == RigidShape::Kind::capsule)
+    bodies.push_back(
+        body_json("capsule", {shape.radius, shape.length}, obstacle.position, obstacle.orientation));
+  if (shape.kind == RigidShape::Kind::box)
+    bodies.push_back(body_json("box", array(shape.size), obstacle.position, obstacle.orientation));
+}
+
+// Two boxes and a shaft.
+void add_jaws(Json& bodies, const PlacedTool& tool) {
+  const Vec3d& size = tool.shape.jaw;
+  const Eigen::Quaterniond turn(tool.orientation);
+  for (double side : {-1.0, 1.0}) {
+    const Vec3d centre(0, side * (tool.shape.opening + size[1]) / 2, size[2] / 2);
+    bodies.push_back(body_json("box", array(size), tool.position + turn * centre, tool.orientation));
+  }
+  const double thick = size[1] / 2;
+  const Vec3d across(tool.shape.opening + 2 * size[1], size[0], thick);
+  const Eigen::Quaterniond quarter(Eigen::AngleAxisd(EIGEN_PI / 2, Vec3d::UnitZ()));
+  bodies.push_back(body_json("box", array(across), tool.position - turn * Vec3d(0, 0, thick / 2),
+                             (turn * quarter).coeffs()));
+  constexpr double shaft = 0.08;  // [m]
+  bodies.push_back(
+      body_json("capsule", {thick, shaft}, tool.position - turn * Vec3d(0, 0, shaft), tool.orientation));
 }
 
 }  // namespace
@@ -56,15 +92,19 @@ void FrameWriter::add_pictures(World<Real>& world, const std::string& frame) {
        ++next_picture_) {
     char title[64];
     std::snprintf(title, sizeof title, "t = %.2f s", world.time());
-    nlohmann::ordered_json panel{{"mesh", frame},
-                                 {"title", title},
-                                 {"color", "region"},
-                                 {"edges", true},
-                                 {"first", frames_.front().second}};
+    Json panel{{"mesh", frame},
+               {"title", title},
+               {"color", "region"},
+               {"edges", true},
+               {"first", frames_.front().second}};
     if (world.elements().fibres.cols() > 0) panel["fibres"] = true;
-    panel["tools"] = nlohmann::ordered_json::array();
-    for (const PlacedTool& tool : placed_tools(world)) panel["tools"].push_back(tool_json(tool, x));
-    nlohmann::ordered_json picture{{"out", "picture_" + exact(output_.pictures[next_picture_]) + ".png"}};
+    panel["tools"] = Json::array();
+    Json bodies = Json::array();
+    for (const PlacedTool& tool : placed_tools(world))
+      tool.shape.jaw.isZero(0) ? panel["tools"].push_back(tool_json(tool, x)) : add_jaws(bodies, tool);
+    for (const ObstacleSetup& obstacle : obstacles_) add_obstacle(bodies, obstacle);
+    if (!bodies.empty()) panel["bodies"] = std::move(bodies);
+    Json picture{{"out", "picture_" + exact(output_.pictures[next_picture_]) + ".png"}};
     picture["panels"].push_back(std::move(panel));
     pictures_.push_back(std::move(picture));
   }
@@ -74,8 +114,8 @@ std::filesystem::path FrameWriter::finish() const {
   write_pvd(directory_ / "series.pvd", frames_);
   if (pictures_.empty()) return {};
   const std::filesystem::path file = directory_ / "pictures.json";
-  const nlohmann::ordered_json request{{"pictures", pictures_}};
-  io::write_file(file, request.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+  const Json request{{"pictures", pictures_}};
+  io::write_file(file, request.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   return file;
 }
 

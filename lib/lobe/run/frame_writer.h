@@ -14,8 +14,9 @@ namespace lobe {
 
 class FrameWriter {
  public:
-  FrameWriter(const Output& output, std::filesystem::path directory)
-      : output_(output), directory_(std::move(directory)) {}
+  // The obstacles are drawn in pictures.
+  FrameWriter(const Output& output, std::vector<ObstacleSetup> obstacles, std::filesystem::path directory)
+      : output_(output), obstacles_(std::move(obstacles)), directory_(std::move(directory)) {}
 
   // Writes a frame if a frame or a picture is due at the world's time. With `last` it writes one in any case.
   template <class Real>
@@ -31,6 +32,7 @@ class FrameWriter {
   void add_pictures(World<Real>& world, const std::string& frame);
 
   Output output_;
+  std::vector<ObstacleSetup> obstacles_;
   std::filesystem::path directory_;
   std::vector<std::pair<double, std::string>> frames_;
   nlohmann::ordered_json pictures_ = nlohmann::ordered_json::array();

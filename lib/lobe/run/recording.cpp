@@ -15,7 +15,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 7, "recording of a world"};
+constexpr io::Format format{"loberec ", 8, "recording of a world"};
 
 void mix(std::uint64_t word, std::uint64_t& digest) {
   digest = (digest ^ word) * 0x9e3779b97f4a7c15u;

@@ -39,15 +39,20 @@ void Totals::add(const Report& report, double time, double wall) {
 template <class Real>
 Json state_json(World<Real>& world) {
   const Energies e = world.energies();
-  return {{"time", world.time()},
-          {"tetrahedra", world.elements().topology.alive_count()},
-          {"volume", current_volume(world.elements(), world.state().u.template cast<double>())},
-          {"energy",
-           {{"kinetic", e.kinetic},
-            {"elastic_linear", e.elastic_linear},
-            {"elastic_nonlinear", e.elastic_nonlinear},
-            {"loads", e.loads},
-            {"total", e.total()}}}};
+  Json state{{"time", world.time()},
+             {"tetrahedra", world.elements().topology.alive_count()},
+             {"volume", current_volume(world.elements(), world.state().u.template cast<double>())},
+             {"energy",
+              {{"kinetic", e.kinetic},
+               {"elastic_linear", e.elastic_linear},
+               {"elastic_nonlinear", e.elastic_nonlinear},
+               {"loads", e.loads},
+               {"total", e.total()}}}};
+  const auto array = [](const Vec3d& x) { return Json{x[0], x[1], x[2]}; };
+  for (const PlacedTool& tool : placed_tools(world))
+    state["tools"].push_back(
+        {{"name", tool.name}, {"position", array(tool.position)}, {"force", array(tool.force)}});
+  return state;
 }
 
 template Json state_json(World<float>&);

@@ -29,7 +29,7 @@ struct Totals {
   void add(const Report& report, double time, double wall);
 };
 
-// Time, volume and energies now: an entry of the report's series.
+// Time, volume, energies and tools now: an entry of the report's series.
 template <class Real>
 nlohmann::ordered_json state_json(World<Real>& world);
 nlohmann::ordered_json region_counts(const Elements& elements);

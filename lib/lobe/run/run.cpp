@@ -81,7 +81,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   World<Real> world(resolved.setup, options.threads, options.condensing);
   const double setup_seconds = seconds_since(start);
   clear_earlier_run(options.directory, {mesh_path(scene), scene.file});
-  FrameWriter frame_writer(scene.output, options.directory);
+  FrameWriter frame_writer(scene.output, resolved.setup.contact.obstacles, options.directory);
   Totals totals;
   RunResult result;
   result.warnings = resolved.warnings;

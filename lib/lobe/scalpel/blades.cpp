@@ -42,24 +42,6 @@ Eigen::AlignedBox3d box_around(const Grains& grains, std::span<const Index> of_t
   return {box.min() - spare, box.max() + spare};
 }
 
-// Placements of some tetrahedra, found once.
-class KnownPlacements {
- public:
-  KnownPlacements(const std::vector<Index>& tets, const Placements& find) : find_(find) {
-    own_.reserve(tets.size());
-    for (Index t : tets) own_.emplace_back(t, find(t));
-  }
-  Placement operator()(Index tet) const {
-    const auto at = std::lower_bound(own_.begin(), own_.end(), tet,
-                                     [](const auto& pair, Index t) { return pair.first < t; });
-    return at != own_.end() && at->first == tet ? at->second : find_(tet);
-  }
-
- private:
-  std::vector<std::pair<Index, Placement>> own_;  // in their order
-  const Placements& find_;
-};
-
 }  // namespace
 
 int Blades::steps(const BladeMove& move) const {
@@ -80,27 +62,29 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   Stroke* stroke = stroke_of(step, body);
   if (!stroke) return std::nullopt;
   stroke->goes_on = true;
-  std::vector<std::vector<Vec3d>> places;
-  places.reserve(stroke->rows.size() + 1);
-  for (const Row& row : stroke->rows) places.push_back(places_of(row, body));
-  Row now = places_at(step.to, *stroke, stroke->rows.back().size());
+  const std::vector<Row>& rows = stroke->rows;
+  const std::vector<Vec3d> from = places_of(rows.back(), body);
+  Row now = places_at(step.to, *stroke, rows.back().size());
   std::vector<Vec3d> there;
+  there.reserve(now.size());
   for (const BladePoint& station : now) there.push_back(station.place);
   double way = 0;  // beyond that of the tissue
-  for (std::size_t i = 0; i < there.size(); ++i) way = std::max(way, (there[i] - places.back()[i]).norm());
+  for (std::size_t i = 0; i < there.size(); ++i) way = std::max(way, (there[i] - from[i]).norm());
   if (way < least_way * grains.mean_edge()) return Incised{};
-  places.push_back(there);
-  std::vector<Sheet> swept;
-  swept.reserve(places.size());
-  for (std::size_t i = 0; i + 1 < places.size(); ++i) swept.push_back(Sheet(places[i], places[i + 1]));
-  const bool has_moved = has_moved_since(stroke->rows.back(), places[places.size() - 2]);
-  const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved};
-  const std::vector<Index> tets = tets_near(swept, blade, body);
-  const KnownPlacements placements(tets, body.placement);
-  find_in_body(now, tets, std::ref(placements));
-  Incised incised = incise(grains, blade, swept.back(), swept, tets, std::ref(placements));
-  incised.way = way_of(now, stroke->rows.back(), there, places[places.size() - 2]);
-  const std::vector<Vec3d> before = places.size() > 2 ? places[places.size() - 3] : std::vector<Vec3d>{};
+  SweptSheets swept;
+  std::vector<Vec3d> before;  // from
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    before = places_of(rows[i], body);
+    swept.add(before);
+  }
+  swept.add(from);
+  swept.add(there);
+  const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved_since(rows.back(), from),
+                    stroke->begun};
+  const PlacedTets tets(tets_near(swept, blade, body), body.placement);
+  find_in_body(now, tets);
+  Incised incised = incise(grains, blade, swept, tets);
+  incised.way = way_of(now, rows.back(), there, from);
   keep(std::move(now), before, *stroke);
   return incised;
 }
@@ -115,13 +99,14 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   Stroke& stroke = strokes_.emplace_back();
   stroke.tool = step.tool;
   stroke.number = step.stroke;
+  stroke.begun = begun_++;
   while (taken >> stroke.bit & 1) ++stroke.bit;
   const double length = (step.from.heel - step.from.tip).norm();
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
   Row row = places_at(step.from, stroke, count);
   Eigen::AlignedBox3d box;
   for (const BladePoint& station : row) box.extend(station.place);
-  find_in_body(row, body.tets_in({box, {}, {}}), body.placement);
+  find_in_body(row, PlacedTets(body.tets_in({box, {}, {}}), body.placement));
   stroke.rows = {std::move(row)};
   return &stroke;
 }
@@ -148,10 +133,10 @@ void Blades::end_strokes() {
 }
 
 // Tetrahedra near the last sheet, and that before if the blade looks back.
-std::vector<Index> Blades::tets_near(const std::vector<Sheet>& swept, const Blade& blade,
+std::vector<Index> Blades::tets_near(const SweptSheets& swept, const Blade& blade,
                                      const BodyNow& body) const {
-  const Sheet& sheet = swept.back();
-  const Sheet* last = blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr;
+  const Sheet& sheet = swept.last();
+  const Sheet* last = blade.looks_back ? swept.before_last() : nullptr;
   const double reach = std::max(blade.reach(), open_within) * grains.mean_edge();
   const Eigen::AlignedBox3d box = last ? sheet.box().merged(last->box()) : sheet.box();
   const Vec3d around = Vec3d::Constant(reach);
@@ -173,7 +158,7 @@ Blades::Row Blades::places_at(const BladePose& pose, Stroke& stroke, std::size_t
 }
 
 // The first grain that each is in. Stations stand in a line: those in a box follow each other.
-void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const Placements& find) const {
+void Blades::find_in_body(Row& row, const PlacedTets& tets) const {
   constexpr double flat = 1e-3;
   auto left = std::count_if(row.begin(), row.end(), [](const BladePoint& point) { return point.grain < 0; });
   const Vec3d start = row.front().place, way = row.back().place - start;
@@ -184,8 +169,8 @@ void Blades::find_in_body(Row& row, const std::vector<Index>& tets, const Placem
     return std::clamp((x - start[axis]) / per_station, -1.0, double(row.size()));
   };
   for (std::size_t i = 0; i < tets.size() && left > 0; ++i) {
-    const Placement placement = find(tets[i]);
-    const auto of_tet = grains.of(tets[i]);
+    const auto& [tet, placement] = tets[i];
+    const auto of_tet = grains.of(tet);
     const Eigen::AlignedBox3d box = box_around(grains, of_tet, placement);
     const auto [first, last] = std::minmax({station_at(box.min()[axis]), station_at(box.max()[axis])});
     const auto end = static_cast<std::size_t>(std::floor(last) + 1);
@@ -251,15 +236,18 @@ void Blades::keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) con
 void Blades::set_state(const State& state) {
   grains.set_on(state.on);
   strokes_ = state.strokes;
+  begun_ = state.begun;
 }
 
 bool Blades::fits(const State& state, const Grains* grains) {
-  if (!grains) return state.on.empty() && state.strokes.empty();
+  if (!grains) return state.on.empty() && state.strokes.empty() && state.begun == 0;
   const auto is_station = [&](const BladePoint& s) {
     return s.grain >= -1 && s.grain < grains->count() && s.rest.allFinite() && s.place.allFinite();
   };
   for (const Stroke& stroke : state.strokes) {
-    if (stroke.bit < 0 || stroke.bit >= Grains::most_strokes || stroke.rows.empty()) return false;
+    if (stroke.bit < 0 || stroke.bit >= Grains::most_strokes || stroke.rows.empty() || stroke.begun < 0 ||
+        stroke.begun >= state.begun)
+      return false;
     for (const Row& row : stroke.rows)
       if (row.size() < 2 || row.size() != stroke.rows.front().size() ||
           !std::all_of(row.begin(), row.end(), is_station))

@@ -53,26 +53,28 @@ class Blades {
   using Row = std::vector<BladePoint>;
   struct Stroke {
     int tool = 0, number = 0, bit = 0, rows_made = 0;
+    Index begun = 0;  // how many of the body began before
     bool goes_on = true;
     std::vector<Row> rows;  // the last few that the edge has left behind, the present one last
-    static constexpr auto fields = std::tuple(&Stroke::tool, &Stroke::number, &Stroke::bit,
-                                              &Stroke::rows_made, &Stroke::goes_on, &Stroke::rows);
+    static constexpr auto fields =
+        std::tuple(&Stroke::tool, &Stroke::number, &Stroke::bit, &Stroke::rows_made, &Stroke::begun,
+                   &Stroke::goes_on, &Stroke::rows);
   };
   struct State {  // with the grains, all that a later step depends on
     std::vector<std::uint32_t> on;
     std::vector<Stroke> strokes;
-    static constexpr auto fields = std::tuple(&State::on, &State::strokes);
+    Index begun = 0;  // strokes since the start
+    static constexpr auto fields = std::tuple(&State::on, &State::strokes, &State::begun);
   };
-  State state() const { return {grains.on(), strokes_}; }
+  State state() const { return {grains.on(), strokes_, begun_}; }
   void set_state(const State& state);
   static bool fits(const State& state, const Grains* grains);  // null: there are none
 
  private:
   Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
-  std::vector<Index> tets_near(const std::vector<Sheet>& swept, const Blade& blade,
-                               const BodyNow& body) const;
+  std::vector<Index> tets_near(const SweptSheets& swept, const Blade& blade, const BodyNow& body) const;
   Row places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const;
-  void find_in_body(Row& row, const std::vector<Index>& tets, const Placements& find) const;
+  void find_in_body(Row& row, const PlacedTets& tets) const;
   static Vec3d way_of(const Row& now, const Row& before, const std::vector<Vec3d>& there,
                       const std::vector<Vec3d>& from);
   std::vector<Vec3d> places_of(const Row& row, const BodyNow& body) const;
@@ -80,6 +82,7 @@ class Blades {
   void keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const;
 
   std::vector<Stroke> strokes_;
+  Index begun_ = 0;
 };
 
 }  // namespace lobe

@@ -54,7 +54,7 @@ Grains::Grains(const Elements& elements) {
     const Eigen::Vector4i corners = topology.corners(t);
     volumes += signed_volume(elements.corner_points(t));
     for (Index v : corners) around_.append(v, count());
-    grains_.push_back({corners, t, 1, 0, boundary[std::size_t(t)]});
+    grains_.push_back({corners, t, -1, 0, boundary[std::size_t(t)], 1});
     for (const auto& edge : edge_corners) {
       const Index a = corners[edge[0]], b = corners[edge[1]];
       const double length = (point(a) - point(b)).norm();
@@ -164,6 +164,8 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   near_b.open &= std::uint8_t(~(1 << at_b));
   near_a.boundary &= std::uint8_t(~(1 << at_a));
   near_b.boundary &= std::uint8_t(~(1 << at_b));
+  for (Grain* half : {&near_a, &near_b})
+    if (half->open == 0) half->stroke = -1;
   link(4 * other + at_a, other_side(4 * grain + at_a));
   link(4 * grain + at_a, 4 * other + at_b);
   around_.erase_value(b, grain);
@@ -216,7 +218,8 @@ void Grains::link_halves(const std::vector<Index>& star, Index halves, Index a, 
   for (Index grain : star) scratch_[std::size_t(grain)] = -1;
 }
 
-std::vector<Index> Grains::open(const std::vector<Index>& faces) {
+std::vector<Index> Grains::open(const std::vector<Index>& faces, Index stroke) {
+  const auto number = static_cast<std::int16_t>(std::clamp(stroke, Index(-1), most_numbered));
   std::vector<Index> points, elements;
   for (Index code : faces) {
     const Index grain = code / 4, other = other_side(code);
@@ -224,11 +227,13 @@ std::vector<Index> Grains::open(const std::vector<Index>& faces) {
     changed_.push_back(grain);
     Grain& data = grains_[std::size_t(grain)];
     data.open |= std::uint8_t(1 << code % 4);
+    data.stroke = number;
     for (int c : face_corners[code % 4]) points.push_back(data.points[c]);
     if (other < 0) continue;
     elements.push_back((*this)[other / 4].element);
     changed_.push_back(other / 4);
     grains_[std::size_t(other / 4)].open |= std::uint8_t(1 << other % 4);
+    grains_[std::size_t(other / 4)].stroke = number;
     other_sides_[std::size_t(other / 4)][std::size_t(other % 4)] = -1;
     link(code, -1);
   }

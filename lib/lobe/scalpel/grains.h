@@ -31,20 +31,22 @@ struct Incision {
   };
   std::vector<Bisection> bisections;
   std::vector<Index> opened;  // faces as codes 4 × grain + corner opposite to the face, one of both sides
+  Index stroke = -1;          // that it is part of, counted from 0 in the order in which they began
 
   bool empty() const { return bisections.empty() && opened.empty(); }
   bool operator==(const Incision&) const = default;
-  static constexpr auto fields = std::tuple(&Incision::bisections, &Incision::opened);
+  static constexpr auto fields = std::tuple(&Incision::bisections, &Incision::opened, &Incision::stroke);
 };
 
 class Grains {
  public:
   struct Grain {
     Eigen::Vector4i points;
-    Index element;              // the tetrahedron of the simulation that it is part of
-    double share = 1;           // of its parent's volume
-    std::uint8_t open = 0;      // one bit per face
+    Index element;             // the tetrahedron of the simulation that it is part of
+    std::int16_t stroke = -1;  // the last one that has opened a face of it; from most_numbered on always that
+    std::uint8_t open = 0;     // one bit per face
     std::uint8_t boundary = 0;  // the same: it was on the boundary at the start
+    double share = 1;           // of its parent's volume
   };
 
   // One per tetrahedron that is there, in their order. O(#tets).
@@ -69,6 +71,7 @@ class Grains {
 
   // Points that lie on the sheet of a stroke that goes on. At most 32 strokes go on at a time.
   static constexpr int most_strokes = 32;
+  static constexpr Index most_numbered = 32767;
   bool is_on(Index point, int stroke) const { return on_[std::size_t(point)] >> stroke & 1; }
   void put_on(Index point, int stroke) { on_[std::size_t(point)] |= 1u << stroke; }
   void forget_stroke(int stroke);
@@ -96,7 +99,7 @@ class Grains {
   // New points lie on the sheets that both ends of their edge lie on, and on those of `strokes`, as bits.
   void bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t strokes = 0);
   // Both sides of each face, and splits points where grains come apart. Returns the tetrahedra beside them.
-  std::vector<Index> open(const std::vector<Index>& faces);
+  std::vector<Index> open(const std::vector<Index>& faces, Index stroke = -1);
   // What has come apart in and around these tetrahedra, as the simulation sees it; the grains go over to its
   // parts.
   TetDivision divide(const Topology& topology, const std::vector<Index>& opened);

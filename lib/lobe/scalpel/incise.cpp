@@ -31,8 +31,13 @@ class Places {
 
 class Step {
  public:
-  Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
-       const std::vector<Index>& elements, const Placements& placement);
+  Step(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets)
+      : grains_(grains),
+        blade_(blade),
+        sheet_(swept.last()),
+        swept_(swept),
+        last_(blade.looks_back ? swept.before_last() : nullptr),
+        tets_(tets) {}
   Incised cut();
 
  private:
@@ -55,9 +60,7 @@ class Step {
     bool counts = true;
   };
 
-  const Placement& placement_of(Index element);
-  bool has_placement(Index element) const;
-  Vec3d place(Index grain, const Vec3d& X) { return placement_of(grains_[grain].element)(X); }
+  Vec3d place(Index grain, const Vec3d& X) const { return tets_.of(grains_[grain].element)(X); }
   bool is_on(const Point& point) const { return point.was_on || point.is_on; }
   bool are_apart(const Point& a, const Point& b) const {  // not on one side of the sheets
     return a.side == 0 || a.side != b.side || (last_ && (a.last_side == 0 || a.last_side != b.last_side));
@@ -73,52 +76,24 @@ class Step {
   void find_crossed();
   void refuse_too_many();
   void drop_third_marks();
-  std::vector<Index> faces_on();
-  std::vector<Index> faces_between_sides();
-  bool is_near(Index grain, const Eigen::Vector3i& points);
-  Vec3d middle_of_face(Index code);
-  Vec3d middle_of(Index grain);
+  std::vector<Index> faces_on() const;
+  std::vector<Index> faces_between_sides() const;
+  bool is_near(Index grain, const Eigen::Vector3i& points) const;
+  Vec3d middle_of_face(Index code) const;
+  Vec3d middle_of(Index grain) const;
   void open(std::vector<Index> faces);
 
   Grains& grains_;
   const Blade blade_;
   const Sheet& sheet_;
-  const std::vector<Sheet>& swept_;
+  const SweptSheets& swept_;
   const Sheet* last_;  // none: there is no need of it
-  const Placements& find_placement_;
-  std::vector<std::pair<Index, Placement>> placements_, others_;  // by element, sorted; and of those beside
-  std::vector<Point> points_;                                     // of grains near the sheet
-  std::vector<Near> near_;                                        // by their grains
-  std::vector<Mark> marks_;                                       // by their edges
+  const PlacedTets& tets_;
+  std::vector<Point> points_;  // of grains near the sheet
+  std::vector<Near> near_;     // by their grains
+  std::vector<Mark> marks_;    // by their edges
   Incised result_;
 };
-
-Step::Step(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
-           const std::vector<Index>& elements, const Placements& placement)
-    : grains_(grains),
-      blade_(blade),
-      sheet_(sheet),
-      swept_(swept),
-      last_(blade.looks_back && swept.size() > 1 ? &swept[swept.size() - 2] : nullptr),
-      find_placement_(placement) {
-  placements_.reserve(elements.size());
-  for (Index t : elements) placements_.emplace_back(t, placement(t));
-}
-
-const Placement& Step::placement_of(Index element) {
-  const auto at = std::lower_bound(placements_.begin(), placements_.end(), element,
-                                   [](const auto& pair, Index t) { return pair.first < t; });
-  if (at != placements_.end() && at->first == element) return at->second;
-  for (const auto& [t, there] : others_)
-    if (t == element) return there;
-  return others_.emplace_back(element, find_placement_(element)).second;
-}
-
-bool Step::has_placement(Index element) const {
-  const auto at = std::lower_bound(placements_.begin(), placements_.end(), element,
-                                   [](const auto& pair, Index t) { return pair.first < t; });
-  return at != placements_.end() && at->first == element;
-}
 
 Step::Mark* Step::mark_of(const Edge& edge) {
   const auto at = std::lower_bound(marks_.begin(), marks_.end(), edge,
@@ -145,15 +120,15 @@ std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
 
 void Step::find_near() {
   const double reach = blade_.reach() * grains_.mean_edge();
-  std::vector<std::pair<Index, Index>> placed;  // grains, and places in placements_
-  for (std::size_t i = 0; i < placements_.size(); ++i)
-    for (Index grain : grains_.of(placements_[i].first)) placed.emplace_back(grain, static_cast<Index>(i));
+  std::vector<std::pair<Index, Index>> placed;  // grains, and places in tets_
+  for (std::size_t i = 0; i < tets_.size(); ++i)
+    for (Index grain : grains_.of(tets_[i].tet)) placed.emplace_back(grain, static_cast<Index>(i));
   std::sort(placed.begin(), placed.end());
   near_.reserve(placed.size());
   points_.reserve(2 * placed.size());
   Places places(2 * placed.size());
   for (const auto& [grain, at] : placed) {
-    const Placement& placement = placements_[std::size_t(at)].second;
+    const Placement& placement = tets_[std::size_t(at)].placement;
     const Eigen::Vector4i& numbers = grains_[grain].points;
     Mat34<double> x;
     for (int k = 0; k < 4; ++k) x.col(k) = placement(grains_.point(numbers[k]));
@@ -181,7 +156,7 @@ void Step::put_on() {
     if (point.was_on || sheet_.beyond(point.x) >= within ||
         sheet_.box().squaredExteriorDistance(point.x) >= within * within)
       continue;
-    point.distance = sheet_.distance(point.x);
+    point.distance = sheet_.distance(point.x, within);
     point.is_on = point.distance < within;
   }
   while (release_flat()) {
@@ -267,23 +242,19 @@ void Step::drop_third_marks() {
   }
 }
 
-bool Step::is_near(Index grain, const Eigen::Vector3i& points) {
+bool Step::is_near(Index grain, const Eigen::Vector3i& points) const {
   Eigen::Vector3i sorted = points;  // both sides find the same sum
   std::sort(sorted.begin(), sorted.end());
   const Vec3d middle = (grains_.point(sorted[0]) + grains_.point(sorted[1]) + grains_.point(sorted[2])) / 3;
-  const Vec3d x = place(grain, middle);
-  const double within = open_within * grains_.mean_edge();
-  return std::any_of(swept_.rbegin(), swept_.rend(), [&](const Sheet& sheet) {
-    return sheet.box().squaredExteriorDistance(x) < within * within && sheet.distance(x) < within;
-  });
+  return swept_.is_near(place(grain, middle), open_within * grains_.mean_edge());
 }
 
 // Closed faces on the stroke's sheet, each from one side.
-std::vector<Index> Step::faces_on() {
+std::vector<Index> Step::faces_on() const {
   std::vector<Index> faces, touching;
   const auto is_point_on = [&](Index p) { return grains_.is_on(p, blade_.stroke); };
-  for (const auto& [t, placement] : placements_)
-    for (Index grain : grains_.of(t)) {
+  for (const PlacedTets::Placed& placed : tets_)
+    for (Index grain : grains_.of(placed.tet)) {
       const Eigen::Vector4i& p = grains_[grain].points;
       if (std::count_if(p.begin(), p.end(), is_point_on) >= 3) touching.push_back(grain);
     }
@@ -294,14 +265,14 @@ std::vector<Index> Step::faces_on() {
       const int* c = face_corners[f];
       if (!std::all_of(c, c + 3, [&](int k) { return is_point_on(p[k]); })) continue;
       const Index other = grains_.neighbour(grain, f);
-      if (other < 0 || (other < grain && has_placement(grains_[other].element))) continue;
+      if (other < 0 || (other < grain && tets_.has(grains_[other].element))) continue;
       if (is_near(grain, {p[c[0]], p[c[1]], p[c[2]]})) faces.push_back(4 * grain + f);
     }
   }
   return faces;
 }
 
-Vec3d Step::middle_of(Index grain) {
+Vec3d Step::middle_of(Index grain) const {
   const Eigen::Vector4i& p = grains_[grain].points;
   return place(grain,
                (grains_.point(p[0]) + grains_.point(p[1]) + grains_.point(p[2]) + grains_.point(p[3])) / 4);
@@ -309,7 +280,7 @@ Vec3d Step::middle_of(Index grain) {
 
 // Closed faces of which the sheet passes between the middles of both sides: who goes from one side of the
 // sheet to the other, from middle to middle, comes through one of them.
-std::vector<Index> Step::faces_between_sides() {
+std::vector<Index> Step::faces_between_sides() const {
   std::vector<Index> faces;
   for (const Near& near : near_)
     for (int f = 0; f < 4; ++f) {
@@ -321,7 +292,7 @@ std::vector<Index> Step::faces_between_sides() {
   return faces;
 }
 
-Vec3d Step::middle_of_face(Index code) {
+Vec3d Step::middle_of_face(Index code) const {
   const Grains::Grain& data = grains_[code / 4];
   const int* c = face_corners[code % 4];
   return place(code / 4, (grains_.point(data.points[c[0]]) + grains_.point(data.points[c[1]]) +
@@ -337,11 +308,12 @@ void Step::open(std::vector<Index> faces) {
                              middle_of_face(code)});
     result_.area += result_.faces.back().area;
   }
-  result_.opened = grains_.open(faces);
+  result_.opened = grains_.open(faces, blade_.number);
   result_.incision.opened = std::move(faces);
 }
 
 Incised Step::cut() {
+  result_.incision.stroke = blade_.number;
   find_near();
   if (blade_.along_faces) {
     open(faces_between_sides());
@@ -360,9 +332,24 @@ Incised Step::cut() {
 
 }  // namespace
 
-Incised incise(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
-               const std::vector<Index>& elements, const Placements& placement) {
-  return Step(grains, blade, sheet, swept, elements, placement).cut();
+PlacedTets::PlacedTets(const std::vector<Index>& tets, Placements find) : find_(std::move(find)) {
+  placed_.reserve(tets.size());
+  for (Index t : tets) placed_.push_back({t, find_(t)});
+}
+
+const Placement* PlacedTets::find(Index tet) const {
+  const auto at = std::lower_bound(placed_.begin(), placed_.end(), tet,
+                                   [](const Placed& placed, Index t) { return placed.tet < t; });
+  return at != placed_.end() && at->tet == tet ? &at->placement : nullptr;
+}
+
+Placement PlacedTets::of(Index tet) const {
+  const Placement* known = find(tet);
+  return known ? *known : find_(tet);
+}
+
+Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets) {
+  return Step(grains, blade, swept, tets).cut();
 }
 
 }  // namespace lobe

@@ -13,6 +13,7 @@ struct Blade {
   // The tissue has moved since the last sheet. The straight lines between the stored places may now lie ahead
   // of the end of that sheet. The last sheet finds the edges in between.
   bool looks_back = false;
+  Index number = -1;  // the stroke's, of all strokes of the body
 
   // The distance from the sheet within which grains may have to be divided, in mean edges.
   double reach() const { return along_faces ? 2 : 2 * snap; }
@@ -25,6 +26,29 @@ struct Placement {
   Vec3d operator()(const Vec3d& X) const { return image + gradient * (X - start); }
 };
 using Placements = std::function<Placement(Index element)>;
+
+// Tetrahedra in ascending order, each with where it is.
+class PlacedTets {
+ public:
+  PlacedTets(const std::vector<Index>& tets, Placements find);
+
+  struct Placed {
+    Index tet;
+    Placement placement;
+  };
+  auto begin() const { return placed_.begin(); }
+  auto end() const { return placed_.end(); }
+  std::size_t size() const { return placed_.size(); }
+  const Placed& operator[](std::size_t i) const { return placed_[i]; }
+  bool has(Index tet) const { return find(tet) != nullptr; }
+  Placement of(Index tet) const;  // of any; found where it is not one of these
+
+ private:
+  const Placement* find(Index tet) const;
+
+  std::vector<Placed> placed_;
+  Placements find_;
+};
 
 struct Incised {
   Incision incision;
@@ -41,11 +65,9 @@ struct Incised {
   Index refused = 0;          // edges that were not bisected, of tetrahedra with the most grains already
 };
 
-// Cuts where the sheet meets these tetrahedra: all that are within reach of it. Faces open where all three
-// points lie on the stroke's sheet, and their middle near what it has swept last: `swept`, of which `sheet`
-// is one.
-Incised incise(Grains& grains, const Blade& blade, const Sheet& sheet, const std::vector<Sheet>& swept,
-               const std::vector<Index>& elements, const Placements& placement);
+// Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all
+// three points lie on the stroke's sheets, and their middle near what it has swept last.
+Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
 inline constexpr Index most_grains = 256;   // of a tetrahedron
 inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens

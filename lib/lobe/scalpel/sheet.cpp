@@ -71,8 +71,9 @@ bool Sheet::may_reach(const Eigen::AlignedBox3d& box, double reach) const {
          visit_parts(box, reach * reach, [](const Part&) { return true; });
 }
 
-double Sheet::distance(const Vec3d& p) const {
-  double square = std::numeric_limits<double>::infinity();
+double Sheet::distance(const Vec3d& p, double within) const {
+  double square = (1 + 1e-15) * within * within;  // whether it is below is for the caller to say
+  bool is_within = false;
   for (const Part& group : groups_) {
     if (group.box.squaredExteriorDistance(p) >= square) continue;
     for (std::size_t at = group.begin; at < group.end; ++at) {
@@ -82,11 +83,14 @@ double Sheet::distance(const Vec3d& p) const {
         const Triangle& t = triangles_[i];
         if (t.box.squaredExteriorDistance(p) >= square) continue;
         const Vec3d nearest = nearest_on_triangle(p, t.corners[0], t.corners[1], t.corners[2]);
-        square = std::min(square, (p - nearest).squaredNorm());
+        const double own = (p - nearest).squaredNorm();
+        if (own >= square) continue;
+        square = own;
+        is_within = true;
       }
     }
   }
-  return std::sqrt(square);
+  return is_within ? std::sqrt(square) : std::numeric_limits<double>::infinity();
 }
 
 std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
@@ -104,6 +108,27 @@ std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
     return false;
   });
   return count % 2 == 1 ? first : std::nullopt;
+}
+
+void SweptSheets::add(std::vector<Vec3d> row) {
+  Eigen::AlignedBox3d& box = boxes_.emplace_back();
+  for (const Vec3d& p : row) box.extend(p);
+  rows_.push_back(std::move(row));
+}
+
+const Sheet& SweptSheets::sheet(std::size_t i) const {
+  if (sheets_.size() <= i) sheets_.resize(rows_.size() - 1);
+  std::optional<Sheet>& sheet = sheets_[i];
+  if (!sheet) sheet.emplace(rows_[i], rows_[i + 1]);
+  return *sheet;
+}
+
+bool SweptSheets::is_near(const Vec3d& p, double within) const {
+  for (std::size_t i = rows_.size() - 1; i-- > 0;)
+    if (boxes_[i].merged(boxes_[i + 1]).squaredExteriorDistance(p) < within * within &&
+        sheet(i).distance(p, within) < within)
+      return true;
+  return false;
 }
 
 }  // namespace lobe

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -17,7 +18,7 @@ class Sheet {
   Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to);
 
   const Eigen::AlignedBox3d& box() const { return box_; }  // [m]
-  double distance(const Vec3d& p) const;                   // [m]
+  double distance(const Vec3d& p, double within) const;    // [m]; infinite where it is above that
   // Whether a tetrahedron may be within a distance of the sheet [m]. It is not, if a plane separates them, or
   // if it is further from all boxes around parts of the sheet.
   bool may_reach(const Mat34<double>& x, double reach) const;
@@ -61,6 +62,26 @@ class Sheet {
   double low_ = 0, high_ = 0;         // along it [m]
   double rounding_ = 0;               // above that of these [m]
   Eigen::AlignedBox3d box_;
+};
+
+// What a stroke has swept last: sheets between rows of points, one after the other. A sheet is made when it
+// is asked for. Most of the time nothing is near any but the last.
+class SweptSheets {
+ public:
+  void add(std::vector<Vec3d> row);  // of as many points as the others [m]
+  void clear() { *this = {}; }
+
+  const Sheet& last() const { return sheet(rows_.size() - 2); }
+  const Sheet* before_last() const { return rows_.size() > 2 ? &sheet(rows_.size() - 3) : nullptr; }
+  // Whether a point is nearer than that to any of them [m].
+  bool is_near(const Vec3d& p, double within) const;
+
+ private:
+  const Sheet& sheet(std::size_t i) const;  // between the rows i and i + 1
+
+  std::vector<std::vector<Vec3d>> rows_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  // around each
+  mutable std::deque<std::optional<Sheet>> sheets_;
 };
 
 }  // namespace lobe

@@ -14,7 +14,8 @@
 
 namespace lobe {
 
-// ---- Selectors: a tetrahedron is selected by its barycentre, a boundary face when its three vertices are.
+// ---- Selectors. A tetrahedron is selected by its barycentre, a vertex by its rest position, a boundary face
+// when its three vertices are.
 struct Selector;
 struct SelectAll {};
 struct SelectBox {
@@ -96,11 +97,11 @@ inline Elastic elastic_of(const Material& m) {
 struct Region {
   std::string name;
   RegionModel model = RegionModel::nonlinear;
-  RegionFrame frame = RegionFrame::fixed;  // of pre-computed ones, the same for all
-  double cell = 0;  // of reduced ones, the same for all: edge of the lattice's cells [m]; 0: chosen
+  RegionFrame frame = RegionFrame::fixed;  // precomputed: the same in all such regions
+  double cell = 0;  // reduced: edge of the lattice's cells, equal in all such regions [m]; 0: lobe chooses
   std::optional<Selector> where;
   std::string pointer;
-  bool is_measured = false;  // precomputed: tensor-mass where a step is measured to cost clearly less so
+  bool is_measured = false;  // precomputed: tensor-mass, if lobe measures that a step is clearly cheaper so
 };
 
 // A gesture for which regions are chosen: a displacement of vertices [m], or a force on them [N].
@@ -116,7 +117,7 @@ struct AutoRegions {
   double tolerance = 0.02;             // relative L2 error of the displacement, of each gesture
   bool precomputed = true;             // whether linear regions may be precomputed
   bool correct = false;                // whether zones change their model while the scene runs
-  std::vector<SceneGesture> gestures;  // none: those of the tools, else usual ones
+  std::vector<SceneGesture> gestures;  // empty: those of the scene's grasps; without, pulls at five places
 };
 
 struct Boundary {
@@ -132,16 +133,16 @@ struct Tool {
   std::string name;
   std::string type = GraspSetup::type;  // as tool_kinds.h has them
   std::optional<Selector> where;        // grasp: the vertices it takes hold of
-  std::vector<Index> copies;            // grasp: further ones, which cuts make before
-  double radius = 0;                    // cautery: of its spherical tip [m]
-  double snap = 0.1;                    // scalpel: setup/tool_setups.h
-  std::vector<Vec3d> heels;             // scalpel: one for each row of its path [m]
-  std::optional<Vec3d> blade;           // scalpel: from tip to heel, where the file says it once [m]
-  bool along_faces = false;             // scalpel: setup/tool_setups.h
-  RigidShape shape;                     // probe; of a mesh, empty where it is in a file
-  std::filesystem::path shape_file;     // probe: absolute or relative to the scene file
-  double friction = default_friction;   // probe: against tissue [-]
-  std::vector<PathPoint> path;          // times strictly increasing; acts from the first to the last
+  std::vector<Index> copies;   // grasp: vertices that earlier cuts make, numbered after those of the mesh
+  double radius = 0;           // cautery: of its spherical tip [m]
+  double snap = 0.1;           // scalpel: a vertex nearer to the cut than this share of its edges lies on it
+  std::vector<Vec3d> heels;    // scalpel: one for each row of its path [m]
+  std::optional<Vec3d> blade;  // scalpel: from tip to heel, where the file says it once [m]
+  bool along_faces = false;    // scalpel: opens faces of the mesh, and divides no tetrahedron
+  RigidShape shape;            // probe; of a mesh, empty where it is in a file
+  std::filesystem::path shape_file;    // probe: absolute or relative to the scene file
+  double friction = default_friction;  // probe: against tissue [-]
+  std::vector<PathPoint> path;         // times strictly increasing; acts from the first to the last
   bool release = false;  // grasp, probe: let go after the last path point (otherwise hold on there)
   std::string pointer;
 };
@@ -175,7 +176,7 @@ struct Scene {
   bool in_double() const {
     return time.precision == Precision::double_precision || time.integrator == Integrator::generalised_alpha;
   }
-  // Whether the degree of selective masses is corrected, in place of linear regions.
+  // Whether lobe adapts the degree of selective masses while the scene runs. No region is linear then.
   bool corrects_masses() const { return auto_regions && auto_regions->correct && time.selective_mass > 1; }
 
   std::string name;            // what reports call it
@@ -193,10 +194,9 @@ struct Scene {
   std::vector<std::filesystem::path> obstacle_files;  // per obstacle: of its shape, as Tool::shape_file
   LoosePieces loose_pieces = LoosePieces::fall;
   Evaluator evaluator = Evaluator::direct;
-  std::filesystem::path
-      condensed_cache;  // folder, absolute or relative to the scene file; none: nothing is kept
-  std::filesystem::path
-      skin;  // OBJ file of a finer surface to show, absolute or relative; none: there is none
+  // Folder, absolute or relative to the scene file; empty: nothing is kept.
+  std::filesystem::path condensed_cache;
+  std::filesystem::path skin;  // OBJ file of a finer surface to show, likewise; empty: there is none
   Time time;
   Output output;
 };

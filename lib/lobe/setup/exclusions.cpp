@@ -18,8 +18,6 @@ constexpr Exclusion table[] = {
     {Option::single_precision, Option::implicit, "its iterations need more digits", "use double precision"},
     {Option::mass_scaling, Option::precomputed, "a precomputed region's interior has no mass to add to",
      "use \"tensor-mass\", or \"selective_mass\""},
-    {Option::automatic, Option::scalpel, "zones are chosen for the tetrahedra at the start",
-     "leave one of them out"},
     {Option::nodal_pressure, Option::stored, "the stored polynomial is each tetrahedron's own",
      "use \"direct\""},
     {Option::neo_hookean, Option::stored, "its energy is no polynomial of degree 4 in displacements",

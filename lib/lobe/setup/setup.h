@@ -17,9 +17,9 @@ struct FaceLoad {  // dead load on one boundary face, in rest area
   Index tet = 0;
   int face = 0;                    // opposite to this corner
   Vec3d traction = Vec3d::Zero();  // [Pa]
-  // The load of each corner of the face, in thirds of the whole, in the order of face_corners. If a blade has
-  // left only a part of the face: three times that part's share of the area, times the barycentric
-  // coordinates of its middle.
+  // Corner k of the face, in the order of face_corners, gets weights[k] · traction · A/3, with A the area of
+  // the whole face at rest. If a blade has left only a part of the face, they are three times that part's
+  // share of A, times the barycentric coordinates of its centroid.
   Vec3d weights = Vec3d::Ones();
   static constexpr auto fields =
       std::tuple(&FaceLoad::tet, &FaceLoad::face, &FaceLoad::traction, &FaceLoad::weights);
@@ -53,34 +53,36 @@ enum class Integrator : std::uint8_t {
 };
 inline const char* name(Integrator i) { return i == Integrator::generalised_alpha ? "implicit" : "explicit"; }
 
+// Body has the mesh, its materials and the region of each tetrahedron.
 struct Setup : Body, ToolSetups {
   std::vector<PrescribedVertex> prescribed;
   std::vector<FaceLoad> face_loads;
   std::vector<VertexLoad> vertex_loads;
-  Vec3d gravity = Vec3d::Zero();
+  Vec3d gravity = Vec3d::Zero();  // [m/s²]
   Evaluator evaluator = Evaluator::direct;
   LoosePieces loose_pieces = LoosePieces::fall;
-  double damping = 0;  // [1/s]
-  double safety =
-      0.9;  // of the time step, as a share of the limit; above 1 the step control must save the run
+  double damping = 0;  // γ, proportional to mass [1/s]
+  // Steps are this share of the stable step 2/ω_max, above 0 and up to 2. Above 1 they are unstable, and only
+  // the repetition of failed frames limits the damage.
+  double safety = 0.9;
   // Share of the uncut body's time step that blades leave: mass is added where they have cut (mass_floor.h);
   // 0 adds none. Explicit integrator only.
   double cut_step = 0.75;
-  double cut_frequency =
-      0;                    // the highest that they leave [rad/s]; 0: by cut_step, where the first blade cuts
+  // The highest frequency of a vertex that blades leave, ω* [rad/s]; 0: that of the uncut body over cut_step.
+  double cut_frequency = 0;
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's (mass_scaling.h)
-  int selective_mass = 1;   // degree of the inverse mass (selective_mass.h); 1: masses are lumped
+  int selective_mass = 1;   // s of theory (27c), 1…16: the stable step grows with it; 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
   double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping
   double ramp = 0.1;             // prescribed displacements are reached over this time [s]
-  double load_ramp = 0;          // dead loads grow to their full size over this time [s]
+  double load_ramp = 0;          // face_loads and vertex_loads grow linearly over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
   double lattice_cell = 0;  // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
-  std::filesystem::path
-      condensed_cache;  // folder that keeps condensed regions (condensed_cache.h); none: it does not
+  // Folder that keeps condensed regions (condensed_cache.h); empty: nothing is kept.
+  std::filesystem::path condensed_cache;
 
   // What decides how a world moves, for fingerprint(): no names, nothing of where results are kept.
   static constexpr auto fields = std::tuple_cat(

@@ -52,11 +52,11 @@ World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progres
       body_(setup, threads, condensing),
       limit_(mean_edge(elements())),
       unravelling_(elements(), diagonal(elements())),
-      tools_(setup),
-      longest_move_(mean_edge(elements())) {
+      tools_(setup) {
   setup_.mesh = {};
   setup_.material_of = {};
-  body_.sleep = Sleep(setup.sleep, setup.sleep / 8 * longest_move_ / diagonal(elements()));
+  body_.motion.longest_move = mean_edge(elements());
+  body_.sleep = Sleep(setup.sleep, setup.sleep / 8 * body_.motion.longest_move / diagonal(elements()));
   if (setup.cut_frequency > 0)
     body_.inertia.set_floor({setup.cut_frequency * setup.cut_frequency, setup.expandable});
   refuse_unsupported(elements(), held());

@@ -1,8 +1,9 @@
 // World simulates a body: it advances time, plays tools, cuts, and reports what happened.
 //
 // Time integration is explicit: central differences in velocity form ([PDA] section 3.2 with erratum 3). An
-// implicit scheme is there as a reference and for stiff scenes. Regions of different models share vertices.
-// A frame costs O(#tetrahedra) per step; an edit costs O(its size).
+// implicit scheme is there as a reference and for stiff scenes. Regions of different models share vertices. A
+// step costs O(#tetrahedra), plus O(n²) for the n interface vertices of a pre-computed region. Most edits
+// cost O(their size); apply() names the exceptions.
 //
 // Real is float, or double for references. One thread calls a world; other threads read its snapshots().
 // lobe/lobe.h explains the words: condensed, tangle, grain …
@@ -28,14 +29,16 @@ class World {
  public:
   // Throws InputError if the setup is inconsistent, asks for a region model that is not available, or for the
   // implicit integrator in single precision.
+  // `condensing` is called with the finished share while pre-computed regions are condensed.
   explicit World(const Setup& setup, int threads = 1, const CondensingLog::Progress& condensing = {});
 
   // ---- Time
 
   // Advances by one frame: plays tools and cuts, then takes as many steps as stability needs.
   // - Tools cut at the start of a frame what they will sweep during it. Grasps take hold and let go on time.
-  // - If a step fails, the frame is run again with smaller steps. If that fails too, the displacements and
-  //   velocities at its start are restored (cuts stay), and the report says why. No NaN is left behind.
+  // - If a step fails, the frame is run again with smaller steps, in at most nine tries. If all fail, the
+  //   displacements and velocities at its start are restored (cuts stay), and the report says why. No NaN is
+  //   left behind.
   // - Throws InputError for a duration that is not positive and finite, and nothing else.
   Report advance(double duration);  // [s], > 0
   // One step of dt [s] without tools, cuts and checks. False if an implicit step was not solved; then nothing
@@ -58,8 +61,9 @@ class World {
   // ---- State
 
   double time() const { return body_.motion.time; }
-  // Displacements and velocities. The interior of a pre-computed region is in equilibrium with its interface.
-  // It is computed by this call and not by every step. set_state() ignores the values for that interior.
+  // Displacements [m] and velocities [m/s], 3 × #vertices. They hold until the world is next changed. The
+  // interior of a pre-computed region is in equilibrium with its interface. It is computed by this call and
+  // not by every step. set_state() ignores the values for that interior.
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);
@@ -73,16 +77,16 @@ class World {
   Dynamics<Real>& body() { return body_; }
   const Dynamics<Real>& body() const { return body_; }
 
-  // ---- Surface and pictures (docs/threads.md)
+  // ---- Surface and snapshots (docs/threads.md)
 
   // The boundary of the body. The first call makes it; from then on each cut updates it, in O(edit).
   const Surface& surface() { return display_.surface(elements(), grains()); }
   // The observer is called after each edit of the mesh, so that a Skin can follow. restore() does not call
   // it.
   void on_cut(CutObserver observer) { display_.on_cut(std::move(observer)); }
-  // Publishes a picture of the present state, with the report of the last frame. Other threads then get it by
-  // snapshots(). Costs a copy of the state and the normals of the surface. If readers hold all slots, no
-  // picture is made.
+  // Publishes a snapshot of the present state, with the report of the last frame. Other threads then get it
+  // by snapshots(). Costs a copy of the state and the normals of the surface. If readers hold all slots, no
+  // snapshot is made.
   void publish(const Report& report);
   const TripleBuffer<Snapshot<Real>>& snapshots() const { return display_.snapshots(); }  // from any thread
 
@@ -98,8 +102,8 @@ class World {
   // ---- Checkpoints and edits
 
   // save() returns all that has changed since the world was built (checkpoint.h). restore() goes back to it.
-  // It costs a copy if nothing was edited since, otherwise as much as building a world. It throws InputError
-  // for a checkpoint of another setup and for one that is not finite; the world is then unchanged.
+  // restore() costs a copy if nothing was edited since, otherwise as much as building a world. It throws
+  // InputError for a checkpoint of another setup and for one that is not finite; the world is then unchanged.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   const Journal& journal() const { return journal_; }  // what it was built from, and its edits since
@@ -218,7 +222,6 @@ class World {
   std::unique_ptr<Blades> prepared_;                // what they will be then, while the mesh is as it is now
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
-  double longest_move_;                             // a step that moves a vertex further is trouble [m]
   TouchExpansion touch_expansion_;
   std::vector<Condition> pending_;  // found by edits; part of the next report
   Display<Real> display_;

@@ -101,8 +101,9 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
 template <class Real>
 bool World<Real>::is_in_trouble(double dt, bool first_try) const {
   const Speeds& speeds = body_.motion.speeds;
-  if (!(speeds.fastest * dt < longest_move_)) return true;
-  return first_try && speeds.reversing * dt > 0.02 * longest_move_;
+  const double longest = body_.motion.longest_move;
+  if (!(speeds.fastest * dt < longest)) return true;
+  return first_try && speeds.reversing * dt > 0.02 * longest;
 }
 
 // The vertex that is fastest or not a number, for messages.
@@ -287,7 +288,8 @@ void World<Real>::play_tools(double duration, Report& report) {
   pending_.clear();
 }
 
-// A condensed interior, or vertices that follow nodes, are where nobody has looked yet, and move as they like.
+// A condensed interior, or vertices that follow nodes, are where nobody has looked yet, and move as they
+// like.
 template <class Real>
 void World<Real>::see_interior() {
   const bool is_condensed = body_.regions.any_condensed() && !body_.regions.is_expanded();

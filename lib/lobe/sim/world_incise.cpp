@@ -209,7 +209,7 @@ MeshEdit World<Real>::repeat_incision(const Incise& command) {
   Blades& present = blades();
   divide_grains(command, present.grains);
   if (!command.incision.empty()) journal_.edits.push_back(command);
-  return divide(present.grains.open(command.incision.opened));
+  return divide(present.grains.open(command.incision.opened, command.incision.stroke));
 }
 
 // Tried first on a copy: what cannot be done changes nothing.

@@ -32,7 +32,7 @@ ToolShape Probe::shape() const {
     case RigidShape::Kind::plane:
       return {};
     case RigidShape::Kind::jaws:
-      return {.radius = tip.size[0] / 2, .blade = tip.size[2] * Vec3d::UnitZ()};
+      return {.radius = tip.size[0] / 2, .blade = tip.size[2] * Vec3d::UnitZ(), .jaw = tip.size};
     case RigidShape::Kind::box:
     case RigidShape::Kind::mesh:
       break;

@@ -30,6 +30,7 @@ struct ToolShape {
   double radius = 0;            // of a spherical tip [m]
   Vec3d blade = Vec3d::Zero();  // from the tip, which is the tool's position, to the heel [m]
   double opening = 0;           // of jaws [m]
+  Vec3d jaw = Vec3d::Zero();    // width, thickness and length of each jaw [m]; 0: it has none
 };
 
 // Where a tool is, for pictures and recordings.

@@ -2,6 +2,8 @@
 // depths contact is held.
 #pragma once
 
+#include <utility>
+
 #include "lobe/contact/held_depths.h"
 
 namespace lobe {
@@ -51,6 +53,39 @@ class AnchorReader {
 
   const std::vector<Anchor>& all_;
   std::size_t next_ = 0;
+};
+
+// Each evaluation of forces finds what a step would leave behind: begin_forces(), add() for each point that
+// touches, held().add() and held().end(). It holds from end_step() on.
+class ContactMemory {
+ public:
+  AnchorReader anchors() const { return AnchorReader(anchors_); }
+  const std::vector<Anchor>& all_anchors() const { return anchors_; }
+  HeldDepths& held() { return held_; }
+  const HeldDepths& held() const { return held_; }
+
+  void begin_forces() {
+    next_.clear();
+    held_.begin();
+  }
+  void add(const Anchor& anchor) { next_.push_back(anchor); }
+  void end_step() {
+    anchors_.swap(next_);
+    held_.end_step();
+  }
+
+  Remembered remembered() const { return {anchors_, held_.kept()}; }
+  void set(const Remembered& own) {
+    anchors_ = own.anchors;
+    held_.set(own.held);
+  }
+  void keep() { kept_ = remembered(); }  // when steps begin
+  void take_back() { set(kept_); }
+
+ private:
+  std::vector<Anchor> anchors_, next_;  // of now, after the step that is under way
+  HeldDepths held_;
+  Remembered kept_;
 };
 
 }  // namespace lobe

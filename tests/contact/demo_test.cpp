@@ -1,0 +1,120 @@
+// The scenes of data/scenes that show contact: a tumour that is felt, a lobe that is picked up.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "lobe/io/mesh_io.h"
+#include "lobe/scene/frames.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/resolve.h"
+#include "lobe/sim/world.h"
+#include "near.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+struct Shipped {
+  Scene scene;
+  Setup setup;
+  explicit Shipped(const std::string& name)
+      : scene(read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"))),
+        setup(resolve(scene, read_mesh(mesh_path(scene)).mesh).setup) {}
+
+  // after_frame(world), each frame.
+  template <class AfterFrame>
+  void play(AfterFrame&& after_frame) const {
+    World<float> world(setup);
+    const Frames frames = frames_of(scene.time);
+    for (int i = 0; i < frames.count; ++i) {
+      REQUIRE(world.advance(frames.length).ok);
+      after_frame(world);
+    }
+  }
+};
+
+// The largest force on the probe from 0 to 0.8 s, from then to 1.8 s, and after that [N].
+Vec3d forces_of_presses(const Shipped& palpation) {
+  Vec3d most = Vec3d::Zero();
+  palpation.play([&](World<float>& world) {
+    double& of_press = most[world.time() < 0.8 ? 0 : world.time() < 1.8 ? 1 : 2];
+    of_press = std::max(of_press, world.tools().lists().probes.front().force.norm());
+  });
+  return most;
+}
+
+struct PickedUp {
+  double rise = 0;            // of the piece's middle since the jaws closed [m]
+  double lift = 0, grip = 0;  // means while the jaws rise steadily [N]
+  double weight = 0;          // of the piece [N]
+};
+
+// What fell is what lies left of the cut.
+PickedUp pick_up(const Shipped& shipped) {
+  PickedUp result;
+  double before = 0, after = 0;
+  int frames = 0;
+  shipped.play([&](World<float>& world) {
+    const Elements& elements = world.elements();
+    const auto u = world.displacements();
+    double mass = 0, moment = 0;
+    for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+      if (!elements.topology.alive(t)) continue;
+      const Eigen::Vector4i corners = elements.topology.corners(t);
+      const Mat34<double> X = elements.points.view()(Eigen::all, corners);
+      if (X.row(0).mean() < 0.012) continue;
+      const double own = 1000 * std::abs((X.rightCols<3>().colwise() - X.col(0)).determinant()) / 6;
+      double height = 0;
+      for (int c = 0; c < 4; ++c) height += (X(2, c) + double(u(2, corners[c]))) / 4;
+      mass += own;
+      moment += own * height;
+    }
+    after = moment / mass;
+    if (world.time() < 1.7) before = after;
+    result.rise = after - before;
+    result.weight = 9.81 * mass;
+    if (world.time() < 2.1 || world.time() > 2.29) return;
+    const Probe& jaws = world.tools().lists().probes.front();
+    result.lift += jaws.force.z();
+    result.grip += jaws.grip;
+    ++frames;
+  });
+  result.lift /= frames;
+  result.grip /= frames;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a finger feels a tumour of ten times the stiffness under the surface") {
+  Shipped palpation("liver_palpation");
+  const Vec3d with = forces_of_presses(palpation);
+  std::fill(palpation.setup.material_of.begin(), palpation.setup.material_of.end(), 1);
+  const Vec3d without = forces_of_presses(palpation);
+  CAPTURE(with.transpose());
+  CAPTURE(without.transpose());
+  CHECK(with[1] > 1.9 * with[0]);
+  CHECK(with[1] > 1.9 * with[2]);
+  CHECK(with[1] > 2 * without[1]);
+  CHECK(without.maxCoeff() < 1.25 * without.minCoeff());  // no place stands out where there is none
+}
+
+TEST_CASE("two jaws pick up the lobe that was cut off and fell, by friction") {
+  const Shipped shipped("liver_pick_up");
+  const PickedUp piece = pick_up(shipped);
+  const double speed = 0.07 / 0.6, drag = piece.weight / 9.81 * shipped.setup.damping * speed;
+  CHECK(piece.rise > 0.06);  // the jaws rise by 0.07 m
+  CHECK(piece.lift == near(piece.weight + drag, 0.03));
+  CHECK(2 * 0.6 * piece.grip > piece.lift);  // Coulomb's bound, of both jaws
+}
+
+TEST_CASE("jaws that close less hold too little of the lobe, and slip off") {
+  Shipped shipped("liver_pick_up");
+  for (PathPoint& row : shipped.setup.probes.front().path) row.opening = std::max(row.opening, 0.078);
+  const PickedUp piece = pick_up(shipped);
+  CHECK(std::abs(piece.rise) < 0.01);
+  CHECK(piece.lift < 0.1 * piece.weight);
+}

@@ -6,8 +6,8 @@
 
 namespace lobe::bench {
 
-// Of scenes with automatic regions, as bench_gestures(); with cells of several sizes and other λ/μ. Prints, and
-// writes DIR/frequencies.csv.
+// Of scenes with automatic regions, as bench_gestures(); with cells of several sizes and other λ/μ. Prints,
+// and writes DIR/frequencies.csv.
 void bench_frequencies(const Options& options);
 
 }  // namespace lobe::bench

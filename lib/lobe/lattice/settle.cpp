@@ -6,8 +6,8 @@
 namespace lobe {
 namespace {
 
-// A = Σ_i m_i w_i w_iᵀ + S/ω², part by part, of the parts that have a node that is touched. One matrix for all
-// three components.
+// A = Σ_i m_i w_i w_iᵀ + S/ω², part by part, of the parts that have a node that is touched. One matrix for
+// all three components.
 class NormalEquations {
  public:
   NormalEquations(const Elements& elements, const Lattice& lattice, const Embedding& embedding,

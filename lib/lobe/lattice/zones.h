@@ -18,8 +18,8 @@ class FullZones {
   static constexpr double quick = 0.03;   // and after the body was quick [s]
   static constexpr double reach = 0.4;    // how far around what is touched they are full, in cells
 
-  // A lattice whose frequencies are off by a share moves the body wrongly by share · τ |v|, where damping ends
-  // what grows within τ. The body is quick where that is more than `most` of its largest displacement.
+  // A lattice whose frequencies are off by a share moves the body wrongly by share · τ |v|, where damping
+  // ends what grows within τ. The body is quick where that is more than `most` of its largest displacement.
   static constexpr double share = 0.05, most = 0.015;
   static constexpr double longest = 0.04;  // τ where nothing damps [s]
 

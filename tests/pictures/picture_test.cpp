@@ -202,6 +202,11 @@ TEST_CASE("a bad request or mesh is one line and exit status 2") {
                 "there are: none, region, displacement");
   check_refused(folder, one_panel(R"({"mesh": "tets.vtu", "colour": "none"})"),
                 "/pictures/0/panels/0/colour: unknown key");
+  check_refused(folder, one_panel(R"({"mesh": "tets.vtu", "bodies": [{"position": [0, 0, 0]}]})"),
+                "/pictures/0/panels/0/bodies/0: needs \"box\" or \"capsule\"");
+  check_refused(folder,
+                one_panel(R"({"mesh": "tets.vtu", "bodies": [{"box": [1, 0, 1], "position": [0, 0, 0]}]})"),
+                "/pictures/0/panels/0/bodies/0/box: must be above 0");
   check_refused(folder, one_panel(R"({"mesh": "tets.vtu"})", R"(, "size": [0, 5])"), "/pictures/0/size");
   check_refused(folder, R"({"pictures": [)", "request.json: ");
 }

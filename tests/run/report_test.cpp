@@ -76,6 +76,10 @@ TEST_CASE("the report's numbers agree with each other and with the mesh") {
   CHECK(report["warnings"] == Json(result.warnings));
   check_counts(report);
   check_series(report, 16);
+  const Json& grasp = report["series"][5]["tools"][0];  // while it pulls up
+  CHECK(grasp["name"] == "grasp");
+  CHECK(grasp["position"].size() == 3);
+  CHECK(grasp["force"][2].get<double>() > 0);
   CHECK(number(report, "/series/0/volume") == near(total_volume(mesh), 1e-12));
   CHECK(report["series"].back()["tetrahedra"] ==
         read_mesh(folder.path / "out" / frame_name(3)).mesh.tet_count());

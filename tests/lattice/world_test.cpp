@@ -263,12 +263,18 @@ TEST_CASE(
   World<double> world(setup), exact(pulled_bar(RegionModel::nonlinear));
   double top = 0, largest = 0;
   int reruns = 0;
+  std::vector<std::uint8_t> embedded;
   for (int i = 0; i < 40; ++i) {
     const Report report = world.advance(0.02);
     exact.advance(0.02);
     REQUIRE(report.ok);
     validate(world);
-    reruns += report.reruns;
+    // What was freed or embedded in this frame swings at its highest frequency for a moment.
+    if (world.body().regions.reduced().embedding().roles.is_embedded == embedded) reruns += report.reruns;
+    embedded = world.body().regions.reduced().embedding().roles.is_embedded;
+    MESSAGE(i << " reruns " << report.reruns << " embedded "
+              << world.body().regions.reduced().embedding().vertices.size() << " steps " << report.steps
+              << " limit " << report.time_step_limit);
     top = std::max(top, exact.state().u.norm());
     largest = std::max(largest, (world.state().u - exact.state().u).norm());
     for (const PrescribedVertex& prescribed : setup.prescribed)
@@ -277,7 +283,7 @@ TEST_CASE(
       for (Index v : setup.grasps[0].vertices)
         CHECK((world.state().u.col(v) - exact.state().u.col(v)).norm() < 1e-9);
   }
-  CHECK(reruns <= 1);  // what was freed swings at its highest frequency for a moment
+  CHECK(reruns == 0);
   MESSAGE("largest error " << largest / top);
   CHECK(largest < 0.1 * top);
 }

@@ -255,26 +255,18 @@ TEST_CASE("dead loads and gravity act on what follows a lattice, and grow as the
   CHECK(reduced.energies().loads == near(exact.energies().loads, 0.06));
 }
 
-TEST_CASE(
-    "a gesture on a reduced bar: steps of the limit suffice but in one frame, and held vertices are where "
-    "they "
-    "should be") {
+TEST_CASE("a gesture on a reduced bar: steps of the limit suffice where a lattice moves it") {
   Setup setup = pulled_bar();
   World<double> world(setup), exact(pulled_bar(RegionModel::nonlinear));
   double top = 0, largest = 0;
   int reruns = 0;
-  std::vector<std::uint8_t> embedded;
   for (int i = 0; i < 40; ++i) {
     const Report report = world.advance(0.02);
     exact.advance(0.02);
     REQUIRE(report.ok);
     validate(world);
-    // What was freed or embedded in this frame swings at its highest frequency for a moment.
-    if (world.body().regions.reduced().embedding().roles.is_embedded == embedded) reruns += report.reruns;
-    embedded = world.body().regions.reduced().embedding().roles.is_embedded;
-    MESSAGE(i << " reruns " << report.reruns << " embedded "
-              << world.body().regions.reduced().embedding().vertices.size() << " steps " << report.steps
-              << " limit " << report.time_step_limit);
+    // Tetrahedra that were just freed swing at their highest frequency: such a frame may be run again.
+    if (world.body().regions.reduced().any_embedded()) reruns += report.reruns;
     top = std::max(top, exact.state().u.norm());
     largest = std::max(largest, (world.state().u - exact.state().u).norm());
     for (const PrescribedVertex& prescribed : setup.prescribed)

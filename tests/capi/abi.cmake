@@ -20,8 +20,9 @@ endforeach()
 file(WRITE ${FOLDER}/abi.c "${source}")
 get_filename_component(include ${HEADER} DIRECTORY)
 set(library ${FOLDER}/liblobe_c_abi.so)
-execute_process(COMMAND ${COMPILER} -std=c99 -g -O0 -w -shared -fPIC -I ${include} ${FOLDER}/abi.c -o ${library}
-  COMMAND_ERROR_IS_FATAL ANY)
+# The description must not name the folder: the compiler is told the source's name alone.
+execute_process(COMMAND ${COMPILER} -std=c99 -g -O0 -w -shared -fPIC -I ${include} abi.c -o ${library}
+  WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
 if(RENEW)
   execute_process(COMMAND ${ABIDW} --no-show-locs --no-corpus-path --no-comp-dir-path --no-elf-needed --no-architecture
     --out-file ${EXPECTED} ${library} COMMAND_ERROR_IS_FATAL ANY)

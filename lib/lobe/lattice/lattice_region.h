@@ -157,7 +157,8 @@ class LatticeRegion {
   bool is_outdated_ = false;  // the lattice
   bool has_lost_ = false;     // tetrahedra since it was embedded
   FullZones zones_;
-  Flags inner_;  // per vertex: no other region has it, nor is it next to a held one; empty: not known
+  // Per vertex: no other region has it, nor is it next to one that boundary conditions hold; empty: not known.
+  Flags inner_;
   Lattice lattice_;
   WholeLattice whole_;
   std::vector<LatticeCell> whole_cells_;  // of it

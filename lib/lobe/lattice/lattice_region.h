@@ -157,7 +157,8 @@ class LatticeRegion {
   bool is_outdated_ = false;  // the lattice
   bool has_lost_ = false;     // tetrahedra since it was embedded
   FullZones zones_;
-  // Per vertex: no other region has it, nor is it next to one that boundary conditions hold; empty: not known.
+  // Per vertex: no other region has it, nor is it next to one that boundary conditions hold; empty: not
+  // known.
   Flags inner_;
   Lattice lattice_;
   WholeLattice whole_;

@@ -29,6 +29,7 @@ void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edi
   const auto enters = [&](Index t) { return elements.is_in(RegionModel::reduced, t); };
   if (!any() && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return;
   inner_.clear();
+  zones_.forget_around();
   all_.follow(elements, edit, RegionModel::reduced);
   member_.resize(std::size_t(elements.topology.tet_count()), 0);
   for (Index t : edit.left) {

@@ -103,7 +103,15 @@ def table_huge():
                      "received per product, all ranks"], body)
 
 
-TABLES = {"contact": table_contact, "haptic": table_haptic, "palpation": table_palpation,
+def table_reduced():
+    body = [[row["scene"].removeprefix("liver_"), thousands(row["tets"]), f"{float(row['speedup']):.2f}",
+             percent(row["largest_error"]), percent(row["mean_error"], 2), f"{float(row['worst_frame']):.2f}",
+             percent(row["expanded"], 0)] for row in rows("reduced", regions="reduced")]
+    return markdown(["gesture", "tetrahedra", "speed-up", "largest error", "mean error", "slowest frame",
+                     "all full"], body)
+
+
+TABLES = {"reduced": table_reduced, "contact": table_contact, "haptic": table_haptic, "palpation": table_palpation,
           "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)

@@ -5,7 +5,7 @@
 
 namespace lobe {
 
-// The sweep operator (theory, (42d)) on the first components 1, the others being 2:
+// The sweep operator (theory, (14.7)) on the first components 1, the others being 2:
 //   K_11 ← −K_11⁻¹,  K_21 ← K_21 K_11⁻¹,  K_22 ← K_22 − K_21 K_11⁻¹ K_12.
 // Below the diagonal only. False, and K is of no use, where a pivot is not above `loose` of the diagonal's
 // entry.

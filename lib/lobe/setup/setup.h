@@ -71,7 +71,7 @@ struct Setup : Body, ToolSetups {
   // The highest frequency of a vertex that blades leave, ω* [rad/s]; 0: that of the uncut body over cut_step.
   double cut_frequency = 0;
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's (mass_scaling.h)
-  int selective_mass = 1;   // s of theory (27c), 1…16: the stable step grows with it; 1: masses are lumped
+  int selective_mass = 1;   // s of theory (7.8), 1…16: the stable step grows with it; 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
   double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping

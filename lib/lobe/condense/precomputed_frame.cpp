@@ -60,8 +60,8 @@ void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real mis
     f.col(vertices_[std::size_t(i)]) += (pose_.R * forces_.col(i)).template cast<Real>();
 }
 
-// τ_f of (14.10) of the theory: of the loads on the interior, about the centroid of the interface, in the frame: from the
-// work that each amplitude's load does on the arms of the interior, Σ (Y + d)_k f_l.
+// τ_f of (14.10) of the theory: of the loads on the interior, about the centroid of the interface, in the
+// frame: from the work that each amplitude's load does on the arms of the interior, Σ (Y + d)_k f_l.
 template <class Real>
 Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing_share) const {
   const auto count = amplitudes();

@@ -1,8 +1,8 @@
 // Finds the rigid motion that fits displaced points best. A linear region that moves with this frame may turn
 // as a whole (theory, (14.8) to (14.10), where R and A are called Q and B). Y_i are the rest positions about
 // their centroid, y_i the present positions about theirs, and w_i the weights. The rotation R makes
-// Σ w_i y_i·R Y_i as large as it can be (B. K. P. Horn, Closed-form solution of absolute orientation using unit
-// quaternions, 1987). Where points move with velocities v_i, R turns with the angular velocity
+// Σ w_i y_i·R Y_i as large as it can be (B. K. P. Horn, Closed-form solution of absolute orientation using
+// unit quaternions, 1987). Where points move with velocities v_i, R turns with the angular velocity
 //   ω = R A⁻¹ Σ w_i Y_i × Rᵀ v_i,  A = Σ w_i [(Y_i·Rᵀ y_i) I − Y_i (Rᵀ y_i)ᵀ].                        (1)
 #pragma once
 

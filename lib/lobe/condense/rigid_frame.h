@@ -31,8 +31,8 @@ class RigidFrame {
 
   void fit(Pose& pose) const;                                 // where d are positions in space [m]
   Rate rate(const Pose& pose, const Mat3X<double>& v) const;  // 3 × #points, in space [m/s]
-  // All in the frame, about the centroid: the torque of forces on the points [N m], and forces −w_i A⁻¹τ ×
-  // Y_i that are added to take a torque τ off, without a resultant.
+  // These are in the frame and about the centroid. torque() is that of forces on the points [N m]. take_off()
+  // adds the forces −w_i A⁻¹τ × Y_i, which have the torque −τ and no resultant.
   Vec3d torque(const Pose& pose, const Mat3X<double>& f) const;
   void take_off(const Pose& pose, const Vec3d& torque, Mat3X<double>& f) const;
 

@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& why) { throw InputError("session", why); }
 
-// What a scene has no word for.
+// The name of an edit that a scene cannot describe.
 const char* edit_name(const Command& command) {
   if (std::holds_alternative<RemoveTets>(command)) return "tetrahedra were removed";
   if (std::holds_alternative<Incise>(command)) return "an incision was made";
@@ -28,7 +28,7 @@ const char* edit_name(const Command& command) {
   return nullptr;
 }
 
-// How many frames lead to the present; all of the same length.
+// The number of frames up to now, all of the same length.
 template <class Real>
 int frames_of(const Session<Real>& session) {
   const Recording& recording = session.recording();
@@ -46,7 +46,7 @@ int frames_of(const Session<Real>& session) {
   return frames;
 }
 
-// As the session has them: what was measured once may come out otherwise the next time.
+// States the regions as the session has them, because another measurement might choose other ones.
 void state_regions(const Setup& setup, Scene& scene) {
   const auto is_precomputed = [](const Region& region) { return region.model == RegionModel::precomputed; };
   if (!scene.auto_regions && std::none_of(scene.regions.begin(), scene.regions.end(), is_precomputed)) return;

@@ -191,7 +191,7 @@ class Proposer {
     const auto best = std::min_element(found.begin(), found.end(),
                                        [](const Variant& a, const Variant& b) { return a.cost < b.cost; });
     if (best->cost >= nonlinear)
-      return nothing_linear("the regions that keep " + error + " are too small to pay");
+      return nothing_linear("the regions that keep " + error + " are too small to make a step faster");
     describe(*best, nonlinear);
   }
 

@@ -23,7 +23,7 @@ const SessionOptions& checked(const SessionOptions& options) {
   expect(is_above_0(options.speed), "its speed must be above 0, and finite");
   expect(options.queue > 0, "its queue must have room for a command");
   expect(options.back_every >= 0, "the time between states to go back to must be at least 0 s");
-  expect(options.controller_timeout >= 0, "its patience must be 0 s or more");
+  expect(options.controller_timeout >= 0, "the controllers' timeout must be 0 s or more");
   expect(
       is_above_0(hand.lag) && is_above_0(hand.top_speed) && is_above_0(hand.top_turn) && hand.force_cap > 0,
       "the limits of hands must be above 0");

@@ -37,7 +37,7 @@ int frames_of(const Session<Real>& session) {
     const Command& command = std::get<Command>(recording.commands[i].command);
     const std::string at = " at " + rounded(frames * session.frame()) + " s";
     if (const char* edit = edit_name(command))
-      refuse(edit + at + ", which a scene cannot tell; a recording can");
+      refuse(edit + at + ", which a scene cannot describe; a recording can");
     frames += std::holds_alternative<Advance>(command);
   }
   if (frames == 0) refuse("nothing was simulated yet");
@@ -74,7 +74,7 @@ Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>&
   if (scene.in_double() != std::is_same_v<Real, double>)
     refuse(scene.in_double() ? "is in single precision, its scene in double"
                              : "is in double precision, its scene in single");
-  if (setup.expandable) refuse("has regions that may be expanded, which a scene cannot tell");
+  if (setup.expandable) refuse("has regions that may be expanded, which a scene cannot describe");
   const int frames = frames_of(session);
   Scene kept = scene;
   kept.mesh = std::filesystem::absolute(mesh_path(scene));

@@ -223,7 +223,7 @@ void World<Real>::check(const State<Real>& state) {
   if (!state.u.allFinite() || !state.v.allFinite() || !std::isfinite(state.time))
     throw InputError("state", "it holds values that are not finite");
   if (!(state.velocity_lag >= 0) || !std::isfinite(state.velocity_lag))
-    throw InputError("state", "its velocities must be behind by 0 s or more");
+    throw InputError("state", "its velocities must be older than its displacements by 0 s or more");
 }
 
 template <class Real>

@@ -38,9 +38,9 @@ Condition near_inversion(double volume_ratio, Index tet, double time) {
 
 Condition too_stiff(double limit, double time) {
   return {Condition::Kind::too_stiff,
-          "steps of " + rounded(limit) +
-              " s are all that is stable, more than a million per frame: use softer materials, a coarser "
-              "mesh or a shorter frame",
+          "the stable step is " + rounded(limit) +
+              " s, which makes more than a million steps per frame: use softer materials, a coarser mesh "
+              "or a shorter frame",
           time};
 }
 

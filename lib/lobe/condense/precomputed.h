@@ -52,9 +52,8 @@ class PrecomputedRegion {
     begin_condensing(elements, Linearisation{about});
   }
   // Waits for the other thread and uses its result. Condensing from scratch changes nothing but rounding.
-  // False if there is
-  // no result, and then all stays as it is: the tangent at the new state is not positive definite, or the
-  // region was followed lazily meanwhile.
+  // False if there is no result, because the tangent at the new state is not positive definite, or the region
+  // was followed lazily meanwhile. Nothing changes then.
   bool end_condensing(const Elements& elements);
 
   bool has_changed() const { return has_changed_; }  // by the last edit that was followed

@@ -99,6 +99,18 @@ def equation_numbers(root):
             yield f"{file}: the theory has no equation ({number})"
 
 
+def members(root):
+    """`Class::member` in a page is in a header that declares the class."""
+    headers = [file.read_text(encoding="utf-8") for folder in ("lib", "capi", "meshing", "view", "petsc")
+               for file in sorted((root / folder).rglob("*.h"))]
+    for page in documents(root):
+        text = re.sub(r"^```.*?^```$|<!--.*?-->", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+        for owner, name in sorted(set(re.findall(r"\b(?<!::)([A-Z]\w+)::(\w+)", text))):
+            declares = rf"\b(?:class|struct|enum class) (?:alignas\(\w+\) )?{owner}\b"
+            if not any(re.search(declares, header) and re.search(rf"\b{name}\b", header) for header in headers):
+                yield f"{page.relative_to(root)}: there is no {owner}::{name}"
+
+
 def section_numbers(root):
     """Comments that send the reader to a section of the theory name one that there is."""
     text = (root / "docs" / "theory.md").read_text(encoding="utf-8")
@@ -186,7 +198,7 @@ def wide_comments(root):
                 yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
 
 
-CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, glossary, list_of_folders, figures, wide_comments)
+CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary, list_of_folders, figures, wide_comments)
 
 
 def main(root):

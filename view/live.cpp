@@ -88,7 +88,7 @@ class LiveOf final : public Live {
   }
 
   void write(const std::string& scalar, Told& told, BlockWriter& out, Json& status) override {
-    const auto session = session_.status();  // before the picture: what it tells is in that
+    const auto session = session_.status();  // before the picture, which then has all that the status lists
     const auto picture = session_.pictures().latest();
     if (!session || !picture) return;
     const SurfaceMesh& surface = *picture->surface.mesh;
@@ -131,7 +131,7 @@ class LiveOf final : public Live {
   }
 
  private:
-  // It is found anew with each picture, by the thread of the session.
+  // The skin is computed anew with each picture, by the thread of the session.
   SessionOptions with_skin(SessionOptions options) {
     options.published = [this, published = options.published] {
       if (skin_) skin_->update(session_.world());
@@ -140,7 +140,7 @@ class LiveOf final : public Live {
     return options;
   }
 
-  // Energies and fields are found by the thread of the session, between frames; this one waits for them.
+  // The thread of the session measures energies and fields between frames. This thread waits for them.
   void keep_measuring() {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, between_measurements, [&] { return ends_; })) {

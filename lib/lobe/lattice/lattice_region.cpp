@@ -99,7 +99,7 @@ void LatticeRegion<Real>::find_inner(const Model& model) {
   }
 }
 
-// Nodes count with their masses.
+// Nodes count with their masses in the norms of displacement and speed.
 template <class Real>
 void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& motion,
                                const std::vector<double>& mass, double damping,
@@ -205,7 +205,7 @@ std::vector<std::uint8_t> LatticeRegion<Real>::nodes_of_changed(const Embedding&
   return changed;
 }
 
-// The mean of their vertices, to begin with.
+// New nodes begin with the mean of their vertices.
 template <class Real>
 void LatticeRegion<Real>::begin_fresh_nodes(const Elements& elements, const Flags& fresh,
                                             const Mat3X<double>& u, Mat3X<double>& q) const {

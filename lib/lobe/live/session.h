@@ -157,7 +157,7 @@ class Session {
   double speed_;
   bool is_running_;
   bool steps_once_ = false, stands_still_ = false;
-  bool was_told_ = false;     // since the last status: something has happened that it must show
+  bool was_told_ = false;     // something has happened that the next status must show
   bool was_changed_ = false;  // since the last snapshot: the body was edited, or put back
   std::int64_t frames_ = 0, reruns_ = 0;
   TripleBuffer<SessionStatus> status_;

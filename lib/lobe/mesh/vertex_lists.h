@@ -1,5 +1,5 @@
-// One short list per vertex, all in one array, that follows edits: appending and erasing cost O(1), and a
-// list that outgrows its place moves to the end of the array.
+// One short list per vertex, all in one array. To append or erase an item costs O(1). A list that outgrows
+// its place moves to the end of the array.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@ class VertexLists {
  public:
   VertexLists() = default;
 
-  // Lists of the given lengths, all empty, so that filling them moves nothing. A quarter more is set aside
-  // for the vertices that cuts add. Until it is touched, it takes no memory.
+  // Makes empty lists with room for the given lengths, so that filling them moves nothing. There is room for
+  // a quarter more, for the vertices that cuts add. Until it is touched, it takes no memory.
   explicit VertexLists(const std::vector<Index>& lengths) {
     const std::size_t vertices = lengths.size() + lengths.size() / 4;
     begin_.reserve(vertices);
@@ -40,7 +40,7 @@ class VertexLists {
   }
   std::span<Item> operator[](Index v) { return {items_.data() + begin_[v], std::size_t(count_[v])}; }
 
-  // All lists as they lie in memory, with what is left of their former places: to ask for what comes next.
+  // All lists as they lie in memory, with what is left of their former places, for prefetching.
   std::span<const Item> items() const { return items_; }
 
   void add_vertex() {

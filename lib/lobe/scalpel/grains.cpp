@@ -80,7 +80,7 @@ void Grains::link(Index code, Index other) {
   if (other >= 0) other_sides_[std::size_t(other / 4)][std::size_t(other % 4)] = code;
 }
 
-// From all its neighbours.
+// Unlinks a grain from all its neighbours.
 void Grains::unlink(Index grain) {
   for (Index& code : other_sides_[std::size_t(grain)]) {
     if (code >= 0) other_sides_[std::size_t(code / 4)][std::size_t(code % 4)] = -1;
@@ -243,7 +243,7 @@ std::vector<Index> Grains::open(const std::vector<Index>& faces, Index stroke) {
   return elements;
 }
 
-// Whether the grains around a point do by faces which have it for a corner.
+// Whether the grains around a point are connected by faces that have it for a corner.
 bool Grains::hangs_together(Index point) {
   const std::span<const Index> star = around(point);
   if (star.empty()) return true;

@@ -47,10 +47,10 @@ class World {
 
   // ---- Edits
 
-  // Performs a command. Stiffness, mass, loads and boundary are updated only around what changed. Two parts
+  // Performs a command. Stiffness, mass, loads and boundary are updated only around what changed. Two things
   // may cost more: a pre-computed region that must be condensed from scratch (theory, section 14), and the
-  // search for loose pieces, which is O(#tets) where a local search does not decide.
-  // Throws InputError for what cannot be done, and then has changed nothing.
+  // search for loose pieces, which is O(#tets) where a local search does not decide. Throws InputError for
+  // what cannot be done, and then has changed nothing.
   void apply(const Command& command);
   // Adds a force on the body (body/force_term.h). Explicit integrator only. No other term may have its name.
   void add(std::shared_ptr<ForceTerm<Real>> term);
@@ -61,9 +61,9 @@ class World {
   // ---- State
 
   double time() const { return body_.motion.time; }
-  // Displacements [m] and velocities [m/s], 3 × #vertices. They hold until the world is next changed. The
-  // interior of a pre-computed region is in equilibrium with its interface. It is computed by this call and
-  // not by every step. set_state() ignores the values for that interior.
+  // Displacements [m] and velocities [m/s], 3 × #vertices. They are valid until the next change of the world.
+  // The interior of a pre-computed region is in equilibrium with its interface. It is computed by this call,
+  // not by each step. set_state() ignores the values for that interior.
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);

@@ -1,5 +1,5 @@
-// A snapshot is a picture of a running simulation that other threads read: all that a viewer, a haptic loop
-// or a script needs of one moment. It goes through a TripleBuffer, which recycles its storage. Taking one
+// A snapshot is a copy of one moment of a running simulation, for other threads. It has all that a viewer, a
+// haptic loop or a script needs. It goes through a TripleBuffer, which recycles its storage. To make one
 // allocates nothing while nothing is cut.
 #pragma once
 
@@ -48,8 +48,8 @@ struct Snapshot {
   FigureSnapshot figures;
 };
 
-// Copies one surface into pictures, one after the other. What stays the same while nothing is cut is copied
-// once for all.
+// Copies one surface into snapshots, one after the other. What does not change while nothing is cut is copied
+// only once.
 class SurfaceCopies {
  public:
   // O(#vertices + #triangles of the surface); it allocates where the revision or the number of vertices has

@@ -39,8 +39,9 @@ struct StaticResult {
   int damped = 0;                 // iterations in which the tangent was not positive definite and was damped
 };
 
-// Dead loads, gravity and prescribed displacements of the setup; tools are ignored. Throws InputError if the
-// setup is inconsistent, or if a piece of the body is free to move as a rigid body.
+// Finds the equilibrium under dead loads, gravity and prescribed displacements of the setup. Tools are
+// ignored. Throws InputError if the setup is inconsistent, or if a piece of the body is free to move as a
+// rigid body.
 StaticResult solve_static(const Setup& setup, const StaticOptions& options = {});
 
 }  // namespace lobe

@@ -42,7 +42,7 @@ struct MovingVertex {
   Real inverse_mass = 0;  // [1/kg]
 };
 
-// Those that move by themselves: with an inverse mass above 0.
+// Returns the vertices that move by themselves: those with an inverse mass above 0.
 template <class Real>
 std::vector<MovingVertex<Real>> moving_vertices(const std::vector<double>& inverse_mass) {
   std::vector<MovingVertex<Real>> moving;
@@ -51,7 +51,7 @@ std::vector<MovingVertex<Real>> moving_vertices(const std::vector<double>& inver
   return moving;
 }
 
-// The vertices [begin, end) of the list.
+// Moves the vertices [begin, end) of the list by one step.
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  const StepFactors<Real>& step, Index begin, Index end, Mat3X<Real>& u,
@@ -76,8 +76,8 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
   return fastest;
 }
 
-// Forces act for the time `kick` from where v lives before to where it lives afterwards: half a step before
-// the new u.
+// The same with a velocity that is not half a step old. Forces act for the time `kick`, from the time of the
+// old velocity to that of the new one, which is half a step before the new u.
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v,

@@ -18,7 +18,7 @@ export class Obstacles {
     for (const mesh of this.group.children) mesh.material = looks[this.stage.look];
   }
 
-  /** @param {{position: number[], orientation: number[], shape: object}[]} obstacles as the server tells them */
+  /** @param {{position: number[], orientation: number[], shape: object}[]} obstacles from the server */
   set(obstacles) {
     for (const mesh of this.group.children) mesh.geometry.dispose();
     this.group.clear();

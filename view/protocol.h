@@ -23,9 +23,10 @@ constexpr std::uint32_t tag(const char (&name)[5]) {
          std::uint32_t(std::uint8_t(name[2])) << 16 | std::uint32_t(std::uint8_t(name[3])) << 24;
 }
 inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"),
-                               scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), status_tag = tag("STAT"),
-                               paint_tag = tag("PNTS"), materials_tag = tag("MATS"), fibres_tag = tag("FIBR"),
-                               skin_tag = tag("SKIN"), skin_positions_tag = tag("SKNP");
+                               scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), obstacles_tag = tag("OBST"),
+                               status_tag = tag("STAT"), paint_tag = tag("PNTS"), materials_tag = tag("MATS"),
+                               fibres_tag = tag("FIBR"), skin_tag = tag("SKIN"),
+                               skin_positions_tag = tag("SKNP");
 
 class BlockWriter {
  public:

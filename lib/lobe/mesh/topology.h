@@ -62,6 +62,7 @@ struct TetDivision {
   };
   std::vector<Neighbours> neighbours;  // of the parts, and of all next to them
   std::vector<Index> others;
+  bool may_part = true;  // false: nothing has come off, there is no need to search
   std::span<const Index> across(const Neighbours& of, std::size_t face) const {
     return {others.data() + of.begin[face], others.data() + of.begin[face + 1]};
   }

@@ -27,6 +27,8 @@ struct ToolSnapshot {
   Vec3d torque = Vec3d::Zero();  // on the tool, by the body, about its position [N m]
   double radius = 0;             // of its spherical tip [m]
   Vec3d blade = Vec3d::Zero();   // of a scalpel, from its tip, which is the position, to its heel [m]
+  double opening = 0;            // of jaws [m]
+  Vec3d jaw = Vec3d::Zero();     // width, thickness and length of each jaw [m]; 0: it has none
 };
 
 struct FigureSnapshot {  // figures of the frame before the picture

@@ -132,7 +132,7 @@ Reduced reduce(const Elements& elements, const std::vector<std::uint8_t>& held, 
   r.embedding = embed(elements, r.lattice, r.whole, std::move(roles));
   std::vector<double> mass;
   for (Index v = 0; v < elements.topology.vertex_count(); ++v) mass.push_back(lumped_mass(elements, v));
-  give_mass(elements, r.lattice, mass, 0, r.embedding);
+  give_mass(elements, r.lattice, mass, 0, {}, r.embedding);
   return r;
 }
 

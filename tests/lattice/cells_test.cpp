@@ -177,7 +177,7 @@ TEST_CASE("fluctuations are as stiff as tetrahedra are in bending, by refinement
 TEST_CASE("nodes take over all mass and its centre") {
   EmbeddedBox box;
   const std::vector<double> mass = box.vertex_masses();
-  const double added = give_mass(box.elements, box.lattice, mass, 0, box.embedding);
+  const double added = give_mass(box.elements, box.lattice, mass, 0, {}, box.embedding);
   CHECK(added == 0);
   double all = 0, of_nodes = 0;
   Vec3d moment = Vec3d::Zero(), moment_of_nodes = Vec3d::Zero();
@@ -197,7 +197,7 @@ TEST_CASE("no frequency of a lattice at rest is above that for which it has its 
   EmbeddedBox box(6);
   const std::vector<double> mass = box.vertex_masses();
   const double omega = 800;
-  CHECK(give_mass(box.elements, box.lattice, mass, omega, box.embedding) > 0);
+  CHECK(give_mass(box.elements, box.lattice, mass, omega, {}, box.embedding) > 0);
   auto cells = box.cells();
   const Eigen::Index n = 3 * box.lattice.node_count();
   Eigen::MatrixXd K(n, n);

@@ -45,9 +45,12 @@ TEST_CASE(
   CHECK(zones.is_full(at(0.06), 6.06));
   zones.look(elements, 0.05, 7, touch({}, {at(0.07)}));  // slides
   CHECK_FALSE(zones.is_full(at(0.04), 7));
+  zones.look(elements, 0.01, 8, touch({}, {at(0.05)}));  // reaches 4 mm, but its neighbours at least
+  CHECK(zones.is_full(at(0.06), 8.1));
+  CHECK_FALSE(zones.is_full(at(0.07), 8.1));
   FullZones other;
   other.set_state(zones.state());
-  CHECK(other.is_full(at(0.08), 7.1));
+  CHECK(other.is_full(at(0.06), 8.1));
   CHECK(other.state().touched == zones.state().touched);
 }
 

@@ -210,9 +210,9 @@ void add_bounds(const LatticeCell& cell, const Lattice::Part& part, const CellWe
         roots[n] * sum + cell.fluctuation.col(n).cwiseAbs().sum();
 }
 
-// A vertex with full tetrahedra has as much stiffness of these as their mass at it allows below omega.
+// A vertex has as much of its stiffness of full tetrahedra as it has of its mass.
 double give_mass(const Elements& elements, const Lattice& lattice, const std::vector<double>& mass,
-                 double omega, Embedding& e) {
+                 double omega, const std::vector<double>& stiffness, Embedding& e) {
   std::vector<double> least(std::size_t(lattice.node_count()), 0);
   for (const LatticeCell& cell : e.cells) {
     const Law<double> law = nonlinear_law(elements, cell.tet);
@@ -228,10 +228,16 @@ double give_mass(const Elements& elements, const Lattice& lattice, const std::ve
     const Lattice::Part& part = lattice.parts[std::size_t(lattice.part_of_vertex[std::size_t(v)])];
     for (int n = 0; n < 8; ++n) visit(std::size_t(part.nodes[std::size_t(n)]), w[n]);
   };
+  std::vector<double> of_full(mass.size(), 0);  // mass of full tetrahedra
   for (Index t : e.full)
-    for (Index v : elements.topology.corners(t))
-      if (e.embeds(v))
-        for_nodes(v, [&](std::size_t n, double w) { least[n] += std::abs(w) * corner_mass(elements, t); });
+    for (Index v : elements.topology.corners(t)) of_full[std::size_t(v)] += corner_mass(elements, t);
+  for (Index v : e.interface) {
+    const auto i = std::size_t(v);
+    const bool is_known = !stiffness.empty() && omega > 0;
+    const double suffices = is_known ? of_full[i] / mass[i] * stiffness[i] / (omega * omega) : of_full[i],
+                 sum = is_known ? lattice.weights(v, elements.points.col(v)).cwiseAbs().sum() : 1;
+    for_nodes(v, [&](std::size_t n, double w) { least[n] += std::abs(w) * sum * suffices; });
+  }
   e.mass.assign(least.size(), 0);
   for (Index v : e.vertices)
     for_nodes(v, [&](std::size_t n, double w) { e.mass[n] += w * mass[std::size_t(v)]; });

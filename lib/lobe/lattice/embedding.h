@@ -74,11 +74,12 @@ std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattic
 Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLattice& whole,
                 VertexRoles roles);
 
-// Row sums of the mass of the embedded vertices, per vertex [kg]. The lattice alone then has no frequency
-// above `omega` [rad/s], the highest of the full body at rest: where it would, mass is added. Returns how
-// much [kg].
+// Row sums of the mass of the embedded vertices, per vertex [kg]. Nodes then have no frequency above `omega`
+// [rad/s] at rest: where they would, mass is added. `stiffness`: λ_max(K_vv) per vertex, times whatever a
+// highest frequency, squared, is above that of a vertex [N/m]. Without it, vertices are taken to have no
+// frequency above omega. Returns how much was added [kg].
 double give_mass(const Elements& elements, const Lattice& lattice, const std::vector<double>& mass,
-                 double omega, Embedding& embedding);
+                 double omega, const std::vector<double>& stiffness, Embedding& embedding);
 
 // Adds to a bound of the stiffness of each node, Σ_m |K_nm| [N/m], what a cell adds. `tangents`: per corner,
 // its V times the largest eigenvalue of the law's ∂²W/∂q_n² [N/m].

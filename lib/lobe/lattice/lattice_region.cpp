@@ -2,23 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <unordered_set>
+
+#include "lobe/sort_unique.h"
+#include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
 namespace {
 
-// An upper bound of the largest eigenvalue of a symmetric matrix: xx, xy, xz, yy, yz, zz.
-double bound_of(const Eigen::Matrix<double, 6, 1>& K) {
-  const double mean = (K[0] + K[3] + K[5]) / 3;
-  const double on =
-      (K[0] - mean) * (K[0] - mean) + (K[3] - mean) * (K[3] - mean) + (K[5] - mean) * (K[5] - mean);
-  return mean + std::sqrt(2.0 / 3 * (on + 2 * (K[1] * K[1] + K[2] * K[2] + K[4] * K[4])));
+Mat3<double> symmetric(const Eigen::Matrix<double, 6, 1>& K) {  // xx, xy, xz, yy, yz, zz
+  Mat3<double> matrix;
+  matrix << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
+  return matrix;
 }
 
-// The residual of nodes that are settled, squared and relative.
-template <class Real>
-constexpr double settled = std::is_same_v<Real, float> ? 1e-10 : 1e-24;
+// For ever.
+bool is_at_rest(const HeldVertices::Held& item) {
+  return item.holder == HeldVertices::boundary && item.axes == all_axes && item.start.isZero(0) &&
+         item.goal.isZero(0);
+}
 
 }  // namespace
 
@@ -29,23 +30,30 @@ void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edi
   const auto enters = [&](Index t) { return elements.is_in(RegionModel::reduced, t); };
   if (!any() && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return;
   inner_.clear();
+  zones_.forget_around();
   all_.follow(elements, edit, RegionModel::reduced);
-  member_.resize(std::size_t(elements.topology.tet_count()), 0);
+  for (Flags* flags : {&member_, &is_lost_}) flags->resize(std::size_t(elements.topology.tet_count()), 0);
   for (Index t : edit.left) {
     if (!member_[std::size_t(t)]) continue;
     member_[std::size_t(t)] = 0;
     --tet_count_;
     has_lost_ = true;
     const bool is_elsewhere = elements.topology.alive(t) && !enters(t);
+    is_lost_[std::size_t(t)] = is_elsewhere && elements.is_in(RegionModel::nonlinear, t);
     if (!is_elsewhere) is_outdated_ = true;
     if (!is_outdated_) take_out(elements, t, lattice_, whole_);
   }
   for (Index t : edit.entered) {
     if (!enters(t) || member_[std::size_t(t)]) continue;
     member_[std::size_t(t)] = 1;
+    is_lost_[std::size_t(t)] = 0;
     ++tet_count_;
     is_outdated_ = true;
   }
+  zone_mass_.follow(elements, edit.vertices, [&](Index t) { return has(t) || is_lost_[std::size_t(t)]; });
+  for (Index v : edit.vertices)
+    if (zone_mass_.may_raise(v)) vertices_.push_back(v);
+  sort_unique(vertices_);
   if (is_outdated_) list_vertices(elements.topology);
   if (any() && lattice_.frame.edge == 0) lattice_.frame = choose_lattice(elements, cell_);
 }
@@ -67,9 +75,7 @@ template <class Real>
 VertexRoles LatticeRegion<Real>::roles(const Model& model, std::vector<std::uint8_t> is_embedded) const {
   VertexRoles roles{std::move(is_embedded), Flags(std::size_t(model.elements.topology.vertex_count()), 0)};
   for (const HeldVertices::Held& item : model.held.all())
-    roles.is_still[std::size_t(item.vertex)] = item.holder == HeldVertices::boundary &&
-                                               item.axes == all_axes && item.start.isZero(0) &&
-                                               item.goal.isZero(0);
+    roles.is_still[std::size_t(item.vertex)] = is_at_rest(item);
   return roles;
 }
 
@@ -94,6 +100,8 @@ void LatticeRegion<Real>::find_inner(const Model& model) {
   }
   for (const HeldVertices::Held& item : model.held.all()) {
     if (item.holder != HeldVertices::boundary) continue;  // what tools hold is in a zone (zones.h)
+    inner_[std::size_t(item.vertex)] = 0;
+    if (is_at_rest(item)) continue;
     for (Index t : topology.around(item.vertex))
       for (Index v : topology.corners(t)) inner_[std::size_t(v)] = 0;
   }
@@ -158,157 +166,69 @@ std::vector<std::uint8_t> LatticeRegion<Real>::within(const Elements& elements,
   return is_near;
 }
 
-// Nodes take the values of former ones at the same corner of the lattice, until they are settled.
 template <class Real>
 void LatticeRegion<Real>::make_lattice_anew(const Elements& elements, Nodes<Real>& nodes) {
-  using Corner = std::array<int, 3>;
-  const auto at = [](const Eigen::Vector3i& corner) { return Corner{corner[0], corner[1], corner[2]}; };
-  std::map<Corner, Index> former;
-  for (Index n = 0; n < lattice_.node_count(); ++n)
-    former.emplace(at(lattice_.corner_of_node[std::size_t(n)]), n);
   Lattice fresh = make_lattice(elements, lattice_.frame);
-  Nodes<Real> values;
-  values.u.setZero(3, fresh.node_count());
-  values.v.setZero(3, fresh.node_count());
-  for (Index n = 0; n < fresh.node_count(); ++n) {
-    const auto found = former.find(at(fresh.corner_of_node[std::size_t(n)]));
-    if (found == former.end()) continue;
-    values.u.col(n) = nodes.u.col(found->second);
-    values.v.col(n) = nodes.v.col(found->second);
-  }
+  nodes = values_of(fresh, lattice_, nodes);
   lattice_ = std::move(fresh);
   whole_ = sum_cells(elements, lattice_);
   whole_cells_ =
       lobe::embed(elements, lattice_, whole_, {Flags(std::size_t(elements.topology.vertex_count()), 1), {}})
           .cells;
-  nodes = std::move(values);
-}
-
-template <class Real>
-std::vector<std::uint8_t> LatticeRegion<Real>::touched_nodes(const Embedding& before, bool all) const {
-  Flags touched(std::size_t(lattice_.node_count()), 0);
-  for (Index v : embedding_.vertices)
-    if (all || !before.embeds(v))
-      for (Index n : lattice_.parts[std::size_t(lattice_.part_of_vertex[std::size_t(v)])].nodes)
-        touched[std::size_t(n)] = 1;
-  return touched;
-}
-
-// Of vertices that were embedded, or are not any more: those may change their velocity for the momentum's
-// sake.
-template <class Real>
-std::vector<std::uint8_t> LatticeRegion<Real>::nodes_of_changed(const Embedding& before, bool all) const {
-  Flags changed = touched_nodes(before, all);
-  for (Index v : before.vertices)
-    if (const Index part = lattice_.part_of_vertex[std::size_t(v)]; part >= 0 && !embeds(v))
-      for (Index n : lattice_.parts[std::size_t(part)].nodes) changed[std::size_t(n)] = 1;
-  return changed;
-}
-
-// New nodes begin with the mean of their vertices.
-template <class Real>
-void LatticeRegion<Real>::begin_fresh_nodes(const Elements& elements, const Flags& fresh,
-                                            const Mat3X<double>& u, Mat3X<double>& q) const {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(q.cols());
-  for (Index n = 0; n < lattice_.node_count(); ++n)
-    if (fresh[std::size_t(n)]) q.col(n).setZero();
-  for (Index v : embedding_.vertices) {
-    const CellWeights w = lattice_.weights(v, elements.points.col(v)).cwiseAbs();
-    const Lattice::Part& part = lattice_.parts[std::size_t(lattice_.part_of_vertex[std::size_t(v)])];
-    for (int i = 0; i < 8; ++i) {
-      const Index n = part.nodes[std::size_t(i)];
-      if (!fresh[std::size_t(n)]) continue;
-      q.col(n) += w[i] * u.col(v);
-      sum[n] += w[i];
-    }
-  }
-  for (Index n = 0; n < lattice_.node_count(); ++n)
-    if (fresh[std::size_t(n)] && sum[n] > 0) q.col(n) /= sum[n];
-}
-
-template <class Real>
-void LatticeRegion<Real>::add_nodes(const Lattice& lattice, const std::vector<double>& mass,
-                                    const Nodes<Real>& nodes, const Flags* which, MovingMasses& sum) const {
-  for (std::size_t n = 0; n < mass.size(); ++n) {
-    if (mass[n] == 0 || (which && !(*which)[n])) continue;
-    const auto column = Eigen::Index(n);
-    sum.add(mass[n], lattice.nodes.col(column) + nodes.u.col(column).template cast<double>(),
-            nodes.v.col(column).template cast<double>());
-  }
 }
 
 // The momentum of what an edit has removed goes with it: vertices are counted then by the masses that are
 // left.
 template <class Real>
+MovingMasses LatticeRegion<Real>::in_motion_before(const Elements& elements, const Embedding& former,
+                                                   const VertexRoles& wanted, const std::vector<double>& mass,
+                                                   const Motion<Real>& motion) const {
+  MovingMasses sum;
+  for (Index v : vertices_)
+    if (is_outdated_ ? former.embeds(v) || wanted.embeds(v) : !former.embeds(v) && wanted.embeds(v))
+      sum.add(mass[std::size_t(v)], elements.points.col(v) + motion.u.col(v).template cast<double>(),
+              motion.v.col(v).template cast<double>());
+  if (!is_outdated_) add_nodes(lattice_, former.mass, motion.nodes, nullptr, sum);
+  zone_mass_.add_to(sum, elements, motion, [](Index) { return true; });
+  return sum;
+}
+
+template <class Real>
 void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double omega,
                                 std::vector<double>& mass, Loads<Real>& loads, Motion<Real>& motion) {
   const Elements& elements = model.elements;
   const Embedding former = std::move(embedding_);
-  const auto was_embedded = [&](Index v) { return former.embeds(v); };
-  const auto add_vertex = [&](Index v, MovingMasses& sum) {
-    sum.add(mass[std::size_t(v)], elements.points.col(v) + motion.u.col(v).template cast<double>(),
-            motion.v.col(v).template cast<double>());
-  };
-  MovingMasses before, after, free_to_change;
-  for (Index v : vertices_)
-    if (is_outdated_ ? was_embedded(v) || wanted.embeds(v) : !was_embedded(v) && wanted.embeds(v))
-      add_vertex(v, before);
-  if (!is_outdated_) add_nodes(lattice_, former.mass, motion.nodes, nullptr, before);
-
+  const MovingMasses before = in_motion_before(elements, former, wanted, mass, motion);
   const bool is_anew = is_outdated_;
   if (is_anew) make_lattice_anew(elements, motion.nodes);
   is_outdated_ = has_lost_ = false;
   embedding_ = lobe::embed(elements, lattice_, whole_, std::move(wanted));
-  mass_added_ = give_mass(elements, lattice_, mass, omega, embedding_);
+  omega_ = omega;
+  mass_added_ =
+      give_mass(elements, lattice_, mass, omega / ZoneMass::longer, zone_mass_.stiffness(), embedding_);
+  zone_mass_.raise(embedding_, omega, vertices_, mass);
 
-  const Flags touched = touched_nodes(former, is_anew);
-  Flags fresh = touched;
-  for (std::size_t n = 0; n < fresh.size(); ++n)
-    fresh[n] = fresh[n] && (is_anew ? motion.nodes.u.col(Eigen::Index(n)).isZero(0)
-                                    : former.mass.empty() || former.mass[n] == 0);
-  const auto take = [&](const auto& of_vertices, Mat3X<Real>& of_nodes) {
-    const Mat3X<double> u = of_vertices.view().template cast<double>();
-    Mat3X<double> q = of_nodes.template cast<double>();
-    begin_fresh_nodes(elements, fresh, u, q);
-    settle(elements, lattice_, embedding_, whole_cells_, mass, omega, touched, u, settled<Real>, q);
-    of_nodes = q.template cast<Real>();
-  };
-  take(motion.u, motion.nodes.u);
-  take(motion.v, motion.nodes.v);
+  const TakeOver<Real> change(elements, lattice_, whole_cells_, former, embedding_, is_anew);
+  change.settle_nodes(mass, omega, motion);
+  MovingMasses after;  // and what keep_momentum() adds
+  zone_mass_.add_to(after, elements, motion, [&](Index v) { return !former.embeds(v); });
+  change.keep_momentum(model, mass, before, std::move(after), motion);
 
-  std::vector<Index> freed;
-  for (Index v : vertices_)
-    if (was_embedded(v) && !embeds(v)) {
-      add_vertex(v, after);
-      if (model.held.holds(v) || mass[std::size_t(v)] == 0) continue;
-      freed.push_back(v);
-      add_vertex(v, free_to_change);
-    }
-  add_nodes(lattice_, embedding_.mass, motion.nodes, nullptr, after);
-  const Flags changed = nodes_of_changed(former, is_anew);
-  add_nodes(lattice_, embedding_.mass, motion.nodes, &changed, free_to_change);
-  const MovingMasses::Motion change = free_to_change.moved_by(before.momentum() - after.momentum());
-  for (Index v : freed)
-    motion.v.col(v) +=
-        change(elements.points.col(v) + motion.u.col(v).template cast<double>()).template cast<Real>();
-  for (Index n = 0; n < lattice_.node_count(); ++n)
-    if (changed[std::size_t(n)])
-      motion.nodes.v.col(n) +=
-          change(lattice_.nodes.col(n) + motion.nodes.u.col(n).template cast<double>()).template cast<Real>();
-
-  take_over(elements, mass, loads);
+  take_loads(elements, mass, loads);
   build(elements);
   motion.node_forces.setZero(3, lattice_.node_count());
   motion.node_turns.assign(std::size_t(lattice_.node_count()), 0);
   std::erase_if(vertices_, [&](Index v) {
     const auto around = elements.topology.around(v);
-    return std::none_of(around.begin(), around.end(), [&](Index t) { return member_[std::size_t(t)] != 0; });
+    return around.empty() || (!zone_mass_.may_raise(v) &&
+                              std::none_of(around.begin(), around.end(), [&](Index t) { return has(t); }));
   });
 }
 
 // Loads and masses of embedded vertices go to the nodes.
 template <class Real>
-void LatticeRegion<Real>::take_over(const Elements& elements, std::vector<double>& mass, Loads<Real>& loads) {
+void LatticeRegion<Real>::take_loads(const Elements& elements, std::vector<double>& mass,
+                                     Loads<Real>& loads) {
   external_.setZero(3, lattice_.node_count());
   dead_.setZero(3, lattice_.node_count());
   for (Index v : embedding_.vertices) {
@@ -369,16 +289,10 @@ void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Mot
   if (!any_embedded()) return;
   std::vector<double> mass(std::size_t(elements.topology.vertex_count()), 0);
   for (Index v : embedding_.vertices) mass[std::size_t(v)] = lumped_mass(elements, v);
-  const Flags touched = touched_nodes({}, true);
-  const auto take = [&](const auto& of_vertices, Mat3X<Real>& of_nodes) {
-    const Mat3X<double> u = of_vertices.view().template cast<double>();
-    Mat3X<double> q = Mat3X<double>::Zero(3, lattice_.node_count());
-    begin_fresh_nodes(elements, touched, u, q);
-    settle(elements, lattice_, embedding_, whole_cells_, mass, omega, touched, u, settled<Real>, q);
-    of_nodes = q.template cast<Real>();
-  };
-  take(motion.u, motion.nodes.u);
-  take(motion.v, motion.nodes.v);
+  const Nodes<Real> none = {Mat3X<Real>::Zero(3, lattice_.node_count()),
+                            Mat3X<Real>::Zero(3, lattice_.node_count())};
+  motion.nodes = none;
+  TakeOver<Real>(elements, lattice_, whole_cells_, {}, embedding_, true).settle_nodes(mass, omega, motion);
 }
 
 template <class Real>
@@ -485,7 +399,7 @@ typename LatticeRegion<Real>::Frequency LatticeRegion<Real>::highest_frequency(c
   for (const Place& own : places_) {
     double sum = 0;
     for (Real w : own.weights) sum += std::abs(double(w));
-    const double stiffness = ratio * ratio * sum * bound_of(K.col(own.vertex));
+    const double stiffness = ratio * ratio * sum * largest_eigenvalue(symmetric(K.col(own.vertex)));
     for (std::size_t n = 0; n < 8; ++n)
       bounds[std::size_t(own.nodes[n])] += std::abs(double(own.weights[n])) * stiffness;
   }

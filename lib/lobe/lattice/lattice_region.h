@@ -10,7 +10,8 @@
 #include "lobe/body/model.h"
 #include "lobe/body/motion.h"
 #include "lobe/lattice/lattice_cells.h"
-#include "lobe/lattice/settle.h"
+#include "lobe/lattice/take_over.h"
+#include "lobe/lattice/zone_mass.h"
 #include "lobe/lattice/zones.h"
 #include "lobe/region/nonlinear.h"
 
@@ -28,13 +29,15 @@ class LatticeRegion {
   bool any() const { return tet_count_ > 0; }
   bool embeds(Index v) const { return embedding_.embeds(v); }
   bool any_embedded() const { return !embedding_.vertices.empty(); }
-  // Corners of its tetrahedra; until embed() also those of tetrahedra that have left.
+  // Corners of its tetrahedra, and of those that it has lost to a "nonlinear" region, as around a cut. Until
+  // embed() also those of others that have left.
   const std::vector<Index>& vertices() const { return vertices_; }
   const Lattice& lattice() const { return lattice_; }
   const Embedding& embedding() const { return embedding_; }
   Index full_tet_count() const { return any_embedded() ? full_.tet_count() : tet_count_; }
   PatchCount past_patches() const { return past_patches_; }  // of evaluators that embed() has replaced
-  double mass_added() const { return mass_added_; }  // to nodes, so that they need no shorter steps [kg]
+  // To nodes and to vertices of full tetrahedra, so that they need no shorter steps [kg].
+  double mass_added() const { return mass_added_ + zone_mass_.sum(); }
 
   // ---- Edits
 
@@ -62,6 +65,12 @@ class LatticeRegion {
   void embed(const Model& model, VertexRoles wanted, double omega,
              std::vector<double>& mass,  // per vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
+  // Of a vertex that moves by itself, as it is now [kg].
+  double least_mass(Index v) const { return any_embedded() ? zone_mass_.least(v, omega_) : 0; }
+  // After masses were computed from tetrahedra: what is next to full tetrahedra has more (zone_mass.h).
+  void raise_masses(const std::vector<Index>& vertices, std::vector<double>& mass) {
+    if (any_embedded()) zone_mass_.raise(embedding_, omega_, vertices, mass);
+  }
   // After World::set_state(): fits displacements and velocities of the nodes to those of the embedded
   // vertices, by least squares.
   void settle_all(const Elements& elements, double omega, Motion<Real>& motion) const;
@@ -139,19 +148,16 @@ class LatticeRegion {
   void list_vertices(const Topology& topology);
   void find_inner(const Model& model);
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
-  Flags touched_nodes(const Embedding& before, bool all) const;
-  Flags nodes_of_changed(const Embedding& before, bool all) const;
-  void begin_fresh_nodes(const Elements& elements, const Flags& fresh, const Mat3X<double>& u,
-                         Mat3X<double>& q) const;
+  MovingMasses in_motion_before(const Elements& elements, const Embedding& former, const VertexRoles& wanted,
+                                const std::vector<double>& mass, const Motion<Real>& motion) const;
   void build(const Elements& elements);
   void place_interface(const Elements& elements);
-  void take_over(const Elements& elements, std::vector<double>& mass, Loads<Real>& loads);
-  void add_nodes(const Lattice& lattice, const std::vector<double>& mass, const Nodes<Real>& nodes,
-                 const Flags* which, MovingMasses& sum) const;
+  void take_loads(const Elements& elements, std::vector<double>& mass, Loads<Real>& loads);
 
   double cell_;
   Evaluator evaluator_;
   std::vector<std::uint8_t> member_;  // per tetrahedron
+  Flags is_lost_;                     // to a "nonlinear" region, per tetrahedron
   Index tet_count_ = 0;
   std::vector<Index> vertices_;
   bool is_outdated_ = false;  // the lattice
@@ -164,7 +170,9 @@ class LatticeRegion {
   WholeLattice whole_;
   std::vector<LatticeCell> whole_cells_;  // of it
   Embedding embedding_;
-  double mass_added_ = 0;
+  double omega_ = 0;       // the highest frequency of the full body at rest [rad/s]
+  double mass_added_ = 0;  // to nodes [kg]
+  ZoneMass zone_mass_;
   PatchCount past_patches_;
 
   // What a step reads.

@@ -35,18 +35,20 @@ void FullZones::look(const Elements& elements, double cell, double time, const S
   for (Index v : around_) state_.until[std::size_t(v)] = time + linger;
 }
 
-// Along edges, from each vertex that is touched as far as it reaches at rest.
+// As far as each vertex that is touched reaches along edges at rest, and at least to its neighbours: what it
+// pulls at is strained most there.
 void FullZones::find_around(const Elements& elements, double distance) {
   around_ = state_.touched;
-  std::unordered_map<Index, Index> from;
+  std::unordered_map<Index, Index> from;  // the vertex that reaches one
   for (Index v : around_) from.emplace(v, v);
   for (std::size_t i = 0; i < around_.size(); ++i) {
     const Index own = around_[i], start = from.at(own);
     for (Index t : elements.topology.around(own))
-      for (Index v : elements.topology.corners(t))
-        if ((elements.points.col(v) - elements.points.col(start)).norm() <= distance &&
-            from.emplace(v, start).second)
-          around_.push_back(v);
+      for (Index v : elements.topology.corners(t)) {
+        const bool is_near =
+            own == start || (elements.points.col(v) - elements.points.col(start)).norm() <= distance;
+        if (is_near && from.emplace(v, start).second) around_.push_back(v);
+      }
   }
   around_is_known_ = true;
 }

@@ -16,7 +16,8 @@ class FullZones {
   static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
   static constexpr double burst = 0.05;   // all are full after something has taken hold or let go [s]
   static constexpr double quick = 0.03;   // and after the body was quick [s]
-  static constexpr double reach = 0.4;    // how far around what is touched they are full, in cells
+  // How far around what is touched they are full, in cells; its neighbours always are.
+  static constexpr double reach = 0.4;
 
   // A lattice whose frequencies are off by a share moves the body wrongly by share · τ |v|, where damping
   // ends what grows within τ. The body is quick where that is more than `most` of its largest displacement.
@@ -50,6 +51,9 @@ class FullZones {
     return time < state_.all_until - just_before ||
            (v < static_cast<Index>(state_.until.size()) && time < state_.until[std::size_t(v)] - just_before);
   }
+
+  // After an edit of the mesh: neighbours may be others.
+  void forget_around() { around_is_known_ = false; }
 
   const State& state() const { return state_; }
   void set_state(const State& state) {

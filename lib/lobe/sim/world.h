@@ -156,6 +156,7 @@ class World {
   void follow(const MeshEdit& edit);
   void follow(RegionEdit edit);
   void add_unsupported(RegionEdit& edit);
+  void weigh(const std::vector<Index>& vertices);
   void update(const std::vector<Index>& vertices);
   void release(const std::vector<Index>& vertices);
   void move_mass();

@@ -211,13 +211,19 @@ void World<Real>::add_unsupported(RegionEdit& edit) {
 
 // Computes masses and loads of these vertices from the tetrahedra around them.
 template <class Real>
+void World<Real>::weigh(const std::vector<Index>& vertices) {
+  body_.inertia.update(body_.model, vertices);
+  body_.loads.update(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
+}
+
+template <class Real>
 void World<Real>::update(const std::vector<Index>& vertices) {
   const Topology& topology = elements().topology;
   body_.motion.extend(topology.vertex_count());
   body_.sleep.extend(topology.vertex_count(), time());
   limit_.extend(topology.vertex_count());
-  body_.inertia.update(body_.model, vertices);
-  body_.loads.update(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
+  weigh(vertices);
+  body_.regions.reduced().raise_masses(vertices, body_.inertia.masses());
   for (Index v : vertices)
     if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
   release(vertices);

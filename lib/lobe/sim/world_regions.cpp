@@ -194,7 +194,7 @@ void World<Real>::embed_as(VertexRoles wanted) {
   state();
   limit_.forget();
   const std::vector<Index> vertices = region.vertices();
-  update(vertices);
+  weigh(vertices);
   region.embed(body_.model, std::move(wanted), limit_.highest_at_rest(), body_.inertia.masses(), body_.loads,
                body_.motion);
   release(vertices);

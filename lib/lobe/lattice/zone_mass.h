@@ -1,0 +1,70 @@
+// Mass that vertices of full tetrahedra get while a lattice moves the rest of a body, so that its steps may be
+// longer than those of the full body, whose highest frequency is ω*. With K_vv at rest and R, by how much ω*
+// is above the estimate that single vertices give,
+//
+//   m_v ≥ R² λ_max(K_vv) longer²/ω*².
+//
+// These vertices are around tools, or next to a cut: they follow what pulls at them and hardly swing. While
+// nothing is embedded all masses are what they are. The mass has no weight.
+#pragma once
+
+#include <algorithm>
+
+#include "lobe/body/model.h"
+#include "lobe/body/motion.h"
+#include "lobe/lattice/settle.h"
+
+namespace lobe {
+
+class ZoneMass {
+ public:
+  static constexpr double longer = 1.5;  // steps
+  static constexpr double ratio = 1.15;  // R
+
+  // After an edit: vertices of these tetrahedra and no others may get mass. `owns(tet)`.
+  template <class Owns>
+  void follow(const Elements& elements, const std::vector<Index>& vertices, Owns&& owns) {
+    const auto count = std::size_t(elements.topology.vertex_count());
+    if (stiffness_.empty()) {
+      stiffness_.resize(count, 0);
+      for (Index v = 0; v < static_cast<Index>(count); ++v) find(elements, v, owns);
+    }
+    stiffness_.resize(count, 0);
+    for (Index v : vertices) find(elements, v, owns);
+  }
+  // λ_max(K_vv) at rest [N/m]; 0 where a vertex gets no mass.
+  const std::vector<double>& stiffness() const { return stiffness_; }
+  bool may_raise(Index v) const { return stiffness_[std::size_t(v)] > 0; }
+
+  double least(Index v, double omega) const {  // [kg]
+    return omega > 0 ? ratio * ratio * longer * longer / (omega * omega) * stiffness_[std::size_t(v)] : 0;
+  }
+  // Raises masses of those of the vertices that are not embedded [kg].
+  void raise(const Embedding& embedding, double omega, const std::vector<Index>& vertices,
+             std::vector<double>& mass);
+  // The mass that was added, in motion. `counts(vertex)`.
+  template <class Real, class Counts>
+  void add_to(MovingMasses& sum, const Elements& elements, const Motion<Real>& motion,
+              Counts&& counts) const {
+    for (std::size_t i = 0; i < added_.size(); ++i) {
+      const auto v = static_cast<Index>(i);
+      if (added_[i] > 0 && counts(v))
+        sum.add(added_[i], elements.points.col(v) + motion.u.col(v).template cast<double>(),
+                motion.v.col(v).template cast<double>());
+    }
+  }
+  double sum() const;  // [kg]
+
+ private:
+  template <class Owns>
+  void find(const Elements& elements, Index v, Owns&& owns) {
+    const auto around = elements.topology.around(v);
+    const bool is_own = std::all_of(around.begin(), around.end(), owns);
+    stiffness_[std::size_t(v)] = is_own ? stiffness_of(elements, v) : 0;
+  }
+  static double stiffness_of(const Elements& elements, Index v);
+
+  std::vector<double> stiffness_, added_;  // per vertex
+};
+
+}  // namespace lobe

@@ -1,6 +1,6 @@
-// Mass that vertices of full tetrahedra get while a lattice moves the rest of a body, so that its steps may be
-// longer than those of the full body, whose highest frequency is ω*. With K_vv at rest and R, by how much ω*
-// is above the estimate that single vertices give,
+// Mass that vertices of full tetrahedra get while a lattice moves the rest of a body, so that its steps may
+// be longer than those of the full body, whose highest frequency is ω*. With K_vv at rest and R, by how much
+// ω* is above the estimate that single vertices give,
 //
 //   m_v ≥ R² λ_max(K_vv) longer²/ω*².
 //

@@ -32,25 +32,23 @@ void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edi
   inner_.clear();
   zones_.forget_around();
   all_.follow(elements, edit, RegionModel::reduced);
-  for (Flags* flags : {&member_, &is_lost_}) flags->resize(std::size_t(elements.topology.tet_count()), 0);
+  member_.resize(std::size_t(elements.topology.tet_count()), 0);
   for (Index t : edit.left) {
     if (!member_[std::size_t(t)]) continue;
     member_[std::size_t(t)] = 0;
     --tet_count_;
     has_lost_ = true;
     const bool is_elsewhere = elements.topology.alive(t) && !enters(t);
-    is_lost_[std::size_t(t)] = is_elsewhere && elements.is_in(RegionModel::nonlinear, t);
     if (!is_elsewhere) is_outdated_ = true;
     if (!is_outdated_) take_out(elements, t, lattice_, whole_);
   }
   for (Index t : edit.entered) {
     if (!enters(t) || member_[std::size_t(t)]) continue;
     member_[std::size_t(t)] = 1;
-    is_lost_[std::size_t(t)] = 0;
     ++tet_count_;
     is_outdated_ = true;
   }
-  zone_mass_.follow(elements, edit.vertices, [&](Index t) { return has(t) || is_lost_[std::size_t(t)]; });
+  zone_mass_.follow(elements, edit.vertices, [&](Index t) { return has(t); });
   for (Index v : edit.vertices)
     if (zone_mass_.may_raise(v)) vertices_.push_back(v);
   sort_unique(vertices_);

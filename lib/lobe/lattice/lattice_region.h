@@ -29,8 +29,7 @@ class LatticeRegion {
   bool any() const { return tet_count_ > 0; }
   bool embeds(Index v) const { return embedding_.embeds(v); }
   bool any_embedded() const { return !embedding_.vertices.empty(); }
-  // Corners of its tetrahedra, and of those that it has lost to a "nonlinear" region, as around a cut. Until
-  // embed() also those of others that have left.
+  // Corners of its tetrahedra; until embed() also those of tetrahedra that have left.
   const std::vector<Index>& vertices() const { return vertices_; }
   const Lattice& lattice() const { return lattice_; }
   const Embedding& embedding() const { return embedding_; }
@@ -157,7 +156,6 @@ class LatticeRegion {
   double cell_;
   Evaluator evaluator_;
   std::vector<std::uint8_t> member_;  // per tetrahedron
-  Flags is_lost_;                     // to a "nonlinear" region, per tetrahedron
   Index tet_count_ = 0;
   std::vector<Index> vertices_;
   bool is_outdated_ = false;  // the lattice

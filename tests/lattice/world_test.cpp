@@ -407,9 +407,9 @@ TEST_CASE("odd bodies move and are cut to nothing, and every number stays finite
     TetMesh mesh = one;
     mesh.points.resize(3, 2 * count);
     mesh.points << one.points, one.points.colwise() + Vec3d(0, 0.0195, 0);
-    mesh.labels.clear();
     mesh.tets.resize(4, 2 * one.tet_count());
     mesh.tets << one.tets, (one.tets.array() + count).matrix();
+    mesh.labels.assign(std::size_t(mesh.tet_count()), 0);
     Setup setup = setup_of(mesh, RegionModel::reduced);
     setup.lattice_cell = 2 * edge;
     for (Index v = 0; v < count; ++v)  // the other one falls

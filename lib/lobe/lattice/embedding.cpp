@@ -210,7 +210,8 @@ void add_bounds(const LatticeCell& cell, const Lattice::Part& part, const CellWe
         roots[n] * sum + cell.fluctuation.col(n).cwiseAbs().sum();
 }
 
-// A vertex has as much of its stiffness of full tetrahedra as it has of its mass.
+// A vertex has as much of its stiffness of full tetrahedra as it has of its mass. Its nodes get that mass at
+// least.
 double give_mass(const Elements& elements, const Lattice& lattice, const std::vector<double>& mass,
                  double omega, const std::vector<double>& stiffness, Embedding& e) {
   std::vector<double> least(std::size_t(lattice.node_count()), 0);
@@ -234,9 +235,10 @@ double give_mass(const Elements& elements, const Lattice& lattice, const std::ve
   for (Index v : e.interface) {
     const auto i = std::size_t(v);
     const bool is_known = !stiffness.empty() && omega > 0;
-    const double suffices = is_known ? of_full[i] / mass[i] * stiffness[i] / (omega * omega) : of_full[i],
-                 sum = is_known ? lattice.weights(v, elements.points.col(v)).cwiseAbs().sum() : 1;
-    for_nodes(v, [&](std::size_t n, double w) { least[n] += std::abs(w) * sum * suffices; });
+    const double known = is_known ? of_full[i] / mass[i] * stiffness[i] / (omega * omega) : 0,
+                 sum = is_known ? lattice.weights(v, elements.points.col(v)).cwiseAbs().sum() : 1,
+                 suffices = std::max(of_full[i], sum * known);
+    for_nodes(v, [&](std::size_t n, double w) { least[n] += std::abs(w) * suffices; });
   }
   e.mass.assign(least.size(), 0);
   for (Index v : e.vertices)

@@ -45,15 +45,15 @@ Setup held_liver(const TetMesh& mesh) {
   return setup;
 }
 
-const Vec3d tip{0.082, -0.045, 0.035};  // of the left lobe [m]
+const Vec3d lobe_tip{0.082, -0.045, 0.035};  // of the left lobe [m]
 
 // Holds the tip of the left lobe and leads it round and round; a pose every other frame, as from a mouse.
 void drag(Controller& hand, int frame) {
-  if (frame == 0) hand.send({.kind = Kind::take_at_point, .hand = 1, .position = tip, .radius = 0.02});
+  if (frame == 0) hand.send({.kind = Kind::take_at_point, .hand = 1, .position = lobe_tip, .radius = 0.02});
   if (frame % 2 != 0) return;
   const double angle = 0.05 * frame;
   const Vec3d offset(0.01 * std::cos(angle) - 0.01, 0.01 * std::sin(angle), 0.01 * (1 - std::cos(angle)));
-  hand.send({.kind = Kind::lead, .hand = 1, .position = tip + offset});
+  hand.send({.kind = Kind::lead, .hand = 1, .position = lobe_tip + offset});
 }
 
 double timed_us(const std::function<void()>& work) {

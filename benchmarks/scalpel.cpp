@@ -97,7 +97,8 @@ struct CostRow {
   std::string mesh;
   const char* region;
   Index tets = 0, cut = 0, copies = 0;
-  double geometry_us = 0, all_us = 0;   // per cut tetrahedron
+  double geometry_us = 0, all_us = 0;   // per cut tetrahedron, of a stroke of 60 frames
+  double sweep_us = 0, batch_us = 0;    // the same of a stroke that is one sweep; that is one frame
   double frame_ms = 0, slowest_ms = 0;  // of a blade of 40 mm at 50 mm/s, 30 frames a second
   double step_ratio = 0;                // after the cut, against before
   double fresh_ratio = 0;               // the same of a world that was built from the cut body
@@ -171,6 +172,11 @@ CostRow measure(const std::string& name, const char* region, const Setup& held_o
   row.copies = world.elements().topology.tet_copy_count();
   row.all_us = 1e6 * played.seconds / row.cut;
   row.geometry_us = 1e6 * geometry_seconds(plain, stroke, frames) / row.cut;
+  row.sweep_us = 1e6 * geometry_seconds(plain, stroke, 1) / row.cut;
+  setup.scalpels = {on_path(stroke, 1)};
+  World<float> fast(setup);
+  const CutFrames batch = play_cut(fast, 1);
+  row.batch_us = 1e6 * batch.seconds / cut_tets(*fast.grains(), fast.elements().topology);
   row.bytes = double(world.grains()->bytes() - before) / row.cut;
   find_ratios_of_steps(plain, world, loose, row);
   State<float> state = world.state();
@@ -195,21 +201,24 @@ CostRow measure(const std::string& name, const char* region, const Setup& held_o
 }
 
 void print(const CostRow& r) {
-  std::printf("%-11s %-12s %7d %6d %7d %9.2f %8.2f %8.3f %10.3f %6.2f %6.2f %6.2f %7.0f %9.1e\n",
-              r.mesh.c_str(), r.region, r.tets, r.cut, r.copies, r.geometry_us, r.all_us, r.frame_ms,
-              r.slowest_ms, r.step_ratio, r.fresh_ratio, r.loose_ratio, r.bytes, r.error);
+  std::printf("%-11s %-12s %7d %6d %7d %9.2f %8.2f %8.2f %8.2f %8.3f %10.3f %6.2f %6.2f %6.2f %7.0f %9.1e\n",
+              r.mesh.c_str(), r.region, r.tets, r.cut, r.copies, r.geometry_us, r.all_us, r.sweep_us,
+              r.batch_us, r.frame_ms, r.slowest_ms, r.step_ratio, r.fresh_ratio, r.loose_ratio, r.bytes,
+              r.error);
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<CostRow>& rows) {
   std::ostringstream out;
-  out << "mesh,region,tets,cut,copies,geometry_us,all_us,frame_ms,slowest_frame_ms,step_ratio,fresh_ratio,"
+  out << "mesh,region,tets,cut,copies,geometry_us,all_us,sweep_us,batch_us,frame_ms,slowest_frame_ms,step_"
+         "ratio,fresh_ratio,"
          "loose_ratio,bytes,error\n"
       << std::setprecision(4);
   for (const CostRow& r : rows)
     out << r.mesh << ',' << r.region << ',' << r.tets << ',' << r.cut << ',' << r.copies << ','
-        << r.geometry_us << ',' << r.all_us << ',' << r.frame_ms << ',' << r.slowest_ms << ',' << r.step_ratio
-        << ',' << r.fresh_ratio << ',' << r.loose_ratio << ',' << r.bytes << ',' << r.error << '\n';
+        << r.geometry_us << ',' << r.all_us << ',' << r.sweep_us << ',' << r.batch_us << ',' << r.frame_ms
+        << ',' << r.slowest_ms << ',' << r.step_ratio << ',' << r.fresh_ratio << ',' << r.loose_ratio << ','
+        << r.bytes << ',' << r.error << '\n';
   return out.str();
 }
 
@@ -314,9 +323,9 @@ BeamRow measure_beam(int n) {
 
 void bench_scalpel(const Options& options) {
   begin_results(options.output, "scalpel");
-  std::printf("\n%-11s %-12s %7s %6s %7s %9s %8s %8s %10s %6s %6s %6s %7s %9s\n", "mesh", "region", "tets",
-              "cut", "copies", "geom. us", "all us", "frame ms", "slowest ms", "step", "fresh", "loose",
-              "bytes", "error");
+  std::printf("\n%-11s %-12s %7s %6s %7s %9s %8s %8s %8s %8s %10s %6s %6s %6s %7s %9s\n", "mesh", "region",
+              "tets", "cut", "copies", "geom. us", "all us", "sweep us", "batch us", "frame ms", "slowest ms",
+              "step", "fresh", "loose", "bytes", "error");
   std::vector<CostRow> costs;
   const auto cost = [&](const std::string& name, Setup setup, RegionModel model, const char* region) {
     std::fill(setup.region_of.begin(), setup.region_of.end(), model);

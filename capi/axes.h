@@ -1,4 +1,4 @@
-// Between the axes of an engine and lobe's: x' = s Q x + t with Q orthogonal, which may mirror.
+// Converts between the axes of an engine and those of lobe: x' = s Q x + t, with Q orthogonal. Q may mirror.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,10 +17,10 @@ class Axes {
   Vec3d point_in(const Vec3d& x) const { return turn_.transpose() * (x - shift_) / scale_; }
   Vec3d direction_out(const Vec3d& d) const { return turn_ * d; }  // also of forces [N]
   Vec3d direction_in(const Vec3d& d) const { return turn_.transpose() * d; }
-  // Torques change their sign where the axes are mirrored.
+  // Torques change their sign if the axes are mirrored.
   Vec3d torque_out(const Vec3d& m) const { return turn_.determinant() * (turn_ * m); }
   double length_in(double length) const { return length / scale_; }
-  // A rotation R is Q R Qᵀ there: its axis is turned as a torque is.
+  // A rotation R becomes Q R Qᵀ: its axis is turned as a torque is.
   Eigen::Vector4d rotation_out(const Eigen::Vector4d& q) const { return turned(q, turn_); }
   Eigen::Vector4d rotation_in(const Eigen::Vector4d& q) const { return turned(q, turn_.transpose()); }
 

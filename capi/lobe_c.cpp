@@ -1,4 +1,4 @@
-// The C functions: checks, and what is thrown turned into a status and a text.
+// The C functions. They check their arguments, and turn exceptions into a status and a text.
 #include "lobe_c.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ lobe_status fail(lobe_status status, const std::string& text) {
   return status;
 }
 
-// Whatever work() throws, as a status.
+// Runs work() and returns what it throws as a status.
 template <class Work>
 lobe_status guarded(Work&& work) noexcept {
   try {
@@ -41,7 +41,7 @@ void require(const void* pointer, const char* name) {
   if (pointer == nullptr) throw InputError(name, "is NULL");
 }
 
-// A struct of a caller that knows fewer fields than this library: those are 0.
+// Reads a struct of a caller that may know fewer fields than this library. The missing ones are 0.
 template <class Struct>
 Struct of_caller(const Struct* given, const char* name) {
   Struct copy{};
@@ -382,7 +382,7 @@ void lobe_surface_release(lobe_session* session, lobe_surface* surface) {
 
 namespace {
 
-// What is done with a file between two frames.
+// Does something with a file between two frames.
 lobe_status with_file(lobe_session* session, const char* file,
                       void (lobe_session::*work)(const std::string&)) {
   return guarded([&] {

@@ -1,7 +1,8 @@
 /* lobe for engines: a session (docs/live.md) behind C functions, in one shared library. docs/c.md
  *
  * - Units are SI. Positions, directions and forces are in the engine's axes, if lobe_options gives some.
- * - Any thread may call every function but lobe_close(). No function throws. lobe frees what it allocates.
+ * - Any thread may call every function; lobe_close(), lobe_haptic_detach() and lobe_haptic_force() say what
+ *   must not run meanwhile. No function throws. lobe frees what it allocates.
  * - Structs begin with their size, so that a newer library works with an older caller.
  * - A NULL handle gives LOBE_BAD_INPUT.
  */
@@ -32,21 +33,22 @@ typedef enum lobe_status {
   LOBE_FAILED = 5       /* no memory, no file: lobe_last_error() */
 } lobe_status;
 
-/* The error of this thread's last call that did not return LOBE_OK. Valid until its next call. Never NULL. */
+/* The text of the calling thread's last failure; valid until that thread calls lobe again. lobe_get_tool()
+ * leaves it as it is when it returns LOBE_NOT_YET. Never NULL. */
 LOBE_API const char* lobe_last_error(void);
 
 typedef struct lobe_session lobe_session;
 
 typedef struct lobe_options {
   uint32_t size;    /* sizeof(lobe_options) */
-  uint32_t threads; /* of the simulation; 0: one */
-  double frame;     /* [s], at most 1; 0: 1/120 */
-  double speed;     /* simulated seconds per second, where it is paced; 0: 1 */
-  uint32_t unpaced; /* 1: frames do not wait for the clock */
+  uint32_t threads; /* threads of the simulation; 0 means 1 */
+  double frame;     /* length of a frame [s], at most 1; 0 means 1/120 */
+  double speed;     /* simulated seconds per second of the clock, after lobe_start(); 0 means 1 */
+  uint32_t unpaced; /* 1: after lobe_start(), frames do not wait for the clock */
   uint32_t paused;  /* 1: the session begins paused */
   /* A position x of lobe is A x + t in the engine. These are the rows of (A | t). A is a rotation or a
    * mirroring, times a scale. All 0: the same axes. Mirrored axes turn the triangles round. For Unity, which
-   * is left-handed with y up, from lobe's z up:
+   * is left-handed with y up, and a scene with z up:
    * {1,0,0,0, 0,0,1,0, 0,1,0,0}. */
   double axes[12];
 } lobe_options;
@@ -73,7 +75,7 @@ LOBE_API lobe_status lobe_back(lobe_session* session, double seconds);
 typedef struct lobe_state {
   uint32_t size; /* sizeof(lobe_state) */
   uint32_t tetrahedra;
-  uint64_t frame;          /* of the latest picture */
+  uint64_t frame;          /* number of the frame of the latest snapshot */
   double time;             /* simulated [s] */
   double real_time_factor; /* over the last half second; 0 while paused */
   uint32_t running;        /* 0: paused */
@@ -92,14 +94,15 @@ LOBE_API lobe_status lobe_grasp(lobe_session* session, uint32_t tool, const doub
 LOBE_API lobe_status lobe_grasp_ray(lobe_session* session, uint32_t tool, const double origin[3],
                                     const double direction[3], double radius);
 LOBE_API lobe_status lobe_cautery(lobe_session* session, uint32_t tool, const double tip[3],
-                                  double radius); /* off */
+                                  double radius); /* begins switched off */
 /* Its edge leads from tip to heel. lobe_move places the tip and turns the edge by the quaternion. It does not
  * cut until it is switched on. */
 LOBE_API lobe_status lobe_scalpel(lobe_session* session, uint32_t tool, const double tip[3],
                                   const double heel[3]);
 LOBE_API lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on); /* a cautery or a scalpel */
-/* Moves a tool to a pose: position and unit quaternion (x, y, z, w). The pose of a grasp is that of the point
- * where it took hold, and its turn since then. */
+/* Moves a tool to a pose: position and unit quaternion (x, y, z, w). A grasp begins at the point given to
+ * lobe_grasp(), or hit by the ray, with quaternion (0, 0, 0, 1). Its pose says where that point is to be, and
+ * how far the grasp has turned since. */
 LOBE_API lobe_status lobe_move(lobe_session* session, uint32_t tool, const double pose[7]);
 LOBE_API lobe_status lobe_release(lobe_session* session, uint32_t tool);
 
@@ -112,7 +115,7 @@ typedef struct lobe_tool {
   double torque[3]; /* [N m] */
 } lobe_tool;
 /* The state of a tool. Wait-free, except the first call of a thread, so that a haptic loop may call it at
- * 1 kHz. LOBE_NOT_YET: the hand is empty. */
+ * 1 kHz. LOBE_NOT_YET: there is no such tool, or it holds nothing. */
 LOBE_API lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state);
 
 /* ---- Haptics: the servo loop of a device leads a tool, and asks for its force (docs/haptics.md) */
@@ -120,11 +123,11 @@ LOBE_API lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_to
 typedef struct lobe_haptic_device {
   uint32_t size;    /* sizeof(lobe_haptic_device) */
   uint32_t unused;  /* 0 */
-  double force;     /* largest force [N]. A field that is 0 takes its default, here 3 */
-  double torque;    /* [N m]; 0.1 */
-  double slew;      /* fastest change of the force [N/s]; 200 */
-  double stiffness; /* of the stiffest coupling [N/m]; 1000 */
-  double damping;   /* of its mechanics [N s/m]; 0.5 */
+  double force;     /* largest force [N]; 0 means 3 */
+  double torque;    /* largest torque [N m]; 0 means 0.1 */
+  double slew;      /* fastest change of the force [N/s]; 0 means 200 */
+  double stiffness; /* of the stiffest coupling [N/m]; 0 means 1000 */
+  double damping;   /* of its mechanics [N s/m]; 0 means 0.5 */
 } lobe_haptic_device;
 /* From now on the tool follows the device, in place of lobe_move(). Up to 8 tools. device may be NULL. */
 LOBE_API lobe_status lobe_haptic_attach(lobe_session* session, uint32_t tool,

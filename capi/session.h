@@ -1,4 +1,4 @@
-// What stands behind lobe_session: a Session of either precision, in an engine's axes.
+// The C++ side of lobe_session: a Session of either precision, in an engine's axes.
 #pragma once
 
 #include <array>
@@ -53,7 +53,7 @@ struct lobe_session {
   void give_back(std::unique_ptr<Buffers> buffers);
 
   lobe::c::Axes axes;
-  std::mutex driving;  // who starts, stops or advances it
+  std::mutex driving;  // held by whoever starts, stops or advances it
   std::array<std::atomic<lobe::c::HapticTool*>, 8> haptic_tools{};
 
   void detach_all();  // before the session goes

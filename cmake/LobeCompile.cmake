@@ -33,10 +33,16 @@ if(LOBE_THREAD_SANITIZE)
   add_compile_definitions(LOBE_SANITIZED)
 endif()
 
-# GCC collects its garbage from 128 MB on, which takes a tenth of the time of a unit; it changes nothing in
-# the code.
+# GCC collects its garbage from 128 MB on, which takes an eighth of the time of a unit; it changes nothing in
+# the code. So it collects none below a quarter of what each core has of the memory, or 4 GB.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(lobe_compile INTERFACE "SHELL:--param ggc-min-heapsize=524288")  # [KiB]
+  cmake_host_system_information(RESULT megabytes QUERY TOTAL_PHYSICAL_MEMORY)
+  cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+  math(EXPR heap "1024 * ${megabytes} / (4 * ${cores})")  # [KiB]
+  if(heap GREATER 4000000)
+    set(heap 4000000)
+  endif()
+  target_compile_options(lobe_compile INTERFACE "SHELL:--param ggc-min-heapsize=${heap}")
 endif()
 
 # Headers that most units of a target include, precompiled: they take a second of each. None of the project's

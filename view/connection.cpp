@@ -33,7 +33,7 @@ std::string_view token_of(std::string_view target) {
   return query.substr(0, query.find('&'));
 }
 
-// In a time that does not tell how much of it was right.
+// Takes the same time however many characters are right, so that the time reveals nothing.
 bool same_secret(std::string_view a, std::string_view b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -119,7 +119,7 @@ void Connection::respond(std::shared_ptr<Response> response) {
                     });
 }
 
-// Why this request may not become live; empty: it may.
+// Why this request may not become the WebSocket; empty: it may.
 std::string Connection::refusal(const Request& request) const {
   const std::string_view target = view_of(request.target());
   if (path_of(target) != "/live") return "the socket is at /live\n";
@@ -198,7 +198,7 @@ void Connection::drop(std::string_view why) {
   write_next();
 }
 
-// One write at a time: texts first, then the frame, then the word of parting.
+// Writes one message at a time: texts first, then the frame, then the closing message.
 void Connection::write_next() {
   if (is_writing_) return;
   const bool is_text = !texts_.empty();

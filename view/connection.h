@@ -1,4 +1,5 @@
-// One connection of a client: HTTP requests for files of the page, until one asks to become the WebSocket.
+// One connection of a client. It serves HTTP requests for files of the page, until a request turns it into
+// the WebSocket.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -28,7 +29,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Connection(boost::asio::ip::tcp::socket socket, ClientId id, Shared& shared);
 
   void start() { read_request(); }
-  void close();  // at once, without a word
+  void close();  // at once, without a closing message
 
   bool is_live() const { return live_ && is_open_; }
   void acknowledged();
@@ -59,7 +60,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<WebSocket> live_;
   bool is_open_ = false;  // the service knows of it
   std::deque<std::string> texts_;
-  std::string frame_;  // that waits to be written, or is
+  std::string frame_;  // that waits to be written, or is being written
   bool is_writing_ = false, is_frame_seen_ = true;
   std::optional<boost::beast::websocket::close_reason> closing_;
 };

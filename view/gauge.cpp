@@ -8,7 +8,7 @@
 namespace lobe::view {
 namespace {
 
-// Means over the triangles around each vertex, of what there is of the tetrahedra behind them.
+// Averages a value of tetrahedra over the triangles around each vertex of the surface.
 template <class OfTet>
 void spread(const SurfaceMesh& surface, const OfTet& of_tet, std::vector<float>& values) {
   std::vector<float> triangles_at(std::size_t(surface.vertex_count()), 0);
@@ -54,14 +54,14 @@ void Gauge<Real>::find_stress(World<Real>& world, bool is_stress, std::vector<fl
   spread(world.surface().mesh(), of_tet, values);
 }
 
-// What hands hold counts as free, so that beside it the estimate is too high.
+// Vertices that hands hold count as free, so that near them the estimate is too high.
 template <class Real>
 void Gauge<Real>::find_error(World<Real>& world, Measured& measured) {
   if (!watch_)
     watch_ = std::make_unique<LinearityWatch<Real>>(world, std::vector<std::vector<Index>>{},
                                                     LinearityOptions{.on_exceeded = {}});
   const double error = watch_->look(world).error;
-  // Beside what rounding has left of an old motion no error means anything.
+  // Compared with the rounding that is left of an old motion, an error means nothing.
   constexpr double least = 1e-6;  // of the extent of the body
   const auto points = world.elements().points.view();
   const double extent = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();

@@ -1,5 +1,5 @@
-// What is found of a running simulation some times a second, between two frames: its energies, and a field on
-// its surface.
+// Measures a running simulation some times a second, between two frames: its energies, and a field on its
+// surface.
 #pragma once
 
 #include <memory>
@@ -27,8 +27,8 @@ template <class Real>
 class Gauge {
  public:
   // `scalar`: "none"; "von_mises" [Pa]; "volume_ratio"; "linear_error", by which linear regions displace each
-  // part wrongly [m]. O(#tetrahedra), and less than that by far for the field alone; the first "linear_error"
-  // takes as long as preparing its watch (linearity/watch.h).
+  // part wrongly [m]. O(#tetrahedra). The first "linear_error" takes as long as setting up its watch
+  // (linearity/watch.h).
   void measure(World<Real>& world, const std::string& scalar, Measured& measured);
 
  private:

@@ -23,7 +23,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-// Numbers that are not there are 0; what is no number is none, which the loop refuses.
+// Missing numbers are 0. A value that is no number gives NaN, which the loop refuses.
 double number(const Json& of, const char* key) {
   const auto found = of.find(key);
   if (found == of.end()) return 0;
@@ -93,7 +93,7 @@ struct HaplyDevice::Client {
   HaplyDevice& device;
   const std::string host, port;
   asio::io_context context{1};
-  asio::steady_timer watch{context};  // nothing came for too long, or it is time to connect again
+  asio::steady_timer watch{context};  // no message came for too long, or it is time to connect again
   std::optional<Stream> stream;
   beast::flat_buffer buffer;
   std::string answer;
@@ -130,7 +130,7 @@ void HaplyDevice::Client::lost() {
   });
 }
 
-// On this machine, so that neither the name nor the connection takes long.
+// The service is on this machine, so neither the name nor the connection takes long.
 void HaplyDevice::Client::connect() {
   Error error;
   const auto places = tcp::resolver(context).resolve(host, port, error);
@@ -184,7 +184,7 @@ HaplyDevice::~HaplyDevice() {
   thread_.join();
 }
 
-// Gone where nothing has come for a tenth of a second.
+// The device counts as gone if nothing has come for a tenth of a second.
 bool HaplyDevice::read(DeviceState& state) noexcept {
   constexpr int patience = 100;  // [ticks]
   const auto latest = states_.latest();

@@ -1,5 +1,5 @@
-// Devices of Haply, through the Inverse Service that runs beside them: a WebSocket on this machine, JSON both
-// ways. What it says of a device is answered by the force.
+// Devices of Haply, through their Inverse Service, which runs on the same machine and has a WebSocket with
+// JSON messages both ways. Each state of a device is answered with a force.
 //
 //   ← {"inverse3": [{"device_id": "049D", "state": {"cursor_position": {"x": …, "y": …, "z": …},
 //                                                   "cursor_velocity": {…}}}],
@@ -19,7 +19,7 @@
 
 namespace lobe::view {
 
-// What one message says. False: nothing of a device.
+// Reads a message. False if it says nothing of a device.
 struct HaplyMessage {
   std::string device;  // its id
   DeviceState state;
@@ -29,7 +29,7 @@ std::string haply_force(const std::string& device, const Vec3d& force);
 
 class HaplyDevice final : public HapticDevice {
  public:
-  // Connects in a thread of its own, and again where it is lost, as often as need be.
+  // Connects in a thread of its own, and again whenever the connection is lost.
   explicit HaplyDevice(const std::string& host = "localhost", int port = 10001);
   ~HaplyDevice() override;
 

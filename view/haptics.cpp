@@ -35,8 +35,8 @@ void Haptics<Real>::change_hands(std::optional<int> controller) {
         typename HapticHand<Real>::Settings{.controller = *controller, .hand = hand_of_page});
 }
 
-// Poses of the page's first hand go to the device, which the tool follows. What is taken up next is somewhere
-// else: until the page leads it, the device stays with it (HapticDevice::begin_at()).
+// Poses of the page's first hand go to the device, which the tool follows. The next tool is somewhere else.
+// Until the page leads it, the device stays where that tool is (HapticDevice::begin_at()).
 template <class Real>
 bool Haptics<Real>::takes(const HandCommand& command) {
   if (other_ || command.hand != hand_of_page) return false;

@@ -27,9 +27,9 @@ class Haptics {
   // `options.device` is one of haptic_devices, but none.
   Haptics(Session<Real>& session, const HapticOptions& options);
 
-  // The page has another controller from now on, or none. Between frames.
+  // Call it between frames when the page gets another controller, or none.
   void change_hands(std::optional<int> controller);
-  // A command of the page's. True: it concerns the device, not the session.
+  // Takes a command of the page. True if it concerns the device and not the session.
   bool takes(const HandCommand& command);
   nlohmann::json figures() const;
 

@@ -27,6 +27,28 @@ std::atomic<std::uint64_t> sessions_so_far = 0;
 Json array(const Vec3d& p) { return {p[0], p[1], p[2]}; }
 Json array(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
 
+// As in a scene, but a mesh with its points and triangles.
+Json json_of(const RigidShape& shape) {
+  switch (shape.kind) {
+    case RigidShape::Kind::sphere:
+      return {{"sphere", {{"radius", shape.radius}}}};
+    case RigidShape::Kind::capsule:
+      return {{"capsule", {{"radius", shape.radius}, {"length", shape.length}}}};
+    case RigidShape::Kind::box:
+      return {{"box", {{"size", array(shape.size)}}}};
+    case RigidShape::Kind::plane:
+      return {{"plane", Json::object()}};
+    case RigidShape::Kind::jaws:
+      return {{"jaws", {{"size", array(shape.size)}}}};
+    case RigidShape::Kind::mesh:
+      break;
+  }
+  Json points = Json::array(), triangles = Json::array();
+  for (const Vec3d& point : shape.points) points.push_back(array(point));
+  for (const Eigen::Vector3i& t : shape.triangles) triangles.push_back({t[0], t[1], t[2]});
+  return {{"mesh", {{"points", points}, {"triangles", triangles}}}};
+}
+
 SessionOptions session_options(const LiveOptions& options) {
   SessionOptions result;
   result.frame = options.frame;
@@ -88,7 +110,7 @@ class LiveOf final : public Live {
   }
 
   void write(const std::string& scalar, Told& told, BlockWriter& out, Json& status) override {
-    const auto session = session_.status();  // before the picture: what it tells is in that
+    const auto session = session_.status();  // before the picture, which then has all that the status lists
     const auto picture = session_.pictures().latest();
     if (!session || !picture) return;
     const SurfaceMesh& surface = *picture->surface.mesh;
@@ -97,6 +119,7 @@ class LiveOf final : public Live {
       const Mat3X<float> rest = rest_of(*picture);
       write_topology(surface, rest, out);
       write_fibres(surface, rest, setup_.mesh.fibres, out);
+      write_json(obstacles_tag, obstacles().dump(), out);
     }
     write_positions(surface, picture->surface.x.template cast<float>(), out);
     write_measured(scalar, surface.revision, told, out, status);
@@ -131,7 +154,7 @@ class LiveOf final : public Live {
   }
 
  private:
-  // It is found anew with each picture, by the thread of the session.
+  // The skin is computed anew with each picture, by the thread of the session.
   SessionOptions with_skin(SessionOptions options) {
     options.published = [this, published = options.published] {
       if (skin_) skin_->update(session_.world());
@@ -140,7 +163,7 @@ class LiveOf final : public Live {
     return options;
   }
 
-  // Energies and fields are found by the thread of the session, between frames; this one waits for them.
+  // The thread of the session measures energies and fields between frames. This thread waits for them.
   void keep_measuring() {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, between_measurements, [&] { return ends_; })) {
@@ -202,18 +225,37 @@ class LiveOf final : public Live {
                       {"force", array(hand.force)},
                       {"radius", hand.shape.radius},
                       {"blade", array(hand.shape.blade)}});
+      add_jaws(hand.shape.jaw, hand.pose.opening.value_or(hand.shape.opening), list.back());
     }
     int number = -1;  // of the scene's own, which no hand leads
-    for (const ToolSnapshot& tool : picture.tools)
-      if (scene_tools_.contains(tool.name))
-        list.push_back({{"tool", number--},
-                        {"type", tool.type},
-                        {"on", true},
-                        {"position", array(tool.position)},
-                        {"orientation", array(Eigen::Vector4d(tool.orientation.coeffs()))},
-                        {"force", array(tool.force)},
-                        {"radius", tool.radius},
-                        {"blade", array(tool.blade)}});
+    for (const ToolSnapshot& tool : picture.tools) {
+      if (!scene_tools_.contains(tool.name)) continue;
+      list.push_back({{"tool", number--},
+                      {"type", tool.type},
+                      {"on", true},
+                      {"position", array(tool.position)},
+                      {"orientation", array(Eigen::Vector4d(tool.orientation.coeffs()))},
+                      {"force", array(tool.force)},
+                      {"radius", tool.radius},
+                      {"blade", array(Vec3d(tool.orientation.conjugate() * tool.blade))}});
+      add_jaws(tool.jaw, tool.opening, list.back());
+    }
+    return list;
+  }
+
+  static void add_jaws(const Vec3d& jaw, double opening, Json& tool) {
+    if (jaw.isZero(0)) return;
+    tool["jaw"] = array(jaw);
+    tool["opening"] = opening;
+  }
+
+  Json obstacles() const {
+    Json list = Json::array();
+    for (const ObstacleSetup& obstacle : setup_.contact.obstacles)
+      list.push_back({{"name", obstacle.name},
+                      {"position", array(obstacle.position)},
+                      {"orientation", array(obstacle.orientation)},
+                      {"shape", json_of(obstacle.shape)}});
     return list;
   }
 

@@ -1,5 +1,5 @@
-// A session (lobe/live/) as the viewer needs it, in either precision: one page's hands, and what pages want
-// to see.
+// A session (lobe/live/) as the viewer needs it, in either precision: with the hands of one page, and with
+// what pages want to see.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +25,7 @@ struct LiveOptions {
   std::function<void()> published = {};  // there is a new picture; by the thread of the simulation
 };
 
-// What a page has been told.
+// What a page has been sent so far.
 struct Told {
   std::uint64_t topology = 0;  // stamp(), 0: none
   std::uint64_t news = 0;
@@ -37,28 +37,28 @@ class Live {
  public:
   virtual ~Live() = default;
 
-  // Somebody else has the hands from now on, or nobody: what was held is let go.
+  // Call it when another page gets the hands, or none. Hands then let go.
   virtual void change_hands(bool somebody) = 0;
-  // False: the simulation has not taken a command for a long time.
+  // Returns false if the simulation has not taken a command for a long time.
   virtual bool send(HandCommand command) = 0;
-  // Changes when there is something to tell.
+  // Changes when there is something new to send.
   virtual std::uint64_t news() const = 0;
-  // A frame of what is new; into `status`: figures. `scalar`: as in gauge.h.
+  // Writes a frame of what is new, and figures into `status`. `scalar`: as in gauge.h.
   virtual void write(const std::string& scalar, Told& told, BlockWriter& out, nlohmann::json& status) = 0;
-  // Of the scene (skin_feed.h): whether it has one; it is found while somebody wants to see it.
+  // Whether the scene has a skin (skin_feed.h). It is computed only while a page wants to see it.
   virtual bool has_skin() const = 0;
   virtual void want_skin(bool on) = 0;
   virtual void write_skin(Told& told, BlockWriter& out) = 0;
-  // Which scalar is found, some times a second.
+  // Sets which scalar is measured, some times a second.
   virtual void measure(const std::string& scalar) = 0;
-  // What the hands did, as a scene that `lobe run` plays; throws InputError where there is none
+  // What the hands did, as a scene that `lobe run` plays. Throws InputError if no scene can describe it
   // (live/session_scene.h).
   virtual Scene hands_scene() = 0;
   // The same for `lobe replay`.
   virtual void write_recording(const std::filesystem::path& file) = 0;
 };
 
-// Condenses what is to be precomputed, so that it may take seconds.
+// It condenses pre-computed regions, which may take seconds.
 std::unique_ptr<Live> start_live(const Scene& scene, const Resolved& resolved, const LiveOptions& options);
 
 }  // namespace lobe::view

@@ -1,4 +1,4 @@
-// lobe-view: an organ in the hands, in a page (docs/live.md). `lobe view` starts it.
+// lobe-view serves a page on which hands move an organ (docs/live.md). `lobe view` starts it.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -41,7 +41,8 @@ std::string random_token() {
   return token;
 }
 
-// The same from run to run, so that an open page finds the next one: in a file that nobody else can read.
+// The token is the same from run to run, so that an open page finds the next run. It is in a file that nobody
+// else can read.
 std::string kept_token() {
   const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
   if (!state && !home) return random_token();
@@ -108,7 +109,7 @@ std::pair<Scene, Resolved> load(const Arguments& options) {
   return {std::move(scene), std::move(resolved)};
 }
 
-// A browser, where there is somebody who could see it.
+// Opens a browser, if there is a display.
 void open_browser(const std::string& address) {
   if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return;
   if (fork() == 0) {
@@ -129,7 +130,7 @@ std::string address_of(const Arguments& options, int port) {
   return "http://" + host + ":" + std::to_string(port) + "/?token=" + options.server.token;
 }
 
-// Frames of 1 ms where they fit, so that the simulation itself answers the hand.
+// Takes frames of 1 ms if the machine is fast enough, so that the simulation itself answers the hand.
 void choose_frame(const Scene& scene, const Setup& setup, Arguments& options) {
   if (!options.has_frame) {
     const HapticTrial trial = scene.in_double() ? try_direct<double>(setup, options.live.threads)

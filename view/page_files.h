@@ -1,4 +1,4 @@
-// The files of the page, which are in the program itself.
+// The files of the page, which are compiled into the program.
 #pragma once
 
 #include <span>

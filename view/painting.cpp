@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t most_undone = 100;
 constexpr std::size_t most_materials = 8;
 
-// At most `radius` away; the nearest one where there is none. `of` are columns of points.
+// Those of the columns `of` of points that are at most `radius` away, or the nearest one if there is none.
 std::vector<Index> within(const Mat3X<double>& points, const std::vector<Index>& of, const Vec3d& at,
                           double radius) {
   std::vector<Index> found;
@@ -127,7 +127,7 @@ int Painting::add_material(const std::string& name, double young) {
   return static_cast<int>(scene_.materials.size()) - 1;
 }
 
-// What is let free is so below the skin, too.
+// Vertices that are set free are free below the skin, too.
 void Painting::hold(const Vec3d& at, double radius, bool held) {
   begin();
   const std::vector<Index> reached = held ? within(mesh_.points, skin_, at, radius)

@@ -1,5 +1,5 @@
-// What is painted on a body at rest: the model and the material of each tetrahedron, and which vertices are
-// held; as a scene, with the labels of its regions and materials in the mesh.
+// What a user paints on a body at rest: the model and the material of each tetrahedron, and which vertices
+// are held. It becomes a scene, with the labels of its regions and materials in the mesh.
 #pragma once
 
 #include <filesystem>
@@ -15,13 +15,13 @@ class Painting {
   // `resolved` is of this scene and mesh.
   Painting(Scene scene, const Resolved& resolved);
 
-  // ---- Painting; what is done until end_stroke() is undone at once.
+  // ---- To paint. All that is done until end_stroke() is undone at once.
 
-  // Tetrahedra by their barycentre, at least one; a material by its number in materials().
+  // Paints tetrahedra by their barycentre, at least one. A material is given by its number in materials().
   void paint(const Vec3d& at, double radius, RegionModel model);
   void paint_material(const Vec3d& at, double radius, int material);
-  // Like the first one, but for its stiffness; its number. Throws InputError for a name that is taken, a
-  // modulus that is none, and for one too many.
+  // Adds a material like the first one, but with another stiffness, and returns its number. Throws InputError
+  // for a name that is in use, an invalid modulus, or if there are too many materials.
   int add_material(const std::string& name, double young /* [Pa] */);
   void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin; free: all
   void paint_all(RegionModel model);
@@ -32,7 +32,7 @@ class Painting {
   bool can_undo() const { return !past_.empty(); }
   void undo();
 
-  // ---- What there is
+  // ---- The present painting
 
   const SurfaceMesh& surface() const { return surface_.mesh(); }
   const Mat3X<float>& rest() const { return rest_; }                   // 3 × #vertices of the surface [m]
@@ -40,20 +40,21 @@ class Painting {
   const std::vector<RegionModel>& regions() const { return now_.region_of; }  // per tetrahedron
   std::array<double, region_model_names.size()> shares() const;               // of the volume, by RegionModel
   const std::vector<Material>& materials() const { return scene_.materials; }
-  // Precomputed tetrahedra of parts, together by faces, that nothing anchors: none of their vertices is held;
-  // or, in a moving frame, all but the largest part. No world can be built of these.
+  // Precomputed tetrahedra of parts (connected by faces) that nothing holds; with a corotated frame, of all
+  // parts but the largest. No world can be built with these.
   std::vector<Index> unheld() const;
-  bool can_turn() const;  // there is one precomputed part alone, beside others: it may have a moving frame
+  bool can_turn()
+      const;  // there is one precomputed part only, and other regions: it may have a corotated frame
   double share_of(const std::vector<Index>& tets) const;                    // of the volume
   std::vector<double> material_shares() const;                              // of the volume
   const std::vector<int>& material_of() const { return now_.material_of; }  // per tetrahedron
 
-  // The scene as it was, but for its regions, which are labels of mesh(), and for materials and for what is
-  // fixed, where those were painted. `mesh` is the file that mesh() will be in.
+  // The original scene with the painted regions, as labels of mesh(), and with painted materials and held
+  // vertices, if there are any. `mesh` is the file that mesh() will be in.
   Scene scene(const std::filesystem::path& mesh) const;
   TetMesh mesh() const;
-  // Both as files `name`.json and `name`.vtu; returns the first. Throws InputError for a name that is none,
-  // or what cannot be written.
+  // Writes scene and mesh as `name`.json and `name`.vtu, and returns the first. Throws InputError for an
+  // invalid name, or if they cannot be written.
   std::filesystem::path save(const std::filesystem::path& folder, const std::string& name) const;
 
  private:
@@ -96,11 +97,11 @@ class Painting {
   std::vector<double> volumes_;  // of tetrahedra [m³]
 };
 
-// E [Pa]; of a material with fibres that across them.
+// Young's modulus [Pa]; of a material with fibres, the one across them.
 double young_of(const Material& material);
 
-// A name of a file without folder and extension: letters, digits, "_" and "-", at most 60 of them. Throws
-// InputError.
+// Throws InputError unless this is a file name without folder and extension: letters, digits, "_" and "-", at
+// most 60 of them.
 void check_file_name(const std::string& name);
 
 }  // namespace lobe::view

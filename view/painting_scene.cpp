@@ -1,4 +1,4 @@
-// What was painted, as a scene and its mesh.
+// Makes a scene and its mesh from what was painted.
 #include <algorithm>
 #include <cctype>
 #include <iterator>
@@ -18,7 +18,8 @@ constexpr const char* region_names[] = {"tensor-mass", "pre-computed", "non-line
 
 }  // namespace
 
-// A former label, a material and a model are a label: what selects by former labels can go on doing so.
+// Each combination of a former label, a material and a model gets a label, so that selectors of former labels
+// still work.
 int Painting::label(std::size_t place, int material, RegionModel model) const {
   const int former = static_cast<int>(place), count = static_cast<int>(materials().size());
   return 1 + int(std::size(models)) * (count * former + material) + static_cast<int>(model);
@@ -36,7 +37,7 @@ TetMesh Painting::mesh() const {
   return mesh;
 }
 
-// The labels of tetrahedra that are chosen; selects nothing where there are none.
+// Selects the labels of tetrahedra that are chosen; nothing if there are none.
 template <class Choice>
 Selector Painting::labelled(const Choice& is_chosen) const {
   std::vector<int> labels;

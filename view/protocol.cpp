@@ -88,7 +88,7 @@ void BlockWriter::begin(std::uint32_t block_tag) {
   put(std::uint32_t(0));
 }
 
-// The size is that of the content, without what fills it up.
+// The size is that of the content, without padding.
 void BlockWriter::end() {
   const auto size = static_cast<std::uint32_t>(bytes_.size() - begin_ - 8);
   std::memcpy(bytes_.data() + begin_ + 4, &size, sizeof size);

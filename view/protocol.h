@@ -1,4 +1,4 @@
-// What is said over the socket (docs/live_protocol.md): frames out as blocks of bytes, requests in as JSON.
+// The messages on the socket (docs/live_protocol.md): frames out as blocks of bytes, requests in as JSON.
 #pragma once
 
 #include <bit>
@@ -23,9 +23,10 @@ constexpr std::uint32_t tag(const char (&name)[5]) {
          std::uint32_t(std::uint8_t(name[2])) << 16 | std::uint32_t(std::uint8_t(name[3])) << 24;
 }
 inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("POSN"),
-                               scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), status_tag = tag("STAT"),
-                               paint_tag = tag("PNTS"), materials_tag = tag("MATS"), fibres_tag = tag("FIBR"),
-                               skin_tag = tag("SKIN"), skin_positions_tag = tag("SKNP");
+                               scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), obstacles_tag = tag("OBST"),
+                               status_tag = tag("STAT"), paint_tag = tag("PNTS"), materials_tag = tag("MATS"),
+                               fibres_tag = tag("FIBR"), skin_tag = tag("SKIN"),
+                               skin_positions_tag = tag("SKNP");
 
 class BlockWriter {
  public:
@@ -54,25 +55,26 @@ struct Block {
   std::uint32_t tag = 0;
   std::string_view bytes;
 };
-// Throws InputError for what is no sequence of blocks.
+// Throws InputError for bytes that are no sequence of blocks.
 std::vector<Block> read_blocks(std::string_view message);
 
-// All of the surface but positions: revision, triangles, regions, cut faces, positions at rest.
+// Writes all of the surface but present positions: revision, triangles, regions, cut faces, positions at
+// rest.
 void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
                     BlockWriter& out);
-// The part of each triangle's fibre that lies in it at rest, as a sum of the sides from its first corner to
-// its second and third: so it follows them. Zero where there is no fibre; nothing is written where none has
-// one.
+// Writes the part of each triangle's fibre that lies in the triangle at rest, as a combination of the sides
+// from its first corner to its second and third, so that it follows the triangle. It is zero where there is
+// no fibre. Nothing is written if no triangle has one.
 void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
                   const Mat3X<double>& fibres /* 3 × #tetrahedra, or no column */, BlockWriter& out);
 void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,
                      BlockWriter& out);
-// A skin that the body carries (skin/skin.h): what there is of it, and where that is.
+// The skin that the body carries (skin/skin.h): its triangles that are shown, and their positions.
 void write_skin(std::uint64_t revision, std::span<const Eigen::Vector3i> triangles,
                 const Mat3X<float>& rest /* 3 × #vertices [m] */, BlockWriter& out);
 void write_skin_positions(std::uint64_t revision, const Mat3X<float>& x /* 3 × #vertices [m] */,
                           BlockWriter& out);
-// One number per vertex in 16 bits of its range, which the block tells.
+// One number per vertex, in 16 bits. The block gives the range that these stand for.
 void write_scalar(std::string_view name, std::span<const float> values, BlockWriter& out);
 void write_json(std::uint32_t block_tag, const std::string& json, BlockWriter& out);
 
@@ -88,12 +90,12 @@ struct Field {
 template <class T, class Value>
 Field(const char*, Value T::*) -> Field<T, Value>;
 
-// The last frame has been seen: the next one may come.
+// The last frame has been received, so the next one may be sent.
 struct Seen {
   static constexpr const char* name = "seen";
   static constexpr auto fields = std::tuple();
 };
-// A hand takes hold of what is near the point where a ray enters the body.
+// A hand grasps what is near the point where a ray enters the body.
 struct Take {
   int hand = 0;
   Vec3d from = Vec3d::Zero(), along = Vec3d::Zero();  // [m]; of any length but 0
@@ -128,7 +130,7 @@ struct Touch {
   static constexpr auto fields =
       std::tuple(Field{"hand", &Touch::hand}, Field{"at", &Touch::at}, Field{"radius", &Touch::radius});
 };
-// What a hand holds is to go there: the place where it took hold, or the tip.
+// A hand moves what it holds: the place where it took hold, or the tip of a tool.
 struct Lead {
   int hand = 0;
   Vec3d to = Vec3d::Zero();  // [m]
@@ -163,37 +165,36 @@ struct Back {
   static constexpr const char* name = "back";
   static constexpr auto fields = std::tuple(Field{"seconds", &Back::seconds});
 };
-// Whether the frames of this client are to have the scene's skin.
+// Whether the frames of this client have the scene's skin.
 struct Skin {
   bool on = false;
   static constexpr const char* name = "skin";
   static constexpr auto fields = std::tuple(Field{"on", &Skin::on});
 };
-// Which scalar the frames of this client are to have: "none", "von_mises", "volume_ratio",
-// "linear_error".
+// Which scalar the frames of this client have: "none", "von_mises", "volume_ratio", "linear_error".
 struct Show {
   std::string what;
   static constexpr const char* name = "show";
   static constexpr auto fields = std::tuple(Field{"what", &Show::what});
 };
-// This client wants to be the one that controls.
+// This client asks for control.
 struct Control {
   static constexpr const char* name = "control";
   static constexpr auto fields = std::tuple();
 };
-// The one that controls lets another page that has asked have the instruments.
+// The client in control hands over to another one that has asked.
 struct HandOver {
   static constexpr const char* name = "hand_over";
   static constexpr auto fields = std::tuple();
 };
-// What the hands have done, as a scene.
+// Saves what the hands have done, as a scene.
 struct Export {
   std::string to;  // name of the files, without folder and extension
   static constexpr const char* name = "export";
   static constexpr auto fields = std::tuple(Field{"to", &Export::to});
 };
 
-// ---- Painting: the body lies at rest meanwhile.
+// ---- Painting. The body is at rest meanwhile.
 
 struct Edit {
   bool on = false;
@@ -219,13 +220,14 @@ struct PaintMaterial {
       std::tuple(Field{"at", &PaintMaterial::at}, Field{"radius", &PaintMaterial::radius},
                  Field{"material", &PaintMaterial::material});
 };
-// What is precomputed and held nowhere becomes "tensor-mass" or "nonlinear", or turns by itself: "turning".
+// Precomputed parts that nothing holds become "tensor-mass" or "nonlinear", or get a corotated frame:
+// "turning".
 struct Mend {
   std::string as;
   static constexpr const char* name = "mend";
   static constexpr auto fields = std::tuple(Field{"as", &Mend::as});
 };
-// A further material: the first one, but for its stiffness.
+// Adds a material like the first one, but with another stiffness.
 struct NewMaterial {
   std::string title;
   double young = 0;  // [Pa]
@@ -238,7 +240,7 @@ struct PaintAll {
   static constexpr const char* name = "paint_all";
   static constexpr auto fields = std::tuple(Field{"as", &PaintAll::as});
 };
-// The end of a stroke of the brush: what was painted until then is undone at once.
+// Ends a stroke of the brush. All that a stroke has painted is undone at once.
 struct Stroke {
   static constexpr const char* name = "stroke";
   static constexpr auto fields = std::tuple();
@@ -247,7 +249,7 @@ struct Undo {
   static constexpr const char* name = "undo";
   static constexpr auto fields = std::tuple();
 };
-// The regions that lobe would choose, for an error of the displacement.
+// Asks lobe to choose regions for a given error of the displacement.
 struct Propose {
   double tolerance = 0.02;
   static constexpr const char* name = "propose";

@@ -1,4 +1,4 @@
-// What the viewer does when it is asked.
+// How the viewer answers requests.
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -118,7 +118,7 @@ void Viewer::perform(ClientId, const request::HandOver&) {
   if (asking_ != 0) hand_control_to(asking_);
 }
 
-// Throws InputError for a name that is none, or of files that somebody else has made.
+// Throws InputError for an invalid name, or one of files that another program has made.
 void Viewer::claim(const std::string& name) {
   check_file_name(name);
   for (const char* extension : {".json", ".vtu"})
@@ -127,7 +127,7 @@ void Viewer::claim(const std::string& name) {
       throw InputError(file.string(), "is there already: choose another name");
 }
 
-// What its grasps do as gestures of automatic regions; none: they do nothing.
+// Saves the motions of its grasps as gestures of automatic regions; none if they do not move.
 std::optional<std::filesystem::path> Viewer::save_gestures(const std::string& name, const Scene& played) {
   const double tolerance = played.auto_regions ? played.auto_regions->tolerance : AutoRegions{}.tolerance;
   const Scene scene = with_gestures(played, tolerance);
@@ -164,7 +164,7 @@ Painting& Viewer::painting() {
 
 void Viewer::perform(ClientId, const request::Edit& what) { set_painting(what.on); }
 
-// The simulation rests meanwhile.
+// The simulation is paused while a user paints.
 void Viewer::set_painting(bool on) {
   if (on == paints_) return;
   if (on) painting();
@@ -224,7 +224,7 @@ void Viewer::perform(ClientId, const request::Undo&) {
   repainted();
 }
 
-// What the hands did so far; where they did nothing, what the scene declares.
+// The gestures that hands have made so far, or, if there are none, those that the scene declares.
 AutoRegions Viewer::wanted_gestures(double tolerance) {
   AutoRegions wanted = scene_.auto_regions.value_or(AutoRegions{});
   wanted.tolerance = tolerance;
@@ -232,7 +232,7 @@ AutoRegions Viewer::wanted_gestures(double tolerance) {
     const Scene kept = with_gestures(live_->hands_scene(), tolerance);
     if (kept.auto_regions && !kept.auto_regions->gestures.empty())
       wanted.gestures = kept.auto_regions->gestures;
-  } catch (const InputError&) {  // a session that no scene tells of
+  } catch (const InputError&) {  // no scene can describe the session
   }
   return wanted;
 }

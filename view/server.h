@@ -1,11 +1,9 @@
-// The network side of `lobe view`: the files of the page by HTTP, and a WebSocket that carries frames out and
-// commands in, on
-// one port. It knows nothing of organs: what is said is the service's.
+// The network side of `lobe view`, on one port: the files of the page by HTTP, and a WebSocket for frames to
+// and commands from the page. It knows nothing of organs; a Service makes and reads the messages.
 //
-// A client gets one frame at a time: the next one is asked for when it has acknowledged the last, so that a
-// slow link
-// carries the latest state and nothing piles up. Everything but Server::wake() and stop() happens on the
-// thread that runs it.
+// A client gets one frame at a time. The next one is made when it has acknowledged the last. So a slow link
+// carries the latest state, and nothing piles up. All of it but Server::wake() and stop() happens on the
+// thread that calls run().
 #pragma once
 
 #include <cstddef>
@@ -17,16 +15,17 @@
 namespace lobe::view {
 
 struct ServerOptions {
-  std::string host = "127.0.0.1";        // address to listen on; a name is looked up
-  int port = 8080;                       // 0: a free one
-  std::string token;                     // that a client must name: not empty
-  std::size_t largest_message = 65536;   // of a client [bytes]; a longer one ends its connection
-  std::size_t most_clients = 16;         // at a time, pages that are only being loaded included
-  std::size_t most_waiting_texts = 100;  // for one client; one that takes them no faster is let go
-  double silence = 10;  // after which a client that does not even answer a ping is let go [s]
+  std::string host = "127.0.0.1";       // address to listen on; a name is looked up
+  int port = 8080;                      // 0: a free one
+  std::string token;                    // that a client must name: not empty
+  std::size_t largest_message = 65536;  // of a client [bytes]; a longer one ends its connection
+  std::size_t most_clients = 16;        // at a time, pages that are only being loaded included
+  std::size_t most_waiting_texts =
+      100;              // for one client; if it is too slow for these, its connection is closed
+  double silence = 10;  // after which a client that does not answer a ping is disconnected [s]
 };
 
-// A file of the page, in the program itself.
+// A file of the page, compiled into the program.
 struct PageFile {
   std::string_view path;  // "/page.js"
   std::string_view content;
@@ -34,20 +33,20 @@ struct PageFile {
 
 using ClientId = int;
 
-// What the server serves.
+// Makes the frames that the server sends, and takes the messages of clients.
 class Service {
  public:
   virtual ~Service() = default;
   virtual void opened(ClientId client) = 0;
   virtual void closed(ClientId client) = 0;  // also of one that died
   virtual void received(ClientId client, std::string_view text) = 0;
-  // The frame that this client is to see next; empty: it has seen what there is.
+  // The next frame for this client; empty if there is nothing new.
   virtual std::string next_frame(ClientId client) = 0;
 };
 
 class Server {
  public:
-  // Listens from here on. Throws InputError where it cannot: the port is taken, say.
+  // Listens from now on. Throws InputError if it cannot, for instance because the port is in use.
   Server(const ServerOptions& options, std::span<const PageFile> page, Service& service);
   ~Server();
   Server(const Server&) = delete;
@@ -72,14 +71,12 @@ class Server {
   std::unique_ptr<Parts> parts_;
 };
 
-// Whether a WebSocket may be opened by a page from `origin` with the header `Host`: a page of another site
-// may not, whatever
-// address it has found us by, nor may one by a name that was bent to this machine (DNS rebinding), where we
-// listen on
-// this machine alone.
+// Whether a page from `origin` may open a WebSocket with the header `Host`. A page of another site may not,
+// whatever address it uses. If the server listens to this machine only, neither may a page that uses a
+// foreign name which resolves to this machine (DNS rebinding).
 bool may_connect(std::string_view origin, std::string_view host, bool this_machine_alone);
 
-// Whether an address is of this machine alone.
+// Whether an address can be reached from this machine only.
 bool is_loopback(std::string_view host);
 
 }  // namespace lobe::view

@@ -1,4 +1,4 @@
-// The skin of a scene (lobe/skin/skin.h) for pages: which of its triangles cuts have left, and where it is.
+// The skin of a scene (lobe/skin/skin.h) for pages: the triangles that cuts have left, and their positions.
 #pragma once
 
 #include <atomic>
@@ -21,19 +21,19 @@ struct ShownSkin {
 template <class Real>
 class SkinFeed {
  public:
-  // `world` is that of a scene whose skin is `file`, as it was at the start; it outlives the feed's last
-  // update(). Throws InputError.
+  // `world` is at its start, and its scene has the skin `file`. It must outlive the last update(). Throws
+  // InputError.
   SkinFeed(const std::filesystem::path& file, const TetMesh& mesh, World<Real>& world);
 
-  // The thread that advances the world, between frames; nothing is done while nobody wants to see it.
-  // O(#vertices), 30 µs for a skin of 3,000.
+  // Call it between frames, on the thread that advances the world. It does nothing while no page wants the
+  // skin. O(#vertices), 30 µs for a skin of 3,000.
   void update(World<Real>& world);
 
   // ---- Any thread
 
   void set_wanted(bool on) { is_wanted_ = on; }
-  // The blocks of the latest picture, its triangles where `told` is another revision of them; `first_stamp`
-  // tells them from those of other simulations.
+  // Writes the blocks of the latest positions, and of the triangles if `told` is another revision.
+  // `first_stamp` distinguishes them from those of other simulations.
   void write(std::uint64_t first_stamp, std::uint64_t& told, BlockWriter& out) const;
 
  private:

@@ -59,7 +59,7 @@ void Viewer::closed(ClientId client) {
   changed();
 }
 
-// Whatever the former one held is let go.
+// The hands of the former client let go.
 void Viewer::hand_control_to(ClientId client) {
   controlling_ = client;
   asking_ = 0;
@@ -67,7 +67,7 @@ void Viewer::hand_control_to(ClientId client) {
   changed();
 }
 
-// At once from a page that does nothing; from one that does, when it hands over.
+// Takes control at once from a page that does nothing; from a page that is active, when it hands over.
 void Viewer::ask_for_control(ClientId client) {
   constexpr std::chrono::seconds idle(3);
   if (controlling_ == client) return;
@@ -116,7 +116,7 @@ void Viewer::send(const HandCommand& command) {
     throw InputError("/do", "the simulation takes no commands at present: try again");
 }
 
-// The one that controls has what it wants to see measured; others see it as well, if they want the same.
+// Measures what the client in control wants to see. Others see it if they want the same.
 void Viewer::measure_what_is_shown() {
   std::string wanted = "none";
   for (const auto& [client, state] : clients_)

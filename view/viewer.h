@@ -1,4 +1,4 @@
-// What `lobe view` serves: one simulation or one painting, to any number of pages, of which one controls.
+// What `lobe view` serves to any number of pages, of which one is in control: a simulation or a painting.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ class Viewer final : public Service {
 
   // ---- The thread of the server
 
-  // Null: it is gone.
+  // `server` is null when there is none any more.
   void set_server(Server* server);
   void opened(ClientId client) override;
   void closed(ClientId client) override;
@@ -37,7 +37,7 @@ class Viewer final : public Service {
 
   // ---- Any thread
 
-  // Changes when there may be something new for somebody. Of a picture the server is told at once.
+  // Changes when there may be something new for a client. Of a new picture the server is told at once.
   std::uint64_t news() const;
 
   // ---- After the server
@@ -58,7 +58,7 @@ class Viewer final : public Service {
   struct Task {
     std::atomic<double> fraction{0};
     std::atomic<bool> is_done{false};
-    std::string trouble;  // none: it has come to its end
+    std::string trouble;  // empty: it has ended without an error
     std::shared_ptr<Live> live;
     Scene scene;
     Resolved resolved;

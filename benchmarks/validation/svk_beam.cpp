@@ -11,11 +11,11 @@
 namespace lobe::validation {
 namespace {
 
-constexpr double side = 15, length = 80, young = 3000, traction = -30;
+constexpr double side = 15, length = 80, modulus = 3000, traction = -30;
 
 // Displacement of the centre of the end; `share` of λ's pressure is averaged at nodes.
 Vec3d end_displacement(double poisson, int cells, double share = 0) {
-  const LamePair lame = lame_from_young(young, poisson);
+  const LamePair lame = lame_from_young(modulus, poisson);
   Setup setup = body_of(box_mesh({side, side, length}, cells, cells, 4 * cells),
                         {lame.lambda, lame.mu, 1, share}, RegionModel::nonlinear);
   prescribe(setup, vertices_where(setup.mesh, [](const Vec3d& X) { return X.z() == 0; }),

@@ -30,7 +30,7 @@ std::string quoted(const std::string& text) {
 }
 
 // A bar would begin another cell.
-std::string cell(const std::string& text) {
+std::string cell_text(const std::string& text) {
   std::string out;
   for (char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
   return out;
@@ -76,10 +76,10 @@ std::string markdown(std::span<const Row> rows) {
           << "\n\n| case | quantity | unit | reference | from | measured | error | tolerance | because | |\n"
              "|---|---|---|---|---|---|---|---|---|---|\n";
     family = r.family;
-    out << "| " << cell(r.name) << " | " << cell(r.quantity) << " | " << r.unit << " | "
-        << number(r.reference.value, "%.8g") << " | " << cell(r.reference.source) << " | "
+    out << "| " << cell_text(r.name) << " | " << cell_text(r.quantity) << " | " << r.unit << " | "
+        << number(r.reference.value, "%.8g") << " | " << cell_text(r.reference.source) << " | "
         << number(r.measured, "%.8g") << " | " << number(r.error, "%.1e") << " | "
-        << number(r.tolerance.value, "%.1e") << " | " << cell(r.tolerance.basis) << " | "
+        << number(r.tolerance.value, "%.1e") << " | " << cell_text(r.tolerance.basis) << " | "
         << (r.passed ? "passed" : "**failed**") << " |\n";
   }
   return out.str();

@@ -13,9 +13,9 @@
 namespace lobe::validation {
 namespace {
 
-constexpr double height = 0.02, right_end = 0.6;        // of the beam [m]
-constexpr double centre = 0.2, cylinder_radius = 0.05;  // of the cylinder, (0.2, 0.2) [m]
-constexpr double poisson = 0.4, density = 1000, gravity = 2;
+constexpr double height = 0.02, right_end = 0.6;    // of the beam [m]
+constexpr double centre = 0.2, disc_radius = 0.05;  // of the cylinder, (0.2, 0.2) [m]
+constexpr double poisson = 0.4, beam_density = 1000, gravity = 2;
 
 struct Slab {
   Setup setup;
@@ -26,19 +26,19 @@ struct Slab {
 // arc.
 Slab slab(double young, int cells) {
   const double cell = height / cells;
-  const int along = int(std::lround((right_end - centre - cylinder_radius) / (2 * cell)));
+  const int along = int(std::lround((right_end - centre - disc_radius) / (2 * cell)));
   TetMesh mesh = box_mesh({1, height, cell}, along, cells, 1);
   Slab result;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     auto X = mesh.points.col(v);
     const double up = X.y() - height / 2;
-    const double left = centre + std::sqrt(cylinder_radius * cylinder_radius - up * up);
+    const double left = centre + std::sqrt(disc_radius * disc_radius - up * up);
     X.x() = left + X.x() * (right_end - left);
     X.y() = centre + up;
     if (v % (along + 1) == along && std::abs(up) < 1e-9 && X.z() == 0) result.tip = v;
   }
   const LamePair lame = lame_from_young(young, poisson);
-  result.setup = body_of(std::move(mesh), {lame.lambda, lame.mu, density}, RegionModel::nonlinear);
+  result.setup = body_of(std::move(mesh), {lame.lambda, lame.mu, beam_density}, RegionModel::nonlinear);
   result.setup.gravity = {0, -gravity, 0};
   for (Index v = 0; v < result.setup.mesh.vertex_count(); ++v) {
     const bool clamped = v % (along + 1) == 0;

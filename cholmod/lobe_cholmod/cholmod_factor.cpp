@@ -10,7 +10,7 @@ class Cholmod : public SparseFactor {
   Cholmod() {
     factor_.cholmod().nmethods = 1;
     factor_.cholmod().method[0].ordering = CHOLMOD_METIS;
-    factor_.cholmod().print = 0;  // what is not positive definite is damped, and reported by the solver
+    factor_.cholmod().print = 0;  // the solver damps and reports matrices that are not positive definite
   }
   const char* name() const override { return "CHOLMOD supernodal LLT, METIS nested dissection"; }
   bool takes_indefinite() const override { return false; }

@@ -7,7 +7,7 @@
 
 namespace lobe {
 
-enum class InstructionSet { baseline, avx2, avx512 };  // baseline: what the whole library is compiled for
+enum class InstructionSet { baseline, avx2, avx512 };  // baseline: that of the whole library
 
 const char* name(InstructionSet set);
 

@@ -1,5 +1,5 @@
-// What an application usually needs, in one header; contact/ and haptic/ have headers of their own. Folders
-// are the chapters of the theory (docs/theory.md):
+// What an application usually needs, in one header; contact/ and haptic/ have headers of their own. The
+// theory (docs/theory.md) says which section belongs to which folder:
 //   mesh/         tetrahedra, topology and surface that follow cuts, quality
 //   numerics/     sparse factors, dense products, highest eigenvalues
 //   fem/          the mathematics of one element, and the elements of a body
@@ -14,7 +14,7 @@
 //   contact/      contact with tools, with obstacles and of the body with itself
 //   time/         the explicit scheme: inertia, stable step, sleep, tangles
 //   sim/          World: frames, tools, edits as commands, checkpoints
-//   solve/        static equilibrium
+//   solve/        static equilibrium, implicit steps
 //   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
@@ -27,17 +27,20 @@
 //
 // Glossary. One word for one thing, here and in docs/README.md:
 //   body: what is simulated: one mesh with its materials, regions and loads; an organ.
-//   mesh: the tetrahedra and vertices of a body, at rest.
+//   mesh: the tetrahedra of a body and the rest positions of its vertices.
 //   world: a body that is being simulated: its state, its tools and its time; C++ class World.
 //   scene: a JSON file that says what a world starts from and what happens in it.
 //   rest position: where a vertex is without loads [m].
 //   displacement: present position less rest position [m].
-//   region: the part of a body that one model computes.
+//   region: a part of a body that is computed by one model; several regions may have the same model.
 //   non-linear region: a region of St Venant-Kirchhoff or neo-Hookean tetrahedra, for large
 //     displacements and rotations.
-//   linear region: a tensor-mass or a pre-computed region; right for small strains without rotation.
-//   tensor-mass region: a linear region that moves with its own inertia; the paper's non-linear
-//     tensor-mass model is the evaluator stored.
+//   linear region: a tensor-mass or a pre-computed region; right for small strains with little rotation, or
+//     with a corotated frame also where it turns as a whole.
+//   tensor-mass region: a linear region that moves with its own inertia; not the paper's non-linear
+//     tensor-mass model, which is one way to compute non-linear regions (the evaluator stored).
+//   evaluator: how forces of non-linear regions are computed: direct, in closed form, or stored, from stored
+//     stiffness parameters.
 //   pre-computed region: a linear region that is condensed to its interface; precomputed in scenes.
 //   interface: the vertices that a region shares with other regions.
 //   condense: to eliminate the interior of a linear region, so that only its interface remains (static
@@ -45,8 +48,8 @@
 //   relinearise: to linearise a pre-computed region again about the present displacement.
 //   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for
 //     that.
-//   reduced region: a non-linear region whose vertices mostly follow a coarse lattice, for motion that
-//     is smooth across a cell.
+//   reduced region: a region with the law of a non-linear one, whose vertices mostly follow a coarse
+//     lattice; for motion that is smooth across a cell.
 //   lattice: cubic cells over reduced regions, with nodes at their corners.
 //   embedded vertex: a vertex that follows the nodes of a lattice.
 //   full: not moved by the lattice: a full vertex moves by itself, a full tetrahedron is evaluated as
@@ -54,7 +57,8 @@
 //   zone: a connected group of tetrahedra that changes its model as a whole.
 //   piece: tetrahedra that are connected by faces; a loose piece is one that nothing holds.
 //   contact patch: the tetrahedra around what a haptic tool touches, whose stiffness it feels.
-//   patch: up to 512 tetrahedra that are evaluated together; not a contact patch.
+//   patch: up to 512 tetrahedra, or 1024 edges of a tensor-mass region, that are evaluated together; neither
+//     a contact patch nor the patch test.
 //   held vertex: a vertex whose position the boundary conditions prescribe.
 //   driven vertex: a held vertex whose prescribed position moves.
 //   free vertex: a vertex that nothing holds.
@@ -65,37 +69,43 @@
 //   controller: a person or program that has hands in a session.
 //   gesture: a motion or force that acts on the body; a declared gesture stands in the scene, and
 //     regions are chosen for it.
-//   frame: the simulated time of one call of advance(); tools, cuts and edits act at its start.
-//   step: one advance of the explicit scheme; a frame takes as many as stability needs.
+//   frame: the simulated time of one call of advance(). Cuts and edits happen at its start; tools move
+//     during it. An output frame is a file of a run, and a corotated frame turns with a region.
+//   step: one advance of the integrator; with the explicit one a frame takes as many as stability needs.
 //   stable step: the longest step in which an error does not grow: 2/ω_max, with ω_max the highest
 //     frequency of the body [rad/s].
 //   diagonal stiffness: the stiffness that each vertex feels when it moves while its neighbours are
 //     held.
 //   lumped mass: a diagonal mass matrix, a quarter of each tetrahedron's mass at each corner.
 //   selective mass: inertia that is larger for short waves, so that steps may be longer.
-//   mass floor: mass added where a blade has cut, so that the stable step does not shrink.
+//   mass floor: mass added where a blade has cut, so that the stable step does not shrink below a set share
+//     (cut_step).
 //   watch: the part of lobe that estimates an error while a scene runs, and asks for corrections.
-//   sleep: the state of parts at rest, which are not evaluated until they move.
+//   sleep: the state of parts that do not move, which are not evaluated until they do.
 //   guard: an energy that keeps crushed non-linear tetrahedra from collapsing.
-//   tangle: neighbouring tetrahedra that are inverted and keep each other so; the world unravels it.
+//   tangle: neighbouring tetrahedra that are crushed or inverted and keep each other so; the world unravels
+//     it.
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.
 //   skin: a finer textured surface that the tetrahedra carry.
 //   snapshot: state, surface, tools and figures of one moment, copied for other threads.
 //   grain: a part of a tetrahedron that a scalpel has cut.
-//   stroke: the way of a blade from where it begins to cut to where it stops.
+//   stroke: the path of a blade from where it begins to cut to where it stops.
 //   crumb: a tiny part that a blade would cut off; it stays attached.
-//   condition: what the report of a frame names, with a remedy.
-//   checkpoint: all of a world's state, from which it goes on with the same bits.
+//   condition: something unusual that happened in a frame; the report gives its name and text, with a remedy
+//     where there is one.
+//   checkpoint: all that has changed in a world since it was built; a world of the same setup goes on from
+//     it with the same bits.
 //   same bits: results that are equal to the last digit.
-//   digest: a number that is computed from a state and differs if any bit differs.
+//   digest: a 64-bit number that is computed from a state; if any bit of the state differs, it almost
+//     certainly differs.
 //   recording: the calls made to a world, with a digest after each, which a replay compares.
-//   session: a world that follows the clock while several people command it.
+//   session: a world that controllers command from any thread, usually in step with the clock.
 //
 // Symbols (SI units):
-//   X rest position [m]; x current position [m]; u = x − X displacement [m]; v velocity [m/s]
+//   X rest position [m]; x present position [m]; u = x − X displacement [m]; v velocity [m/s]
 //   f force that acts ON a vertex [N]
 //   α_j gradient of the barycentric coordinate of vertex j [1/m]
-//   F = I + Σ u_j ⊗ α_j deformation gradient; E Green-St Venant strain; S second Piola-Kirchhoff stress [Pa]
+//   F = I + Σ u_j ⊗ α_j deformation gradient; E Green's strain; S second Piola-Kirchhoff stress [Pa]
 //   λ, μ Lamé coefficients [Pa]; κ volume penalty [Pa]; ρ density [kg/m³]; V rest volume [m³]
 // [PDA]: G. Picinbono, H. Delingette, N. Ayache, Real-Time Large Displacement Elasticity for Surgery
 // Simulation: Non-Linear Tensor-Mass Model; its errata are in docs/errata.md.

@@ -19,7 +19,8 @@ class Parallel {
 
   int threads() const { return threads_; }
 
-  // body(begin, end) over [0, count) in ranges of about `grain` items; in the calling thread if that is all.
+  // Calls body(begin, end) for ranges of about `grain` items that make up [0, count). If there is one range
+  // only, the calling thread does it.
   template <class Body>
   void for_ranges(Index count, Index grain, Body&& body) {
     if (threads_ == 1 || count <= grain) {

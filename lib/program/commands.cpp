@@ -32,7 +32,7 @@ struct Loaded {
   Resolved resolved;
 };
 
-// Regions that the scene leaves to lobe are chosen, by static solutions of the gestures.
+// Loads a scene. Automatic regions are chosen by static solutions of the gestures.
 Loaded load(const SceneOptions& options, bool choose_regions = true) {
   Scene scene = read_scene(options.scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
@@ -125,7 +125,7 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
     };
     result = function(loaded.scene, loaded.resolved, run_options);
   }
-  // The last warning of what ended early is why.
+  // If it ended early, the last warning says why.
   const auto known = std::ptrdiff_t(loaded.resolved.warnings.size());
   print_warnings({result.warnings.begin() + known, result.warnings.end() - (result.ok ? 0 : 1)});
   if (!result.ok) print_errors(result.warnings.back());

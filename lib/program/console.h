@@ -26,13 +26,13 @@ class ProgressBar {
   int shown_ = -1;
 };
 
-// The program of this name beside the running one, else the one that the PATH finds.
+// The program of this name in the folder of the running one, or else on the PATH.
 std::filesystem::path sibling(const std::string& program);
 
 // Runs a program to its end, without a shell. Returns its exit status, 127 if it could not be started, 128 +
 // n if signal n ended it.
 int run_program(const std::vector<std::string>& arguments);
-// Goes on as another program, to which signals then go. Returns only if that cannot be run.
+// Replaces this program by another one, which then gets its signals. Returns only if that cannot be run.
 void become_program(const std::vector<std::string>& arguments);
 
 }  // namespace lobe::program

@@ -18,7 +18,8 @@ namespace {
 using namespace lobe::program;
 using Action = std::function<int()>;
 
-// What is under another licence, or not needed to run a scene, is a program of its own.
+// Starts another program. Parts under another licence, and parts that are not needed to run a scene, are
+// separate programs.
 int forward(const std::string& program, char** first, char** last, const std::string& option) {
   std::vector<std::string> arguments{sibling(program).string()};
   arguments.insert(arguments.end(), first, last);
@@ -95,7 +96,7 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
   return command;
 }
 
-// CLI11 would only say that a command is missing, not that it knows none of this name.
+// CLI11 would only say that a command is missing, and not that there is none of this name.
 void refuse_unknown_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());

@@ -9,7 +9,7 @@ namespace lobe::program {
 
 std::string render_pictures(const std::filesystem::path& request) {
   const std::string picture = sibling("lobe-picture").string();
-  // Debian's VTK draws through X only; xvfb-run -a gives it a server of its own, whatever DISPLAY says.
+  // Debian's VTK draws through X only. xvfb-run -a starts an X server for it, whatever DISPLAY is.
   const int status = run_program({"xvfb-run", "-a", picture, request.string()});
   if (status == 0) return "";
   const std::string again = "; to draw them later: xvfb-run -a lobe-picture " + request.string();

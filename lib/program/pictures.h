@@ -6,11 +6,11 @@
 
 namespace lobe::program {
 
-// Renders a request of Recorder, off-screen. Returns an empty string, or why there are
-// no pictures and what to do about it.
+// Renders a request for pictures, off-screen. Returns an empty string, or why there are no pictures and what
+// to do about it.
 std::string render_pictures(const std::filesystem::path& request);
 
-// The same of a mesh, coloured by its cell data "region".
+// The same for a mesh, coloured by its cell data "region".
 std::string draw_regions(const std::filesystem::path& mesh, const std::filesystem::path& picture);
 
 }  // namespace lobe::program

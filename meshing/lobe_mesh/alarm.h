@@ -13,7 +13,7 @@
 
 namespace lobe::meshing {
 
-// Raises a flag when the time is over, or for a reason that its owner knows, unless it is destroyed before.
+// Raises a flag when the time is over, or when its owner gives a reason, unless it is destroyed before.
 class Alarm {
  public:
   explicit Alarm(double seconds)

@@ -22,14 +22,14 @@ struct ChildResult {
   std::string in_words() const;
 };
 
-// Runs a program to its end, with its output thrown away, or its errors kept in a file. A crash of it is a
-// result, not our crash.
+// Runs a program to its end. Its output is thrown away; its errors may go to a file. If it crashes, the
+// result says so.
 ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                       const ChildLimits& limits, const std::filesystem::path& errors = "/dev/null");
 
-// Runs `work` in a copy of this process, which must have one thread, and waits for its end, calling
-// `meanwhile` every 20 ms. Crashes end the copy alone; SIGINT, SIGTERM and SIGHUP to this process are handed
-// on to it, unless they were ignored, and are its end, too; whatever it has started then ends with it.
+// Runs `work` in a copy of this process, which must have one thread, and waits for its end. Calls `meanwhile`
+// every 20 ms. A crash ends the copy only. SIGINT, SIGTERM and SIGHUP to this process are passed on to the
+// copy, unless they were ignored. They end it, and all that it has started.
 ChildResult run_contained(const std::function<int()>& work, double memory_bytes,
                           const std::function<void()>& meanwhile);
 

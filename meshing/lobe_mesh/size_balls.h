@@ -1,6 +1,6 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// Many balls that ask for shorter edges, and those of a file.
+// Balls in which shorter edges are asked for, and how they are read from a file.
 #pragma once
 
 #include <Eigen/Geometry>

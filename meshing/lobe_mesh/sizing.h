@@ -1,6 +1,6 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// How long the edges are to be where.
+// The length of edges that is asked for at each point.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// The static equations of a body in parts: forces, energy and the exact tangent, each rank those of its own
-// tetrahedra.
+// The static equations of a body in parts: forces, energy and the exact tangent. Each rank computes those of
+// its own tetrahedra.
 #pragma once
 
 #include <petscmat.h>
@@ -33,14 +33,15 @@ class Equations {
   double smallest_volume_ratio(Vec u);
   Mat3X<double> local(Vec u);  // 3 × #local vertices [m]
 
-  // A matrix of 3 × 3 blocks; rows and columns of given components hold their diagonal alone. With the rigid
-  // motions as near-null space.
+  // A matrix of 3 × 3 blocks, with the rigid motions as near-null space. Rows and columns of given components
+  // have their diagonal entry only.
   Owned<Mat, MatDestroy> make_matrix();
   void tangent(Vec u, Mat matrix);
   // forces −= ∂²W/∂u² w, for a displacement w of given components.
   void subtract_product(Vec u, Vec w, Vec forces);
   void clear_prescribed(Vec w);  // zero where displacements are given
-  // What is missing to the prescribed displacements at a fraction of them, zero where nothing is given [m].
+  // Computes what is still missing to a fraction of the prescribed displacements; zero where nothing is given
+  // [m].
   void boundary_move(Vec u, double fraction, Vec move);
 
  private:

@@ -9,7 +9,7 @@ namespace lobe::petsc {
 
 using Vector = Owned<Vec, VecDestroy>;
 
-// Three numbers per vertex; the ghosts' follow the owned ones' in memory.
+// Three numbers per vertex. Those of ghosts come after the owned ones in memory.
 class Ghosted {
  public:
   Ghosted(const Ranks& ranks, const Part& part);
@@ -18,7 +18,7 @@ class Ghosted {
 
   Mat3X<double> local() const;  // 3 × #local vertices, ghosts as the owners have them
   void set_owned(const Mat3X<double>& local);
-  void sum(const Mat3X<double>& local);  // the owned: what all ranks have there, added up
+  void sum(const Mat3X<double>& local);  // sets the owned ones to the sum over all ranks
   void update_ghosts();                  // from the owners to the ghosts
   std::int64_t ghost_bytes() const {
     return 24 * std::int64_t(ghosts_);

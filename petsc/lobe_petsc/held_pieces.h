@@ -1,4 +1,4 @@
-// Pieces of the body that nothing keeps from moving as a rigid body, over all ranks.
+// Finds pieces of the body that could move as a rigid body, over all ranks.
 #pragma once
 
 #include "lobe/fem/elements.h"

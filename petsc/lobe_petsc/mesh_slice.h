@@ -1,5 +1,5 @@
-// The share of a mesh file that a rank reads: consecutive tetrahedra, and consecutive vertices, which need
-// not be theirs.
+// The share of a mesh file that a rank reads: consecutive tetrahedra, and consecutive vertices. The vertices
+// need not be those of the tetrahedra.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ struct MeshSlice {
 // rank 0 reads any other mesh and sends the others their slices. Throws InputError on all ranks.
 MeshSlice read_slice(const Ranks& ranks, const std::filesystem::path& file);
 
-// The same of a mesh that all ranks have.
+// The same for a mesh that all ranks have.
 MeshSlice slice_of(const Ranks& ranks, const TetMesh& mesh);
 
 }  // namespace lobe::petsc

@@ -125,7 +125,7 @@ struct Place {
   std::array<double, 3> point{};
 };
 
-// What the rank that has read a vertex tells each rank with a tetrahedron of it: who owns the vertex, and its
+// The rank that has read a vertex tells each rank with a tetrahedron of it who owns the vertex, and its
 // position.
 std::vector<std::vector<Place>> ask_places(const Ranks& ranks, const MeshSlice& slice,
                                            const std::vector<std::vector<Index>>& asked) {

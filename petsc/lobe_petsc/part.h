@@ -6,8 +6,9 @@
 
 namespace lobe::petsc {
 
-// Every tetrahedron is of one rank. A vertex is owned by the lowest rank that has a tetrahedron of it; the
-// others have it as a ghost. Local vertices: the owned ones, along a Hilbert curve, then the ghosts.
+// Every tetrahedron belongs to one rank. A vertex is owned by the lowest rank that has a tetrahedron of it.
+// The others have it as a ghost. Local vertices are the owned ones, along a Hilbert curve, and then the
+// ghosts.
 struct Part {
   TetMesh mesh;                          // local numbers; prepared
   std::vector<Index> tet_number;         // in the file; ascending
@@ -24,9 +25,9 @@ struct Part {
   std::vector<std::pair<Index, Index>> by_number;  // vertices: number in the file, local; ascending
 };
 
-// Tetrahedra that share faces are the edges of a graph that PT-Scotch cuts into as many parts as there are
-// ranks. Throws InputError on all ranks for a mesh that prepare() refuses, for a face of three tetrahedra,
-// and for a rank that is left without a tetrahedron.
+// PT-Scotch divides the graph of tetrahedra that share faces into as many parts as there are ranks. Throws
+// InputError on all ranks for a mesh that prepare() refuses, for a face of three tetrahedra, and for a rank
+// that is left without a tetrahedron.
 Part make_part(const Ranks& ranks, MeshSlice slice, const std::string& name);
 
 }  // namespace lobe::petsc

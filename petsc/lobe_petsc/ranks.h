@@ -1,4 +1,4 @@
-// The processes of an MPI job, and what they say to each other while a problem is set up.
+// The processes of an MPI job, and how they exchange data while a problem is set up.
 #pragma once
 
 #include <petscsys.h>
@@ -20,7 +20,8 @@ class Failure : public std::runtime_error {
 };
 void check(PetscErrorCode code);
 
-// MPI and PETSc for as long as it lives; options of PETSc are read from the environment (PETSC_OPTIONS).
+// Starts MPI and PETSc, and ends them when it is destroyed. Options of PETSc are read from the environment
+// (PETSC_OPTIONS).
 class Library {
  public:
   Library(int argc, char** argv);
@@ -84,7 +85,8 @@ class Ranks {
     return all;
   }
 
-  // Runs what does not communicate. If it throws InputError on a rank, all ranks throw that of the lowest.
+  // Runs work that does not communicate. If it throws InputError on some ranks, all ranks throw that of the
+  // lowest of these.
   void together(const std::function<void()>& alone) const;
 
  private:

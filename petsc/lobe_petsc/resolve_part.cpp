@@ -10,7 +10,7 @@
 namespace lobe::petsc {
 namespace {
 
-// Rewrites selectors so that they select on the part what they select there on the whole mesh.
+// Rewrites selectors so that on the part they select the same as on the whole mesh.
 class Selection {
  public:
   enum class Kind { vertices, tets };

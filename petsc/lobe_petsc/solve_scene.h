@@ -16,8 +16,9 @@ struct SceneOptions {
 };
 
 // Writes DIR/solution.pvtu with one solution_RANK.vtu per rank (displacement, vertex: its number in the mesh;
-// region, volume_ratio, von_mises [Pa], source: the tetrahedron's number, rank) and DIR/report.json, the
-// index last. Rank 0 prints. Throws InputError on all ranks for bad input. Returns whether it converged.
+// region, volume_ratio, von_mises [Pa], source: the tetrahedron's number, rank) and DIR/report.json. The
+// index is written last. Rank 0 prints. Throws InputError on all ranks for bad input. Returns whether it
+// converged.
 bool solve_scene(const Ranks& ranks, const SceneOptions& options);
 
 }  // namespace lobe::petsc

@@ -284,7 +284,7 @@ const char* Solver::trouble_of(SNESConvergedReason reason) const {
          "conditioned)";
 }
 
-// From the equilibrium u_ at another fraction; u_ changes only on success.
+// Goes on from u_, the equilibrium at another fraction. u_ changes only on success.
 bool Solver::find(double fraction) {
   fraction_ = fraction;
   check(VecCopy(u_, kept_));

@@ -1,6 +1,6 @@
-// Static equilibrium of a body in parts: SNES with the exact tangent and the line search of solve/newton.h,
-// load steps as in solve/static_solver.h, linear systems by conjugate gradients with algebraic multigrid, or
-// by MUMPS.
+// Static equilibrium of a body in parts. It uses SNES with the exact tangent, the line search of
+// solve/newton.h and the load steps of solve/static_solver.h. Linear systems are solved by conjugate
+// gradients with algebraic multigrid, or by MUMPS.
 #pragma once
 
 #include <functional>

@@ -114,7 +114,17 @@ def more_linear(scene, tolerance):
     return share["proposed"] / share["strain-recipe"]
 
 
+def session(tets, column):
+    return one("live", column, tets=tets)
+
+
+def beam(case):
+    """The deflection of the end of the beam of the theory, section 12 [m]."""
+    return f"{-rows('validation', family='SVK beam', case=case, quantity='u_y of the end')[0]['measured']:.2f}"
+
+
 R = "README.md"
+T = "docs/theory.md"
 S = "docs/surface.md"
 
 def one_version(program):
@@ -139,7 +149,7 @@ def predicted(method, column, frame_hz=120):
 def loop_on_the_liver():
     rms, largest, jump = (predicted("the servo (c with a)", column) for column in ("rms", "max", "jump"))
     assert rms <= 0.05 and largest <= 0.12 and jump <= 0.02
-    assert rms > predicted("constant", "rms") / 2 and rms > predicted("linear in time", "rms")
+    assert rms <= predicted("constant", "rms") / 2 and rms > predicted("linear in time", "rms")
     assert predicted("the servo (c with a)", "max", 20) > 0.9
     return "Not all that was asked for holds on this liver"
 
@@ -155,7 +165,7 @@ CLAIMS = [
     (R, lambda: f"| memory per tetrahedron [bytes] | {kernel('step', 'world_bytes_per_tet'):.0f} |"),
     (R, lambda: f"| force error after cuts, against a rebuilt model | {high(rows('cut'), 'error'):.0e} |"),
     (R, lambda: f"agree with FEniCSx and GetFEM to {independent():.1e} of the largest displacement"),
-    (R, lambda: "Turek-Hron CSM1 the deflection of the beam, extrapolated, is off by " + percent(
+    (R, lambda: "Turek-Hron CSM1 the deflection of the beam, extrapolated to infinitely fine meshes, is off by " + percent(
         one("validation", "error", family="Turek-Hron", case="CSM1", quantity="u_y(A), extrapolated"), 2)),
     (R, lambda: f"in steps of {realtime(10299, 1, 'dt_us') / 1000:.2f} ms"),
     (R, lambda: f"| {kernel('svk'):.2f}; {kernel('svk', precision='double'):.2f} | {peer('SOFA', 'svk')} | "
@@ -238,7 +248,7 @@ CLAIMS = [
     (B, lambda: f"takes {cuts('precomputed liver', 100)[0]['us_per_tet'] / 1000:.2f} ms per tetrahedron, the cube of 10,368 "
                 f"(312 vertices) {cuts('precomputed', 100)[0]['us_per_tet'] / 1000:.2f} ms. In batches of 10 it is "
                 f"{cuts('precomputed liver', 10)[0]['us_per_tet'] / 1000:.1f} and {cuts('precomputed', 10)[0]['us_per_tet'] / 1000:.1f} ms"),
-    (B, lambda: f"At rest the body costs {span(rows('resting', part='resting'), 'gain')} times less"),
+    (B, lambda: f"With the lobe held still, a step costs {span(rows('resting', part='resting'), 'gain')} times less"),
     (B, lambda: f"At most {span(rows('realtime', threads=1), 'local_step_gain', 0, 100).replace('115', '15').replace('116', '15').replace('117', '17')} % of the evaluations"),
     (B, lambda: f"costs {one('frames', 'over_steps', frame_ms=1):.2f} times its two steps"),
     (B, lambda: f"Tensor-mass in its place gains {span(rows('hybrid', representation='tensor-mass'), 'speedup')}."),
@@ -252,14 +262,13 @@ CLAIMS = [
     (B, lambda: "declared, at 10,299: " + percent(one('gestures', 'largest_error', scene='liver_declared', tets=10299,
                                                       regions='selective-mass-corrected', tolerance=0.01))),
     (B, lambda: f"is {span(alone(), 'speedup')} times as fast, but wrong by {span(alone(), 'largest_error', 0, 100)} %"),
-    (B, lambda: "the front runs from {} times the speed at {}".format(*front("precomputed-corrected", 0.01)).replace(
-        "0.9 %", "0.9 %")),
+    (B, lambda: "go from {} times the speed at {}".format(*front("precomputed-corrected", 0.01))),
     (B, lambda: "over {} at {}, {} at {} and {} at {} (selective masses".format(
         *(x for t in (0.01, 0.02, 0.05) for x in front("selective-mass-corrected", t)))),
     (B, lambda: "to {} at {} (not corrected)".format(*front("selective-mass-alone", 0.02))),
     (B, lambda: f"With fibres a tetrahedron there takes {ends(over_svk('svk_fibre', 'single'), '.2f')} times as long as `svk` "
                 f"in single precision and {ends(over_svk('svk_fibre', 'double'), '.2f')} in double"),
-    (B, lambda: f"For tensor-mass regions {watching('proposed', 10299)} % of a frame at 10,299 tetrahedra, "
+    (B, lambda: f"for tensor-mass regions {watching('proposed', 10299)} % at 10,299 tetrahedra, "
                 f"{watching('proposed', 50247)} % at 50,247"),
     (B, lambda: f"up to {high(rows('gestures', regions='precomputed-corrected', tets=10299), 'watching') * 100:.0f} % "
                 f"({high(rows('gestures', regions='precomputed-corrected', tets=2925), 'watching') * 100:.0f} % at 2,925)"),
@@ -293,6 +302,19 @@ CLAIMS = [
                 f"volume linear"),
     (B, lambda: "it is {:.2f} times as much for 1 %, {:.2f} times for 2 % and {:.2f} times for 5 %".format(
         *(more_linear("liver_undeclared", t) for t in (0.01, 0.02, 0.05)))),
+    (B, lambda: f"It is {percent(session(2103, 'overhead'))} at 2,103 tetrahedra ({session(2103, 'session_us') - session(2103, 'bare_us'):.0f} "
+                f"of {session(2103, 'bare_us'):.0f} µs), {percent(session(10299, 'overhead'))} at 10,299"),
+    (B, lambda: f"a picture takes {session(2103, 'publish_us'):.0f} µs, the digest and the record "
+                f"{session(2103, 'seal_us') + session(2103, 'keep_us'):.0f} µs"),
+    (B, lambda: f"with the page open runs at {span(rows('page'), 'possible_factor')} times real time"),
+    (B, lambda: f"| mass of the floor per full cut, most | 1 % | {percent(one('scalpel_limit', 'most_added', cut_step=0.75), 2)} |"),
+    (B, lambda: "cells of 10; 5; 3.3 mm | converges | −" + "; −".join(
+        f"{100 * (1 - row['cut_m'] / row['conforming_m']):.1f}" for row in rows("scalpel_beam")) + " %"),
+    (T, lambda: f"| 0.3 | {beam('ν = 0.3, 2 cells across')} |"),
+    (T, lambda: f"| 0.45 | {beam('ν = 0.45, 2 cells across, locked')} |"),
+    (T, lambda: f"| 0.499 | {beam('ν = 0.499, 2 cells across, locked')} (7.14) | 19.91 | "
+                f"{beam('ν = 0.499, 2 cells across, nodal pressure 0.985')} | "
+                f"{beam('ν = 0.499, 2 cells across, nodal pressure 1')} ({beam('ν = 0.499, 4 cells across, nodal pressure 1')}) |"),
     (B, lambda: f"At 2,925 tetrahedra the tolerance is not kept: the largest error is "
                 f"{span(corrected(tets=2925), 'largest_error', 1, 100)} %"),
 ]

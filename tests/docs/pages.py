@@ -76,6 +76,41 @@ def theory_table(root):
             yield f"theory.md: no section names {path}/"
 
 
+def equation_numbers(root):
+    """Equations are numbered in the order of the page, by section, and every number that is cited is one."""
+    text = (root / "docs" / "theory.md").read_text(encoding="utf-8")
+    tags = set()
+    for section in re.split(r"^(?=## \d+ )", text, flags=re.M)[1:]:
+        number = re.match(r"## (\d+)", section)[1]
+        found = re.findall(r"\\tag\{([^}]*)\}", section)
+        wanted = [f"{number}.{i + 1}" for i in range(len(found))]
+        if found != wanted:
+            yield f"theory.md: section {number} has the equations {found}, must be {wanted}"
+        tags.update(found)
+    cited = [("docs/theory.md", number) for number in re.findall(r"(?<![\w\\])\((\d+\.\d+)\)", re.sub(r"^\|.*$", "", text, flags=re.M))]
+    others = [(page, page.read_text(encoding="utf-8")) for page in documents(root)]
+    others += [(file, re.sub(rf"\n\s*{mark} ?", " ", file.read_text(encoding="utf-8"))) for file, mark in sources(root)]
+    for file, content in others:
+        for cites in re.findall(r"theory(?:\.md)?,? ((?:\(\d+\.\d+\)(?:,| to| and)? ?)+)|((?:\(\d+\.\d+\)(?:,| to| and)? ?)+)of the "
+                                r"\[?theory", content):
+            cited += [(file.relative_to(root), number) for number in re.findall(r"\d+\.\d+", "".join(cites))]
+    for file, number in cited:
+        if number not in tags:
+            yield f"{file}: the theory has no equation ({number})"
+
+
+def members(root):
+    """`Class::member` in a page is in a header that declares the class."""
+    headers = [file.read_text(encoding="utf-8") for folder in ("lib", "capi", "meshing", "view", "petsc")
+               for file in sorted((root / folder).rglob("*.h"))]
+    for page in documents(root):
+        text = re.sub(r"^```.*?^```$|<!--.*?-->", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+        for owner, name in sorted(set(re.findall(r"\b(?<!::)([A-Z]\w+)::(\w+)", text))):
+            declares = rf"\b(?:class|struct|enum class) (?:alignas\(\w+\) )?{owner}\b"
+            if not any(re.search(declares, header) and re.search(rf"\b{name}\b", header) for header in headers):
+                yield f"{page.relative_to(root)}: there is no {owner}::{name}"
+
+
 def section_numbers(root):
     """Comments that send the reader to a section of the theory name one that there is."""
     text = (root / "docs" / "theory.md").read_text(encoding="utf-8")
@@ -163,7 +198,7 @@ def wide_comments(root):
                 yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
 
 
-CHECKS = (long_paragraphs, theory_table, section_numbers, glossary, list_of_folders, figures, wide_comments)
+CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary, list_of_folders, figures, wide_comments)
 
 
 def main(root):

@@ -45,7 +45,7 @@ double distance(const Mat3<double>& P, const Mat3<double>& expected) {  // relat
   return (P - expected).norm() / expected.norm();
 }
 
-// Normal stiffness C_ij of axes i, j, for a fibre along axis L: (7d) of the theory.
+// Normal stiffness C_ij of axes i, j, for a fibre along axis L: (2.11) of the theory.
 double normal_stiffness(int i, int j, int L) {
   const double nu_TL = c.poisson_along * c.young_across / c.young_along,
                delta = 1 - c.poisson_across - 2 * c.poisson_along * nu_TL;

@@ -172,7 +172,8 @@ TEST_CASE("a session that a scene cannot tell is refused with what and when") {
   CHECK(refusal(other) == "session: is of another scene, mesh or version of them");
   hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(RemoveTets{{100}})});
   step(session, 1);
-  CHECK(refusal() == "session: tetrahedra were removed at 0.5 s, which a scene cannot tell; a recording can");
+  CHECK(refusal() ==
+        "session: tetrahedra were removed at 0.5 s, which a scene cannot describe; a recording can");
   hands.send(ask_for(Kind::back, 0.2));
   step(session, 1);
   CHECK(refusal() == "");
@@ -202,7 +203,7 @@ TEST_CASE("each edit that a scene has no word for is refused by its name") {
     }
     return times_said(session, "refused") > 0 ? "was not done" : "";
   };
-  const std::string end = " at 0.1 s, which a scene cannot tell; a recording can";
+  const std::string end = " at 0.1 s, which a scene cannot describe; a recording can";
   CHECK(refusal(SetRegion{{100}, RegionModel::tensor_mass}) == "session: a region was changed" + end);
   CHECK(refusal(SetSprings{{{100, 10, Vec3d::Zero()}}}) == "session: springs were set" + end);
   CHECK(refusal(SetForces{{{100, Vec3d(0, 0, 1e-3)}}}) == "session: forces were set" + end);
@@ -216,7 +217,8 @@ TEST_CASE("a session whose regions may be expanded, or in which a frame failed, 
   Session<float> session(expandable);
   step(session, 1);
   CHECK_THROWS_WITH_AS(session_scene(played.scene, expandable, session),
-                       "session: has regions that may be expanded, which a scene cannot tell", InputError);
+                       "session: has regions that may be expanded, which a scene cannot describe",
+                       InputError);
   std::string text = beam;
   text.replace(text.find("-1]"), 2, "-1e20");
   const Played falling(text);

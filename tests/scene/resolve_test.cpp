@@ -382,8 +382,7 @@ TEST_CASE("nodal pressure is refused with the stored evaluator") {
   CHECK(faults(R"({"evaluator": "stored",
                    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
         "/materials/0/nodal_pressure: \"nodal_pressure\" does not go with \"evaluator\": \"stored\": the "
-        "stored "
-        "polynomial is each tetrahedron's own; use \"direct\"");
+        "stored polynomial has no averages of several tetrahedra; use \"direct\"");
   CHECK(faults(R"({"evaluator": "stored",
                    "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": false}]})") == "");
 }

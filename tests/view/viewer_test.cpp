@@ -5,6 +5,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -43,10 +44,12 @@ struct Viewed {
   std::optional<Viewer> viewer;
 
   // `has_skin`: the boundary of its tetrahedra.
-  explicit Viewed(bool has_skin = false, const std::string& haptic = "none") {
+  explicit Viewed(bool has_skin = false, const std::string& haptic = "none", const Json& more = {}) {
     const TetMesh mesh = box_mesh({0.06, 0.06, 0.06}, 6, 6, 6);
     write_vtu(folder.path / "block.vtu", mesh);
-    Scene scene = read_scene(folder.write("block.json", block_scene));
+    Json document = Json::parse(block_scene);
+    document.update(more.is_null() ? Json::object() : more);
+    Scene scene = read_scene(folder.write("block.json", document.dump()));
     if (has_skin) {
       scene.skin = "block.obj";
       write_obj(mesh);
@@ -122,6 +125,33 @@ std::uint64_t played(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+TEST_CASE("a page is told what stands around the organ, and how far jaws are open") {
+  Viewed viewed(false, "none", Json::parse(R"({
+    "tools": [{"name": "jaws", "type": "probe", "shape": {"jaws": {"size": [0.01, 0.004, 0.02]}},
+               "path": [[0, 0.03, 0.03, 0.1, 1, 0, 0, 0, 0.07], [9, 0.03, 0.03, 0.1, 1, 0, 0, 0, 0.07]]}],
+    "contact": {"obstacles": [{"name": "bar", "shape": {"capsule": {"radius": 0.008, "length": 0.1}},
+                               "position": [0, 0.1, 0.2]},
+                              {"name": "table", "shape": {"plane": {}}, "position": [0, 0, -0.1]}]}})"));
+  viewed.viewer->opened(1);
+  Json obstacles, tools;
+  for (const Block& block : read_blocks(viewed.message(1))) {
+    if (block.tag == obstacles_tag) obstacles = Json::parse(block.bytes);
+    if (block.tag == tools_tag) tools = Json::parse(block.bytes);
+  }
+  REQUIRE(obstacles.size() == 2);
+  CHECK(obstacles[0]["name"] == "bar");
+  CHECK(obstacles[0]["position"] == Json{0.0, 0.1, 0.2});
+  CHECK(obstacles[0]["shape"]["capsule"]["length"] == 0.1);
+  CHECK(obstacles[1]["shape"].contains("plane"));
+  REQUIRE(viewed.comes_to(1, [&](const Json&, const Json& shown) {
+    tools = shown;
+    return shown.size() == 1;
+  }));
+  CHECK(tools[0]["jaw"] == Json{0.01, 0.004, 0.02});
+  CHECK(std::abs(tools[0]["opening"].get<double>() - 0.07) < 1e-9);
+  CHECK(tools[0]["blade"][2].get<double>() > 0.019);  // before it is turned over
+}
 
 TEST_CASE("what was done in a page, saved as a scene, is played to the same bits") {
   Viewed viewed;

@@ -36,13 +36,17 @@ export class Instruments {
   }
 
   /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[],
-   *   radius: number, on: boolean}[]} tools */
+   *   radius: number, on: boolean, jaw?: number[], opening?: number}[]} tools */
   update(tools) {
     const present = new Set();
     for (const tool of tools) {
       present.add(tool.tool);
       let item = this.shown.get(tool.tool);
-      if (!item || item.type !== tool.type) item = this.make(tool);
+      if (item && (item.type !== tool.type || !item.isOpen !== !tool.jaw)) {
+        this.remove(tool.tool, item);
+        item = null;
+      }
+      item ??= this.make(tool);
       this.place(item, tool);
     }
     for (const [id, item] of this.shown) if (!present.has(id)) this.remove(id, item);
@@ -58,9 +62,11 @@ export class Instruments {
       .addScaledVector(this.stage.forward(), -0.7)
       .normalize();
     const along = blade.length() > 0 ? blade.clone().normalize() : shaft,
-      rest = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
-    const body =
-      tool.type === 'cautery'
+      rest = new THREE.Quaternion();
+    if (!tool.jaw) rest.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
+    const body = tool.jaw
+      ? jaws(...tool.jaw)
+      : tool.type === 'cautery'
         ? cautery(tool.radius || 0.005)
         : tool.type === 'scalpel'
           ? scalpel(blade.length(), shaft.applyQuaternion(rest.clone().invert()))
@@ -78,6 +84,7 @@ export class Instruments {
       arrow,
       label,
       rest,
+      isOpen: !!tool.jaw,
     };
     this.shown.set(tool.tool, item);
     return item;
@@ -92,7 +99,7 @@ export class Instruments {
   }
 
   place(item, tool) {
-    const place = [tool.on, ...tool.position, ...(tool.orientation ?? [])],
+    const place = [tool.on, ...tool.position, ...(tool.orientation ?? []), tool.opening ?? 0],
       force = new THREE.Vector3(...tool.force),
       size = force.length();
     const isDue = performance.now() - (item.writtenAt ?? 0) > this.stage.betweenFigures(),
@@ -103,6 +110,7 @@ export class Instruments {
     this.stage.invalidate();
     item.body.position.fromArray(tool.position);
     item.body.quaternion.fromArray(tool.orientation ?? [0, 0, 0, 1]).multiply(item.rest);
+    item.body.userData.open?.(tool.opening ?? 0);
     const tip = item.body.getObjectByName('tip');
     for (const look of Object.values(tip?.userData.looks ?? {})) look.emissiveIntensity = tool.on ? 2.2 : 0;
     item.at = new THREE.Vector3(...tool.position);
@@ -216,6 +224,29 @@ function probe(radius, length) {
     shaftOf(0.45 * radius, length + 0.5 * radius, length + 6 * radius, steel),
     shaftOf(0.7 * radius, length + 6 * radius, length + 80 * radius, dark),
   );
+  return group;
+}
+
+// Two blocks that start at the origin and lead along z, one above and one below the plane y = 0. They open in
+// parallel, and hang on a bar at the end of the shaft, which is on the other side of the origin.
+function jaws(width, thickness, length) {
+  const group = new THREE.Group(),
+    both = [-1, 1].map(() => partOf(new THREE.BoxGeometry(width, thickness, length), steel)),
+    bar = partOf(new THREE.BoxGeometry(0.4 * width, 1, 0.12 * length), dark),
+    r = 0.14 * width;
+  for (const part of [...both, bar]) part.castShadow = true;
+  bar.position.z = -0.06 * length;
+  group.add(
+    ...both,
+    bar,
+    shaftOf(r, -0.9 * length, -0.12 * length, steel),
+    shaftOf(1.4 * r, -11 * length, -0.9 * length, dark),
+  );
+  group.userData.open = opening => {
+    both.forEach((jaw, k) => jaw.position.set(0, (k === 0 ? -0.5 : 0.5) * (opening + thickness), length / 2));
+    bar.scale.y = opening + 2 * thickness;
+  };
+  group.userData.open(0);
   return group;
 }
 

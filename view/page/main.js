@@ -5,6 +5,7 @@ import {Connection} from './connection.js';
 import {Editor} from './editor.js';
 import {Hands} from './hands.js';
 import {Instruments} from './instruments.js';
+import {Obstacles} from './obstacles.js';
 import {Organ} from './organ.js';
 import {hideOverlay, overlayIsShown, showHelp, showNoGraphics, showRefused} from './overlay.js';
 import {showHaptic} from './haptic.js';
@@ -20,6 +21,7 @@ class Page {
     this.stage = new Stage(element('stage'), software);
     this.organ = new Organ(this.stage);
     this.instruments = new Instruments(this.stage, element('labels'));
+    this.obstacles = new Obstacles(this.stage);
     this.ask = (request, since) => this.connection.ask(request, since);
     this.hands = new Hands(this.stage, this.organ, this.ask);
     this.editor = new Editor(this.ask);
@@ -85,6 +87,7 @@ class Page {
     if (frame.skinPositions) this.organ.moveSkin(frame.skinPositions);
     if (frame.topology) this.takeTopology(frame.topology, frame.fibres);
     else if (frame.skin) this.organ.compose();
+    if (frame.obstacles) this.obstacles.set(frame.obstacles);
     if (frame.positions && frame.positions.revision === this.organ.revision)
       this.organ.move(frame.positions.x);
     if (frame.scalar) this.organ.setScalar(frame.scalar);

@@ -4,7 +4,8 @@
 const text = new TextDecoder();
 
 /** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object,
- *   held?: object, materials?: object, fibres?: object, skin?: object, skinPositions?: object}} */
+ *   held?: object, materials?: object, fibres?: object, skin?: object, skinPositions?: object,
+ *   obstacles?: object[]}} */
 export function readFrame(/** @type {ArrayBuffer} */ buffer) {
   const view = new DataView(buffer);
   const frame = {};
@@ -75,6 +76,9 @@ const readers = {
   },
   MATS(frame, buffer, at, size) {
     frame.materials = new Uint8Array(buffer, at, size);
+  },
+  OBST(frame, buffer, at, size) {
+    frame.obstacles = readJson(buffer, at, size);
   },
   TOOL(frame, buffer, at, size) {
     frame.tools = readJson(buffer, at, size);

@@ -116,6 +116,11 @@ export class Stage {
     return new THREE.Matrix4().set(1, 0, -x, x * height, 0, 1, -y, y * height, 0, 0, 0, height, 0, 0, 0, 1);
   }
 
+  /** The ground lies below what stands there, too. */
+  lowerGround(/** @type {number} */ z) {
+    this.ground.position.z = Math.min(this.ground.position.z, z - 0.02 * this.size);
+  }
+
   /** Looks at a box of points [m]. */
   lookAt(points) {
     const box = new THREE.Box3().setFromArray(points),

@@ -106,7 +106,8 @@ std::vector<Index> AppliedForces<Real>::touched() const {
   return vertices;
 }
 
-// A force stays with the vertex where a copy leaves it, and is gone with the last tetrahedron around it.
+// If a vertex is split, its force stays with it and not with the copy. It ends with the last tetrahedron
+// around the vertex.
 template <class Real>
 void AppliedForces<Real>::follow(const Topology& topology, const MeshEdit&) {
   drop_orphans(forces_, topology);

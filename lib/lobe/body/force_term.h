@@ -38,12 +38,12 @@ class ForceTerm {
   };
 
   virtual ~ForceTerm() = default;
-  virtual std::string name() const = 0;  // under which a checkpoint keeps it, unlike that of others
+  virtual std::string name() const = 0;  // in checkpoints; different from those of other terms
 
   // Once per step: f += forces that act on vertices [N]. A force that depends on v is taken half a step late.
   virtual void add_forces(const At& at, Mat3X<Real>& f) = 0;
   // Adds the stiffness that each vertex feels when it moves while its neighbours are held, −∂f_v/∂u_v [N/m].
-  // Without it the stable step would be found too long.
+  // Without it the steps would be too long.
   virtual void add_diagonal_stiffness(const At&, DiagonalStiffness&) const {}
   virtual double energy(const At&) const { return 0; }  // [J]
   // Vertices on which it may act in this frame. They do not sleep through it.

@@ -35,7 +35,7 @@ class Loads {
   Mat3X<double> at(double time) const {  // 3 × #vertices [N]
     return (external_.view() - missing_share(time) * dead_.view()).template cast<double>();
   }
-  double work(const Mat3X<Real>& u) const;  // of all at full size on displacements [J]
+  double work(const Mat3X<Real>& u) const;  // of all loads at full size on u [J]
 
   // Loads at full size, 3 × #vertices [N]: all loads, and only the dead ones. A condensed region takes out
   // the loads of its interior.

@@ -32,13 +32,14 @@ struct StateView {
   operator State<Real>() const { return {u, v, time, velocity_lag}; }
 };
 
-// Of the nodes that reduced regions have (lattice/embedding.h); none without such a region.
+// Displacements and velocities of the nodes of reduced regions (lattice/embedding.h). There are none without
+// such a region.
 template <class Real>
 struct Nodes {
   Mat3X<Real> u = Mat3X<Real>(3, 0), v = Mat3X<Real>(3, 0);  // 3 × #nodes [m], [m/s]
 };
 
-// The same, in columns to which a cut may add.
+// A State whose columns may grow when a cut adds vertices.
 template <class Real>
 struct StateColumns {
   VertexColumns<Mat3X<Real>> u, v;  // [m], [m/s]

@@ -92,7 +92,8 @@ class Regions {
 
   void add_forces(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                   Parallel& parallel);  // 3 × #vertices [N]
-  // The same near a state, for differences of forces: at rest without loads, and elsewhere.
+  // The same for small changes of a state, of which the caller takes differences: of the state at rest
+  // without loads, and of any other state.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   void add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f, Parallel& parallel);
   // Adds the stiffness that each vertex feels when it moves while its neighbours are held. Returns the
@@ -119,9 +120,9 @@ class Regions {
     if (is_expanded_) expanded_.visit_patches(visit);
   }
   PatchCount patch_count();
-  // Grows where the sums of the patches hold something else than forces.
+  // Grows when the sums of the patches no longer are those of the last forces.
   std::uint64_t sums_revision() const { return sums_revision_; }
-  void forget_sums();       // that patches keep
+  void forget_sums();       // which the patches have stored
   void invalidate_sums() {  // before forces at other displacements are evaluated
     forget_sums();
     ++sums_revision_;

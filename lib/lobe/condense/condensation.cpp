@@ -14,10 +14,11 @@ namespace {
 
 using Matrix = Condensation::Matrix;
 
-// A pivot below this share of the stiffness of its component alone: something moves without a force.
+// If a pivot is below this share of the stiffness of its component alone, something can move without a force.
 constexpr double loose = 1e-10;
 
-// W of (3); R is zero but for the rows of the interior. None where what is left does not hold.
+// Computes W of (3). R is zero but for the rows of the interior. None if a part could then move without a
+// force.
 std::optional<Matrix> change_between(const std::vector<Index>& interior, const Matrix& stiffness,
                                      const Matrix& R, DenseProducts& products) {
   Matrix left = R(interior, interior);
@@ -126,14 +127,14 @@ void Condensation::touch(const Dofs& dofs) {
   grow_to(now);
 }
 
-// All but A, by zeros.
+// Enlarges all matrices but A by zeros.
 void Condensation::grow_to(Eigen::Index touched) {
   N_.conservativeResizeLike(Matrix::Zero(touched, touched));
   Phi_.conservativeResizeLike(Matrix::Zero(touched, Phi_.cols()));
   changed_loads_.conservativeResizeLike(Matrix::Zero(touched, loads_.cols()));
 }
 
-// The interface takes these up, with rows and columns of zeros.
+// Adds components to the interface, with rows and columns of zeros.
 void Condensation::join(const Dofs& dofs) {
   for (Index d : dofs) {
     column_[std::size_t(d)] = static_cast<Index>(interface_.size());
@@ -162,7 +163,7 @@ void Condensation::leave(const Dofs& dofs) {
   interface_ = std::move(kept);
 }
 
-// What is touched for the first time has no φ yet.
+// Components that are touched for the first time have no φ yet.
 Condensation::Response Condensation::response_at(const Dofs& dofs) {
   const auto count = Eigen::Index(dofs.size()), amplitudes = loads_.cols();
   Response at{Matrix::Zero(count, S_.cols()), {}, Matrix::Zero(count, count)};
@@ -222,7 +223,7 @@ bool Condensation::change(const Dofs& dofs, const Matrix& stiffness, const Matri
   return true;
 }
 
-// Of (6).
+// Adds to the ΔK and Δf of (6).
 void Condensation::note(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads) {
   const std::vector<Index> their_slots = slots(dofs);
   changed_loads_(their_slots, Eigen::all) += loads;
@@ -293,7 +294,7 @@ Index Condensation::add(Index count, double scale) {
   return first;
 }
 
-// A (f + E_T φ); of those that were added, φ alone.
+// Computes A (f + E_T φ), and for the components that were added only φ.
 Condensation::Matrix Condensation::solve(const Matrix& forces, const Matrix& phi) const {
   Matrix sum = forces, u(Eigen::Index(slot_.size()), phi.cols());
   for (Index s = 0; s < touched(); ++s) {
@@ -338,7 +339,7 @@ Condensation::Matrix Condensation::field(const Matrix& driven) const {
   return solve(loads_ * driven.topRows(loads_.cols()), Phi_ * driven);
 }
 
-// The forces on dofs that K̂ does not know, T × #columns.
+// The forces on dofs that K̂ does not have, T × #columns.
 Condensation::Matrix Condensation::of_added(const Matrix& forces) const {
   Matrix phi = Matrix::Zero(touched(), forces.cols());
   for (Index s = 0; s < touched(); ++s)

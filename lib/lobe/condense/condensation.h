@@ -11,14 +11,15 @@
 // dependence of displacements on [a; u_B], R = E_Pᵀ (A − A E N Eᵀ A) E_P, Z = E_P − N A_TP:
 //   change:  K and f between components P by ΔK and Δf, wherever they are.
 //            W = ΔK − ΔK (R⁻¹ + ΔK)⁻¹ ΔK,  S ← S + Gᵀ W G,  Φ ← Φ − Z W G,  N ← N + Z W Zᵀ             (3)
-//            after the same of Δf: S ← S − Gᵀ Δf − Δfᵀ G − Δfᵀ R Δf, Φ ← Φ + Z Δf, where a is concerned
+//            after the change by Δf: S ← S − Gᵀ Δf − Δfᵀ G − Δfᵀ R Δf, Φ ← Φ + Z Δf, in the rows and columns
+//            of a
 //   promote: P joins B.   C = R⁻¹,
 //            S ← [S + Gᵀ C G, −Gᵀ C; −C G, C],  Φ ← [Φ − Z C G, Z C],  N ← N + Z C Zᵀ              (4)
 //   demote:  components D of B join the interior.  C = S_DD⁻¹,
 //            S ← S − S_:D C S_D:,  Φ ← Φ − Φ_D C S_D:,  N ← N − Φ_D C Φ_Dᵀ                          (5)
 // Each costs O((|T| + |B|)² × components). A component that is touched for the first time also costs a column
-// of A. An operation loses as many digits as the rest is softer than the part that was removed. With all ΔK
-// and Δf so far, (1) should leave no force inside B,
+// of A. An operation loses digits if what is left is much softer than what was removed. With all ΔK and Δf so
+// far, (1) should leave no force on the interior. It leaves
 //   r = φ + ΔK u − Δf a;                                                                            (6)
 // The displacements that r causes, with B held, are the error of (1).
 #pragma once
@@ -57,26 +58,27 @@ class Condensation {
   void promote(const Dofs& dofs);
   // False, and nothing changes, if they could then move without a force.
   bool demote(const Dofs& dofs);
-  // Components that nothing is attached to any more.
+  // Removes components to which nothing is attached any more.
   void forget(const Dofs& dofs);
-  // Components that K̂ does not know, on the interface, without stiffness: the first of so many consecutive
-  // ones. `scale` [N/m] is of the order of K's diagonal.
+  // Adds components without stiffness to the interface, which K̂ does not have. They are numbered
+  // consecutively; returns the first number. `scale` [N/m] is of the order of K's diagonal.
   Index add(Index count, double scale);
 
-  // In the norm of energy, relative: the larger one of two fields, driven by the loads and by the interface.
-  // O(|T|²).
+  // The relative error in the energy norm, of the field under the loads or of one under a motion of the
+  // interface, whichever is larger. O(|T|²).
   double error() const;
 
-  // Before anything was changed or added; false where the factor cannot be kept. What was saved goes on with
-  // the same loads.
+  // Call save() before anything is changed or added. It returns false if the factor cannot be stored. load()
+  // takes the same loads as before.
   bool save(io::ByteWriter& out) const;
   static std::unique_ptr<Condensation> load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
                                             const Matrix& loads);
 
-  // The whole field in equilibrium: all dofs × #columns, from [a; u_B] in each column.
+  // Returns the displacements of all dofs in equilibrium, one column for each column [a; u_B].
   Matrix field(const Matrix& driven) const;
-  // Forces on the interior while the interface is held, all dofs × #columns [N]: what the interface bears,
-  // interface × #columns [N] (field() transposed), and displacements, all dofs × #columns [m].
+  // While the interface is held, forces act on the interior: all dofs × #columns [N]. These return the forces
+  // that reach the interface, interface × #columns [N] (field() transposed), and the displacements, all dofs
+  // × #columns [m].
   Matrix interface_forces(const Matrix& forces) const;
   Matrix fixed_interface_response(const Matrix& forces) const;
 

@@ -36,8 +36,8 @@ std::unique_ptr<Condensation> condense_afresh(const RegionFactor& region, const 
   });
 }
 
-// Whether a field of it, with everything driven at once, has no force inside and that of S on the interface:
-// its numbers are those of the region.
+// Checks that the numbers of a file belong to the region. If all loads and the whole interface act at once,
+// the interior must be without a force, and the interface must have the force of S.
 bool is_in_equilibrium(const Condensation& condensed, const RegionFactor& region,
                        const Eigen::MatrixXd& loads) {
   const Condensation::Dofs& interface = condensed.interface();
@@ -106,7 +106,7 @@ void CondensedCache::save(const std::filesystem::path& file, std::uint64_t key,
   out.put(key);
   if (!condensed.save(out)) return;
   try {
-    std::error_code ignored;  // what cannot be written to says so
+    std::error_code ignored;  // the file reports it when it cannot be written
     std::filesystem::create_directories(folder_, ignored);
     io::write_sealed(file, format, out.bytes());
   } catch (const InputError& error) {

@@ -15,7 +15,7 @@ class CondensedRegion {
   using Matrix = Condensation::Matrix;
   using Components = std::vector<Index>;
 
-  // The region as it is, condensed to these components.
+  // Condenses the region as it is now to these components.
   CondensedRegion(const RegionFactor& region, const Components& interface,
                   const Matrix& loads,  // 3 × #vertices, #amplitudes [N]
                   CondensedCache& cache, const SparseFactorMaker& make_factor);
@@ -56,7 +56,7 @@ class CondensedRegion {
     is_recorded_ = false;
     operations_.clear();
   }
-  // The same operations on another; false if they do not end the same way.
+  // Repeats the recorded operations on another region. False if one of them has another outcome there.
   bool repeat_on(CondensedRegion& other) const;
 
  private:

@@ -1,5 +1,5 @@
-// Estimates whether condensing a region pays: the interface costs a dense product per step, its tetrahedra
-// would cost a sparse one.
+// Estimates whether a condensed region is cheaper: per step the interface costs a dense product, and the
+// tetrahedra would cost a sparse one.
 #pragma once
 
 #include "lobe/fem/elements.h"

@@ -13,8 +13,8 @@ struct Linearisation {
   bool is_at_rest() const { return about.size() == 0; }
   RegionModel model() const { return is_at_rest() ? RegionModel::precomputed : RegionModel::nonlinear; }
 
-  // Of a tetrahedron between these vertices. At displacements u of them [m] forces −∂W/∂u are constant − K u
-  // [N].
+  // The linearised forces on the corners of a tetrahedron: −∂W/∂u = constant − K u [N] at displacements u of
+  // the corners [m].
   struct Forces {
     TetStiffness K;                         // [N/m]
     Eigen::Matrix<double, 12, 1> constant;  // f(u₀) + K u₀ [N]

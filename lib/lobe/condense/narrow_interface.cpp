@@ -5,15 +5,16 @@
 namespace lobe {
 namespace {
 
-// Paths from the linear to the non-linear side, along edges of the tetrahedra between them, one after the
-// other (L. Ford, D. Fulkerson 1956). A vertex has an entrance and an exit, 2 v and 2 v + 1, and lets one
-// path through. A new path may take back what older ones did.
+// Finds paths from the linear to the non-linear side along edges of the tetrahedra between them, one after
+// the other (L. Ford, D. Fulkerson 1956). A vertex has an entrance and an exit, 2 v and 2 v + 1. Only one
+// path may go through it. A new path may undo parts of older ones.
 class VertexPaths {
  public:
   VertexPaths(const TetMesh& mesh, const std::vector<Side>& sides);
 
   bool add();  // one more; false if there is none
-  // After the last: whether one could still leave the vertex, which is then on the linear side of the cut.
+  // Call it after the last path. Whether a path could still leave the vertex; the vertex is then on the
+  // linear side of the cut.
   bool leaves(Index vertex) const { return reached_from_[std::size_t(2 * vertex + 1)] != unknown; }
 
  private:
@@ -83,7 +84,7 @@ bool VertexPaths::add() {
   return false;
 }
 
-// Backwards from the exit where it ends.
+// Follows the new path backwards from the exit where it ends.
 void VertexPaths::take(Index node) {
   while (node != source) {
     const Index from = reached_from_[node], v = node / 2;

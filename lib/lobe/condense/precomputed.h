@@ -37,7 +37,7 @@ class PrecomputedRegion {
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
                             Mat3X<Real>& external, Mat3X<Real>& dead, bool lazily = false);
   bool is_outdated() const { return is_outdated_; }
-  // Throws InputError if the region of these elements had too large an interface.
+  // Throws InputError if the region of these elements would have too large an interface.
   static void refuse_large(const Elements& elements, const HeldVertices& held);
 
   // Each edit makes the next ones cost more, until the region is condensed from scratch. Another thread does
@@ -47,20 +47,19 @@ class PrecomputedRegion {
   }
   bool is_condensing() const { return recondensed_.valid(); }
   void begin_condensing(const Elements& elements) { begin_condensing(elements, linearisation_); }
-  // Relinearised about these displacements: 3 × #vertices [m].
+  // The same, and the region will be linearised about these displacements: 3 × #vertices [m].
   void begin_relinearising(const Elements& elements, const Mat3X<double>& about) {
     begin_condensing(elements, Linearisation{about});
   }
   // Waits for the other thread and uses its result. Condensing from scratch changes nothing but rounding.
-  // False if there is
-  // no result, and then all stays as it is: the tangent at the new state is not positive definite, or the
-  // region was followed lazily meanwhile.
+  // False if there is no result, because the tangent at the new state is not positive definite, or the region
+  // was followed lazily meanwhile. Nothing changes then.
   bool end_condensing(const Elements& elements);
 
   bool has_changed() const { return has_changed_; }  // by the last edit that was followed
   // 3 × #vertices, what it is linearised about [m]; none: rest.
   const Mat3X<double>& about() const { return linearisation_.about; }
-  const std::vector<Index>& shared() const { return shared_; }  // vertices that are others' as well
+  const std::vector<Index>& shared() const { return shared_; }  // vertices of other regions, too
   // The displacement error of the interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
   // acceleration of the interface [m/s²]. The masses are those of move_mass().
   double inertia_error(const Vec3d& acceleration) const;
@@ -89,24 +88,24 @@ class PrecomputedRegion {
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
   // Computes displacements of the interior, and velocities if v is not null, from those of the interface.
-  // Costs a solve with the factor for each.
+  // Each costs a solution with the factor.
   void recover(const Elements& elements, Real missing_share, Mat3X<Real>& u, Mat3X<Real>* v) const;
 
-  // Of recovered displacements:
+  // Energies at recovered displacements:
   struct Energy {
     double elastic = 0, loads = 0;  // [J]; of the loads that were taken over
   };
   Energy energy(const Elements& elements, const Mat3X<Real>& u) const;
-  // What the region's tetrahedra do to the fixed components of a vertex, 0 for others [N]: add_forces()
-  // leaves it out.
+  // The force of the region's tetrahedra on the fixed components of a vertex, 0 for other components [N].
+  // add_forces() leaves it out.
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
  private:
   using Loads = std::array<Mat3X<double>, 2>;  // all; less the dead ones, of which some may be missing
   using Pose = RigidFrame::Pose;
 
-  // A load for each of these acts alone. A frame needs nine: a load along l in space acts along k in the
-  // frame with R_lk.
+  // The number of amplitudes a. Without a frame there is one for all loads and one for the missing dead
+  // loads. With a frame each has nine: R_lk is the share along k in the frame of what acts along l in space.
   Eigen::Index amplitudes() const { return has_frame_ ? 18 : 2; }
   using Amplitudes = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 18>;
   Amplitudes amplitudes(Real missing_share, const Mat3<double>& R) const;
@@ -147,7 +146,7 @@ class PrecomputedRegion {
   bool is_outdated_ = false, recondensed_is_outdated_ = false;
   Linearisation linearisation_;
   std::unique_ptr<CondensedRegion> condensed_;
-  Index most_touched_ = 0;  // beyond, it had better be condensed from scratch
+  Index most_touched_ = 0;  // with more it should be condensed from scratch
   Index edited_ = 0;        // components, since its error was last measured
   std::future<std::unique_ptr<CondensedRegion>> recondensed_;
   Linearisation recondensed_linearisation_;
@@ -155,7 +154,7 @@ class PrecomputedRegion {
   // What a step reads.
   std::vector<Index> components_;  // of the interface: 3 × vertex + axis
   std::vector<Index> vertices_;    // of the interface, in the order of their components
-  std::vector<Index> shared_;      // vertices that are others' as well
+  std::vector<Index> shared_;      // vertices of other regions, too
   SymmetricProduct<Real> stiffness_;
   Eigen::MatrixXd of_loads_;  // force of each amplitude [N], #components × #amplitudes
 

@@ -1,5 +1,5 @@
-// The pre-computed region follows edits: each is a promotion of the components around it to the interface, a
-// change of stiffness and loads there, and a demotion of those that are interior afterwards.
+// How the pre-computed region follows edits. An edit promotes the components around it to the interface,
+// changes stiffness and loads there, and demotes those that are interior afterwards.
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -14,8 +14,8 @@ namespace {
 constexpr double most_bytes = 2e9;    // of what is dense
 constexpr double most_error = 1e-10;  // relative, that edits may leave
 
-// What boundary conditions and tools do to the components of vertices. Where somebody leads one component of
-// a vertex, he is taken to lead all that are held; in a frame, which may turn, all of them.
+// Which components boundary conditions and tools fix or drive. If one component of a vertex is driven, all
+// its held components count as driven; in a frame that turns, all its components.
 class Hold {
  public:
   Hold(const Elements& elements, const HeldVertices& held)
@@ -69,7 +69,7 @@ void refuse_interface(Index interface) {
                        " MB are used: let it end at a narrower part of the body, or make it tensor-mass");
 }
 
-// To the first column, of all components.
+// Adds the constants of the linearised forces to the first column, which has all components.
 void add_constants(const Linearisation& linearisation, const Elements& elements, Eigen::MatrixXd& loads) {
   if (linearisation.is_at_rest()) return;
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
@@ -80,7 +80,7 @@ void add_constants(const Linearisation& linearisation, const Elements& elements,
   }
 }
 
-// As it now is; none where that cannot be.
+// Condenses the region as it is now; none if it cannot be condensed.
 std::unique_ptr<CondensedRegion> condensed_anew(const Elements& elements, const Roles& roles,
                                                 const Linearisation& linearisation,
                                                 const std::vector<Index>& interface, Eigen::MatrixXd loads,
@@ -144,7 +144,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   return mechanism;
 }
 
-// To tetrahedra and vertices that are new.
+// Makes room for tetrahedra and vertices that are new.
 template <class Real>
 void PrecomputedRegion<Real>::grow(const Elements& elements, const RegionEdit& edit) {
   const Index tets = elements.topology.tet_count(), vertices = elements.topology.vertex_count();
@@ -160,7 +160,7 @@ void PrecomputedRegion<Real>::grow(const Elements& elements, const RegionEdit& e
   extend(recondensed_linearisation_, edit);
 }
 
-// On the interface what belongs to it from now on, and what is new.
+// Promotes the components that belong to the interface from now on, and those that are new.
 template <class Real>
 void PrecomputedRegion<Real>::open(const std::vector<Index>& components) {
   const auto role = [&](Index i) { return roles_.data()[i]; };
@@ -169,8 +169,8 @@ void PrecomputedRegion<Real>::open(const std::vector<Index>& components) {
   condensed_->add(picked(components, [&](Index i) { return !condensed_->has(i) && role(i) != Role::none; }));
 }
 
-// Stiffness and loads where they change. What becomes fixed leaves by way of the interface; components that
-// nothing is attached to any more are held by a spring.
+// Changes stiffness and loads. Components that become fixed are first promoted to the interface. Components
+// to which nothing is attached any more are held by a spring.
 template <class Real>
 void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit,
                                      const std::vector<Index>& all, Mat3X<Real>& external,
@@ -226,8 +226,8 @@ void PrecomputedRegion<Real>::change_members(const Elements& elements, const Reg
   }
 }
 
-// With the corners and the share that a member had when it was last followed. `row`: of each component, or
-// −1.
+// Adds the stiffness of a member with the corners and the share that it had when it was last followed. `row`:
+// of each component, or −1.
 template <class Real>
 void PrecomputedRegion<Real>::add(const Linearisation& linearisation, const Elements& elements, Index tet,
                                   double sign, const std::vector<Index>& row,
@@ -252,7 +252,8 @@ void PrecomputedRegion<Real>::extend(Linearisation& linearisation, const RegionE
     linearisation.about.col(copy) = linearisation.about.col(vertex);
 }
 
-// A load on the interior acts through the region, all others are the world's.
+// Takes the loads on the interior over from the world. They act through the region; all others stay with the
+// world.
 template <class Real>
 void PrecomputedRegion<Real>::take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external,
                                          Mat3X<Real>& dead) {
@@ -266,7 +267,7 @@ void PrecomputedRegion<Real>::take_loads(const std::vector<Index>& vertices, Mat
   }
 }
 
-// Back to the interior with what does not belong to the interface.
+// Demotes components that do not belong to the interface any more.
 template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
                                                   const std::vector<Index>& components) {
@@ -282,9 +283,9 @@ std::vector<Index> PrecomputedRegion<Real>::close(const Elements& elements,
   return mechanism;
 }
 
-// Where edits have left too large an error the region is condensed from scratch at once, if it can be: little
-// of it is left then. That is measured as often as it costs little beside the edits. What another thread is
-// condensing starts again from here, once that is done.
+// Measures the error that edits have left, so seldom that this costs little compared with the edits. If the
+// error is too large, the region is condensed from scratch at once, if that is possible. (Little of it is
+// left then.) If another thread is condensing, this waits for it, and then starts it again.
 template <class Real>
 void PrecomputedRegion<Real>::keep_exact(const Elements& elements, const std::vector<Index>& edited) {
   edited_ += static_cast<Index>(edited.size());
@@ -314,7 +315,7 @@ Eigen::MatrixXd PrecomputedRegion<Real>::loads() const {
   return loads;
 }
 
-// On a component, of each amplitude.
+// The loads on a component, one for each amplitude.
 template <class Real>
 Eigen::RowVectorXd PrecomputedRegion<Real>::load_row(const Loads& loads, Index component) const {
   const Index v = component / 3, axis = component % 3;
@@ -360,7 +361,7 @@ template <class Real>
 bool PrecomputedRegion<Real>::end_condensing(const Elements& elements) {
   std::unique_ptr<CondensedRegion> condensed = recondensed_.get();
   if (!condensed || recondensed_is_outdated_ ||
-      !condensed_->repeat_on(*condensed)) {  // what one finds loose, to rounding, the other does not
+      !condensed_->repeat_on(*condensed)) {  // rounding may make a part loose in only one of the two
     most_touched_ *= 2;
     condensed_->forget_operations();
     return false;

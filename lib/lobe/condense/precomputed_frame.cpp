@@ -6,7 +6,7 @@ namespace lobe {
 template <class Real>
 void PrecomputedRegion<Real>::prepare_frame(const Elements& elements) {
   const auto count = Eigen::Index(vertices_.size());
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);  // volume of the region around each
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);  // volume of the region around each vertex
   for (Eigen::Index i = 0; i < count; ++i)
     for (Index t : elements.topology.around(vertices_[std::size_t(i)]))
       if (member_[t]) weights[i] += elements.volume(t) / 4;
@@ -39,7 +39,7 @@ typename PrecomputedRegion<Real>::Amplitudes PrecomputedRegion<Real>::amplitudes
   return a;
 }
 
-// (42c)
+// (14.10) of the theory
 template <class Real>
 void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real missing_share, Mat3X<Real>& f,
                                                   Parallel& parallel) {
@@ -60,8 +60,9 @@ void PrecomputedRegion<Real>::add_forces_in_frame(const Mat3X<Real>& u, Real mis
     f.col(vertices_[std::size_t(i)]) += (pose_.R * forces_.col(i)).template cast<Real>();
 }
 
-// τ_f of (42c): of the loads on the interior, about the centroid of the interface, in the frame: from the
-// work that each amplitude's load does on the arms of the interior, Σ (Y + d)_k f_l.
+// Computes τ_f of (14.10) of the theory: the torque of the loads on the interior, about the centroid of the
+// interface, in the frame. It follows from the work that each amplitude's load does on the arms of the
+// interior, Σ (Y + d)_k f_l.
 template <class Real>
 Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing_share) const {
   const auto count = amplitudes();
@@ -75,8 +76,8 @@ Vec3d PrecomputedRegion<Real>::torque_of_loads(const Amplitudes& a, Real missing
   return {M(1, 2) - M(2, 1), M(2, 0) - M(0, 2), M(0, 1) - M(1, 0)};
 }
 
-// Displacements in the frame are those of (39); their velocities come with those of the frame and of the
-// loads in it.
+// Displacements in the frame are those of (14.2) of the theory. Velocities include those of the frame, and
+// those of the loads as seen from it.
 template <class Real>
 void PrecomputedRegion<Real>::recover_in_frame(const Elements& elements, Real missing_share, Mat3X<Real>& u,
                                                Mat3X<Real>* v) const {

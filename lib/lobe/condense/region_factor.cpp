@@ -8,7 +8,7 @@
 namespace lobe {
 namespace {
 
-// The region's tetrahedra with vertices of their own.
+// A body of the region's tetrahedra only.
 struct Part {
   Body body;
   std::vector<Index> source;  // per vertex: its number in the whole

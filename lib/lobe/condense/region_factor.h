@@ -1,4 +1,5 @@
-// The sparse factor of a pre-computed region without the rest of the body: its tetrahedra at one moment.
+// What the sparse factor of a pre-computed region is made of: the stiffness of its tetrahedra at one moment,
+// without the rest of the body.
 #pragma once
 
 #include "lobe/condense/condensing_log.h"
@@ -19,7 +20,7 @@ using ComponentNumbers = Eigen::Matrix<Index, 3, Eigen::Dynamic>;  // 3 × #vert
 
 // K̂ = K + springs, K the stiffness of the region's tetrahedra on all components with a role, and a spring on
 // each vertex whose components are all interface or fixed. The springs hold K̂ if nothing else holds the
-// region. They are as stiff as the region. Condensing takes them off again.
+// region. They are as stiff as the region. Condensing removes them again.
 struct RegionFactor {
   RegionFactor(const Elements& elements, const Roles& roles, const Linearisation& linearisation = {});
   std::unique_ptr<SparseFactor> factorise(const SparseFactorMaker& make_factor, CondensingLog& log) const;
@@ -31,7 +32,7 @@ struct RegionFactor {
   SparseFactor::Matrix K;       // K̂, its lower triangle
 };
 
-// Of the components of the interior, 0 for others: 3 × #vertices [kg].
+// Lumped masses of the components of the interior, 0 for others: 3 × #vertices [kg].
 Eigen::VectorXd interior_masses(const Elements& elements, const Roles& roles);
 // Components of the interface whose vertices belong to tetrahedra of other regions as well.
 std::vector<Index> shared_components(const Elements& elements, const Roles& roles);

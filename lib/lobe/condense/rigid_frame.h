@@ -1,8 +1,8 @@
 // Finds the rigid motion that fits displaced points best. A linear region that moves with this frame may turn
-// as a whole (theory, (42a) to (42c)). With rest positions X_i
-// about their centroid, Y_i, the weights w_i, and x_i about theirs, y_i, the rotation R makes Σ w_i y_i·R Y_i
-// as large as it can be (B. K. P. Horn, Closed-form solution of absolute orientation using unit quaternions,
-// 1987). Where points move, R turns by
+// as a whole (theory, (14.8) to (14.10), where R and A are called Q and B). Y_i are the rest positions about
+// their centroid, y_i the present positions about theirs, and w_i the weights. The rotation R makes
+// Σ w_i y_i·R Y_i as large as it can be (B. K. P. Horn, Closed-form solution of absolute orientation using
+// unit quaternions, 1987). Where points move with velocities v_i, R turns with the angular velocity
 //   ω = R A⁻¹ Σ w_i Y_i × Rᵀ v_i,  A = Σ w_i [(Y_i·Rᵀ y_i) I − Y_i (Rᵀ y_i)ᵀ].                        (1)
 #pragma once
 
@@ -31,8 +31,8 @@ class RigidFrame {
 
   void fit(Pose& pose) const;                                 // where d are positions in space [m]
   Rate rate(const Pose& pose, const Mat3X<double>& v) const;  // 3 × #points, in space [m/s]
-  // All in the frame, about the centroid: the torque of forces on the points [N m], and forces −w_i A⁻¹τ ×
-  // Y_i that are added to take a torque τ off, without a resultant.
+  // These are in the frame and about the centroid. torque() is that of forces on the points [N m]. take_off()
+  // adds the forces −w_i A⁻¹τ × Y_i, which have the torque −τ and no resultant.
   Vec3d torque(const Pose& pose, const Mat3X<double>& f) const;
   void take_off(const Pose& pose, const Vec3d& torque, Mat3X<double>& f) const;
 

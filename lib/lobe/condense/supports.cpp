@@ -38,7 +38,7 @@ class Supports {
     return any_corner(part, [&](Index v) { return prescribed_.col(v).any(); }) &&
            keep_shape(part, [&](Index v, int axis) { return prescribed_(axis, v); });
   }
-  // In a frame all components of a vertex that is held in any are driven.
+  // In a frame, a vertex that is held in any component is driven in all.
   bool hold_in_frame(const std::vector<Index>& part) const {
     return keep_shape(part, [&](Index v, int) { return prescribed_.col(v).any(); });
   }

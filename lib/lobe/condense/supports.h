@@ -7,7 +7,7 @@
 
 namespace lobe {
 
-// Returns the pre-computed tetrahedra of parts that are not held. A part hangs together by faces within the
+// Returns the pre-computed tetrahedra of parts that are not held. A part is connected by faces within the
 // region. It is not held if no boundary condition holds a vertex of it, or if it could move as a rigid body
 // while its interface and its held vertices stand still. In a region with a frame all parts but the largest
 // count as not held, and the largest if it could move so. O(#tetrahedra).

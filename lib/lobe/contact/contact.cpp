@@ -102,7 +102,7 @@ void Contact<Real>::gather(const std::vector<int>& points, const Places& now) co
   for (std::size_t i = 0; i < points.size(); ++i) x_.col(Eigen::Index(i)) = now.of_point(points[i]);
 }
 
-// What was found for these points, to the vertices of the mesh.
+// Distributes the forces on these points to the vertices of the mesh.
 template <class Real>
 void Contact<Real>::scatter(const std::vector<int>& points, Mat3X<Real>& f) const {
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -119,7 +119,7 @@ void Contact<Real>::forget_all() const {
   if (self_) self_->forget();
 }
 
-// A state that did not come from a step may be anywhere.
+// Forgets what may touch if the state did not come from a step.
 template <class Real>
 void Contact<Real>::forget_if_replaced(const At& at) const {
   if (at.model.revisions.replaced == replaced_) return;

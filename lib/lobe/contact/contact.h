@@ -1,9 +1,11 @@
-// Contact of a body with rigid tools (tool_contact.h), as a force term: its energy and stiffness are known to
-// the world, and its state is part of checkpoints. A world makes one where a tool has a body to touch with.
+// Contact of a body with rigid tools and obstacles (tool_contact.h) and with itself (self_contact.h), as a
+// force term: its energy and stiffness are known to the world, and its state is part of checkpoints. A world
+// makes one as soon as it has a probe, or from the start if the setup asks for self contact or obstacles.
 //
 // Contact hardly changes the stable step (contact_surface.h). Its damping acts only along the normals. It is
-// a share ζ of the critical damping at ω_max, and less at lower frequencies. Velocities lag by half a step.
-// This lowers the stable step by a factor √(1 + ζ²) − ζ at most, for which `safety` leaves room.
+// a share ζ of the critical damping at ω_max, and less at lower frequencies. Because velocities are those of
+// half a step before, this damping lowers the stable step, by a factor √(1 + ζ²) − ζ at the worst: 0.95 for
+// the default ζ = 0.05. The default safety of 0.9 leaves room for ζ up to 0.1.
 #pragma once
 
 #include <memory>
@@ -50,7 +52,7 @@ class Contact : public ForceTerm<Real> {
   const ContactSurface& surface() const { return surface_; }
 
  private:
-  struct OfTool {  // that has not come yet
+  struct OfTool {  // what a checkpoint remembers of a tool that has not come yet
     int tool = 0;
     Remembered remembered;
   };
@@ -61,10 +63,10 @@ class Contact : public ForceTerm<Real> {
             .hold = 0.5 * body_damping_,
             .deepest = deepest_contact * surface_.mean_edge() / surface_.softening()};
   }
-  std::vector<int> there(double time) const;  // tools
+  std::vector<int> there(double time) const;  // the tools that exist at a time
   template <class Visit>
   void visit_memories(Visit&& visit);  // visit(memory) of the body on itself, then of each tool
-  void forget_all() const;             // what may touch
+  void forget_all() const;             // forgets all lists of what may touch
   class Here;                          // Places
   void forget_if_replaced(const At& at) const;
   void find_all(const At& at) const;

@@ -1,7 +1,8 @@
 // The boundary of a body as contact sees it: triangles between points that are vertices of the mesh, or lie
 // within a tetrahedron where a blade has cut, and how stiff contact may be there.
 //
-// Stiffness is filled to the limit. A vertex v of mass m whose own frequency at rest is ω_v may be given
+// Contact is as stiff as the stable step allows. A vertex v of mass m whose own frequency at rest is ω_v may
+// be given
 //   k_v = max(θ, 1 − r² ω_v²/ω_max²) ω_max² m_v,   θ = 0.05,
 // and contact of v with a rigid body then leaves the highest frequency of the body, ω_max, about where it is:
 // by Gershgorin's theorem ω² ≤ ω_max² + max k_v/m_v in the worst case. r is ω_max over the largest ω_v. Per

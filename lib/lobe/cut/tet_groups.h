@@ -1,7 +1,8 @@
-// Finds the tetrahedra that an instrument may touch, without testing all of them. Groups of some hundred
-// tetrahedra that are near each other at rest, and leaves of some ten within each, remember their box and how
-// far vertices have moved since. A box is tested only if it meets the instrument's box after it was enlarged
-// by that distance. None is missed: a shuffled or inverted mesh only costs more.
+// Finds the tetrahedra that an instrument may touch, without testing all of them. Tetrahedra that are near
+// each other at rest form groups of some hundred, and leaves of some ten within each group. Each has a box,
+// and stores how far vertices have moved since the box was computed. The box is enlarged by that distance. If
+// it then does not meet the box of the instrument, its tetrahedra are not tested. So none is missed. A
+// shuffled or inverted mesh only costs more.
 #pragma once
 
 #include <vector>
@@ -12,13 +13,13 @@ namespace lobe {
 
 class TetGroups {
  public:
-  // Every vertex has moved by at most this in one more step [m]; `rounding` is that of the displacements'
-  // precision.
+  // Call it after each step, in which no vertex has moved further than this [m]. `rounding` is the relative
+  // rounding of displacements.
   void moved(double distance, double rounding) { path_ += distance + rounding * (reach_ + path_); }
-  // It is not known how far they have moved.
+  // Call it when it is not known how far vertices have moved.
   void forget() { is_lost_ = true; }
 
-  // A copy of a tetrahedron has been added, where that is.
+  // Call it when a copy of a tetrahedron was added, at the same place.
   void add_copy(Index tet, Index copy);
   // The tetrahedra that meet a volume, in ascending order, in the deformed body of rest positions and
   // displacements [m].

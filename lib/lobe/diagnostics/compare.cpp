@@ -106,7 +106,7 @@ void check_sizes(const Field& a, const Field& b, const Difference& d) {
                                              : "; two meshes of one body are needed"));
 }
 
-// b on a mesh so fine that a quadrature there sees the kinks of a.
+// Returns b on a mesh that is so fine that its quadrature resolves the kinks of a.
 Field refined_for(const Field& a, Field b) {
   const double edge_a = mesh_quality(a.mesh).mean_edge;
   double edge_b = mesh_quality(b.mesh).mean_edge;

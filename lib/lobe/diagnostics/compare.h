@@ -14,8 +14,8 @@ struct Field {
   std::vector<double> density;  // per tetrahedron [kg/m³]; empty: not known
 };
 
-// Of a file with point data "displacement", and cell data "density" if it has it, as a frame of `lobe run`.
-// Throws InputError for anything else.
+// Reads a file with point data "displacement", and cell data "density" if it has any, as frames of `lobe run`
+// are. Throws InputError for anything else.
 Field read_field(const std::filesystem::path& file);
 
 struct Difference {
@@ -32,14 +32,14 @@ struct Difference {
   double largest_gap = 0;       // of a point of b's rest body from a's [m]
 };
 
-// Both fields on one mesh. Integrals are exact for P1 fields. Relative figures are infinite if b is zero and
-// a is not. Throws InputError if the sizes differ.
+// Compares two fields on one mesh. Integrals are exact for P1 fields. Relative figures are infinite if b is
+// zero and a is not. Throws InputError if the sizes differ.
 Difference compare_displacements(
     const TetMesh& mesh, const Mat3X<double>& a,
     const Mat3X<double>& b,                    // 3 × #vertices [m]
     const std::vector<double>& density = {});  // per tetrahedron [kg/m³], or none
 
-// As above if the meshes are equal. Otherwise a is interpolated, and integrals go over b's body by a
+// The same if the meshes are equal. Otherwise a is interpolated, and integrals go over b's body by a
 // quadrature of degree two on its tetrahedra, refined until their edges are about half of a's: exact where a
 // is linear on such a piece, approximate where a has a kink inside it. Parts of b outside a, as between two
 // chords of one curved surface, take the linear extension of a's nearest tetrahedron. Throws InputError if

@@ -13,15 +13,15 @@ struct TetFields {
   double von_mises = 0;     // [Pa]
 };
 
-// With the model of the tetrahedron's region.
+// The fields of a tetrahedron, by the model of its region.
 TetFields tet_fields(const Elements& elements, Index tet,
                      const Mat34<double>& u,  // of the four corners [m]
                      double pressure);        // p_T of tet_pressures(), 0 without nodal pressure [Pa]
 
-// The body as it is cut now: all vertices at rest positions, the tetrahedra that are left in the input's
-// order, with point data displacement [m], velocity [m/s] and cell data region, volume_ratio, strain, stress
-// (xx, yy, zz, xy, yz, xz) [Pa], von_mises [Pa], density [kg/m³], source (the input's tetrahedron), and the
-// labels. Throws InputError if the file cannot be written.
+// Writes the body as it is cut now: all vertices at rest positions and the tetrahedra that are left, in the
+// order of the input. It has the point data displacement [m], velocity [m/s] and the cell data region,
+// volume_ratio, strain, stress (xx, yy, zz, xy, yz, xz) [Pa], von_mises [Pa], density [kg/m³], source (the
+// input's tetrahedron), and the labels. Throws InputError if the file cannot be written.
 void write_frame(const std::filesystem::path& file, const Elements& elements, const Mat3X<double>& u,
                  const Mat3X<double>& v);
 

@@ -13,7 +13,7 @@ Mat34<double> at_corners(const Elements& elements, Index tet, const Mat3X<double
   return values(Eigen::all, elements.topology.corners(tet));
 }
 
-// What the vertices' values are at a place in a tetrahedron.
+// Interpolates the vertices' values at a place in a tetrahedron.
 Vec3d at_place(const Elements& elements, Index tet, const Mat34<double>& values, const Vec3d& X) {
   const Mat3<double> alpha = elements.shape_of(tet).gradients.rightCols<3>();
   const Vec3d start = elements.points.col(elements.topology.corners(tet)[0]);

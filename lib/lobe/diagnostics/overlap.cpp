@@ -6,7 +6,7 @@
 namespace lobe {
 namespace {
 
-constexpr double touching = 1e-6;  // of an edge: what rounding and single precision may move a point
+constexpr double touching = 1e-6;  // of an edge: how far rounding and single precision may move a point
 
 double mean_edge(const TetMesh& mesh, Index tet) {
   const Mat34<double> X = tet_points(mesh, tet);

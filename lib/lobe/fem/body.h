@@ -33,17 +33,17 @@ enum class MaterialLaw : std::uint8_t { svk, neo_hookean };  // of the non-linea
 struct Elastic {
   double lambda = 4e4, mu = 1e4;  // [Pa]
   double density = 1000;          // [kg/m³]
-  double nodal_pressure = 0;  // w: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
+  double nodal_pressure = 0;  // χ: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
   MaterialLaw law = MaterialLaw::svk;
   FibreModuli<double> fibre{};  // [Pa], zero: isotropic; λ and μ are then those across the fibre
   double fracture_energy = 0;   // G_c: work of a blade per area that it opens [J/m²]
 
-  double nodal_lambda() const { return nodal_pressure * lambda; }    // wλ [Pa]
-  double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − w)λ [Pa]
+  double nodal_lambda() const { return nodal_pressure * lambda; }    // χλ [Pa]
+  double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − χ)λ [Pa]
   double guard_modulus() const {  // M of fem/guard.h [Pa]: the stiffer one of both directions
     return element_lambda() + 2 * mu + std::max(0.0, fibre_excess());
   }
-  // What uniaxial strain along the fibre feels beyond that across it: C_LL − C_TT [Pa].
+  // By how much uniaxial strain along the fibre is stiffer than across it: C_LL − C_TT [Pa].
   double fibre_excess() const { return 2 * fibre.coupling + 4 * fibre.shear + fibre.stretch; }
 
   static constexpr auto fields =
@@ -69,7 +69,7 @@ struct Body {
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;  // per tetrahedron: which of the materials
   std::vector<RegionModel> region_of;      // per tetrahedron
-  // Per tetrahedron: φ, the share of its volume that is filled, above 0 and at most 1. None: all are full.
+  // φ per tetrahedron, the share of its volume that is filled, above 0 and at most 1. Empty: 1 for all.
   std::vector<double> shares = {};
   RegionFrame precomputed_frame = RegionFrame::fixed;
   double volume_penalty = 0;  // κ [Pa], of the non-linear region

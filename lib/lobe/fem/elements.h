@@ -32,8 +32,8 @@ struct Elements {
     for (int c = 0; c < 4; ++c) X.col(c) = points.col(topology.tets()(c, tet));
     return X;
   }
-  // φ: a tetrahedron that a blade has cut stands where it stood, in two or more copies that share its volume.
-  // All that is an integral over a tetrahedron has it for a factor; what is of a point in it has not.
+  // φ: a tetrahedron that a blade has cut becomes two or more copies of the same shape, which share its
+  // volume. Integrals over a tetrahedron have the factor φ; quantities at a point in it do not.
   double share_of(Index tet) const { return shares.empty() ? 1 : shares[tet]; }
   double volume(Index tet) const { return share_of(tet) * signed_volume(corner_points(tet)); }  // [m³]
   Shape shape_of(Index tet) const {
@@ -41,7 +41,7 @@ struct Elements {
     of_whole.volume *= share_of(tet);
     return of_whole;
   }
-  // The topology has made copies, or divided volumes again.
+  // Call it when the topology has made copies or has divided volumes again.
   void follow(const MeshEdit& edit);
   int label_of(Index tet) const { return labels.empty() ? 0 : labels[tet]; }
   bool is_in(RegionModel model, Index tet) const {  // the tetrahedron is alive and of that model
@@ -74,7 +74,8 @@ inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pre
   law.direction = elements.fibre_of(tet);
   return law;
 }
-// The law of linear ones, for linear_stress() and its like: all of λ, and no other term than the fibre's.
+// The law of linear tetrahedra, for linear_stress() and similar functions: with all of λ, and no other term
+// than the fibre's.
 inline Law<double> linear_law(const Elastic& elastic) {
   return {.lambda = elastic.lambda,
           .mu = elastic.mu,

@@ -83,7 +83,7 @@ class HarmonicField {
   Eigen::VectorXd value_;
 };
 
-// What has no direction takes the sum of those around its vertices, ring by ring.
+// Gives tetrahedra without a direction the sum of the directions around their vertices, ring by ring.
 void fill_from_neighbours(const std::vector<Index>& tets, TetMesh& mesh, const std::string& place) {
   std::vector<Index> left;
   for (Index t : tets)

@@ -6,8 +6,9 @@
 // It depends only on F, so it conserves momentum. Rotations do not change it. dw/dF = −w' cof F / J₀.
 //
 // The rational branch alone would be infinite at J = 0, where no explicit step could follow it, and a start
-// beyond would stay inverted. Its end at J₀/4 caps the curvature at 126 M: what a guarded element may shorten
-// the time step by. A force that flattens an element (J = 0) must exceed 45 M J₀ per area.
+// beyond would stay inverted. It ends at J₀/4, so that the curvature is at most 126 M. That limits by how
+// much a guarded element shortens the time step. A force that flattens an element (J = 0) must exceed 45 M J₀
+// per area.
 #pragma once
 
 #include <algorithm>

@@ -59,7 +59,7 @@ struct Law {
   }
 };
 
-// Begins with the first term, not with 0, which adding would cost time and the sign of a zero.
+// A sum that begins with the first term. To add it to 0 would cost time and change the sign of a zero.
 template <class Value>
 class SumOfTerms {
  public:
@@ -78,7 +78,7 @@ class SumOfTerms {
   bool empty_ = true;
 };
 
-inline bool any_of(bool lane) { return lane; }  // beside that of packs
+inline bool any_of(bool lane) { return lane; }  // as for packs of numbers
 
 template <class T>
 Mat3<T> cross_matrix(const Vec3<T>& a)  // a × …
@@ -94,7 +94,7 @@ bool is_guarded(const Law<T>& law, const Mat3<T>& H)  // whether the guard resis
   return law.terms.guard && any_of(T(1) + volume_change(H) < law.guard_threshold);
 }
 
-// S of the terms in Green's strain, nodal pressure aside.
+// S of the terms in Green's strain, without nodal pressure.
 template <class T>
 Mat3<T> law_second_stress(const Law<T>& law, const Mat3<T>& H)  // [Pa]
 {

@@ -2,8 +2,8 @@
 //   W/V = μ/2 (tr FᵀF − 3) − μ (J − 1) + (λ + μ)/2 (J − 1)²
 //   P   = μ F + ψ′ cof F,  ψ′ = (λ + μ)(J − 1) − μ
 // (B. Smith, F. de Goes, T. Kim, Stable neo-Hookean flesh simulation, ACM Trans. Graph. 37, 2018, without
-// their logarithm, in the Lamé coefficients of the small strains that are Hooke's). Polyconvex: it does not
-// soften in uniaxial compression. Its energy is finite for every F, inverted ones too.
+// their logarithm, in the Lamé coefficients of the small strains that are Hooke's). It is polyconvex and does
+// not soften in uniaxial compression. Its energy is finite for every F, inverted ones too.
 #pragma once
 
 #include "lobe/fem/volume_term.h"
@@ -25,7 +25,8 @@ VolumeDerivatives<T> neo_hookean_volume_derivatives(const Mat3<T>& H, const T& l
   return {(lambda + mu) * volume_change(H) - mu, lambda + mu};
 }
 
-// P = μ (F − cof F) + (λ + μ) v cof F, where F − cof F is found without the 1 of F: exact at rest.
+// P = μ (F − cof F) + (λ + μ)(J − 1) cof F. F − cof F is computed without the 1 of F, so that P is exactly 0
+// at rest.
 template <class T>
 Mat3<T> neo_hookean_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // first Piola-Kirchhoff [Pa]
 {

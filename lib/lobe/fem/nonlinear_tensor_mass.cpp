@@ -12,8 +12,8 @@ Mat3<double> fibre_stress(const Mat34<double>& alpha, const Law<double>& law, in
   return fibre_stress_of_strain<double>(strain(alpha, j, k), law.fibre, law.direction);
 }
 
-// What fibres add, never inlined: the terms of bodies without any then stay as fast as without these
-// branches.
+// What fibres add. These functions are never inlined, so that bodies without fibres are as fast as without
+// these branches.
 [[gnu::noinline]] Vec3d fibre_C(const Mat34<double>& alpha, const Law<double>& law, int j, int k, int l) {
   return 0.5 * fibre_stress(alpha, law, k, l) * alpha.col(j);
 }

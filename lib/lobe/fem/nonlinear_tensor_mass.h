@@ -23,8 +23,8 @@
 
 namespace lobe {
 
-// In every struct the members are sums over tetrahedra of V × coefficient × the number of equal terms, in the
-// order in which they are named; `values` lists them for sums and conversions.
+// The members of each struct are sums over tetrahedra of V × coefficient × the number of equal terms.
+// `values` has them in the order in which the comment names them.
 
 struct VertexTerms {  // ½ uᵀ B u + (u·C)(u·u) + D (u·u)²
   static constexpr int vertices = 1, size = 9 + 3 + 1;
@@ -52,8 +52,8 @@ struct TetTerms {
   std::array<double, size> values{};  // D1 … D3
 };
 
-// Contributions of one tetrahedron to the terms of its corners i, j, k, in the order in which their
-// displacements will be handed to the evaluation. Of the law: λ, μ and the fibre.
+// What one tetrahedron contributes to the terms of its corners i, j, k. The evaluation must get their
+// displacements in the same order. Of the law they take λ, μ and the fibre.
 VertexTerms vertex_terms(const Shape& s, const Law<double>& law, int i);
 EdgeTerms edge_terms(const Shape& s, const Law<double>& law, int i, int j);
 TriangleTerms triangle_terms(const Shape& s, const Law<double>& law, int i, int j, int k);

@@ -1,6 +1,6 @@
-// The part of St Venant-Kirchhoff that nodal pressure takes over (theory, section 12): with a pressure p that
-// comes from outside, W = V p θ/2 and S = p I, θ = tr E. These add to the functions of svk.h, which keep (1 −
-// w)λ and μ.
+// The part of St Venant-Kirchhoff that nodal pressure takes over (theory, section 12): with a given pressure
+// p, W = V p θ/2 and S = p I, θ = tr E. These are added to the functions of svk.h, which are called with (1 −
+// χ)λ and μ.
 #pragma once
 
 #include "lobe/types.h"

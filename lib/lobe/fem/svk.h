@@ -40,8 +40,8 @@ Mat3<T> svk_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // first Pio
   return S + H.lazyProduct(S);
 }
 
-// ∂²W/∂u_j² / V = (α·Sα) I + (λ + μ)(Fα)⊗(Fα) + μ (α·α) F Fᵀ at the current state, α = α_j: what one vertex
-// feels when it moves while its neighbours are held. The time step follows it.
+// ∂²W/∂u_j² / V = (α·Sα) I + (λ + μ)(Fα)⊗(Fα) + μ (α·α) F Fᵀ at the current state, α = α_j. It is the
+// stiffness that a vertex feels when it moves while its neighbours are held, and determines the time step.
 template <class T>
 Mat3<T> svk_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& lambda, const T& mu)  // [Pa/m²]
 {

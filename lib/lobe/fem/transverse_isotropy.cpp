@@ -22,8 +22,8 @@ void set_transverse(const TransverseConstants& c, Elastic& elastic) {
       C_LL - elastic.lambda - 2 * elastic.mu - 2 * elastic.fibre.coupling - 4 * elastic.fibre.shear;
 }
 
-// With K = λ + μ = (C_TT + C_TT′)/2: ν_LT = C_LT/2K, E_L = C_LL − C_LT²/K, and E_T, ν_TT of what is left of
-// the plane when L is free, where K becomes K − C_LT²/C_LL.
+// With K = λ + μ = (C_TT + C_TT′)/2: ν_LT = C_LT/2K, E_L = C_LL − C_LT²/K, and E_T, ν_TT follow from the
+// plane across when L is free, where K becomes K − C_LT²/C_LL.
 TransverseConstants transverse_constants(const Elastic& e) {
   const double K = e.lambda + e.mu, C_LT = e.lambda + e.fibre.coupling, C_LL = stiffness_along(e);
   const double plane = K - C_LT * C_LT / C_LL;
@@ -52,8 +52,8 @@ std::vector<Fault> transverse_faults(const TransverseConstants& c, const std::st
   return faults;
 }
 
-// The strain's parts do not mix but for that along the fibre and that of the area across it:
-// G_LT > 0, μ > 0, λ + μ > 0 and C_LL (λ + μ) > C_LT².
+// The energy is a sum over parts of the strain, of which only that along the fibre and that of the area
+// across it are coupled: G_LT > 0, μ > 0, λ + μ > 0 and C_LL (λ + μ) > C_LT².
 bool is_positive_definite(const Elastic& e) {
   const double K = e.lambda + e.mu, C_LT = e.lambda + e.fibre.coupling, C_LL = stiffness_along(e);
   return std::isfinite(C_LL * K) && e.mu > 0 && shear_along(e) > 0 && K > 0 && C_LL * K > C_LT * C_LT;

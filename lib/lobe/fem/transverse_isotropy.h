@@ -15,18 +15,18 @@ struct TransverseConstants {
   double shear_along = 0;     // G_LT [Pa]
 };
 
-// Sets λ, μ and the fibre's moduli; equal constants give an isotropic solid to rounding.
+// Sets λ, μ and the fibre's moduli. The constants of an isotropic solid give one, to rounding.
 void set_transverse(const TransverseConstants& constants, Elastic& elastic);
 TransverseConstants transverse_constants(const Elastic& elastic);
 
-// Of uniaxial strain along and across the fibre [Pa]: ρ c² of pressure waves that run there.
+// The stiffness in uniaxial strain along and across the fibre [Pa]: ρ c² of pressure waves in that direction.
 inline double stiffness_across(const Elastic& e) { return e.lambda + 2 * e.mu; }
 inline double stiffness_along(const Elastic& e) { return stiffness_across(e) + e.fibre_excess(); }
 inline double shear_along(const Elastic& e) { return e.mu + e.fibre.shear; }  // G_LT [Pa]
 
-// One fault per bound that is not kept, at place + '/' + the scene's name of the constant.
+// Returns a fault for each bound that is broken. Its place is place + '/' + the scene's name of the constant.
 std::vector<Fault> transverse_faults(const TransverseConstants& constants, const std::string& place);
-// Whether every strain of the linear model costs energy.
+// Whether every strain of the linear model has a positive energy.
 bool is_positive_definite(const Elastic& elastic);
 
 }  // namespace lobe

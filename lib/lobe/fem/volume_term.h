@@ -1,6 +1,7 @@
-// Resistance to change of volume, [PDA] section 4 with erratum 4: the printed force has no sign and conserves
-// no momentum; this is the energy that it stands for, W = κ V |v|³/3 with v = (V_now − V)/V = det F − 1. The
-// force on vertex p is −κ v|v| ∂V_now/∂x_p, and V ∂v/∂F = V cof F, so that it adds κ v|v| cof F to P.
+// Resistance to change of volume, [PDA] section 4 with erratum 4. The printed force has no sign and conserves
+// no momentum. This is the energy behind it, W = κ V |v|³/3 with v = (V_now − V)/V = det F − 1 (θ in the
+// theory). The force on corner j is −κ v|v| ∂V_now/∂x_j. Since ∂v/∂F = cof F, the term adds κ v|v| cof F to
+// P.
 #pragma once
 
 #include <cmath>
@@ -33,7 +34,8 @@ T volume_change(const Mat3<T>& H) {
   return H(0, 0) + H(1, 1) + H(2, 2) + minors + det;
 }
 
-// det(I + H) by half the work, with rounding errors of the size of its terms: to tell what is near collapse.
+// det(I + H) at half the cost, with rounding errors of the size of its terms. It is good enough to tell what
+// is near collapse.
 template <class T>
 T volume_ratio(const Mat3<T>& H) {
   const T a = T(1) + H(0, 0), b = T(1) + H(1, 1), c = T(1) + H(2, 2);
@@ -66,7 +68,7 @@ Mat3<T> volume_stress(const Mat3<T>& H, const T& kappa)  // adds to the first Pi
 }
 
 template <class T>
-struct VolumeDerivatives {  // of W/V by J = det F, of a term that depends on nothing else [Pa]
+struct VolumeDerivatives {  // of W/V by J = det F, for a term that depends on J only [Pa]
   T slope, curvature;
 
   void operator+=(const VolumeDerivatives& other) {

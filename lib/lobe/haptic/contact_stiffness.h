@@ -21,9 +21,9 @@ class ContactStiffness {
   struct Settings {
     double every = 0.025;  // between two patches [s]
     double noise = 5e-5;   // of the secant [m]
-    // What the secant makes of the patch, in any direction: a patch is too stiff, by up to 2.5 in what was
+    // What the secant makes of the patch, in any direction: a patch is too stiff, by up to 4 in what was
     // tried, and a body that swings would otherwise be taken for one that is soft or hard.
-    double softest = 0.25, stiffest = 1.25;
+    double softest = 0.1, stiffest = 1.25;
     bool has_helper = true;  // a thread condenses the patch; false: at once, for the same bits each time
   };
 

@@ -2,8 +2,8 @@
 //
 // A wall of stiffness K and damping B that is sampled every T is passive on a device of damping b if
 // b > K T/2 + |B| (Colgate & Brown 1994; Colgate & Schenkel 1997). The observer sums the energy that goes
-// into the simulation and that the device itself takes. The controller adds damping if more has come out than
-// went in (Hannaford & Ryu 2002).
+// into the simulation, and the energy that the device itself dissipates. The controller adds damping if more
+// has come out than went in (Hannaford & Ryu 2002).
 #pragma once
 
 #include <algorithm>

@@ -11,7 +11,7 @@
 namespace lobe::io {
 namespace {
 
-// Unique among the processes and threads that may write the same file.
+// A name that is unique among the processes and threads that may write the same file.
 std::filesystem::path temporary_name(std::filesystem::path file) {
   static std::atomic<unsigned> counter = 0;
   const std::string process = std::to_string(getpid()), number = std::to_string(counter++);
@@ -32,7 +32,7 @@ std::filesystem::path temporary_name(std::filesystem::path file) {
 
 AtomicFile::AtomicFile(std::filesystem::path file)
     : file_(std::move(file)), temporary_(temporary_name(file_)) {
-  std::error_code none;  // what is not there yet, or cannot be asked for
+  std::error_code none;  // the file may not exist yet
   const auto kind = std::filesystem::status(file_, none).type();
   using Kind = std::filesystem::file_type;
   if (kind == Kind::block || kind == Kind::character || kind == Kind::fifo || kind == Kind::socket)

@@ -29,7 +29,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-// As a whole, or not at all. Throws as AtomicFile does.
+// Writes the whole file or nothing. Throws as AtomicFile does.
 void write_file(const std::filesystem::path& file, const std::string& contents);
 
 std::string xml_escaped(const std::string& text);

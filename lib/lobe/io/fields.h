@@ -136,7 +136,7 @@ void get(ByteReader& in, T& x) {
   }
 }
 
-// About how much memory it takes, with what it owns; what it shares counts for nothing. [bytes]
+// About how much memory it takes with what it owns, without what it shares with others [bytes].
 template <class T>
 std::size_t memory_of(const T& x) {
   std::size_t bytes = sizeof(T);

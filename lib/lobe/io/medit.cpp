@@ -6,7 +6,7 @@
 namespace lobe::io {
 namespace {
 
-// Cells that we ignore: the vertices of each, which its reference follows.
+// Cells that are ignored: how many vertices each has. Its reference follows them.
 const std::map<std::string, int> other_cells = {{"edges", 2},     {"triangles", 3}, {"quadrilaterals", 4},
                                                 {"hexahedra", 8}, {"prisms", 6},    {"pentahedra", 6},
                                                 {"pyramids", 5},  {"hexaedra", 8}};

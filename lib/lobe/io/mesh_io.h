@@ -34,7 +34,7 @@ struct DataArray {
 };
 
 // Writes a VTU (appended raw, little endian; ParaView, VTK and read_mesh() open it), with the labels as cell
-// data "label". Written to a temporary name and renamed, so that a file is whole or absent.
+// data "label". It is written to a temporary name and then renamed, so that the file is whole or absent.
 void write_vtu(const std::filesystem::path& file, const TetMesh& mesh,
                const std::vector<DataArray>& point_data = {}, const std::vector<DataArray>& cell_data = {});
 
@@ -45,7 +45,7 @@ void write_vtu(const std::filesystem::path& file, const TetMesh& mesh,
 void write_mesh(const std::filesystem::path& file, const TetMesh& mesh);
 bool can_write_mesh(const std::filesystem::path& file);  // whether the extension is one of these
 
-// A ParaView collection: DIR/series.pvd naming frames that lie beside it.
+// Writes a ParaView collection, such as DIR/series.pvd, of frames in the same folder.
 void write_pvd(const std::filesystem::path& file, const std::vector<std::pair<double, std::string>>& frames);
 
 }  // namespace lobe

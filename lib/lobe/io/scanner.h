@@ -32,8 +32,8 @@ class Scanner {
   double real(const std::string& what);            // "nan" and "inf" are numbers, too
   std::int64_t integer(const std::string& what);
   std::int64_t integer(const std::string& what, std::int64_t lowest, std::int64_t highest);
-  // A number of items, each of at least `bytes_each` bytes: more than the rest of the file can hold is
-  // refused, so that nothing is ever allocated on the word of a damaged file.
+  // A number of items, each of at least `bytes_each` bytes. A number that the rest of the file cannot hold is
+  // refused, so that a damaged file cannot cause a large allocation.
   std::size_t count(const std::string& what, std::size_t bytes_each);
 
   // ---- Binary.

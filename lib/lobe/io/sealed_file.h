@@ -1,5 +1,5 @@
-// Binary files of our own: the name of the format, its version, the contents, a checksum. What is damaged,
-// cut off, of another kind or another version is refused. Numbers are little-endian.
+// Binary files of lobe: the name of the format, its version, the contents, a checksum. A file that is
+// damaged, cut off, of another kind or of another version is refused. Numbers are little-endian.
 #pragma once
 
 #include <cstdint>
@@ -104,7 +104,7 @@ struct Format {
 void write_sealed(const std::filesystem::path& file, const Format& format, const std::string& contents);
 std::string read_sealed(const std::filesystem::path& file, const Format& format);  // the contents
 
-// The same without the file, whose name is for messages.
+// The same for contents in memory; `file` is only named in messages.
 std::string seal(const Format& format, const std::string& contents);
 std::string_view unseal(const std::string& file, std::string_view bytes, const Format& format);
 

@@ -10,11 +10,11 @@
 
 namespace lobe {
 
-// By extension: .vtp, .vtu, .obj and .off (exact), .ply (binary, double precision), .stl (binary, single
-// precision and without shared vertices, as the format is). Whole or absent, like write_vtu(). `data` of the
-// triangles go into .vtp, .vtu and .ply; there as properties of the faces, blanks in names as underscores,
-// one component only. Throws InputError for another extension, data that the format does not hold, a vertex
-// number out of range, or a folder that cannot be written to.
+// Writes by extension: .vtp, .vtu, .obj and .off (exact), .ply (binary, double precision), .stl (binary,
+// single precision and without shared vertices, as the format is). The file is whole or absent. `data` of the
+// triangles go into .vtp, .vtu and .ply. In .ply they are properties of the faces, with one component only,
+// and blanks in names become underscores. Throws InputError for another extension, data that the format does
+// not hold, a vertex number out of range, or a folder that cannot be written to.
 void write_surface(const std::filesystem::path& file,
                    const Mat3X<double>& points,  // 3 × #vertices [m]
                    const Triangles& triangles,   // 3 × #triangles, counter-clockwise seen from outside
@@ -25,7 +25,7 @@ struct Polygons {
   std::vector<Vec3d> points;                       // [m]
   std::vector<std::vector<std::int64_t>> corners;  // of each polygon
 };
-Polygons read_vtp(const std::filesystem::path& file);  // triangle strips, lines and vertices are left out
+Polygons read_vtp(const std::filesystem::path& file);  // without triangle strips, lines and vertices
 
 // A surface for drawing: each corner of a triangle has a point, and perhaps a texture coordinate and a
 // normal.

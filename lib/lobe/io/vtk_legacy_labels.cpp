@@ -1,5 +1,5 @@
-// POINT_DATA and CELL_DATA of legacy VTK files: everything is walked over, and the arrays with one value per
-// cell are kept, since the labels are among them.
+// Reads POINT_DATA and CELL_DATA of legacy VTK files. It skips all but the arrays with one value per cell,
+// because the labels are among these.
 #include <charconv>
 
 #include "lobe/io/vtk_legacy.h"
@@ -73,7 +73,7 @@ void read_colours(Scanner& scan, bool is_table, std::size_t tuples) {
   read_values(scan, name, type, is_table ? 4 : size, is_table ? size : tuples, nullptr);
 }
 
-// False if the keyword is none of an attribute.
+// False if the keyword is not that of an attribute.
 bool read_attribute(Scanner& scan, const std::string& keyword, std::size_t tuples, LegacyArrays* arrays) {
   if (keyword == "scalars")
     read_scalars(scan, tuples, arrays);

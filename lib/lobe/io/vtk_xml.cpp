@@ -7,7 +7,7 @@
 namespace lobe::io {
 namespace {
 
-// Cuts the appended data away; returns the XML without it, closed again.
+// Cuts off the appended data. Returns the XML without it, with its tags closed.
 std::string cut_appended(std::string_view bytes, VtuContext& context) {
   const std::size_t begin = bytes.find("<AppendedData");
   if (begin == bytes.npos) return std::string(bytes);

@@ -21,7 +21,7 @@ struct LatticeCell {
   CellMatrix fluctuation = CellMatrix::Zero();      // S_nm [N/m]
 };
 
-// What vertices do: they follow nodes, stay at their rest positions for ever, or move by themselves.
+// What vertices do: they follow nodes, never leave their rest positions, or move by themselves.
 struct VertexRoles {
   std::vector<std::uint8_t> is_embedded, is_still;  // per vertex; is_still: empty if none is
   bool embeds(Index v) const { return has(is_embedded, v); }

@@ -107,7 +107,7 @@ void Maker::make_parts() {
   }
 }
 
-// Of the samples of one cell and material.
+// Makes the parts of the samples of one cell and material.
 void Maker::add_parts(const Place* begin, const Place* end) {
   Unions same(std::size_t(end - begin));
   std::map<Index, Index> first_with;  // vertex
@@ -224,7 +224,7 @@ void Maker::make_nodes() {
         lattice_.frame.origin + lattice_.frame.edge * lattice_.corner_of_node[std::size_t(n)].cast<double>();
 }
 
-// Each to the part around it whose cell has it, or is nearest.
+// Gives each vertex to the part around it whose cell has it, or is nearest.
 void Maker::place_vertices() {
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
     double nearest = 0;

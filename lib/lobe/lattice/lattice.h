@@ -1,6 +1,6 @@
 // The cubic lattice of reduced regions (theory, section 18). A tetrahedron is eight samples, one of each of
 // the tetrahedra into which its edges' middles divide it. Samples of one cell and one material whose
-// tetrahedra hang together by common vertices are a part; each part has eight nodes, the corners of its cell.
+// tetrahedra are connected by common vertices are a part; each part has eight nodes, the corners of its cell.
 // A part that fills less than a fifth of its cell joins a neighbour, whose cell reaches beyond itself there.
 // Nodes of two parts whose tetrahedra share a vertex are the same where they coincide. So the two sides of a
 // slit have nodes of their own, however narrow it is.

@@ -105,7 +105,7 @@ void LatticeRegion<Real>::find_inner(const Model& model) {
   }
 }
 
-// Nodes count with their masses.
+// Nodes count with their masses in the norms of displacement and speed.
 template <class Real>
 void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& motion,
                                const std::vector<double>& mass, double damping,

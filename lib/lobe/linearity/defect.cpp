@@ -105,7 +105,7 @@ Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
   return column(H);
 }
 
-// Where the gradient is the same everywhere, nodal pressures are those of this strain: wλ θ.
+// If the gradient is the same everywhere, the nodal pressures are those of its strain: χλ θ.
 Law<double> MeanDefects::law(const Mean& mean, const Mat3<double>& H) const {
   Law<double> law = nonlinear_law(mean.material, volume_penalty_, guard_below_,
                                   mean.material.nodal_lambda() * strain_trace(H));

@@ -12,7 +12,7 @@ struct Gesture {
   std::string name;
   std::vector<Index> vertices;
   std::vector<Vec3d> displacements;  // of the vertices [m]; none: a force acts on them
-  Vec3d force = Vec3d::Zero();       // in all [N], beside the loads of the setup
+  Vec3d force = Vec3d::Zero();       // in all [N], in addition to the loads of the setup
 };
 
 // The setup at the end of a gesture: the vertices that it moves are prescribed, and there are no tools.

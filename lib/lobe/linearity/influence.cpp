@@ -17,10 +17,10 @@ using Columns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 constexpr double weak_spring =
     1e-9;  // of the mean stiffness of a vertex: keeps pieces that float where they are
 
-// Averages over zones, of fields of 3 × #vertices.
+// Computes averages over zones of fields of 3 × #vertices.
 class Means {
  public:
-  // Of pieces that these unknowns leave free to move, nothing is counted.
+  // Pieces that these unknowns leave free to move do not count.
   Means(const Elements& elements, const Zones& zones, const Unknowns& unknowns)
       : elements_(elements), zones_(zones), counts_(zones.of.size(), 0) {
     const auto is_prescribed = [&](Index v, int axis) { return unknowns.number(axis, v) < 0; };
@@ -137,8 +137,8 @@ Influence::Influence(const Elements& elements, const Zones& zones, const HeldVer
   M_ = free_;
 }
 
-// The forces that keep the grasps where they are are found from the work that they do: R (Rᵀ K⁻¹ R)⁻¹ Rᵀ. A
-// grasp of one vertex cannot turn, so that the small matrix may be singular.
+// The forces that hold the grasps in place follow from the work that they do: R (Rᵀ K⁻¹ R)⁻¹ Rᵀ. A grasp of
+// one vertex cannot turn, so that the small matrix may be singular.
 void Influence::hold(const std::vector<Index>& grasps) {
   if (grasps == holding_) return;
   holding_ = grasps;

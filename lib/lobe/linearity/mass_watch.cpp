@@ -17,7 +17,7 @@ constexpr double share = 0.75;     // of the tolerance, that may be added
 constexpr double alarm = 1.2;      // above which the degree does not grow
 constexpr double caution = 3;      // higher modes are off by more than the lowest
 constexpr double longest = 1;      // for which errors grow where nothing damps them [s]
-constexpr int most_where_cut = 5;  // degree: what is under tension may come loose in any frame
+constexpr int most_where_cut = 5;  // degree: tissue under tension may come loose in any frame
 constexpr int iterations = 12;
 
 struct Mode {
@@ -25,7 +25,7 @@ struct Mode {
   Mat3X<double> forces;  // of that shape, 3 × #vertices [N]
 };
 
-// By inverse iteration; none where a piece floats.
+// Found by inverse iterations; none if a piece floats.
 Mode lowest_mode(const Elements& elements, const HeldVertices& held, const std::vector<double>& mass) {
   const Unknowns unknowns = free_components(elements, held);
   const auto is_prescribed = [&](Index v, int axis) { return unknowns.number(axis, v) < 0; };

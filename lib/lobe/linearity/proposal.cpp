@@ -170,8 +170,8 @@ class Proposer {
                     3.0 * interface_size(tagged, RegionModel::precomputed).vertices);
   }
 
-  // What was found at different times is measured once more, in turn and beside the body that is all
-  // non-linear.
+  // Measures all variants once more, in turn with the body that is all non-linear, because they were found at
+  // different times.
   void try_variants() {
     std::vector<Variant> found;
     const double middle = options_.tensor_mass ? 0.7 : 0.45;
@@ -191,7 +191,7 @@ class Proposer {
     const auto best = std::min_element(found.begin(), found.end(),
                                        [](const Variant& a, const Variant& b) { return a.cost < b.cost; });
     if (best->cost >= nonlinear)
-      return nothing_linear("the regions that keep " + error + " are too small to pay");
+      return nothing_linear("the regions that keep " + error + " are too small to make a step faster");
     describe(*best, nonlinear);
   }
 
@@ -234,8 +234,8 @@ Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, cons
 
 Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gesture>& gestures,
                                     ProposalOptions options) {
-  // Times the tolerance, but no more of the displacement: then so much of the body is condensed that most of
-  // what moves is its interface.
+  // Allowed are three times the tolerance, but at most 7 % of the displacement. With more, so much of the
+  // body would be condensed that most of what moves would be its interface.
   constexpr double correctable = 3, most = 0.07;
   const double asked = options.tolerance;
   if (options.condense && setup.precomputed_frame == RegionFrame::fixed &&

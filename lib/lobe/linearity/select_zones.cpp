@@ -120,7 +120,8 @@ std::vector<char> select_zones(const Elements& elements, const Zones& zones,
                                bool condensed) {
   std::vector<char> best(std::size_t(zones.count()), 0);
   double cheapest = std::numeric_limits<double>::max();
-  for (const double share : {0.25, 0.5, 0.75, 1.0}) {  // of the tolerance: what makes it cheaper needs room
+  for (const double share :
+       {0.25, 0.5, 0.75, 1.0}) {  // of the tolerance: changes that make it cheaper need room
     Selection selection(elements, zones, trials, cost, condensed);
     if (selection.cost() < cheapest) cheapest = selection.cost();
     add_harmless(selection, zones.count(), share * tolerance);

@@ -78,7 +78,7 @@ void LinearityWatch<Real>::find_shares(const Elements& elements) {
       }
 }
 
-// What is held without any grasp.
+// What the boundary conditions hold, without grasps.
 template <class Real>
 HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
   HeldVertices boundary = world.held();
@@ -86,8 +86,8 @@ HeldVertices LinearityWatch<Real>::boundary_of(const World<Real>& world) const {
   return boundary;
 }
 
-// Whether there was a cut. It changes what zones do to each other: found again from a copy, since that takes
-// as long as many frames.
+// Returns whether there was a cut. Cuts change the influence of zones on each other. It is computed again
+// from a copy in another thread, because that takes as long as many frames.
 template <class Real>
 bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   if (next_influence_.valid() && world.time() >= influence_due_) influence_ = next_influence_.get();
@@ -103,8 +103,8 @@ bool LinearityWatch<Real>::follow_edits(const World<Real>& world) {
   return was_cut;
 }
 
-// Since the last look: the means of zones that lost tetrahedra, or whose tetrahedra were divided or have
-// other vertices; of all where the world was restored.
+// Updates the means of zones that have lost tetrahedra since the last estimate, or whose tetrahedra were
+// divided or have other vertices. If the world was restored, it updates all zones.
 template <class Real>
 bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   const Elements& elements = world.elements();
@@ -135,7 +135,7 @@ bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   return true;
 }
 
-// Whether others hold than before.
+// Notes which grasps hold. Returns whether they are others than before.
 template <class Real>
 bool LinearityWatch<Real>::hold(const HeldVertices& held) {
   std::vector<Index> holding;
@@ -159,7 +159,7 @@ bool LinearityWatch<Real>::may_expand(const World<Real>& world) const {
 
 template <class Real>
 bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool was_disturbed) const {
-  if (world.is_unravelling()) return true;  // what is linear then is so on purpose
+  if (world.is_unravelling()) return true;  // a tangle is linear on purpose
   if (any_precomputed_ ? world.body().regions.is_expanded() : was_disturbed) return false;
   const bool error_is_small = last_.error < join_below * options_.tolerance;
   const int every = !any_precomputed_    ? (error_is_small ? 2 : 1)
@@ -169,7 +169,7 @@ bool LinearityWatch<Real>::may_skip(const World<Real>& world, bool was_disturbed
   return (looks_ - 1) % every > 0;
 }
 
-// The last report where there is no look.
+// Repeats the last report in a frame without an estimate.
 template <class Real>
 LinearityReport LinearityWatch<Real>::report_without_estimate(const World<Real>& world) {
   last_.time = world.time();
@@ -180,7 +180,7 @@ LinearityReport LinearityWatch<Real>::report_without_estimate(const World<Real>&
   return last_;
 }
 
-// Of each zone that is linear, in `all` of those that are not as well.
+// The defects of each linear zone; with `all`, of the others as well.
 template <class Real>
 Defects LinearityWatch<Real>::defects(const World<Real>& world, const Mat3X<double>& u, bool all) const {
   Defects defects = Defects::Zero(9, zones_.count());
@@ -197,7 +197,8 @@ Defects LinearityWatch<Real>::defects(const World<Real>& world, const Mat3X<doub
   return defects;
 }
 
-// √Σ m |u|² [√kg m] by which a condensed interior lags behind its inertia, at the last forces.
+// The displacement error of a condensed interior because it has no inertia, √Σ m |u|² [√kg m], at the last
+// forces.
 template <class Real>
 double LinearityWatch<Real>::inertia_error_of(const World<Real>& world) const {
   const Dynamics<Real>& body = world.body();
@@ -230,7 +231,7 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const CommandSink
       hold(world.held()) || world.tools().next_grasp_change(world.time() - 2e-9) < world.time() + 1.5 * frame;
   const bool was_disturbed = begins || is_cut || holders_changed;
   const bool expandable = may_expand(world);
-  if (expandable && was_disturbed && !world.is_unravelling()) {  // whatever the estimate
+  if (expandable && was_disturbed && !world.is_unravelling()) {  // whatever the estimate is
     if (!world.body().regions.is_expanded()) send(Expand{});
     frames_condensable_ = 0;
     return report_without_estimate(world);
@@ -263,10 +264,10 @@ LinearityReport LinearityWatch<Real>::look(World<Real>& world, const CommandSink
   return report;
 }
 
-// A pre-computed region is relinearised while its error is small, and expanded where it is not: also,
-// before any look, where a cut or a change of who holds the body, in the last frame or the next, starts a
-// motion that no estimate foresees. It is condensed again once that would have been allowed for some frames;
-// until then it is relinearised wherever the body has gone.
+// Relinearises a pre-computed region while its error is small, and expands it if the error is large. It is
+// also expanded, without an estimate, if a cut, a grasp or a release in the last frame or the next starts a
+// motion that the estimate cannot predict. It is condensed again when the error has been small enough for
+// some frames. Until then it is relinearised about the present state.
 template <class Real>
 void LinearityWatch<Real>::correct_precomputed(const World<Real>& world, const CommandSink& send,
                                                double estimate, LinearityReport& report) {
@@ -285,7 +286,8 @@ void LinearityWatch<Real>::correct_precomputed(const World<Real>& world, const C
   report.is_expanded = world.body().regions.is_expanded();
 }
 
-// Zones leave that lower the error most. Where it is small, zones join that could have joined for long.
+// If the error is too large, the zones that lower it most become non-linear. If it is small, zones become
+// linear that could have been so for some frames.
 template <class Real>
 void LinearityWatch<Real>::correct(const World<Real>& world, const CommandSink& send, const Defects& defects,
                                    Eigen::VectorXd error, LinearityReport& report) {

@@ -19,22 +19,23 @@ struct HandCommand {
     take_at_ray,
     take_at_point,  // holds what lies within `radius` of `position`
     bring,          // the tool that `tool` says, off; `position` is that of the hand, usually of the tip
-    lead,           // the hand is to go to `position`, turned by `orientation` since it took hold
+    lead,           // moves the hand to `position`, turned by `orientation` since it took hold
     turn_on,        // or off, as `on` says: a cautery burns, a scalpel cuts
-    let_go,         // of what the hand holds; what it has brought is taken away
-    // Edits the body, by `body_edit`: RemoveTets, SetRegion, SetForces, … but no tool's command, nor Advance.
+    let_go,         // a grasp lets go; a tool that the hand has brought is removed
+    // Edits the body by `body_edit`: RemoveTets, SetRegion, SetForces and others, but neither commands of
+    // tools nor Advance.
     edit,
     run,      // as `on` says; false: the simulation pauses
     step,     // one frame, while paused
     speed,    // `value` simulated seconds per second of the clock, 0.001 … 100
     restart,  // as it was at the start; all hands let go
     back,     // by at least `value` seconds; all hands let go
-    alive     // nothing, but that the controller is there
+    alive     // does nothing, but shows that the controller is there
   };
   Kind kind = Kind::alive;
   bool on = false;
   HandNumber hand = 0;
-  std::uint64_t sequence = 0;               // the controller's own count, told back in SessionStatus
+  std::uint64_t sequence = 0;               // the controller's own count; SessionStatus reports it back
   Vec3d position = Vec3d::Zero();           // [m]
   Vec3d direction = Vec3d::Zero();          // of any length but 0
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w

@@ -30,7 +30,7 @@ void check(const HandCommand& command) {
            "its direction must be three finite numbers, not all 0");
 }
 
-// About where it took hold, which moves and turns with the hand.
+// The pose of a tool whose centre is at `arm` from where the hand took hold, and turns with the hand.
 ToolPose of_tool(const ToolPose& hand, const Vec3d& arm) {
   return {hand.position + Eigen::Quaterniond(hand.orientation) * arm, hand.orientation};
 }
@@ -50,9 +50,9 @@ void Hands<Real>::perform_command(int controller, const HandCommand& command) {
   let_go(hand);
 }
 
-// ---- Taking hold, and letting go
+// ---- To take hold and to let go
 
-// The vertices are what is recorded; where the ray met the body is of no importance later.
+// The command for the world has the vertices, so recordings do not depend on the ray.
 template <class Real>
 void Hands<Real>::take_hold(int controller, const HandCommand& command) {
   Hand& hand = empty_hand(controller, command.hand);
@@ -116,8 +116,8 @@ std::vector<int> Hands<Real>::controllers() const {
   return all;
 }
 
-// Per vertex: 1 where nobody else can take hold of it. Whoever lets go does so before the next frame, in
-// which others take hold.
+// Per vertex: 1 if it is held and nobody else can take hold of it. A grasp that lets go does so before the
+// next frame, in which others take hold.
 template <class Real>
 std::vector<std::uint8_t> Hands<Real>::taken_vertices() const {
   const Topology& topology = world_.elements().topology;
@@ -247,7 +247,8 @@ auto Hands<Real>::empty_hand(int controller, HandNumber number) -> Hand& {
   return hands_.emplace_back(Hand{.controller = controller, .number = number});
 }
 
-// A hand that has been emptied, by slipping for example, is sent poses until its controller has noticed.
+// A controller may send poses to a hand that is empty, because the grasp slipped for example, until it has
+// noticed.
 template <class Real>
 auto Hands<Real>::full_hand(int controller, const HandCommand& command) -> Hand& {
   Hand* hand = find(controller, command.hand);

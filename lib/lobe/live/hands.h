@@ -25,8 +25,8 @@ class Hands {
         limits_(limits) {}
 
   // Performs take_at_ray, take_at_point, bring, lead, turn_on or let_go. Throws InputError for a command that
-  // is malformed, and then has done nothing. A grasp that finds nothing is the message `missed`; the hand is
-  // then empty.
+  // is malformed, and then has done nothing. A grasp that finds nothing gives the message `missed`; the hand
+  // is then empty.
   void perform_command(int controller, const HandCommand& command);
   // Puts a hand at a pose, without the lag of a lead command. Does nothing if the hand has no tool.
   void place(int controller, HandNumber number, const ToolPose& pose);

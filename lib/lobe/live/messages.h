@@ -11,7 +11,8 @@ namespace lobe {
 
 class Messages {
  public:
-  // Adds a message. The same message many times in a row is one with a count, so that it hides no others.
+  // Adds a message. If the same message comes many times in a row, it is listed once with a count, so that it
+  // hides no others.
   void say(double time, const std::string& name, const std::string& text);
   // The present messages; the same pointer until there are more.
   std::shared_ptr<const std::vector<SessionMessage>> all() const { return all_; }

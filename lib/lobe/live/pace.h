@@ -12,16 +12,16 @@ class Pace {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Starts to count from now: after a pause, or when the speed has changed.
+  // Counts from now on. Call it after a pause, or when the speed has changed.
   void start(Clock::time_point now);
   // Ends a frame of `length` simulated seconds, for which `worked` was spent and which should have taken
-  // length / speed. Returns when the next should begin. If the session is more than 0.1 s late, that is at
-  // once, and time has stretched.
+  // length / speed. Returns when the next should begin. If the session is more than 0.1 s late, the next
+  // frame begins at once, and the time that was lost is not made up for.
   Clock::time_point frame_done(Clock::time_point now, double length, double speed, Clock::duration worked);
 
   std::int64_t frames_late() const { return late_; }
-  // Over the last half second: simulated seconds per second; and per second of work, which a session could
-  // reach that does not wait.
+  // Over the last half second. factor(): simulated seconds per second of the clock. The other: per second of
+  // work, which is what a session could reach without waiting.
   double factor() const { return factor_; }
   double possible_factor() const { return possible_; }
 

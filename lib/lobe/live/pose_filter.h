@@ -1,5 +1,5 @@
-// A tool follows a hand: smoothly, and no faster than a hand moves. The body feels the path of the tool, not
-// that of the hand.
+// Makes a tool follow a hand smoothly, and no faster than a hand moves. The body is moved by the tool, not by
+// the hand itself.
 #pragma once
 
 #include "lobe/tool/tools.h"

@@ -26,7 +26,7 @@ class Ring {
 
   // ---- The thread that puts.
 
-  // Its number, for replace(); none where the ring is full.
+  // Returns the number of the value, for replace(). Returns none if the ring is full.
   std::optional<std::uint64_t> put(T value) {
     const std::uint64_t number = put_.load(std::memory_order_relaxed);
     if (number - taken_.load(std::memory_order_acquire) == size_) return {};
@@ -37,8 +37,8 @@ class Ring {
     return number;
   }
 
-  // False if it was taken before: nothing has changed. `number` is what put() gave for one of the last size()
-  // values.
+  // Returns false, and changes nothing, if the value was taken already. `number` is what put() returned for
+  // one of the last size() values.
   bool replace(std::uint64_t number, T value) {
     Place& place = places_[number % size_];
     std::uint8_t which = place.which.load(std::memory_order_relaxed);

@@ -23,15 +23,15 @@ const SessionOptions& checked(const SessionOptions& options) {
   expect(is_above_0(options.speed), "its speed must be above 0, and finite");
   expect(options.queue > 0, "its queue must have room for a command");
   expect(options.back_every >= 0, "the time between states to go back to must be at least 0 s");
-  expect(options.controller_timeout >= 0, "its patience must be 0 s or more");
+  expect(options.controller_timeout >= 0, "the controllers' timeout must be 0 s or more");
   expect(
       is_above_0(hand.lag) && is_above_0(hand.top_speed) && is_above_0(hand.top_turn) && hand.force_cap > 0,
       "the limits of hands must be above 0");
   return options;
 }
 
-// A frame whose multiples are exact, up to millions: then times of frames are the same however they are
-// summed, and a scene can say them.
+// Shortens a frame so that its multiples up to millions are exact. The times of frames are then the same
+// however they are summed, and a scene can have them.
 double with_exact_multiples(double frame) {
   constexpr int bits = 30;
   int exponent = 0;
@@ -84,7 +84,7 @@ bool Session<Real>::step_frame() {
   return true;
 }
 
-// Frames that are run again are one message, whatever number of steps each took: pictures have the figures.
+// Frames that are run again give one message, whatever number of steps each took. Snapshots have the figures.
 template <class Real>
 void Session<Real>::report_condition(const Condition& condition) {
   const bool is_again = condition.kind == Condition::Kind::sub_stepped;
@@ -127,7 +127,7 @@ void Session<Real>::publish_status() {
 
 // ---- Commands
 
-// Everything that those who have gone had sent was sent before.
+// Performs the commands. Controllers that have gone have sent all their commands before they went.
 template <class Real>
 void Session<Real>::take_commands() {
   const std::vector<int> gone = queue_.gone();

@@ -88,12 +88,14 @@ class Session {
 
   // Registers a controller. Throws InputError if 64 are connected already.
   Controller connect(const std::string& name) { return {queue_, name}; }
-  // The latest snapshot. To see what a command has done, read status() first and pictures() second: the
-  // snapshot then has all commands that the status lists.
+  // The snapshots, of which latest() gives the newest. (A snapshot is called a picture here; no image is
+  // made.) To see what a command has done, read status() first and pictures() second: the snapshot then has
+  // all commands that the status lists.
   const TripleBuffer<Snapshot<Real>>& pictures() const { return pictures_; }
   TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }  // live/status.h
   // Runs `work` between two frames and returns when it is done. The simulation waits meanwhile. `work` may
-  // read the world and the recording, or make a scene; it must not call between_frames(). An exception of
+  // do all that is listed under "Between frames only" below, or make a scene; it must not call
+  // between_frames(). An exception of
   // `work` is thrown here. If the session is not started, `work` runs on the calling thread; then only the
   // thread that calls step_frame() may call this.
   void between_frames(const std::function<void()>& work);
@@ -101,7 +103,7 @@ class Session {
   // ---- To run it: the thread that owns it
 
   void start();  // starts a thread that simulates until stop()
-  void stop();
+  void stop();   // ends that thread after its present frame; start() may be called again
   bool is_started() const { return thread_.joinable(); }
   // Performs the commands sent since the last frame, then simulates one frame. While it pauses it only
   // performs the commands, and returns false. Do not call it between start() and stop().
@@ -109,6 +111,8 @@ class Session {
 
   // ---- Between frames only: while the session is not started, or within between_frames()
 
+  // To read it. What is done to it directly is in no recording: replays and saved scenes then differ. Send
+  // commands (HandCommand::Kind::edit).
   World<Real>& world() { return world_; }
   const World<Real>& world() const { return world_; }
   const Recording& recording() const { return timeline_.recording(); }
@@ -118,7 +122,7 @@ class Session {
   // Goes on from a file of save(), of the same scene. All hands let go. Throws InputError for a file that is
   // damaged, or of another scene, precision or version; the session is then unchanged.
   void restore(const std::filesystem::path& file);
-  // Calls a hook in each frame until remove_hook(). The hook must outlive that call.
+  // Calls a hook in each frame until remove_hook() or the end of the session. The hook must live until then.
   void add_hook(SessionHook<Real>& hook) { hooks_.push_back(&hook); }
   void remove_hook(SessionHook<Real>& hook) { std::erase(hooks_, &hook); }
 
@@ -157,7 +161,7 @@ class Session {
   double speed_;
   bool is_running_;
   bool steps_once_ = false, stands_still_ = false;
-  bool was_told_ = false;     // since the last status: something has happened that it must show
+  bool was_told_ = false;     // something has happened that the next status must show
   bool was_changed_ = false;  // since the last snapshot: the body was edited, or put back
   std::int64_t frames_ = 0, reruns_ = 0;
   TripleBuffer<SessionStatus> status_;

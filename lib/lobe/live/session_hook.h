@@ -1,5 +1,5 @@
-// A hook takes part in every frame of a session, in the session's thread. The hand of a haptic device is
-// one: it moves its tool in every frame, and it reads the world and not only pictures of it.
+// A hook takes part in every frame of a session, in the session's thread. The hand of a haptic device is one:
+// it moves its tool in every frame, and needs the world itself, not only snapshots.
 #pragma once
 
 #include "lobe/live/hands.h"

@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& why) { throw InputError("session", why); }
 
-// What a scene has no word for.
+// The name of an edit that a scene cannot describe.
 const char* edit_name(const Command& command) {
   if (std::holds_alternative<RemoveTets>(command)) return "tetrahedra were removed";
   if (std::holds_alternative<Incise>(command)) return "an incision was made";
@@ -28,7 +28,7 @@ const char* edit_name(const Command& command) {
   return nullptr;
 }
 
-// How many frames lead to the present; all of the same length.
+// The number of frames up to now, all of the same length.
 template <class Real>
 int frames_of(const Session<Real>& session) {
   const Recording& recording = session.recording();
@@ -37,7 +37,7 @@ int frames_of(const Session<Real>& session) {
     const Command& command = std::get<Command>(recording.commands[i].command);
     const std::string at = " at " + rounded(frames * session.frame()) + " s";
     if (const char* edit = edit_name(command))
-      refuse(edit + at + ", which a scene cannot tell; a recording can");
+      refuse(edit + at + ", which a scene cannot describe; a recording can");
     frames += std::holds_alternative<Advance>(command);
   }
   if (frames == 0) refuse("nothing was simulated yet");
@@ -46,7 +46,7 @@ int frames_of(const Session<Real>& session) {
   return frames;
 }
 
-// As the session has them: what was measured once may come out otherwise the next time.
+// States the regions as the session has them, because another measurement might choose other ones.
 void state_regions(const Setup& setup, Scene& scene) {
   const auto is_precomputed = [](const Region& region) { return region.model == RegionModel::precomputed; };
   if (!scene.auto_regions && std::none_of(scene.regions.begin(), scene.regions.end(), is_precomputed)) return;
@@ -74,7 +74,7 @@ Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>&
   if (scene.in_double() != std::is_same_v<Real, double>)
     refuse(scene.in_double() ? "is in single precision, its scene in double"
                              : "is in double precision, its scene in single");
-  if (setup.expandable) refuse("has regions that may be expanded, which a scene cannot tell");
+  if (setup.expandable) refuse("has regions that may be expanded, which a scene cannot describe");
   const int frames = frames_of(session);
   Scene kept = scene;
   kept.mesh = std::filesystem::absolute(mesh_path(scene));

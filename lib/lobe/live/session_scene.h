@@ -11,16 +11,16 @@
 namespace lobe {
 
 // The scene goes from the start to where the session is now, without what was undone by going back. The mesh
-// has its absolute path. Regions that lobe has chosen or measured are stated. Throws InputError for a session
-// that no scene can describe: the body was edited otherwise than by tools, a frame failed, nothing was done
-// yet, or the session is of another scene.
+// has its absolute path. The scene states the regions that lobe has chosen or measured. Throws InputError for
+// a session that no scene can describe: the body was edited otherwise than by tools, a frame failed, nothing
+// was done yet, or the session is of another scene.
 template <class Real>
 Scene session_scene(const Scene& scene,  // of the session
                     const Setup& setup,  // that the session was built from
                     const Session<Real>& session);
 
-// The same scene with automatic regions. It declares a gesture for each grasp, at its furthest place. A grasp
-// that holds only copies, or does not move, gives none.
+// The same scene with automatic regions. It declares a gesture for each grasp: its motion to where it was
+// furthest. A grasp that holds only copies, or does not move, gives none.
 Scene with_gestures(Scene scene, double tolerance);  // relative L2 error of the displacement
 
 }  // namespace lobe

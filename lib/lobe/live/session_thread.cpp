@@ -1,4 +1,5 @@
-// The thread of a session: it follows the clock, and does between frames what others wait for.
+// The thread of a session. It follows the clock, and between frames does the work for which other threads
+// wait.
 #include <algorithm>
 
 #include "lobe/live/session.h"
@@ -16,7 +17,7 @@ void Session<Real>::start() {
   thread_ = std::thread([this] { run(); });
 }
 
-// Somebody may be waiting for work that the thread has not seen.
+// Another thread may still wait for work that this thread has not seen.
 template <class Real>
 void Session<Real>::stop() {
   if (!is_started()) return;
@@ -44,7 +45,7 @@ void Session<Real>::run() {
   }
 }
 
-// In slow motion what is asked between two frames does not wait for the next one.
+// In slow motion, work that is asked for between two frames does not wait for the next one.
 template <class Real>
 void Session<Real>::wait_until(Clock::time_point due) {
   constexpr std::chrono::milliseconds slice(5);

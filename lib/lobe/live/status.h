@@ -1,4 +1,4 @@
-// The status of a session, for other threads: made once per frame, after the picture of the world
+// The status of a session, for other threads. It is made once per frame, after the snapshot of the world
 // (snapshot/snapshot.h).
 #pragma once
 

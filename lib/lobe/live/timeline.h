@@ -1,4 +1,4 @@
-// Records all that is done to the world of a session, going back included.
+// Records all that is done to the world of a session. That includes going back to earlier states.
 #pragma once
 
 #include "lobe/run/recording.h"
@@ -6,7 +6,7 @@
 
 namespace lobe {
 
-// What a session goes on from: a state, and the recording that led to it.
+// A state from which a session can go on, and the recording that led to it.
 template <class Real>
 struct SavedSession {
   Checkpoint<Real> state;
@@ -34,7 +34,8 @@ class Timeline {
   void go_back(double seconds);
   void restart();
   SavedSession<Real> save() const { return {world_.save(), recording()}; }
-  // Goes on from there, as go_back() does. InputError if it is of another setup; nothing has changed then.
+  // Goes on from there, as go_back() does. Throws InputError if it is of another setup, and changes nothing
+  // then.
   void restore(SavedSession<Real> saved);
 
   double can_go_back() const { return world_.time() - first_.state.time; }  // [s]

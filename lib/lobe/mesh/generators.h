@@ -20,9 +20,9 @@ TetMesh cylinder_mesh(double radius,  // [m]
                       int rings, int layers);
 
 // The left ventricle of a heart: the shell between two half ellipsoids about the z axis, whose centre is the
-// origin. It is open at the top, at the plane z = base. Its fibres lie in the layers
-// of the shell; their angle to the horizontal grows linearly through the wall and is positive where a fibre
-// rises counter-clockwise seen from above (the rule of Streeter et al., Circulation Research 24, 1969).
+// origin. It is open at the top, at the plane z = base. Its fibres lie in the layers of the shell. Their
+// angle to the horizontal grows linearly through the wall and is positive where a fibre rises
+// counter-clockwise seen from above (the rule of Streeter et al., Circulation Research 24, 1969).
 struct VentricleShape {
   double inner_radius = 0.022, outer_radius = 0.032;  // [m]
   double inner_length = 0.055, outer_length = 0.065;  // half axes along z, from the centre to the apex [m]
@@ -30,8 +30,8 @@ struct VentricleShape {
   double inner_angle = 1.0471975511965976, outer_angle = -1.0471975511965976;  // of fibres [rad]: ±60°
 };
 
-// A cylinder mesh whose axis becomes the apex: layers from the inside out, rings from the apex to the base,
-// with 18 rings² layers tetrahedra. Sets the fibres; labels 0.
+// Deforms a cylinder mesh so that its axis becomes the apex. Layers go from the inside out, rings from the
+// apex to the base: 18 rings² layers tetrahedra in all. Sets the fibres; labels are 0.
 TetMesh ventricle_mesh(const VentricleShape& shape, int rings, int layers);
 
 }  // namespace lobe

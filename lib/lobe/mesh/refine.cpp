@@ -57,8 +57,9 @@ void add_children(const Eigen::Vector4i& corners, const std::array<Index, 6>& mi
     fine.tets.col(first + 4 + i) << m[e], m[5 - e], m[rings[e][i]], m[rings[e][(i + 1) % 4]];
 }
 
-// A direction and its opposite are the same fibre: a⊗a is what is interpolated, as a mean around each vertex
-// whose slope is added to each parent's own. A constant field stays what it is.
+// A direction and its opposite are the same fibre, so a⊗a is interpolated. Each vertex has the mean of the
+// tetrahedra around it. The slope of these means is added to each parent's value. A constant field stays
+// constant.
 class FibreInterpolation {
  public:
   explicit FibreInterpolation(const TetMesh& mesh) : mesh_(mesh) {

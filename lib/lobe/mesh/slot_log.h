@@ -20,8 +20,8 @@ class SlotLog {
     begins_.clear();
   }
 
-  // The next revision, one above the last. Older ones are forgotten where more than about `limit` slots are
-  // remembered: to copy the array as a whole is then as cheap.
+  // Begins the next revision. If more than about `limit` slots are listed, older revisions are dropped,
+  // because it is then as cheap to copy the whole array.
   void next(std::size_t limit) {
     if (slots_.size() + begins_.size() > limit) restart(last());
     begins_.push_back(slots_.size());
@@ -29,8 +29,8 @@ class SlotLog {
 
   void record(Index slot) { slots_.push_back(slot); }
 
-  // The slots that changed after this revision, some of them several times, some beyond the end of the array
-  // where it has become shorter. Nothing, if that is no longer known: then all may have changed. O(1).
+  // The slots that changed after this revision. A slot may be listed several times, or lie beyond the end of
+  // an array that has become shorter. None if that is no longer known; then all may have changed. O(1).
   std::optional<std::span<const Index>> since(std::uint64_t revision) const {
     if (revision > last() || revision + 1 < first_) return std::nullopt;
     const std::uint64_t at = revision + 1 - first_;

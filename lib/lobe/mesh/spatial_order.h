@@ -8,8 +8,8 @@
 
 namespace lobe {
 
-// The columns of `points`, each once, along a Hilbert curve through their bounding cube in 2^21 cells a side;
-// what shares a cell stays in its order. O(n log n).
+// Returns the numbers of the points along a Hilbert curve through their bounding cube, which has 2^21 cells
+// along each side. Points of one cell keep their order. O(n log n).
 std::vector<Index> spatial_order(const Mat3X<double>& points);  // 3 × n [m]
 
 }  // namespace lobe

@@ -114,7 +114,7 @@ void Surface::begin_revision() {
   mesh_.changed_vertices.next(mesh_.mesh_vertex.size());
 }
 
-// Its corners are used once less.
+// Counts that its corners are used by one triangle less.
 void Surface::release(Index triangle) {
   for (Index vertex : mesh_.triangles[triangle])
     if (--uses_[vertex] == 0) unused_.push_back(vertex);
@@ -161,7 +161,7 @@ bool Surface::stays(const Face& face) const {
   return mesh_.cut[face.triangle] == face.cut && mesh_.owner[face.triangle] == face.owner;
 }
 
-// Vertices that go on being used keep their slots: they are claimed before any is given away.
+// Vertices that are still used keep their slots. So these are marked before any slot is given away.
 void Surface::keep_vertices() {
   for (Face& face : faces_)
     for (int i = 0; i < 3; ++i) {
@@ -211,7 +211,7 @@ void Surface::put(Index vertex, const SurfacePlace& place) {
   mesh_.within[within_of_[vertex]] = {vertex, place.corners, place.weights};
 }
 
-// Of the list of those that are within tetrahedra.
+// Takes a vertex out of the list of those that lie within tetrahedra.
 void Surface::take_out(Index vertex) {
   const Index at = std::exchange(within_of_[vertex], -1);
   if (at < 0) return;
@@ -220,7 +220,7 @@ void Surface::take_out(Index vertex) {
   if (std::size_t(at) < mesh_.within.size()) within_of_[mesh_.within[at].vertex] = at;
 }
 
-// The tetrahedra that points lie in have other vertices, or other points have come between.
+// Finds the places of points again whose tetrahedra have other vertices, or that new points have changed.
 void Surface::find_places_anew(const SurfaceCells& cells, std::span<const Index> changed) {
   corners_.clear();
   for (Index cell : changed)
@@ -257,7 +257,7 @@ void Surface::place(const SurfaceCells& cells, Face& face, RegionModel region) {
   mesh_.changed_triangles.record(face.triangle);
 }
 
-// The last triangle takes the slot `to`, which is free.
+// Moves the last triangle to the slot `to`, which is free.
 void Surface::move_triangle(Index to) {
   const Index last = mesh_.triangle_count() - 1;
   if (to != last) {
@@ -274,7 +274,7 @@ void Surface::move_triangle(Index to) {
   mesh_.cut.pop_back();
 }
 
-// The last vertex takes the slot `to`, which nothing uses. Its triangles are those of cells around it.
+// Moves the last vertex to the slot `to`, which nothing uses. Its triangles are those of the cells around it.
 void Surface::move_vertex(const SurfaceCells& cells, Index to) {
   const Index last = mesh_.vertex_count() - 1;
   take_out(to);
@@ -304,7 +304,7 @@ void Surface::move_vertex(const SurfaceCells& cells, Index to) {
   uses_.pop_back();
 }
 
-// Highest slots first, so that the last one is never free itself.
+// Fills the highest slots first, so that the last entry is never in a free slot itself.
 void Surface::close_gaps(const SurfaceCells& cells) {
   for (Index triangle : free_triangles_) move_triangle(triangle);
   for (Index vertex : unused_) move_vertex(cells, vertex);

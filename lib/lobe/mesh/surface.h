@@ -42,7 +42,8 @@ struct SurfaceMesh {
   std::vector<Index> mesh_vertex;        // the vertex of the mesh that it is; or the nearest to it, see below
   std::vector<std::uint8_t> vertex_cut;  // 1: of cut faces, 0: of skin
 
-  // Those that are no vertices of the mesh, in no particular order: a blade has cut between.
+  // The vertices of the surface that are no vertices of the mesh, because a blade has cut between those. In
+  // no particular order.
   struct Within {
     Index vertex;             // of the surface
     Eigen::Vector4i corners;  // vertices of the mesh
@@ -62,7 +63,7 @@ struct SurfaceMesh {
 class Surface {
  public:
   Surface() = default;  // of nothing, until it is rebuilt
-  // Also of a body that has been cut: what was inside at the start is found from the tetrahedra that are
+  // The body may have been cut before. What was inside at the start then follows from the tetrahedra that are
   // gone. O(#tets), and O(n log n) in the number of these.
   Surface(const Topology& topology, std::span<const RegionModel> region_of) { rebuild(topology, region_of); }
   Surface(const SurfaceCells& cells, std::span<const RegionModel> region_of) { rebuild(cells, region_of); }

@@ -43,7 +43,7 @@ class TetCells : public SurfaceCells {
  public:
   // New faces of the boundary were inside before.
   explicit TetCells(const Topology& topology) : topology_(topology) {}
-  // What was inside at the start is found from the tetrahedra that are gone. O(#tets), and O(n log n) in the
+  // What was inside at the start follows from the tetrahedra that are gone. O(#tets), and O(n log n) in the
   // number of these.
   static TetCells since_start(const Topology& topology);
 

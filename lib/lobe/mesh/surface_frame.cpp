@@ -1,4 +1,4 @@
-// What a surface is drawn with: found from the vertices of the mesh in each frame.
+// Computes what is needed to draw a surface from the vertices of the mesh, in each frame.
 #include <Eigen/Geometry>
 
 #include "lobe/mesh/surface.h"

@@ -86,18 +86,18 @@ void Topology::close_face(Index code) {
   boundary_.pop_back();
 }
 
-// Across a face which is not known to be on the boundary.
+// Adds a neighbour across a face that is not known to be on the boundary.
 void Topology::add_neighbour(Index tet, int face, Index other) {
   if (neighbours_(face, tet) < 0) {
     neighbours_(face, tet) = other;
     return;
   }
-  stars_are_whole_ = false;  // what is beside a corner is no ring any more
+  stars_are_whole_ = false;  // the tetrahedra around an edge are no ring any more
   while (more_.vertex_count() < tet_count()) more_.add_vertex();
   more_.append(tet, {face, other});
 }
 
-// One of several takes the place of the first.
+// Removes a neighbour. If it was the first of several, another one takes its place.
 void Topology::forget_neighbour(Index tet, Index other) {
   std::array<std::vector<Index>, 4> left;
   std::array<bool, 4> had{};
@@ -143,8 +143,8 @@ void Topology::unlink(Index tet) {
   if (is_shared) more_.clear(tet);
 }
 
-// The tetrahedra that are left beside each part of the removed ones that hangs together by faces, one part
-// after the other; `ends` tells where each ends. Call it before they are unlinked.
+// The tetrahedra next to each connected part of the removed ones, one part after the other. `ends` has the
+// end of each part. Call it before they are unlinked.
 std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vector<Index>& ends) {
   std::vector<Index> rims, part;
   for (Index first : removed) {
@@ -164,9 +164,9 @@ std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vec
   return rims;
 }
 
-// The pieces of the body that hold some of these tetrahedra, all but one of them; none if they hang together.
-// One breadth-first search from all of them: searches that meet become one, and one that ends has found a
-// piece. `left` is one of the tetrahedra that is in none of the pieces.
+// The pieces of the body that have some of these tetrahedra, all but one; none if the tetrahedra are
+// connected. One breadth-first search from all of them: searches that meet become one, and one that ends has
+// found a piece. `left` is one of the tetrahedra that is in none of the pieces.
 std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> tets, Index& left) {
   std::vector<Index> search_of(tets.size()), open(tets.size(), 0), queue;  // open: tetrahedra yet to be left
   const auto root = [&](Index search) {
@@ -209,8 +209,8 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
   return apart;
 }
 
-// Part by part; then from what is left beside each part where something came apart, since a piece may lie
-// between two.
+// Searches part by part. Where something came apart, it then searches from what is left next to each part,
+// since a piece may lie between two.
 void Topology::find_cut_off(const std::vector<Index>& rims, const std::vector<Index>& ends, MeshEdit& edit) {
   std::map<Index, std::vector<Index>> pieces;  // by their first tetrahedron
   std::vector<Index> lefts;
@@ -268,8 +268,8 @@ bool Topology::ring_closes(Index from, Index to, Index v, Index w, Index behind)
   return true;
 }
 
-// Of a tetrahedron that was unlinked: at which corners the rings around its edges show that what was beside
-// it still hangs together. What hung together around a corner before then does.
+// For a tetrahedron that was unlinked: at which corners the rings around its edges show that its neighbours
+// are still connected. If the tetrahedra around such a corner were connected before, they still are.
 std::array<bool, 4> Topology::stays_whole(
     const Eigen::Vector4i& corners,
     const Eigen::Vector4i& neighbours) const {  // per face; negative: none

@@ -13,15 +13,16 @@
 
 namespace lobe {
 
-// A vertex whose tetrahedra no longer hang together by faces: some of them take a copy of it.
+// A vertex that is split, because its tetrahedra are no longer connected by faces. Some of them get a copy of
+// it.
 struct VertexSplit {
   Index vertex = 0;
   Index copy = 0;           // a new vertex, numbered after all others
   std::vector<Index> tets;  // those that now have the copy for a corner
 };
 
-// A tetrahedron that a blade has cut stands where it stood, once for each part that has vertices of its own:
-// the copies share its volume (Elements::share_of).
+// If a blade has cut a tetrahedron, there is a copy of it for each part that has vertices of its own. The
+// copies have the same shape and share its volume (Elements::share_of).
 struct TetCopy {
   Index tet = 0;
   Index copy = 0;  // a new tetrahedron, numbered after all others
@@ -59,8 +60,9 @@ struct TetDivision {
     Index tet = 0;
     std::array<Index, 5> begin{};  // of each face, in others; and the end
   };
-  std::vector<Neighbours> neighbours;  // of the parts, and of all beside them
+  std::vector<Neighbours> neighbours;  // of the parts, and of all next to them
   std::vector<Index> others;
+  bool may_part = true;  // false: nothing has come off, there is no need to search
   std::span<const Index> across(const Neighbours& of, std::size_t face) const {
     return {others.data() + of.begin[face], others.data() + of.begin[face + 1]};
   }
@@ -97,7 +99,7 @@ class Topology {
   Eigen::Vector3i face(Index code) const;
 
   // Removes the alive ones of these tetrahedra. If the remaining tetrahedra around a vertex fall into parts
-  // that share no face, the vertex is split. So nothing hangs by a single vertex. Costs O(tetrahedra
+  // that share no face, the vertex is split. So no parts are connected by a single vertex. Costs O(tetrahedra
   // around these vertices), and a search from all sides of the cut until they meet, or until the smaller
   // pieces are all found.
   MeshEdit remove(std::span<const Index> tets);
@@ -105,7 +107,7 @@ class Topology {
   // Gives numbers and neighbours to the parts of tetrahedra that a blade has cut. O(size of the division).
   MeshEdit divide(const TetDivision& division);
 
-  // Calls visit(face, other) for all that a tetrahedron hangs together with: one across each face, or several
+  // Calls visit(face, other) for each neighbour of a tetrahedron. There is one across each face, or several
   // where copies share it.
   template <class Visit>
   void for_neighbours(Index tet, Visit&& visit) const {
@@ -115,8 +117,8 @@ class Topology {
     for (const Across& more : more_[tet]) visit(more.face, more.tet);
   }
 
-  // Calls visit(t) for all that hangs together with a tetrahedron by faces, breadth first, until it returns
-  // true; returns whether it did. O(#tetrahedra visited).
+  // Calls visit(t) for all tetrahedra that are connected with this one by faces, breadth first, until it
+  // returns true. Returns whether it did. O(#tetrahedra visited).
   template <class Visit>
   bool visit_piece(Index tet, Visit&& visit) {
     std::vector<Index> queue{tet};
@@ -134,8 +136,8 @@ class Topology {
     return found;
   }
 
-  // Pieces of the body that hang together by faces: #pieces lists of tetrahedra, in order of their first.
-  // O(#tets).
+  // The pieces of the body, which are connected by faces: #pieces lists of tetrahedra, in the order of their
+  // first ones. O(#tets).
   std::vector<std::vector<Index>> pieces() const;
 
  private:
@@ -164,7 +166,7 @@ class Topology {
   VertexColumns<Tets>
       neighbours_;  // per face: the first other tetrahedron; on the boundary −1 − its place in boundary_
   VertexLists<Across> more_;  // per tetrahedron, further ones across its faces; no lists until there is one
-  bool stars_are_whole_ = true;  // the tetrahedra around each vertex hang together by faces
+  bool stars_are_whole_ = true;  // the tetrahedra around each vertex are connected by faces
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;

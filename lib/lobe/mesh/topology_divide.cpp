@@ -56,6 +56,7 @@ MeshEdit Topology::divide(const TetDivision& division) {
   for (const TetDivision::Neighbours& around : division.neighbours)
     for (int f = 0; f < 4; ++f) set_neighbours(around.tet, f, division.across(around, std::size_t(f)));
   split_vertices(division, edit);
+  if (!division.may_part) return edit;
   std::vector<Index> rim;
   for (const TetDivision::Neighbours& listed : division.neighbours) rim.push_back(listed.tet);
   sort_unique(rim);

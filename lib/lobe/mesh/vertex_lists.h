@@ -1,5 +1,5 @@
-// One short list per vertex, all in one array, that follows edits: appending and erasing cost O(1), and a
-// list that outgrows its place moves to the end of the array.
+// One short list per vertex, all in one array. To append or erase an item costs O(1). A list that outgrows
+// its place moves to one that another list has left, or to the end of the array.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@ class VertexLists {
  public:
   VertexLists() = default;
 
-  // Lists of the given lengths, all empty, so that filling them moves nothing. A quarter more is set aside
-  // for the vertices that cuts add. Until it is touched, it takes no memory.
+  // Makes empty lists with room for the given lengths, so that filling them moves nothing. There is room for
+  // a quarter more, for the vertices that cuts add. Until it is touched, it takes no memory.
   explicit VertexLists(const std::vector<Index>& lengths) {
     const std::size_t vertices = lengths.size() + lengths.size() / 4;
     begin_.reserve(vertices);
@@ -40,7 +40,7 @@ class VertexLists {
   }
   std::span<Item> operator[](Index v) { return {items_.data() + begin_[v], std::size_t(count_[v])}; }
 
-  // All lists as they lie in memory, with what is left of their former places: to ask for what comes next.
+  // All lists as they lie in memory, with what is left of their former places, for prefetching.
   std::span<const Item> items() const { return items_; }
 
   void add_vertex() {
@@ -67,12 +67,12 @@ class VertexLists {
     if (found != list.end()) erase(v, &*found);
   }
 
-  // A list that does not fit takes a place of exactly its size at the end of the array.
+  // A list that does not fit takes a place of exactly its size.
   void assign(Index v, std::span<const Item> list) {
-    if (static_cast<Index>(list.size()) > capacity_[v]) {
-      begin_[v] = end();
-      capacity_[v] = static_cast<Index>(list.size());
-      items_.resize(begin_[v] + list.size());
+    if (const auto size = static_cast<Index>(list.size()); size > capacity_[v]) {
+      leave_place(v);
+      begin_[v] = place_of(size);
+      capacity_[v] = size;
     }
     count_[v] = static_cast<Index>(list.size());
     std::copy(list.begin(), list.end(), (*this)[v].begin());
@@ -83,18 +83,42 @@ class VertexLists {
  private:
   std::uint32_t end() const { return static_cast<std::uint32_t>(items_.size()); }
   void grow(Index v) {
-    const Index capacity = std::max<Index>(4, 2 * capacity_[v]);
-    const std::uint32_t begin = end();
-    items_.resize(begin + std::size_t(capacity));
+    const Index capacity = std::max<Index>(4, capacity_[v] + (capacity_[v] + 1) / 2);
+    const std::uint32_t begin = place_of(capacity);
     std::copy_n(items_.begin() + std::ptrdiff_t(begin_[v]), count_[v],
                 items_.begin() + std::ptrdiff_t(begin));
+    leave_place(v);
     begin_[v] = begin;
     capacity_[v] = capacity;
+  }
+
+  // The smallest place that a list has left and that is large enough. What is left of it is another. If there
+  // is none, a place at the end of the array.
+  std::uint32_t place_of(Index capacity) {
+    for (auto size = std::size_t(capacity); size < left_.size(); ++size) {
+      if (left_[size].empty()) continue;
+      const std::uint32_t begin = left_[size].back();
+      left_[size].pop_back();
+      leave_place(begin + std::uint32_t(capacity), Index(size) - capacity);
+      return begin;
+    }
+    const std::uint32_t begin = end();
+    items_.resize(begin + std::size_t(capacity));
+    return begin;
+  }
+
+  void leave_place(Index v) { leave_place(begin_[v], capacity_[v]); }
+  void leave_place(std::uint32_t begin, Index capacity) {
+    constexpr Index least = 4, most = 256;  // others are forgotten
+    if (capacity < least || capacity > most) return;
+    if (left_.size() <= std::size_t(capacity)) left_.resize(std::size_t(capacity) + 1);
+    left_[std::size_t(capacity)].push_back(begin);
   }
 
   std::vector<std::uint32_t> begin_;
   std::vector<Index> count_, capacity_;
   std::vector<Item> items_;
+  std::vector<std::vector<std::uint32_t>> left_;  // places that no list uses any more, by their capacity
 };
 
 }  // namespace lobe

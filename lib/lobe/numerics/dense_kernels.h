@@ -10,9 +10,9 @@
 
 namespace lobe {
 
-// A symmetric matrix without its diagonal, by the half below: panels of eight columns, each of tiles of
-// sixteen rows from the tile on in which the panel begins, and a tile column by column. What lies on the
-// diagonal, above it or beyond the matrix is zero.
+// The half below the diagonal of a symmetric matrix, without the diagonal. It is stored in panels of eight
+// columns. A panel has tiles of sixteen rows, from the tile in which the panel begins. A tile is stored
+// column by column. Entries on the diagonal, above it or beyond the matrix are zero.
 struct SymmetricHalf {
   static constexpr Index panel_columns = 8, tile_rows = 16, tile_size = panel_columns * tile_rows;
   Index size = 0;  // rows
@@ -39,11 +39,11 @@ struct MatrixProduct {
   Real sign;
   MatrixFactor<Real> A, B;
   Index rows, depth, columns;
-  bool lower;  // of C, nothing is wanted above the diagonal
+  bool lower;  // only the lower triangle of C is computed
   Real* C;     // column by column
   std::size_t stride;
 };
-inline constexpr Index product_depth = 192, product_height = 256;  // of the blocks in which it is done
+inline constexpr Index product_depth = 192, product_height = 256;  // of the blocks of a product
 inline std::size_t product_scratch(Index columns) {
   return std::size_t(product_depth) * std::size_t(product_height + columns + 8);
 }

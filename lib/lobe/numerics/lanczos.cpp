@@ -12,7 +12,8 @@ struct Ritz {
   double value = 0, residual = 0;  // an eigenvalue is within the residual of the value
 };
 
-// Of the symmetric matrix with this diagonal and these numbers beside it; the last of these leads out of it.
+// The largest eigenvalue of the tridiagonal matrix with this diagonal and these off-diagonals. The last of
+// these couples it to the next iteration.
 Ritz largest_ritz(const std::vector<double>& alpha, const std::vector<double>& beta) {
   const auto m = static_cast<Eigen::Index>(alpha.size());
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;

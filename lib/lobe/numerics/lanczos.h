@@ -9,7 +9,7 @@
 namespace lobe {
 
 struct HighestFrequency {
-  double omega = 0;       // [rad/s], on the safe side: that of the last iteration and its residual
+  double omega = 0;       // [rad/s], on the safe side: the last Ritz value plus its residual
   int evaluations = 0;    // of all forces
   bool converged = true;  // the residual is below the tolerance
 };
@@ -19,10 +19,10 @@ struct LanczosSettings {
   int most = 48;             // evaluations of all forces
 };
 
-// ω_max by Lanczos iterations of K C in the inner product of C, on forces, K by differences of forces that
-// vanish at u = 0. If C is the inverse of lumped masses, they start from forces that are large where the
-// vertex estimates are high, because the highest mode is local. The forces are nowhere zero, because that
-// mode may be elsewhere.
+// Finds ω_max by Lanczos iterations of K C on vectors of forces, in the inner product of C. Products with K
+// are differences of forces, which vanish at u = 0. If C is the inverse of lumped masses, they start from
+// forces that are large where the vertex estimates are high, because the highest mode is local. The forces
+// are nowhere zero, because that mode may be elsewhere.
 template <class Real>
 HighestFrequency highest_frequency(
     const std::vector<double>& inverse_mass,     // [1/kg], 0 where held

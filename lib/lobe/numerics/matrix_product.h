@@ -11,8 +11,8 @@
 namespace lobe::LOBE_KERNELS {
 namespace {  // one for each set: included by dense_kernels.cpp alone
 
-// Both factors are copied to panels that the innermost loop reads one number after the other: of A sixteen
-// rows, of B eight columns, filled up with zeros.
+// Both factors are copied to panels, which the innermost loop reads from start to end. A panel has sixteen
+// rows of A, or eight columns of B, filled up with zeros.
 struct ProductPanels {
   static constexpr int rows = 16, columns = 8;
   static constexpr Index depth = product_depth, height = product_height;  // of a block of A

@@ -22,9 +22,10 @@ void unrolled(Body&& body) {
   (std::make_integer_sequence<int, n>());
 }
 
-// Vectors of four numbers, the last of which is a pad, between memory, one vector after the other, and packs,
-// one component after the other. Lane by lane the components would take a load or a store each; instead, four
-// registers of whole vectors are transposed in place: register k holds those of the lanes k, k + 4, k + 8 …
+// Loads and stores vectors of four numbers, the last of which is padding. In memory they lie one vector after
+// the other; packs have one component of all lanes each. A load or store per component and lane would be
+// slow. Instead four registers of whole vectors are transposed in place: register k has those of the lanes k,
+// k + 4, k + 8 …
 template <class T>  // a pack
 class PaddedVectors {
  public:
@@ -72,7 +73,7 @@ class PaddedVectors {
     return T([&](auto lane) { return vectors[4 * numbers[lane] + d]; });
   }
 
-  // Vectors of the lanes 0, 4, 8 … side by side.
+  // Loads the vectors of the lanes 0, 4, 8 … into one register.
   template <int groups, class R>
   static void load_register(const Real* vectors, const std::uint8_t* numbers, R& r) {
     if constexpr (groups == 1) {

@@ -12,7 +12,7 @@ namespace {
 
 using Simplicial = Eigen::SimplicialLDLT<SparseFactor::Matrix, Eigen::Lower, Eigen::MetisOrdering<int>>;
 
-// Eigen's, with what it has found to be set from outside.
+// Eigen's factor, whose contents can be set from outside.
 class EigenLdlt : public Simplicial {
  public:
   void set(SparseFactor::Matrix L, Eigen::VectorXd D, const Eigen::VectorXi& places) {
@@ -91,8 +91,8 @@ LOBE_WIDE void subtract_rows(Column column, const double* x, double* x_column) {
   for (int k = 0; k < batch; ++k) x_column[k] = sum[k];
 }
 
-// x = L⁻¹ b, passing over columns that nothing reaches: from a few unknowns only their ancestors in the
-// elimination tree are reached.
+// x = L⁻¹ b. It skips columns that b does not reach: a few unknowns reach only their ancestors in the
+// elimination tree.
 void forward(const SparseFactor::Matrix& L, Rows& x) {
   for (Eigen::Index j = 0; j < L.cols(); ++j) {
     const Eigen::Matrix<double, 1, batch> row = x.row(j);
@@ -100,7 +100,7 @@ void forward(const SparseFactor::Matrix& L, Rows& x) {
   }
 }
 
-// x = L⁻ᵀ b where it is wanted, which takes the ancestors of what is wanted.
+// x = L⁻ᵀ b for the unknowns that are wanted. This takes their ancestors, too.
 void backward(const SparseFactor::Matrix& L, const std::vector<char>& wanted, Rows& x) {
   for (Eigen::Index j = L.cols(); j-- > 0;)
     if (wanted[std::size_t(j)]) subtract_rows(column(L, j), x.data(), x.row(j).data());

@@ -83,7 +83,7 @@ void Supernodal::find_places() {
   }
 }
 
-// The entries of A in the columns of a supernode, and what its children have left there.
+// Assembles the front of a supernode: the entries of A in its columns, and the updates of its children.
 void Supernodal::assemble(const Matrix& A, int s, std::vector<Dense>& updates, std::vector<int>& at,
                           Dense& front) const {
   const int first = nodes_.first[std::size_t(s)], width = nodes_.width(s);
@@ -126,7 +126,7 @@ bool Supernodal::factorise(const Matrix& A, Eigen::Index negative) {
   return negative == 0;
 }
 
-// The supernodes of components, by their places, and all that depends on them.
+// Marks the supernodes of components, which are given by their places, and all that depend on them.
 Supernodal::Marks Supernodal::with_ancestors(const std::vector<int>& components) const {
   Marks marks(std::size_t(nodes_.count()), 0);
   for (int i : components)
@@ -135,7 +135,7 @@ Supernodal::Marks Supernodal::with_ancestors(const std::vector<int>& components)
   return marks;
 }
 
-// Of right-hand sides in the rows of x, given in some supernodes, wanted in others.
+// Solves for the right-hand sides in the rows of x, which are given in some supernodes and wanted in others.
 void Supernodal::solve(Dense& x, const Marks& given, const Marks& wanted) const {
   DenseProducts products;
   for (int s = 0; s < nodes_.count(); ++s) {
@@ -152,7 +152,7 @@ void Supernodal::solve(Dense& x, const Marks& given, const Marks& wanted) const 
     }
 }
 
-// A node of the factor is read once for all columns.
+// Solves for a few columns. Each supernode of the factor is read once for all of them.
 Supernodal::Dense Supernodal::solve_few(const Dense& B) const {
   Dense X(B.rows(), B.cols());
   X(nodes_.place, Eigen::all) = B;
@@ -187,7 +187,8 @@ Supernodal::Dense Supernodal::solve_all(const Dense& B) const {
   return X;
 }
 
-// Columns in the order of the factor, so that those that are solved for at once depend on much the same.
+// Takes columns in the order of the factor, so that those that are solved for at once depend on about the
+// same supernodes.
 Supernodal::Dense Supernodal::inverse_block(const std::vector<int>& rows,
                                             const std::vector<int>& columns) const {
   const auto place = [&](int i) { return nodes_.place[std::size_t(i)]; };

@@ -13,7 +13,7 @@ namespace {
 
 using Lists = std::vector<std::vector<int>>;
 
-// Of each component, itself included.
+// The neighbours of each component, itself included.
 Lists neighbours_of(const Eigen::SparseMatrix<double>& A) {
   Lists neighbours(std::size_t(A.cols()));
   for (Eigen::Index j = 0; j < A.cols(); ++j)
@@ -110,13 +110,13 @@ std::vector<int> inverse(const std::vector<int>& order) {
 struct Run {
   int first = 0, end = 0;
   std::vector<int> below;
-  double zeros = 0;  // that it holds for being one
+  double zeros = 0;  // that it contains because runs were merged
 
   double width() const { return end - first; }
   double entries() const { return width() * (width() / 2 + double(below.size())); }
 };
 
-// Whether child and parent had better be one, and with how many zeros.
+// Merges child and parent if that is cheaper, and counts the zeros that this adds.
 bool join(const Run& child, Run& parent) {
   const double zeros =
       child.zeros + parent.zeros +
@@ -124,7 +124,7 @@ bool join(const Run& child, Run& parent) {
   const double all =
       parent.entries() + child.width() * (child.width() / 2 + parent.width() + double(parent.below.size()));
   const bool is_small =
-      child.width() + parent.width() <= 8;  // groups: dearer to handle than to fill with zeros
+      child.width() + parent.width() <= 8;  // groups: so few are cheaper to fill with zeros than to handle
   if (zeros > (is_small ? 0.5 : 0.1) * all) return false;
   parent.first = child.first;
   parent.zeros = zeros;

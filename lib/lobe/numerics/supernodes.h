@@ -23,8 +23,8 @@ struct Supernodes {
   void number();  // `of`, from `first`
 };
 
-// Nested dissection (METIS) of groups of consecutive components with the same neighbours, as those of a
-// vertex are; then supernodes that differ little are made one. Of a lower triangle.
+// Orders groups of consecutive components with the same neighbours, such as the three of a vertex, by nested
+// dissection (METIS). Then it merges supernodes that differ little. `A` is a lower triangle.
 Supernodes find_supernodes(const Eigen::SparseMatrix<double>& A);
 
 }  // namespace lobe

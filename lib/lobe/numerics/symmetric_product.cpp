@@ -27,7 +27,7 @@ void SymmetricProduct<Real>::set(const Eigen::Ref<const Eigen::MatrixXd>& S) {
   sums_.assign((parts_.size() - 1) * std::size_t(shape_.padded()), 0);
 }
 
-// Into parts of equal size, as many as are worth waking threads for.
+// Divides the panels into parts of equal size, so many that it is worth waking threads for them.
 template <class Real>
 void SymmetricProduct<Real>::divide() {
   constexpr Index tiles_of_part = 4096;  // some 30 us

@@ -1,6 +1,6 @@
-// The product of a dense symmetric matrix with a vector, of which every step of a condensed region takes one.
-// Only the half below the diagonal is read: 2 n² bytes in single precision, at the speed of the cache or
-// memory that holds them.
+// The product of a dense symmetric matrix with a vector. Every step of a condensed region takes one. Only the
+// half below the diagonal is read: 2 n² bytes in single precision, at the speed of the cache or memory that
+// holds them.
 #pragma once
 
 #include <Eigen/Core>

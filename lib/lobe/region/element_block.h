@@ -1,5 +1,5 @@
-// Tetrahedra and edges side by side, as wide kernels read them: every row fills one cache line, a multiple of
-// every register's width. Plain arrays.
+// Blocks of tetrahedra and of edges, as wide kernels read them. Every row of numbers fills one cache line,
+// which is a multiple of every register's width. These are plain arrays.
 #pragma once
 
 #include <array>
@@ -19,13 +19,15 @@ struct alignas(64) ElementBlock {
       corners{};  // vertices, as the patch numbers them
 };
 
+// One for each ElementBlock, if nodal pressure is used.
 template <class Real>
-struct alignas(64) PressureBlock {  // beside each block where nodal pressure is used
+struct alignas(64) PressureBlock {
   std::array<std::array<Index, ElementBlock<Real>::width>, 4> nodes{};  // of the four corners
 };
 
+// One for each ElementBlock, if a material has fibres.
 template <class Real>
-struct alignas(64) FibreBlock {  // beside each block where a material has fibres
+struct alignas(64) FibreBlock {
   std::array<typename ElementBlock<Real>::Row, 3> direction{};  // unit vectors at rest
 };
 
@@ -38,7 +40,7 @@ struct alignas(64) EdgeBlock {
       corners{};  // i and j, as the patch numbers them
 };
 
-// A vector of a vertex with a fourth number, zero, so that a register takes it whole.
+// A vector of a vertex, with a fourth number that is zero, so that one load or store takes all of it.
 template <class Real>
 struct alignas(4 * sizeof(Real)) PaddedVector {
   std::array<Real, 4> xyz0{};

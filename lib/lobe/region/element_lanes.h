@@ -1,4 +1,4 @@
-// As many tetrahedra of a block as one register holds: what every formula of one element starts from.
+// The data of as many tetrahedra of a block as one register holds. Formulas of one element start from these.
 #pragma once
 
 #include "lobe/fem/law.h"

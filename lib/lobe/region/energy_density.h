@@ -1,5 +1,5 @@
-// Energy and stress of one tetrahedron, by the model of its region or by a given one. All evaluators of
-// regions sum these up.
+// Energy and stress of one tetrahedron, by the model of its region or by a given one. Energies of regions are
+// sums of these.
 #pragma once
 
 #include "lobe/fem/elements.h"

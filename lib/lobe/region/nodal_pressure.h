@@ -1,12 +1,13 @@
-// Averaged nodal pressure against volumetric locking. A share w of the term λ/2 (tr E)² of non-linear
-// tetrahedra is taken of an average around vertices (theory, section 12),
-//   W = Σ_T V_T ((1−w)λ/2 θ_T² + μ tr E_T²) + Σ_n wλ/2 V_n θ_n²,
-//   V_n = Σ_T∋n V_T/4,  θ_n = Σ_T∋n V_T θ_T / 4V_n,
-// θ_T = tr E_T. A tetrahedron feels S = ((1−w)λ θ_T + p_T) I + 2μE with p_T = ¼ Σ_n∈T p_n, p_n = wλ θ_n.
+// Averaged nodal pressure against volumetric locking. A share χ of λ acts on averages of tr E around vertices
+// instead of on single non-linear tetrahedra (theory, section 12),
+//   W = Σ_T V_T ((1−χ)λ/2 θ_T² + μ tr E_T²) + Σ_n χλ/2 V_n θ_n², V_n = Σ_T∋n V_T/4,  θ_n = Σ_T∋n V_T θ_T /
+//   4V_n,
+// with θ_T = tr E_T. The stress of a tetrahedron is S = ((1−χ)λ θ_T + p_T) I + 2μE with p_T = ¼ Σ_n∈T p_n,
+// p_n = χλ θ_n.
 //
-// A pressure node n is a vertex together with a material: pressure may jump between materials, and no other
-// tetrahedra take part. Nodes come and go with their tetrahedra; numbers of those that have gone are used
-// again.
+// A pressure node n is a vertex together with a material, so pressure may jump between materials. Only
+// non-linear tetrahedra take part. Nodes come and go with their tetrahedra; the numbers of those that have
+// gone are used again.
 #pragma once
 
 #include <span>
@@ -33,13 +34,13 @@ class PressureNodes {
   }  // `none` and numbers not in use included
   bool any() const { return count() - static_cast<Index>(unused_.size()) > 1; }
   double volume(Index node) const { return volume_[node]; }  // V_n [m³], 0 where not in use
-  double lambda(Index node) const { return lambda_[node]; }  // wλ [Pa]
+  double lambda(Index node) const { return lambda_[node]; }  // χλ [Pa]
   std::span<const Index> tets(Index node) const { return tets_of_[node]; }
   Eigen::Vector4i of(Index tet) const {
     return nodes_.col(tet);
   }  // per corner; all `none` if it takes no part
 
-  // p_n = wλ θ_n [Pa] from V_T θ_T [m³] of each tetrahedron; `pressure` has count() entries.
+  // Computes p_n = χλ θ_n [Pa] from V_T θ_T [m³] of each tetrahedron; `pressure` has count() entries.
   template <class Real>
   void gather(const std::vector<Real>& volume_strain, std::vector<Real>& pressure, Parallel& parallel) const {
     parallel.for_ranges(count(), 1024, [&](Index begin, Index end) {
@@ -58,7 +59,7 @@ class PressureNodes {
     return (pressure[n[0]] + pressure[n[1]] + pressure[n[2]] + pressure[n[3]]) / 4;
   }
 
-  // Adds the exact part of the nodes: Σ_n wλ/V_n g⊗g with g = ∂(V_n θ_n)/∂u_i of each vertex i.
+  // Adds the exact part of the nodes: Σ_n χλ/V_n g⊗g with g = ∂(V_n θ_n)/∂u_i of each vertex i.
   // O(#tetrahedra).
   void add_diagonal_stiffness(
       const Mat3X<double>& slopes,  // 3 × 4 #tetrahedra: column 4T + c is V_T ∂θ_T/∂u of corner c [m²]
@@ -72,7 +73,7 @@ class PressureNodes {
   VertexLists<Index> tets_of_{std::vector<Index>{0}};
   std::vector<Index> vertex_{-1}, unused_;
   std::vector<std::uint16_t> material_{0};
-  std::vector<double> volume_{0}, lambda_{0}, scale_{0};  // scale: wλ/4V_n [Pa/m³]
+  std::vector<double> volume_{0}, lambda_{0}, scale_{0};  // scale: χλ/4V_n [Pa/m³]
   Tets nodes_;                                            // 4 × #tetrahedra
 };
 

@@ -1,4 +1,5 @@
-// The non-linear region: SVK tetrahedra with large displacements, by one of two evaluators with one result.
+// The non-linear region: tetrahedra with large displacements, by one of two evaluators that have the same
+// result.
 #pragma once
 
 #include "lobe/region/patches.h"
@@ -9,7 +10,7 @@ namespace lobe {
 template <class Real>
 class NonlinearRegion {
  public:
-  // The stored evaluator has SVK; other terms of the law are still evaluated directly.
+  // The stored evaluator computes SVK and fibres; other terms of the law are evaluated directly.
   explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct,
                            InstructionSet set = chosen_instruction_set())
       : evaluator_(evaluator), elements_(set), terms_(set) {}

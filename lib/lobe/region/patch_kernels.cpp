@@ -1,5 +1,5 @@
-// What Patches computes: forces and stiffness by the kernels of an instruction set; energies, which are asked
-// for less often, by the registers that the whole library is compiled for.
+// What Patches computes. Forces and stiffness come from the kernels of an instruction set. Energies are asked
+// for less often and use the registers for which the whole library is compiled.
 #include <algorithm>
 
 #include "lobe/region/element_lanes.h"
@@ -39,8 +39,8 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart
   const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{.fibre = law.terms.fibre}; };
   if (part == ElementPart::without_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
   if (nodal_pressure_) find_pressures(u, parallel);
-  // Collapse is rare: asking is all that it costs the others, and a patch that has an element below the
-  // threshold, with some room for the rounding of the question, is evaluated again.
+  // Collapse is rare. So other patches only compute the smallest det F. A patch with an element below the
+  // threshold (with a margin for rounding) is evaluated again, with the guard.
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
                      PatchArrays<Real> patch = arrays(p, local);
@@ -101,7 +101,7 @@ void Patches<Real>::find_slopes(const Mat3X<Real>& u) {
   for (Index p = 0; p < layout_.patch_count(); ++p) for_lanes(p, u, keep);
 }
 
-// Which tetrahedron it is, is looked for in its patch alone.
+// The tetrahedron of the smallest det F is searched in its patch only.
 template <class Real>
 typename Patches<Real>::Stiffness Patches<Real>::smallest_of(const std::vector<Real>& ratios,
                                                              const Mat3X<Real>& u) {
@@ -120,13 +120,13 @@ typename Patches<Real>::Stiffness Patches<Real>::smallest_of(const std::vector<R
   return result;
 }
 
-// In two passes of three entries, each added up like a force.
+// Two passes compute three entries each, which are added up like forces.
 template <class Real>
 typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
                                                                         DiagonalStiffness& K,
                                                                         Parallel& parallel) {
   if (tet_count() == 0) return {};
-  sums_.forget();  // the entries take the place of kept forces
+  sums_.forget();  // the entries overwrite the stored forces
   if (nodal_pressure_) find_pressures(u, parallel);
   Mat3X<Real> entries(3, layout_.places().vertex_count());  // of the stiffness per vertex [N/m]
   ratios_.resize(std::size_t(layout_.patch_count()));

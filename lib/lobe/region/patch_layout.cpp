@@ -7,7 +7,7 @@
 namespace lobe {
 namespace {
 
-// By kind, then along a Hilbert curve.
+// Sorts items by kind, then along a Hilbert curve.
 template <class Item>
 std::vector<Item> in_patch_order(const std::vector<Item>& items, const Mat3X<double>& points) {
   Mat3X<double> barycentres(3, Eigen::Index(items.size()));
@@ -22,8 +22,8 @@ std::vector<Item> in_patch_order(const std::vector<Item>& items, const Mat3X<dou
   return sorted;
 }
 
-// Neighbours in the order of the curve far apart, so that those side by side in a block seldom share a
-// vertex: a sum in memory that was just written is slow to be read again.
+// Puts neighbours in the order of the curve far apart, so that consecutive items of a block seldom share a
+// vertex. A sum in memory that was just written is slow to read again.
 template <class Visit>
 void for_strided(Index begin, Index end, Visit&& visit) {
   constexpr Index lanes = 16;
@@ -131,7 +131,7 @@ Index PatchLayout<n>::leave(Index id, const LocalCorners& corners) {
   return last;
 }
 
-// Of the patches around it, that which knows most of its vertices.
+// Finds the patch around an item that has most of its vertices.
 template <int n>
 Index PatchLayout<n>::patch_for(const Item& item) {
   Index best = -1, fewest = n;

@@ -1,6 +1,6 @@
 // Divides items of n vertices each (tetrahedra, edges) into patches, and numbers them and their vertices
-// within a patch. A patch has items of one kind that lie together: consecutive ones along a Hilbert curve
-// through their barycentres, as many as find room. The last item of a patch takes the place of one that
+// within a patch. A patch has items of one kind that lie close together: consecutive ones along a Hilbert
+// curve through their barycentres, as many as have room. The last item of a patch takes the place of one that
 // leaves. An item that enters goes to a patch that has its vertices.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace lobe {
 
 inline constexpr Index patch_vertices = 256;  // the most that share a patch: numbered by one byte
 
-// Sets room aside for the patches that cuts add, so that cuts seldom copy the array. Until it is touched, the
-// room takes no memory.
+// Reserves room for the patches that cuts add, so that cuts seldom copy the array. The room takes no memory
+// until it is touched.
 template <class Item>
 void resize_with_room(std::vector<Item>& items, std::size_t count) {
   if (items.empty()) items.reserve(count + count / 4);
@@ -91,7 +91,7 @@ class PatchLayout {
   Index item_count_ = 0;
 };
 
-// Those of the tetrahedra that are non-linear, by material.
+// The items of those tetrahedra that are of this model, by material.
 std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements,
                                            const std::vector<Index>& tets);
 

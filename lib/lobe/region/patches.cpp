@@ -15,7 +15,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
     laws_.back().terms.pressure = nodal_pressure_;
   }
   const std::vector<Layout::Item> items = items_of(model, elements, enter);
-  if (items.empty() && tet_count() == 0) return;  // what is not there takes no memory
+  if (items.empty() && tet_count() == 0) return;  // without tetrahedra no memory is needed
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   for (Index t : leave)
     if (layout_.slot_of(t) >= 0) remove(t);

@@ -10,8 +10,8 @@
 
 namespace lobe {
 
-// Which terms of the law are evaluated. without_svk: all but SVK, which another evaluator computes; no nodal
-// pressure.
+// Which terms of the law are evaluated. without_svk: not those that the stored evaluator computes, and no
+// nodal pressure.
 enum class ElementPart { all, without_svk };
 
 template <class Real>

@@ -20,8 +20,8 @@ class TermSums {
     terms_.push_back(terms);
   }
 
-  // Carriers that come one after the other in ascending order stand in different blocks: those side by side
-  // in a block seldom share a vertex, since a sum in memory that was just written is slow to be read again.
+  // Carriers that follow each other in ascending order are put in different blocks, so that those of one
+  // block seldom share a vertex. A sum in memory that was just written is slow to read again.
   template <class Real>
   std::vector<TermBlock<Real, Terms>> blocks() {
     const std::vector<std::pair<Carrier<Terms>, Index>> sums = add_up();
@@ -138,8 +138,8 @@ std::vector<typename StoredTerms<Real>::Part> StoredTerms<Real>::parts_of(Index 
   return parts;
 }
 
-// A translation changes no energy, so that the forces of a part add up to nothing: what rounding leaves of
-// the sum is taken off.
+// A translation changes no energy, so the forces of a part add up to zero. What rounding leaves of the sum is
+// subtracted.
 template <class Real>
 void balance(const std::vector<std::uint8_t>& part, PaddedVector<Real>* forces) {
   for (int d = 0; d < 3; ++d) {

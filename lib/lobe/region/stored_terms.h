@@ -18,7 +18,7 @@ class StoredTerms {
  public:
   explicit StoredTerms(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
 
-  // Gathers the terms of all patches that an edit changes again: O(its tetrahedra) for each.
+  // Computes the terms of all patches that an edit changes again, at O(its tetrahedra) for each.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
               RegionModel model = RegionModel::nonlinear);
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
@@ -31,7 +31,7 @@ class StoredTerms {
   std::size_t bytes() const;  // of coefficients and the vertices they belong to
 
  private:
-  // Vertices of a patch, as it numbers them, whose tetrahedra hang together within it. Ascending.
+  // Vertices of a patch, as it numbers them, whose tetrahedra are connected within it. Ascending.
   using Part = std::vector<std::uint8_t>;
   template <class Terms>
   using Blocks = std::vector<TermBlock<Real, Terms>>;

@@ -13,8 +13,8 @@ int corner_of(const Eigen::Vector4i& corners, Index vertex) {
   return -1;
 }
 
-// V B_ij of shape.h and linear_block() from the area vectors of the faces opposite to two corners: α_c is
-// minus that of its face over 3V.
+// Computes V B_ij of linear_block() from the area vectors of the faces opposite to two corners. α_c (shape.h)
+// is minus the area vector of its face, divided by 3V.
 Mat3<double> block_of(const Elements& elements, Index tet, int corner, int other) {  // [N/m]
   const Mat34<double> X = elements.corner_points(tet);
   const auto doubled_area = [&](int c) -> Vec3d {
@@ -31,7 +31,7 @@ Mat3<double> block_of(const Elements& elements, Index tet, int corner, int other
   return block + fibre_block<double>(a, b, elastic.fibre.times(per_36_volumes), elements.fibre_of(tet));
 }
 
-// K_ij of the region's tetrahedra that are there; whether there are any.
+// Sums K_ij over the region's tetrahedra that are alive. Returns whether there are any.
 bool sum_block(const Elements& elements, Index i, Index j, Mat3<double>& sum) {
   sum.setZero();
   bool any = false;
@@ -58,7 +58,7 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
   };
   const auto enters = [&](Index t) { return elements.region_of[t] == RegionModel::tensor_mass; };
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters))
-    return;  // what is not there takes no memory
+    return;  // without tetrahedra no memory is needed
   const std::vector<Index> removed = update_members(elements, edit);
   while (neighbours_.vertex_count() < elements.topology.vertex_count()) neighbours_.add_vertex();
   std::vector<Fresh> fresh;
@@ -81,7 +81,7 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
   for (const Fresh& f : fresh) write(f.edge, f.block);
 }
 
-// Returns those that are no members any more, or changed corners.
+// Returns the tetrahedra that are no members any more, or have other corners.
 template <class Real>
 std::vector<Index> TensorMassRegion<Real>::update_members(const Elements& elements, const RegionEdit& edit) {
   member_.resize(std::size_t(elements.topology.tet_count()), 0);
@@ -98,8 +98,8 @@ std::vector<Index> TensorMassRegion<Real>::update_members(const Elements& elemen
   return removed;
 }
 
-// Those of the tetrahedra that went or came; and, where corners may have changed, those between the vertices
-// of the edit.
+// Finds the edges of the tetrahedra that left or entered. If corners may have changed, it also finds all
+// edges between the vertices of the edit.
 template <class Real>
 std::vector<typename TensorMassRegion<Real>::Ends> TensorMassRegion<Real>::touched_edges(
     const Elements& elements, const RegionEdit& edit, const std::vector<Index>& removed) const {

@@ -2,8 +2,7 @@
 //
 // The block of a vertex is minus the sum of those of its edges, because a translation costs no energy. So
 // only the blocks of edges are stored, and a translation gives exactly no force. Each edge is stored once and
-// acts
-// on both its ends, K_ji = K_ijᵀ. Edges are kept in patches (patch_layout.h, patch_sums.h).
+// acts on both its ends, K_ji = K_ijᵀ. Edges are grouped in patches (patch_layout.h, patch_sums.h).
 #pragma once
 
 #include "lobe/fem/elements.h"

@@ -1,4 +1,4 @@
-// Terms of the stored evaluator side by side, as wide kernels read them. Plain arrays.
+// Blocks of terms of the stored evaluator, as wide kernels read them. These are plain arrays.
 #pragma once
 
 #include "lobe/fem/nonlinear_tensor_mass.h"

@@ -6,8 +6,8 @@
 namespace lobe::LOBE_KERNELS {
 namespace {
 
-// Lane by lane, so that the order of the sums, hence their bits, does not depend on the width. `numbers`: of
-// the vertices of the lanes of each column.
+// Adds lane by lane, so that the order of the sums, and so their bits, does not depend on the width.
+// `numbers`: of the vertices of the lanes of each column.
 template <class T, int n, class Numbers, class Real = typename T::value_type>
 void add_to_vertices(const Eigen::Matrix<T, 3, n>& forces, const Numbers& numbers, int first, Real* sums) {
   using Vectors = PaddedVectors<T>;
@@ -25,8 +25,7 @@ void add_to_vertices(const Eigen::Matrix<T, 3, n>& forces, const Numbers& number
   });
 }
 
-// What streams from memory is asked for some blocks ahead: the processor's own guess stops at every page and
-// patch.
+// Prefetches data some blocks ahead. The prefetcher of the processor stops at every page and patch.
 template <class Block>
 void prefetch(const Block* block) {
   const char* bytes = reinterpret_cast<const char*>(block + 4);
@@ -73,8 +72,8 @@ constexpr bool are_of_one_solid(const Terms& a, const Terms& b) {
   return a.svk == b.svk && a.fibre == b.fibre && a.neo_hookean == b.neo_hookean;
 }
 
-// The sums of terms that forces are compiled for. A patch takes the first that is of its solid and includes
-// its own terms; what its law lacks of them has the modulus 0.
+// The sums of terms for which forces are compiled. A patch takes the first one that is of its solid and
+// includes all its terms. Terms that its law does not have get the modulus 0.
 constexpr Terms compiled_terms[] = {{.svk = true},
                                     {.svk = true, .volume = true},
                                     {.svk = false, .volume = true},

@@ -10,7 +10,7 @@
 
 namespace lobe {
 
-// Whether the guard of the law is left out (off), is left out while the smallest det F is found (asked), or
+// Whether the guard of the law is left out (off), is left out and the smallest det F is returned (asked), or
 // acts.
 enum class Guarding { off, asked, acting };
 
@@ -36,9 +36,9 @@ struct WideKernels {
   // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
   // are held [N/m]. Returns the smallest det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
-  // The same of the terms of the stored evaluator, carrier by carrier.
+  // The same for the terms of the stored evaluator, carrier by carrier.
   void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);
-  // The same as add_forces of the edges of a linear patch, of `count` blocks.
+  // The same for the edges of a linear patch, which has `count` blocks.
   void (*add_edge_forces)(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
                           PaddedVector<Real>* f);
 };

@@ -69,7 +69,7 @@ void FrameWriter::record(World<Real>& world, bool last) {
   const bool picture_due = next_picture_ < output_.pictures.size() &&
                            world.time() >= output_.pictures[next_picture_] - just_before;
   if (!frame_due && !picture_due && !last) return;
-  // A run that ended early stands where it was recorded last, perhaps with more cuts.
+  // A run that ended early may be at the time of its last frame, perhaps with more cuts.
   if (!frames_.empty() && frames_.back().first == world.time()) frames_.pop_back();
   const std::string frame = numbered("frame_%04zu.vtu", frames_.size());
   const Mat3X<double> u = world.state().u.template cast<double>(),

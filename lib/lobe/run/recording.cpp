@@ -22,8 +22,8 @@ void mix(std::uint64_t word, std::uint64_t& digest) {
   digest ^= digest >> 32;
 }
 
-// Of four words at a time, each into a digest of its own: a frame of a recording should not cost more to seal
-// than to publish.
+// A digest that takes four words at a time, each into a digest of its own. That is so fast that a frame of a
+// recording does not cost more to digest than to publish.
 template <class Real>
 std::uint64_t mixed(std::span<const Real> values, std::uint64_t start) {
   constexpr std::size_t lanes = 4, bytes_at_once = lanes * sizeof(std::uint64_t);
@@ -53,7 +53,7 @@ std::uint64_t digest_of(const Eigen::Ref<const Mat3X<Real>>& u, const Eigen::Ref
   return mixed(std::span<const double>(&time, 1), mixed(values(v), mixed(values(u), io::digest({}))));
 }
 
-// The states that a recording goes back to, kept while it is played.
+// The states to which a recording goes back, stored while it is played.
 template <class Real>
 class Returns {
  public:

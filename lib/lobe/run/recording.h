@@ -13,7 +13,8 @@
 
 namespace lobe {
 
-// The world went back to its state after the first `entries` entries of the recording; 0: to its start.
+// An entry: the world went back to its state after the first `entries` entries of the recording; 0: to its
+// start.
 struct GoBack {
   std::uint64_t entries = 0;
   static constexpr auto fields = std::tuple(&GoBack::entries);
@@ -32,8 +33,8 @@ struct Recording {
   static constexpr auto fields = std::tuple(&Recording::setup, &Recording::in_double, &Recording::commands);
 };
 
-// The entries that led to where the world is at the end: without what was undone by going back, and without
-// GoBack.
+// The entries that led to the state of the world at the end, without what was undone by going back, and
+// without GoBack.
 std::vector<std::size_t> entries_to_the_end(const Recording& recording);
 
 template <class Real>
@@ -66,8 +67,8 @@ struct ReplayResult {
 };
 
 // Plays a recording on a world as it was when the recording began; throws InputError for one of another setup
-// or precision. Stops at the first command after which the state differs. States that it goes back to are
-// kept meanwhile.
+// or precision. Stops at the first command after which the state differs. It stores the states to which the
+// recording goes back.
 template <class Real>
 ReplayResult replay(const Recording& recording, World<Real>& world);
 

@@ -29,7 +29,7 @@ struct Totals {
   void add(const Report& report, double time, double wall);
 };
 
-// Time, volume, energies and tools now: an entry of the report's series.
+// An entry of the report's series: time, volume, energies and tools now.
 template <class Real>
 nlohmann::ordered_json state_json(World<Real>& world);
 nlohmann::ordered_json region_counts(const Elements& elements);

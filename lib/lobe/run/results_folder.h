@@ -6,8 +6,8 @@
 
 namespace lobe {
 
-// Makes the directory and removes what an earlier run left in it; before it removes anything, it refuses to
-// remove what this run is made from. Throws InputError.
+// Makes the directory, or removes what an earlier run left in it. Throws InputError before anything is
+// removed, if it would remove an input of this run.
 void clear_earlier_run(const std::filesystem::path& directory,
                        const std::vector<std::filesystem::path>& inputs);
 

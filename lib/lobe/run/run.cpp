@@ -58,7 +58,7 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Fra
   return ok;
 }
 
-// What only some scenes use.
+// Parts of the report that only some scenes have.
 template <class Real>
 void add_parts_in_use(Json& report, const World<Real>& world, const Scene& scene, const Resolved& resolved,
                       const Totals& totals) {

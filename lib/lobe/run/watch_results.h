@@ -50,7 +50,7 @@ class LinearityResults {
   bool any() const { return watch_.has_value(); }
   std::string warning() const {
     if (worst_.error <= tolerance_) return "";
-    return "linear regions were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
+    return "the error of linear regions was estimated at up to " + rounded(100 * worst_.error) + " % at " +
            rounded(worst_.time) + " s, most " + place_in_words(worst_.place) + "; declare that gesture" +
            (corrects_ ? "" : ", or set \"correct\"");
   }
@@ -97,7 +97,7 @@ class MassResults {
 
   std::string warning() const {
     if (worst_.error <= tolerance_) return "";
-    return "selective masses were estimated to cost up to " + rounded(100 * worst_.error) + " % at " +
+    return "the error of selective masses was estimated at up to " + rounded(100 * worst_.error) + " % at " +
            rounded(worst_.time) + " s, most " + place_in_words(worst_.place) +
            "; a lower selective_mass or tolerance may help";
   }

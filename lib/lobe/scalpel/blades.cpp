@@ -72,20 +72,19 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   for (std::size_t i = 0; i < there.size(); ++i) way = std::max(way, (there[i] - from[i]).norm());
   if (way < least_way * grains.mean_edge()) return Incised{};
   SweptSheets swept;
-  std::vector<Vec3d> before;  // from
-  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-    before = places_of(rows[i], body);
-    swept.add(before);
-  }
+  swept.begin_with(rows.size() - 1, [&](std::size_t i) { return places_of(rows[i], body); });
   swept.add(from);
   swept.add(there);
   const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved_since(rows.back(), from),
                     stroke->begun};
   const PlacedTets tets(tets_near(swept, blade, body), body.placement);
-  find_in_body(now, tets);
-  Incised incised = incise(grains, blade, swept, tets);
+  Incised incised;
+  if (tets.size() > 0) {
+    find_in_body(now, tets);
+    incised = incise(grains, blade, swept, tets);
+  }
   incised.way = way_of(now, rows.back(), there, from);
-  keep(std::move(now), before, *stroke);
+  keep(std::move(now), rows.size() > 1 ? swept.row(rows.size() - 2) : std::vector<Vec3d>{}, *stroke);
   return incised;
 }
 
@@ -135,13 +134,12 @@ void Blades::end_strokes() {
 // Tetrahedra near the last sheet, and that before if the blade looks back.
 std::vector<Index> Blades::tets_near(const SweptSheets& swept, const Blade& blade,
                                      const BodyNow& body) const {
-  const Sheet& sheet = swept.last();
   const Sheet* last = blade.looks_back ? swept.before_last() : nullptr;
   const double reach = std::max(blade.reach(), open_within) * grains.mean_edge();
-  const Eigen::AlignedBox3d box = last ? sheet.box().merged(last->box()) : sheet.box();
+  const Eigen::AlignedBox3d box = last ? swept.last_box().merged(last->box()) : swept.last_box();
   const Vec3d around = Vec3d::Constant(reach);
   const auto may_reach = [&](const auto& x) {
-    return sheet.may_reach(x, reach) || (last && last->may_reach(x, reach));
+    return swept.last().may_reach(x, reach) || (last && last->may_reach(x, reach));
   };
   return body.tets_in({{box.min() - around, box.max() + around}, may_reach, may_reach});
 }

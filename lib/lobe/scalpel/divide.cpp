@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <utility>
 
 #include "lobe/scalpel/grains.h"
 #include "lobe/sort_unique.h"
@@ -10,6 +11,7 @@ namespace lobe {
 namespace {
 
 using Corners = Eigen::Vector4i;
+using GrainPair = std::pair<Index, Index>;
 
 bool has(const Corners& corners, Index v) { return (corners.array() == v).any(); }
 
@@ -17,9 +19,11 @@ bool has(const Corners& corners, Index v) { return (corners.array() == v).any();
 // leaving these tetrahedra: a face in common ties all three vertices of its tetrahedra's face together.
 class Division {
  public:
-  // `marks`: per grain, −1; so it is left.
+  // `parted`: the grains on both sides of each face that has opened. `marks`: per grain, −1; so it is left.
+  // `is_whole`: per vertex, whether the grains around it are known to have hung together before.
   Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
-           std::vector<Index>& marks);
+           const std::vector<GrainPair>& parted, std::vector<Index>& marks,
+           std::vector<std::uint8_t>& is_whole);
   ~Division() {
     for (const Changed& changed : changed_) marks_[std::size_t(changed.grain)] = -1;
   }
@@ -42,8 +46,10 @@ class Division {
     std::vector<Index> grains;
   };
 
-  // Of a grain: its place in changed_; −1: none; below: the vertex around which it has not been found yet.
-  static Index mark_around(Index v) { return -2 - v; }
+  // Of a grain: its place in changed_; −1: none; below: the vertex around which it has not been found yet,
+  // or has.
+  static Index mark_around(Index v) { return -2 - 2 * v; }
+  static Index mark_found(Index v) { return -3 - 2 * v; }
   Index& mark(Index grain) {
     Index& own = marks_[std::size_t(grain)];
     return own < 0 ? own : changed_[std::size_t(own)].mark;
@@ -63,9 +69,21 @@ class Division {
   }
   std::span<const Index> grains_of(Index tet) const;
 
+  template <class Visit>  // visit(pair, vertex) of both tetrahedra that the grains beside a face are part of
+  void for_common_vertices(Visit&& visit) const {
+    for (const GrainPair& pair : parted_) {
+      const Corners a = topology_.corners(grains_[pair.first].element),
+                    b = topology_.corners(grains_[pair.second].element);
+      for (Index v : a)
+        if (has(b, v)) visit(pair, v);
+    }
+  }
   void find_star(Index v);
   void find_rest(Index v, Index first, std::size_t most, std::vector<Index>& found);
   bool hangs_together(Index v);
+  bool is_bridged(Index v);
+  bool was_whole(Index v);
+  bool may_part() const;
   std::vector<std::vector<Index>> parts_around(Index v);
   void split(Index v);
   std::vector<Index> changed_tets() const;
@@ -75,8 +93,11 @@ class Division {
 
   const Grains& grains_;
   const Topology& topology_;
+  const std::vector<GrainPair>& parted_;
   std::vector<Index>& marks_;
+  std::vector<std::uint8_t>& is_whole_;
   std::vector<Index> touched_, vertices_;
+  std::vector<std::pair<Index, Index>> sides_;  // vertices, and grains beside faces that opened there; sorted
   std::vector<Changed> changed_;
   std::vector<Index> star_, front_;           // grains around a vertex; those found there
   std::vector<Part> parts_;                   // by their numbers, once all are found
@@ -86,12 +107,25 @@ class Division {
 };
 
 Division::Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
-                   std::vector<Index>& marks)
-    : grains_(grains), topology_(topology), marks_(marks), touched_(touched) {
+                   const std::vector<GrainPair>& parted, std::vector<Index>& marks,
+                   std::vector<std::uint8_t>& is_whole)
+    : grains_(grains),
+      topology_(topology),
+      parted_(parted),
+      marks_(marks),
+      is_whole_(is_whole),
+      touched_(touched) {
   marks_.resize(std::size_t(grains.count()), -1);
+  is_whole_.resize(std::size_t(topology.vertex_count()), 0);
   for (Index t : touched)
     for (Index v : topology.corners(t)) vertices_.push_back(v);
   sort_unique(vertices_);
+  sides_.reserve(8 * parted.size());
+  for_common_vertices([&](const GrainPair& pair, Index v) {
+    sides_.emplace_back(v, pair.first);
+    sides_.emplace_back(v, pair.second);
+  });
+  sort_unique(sides_);
 }
 
 Division::Changed& Division::changed(Index grain) {
@@ -114,6 +148,7 @@ std::vector<std::pair<Index, Index>> Division::moved_grains() const {
 
 TetDivision Division::find() {
   for (Index v : vertices_) split(v);
+  result_.may_part = may_part();
   for (Index t : changed_tets()) divide(t);
   std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.tet < b.tet; });
   find_neighbours();
@@ -149,6 +184,53 @@ bool Division::hangs_together(Index v) {
   return front_.size() == star_.size();
 }
 
+// Whether grains that have been parted around a vertex still hang together there, around what has opened.
+// What hung together before still does, then.
+bool Division::is_bridged(Index v) {
+  const auto begin = std::lower_bound(sides_.begin(), sides_.end(), std::pair(v, Index(0)));
+  const auto end = std::find_if(begin, sides_.end(), [&](const auto& side) { return side.first != v; });
+  if (begin == end) return true;
+  for (auto side = begin; side != end; ++side) mark(side->second) = mark_around(v);
+  front_.assign(1, begin->second);
+  mark(begin->second) = mark_found(v);
+  auto missing = end - begin - 1;
+  for (std::size_t at = 0; at < front_.size() && missing > 0; ++at)
+    for (int f = 0; f < 4; ++f) {
+      const Index other = grains_.neighbour(front_[at], f);
+      if (other < 0) continue;
+      Index& of_other = mark(other);
+      if (of_other == mark_found(v)) continue;
+      if (of_other == mark_around(v))
+        --missing;
+      else if (!has(topology_.corners(grains_[other].element), v))
+        continue;
+      of_other = mark_found(v);
+      front_.push_back(other);
+    }
+  for (Index grain : front_) mark(grain) = -1;
+  for (auto side = begin; side != end; ++side) mark(side->second) = -1;
+  return missing == 0;
+}
+
+// Asked once for each vertex: from then on it is.
+bool Division::was_whole(Index v) { return std::exchange(is_whole_[std::size_t(v)], std::uint8_t(1)) != 0; }
+
+// Whether a part of the body may have come off: there is a face that opened, and nothing around any of its
+// vertices still holds both sides together.
+bool Division::may_part() const {
+  const auto is_split = [&](Index v) {
+    return std::binary_search(result_.vertices.begin(), result_.vertices.end(), v);
+  };
+  std::size_t held = 0;
+  const GrainPair* last = nullptr;
+  for_common_vertices([&](const GrainPair& pair, Index v) {
+    if (&pair == last || is_split(v)) return;
+    last = &pair;
+    ++held;
+  });
+  return held < parted_.size();
+}
+
 // In order of their first grains.
 std::vector<std::vector<Index>> Division::parts_around(Index v) {
   std::sort(star_.begin(), star_.end());
@@ -162,8 +244,10 @@ std::vector<std::vector<Index>> Division::parts_around(Index v) {
 // The part in which the vertex lies keeps it, and with it what acts on it and who may grasp it; of several,
 // as of none, the one that fills most, the first of those.
 void Division::split(Index v) {
+  const bool is_known = was_whole(v);
+  if (is_known && is_bridged(v)) return;
   find_star(v);
-  if (hangs_together(v)) return;
+  if (!is_known && hangs_together(v)) return;
   const std::vector<std::vector<Index>> parts = parts_around(v);
   const Vec3d& X = grains_.point(topology_.origin(v));
   const auto has_vertex = [&](Index grain) {
@@ -180,6 +264,7 @@ void Division::split(Index v) {
     if (i == keeps) continue;
     const Index copy = topology_.vertex_count() + static_cast<Index>(result_.vertices.size());
     result_.vertices.push_back(v);
+    is_whole_.push_back(1);
     for (Index grain : parts[i]) {
       Changed& known = changed(grain);
       known.has_new_corners = true;
@@ -239,7 +324,8 @@ void Division::find_neighbours() {
     tets.push_back(part.tet);
     for (Index grain : part.grains)
       for (int f = 0; f < 4; ++f)
-        if (const Index other = grains_.neighbour(grain, f); other >= 0) tets.push_back(element_of(other));
+        if (const Index other = grains_.neighbour(grain, f); other >= 0)
+          if (const Index tet = element_of(other); tet != tets.back()) tets.push_back(tet);
   }
   sort_unique(tets);
   result_.neighbours.reserve(tets.size());
@@ -272,7 +358,7 @@ void Division::add_neighbours(Index tet, std::span<const Index> grains) {
 }  // namespace
 
 TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& opened) {
-  Division division(*this, topology, opened, scratch_);
+  Division division(*this, topology, opened, parted_, scratch_, is_whole_);
   TetDivision result = division.find();
   for (const TetDivision::Part& part : result.parts)
     while (of_element_.vertex_count() <= part.tet) of_element_.add_vertex();
@@ -283,6 +369,7 @@ TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& o
     moved.element = element;
     changed_.push_back(grain);
   }
+  parted_.clear();
   return result;
 }
 

@@ -80,7 +80,7 @@ void Grains::link(Index code, Index other) {
   if (other >= 0) other_sides_[std::size_t(other / 4)][std::size_t(other % 4)] = code;
 }
 
-// From all its neighbours.
+// Unlinks a grain from all its neighbours.
 void Grains::unlink(Index grain) {
   for (Index& code : other_sides_[std::size_t(grain)]) {
     if (code >= 0) other_sides_[std::size_t(code / 4)][std::size_t(code % 4)] = -1;
@@ -230,6 +230,7 @@ std::vector<Index> Grains::open(const std::vector<Index>& faces, Index stroke) {
     data.stroke = number;
     for (int c : face_corners[code % 4]) points.push_back(data.points[c]);
     if (other < 0) continue;
+    parted_.emplace_back(grain, other / 4);
     elements.push_back((*this)[other / 4].element);
     changed_.push_back(other / 4);
     grains_[std::size_t(other / 4)].open |= std::uint8_t(1 << other % 4);
@@ -243,7 +244,7 @@ std::vector<Index> Grains::open(const std::vector<Index>& faces, Index stroke) {
   return elements;
 }
 
-// Whether the grains around a point do by faces which have it for a corner.
+// Whether the grains around a point are connected by faces that have it for a corner.
 bool Grains::hangs_together(Index point) {
   const std::span<const Index> star = around(point);
   if (star.empty()) return true;
@@ -311,6 +312,7 @@ void Grains::split_if_apart(Index point) {
 }
 
 void Grains::forget(const std::vector<Index>& elements) {
+  is_whole_.clear();
   std::vector<Index> points;
   for (Index t : elements) {
     for (Index grain : of(t)) {

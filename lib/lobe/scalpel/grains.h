@@ -130,6 +130,8 @@ class Grains {
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
   double mean_edge_ = 0, mean_volume_ = 0;
   std::vector<Index> changed_;
+  std::vector<std::pair<Index, Index>> parted_;  // grains on both sides of faces opened since divide()
+  std::vector<std::uint8_t> is_whole_;  // per vertex: the grains around it hung together after divide()
   std::vector<Index> scratch_, front_;  // of a search: per grain, −1 outside of one; grains found
 };
 

@@ -46,7 +46,6 @@ Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
       high_ = std::max(high_, normal_.dot(p));
       rounding_ = std::max(rounding_, 1e-12 * p.cwiseAbs().maxCoeff());
     }
-  constexpr std::size_t per_part = 4;
   parts_.reserve(triangles_.size() / per_part + 1);
   for (std::size_t begin = 0; begin < triangles_.size(); begin += per_part) {
     Part& part = parts_.emplace_back(Part{begin, std::min(begin + per_part, triangles_.size()), {}});
@@ -55,7 +54,10 @@ Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
   for (std::size_t begin = 0; begin < parts_.size(); begin += per_part) {
     Part& group = groups_.emplace_back(Part{begin, std::min(begin + per_part, parts_.size()), {}});
     for (std::size_t i = begin; i < group.end; ++i) group.box.extend(parts_[i].box);
+    of_parts_.emplace_back(std::span(parts_).subspan(begin, group.end - begin));
   }
+  for (std::size_t begin = 0; begin < groups_.size(); begin += per_part)
+    of_groups_.emplace_back(std::span(groups_).subspan(begin, std::min(per_part, groups_.size() - begin)));
 }
 
 bool Sheet::may_reach(const Mat34<double>& x, double reach) const {
@@ -110,23 +112,24 @@ std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
   return count % 2 == 1 ? first : std::nullopt;
 }
 
-void SweptSheets::add(std::vector<Vec3d> row) {
-  Eigen::AlignedBox3d& box = boxes_.emplace_back();
-  for (const Vec3d& p : row) box.extend(p);
-  rows_.push_back(std::move(row));
+const Eigen::AlignedBox3d& SweptSheets::row_box(std::size_t i) const {
+  if (boxes_.size() < rows_.size()) boxes_.resize(rows_.size());
+  Eigen::AlignedBox3d& box = boxes_[i];
+  if (box.isEmpty())
+    for (const Vec3d& p : row(i)) box.extend(p);
+  return box;
 }
 
 const Sheet& SweptSheets::sheet(std::size_t i) const {
   if (sheets_.size() <= i) sheets_.resize(rows_.size() - 1);
   std::optional<Sheet>& sheet = sheets_[i];
-  if (!sheet) sheet.emplace(rows_[i], rows_[i + 1]);
+  if (!sheet) sheet.emplace(row(i), row(i + 1));
   return *sheet;
 }
 
 bool SweptSheets::is_near(const Vec3d& p, double within) const {
   for (std::size_t i = rows_.size() - 1; i-- > 0;)
-    if (boxes_[i].merged(boxes_[i + 1]).squaredExteriorDistance(p) < within * within &&
-        sheet(i).distance(p, within) < within)
+    if (box_of(i).squaredExteriorDistance(p) < within * within && sheet(i).distance(p, within) < within)
       return true;
   return false;
 }

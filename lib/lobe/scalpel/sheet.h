@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <functional>
+#include <limits>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "lobe/types.h"
@@ -47,40 +51,81 @@ class Sheet {
     std::size_t begin, end;
     Eigen::AlignedBox3d box;
   };
+  static constexpr std::size_t per_part = 4;
+  // Boxes whose distances to another one are found together. Of those that are not there it is infinite.
+  struct BoxesOfParts {
+    explicit BoxesOfParts(std::span<const Part> parts) {
+      for (int d = 0; d < 3; ++d)
+        for (std::size_t i = 0; i < per_part; ++i) {
+          low[d][i] = i < parts.size() ? parts[i].box.min()[d] : std::numeric_limits<double>::infinity();
+          high[d][i] = i < parts.size() ? parts[i].box.max()[d] : -std::numeric_limits<double>::infinity();
+        }
+    }
+    std::array<double, per_part> squared_distances(const Eigen::AlignedBox3d& box) const {
+      std::array<double, per_part> squares{};
+      for (int d = 0; d < 3; ++d)
+        for (std::size_t i = 0; i < per_part; ++i) {
+          const double apart = std::max(std::max(low[d][i] - box.max()[d], box.min()[d] - high[d][i]), 0.0);
+          squares[i] += apart * apart;
+        }
+      return squares;
+    }
+    std::array<std::array<double, per_part>, 3> low, high;
+  };
   template <class Visit>  // visit(part) of those whose box is as near as that, until it returns true
   bool visit_parts(const Eigen::AlignedBox3d& box, double square, Visit&& visit) const {
-    for (const Part& group : groups_) {
-      if (group.box.squaredExteriorDistance(box) > square) continue;
-      for (std::size_t i = group.begin; i < group.end; ++i)
-        if (parts_[i].box.squaredExteriorDistance(box) <= square && visit(parts_[i])) return true;
+    for (std::size_t at = 0; at < groups_.size(); at += per_part) {
+      const std::array<double, per_part> of_groups = of_groups_[at / per_part].squared_distances(box);
+      for (std::size_t g = at; g < std::min(at + per_part, groups_.size()); ++g) {
+        if (of_groups[g - at] > square) continue;
+        const std::array<double, per_part> of_parts = of_parts_[g].squared_distances(box);
+        for (std::size_t i = groups_[g].begin; i < groups_[g].end; ++i)
+          if (of_parts[i - groups_[g].begin] <= square && visit(parts_[i])) return true;
+      }
     }
     return false;
   }
   std::vector<Triangle> triangles_;
-  std::vector<Part> parts_, groups_;  // of triangles, and of these
-  Vec3d normal_ = Vec3d::Zero();      // the mean of the triangles'
-  double low_ = 0, high_ = 0;         // along it [m]
-  double rounding_ = 0;               // above that of these [m]
+  std::vector<Part> parts_, groups_;                // of triangles, and of these
+  std::vector<BoxesOfParts> of_parts_, of_groups_;  // the parts of each group; groups in fours
+  Vec3d normal_ = Vec3d::Zero();                    // the mean of the triangles'
+  double low_ = 0, high_ = 0;                       // along it [m]
+  double rounding_ = 0;                             // above that of these [m]
   Eigen::AlignedBox3d box_;
 };
 
-// What a stroke has swept last: sheets between rows of points, one after the other. A sheet is made when it
-// is asked for. Most of the time nothing is near any but the last.
+// What a stroke has swept last: sheets between rows of points, one after the other. Rows and sheets are made
+// when they are asked for. Most of the time nothing is near any but the last.
 class SweptSheets {
  public:
-  void add(std::vector<Vec3d> row);  // of as many points as the others [m]
+  using Row = std::vector<Vec3d>;  // of as many points as the others [m]
+
+  // Rows that come before all that are added: find(i) gives the i-th of them.
+  void begin_with(std::size_t rows, std::function<Row(std::size_t)> find) {
+    rows_.resize(rows);
+    find_ = std::move(find);
+  }
+  void add(Row row) { rows_.emplace_back(std::move(row)); }
   void clear() { *this = {}; }
 
+  const Row& row(std::size_t i) const {
+    if (!rows_[i]) rows_[i] = find_(i);
+    return *rows_[i];
+  }
   const Sheet& last() const { return sheet(rows_.size() - 2); }
   const Sheet* before_last() const { return rows_.size() > 2 ? &sheet(rows_.size() - 3) : nullptr; }
+  Eigen::AlignedBox3d last_box() const { return box_of(rows_.size() - 2); }  // around the last sheet [m]
   // Whether a point is nearer than that to any of them [m].
   bool is_near(const Vec3d& p, double within) const;
 
  private:
   const Sheet& sheet(std::size_t i) const;  // between the rows i and i + 1
+  Eigen::AlignedBox3d box_of(std::size_t sheet) const { return row_box(sheet).merged(row_box(sheet + 1)); }
+  const Eigen::AlignedBox3d& row_box(std::size_t i) const;
 
-  std::vector<std::vector<Vec3d>> rows_;
-  std::vector<Eigen::AlignedBox3d> boxes_;  // around each
+  mutable std::deque<std::optional<Row>> rows_;
+  std::function<Row(std::size_t)> find_;
+  mutable std::vector<Eigen::AlignedBox3d> boxes_;  // around each row; empty ones are not known yet
   mutable std::deque<std::optional<Sheet>> sheets_;
 };
 

@@ -8,11 +8,11 @@
 
 namespace lobe {
 
-// What the grammar cannot say: materials that are unstable, paths that go back in time, boxes turned inside
-// out, normals of length zero, pictures of a time that is never reached.
+// Returns faults that the grammar cannot find: materials that are unstable, paths that go back in time, boxes
+// turned inside out, normals of length zero, pictures of a time that is never reached.
 std::vector<Fault> semantic_faults(const Scene& scene);
 
-// For scenes built in code: everything that reading one from JSON would refuse. Throws InputError.
+// Throws InputError for a scene built in code if it has any fault for which a JSON file would be refused.
 void check_scene(const Scene& scene);
 
 }  // namespace lobe

@@ -7,7 +7,7 @@
 
 namespace lobe {
 
-// For people: several lines, warnings last. O(#tetrahedra).
+// A text for people: several lines, warnings last. O(#tetrahedra).
 std::string describe(const Scene& scene, const Resolved& resolved);
 
 // The same for programs: one JSON object, indented.

@@ -1,9 +1,9 @@
-// Internal: what is wrong with a document, in words, from the schema itself. Not part of the public
-// interface.
+// Internal, not part of the public interface: says in words what is wrong with a document, from the schema
+// itself.
 //
-// A validator's own messages name branches and constraints of the schema. This one names the place, the value
-// found and what was expected, and of alternatives only the one that was meant. It understands the keywords
-// that scene.schema.json uses; a test compares its verdict with the validator's.
+// A validator's own messages name branches and constraints of the schema. These messages name the place, the
+// value found and what was expected. Of several alternatives they name only the one that was meant. It
+// understands the keywords that scene.schema.json uses; a test compares its verdict with the validator's.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -10,9 +10,9 @@ struct Frames {
   double length = 0;  // [s]
 };
 
-// The whole duration in equal frames, as long as the scene asks for but for what makes them a whole number.
-// To count time until it reaches the duration would not do: it is a sum of rounded frames, and may stop just
-// short of it.
+// Divides the whole duration into equal frames. They are as long as the scene asks for, or a little different
+// so that their number is whole. Loop over this number. The time of a world is a sum of rounded frames, and
+// may stop just short of the duration.
 //
 //   const lobe::Frames frames = lobe::frames_of(scene.time);
 //   for (int i = 0; i < frames.count; ++i) world.advance(frames.length);

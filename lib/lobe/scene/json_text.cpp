@@ -20,7 +20,7 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
   return std::to_string(line) + ":" + std::to_string(column);
 }
 
-// What remains of nlohmann's "[json.exception…] parse error at line 1, column 2: syntax error while …".
+// The reason in nlohmann's "[json.exception…] parse error at line 1, column 2: syntax error while …".
 std::string reason(const std::string& what) {
   std::string text = what.substr(std::min(what.size(), what.find("] ") + 2));
   if (text.starts_with("parse error")) text.erase(0, std::min(text.size(), text.find(": ") + 2));
@@ -43,7 +43,8 @@ class DocumentBuilder : public nlohmann::json_sax<json> {
   bool null() override { return add(nullptr); }
   bool boolean(bool value) override { return add(value); }
   bool number_integer(number_integer_t value) override { return add(value); }
-  // What no signed integer holds becomes a floating-point number: the validator would take it as negative.
+  // A number too large for a signed integer becomes a floating-point number; the validator would take it as
+  // negative.
   bool number_unsigned(number_unsigned_t value) override {
     return value > INT64_MAX ? add(static_cast<double>(value)) : add(value);
   }

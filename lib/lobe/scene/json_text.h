@@ -1,4 +1,4 @@
-// Internal: JSON text to a document, stricter than the parser underneath. Not part of the public interface.
+// Internal, not part of the public interface: reads JSON text, more strictly than the parser that it uses.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@ inline constexpr std::size_t max_json_depth = 64;  // of nested arrays and objec
 // keep the last), a number beyond double precision, too much nesting, too long a text.
 nlohmann::json parse_json(std::string_view text, const std::string& name);
 
-// A JSON pointer (RFC 6901) one level down, control characters spelt out so that it stays on one line.
+// Returns the JSON pointer (RFC 6901) of a child. Control characters are spelt out, so that it stays on one
+// line.
 std::string child_pointer(const std::string& pointer, std::string_view key);
 std::string child_pointer(const std::string& pointer, std::size_t index);
 

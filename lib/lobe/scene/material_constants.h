@@ -17,7 +17,7 @@ inline LamePair lame_from_young(double E, double nu) {
 inline double young_modulus(double lambda, double mu) { return mu * (3 * lambda + 2 * mu) / (lambda + mu); }
 inline double poisson_ratio(double lambda, double mu) { return lambda / (2 * (lambda + mu)); }
 
-// Of pressure waves, c_p = √((λ + 2μ)/ρ) [m/s].
+// The speed of pressure waves, c_p = √((λ + 2μ)/ρ) [m/s].
 inline double wave_speed(double lambda, double mu, double density) {
   return std::sqrt((lambda + 2 * mu) / density);
 }

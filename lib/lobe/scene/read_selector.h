@@ -1,4 +1,4 @@
-// Internal: selectors from a document that satisfies the schema. Not part of the public interface.
+// Internal, not part of the public interface: reads selectors of a document that satisfies the schema.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

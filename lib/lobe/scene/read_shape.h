@@ -1,4 +1,4 @@
-// Internal: shapes of rigid bodies in scenes. Not part of the public interface.
+// Internal, not part of the public interface: reads shapes of rigid bodies in scenes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,10 +7,11 @@
 
 namespace lobe {
 
-// Of a document that satisfies the schema. A mesh that is in a file is read later: `file` is then set.
+// Reads the shape of a document that satisfies the schema. If the shape is a mesh in a file, `file` is set,
+// and the mesh is read later.
 RigidShape read_shape(const nlohmann::json& entry, std::filesystem::path& file);
 nlohmann::ordered_json write_shape(const RigidShape& shape, const std::filesystem::path& file);
-// Read if it is in a file, and checked; none where there are faults.
+// Reads the mesh if it is in a file, and checks the shape. Returns none if there are faults.
 std::optional<RigidShape> resolve_shape(Resolution& resolution, const RigidShape& shape,
                                         const std::filesystem::path& file, const std::string& place);
 

@@ -61,7 +61,8 @@ void check_reduced(const Resolution& resolution) {
   }
 }
 
-// A wide interface costs more than the tetrahedra behind it. In a frame that turns there is no other way.
+// Warns of an interface that costs more than the tetrahedra behind it. With a frame that turns there is no
+// other way, so there is no warning.
 void suspect_interface(Resolution& resolution, const Elements& elements) {
   if (resolution.result.setup.precomputed_frame == RegionFrame::corotated) return;
   constexpr double numbers_per_tet = 25;  // of the matrix, that are read in the time of a tensor-mass one
@@ -77,7 +78,7 @@ void suspect_interface(Resolution& resolution, const Elements& elements) {
                       "\"representation\": \"measured\"");
 }
 
-// A region that nothing keeps in place is refused.
+// Refuses a region that nothing holds in place.
 void check_precomputed(Resolution& resolution) {
   const Setup& setup = resolution.result.setup;
   if (!std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed)) return;
@@ -100,7 +101,7 @@ std::string labels_of(const TetMesh& mesh) {
   return text;
 }
 
-// Hands the entries' tetrahedra out: the first match wins. `assign(entry, tet)` for each; returns what is
+// Distributes tetrahedra among entries; the first match wins. `assign(entry, tet)` for each; returns what is
 // left.
 template <class Entry, class Assign>
 std::vector<char> first_match(Resolution& resolution, const std::vector<Entry>& entries, const char* list,
@@ -172,7 +173,7 @@ void resolve_materials(Resolution& resolution) {
   }
 }
 
-// An entry without `where` takes all that is left, wherever the next ones lie: the first match wins.
+// An entry without `where` takes all that is left, so later entries get nothing: the first match wins.
 void resolve_regions(Resolution& resolution) {
   const std::vector<Region>& regions = resolution.scene.regions;
   Setup& setup = resolution.result.setup;

@@ -19,15 +19,15 @@ struct Resolved {
 };
 
 struct ResolveOptions {
-  // Regions that the scene leaves to lobe are chosen, which takes static solutions and measured steps:
-  // seconds, minutes on a large mesh. Otherwise all of the body is nonlinear, as for a reference.
+  // Whether automatic regions are chosen. That takes static solutions and measured steps: some seconds, or
+  // minutes on a large mesh. If false, all of the body is nonlinear, as for a reference.
   bool choose_regions = true;
   std::function<void(double fraction)> progress = {};  // of choosing
 };
 
-// `mesh` has passed prepare(). Throws one InputError with everything that the scene asks and this mesh or
-// this version cannot give: selections that select nothing, tetrahedra without material, what is not
-// available yet.
+// `mesh` has passed prepare(). Throws one InputError with everything that the scene asks for and that this
+// mesh or this version does not have: selections that select nothing, tetrahedra without material, what is
+// not available yet.
 Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options = {});
 
 }  // namespace lobe

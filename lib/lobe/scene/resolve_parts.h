@@ -51,9 +51,10 @@ void resolve_contact(Resolution& resolution);
 void resolve_gestures(Resolution& resolution);
 void warn_of_units(Resolution& resolution);
 
-// Whether all precomputed regions, which have one matrix in common, leave it to the clock what they are.
+// Whether all precomputed regions, which have one matrix in common, are to be tensor-mass if a measurement
+// shows that this is cheaper.
 bool measures_representation(const Scene& scene);
-// Regions that the scene leaves to lobe; warnings say what was found.
+// Chooses automatic regions. Warnings say what was found.
 void choose_regions(Resolution& resolution, const std::function<void(double fraction)>& progress);
 
 }  // namespace lobe

@@ -1,4 +1,4 @@
-// Which vertices, tetrahedra, boundary faces a selector means on one mesh.
+// Finds the vertices, tetrahedra or boundary faces that a selector selects on a mesh.
 //
 // A tetrahedron is selected by its barycentre, a boundary face when its three vertices are. Boxes, spheres
 // and planes include their surface; "above" and "below" both include the plane. Vertices that belong to no

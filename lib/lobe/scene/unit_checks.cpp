@@ -1,4 +1,4 @@
-// What is possible but most likely a mistake in units: millimetres, kilopascals, g/cm³.
+// Warnings for values that are possible but most likely a mistake in units: millimetres, kilopascals, g/cm³.
 #include "lobe/scene/unit_checks.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ void suspect_size(Resolution& resolution, double size) {
                                         : "if it was scaled from millimetres twice, scale it by 1000"));
 }
 
-// Volumetric locking of tetrahedra with linear displacements: all that nodal pressure does not reach.
+// Warns of volumetric locking of linear tetrahedra that have no nodal pressure.
 void suspect_locking(Resolution& resolution, std::size_t material, const std::string& place) {
   const Setup& setup = resolution.result.setup;
   const Elastic& m = setup.materials[material];

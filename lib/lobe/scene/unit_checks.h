@@ -9,8 +9,8 @@ inline constexpr double standard_gravity = 9.81;  // [m/s²]
 
 double box_diagonal(const TetMesh& mesh);  // of the bounding box [m]
 
-// How far a body of one material sags under its weight, to an order of magnitude: ρ g L²/E [m], of the strain
-// ρ g L/E that a column of height L feels at its foot.
+// How far a body of one material sags under its weight, to an order of magnitude: ρ g L²/E [m]. A column of
+// height L has the strain ρ g L/E at its foot.
 double expected_sag(const Elastic& material,
                     double gravity,  // g [m/s²]
                     double size);    // L [m]

@@ -55,7 +55,7 @@ bool satisfies_scene_schema(const nlohmann::json& document) { return validate(do
 std::vector<Fault> schema_faults(const nlohmann::json& document, const std::string& name) {
   if (satisfies_scene_schema(document)) return {};
   std::vector<Fault> faults = explain(document, schema().document);
-  if (faults.empty()) {  // no words of ours for it: the validator's
+  if (faults.empty()) {  // explain() has nothing to say: take the validator's messages
     valijson::ValidationResults results;
     validate(document, &results);
     for (const auto& error : results) faults.push_back({pointer(error.context), error.description});

@@ -1,4 +1,4 @@
-// Internal: a JSON document against the schema of the scene format. Not part of the public interface.
+// Internal, not part of the public interface: checks a JSON document against the schema of the scene format.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,7 +11,7 @@ namespace lobe {
 // valijson's verdict.
 bool satisfies_scene_schema(const nlohmann::json& document);
 
-// Every departure from the schema; `name` is what the document as a whole is called.
+// Returns all faults against the schema. `name` is what messages call the document as a whole.
 std::vector<Fault> schema_faults(const nlohmann::json& document, const std::string& name);
 
 }  // namespace lobe

@@ -7,8 +7,9 @@
 
 namespace lobe {
 
-// Canonical: every key, defaults filled in, materials by their Lamé coefficients; parse_scene() of it gives
-// the same scene to the last bit. A number that is not finite becomes null, which parse_scene() refuses.
+// Writes every key, with defaults filled in and materials by their Lamé coefficients. parse_scene() of the
+// text gives the same scene to the last bit. A number that is not finite becomes null, which parse_scene()
+// refuses.
 std::string to_json(const Scene& scene);
 
 }  // namespace lobe

@@ -7,7 +7,7 @@ namespace lobe {
 
 namespace {
 
-// Numbers of the loads per tetrahedron or vertex, whichever place(load) tells.
+// Numbers of the loads per tetrahedron or per vertex; place(load) returns which one.
 template <class Load, class Place>
 VertexLists<Index> by_place(const std::vector<Load>& loads, Index places, Place&& place) {
   if (loads.empty()) return {};

@@ -10,8 +10,8 @@
 namespace lobe {
 
 // Consistent nodal forces of the dead loads. A traction t on a face of rest area A gives t A/3 to each of its
-// vertices. If a blade has left only a part of the face, the force on that part acts with its moment. Loads
-// on faces of removed tetrahedra vanish.
+// vertices. If a blade has left only a part of the face, that part has the force on its area, with its
+// moment. Loads on faces of removed tetrahedra vanish.
 class DeadLoads {
  public:
   DeadLoads(const Elements& elements, const std::vector<FaceLoad>& face_loads,

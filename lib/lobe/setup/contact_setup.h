@@ -5,7 +5,7 @@
 
 namespace lobe {
 
-// What does not move: a table, the wall of a cavity.
+// A rigid body that does not move, such as a table or the wall of a cavity.
 struct ObstacleSetup {
   std::string name;
   RigidShape shape;
@@ -20,7 +20,8 @@ struct ObstacleSetup {
 struct ContactSetup {
   bool self = false;                   // organ against organ, the lips of cuts, pieces that fall
   double friction = default_friction;  // of tissue against tissue
-  // Of its normal speed, as a share of the critical damping at the highest frequency of the body; less below.
+  // Damping of the normal speed in contact, as a share of the critical damping at the highest frequency of
+  // the body. At lower frequencies it is less.
   double damping = 0.05;
   std::vector<ObstacleSetup> obstacles;
   bool is_on() const { return self || !obstacles.empty(); }  // without any tool

@@ -1,5 +1,5 @@
 // Options that exclude each other, in one table: scenes, setups and running worlds are checked against it,
-// and docs/scene.md shows it. All other options go together.
+// and docs/scene.md shows it. All other options can be combined.
 #pragma once
 
 #include <bitset>
@@ -66,7 +66,7 @@ std::span<const Exclusion> exclusions();
 
 Options options_of(const Setup& setup);
 
-// One fault for each exclusion of which both options are used, and each place where the first one stands.
+// Returns a fault for each exclusion of which both options are used, and for each place of the first one.
 using PlacesOf = std::function<std::vector<std::string>(Option)>;
 std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_of);
 // Throws InputError if something that is used excludes `wanted`.

@@ -65,13 +65,13 @@ struct Setup : Body, ToolSetups {
   // Steps are this share of the stable step 2/ω_max, above 0 and up to 2. Above 1 they are unstable, and only
   // the repetition of failed frames limits the damage.
   double safety = 0.9;
-  // Share of the uncut body's time step that blades leave: mass is added where they have cut (mass_floor.h);
-  // 0 adds none. Explicit integrator only.
+  // Blades may shorten the stable step to this share of that of the uncut body. Mass is added where they have
+  // cut (mass_floor.h), so that it is no shorter; 0 adds none. Explicit integrator only.
   double cut_step = 0.75;
-  // The highest frequency of a vertex that blades leave, ω* [rad/s]; 0: that of the uncut body over cut_step.
+  // The highest frequency of a vertex at a cut, ω* [rad/s]; 0: that of the uncut body over cut_step.
   double cut_frequency = 0;
   double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's (mass_scaling.h)
-  int selective_mass = 1;   // s of theory (27c), 1…16: the stable step grows with it; 1: masses are lumped
+  int selective_mass = 1;   // s of theory (7.8), 1…16: the stable step grows with it; 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
   double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping
@@ -81,10 +81,10 @@ struct Setup : Body, ToolSetups {
   double lattice_cell = 0;  // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
-  // Folder that keeps condensed regions (condensed_cache.h); empty: nothing is kept.
+  // Folder for condensed regions (condensed_cache.h); empty: nothing is stored.
   std::filesystem::path condensed_cache;
 
-  // What decides how a world moves, for fingerprint(): no names, nothing of where results are kept.
+  // What decides how a world moves, for fingerprint(): no names and no folders.
   static constexpr auto fields = std::tuple_cat(
       Body::fields,
       std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,

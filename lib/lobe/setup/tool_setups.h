@@ -1,5 +1,4 @@
-// Tools as a scene gives them: on paths. What a path says, and what it must be. Each kind of tool has its
-// list here, and its class in tool/.
+// Tools as a scene gives them, with their paths. Each kind of tool has a list here, and a class in tool/.
 #pragma once
 
 #include <string>
@@ -19,13 +18,14 @@ struct PathPoint {
   static constexpr auto fields =
       std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation, &PathPoint::opening);
 };
-// Increasing times, finite values, unit quaternions.
+// Whether times increase, values are finite and quaternions have length 1.
 bool is_path(const std::vector<PathPoint>& path);
 
 struct GraspSetup {
   static constexpr const char* type = "grasp";
   std::string name;
-  // Of the mesh, or copies that cuts make before; what is not there then is left out.
+  // Vertices of the mesh, or copies that earlier cuts make. Those that do not exist when it takes hold are
+  // left out.
   std::vector<Index> vertices;
   std::vector<PathPoint> path;  // offsets
   bool release = false;

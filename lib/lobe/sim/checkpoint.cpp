@@ -50,7 +50,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   if (c.setup != journal_.setup)
     throw InputError("checkpoint", "is of another scene, mesh or version of them");
   check(c.state);
-  if (c.history != journal_.edits) {  // what was removed does not grow back
+  if (c.history != journal_.edits) {  // removed tetrahedra do not come back
     World fresh(initial_setup(), body_.parallel.threads());
     for (const Command& command : c.history) {
       fresh.check_repeats(command);
@@ -67,8 +67,8 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   take(c);
 }
 
-// Terms that an application has added are its own, and must be there; what it keeps of one that is not in the
-// checkpoint stays.
+// Force terms that an application has added belong to it, and must exist. A term that is not in the
+// checkpoint keeps its state.
 template <class Real>
 void World<Real>::load_terms(const Checkpoint<Real>& c) {
   const AppliedForces<Real> none;
@@ -122,7 +122,7 @@ void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   body_.state_was_replaced();
 }
 
-// The mesh before all edits: no vertex has moved, and copies are what they were.
+// The setup before all edits, without copies.
 template <class Real>
 Setup World<Real>::initial_setup() const {
   const Topology& now = elements().topology;
@@ -139,7 +139,7 @@ Setup World<Real>::initial_setup() const {
   return setup;
 }
 
-// Whether a command of a history, which may have been made by nobody, can follow here.
+// Checks that a command of a history can be applied now. The history of a damaged file may have any commands.
 template <class Real>
 void World<Real>::check_repeats(const Command& command) const {
   const Index vertices = elements().topology.vertex_count();
@@ -156,7 +156,7 @@ void World<Real>::check_repeats(const Command& command) const {
   if (!fits) refuse();
 }
 
-// As it was done, without what followed from it: that is in the history, too.
+// Repeats a command without its consequences, which are in the history as well.
 template <class Real>
 void World<Real>::repeat(const Command& command) {
   if (const auto* removal = std::get_if<RemoveTets>(&command)) {

@@ -77,7 +77,7 @@ class CheckpointRing {
   // Removes the checkpoints after this time [s] and returns the latest one that is left. Null if none is
   // left.
   const Entry* latest(double time);
-  // Restores the latest checkpoint that is at least `seconds` old, and forgets those after it. False if there
+  // Restores the latest checkpoint that is at least `seconds` old, and removes those after it. False if there
   // is none.
   bool roll_back(World<Real>& world, double seconds);
   void clear() { entries_.clear(); }

@@ -18,10 +18,11 @@ FigureSnapshot figures_of(const Report& report, Index tets) {
   return figures;
 }
 
-// As those that hold the tools feel it: what the body does to them.
+// Forces are those on the tool, as a hand that holds it feels them.
 ToolSnapshot snapshot_of(const PlacedTool& tool) {
-  return {tool.name,   tool.type,    tool.position,     Eigen::Quaterniond(tool.orientation),
-          -tool.force, -tool.torque, tool.shape.radius, tool.shape.blade};
+  return {tool.name,          tool.type,     tool.position,     Eigen::Quaterniond(tool.orientation),
+          -tool.force,        -tool.torque,  tool.shape.radius, tool.shape.blade,
+          tool.shape.opening, tool.shape.jaw};
 }
 
 }  // namespace

@@ -8,12 +8,12 @@
 namespace lobe {
 namespace {
 
-// Held vertices that are met one after the other, until they cannot be turned about any more.
+// Collects held vertices, until the piece cannot turn about them any more.
 class HeldPlaces {
  public:
   explicit HeldPlaces(const Model& model) : model_(model) {}
 
-  // Whether those of this tetrahedron, with those before, fix a piece in all directions.
+  // Whether the held vertices of this tetrahedron, with those before, fix a piece in all directions.
   bool add(Index tet) {
     for (Index v : model_.elements.topology.corners(tet)) {
       if (!model_.held.holds(v)) continue;
@@ -47,7 +47,7 @@ bool is_hinged(const Model& model, const std::vector<Index>& piece) {
   return std::none_of(piece.begin(), piece.end(), [&](Index t) { return places.add(t); }) && places.any();
 }
 
-// What is left of a body that may have lost what held it.
+// Returns the tetrahedra of what is left of a body, if held vertices are left but do not fix it.
 std::vector<Index> hinged_rest(Model& model, Index next_to_it) {
   HeldPlaces places(model);
   std::vector<Index> piece;

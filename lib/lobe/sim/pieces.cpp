@@ -29,9 +29,9 @@ void Pieces::add(const Model& model, const std::vector<Index>& piece, bool was_h
   state_.was_held.push_back(was_held);
 }
 
-// Whether an edit may have set more loose than the body that it is known to have cut: what is left of it is
-// held as before, unless its pieces took a vertex that holds it, or the tetrahedra around the last such
-// vertex are gone. Held tetrahedra are near then, if there are any left: the search for one is short.
+// Whether an edit may have set more loose than the pieces that it has cut off. The rest of the body is held
+// as before, unless these pieces took a vertex that holds it, or the tetrahedra around the last such vertex
+// are gone. If there are held tetrahedra left, they are near, so the search for one is short.
 bool Pieces::needs_all(Model& model, const MeshEdit& edit) const {
   Topology& topology = model.elements.topology;
   const auto gone = [&](Index v) { return model.held.holds(v) && topology.around(v).empty(); };
@@ -47,8 +47,8 @@ bool Pieces::needs_all(Model& model, const MeshEdit& edit) const {
          });
 }
 
-// What was cut off; of a body that nothing held from the start all there is, since the largest piece stays
-// the body.
+// The pieces to judge: those that were cut off. Of a body that nothing held from the start these are all its
+// pieces, because the largest one stays the body.
 std::vector<std::vector<Index>> Pieces::to_judge(Model& model, const MeshEdit& edit) const {
   std::vector<std::vector<Index>> pieces = edit.cut_off;
   const Index next_to_it = edit.next_to_removed.front();

@@ -27,7 +27,8 @@ std::vector<std::array<Index, 3>> boundary(const Topology& topology, const std::
   return faces;
 }
 
-// Linearised about what the other world's region is, and expanded if that is.
+// Linearises the region about the same displacements as in the other world, and expands it if that one is
+// expanded.
 template <class Real>
 void follow_mode(World<Real>& fresh, const World<Real>& world, const CompactMesh& c) {
   if (const Mat3X<double>& about = world.body().regions.linearised_about(); about.size() > 0) {

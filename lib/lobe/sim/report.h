@@ -1,4 +1,4 @@
-// The report of a frame. A frame never throws: what happened is in the report, with named conditions.
+// The report of a frame. A frame never throws. The report says what happened, with named conditions.
 #pragma once
 
 #include <array>

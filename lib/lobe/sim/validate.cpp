@@ -64,7 +64,7 @@ void validate_shared_faces(const Topology& topology) {
   check(sorted(topology.boundary_faces()) == boundary, "topology: the boundary");
 }
 
-// Who lies across each face, and what is left over for the boundary.
+// Checks the neighbour across each face, and that faces without one are the boundary.
 void validate_faces(const Elements& elements) {
   const Topology& topology = elements.topology;
   if (!elements.shares.empty()) return validate_shared_faces(topology);
@@ -130,7 +130,7 @@ void validate_motion(const Dynamics<Real>& body) {
         "motion: the state is not finite");
 }
 
-// The mass of a condensed interior is carried by the vertices that it shares with others.
+// The mass of a condensed interior is at the vertices that it shares with other regions.
 template <class Real>
 void validate_masses(const Dynamics<Real>& body) {
   const Elements& elements = body.model.elements;

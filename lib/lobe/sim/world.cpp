@@ -109,7 +109,7 @@ bool World<Real>::step(double dt) {
   return true;
 }
 
-// By the forces that were found.
+// Moves the body by one step with the forces of the last evaluation.
 template <class Real>
 void World<Real>::move(double dt) {
   Motion<Real>& motion = body_.motion;
@@ -128,8 +128,7 @@ void World<Real>::move(double dt) {
   for (const auto& term : body_.terms) term->end_step(farthest, dt);
 }
 
-// What grasps do to the vertices that they hold: whoever holds one bears the force on it. What else acts on
-// tools.
+// Adds the forces of this step on tools. A grasp bears the forces on the vertices that it holds.
 template <class Real>
 void World<Real>::add_tool_forces(double dt) {
   const Motion<Real>& motion = body_.motion;
@@ -142,7 +141,7 @@ void World<Real>::add_tool_forces(double dt) {
     for (const OnTool& on_tool : term->on_tools()) tools_.add_force(on_tool, dt);
 }
 
-// What is held moves as whoever holds it says.
+// Moves held vertices to where boundary conditions and grasps prescribe.
 template <class Real>
 void World<Real>::move_driven(double dt) {
   Motion<Real>& motion = body_.motion;
@@ -224,7 +223,7 @@ void World<Real>::check(const State<Real>& state) {
   if (!state.u.allFinite() || !state.v.allFinite() || !std::isfinite(state.time))
     throw InputError("state", "it holds values that are not finite");
   if (!(state.velocity_lag >= 0) || !std::isfinite(state.velocity_lag))
-    throw InputError("state", "its velocities must be behind by 0 s or more");
+    throw InputError("state", "its velocities must be older than its displacements by 0 s or more");
 }
 
 template <class Real>
@@ -254,7 +253,7 @@ std::vector<PlacedTool> placed_tools(World<Real>& world) {
   });
 }
 
-// ---- For others to look at
+// ---- For observers
 
 template <class Real>
 void World<Real>::publish(const Report& report) {

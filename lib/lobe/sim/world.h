@@ -47,12 +47,13 @@ class World {
 
   // ---- Edits
 
-  // Performs a command. Stiffness, mass, loads and boundary are updated only around what changed. Two parts
+  // Performs a command. Stiffness, mass, loads and boundary are updated only around what changed. Two things
   // may cost more: a pre-computed region that must be condensed from scratch (theory, section 14), and the
-  // search for loose pieces, which is O(#tets) where a local search does not decide.
-  // Throws InputError for what cannot be done, and then has changed nothing.
+  // search for loose pieces, which is O(#tets) where a local search does not decide. Throws InputError for
+  // what cannot be done, and then has changed nothing.
   void apply(const Command& command);
-  // Adds a force on the body (body/force_term.h). Explicit integrator only. No other term may have its name.
+  // Adds a force on the body (body/force_term.h). Explicit integrator only. Its name()
+  // must differ from those of all other terms.
   void add(std::shared_ptr<ForceTerm<Real>> term);
   // Removes tetrahedra that are still there; returns how many went. Setup::loose_pieces says what becomes of
   // pieces that come loose.
@@ -61,9 +62,9 @@ class World {
   // ---- State
 
   double time() const { return body_.motion.time; }
-  // Displacements [m] and velocities [m/s], 3 × #vertices. They hold until the world is next changed. The
-  // interior of a pre-computed region is in equilibrium with its interface. It is computed by this call and
-  // not by every step. set_state() ignores the values for that interior.
+  // Displacements [m] and velocities [m/s], 3 × #vertices. They are valid until the next change of the world.
+  // The interior of a pre-computed region is in equilibrium with its interface. It is computed by this call,
+  // not by each step. set_state() ignores the values for that interior.
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();  // 3 × #vertices [m]: half of the work of state()
   void set_state(const State<Real>& state);
@@ -92,14 +93,15 @@ class World {
 
   // ---- Stable step, forces, energies
 
-  // The longest stable step 2/ω_max at the current state [s]; infinite if nothing is free. If nothing has
-  // moved since the last call, cuts update it locally, except with nodal pressure.
+  // The longest stable step 2/ω_max at the current state [s]; infinite if nothing is free. After cuts only
+  // their neighbourhood is computed again, if nothing has moved since the last call and there is no nodal
+  // pressure.
   double time_step_limit() { return limit_.find(body_); }
   StepLimit<Real>& step_limit() { return limit_; }  // how it is found
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
   Energies energies() { return body_.energies(); }
 
-  // ---- Checkpoints and edits
+  // ---- Checkpoints and journal
 
   // save() returns all that has changed since the world was built (checkpoint.h). restore() goes back to it.
   // restore() costs a copy if nothing was edited since, otherwise as much as building a world. It throws
@@ -107,8 +109,8 @@ class World {
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   const Journal& journal() const { return journal_; }  // what it was built from, and its edits since
-  // Returns the cut body as a setup, from which an equal world can be built. Mass scaling is computed anew.
-  // `compacted` says where the vertices and tetrahedra of that setup come from.
+  // Returns the cut body at rest as a setup, without displacements, velocities and time. Mass scaling is
+  // computed anew. `compacted` says where the vertices and tetrahedra of that setup come from.
   Setup current_setup(CompactMesh& compacted) const;
 
  private:

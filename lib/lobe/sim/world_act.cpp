@@ -12,7 +12,7 @@ namespace lobe {
 
 // ---- What is held
 
-// Somebody has taken hold of vertices, or let go.
+// Vertices were grasped or released.
 template <class Real>
 void World<Real>::perform(const Hold& command) {
   RegionEdit edit;
@@ -26,7 +26,7 @@ void World<Real>::perform(const Hold& command) {
 
 // ---- Forces
 
-// It is among the terms from the first time on that somebody asks for it.
+// The term exists from the first call on.
 template <class Real>
 AppliedForces<Real>& World<Real>::applied() {
   for (const auto& term : body_.terms)
@@ -36,7 +36,7 @@ AppliedForces<Real>& World<Real>::applied() {
   return *added;
 }
 
-// Where a tool has a body, contact is among the terms from then on.
+// Adds the contact term as soon as a tool has a body.
 template <class Real>
 void World<Real>::start_contact() {
   const auto is_contact = [](const auto& term) { return term->name() == Contact<Real>::term_name; };
@@ -45,7 +45,7 @@ void World<Real>::start_contact() {
   limit_.forget();
 }
 
-// Those that will be there until a time.
+// Shows force terms the tools that exist until a time.
 template <class Real>
 void World<Real>::show_tools(double until) {
   const std::vector<ToolBody>& bodies = tools_.bodies(time(), until);
@@ -63,7 +63,7 @@ void World<Real>::show_body() {
     show_body_to(term);
     if (!body_.sleep.any() && !body_.regions.any_condensed()) continue;
     const std::vector<Index> touched = term.touched();
-    if (body_.sleep.any()) body_.sleep.wake(touched, body_);  // who may be touched does not sleep
+    if (body_.sleep.any()) body_.sleep.wake(touched, body_);  // vertices that may be touched do not sleep
     if (body_.regions.any_condensed() && follow_touch(touched)) show_body_to(term);
   }
 }
@@ -86,8 +86,8 @@ void World<Real>::show_body_to(ForceTerm<Real>& term) {
   term.see_body(body, body_.here());
 }
 
-// The interior of a precomputed region has no mass of its own: it is expanded where it may be pressed. True
-// if something has changed.
+// The interior of a pre-computed region has no mass, so the region is expanded when its interior may be
+// pressed. True if something has changed.
 template <class Real>
 bool World<Real>::follow_touch(const std::vector<Index>& touched) {
   const auto interior =
@@ -140,7 +140,7 @@ void World<Real>::perform(const SetSprings& command) {
   terms_have_changed(before);
 }
 
-// What they act on now, and did before, wakes; the step limit has to do with their stiffness.
+// Wakes the vertices on which the terms act now or acted before. The step limit changes with their stiffness.
 template <class Real>
 void World<Real>::terms_have_changed(const std::vector<Index>& touched_before) {
   const std::vector<Index> now = body_.touched_by_terms();
@@ -151,7 +151,7 @@ void World<Real>::terms_have_changed(const std::vector<Index>& touched_before) {
   report_lost_forces(now);
 }
 
-// The interior of a condensed region follows its interface: a force on it would act on nothing.
+// Reports forces on the interior of a condensed region. It follows its interface, so they have no effect.
 template <class Real>
 void World<Real>::report_lost_forces(const std::vector<Index>& touched) {
   if (body_.regions.is_expanded()) return;

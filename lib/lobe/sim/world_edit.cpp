@@ -33,7 +33,7 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
   return edit;
 }
 
-// Of those that get another one: 0 where a copy is new.
+// The present shares of tetrahedra that get another one; 0 for new copies.
 std::vector<double> shares_of(const Elements& elements, const MeshEdit& edit) {
   std::vector<double> shares;
   for (const TetShare& tet_share : edit.shares) {
@@ -122,7 +122,7 @@ void World<Real>::follow(const MeshEdit& edit) {
   follow(region_edit_of(edit, elements.topology, before));
 }
 
-// What came loose; how many tetrahedra vanished.
+// Treats loose pieces as the setup says. Returns how many tetrahedra vanished.
 template <class Real>
 Index World<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
   Index vanished = 0;
@@ -191,7 +191,8 @@ void World<Real>::follow(RegionEdit edit) {
   embed();
 }
 
-// What nothing keeps in place within the pre-computed region after an edit will turn: it becomes non-linear.
+// Adds parts of the pre-computed region that nothing holds in place after an edit. They will turn, so they
+// become non-linear.
 template <class Real>
 void World<Real>::add_unsupported(RegionEdit& edit) {
   if (std::none_of(edit.left.begin(), edit.left.end(),
@@ -208,7 +209,7 @@ void World<Real>::add_unsupported(RegionEdit& edit) {
          std::to_string(tets.size()) + " precomputed tetrahedra are no longer held and became nonlinear");
 }
 
-// Masses and loads of these vertices, as the tetrahedra around them give them.
+// Computes masses and loads of these vertices from the tetrahedra around them.
 template <class Real>
 void World<Real>::weigh(const std::vector<Index>& vertices) {
   body_.inertia.update(body_.model, vertices);
@@ -228,7 +229,7 @@ void World<Real>::update(const std::vector<Index>& vertices) {
   release(vertices);
 }
 
-// Their masses or holds have changed.
+// Call it when masses of vertices have changed, or what holds them.
 template <class Real>
 void World<Real>::release(const std::vector<Index>& vertices) {
   for (Index v : vertices) {
@@ -237,13 +238,13 @@ void World<Real>::release(const std::vector<Index>& vertices) {
   }
 }
 
-// The mass of a condensed interior goes to its shared vertices.
+// Moves the mass of a condensed interior to its shared vertices.
 template <class Real>
 void World<Real>::move_mass() {
   release(body_.regions.move_mass(elements(), body_.inertia.masses()));
 }
 
-// ---- What it has become
+// ---- The present body
 
 template <class Real>
 Setup World<Real>::current_setup(CompactMesh& c) const {

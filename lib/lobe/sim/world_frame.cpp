@@ -38,9 +38,9 @@ Condition near_inversion(double volume_ratio, Index tet, double time) {
 
 Condition too_stiff(double limit, double time) {
   return {Condition::Kind::too_stiff,
-          "steps of " + rounded(limit) +
-              " s are all that is stable, more than a million per frame: use softer materials, a coarser "
-              "mesh or a shorter frame",
+          "the stable step is " + rounded(limit) +
+              " s, which makes more than a million steps per frame: use softer materials, a coarser mesh "
+              "or a shorter frame",
           time};
 }
 
@@ -68,7 +68,7 @@ bool driven_are_finite(const HeldVertices& held, const StateColumns<Real>& state
 
 }  // namespace
 
-// False as soon as a step is in trouble.
+// Returns false as soon as a step fails its checks.
 template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
   body_.sleep.begin_frame();
@@ -95,9 +95,9 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
   return driven_are_finite(held(), body_.motion);
 }
 
-// A vertex is not a number or moved further than an edge in one step; in a first try also where one swings to
-// and fro, ever faster, by more than a fiftieth of that: a state of high frequency in its own right looks the
-// same, and is left alone in the second try.
+// Whether a vertex is not a number or moved further than an edge in one step. In a first try it also checks
+// for vertices that swing to and fro, ever faster, by more than a fiftieth of an edge. A body that really has
+// such high frequencies looks the same, so later tries skip this check.
 template <class Real>
 bool World<Real>::is_in_trouble(double dt, bool first_try) const {
   const Speeds& speeds = body_.motion.speeds;
@@ -153,7 +153,7 @@ void World<Real>::begin_frame(double duration) {
   show_tools(time() + duration);
 }
 
-// Edits, tools and cuts, and the time step limit that follows from them.
+// Performs edits, tools and cuts at the start of a frame, and finds the step limit that follows from them.
 template <class Real>
 void World<Real>::prepare_frame(double duration, Report& report) {
   condense_anew();
@@ -208,7 +208,7 @@ void World<Real>::advance_to(double end, Report& report) {
       const Timed timed(report, Phase::time_step);
       limit_after = limit_.at_end(body_);
     }
-    // What has stiffened beyond the step that was taken may have begun to swing.
+    // If the body has become too stiff for the step that was taken, it may have begun to swing.
     if (done && (step <= limit_after || attempt == most_tries - 1)) {
       body_.motion.time = end;
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
@@ -235,8 +235,8 @@ void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& s
   for (const auto& term : body_.terms) term->take_back_steps();
 }
 
-// The result of condensing is taken when it is due, on a slow machine by waiting for it, so that a run is the
-// same to the bit on every one.
+// Takes the result of condensing when it is due, and waits for it if necessary, so that a run has the same
+// bits on every machine.
 template <class Real>
 void World<Real>::condense_anew() {
   constexpr double delay = 1;  // [s]
@@ -246,7 +246,7 @@ void World<Real>::condense_anew() {
     perform(BeginCondensing{time() + delay});
 }
 
-// Tetrahedra that stay crushed, as the limit has found them.
+// Unravels tetrahedra that stay crushed. The search for the step limit has found the smallest det F.
 template <class Real>
 void World<Real>::unravel() {
   if (elements().guard_below == 0) return;
@@ -288,8 +288,8 @@ void World<Real>::play_tools(double duration, Report& report) {
   pending_.clear();
 }
 
-// A condensed interior, or vertices that follow nodes, are where nobody has looked yet, and move as they
-// like.
+// Computes a condensed interior or embedded vertices before a tool searches them. How far they have moved is
+// not known.
 template <class Real>
 void World<Real>::see_interior() {
   const bool is_condensed = body_.regions.any_condensed() && !body_.regions.is_expanded();

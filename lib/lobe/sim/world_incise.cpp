@@ -45,13 +45,14 @@ Blades& World<Real>::blades() {
   return *blades_;
 }
 
-// Grains of the whole body take longer to make than a frame lasts.
+// Makes the grains ahead of the first cut, because that takes longer than a frame.
 template <class Real>
 void World<Real>::prepare_blades() {
   if (!blades_ && !prepared_) prepared_ = std::make_unique<Blades>(elements());
 }
 
-// What blades leave is to take steps that are not much shorter than those of the body that was whole.
+// Sets the mass floor, so that the stable step of the cut body is not much shorter than that of the whole
+// one.
 template <class Real>
 void World<Real>::begin_floor() {
   const double omega = limit_.highest_at_rest();
@@ -115,8 +116,8 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
                                          "below a thousandth of a tetrahedron; nothing to do");
 }
 
-// To edit a condensed region costs milliseconds per tetrahedron: one that can be expanded is, before a blade
-// is there. What is reduced is non-linear there.
+// To edit a condensed region costs milliseconds per tetrahedron. So an expandable one is expanded before a
+// blade reaches it. Reduced tetrahedra near the blade become non-linear.
 template <class Real>
 void World<Real>::expand_ahead(const BladeMove& move) {
   const Regions<Real>& regions = body_.regions;
@@ -131,7 +132,7 @@ void World<Real>::expand_ahead(const BladeMove& move) {
   free_ahead(near);
 }
 
-// What opened the faces.
+// The work that opened the faces.
 template <class Real>
 CutWork World<Real>::work_of(const Incised& incised) const {
   CutWork work;
@@ -145,18 +146,18 @@ CutWork World<Real>::work_of(const Incised& incised) const {
   return work;
 }
 
-// What has been opened beside these tetrahedra.
+// Divides these tetrahedra where faces next to them were opened.
 template <class Real>
 MeshEdit World<Real>::divide(const std::vector<Index>& opened) {
   if (opened.empty()) {
     follow_with_surface({});
     return {};
   }
-  state();  // velocities stay behind: the next step's forces are those of the body as it is cut
+  state();  // velocities stay half a step old: the next step has the forces of the cut body
   Topology& topology = body_.model.elements.topology;
   MeshEdit edit = topology.divide(blades_->grains.divide(topology, opened));
   if (edit.empty())
-    follow_with_surface(edit);  // it has been opened, and nothing has come apart yet
+    follow_with_surface(edit);  // faces were opened, but nothing has come apart yet
   else
     follow(edit);
   return edit;
@@ -167,8 +168,8 @@ void World<Real>::follow_with_surface(const MeshEdit& edit) {
   display_.follow(elements(), blades_ ? &blades_->grains : nullptr, edit);
 }
 
-// Of a vertex and its copy only those are held on to which lie in the tissue: the other is a corner of
-// tetrahedra of which there is a part elsewhere.
+// Of a vertex and its copy only one that lies in the tissue stays held. The other is only a corner of
+// tetrahedra whose part lies elsewhere.
 template <class Real>
 void World<Real>::hold_what_is_filled(const MeshEdit& edit) {
   std::vector<Index> empty;
@@ -179,7 +180,7 @@ void World<Real>::hold_what_is_filled(const MeshEdit& edit) {
   for (Index v : empty) body_.model.held.free(v);
 }
 
-// Whether there is skin at a vertex, of a face that one holder holds at all three corners.
+// Whether a vertex belongs to a boundary face that one holder holds at all three corners.
 template <class Real>
 bool World<Real>::lies_on_held_boundary(Index v) const {
   const Topology& topology = elements().topology;
@@ -194,7 +195,7 @@ bool World<Real>::lies_on_held_boundary(Index v) const {
   return false;
 }
 
-// A load on a face goes with the parts of it.
+// Divides the load on a face among its parts.
 template <class Real>
 void World<Real>::share_loads(const MeshEdit& edit) {
   for (const TetShare& tet_share : edit.shares)
@@ -203,7 +204,7 @@ void World<Real>::share_loads(const MeshEdit& edit) {
                                            blades_->grains.boundary_share_of(tet_share.tet, f, elements()));
 }
 
-// As it was done, without what followed from it.
+// Repeats a cut without its consequences.
 template <class Real>
 MeshEdit World<Real>::repeat_incision(const Incise& command) {
   Blades& present = blades();
@@ -212,7 +213,7 @@ MeshEdit World<Real>::repeat_incision(const Incise& command) {
   return divide(present.grains.open(command.incision.opened, command.incision.stroke));
 }
 
-// Tried first on a copy: what cannot be done changes nothing.
+// Tries the cut on a copy first, so that an invalid command changes nothing.
 template <class Real>
 void World<Real>::perform(const Incise& command) {
   Grains trial = blades().grains;

@@ -73,7 +73,7 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
 
 // ---- Pre-computed regions
 
-// The history says what the region is linearised about, whatever it was before.
+// The command in the history has the displacements about which the region is linearised.
 template <class Real>
 void World<Real>::perform(const BeginCondensing& command) {
   BeginCondensing begin = command;
@@ -96,9 +96,9 @@ void World<Real>::perform(const EndCondensing& command) {
 }
 
 // A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it
-// was expanded in between: only its tetrahedra and what is held decide. Who held meanwhile stays: without it
-// the interior has other bits. If it was expanded when condensing from scratch last began, later edits stay
-// in the list, since condensing it again needs another pass.
+// was expanded in between: only its tetrahedra and what is held decide. Commands for what was held in between
+// stay, because without them the interior would have other bits. If it was expanded when condensing from
+// scratch last began, later edits stay in the list, since condensing it again needs another pass.
 template <class Real>
 void World<Real>::forget_former_condensing() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) {
@@ -150,8 +150,8 @@ void World<Real>::perform(const Condense& command) {
 template <class Real>
 void World<Real>::set_expanded(bool is_expanded) {
   body_.regions.set_expanded(is_expanded);
-  tools_.state_was_replaced();           // the interior has moved unseen
-  if (body_.inertia.may_be_selective())  // also around those that are held
+  tools_.state_was_replaced();           // the interior has moved, and nothing has followed it
+  if (body_.inertia.may_be_selective())  // also around held vertices
     for (Index t = 0; t < elements().topology.tet_count(); ++t)
       if (body_.regions.is_condensed(t)) {
         const Eigen::Vector4i corners = elements().topology.corners(t);
@@ -172,8 +172,8 @@ void World<Real>::set_expanded(bool is_expanded) {
 
 // ---- Reduced regions
 
-// Which vertices follow the nodes of the lattice, as it is now: what is held or pressed does not. Before the
-// frequency of the full body is known, none does.
+// Embeds the vertices that are to follow the nodes of the lattice now; those that are held or pressed do not.
+// Before the frequency of the full body is known, no vertex is embedded.
 template <class Real>
 void World<Real>::embed() {
   LatticeRegion<Real>& region = body_.regions.reduced();
@@ -203,7 +203,7 @@ void World<Real>::embed_as(VertexRoles wanted) {
   tools_.state_was_replaced();
 }
 
-// What is cut, and what is near, is non-linear from then on.
+// Reduced tetrahedra that will be cut, and those near them, become non-linear.
 template <class Real>
 void World<Real>::free_ahead(const std::vector<Index>& tets) {
   const std::vector<Index> found = body_.regions.reduced().in_the_way(elements(), tets);

@@ -13,7 +13,7 @@ namespace {
 constexpr int fewest_per_edge = 3, most_per_edge = 24;
 constexpr double inside = 0.95;  // how far samples reach from the barycentre to the rim
 
-// Whether numbers below `count` all hang together by pairs that are related.
+// Whether the numbers below `count` are all connected by pairs that are related.
 template <class Related>
 bool hang_together(std::size_t count, Related&& related) {
   std::vector<std::size_t> reached{0}, left;
@@ -33,7 +33,8 @@ bool share_corner(const TetMesh& mesh, Index tet, Index other) {
   return false;
 }
 
-// Nearest to points spread over a triangle; the first is that of its middle, the others ascend.
+// Finds the tetrahedra that are nearest to points spread over a triangle. The first is that of its middle;
+// the others are in ascending order.
 void sample(const Locator& where, const Mat3<double>& corners, int per_edge, Index guess,
             std::vector<Index>& tets) {
   const Vec3d middle = corners.rowwise().mean();

@@ -23,12 +23,12 @@ struct NumberLists {
   }
 };
 
-// For each number below `count`: the lists that have it.
+// Returns for each number below `count` the lists that have it.
 NumberLists inverse(const NumberLists& lists, Index count);
 
-// Under each triangle: the tetrahedra that are nearest to ten points spread over it, or to more, until they
-// hang together by shared corners (or 325 points do not help). The points lie a little inside of it, so that
-// what merely touches its rim is not among them. O(log #tets) per triangle.
+// Returns the tetrahedra under each triangle: those that are nearest to ten points spread over it. If these
+// are not connected by shared corners, it takes more points, up to 325. The points lie a little inside the
+// triangle, so that tetrahedra that only touch its rim are not among them. O(log #tets) per triangle.
 NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
                        const Triangles& triangles, const TetMesh& mesh);
 
@@ -37,13 +37,13 @@ Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& 
 
 enum class Touch { apart, never, together };
 
-// How two tetrahedra that are there stand to each other: a corner that they shared at the start they share no
-// more; they never shared one; they share all that they did.
+// Whether two tetrahedra that exist still touch. apart: they no longer share a corner that they shared at the
+// start. never: they never shared a corner. together: they share all corners that they shared at the start.
 Touch touch(const Topology& topology, Index tet, Index other);
 
 enum class Bond {
   none,   // some are gone, or two do not share all corners any more that they shared at the start
-  loose,  // but they do not all hang together, by corners that they share
+  loose,  // they are not all connected by corners that they share
   firm
 };
 Bond bond(const Topology& topology, std::span<const Index> tets);

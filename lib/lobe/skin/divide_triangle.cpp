@@ -43,8 +43,8 @@ class Rim {
   std::vector<int> crossings_;
 };
 
-// One line leads to the corner opposite. What is between several would hang on nothing that lies under the
-// rest of the rim: it stays with that.
+// A single line leads to the opposite corner. If there are several, what is between them would be connected
+// to nothing under the rest of the rim, so it stays with the rest.
 std::vector<TrianglePart> fan_from_opposite(const Rim& rim, int side) {
   int opposite = 0, begin = 0;
   for (int i = 0; i < rim.count(); ++i) {
@@ -67,7 +67,7 @@ std::vector<TrianglePart> fan_from_opposite(const Rim& rim, int side) {
   }
 }
 
-// The arc that takes what is left in the middle: one that has nothing else, if there is such.
+// Finds the arc that takes what is left in the middle: one that has nothing else, if there is one.
 std::size_t arc_of_middle(const std::vector<Arc>& arcs, Index middle,
                           const std::function<bool(Index, Index)>& on_one_side) {
   const auto is_bare = [](const Arc& arc) { return arc.points.size() == 2; };

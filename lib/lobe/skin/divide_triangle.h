@@ -21,12 +21,13 @@ struct TrianglePart {
   std::array<Index, 3> elements;  // that carry them
 };
 
-// The lines cut the rim into arcs. Each part lies on one arc, and what carries its points is what lies under
-// that arc, at its ends. What is left between three lines or more goes to the arc of what lies under its
-// middle. If a line crosses one side alone, it leads to the corner opposite. If several do, what is between
-// them stays with the rest. Parts fill the triangle exactly.
-// `rim`: in turn, from corner 0 on, at least one of them no corner. `middle`: what lies under the middle of
-// the points that are no corners. `on_one_side`: whether two of what lies under the skin hang together.
+// The lines cut the rim into arcs. Each part of the triangle lies on one arc. Its points are carried by what
+// lies under that arc, at its ends. What is left between three or more lines goes to the arc that lies on the
+// same as its middle. A line that crosses only one side leads to the opposite corner. If there are several
+// such lines, what is between them stays with the rest. Parts fill the triangle exactly. `rim`: points in
+// order around the triangle from corner 0 on, at least one of which is no corner. `middle`: what lies under
+// the middle of the points that are no corners. `on_one_side`: whether two things under the skin are
+// connected.
 std::vector<TrianglePart> divide_triangle(const std::vector<RimPoint>& rim, Index middle,
                                           const std::function<bool(Index, Index)>& on_one_side);
 

@@ -32,9 +32,9 @@ void check_corners(const Triangles& corners, const Triangles& triangles, Index l
                                                                   std::to_string(count - 1));
 }
 
-// Vectors as columns of three: the fourth number of each is written over by the next, and that of the last is
-// left out. Registers of four may point anywhere as far as the compiler knows, so that loops keep pointers of
-// their own.
+// Writes vectors of four numbers as columns of three. The next column overwrites the fourth number; that of
+// the last column is left out. The compiler must assume that vector registers alias everything, so loops have
+// pointers of their own.
 class Columns {
  public:
   explicit Columns(Mat3X<float>& to, Index count) : data_(to.data()), last_(count - 1), to_(to) {}
@@ -93,7 +93,8 @@ Skin::Skin(const TexturedSurface& surface, const TetMesh& mesh) : start_(mesh) {
   mesh_.changed_vertices.restart(1);
 }
 
-// Carried vertices first: one for each normal of a point; behind them what differs in texture alone.
+// Adds the carried vertices first, one for each normal of a point, and then those that differ in texture
+// only.
 void Skin::add_vertices(const TexturedSurface& surface) {
   using Normal = std::array<double, 3>;
   const auto count = static_cast<Index>(surface.triangles.cols());
@@ -170,7 +171,7 @@ Index Skin::loose_count() const {
   return static_cast<Index>(std::count(is_loose_.begin(), is_loose_.end(), 1));
 }
 
-// What the shown triangles around a vertex lie on, and those of which parts are shown.
+// The tetrahedra under the shown triangles around a vertex, and under those of which parts are shown.
 std::vector<Index> Skin::candidates(Index vertex) const {
   std::vector<Index> tets;
   for (Index triangle : around_[vertex])
@@ -234,8 +235,8 @@ void Skin::follow(const Topology& topology, std::vector<Index>& triangles, std::
   open({topology, *grains}, triangles, vertices);
 }
 
-// First what has lost what it lies on; then new carriers; then what these, or the old ones, do not hold
-// together.
+// Hides triangles that have lost tetrahedra under them, then chooses new carriers, then hides triangles whose
+// carriers are not connected.
 void Skin::check(const Topology& topology, std::vector<Index>& triangles,
                  const std::vector<Index>& vertices) {
   std::vector<Index> drops;
@@ -256,7 +257,7 @@ void Skin::check(const Topology& topology, std::vector<Index>& triangles,
   drop(drops);
 }
 
-// Of the tetrahedra that a triangle lies on and those that carry some of its corners.
+// The bond of the tetrahedra under a triangle and those that carry some of its corners.
 Bond Skin::bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const {
   const std::span<const Index> under = lies_on_[triangle];
   std::vector<Index> tets(under.begin(), under.end());
@@ -270,7 +271,7 @@ bool Skin::holds(const Topology& topology, Index triangle, std::span<const Index
   return found == Bond::firm || (found == Bond::loose && is_loose_[triangle]);
 }
 
-// Whether what carries a vertex hangs together with what a shown triangle around it lies on.
+// Whether the tetrahedron that carries a vertex is connected with those under a shown triangle around it.
 bool Skin::holds_to_any(const Topology& topology, Index vertex) const {
   const std::span<const Index> around = around_[vertex];
   return std::any_of(around.begin(), around.end(), [&](Index triangle) {
@@ -278,7 +279,7 @@ bool Skin::holds_to_any(const Topology& topology, Index vertex) const {
   });
 }
 
-// The last triangles take the slots of those that go, highest slots first.
+// Removes triangles. The last ones take their slots, highest slots first.
 void Skin::drop(std::vector<Index>& triangles) {
   if (triangles.empty()) return;
   has_new_revision_ = false;
@@ -333,7 +334,7 @@ void Skin::find_positions(Mat3X<float>& x) {
   find_cut_positions(x);
 }
 
-// Six each, so that the loop over them never ends unexpectedly.
+// Lists six triangles for each vertex, so that the loop over them always has the same length.
 void Skin::list_triangles_around() {
   const Index of_no_area = file_count();
   slot_of_.push_back(-1);
@@ -364,8 +365,9 @@ void Skin::find_areas() {
   }
 }
 
-// A vertex gathers what is around it: to add each triangle to its corners would wait for what was written
-// just before. Four square roots at a time; a vertex without area has no normal.
+// A vertex sums the triangles around it. To add each triangle to its corners would be slower, because it
+// would wait for sums that were just written. Four square roots are computed at a time. A vertex without area
+// has no normal.
 void Skin::find_normals(Mat3X<float>& normals) {
   find_areas();
   if (listed_at_ != mesh_.revision) list_parts_around();

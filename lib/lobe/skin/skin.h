@@ -31,16 +31,16 @@
 
 namespace lobe {
 
-// All but positions and normals. A vertex of the file is several here where it has several texture
-// coordinates, or several normals: there the skin is creased, as it is in the file.
+// All of the skin but positions and normals. A vertex of the file that has several texture coordinates or
+// normals is several vertices here, so that the skin is creased as it is in the file.
 struct SkinMesh {
   std::uint64_t revision = 0;              // grows by one with each change of what is shown
   std::vector<Eigen::Vector3i> triangles;  // those that are shown; counter-clockwise seen from outside
   std::vector<Index> file_triangle;        // per triangle: that of the file which it is, or is a part of
   SlotLog changed_triangles;               // as in Surface: arrays without gaps
 
-  // One per vertex. Vertices of the file never change. Behind them are those that blades have made; one that
-  // no triangle has any more stays, until another takes its place.
+  // One per vertex. Vertices of the file never change. Behind them are those that blades have made. One that
+  // no triangle uses any more stays until another takes its place.
   std::vector<Index> file_vertex;        // its number in the file; of one between two, the nearer
   std::vector<Eigen::Vector2f> texture;  // 0 where the file has none
   struct Between {                       // at rest on the line from a to b, which are vertices of the file
@@ -54,32 +54,33 @@ struct SkinMesh {
   Index triangle_count() const { return static_cast<Index>(triangles.size()); }
 };
 
-// The boundary of the tetrahedra, for bodies that have no finer surface; its points are all of the mesh.
+// Returns the boundary of the tetrahedra, for bodies without a finer surface. It has all points of the mesh.
 TexturedSurface textured_boundary(const TetMesh& mesh);
 
 class Skin {
  public:
-  // Of the body as it was at the start; both are copied. Throws InputError for a body without tetrahedra or a
-  // surface without triangles. O(#triangles log #tets).
+  // The mesh is that of the body at the start. Both are copied. Throws InputError for a body without
+  // tetrahedra or a surface without triangles. O(#triangles log #tets).
   Skin(const TexturedSurface& surface, const TetMesh& mesh);
 
-  // After each edit, which the topology has made. O(what lies on the tetrahedra that are gone, or have other
+  // Call it after each edit of the topology. O(what lies on the tetrahedra that are gone, or have other
   // corners). `grains`: World::grains(); null where no blade has cut. Without it what a blade cuts is hidden.
   void follow(const Topology& topology, const MeshEdit& edit, const Grains* grains = nullptr);
-  // The same for all edits since the start at once: of a world that was restored, say. O(#triangles).
+  // The same for all edits since the start at once, for instance of a world that was restored. O(#triangles).
   void follow_all(const Topology& topology, const Grains* grains = nullptr);
 
   const SkinMesh& mesh() const { return mesh_; }
   double farthest() const { return farthest_; }  // that a vertex was from its tetrahedron at the start [m]
-  // Triangles whose tetrahedra did not hang together at the start, because they are far outside of the body
-  // or span a hollow of it. They need not afterwards, and may bridge gaps.
+  // The number of triangles whose tetrahedra were not connected at the start, because the triangles are far
+  // outside of the body or span a hollow of it. They are shown all the same, and may bridge gaps.
   Index loose_count() const;
 
   // Whether a blade has divided triangles. Their parts are several triangles of one number in the file.
   bool is_divided() const { return !divided_.empty(); }
 
-  // Positions and unit normals of the vertices: sums of the shown triangles' normals, weighted by area; zero
-  // where none is shown. Single precision, for drawing. O(#vertices of skin and mesh), about 10 ns each.
+  // Computes positions and unit normals of the vertices. A normal is the sum of the normals of the shown
+  // triangles, weighted by area; it is zero where none is shown. In single precision, for drawing.
+  // O(#vertices of skin and mesh), about 10 ns each.
   void update(const Eigen::Ref<const Mat3X<double>>& X,  // 3 × #vertices of the topology, at rest [m]
               const Eigen::Ref<const Mat3X<float>>& u,   // the same, displacements [m]
               Mat3X<float>& x, Mat3X<float>& normals);   // out: 3 × #vertices of the skin [m], [1]

@@ -1,4 +1,4 @@
-// A skin on tetrahedra that blades have cut: what its vertices lie on now, and where its edges have gaps.
+// A skin on tetrahedra that blades have cut: the grains under its vertices, and the gaps of its edges.
 #include <algorithm>
 #include <limits>
 
@@ -9,7 +9,7 @@
 namespace lobe {
 namespace {
 
-// Of the grains of a tetrahedron of the simulation.
+// The distance to the grains of a tetrahedron of the simulation.
 double distance_to(const Grains& grains, Index element, const Vec3d& p) {
   double nearest = std::numeric_limits<double>::infinity();
   for (Index grain : grains.of(element)) {
@@ -20,7 +20,7 @@ double distance_to(const Grains& grains, Index element, const Vec3d& p) {
   return nearest;
 }
 
-// A gap leads from what is there to what is gone, or between what has come apart.
+// A gap lies between a tetrahedron that exists and one that is gone, or between two that have come apart.
 bool is_gap(const Topology& topology, Index before, Index after) {
   if (before < 0 || after < 0) return before != after;
   return before != after && touch(topology, before, after) == Touch::apart;
@@ -54,7 +54,7 @@ bool Skin::has_lost_a_tet(const Body& body, Index triangle) const {
   });
 }
 
-// Vertices on tetrahedra that were cut go over to the copies whose grains are under them.
+// Moves vertices on tetrahedra that were cut to the copies whose grains are under them.
 void Skin::follow_grains(const Body& body, const std::vector<Index>& cut) {
   std::vector<Index> vertices;
   for (Index tet : cut)
@@ -77,7 +77,8 @@ Index Skin::under(const Body& body, Index vertex) const {
   return has_lost_a_copy(body.topology, carrier_[vertex]) ? -1 : element_[vertex];
 }
 
-// Of these tetrahedra of the start, or of their copies; `before`, where it is as near as any other.
+// Returns the nearest of these tetrahedra of the start and their copies; `before`, if it is as near as any
+// other.
 Index Skin::under(const Body& body, std::span<const Index> tets, const Vec3d& p, Index before) const {
   const double rounding = 1e-6 * body.grains.mean_edge();
   double nearest = std::numeric_limits<double>::infinity(), of_before = nearest;
@@ -108,7 +109,7 @@ std::vector<Index> Skin::triangles_at(const Edge& edge) const {
   return found;
 }
 
-// Whether any two of what may lie under an edge have come apart.
+// Whether any two of the tetrahedra that may lie under an edge have come apart.
 bool Skin::may_have_gaps(const Body& body, const Edge& edge, const std::vector<Index>& tets) const {
   std::vector<Index> elements{element_[edge.first], element_[edge.second]};
   for (Index tet : tets) {
@@ -124,7 +125,7 @@ bool Skin::may_have_gaps(const Body& body, const Edge& edge, const std::vector<I
   return false;
 }
 
-// An edge is looked at in a few places, and between two of them where a gap is.
+// Samples an edge in a few places, and finds the gap between two of them that differ.
 std::vector<Skin::Gap> Skin::gaps_of(const Body& body, const Edge& edge) const {
   constexpr double per_mean_edge = 6;
   std::vector<Index> tets;
@@ -165,8 +166,8 @@ void Skin::find_gaps(const Body& body, const Edge& edge, const std::vector<Index
   find_gaps(body, edge, tets, middle, to, gaps);
 }
 
-// First what has lost a tetrahedron goes. Then gaps are found, of the edges of these triangles and of those
-// around these vertices, and the triangles at them divided.
+// Removes triangles that have lost a tetrahedron. Then it finds the gaps of the edges of these triangles and
+// of those around these vertices, and divides the triangles at them.
 void Skin::open(const Body& body, std::vector<Index>& triangles, const std::vector<Index>& vertices) {
   const auto is_there = [&](Index triangle) {
     return slot_of_[triangle] >= 0 || divided_.contains(triangle);

@@ -9,7 +9,7 @@ namespace lobe {
 
 // ---- Slots
 
-// Once per edit.
+// Begins a new revision, once per edit.
 void Skin::begin_revision() {
   if (std::exchange(has_new_revision_, true)) return;
   ++mesh_.revision;
@@ -28,7 +28,7 @@ void Skin::show(Index number, Index file_triangle, const Eigen::Vector3i& drawn,
   number_of_.push_back(number);
 }
 
-// The last triangle takes its slot.
+// Takes a triangle out; the last one takes its slot.
 void Skin::take_out(Index number) {
   begin_revision();
   const Index slot = std::exchange(slot_of_[number], -1), last = mesh_.triangle_count() - 1;
@@ -74,7 +74,7 @@ Eigen::Vector3i Skin::take_apart(Index triangle) {
 
 // ---- Division
 
-// Of a triangle, from its corner 0 on.
+// The rim of a triangle, from its corner 0 on.
 Skin::Rim Skin::rim_of(const Body& body, Index triangle, const Eigen::Vector3i& drawn) const {
   const Eigen::Vector3i own = corners_of_.col(triangle);
   Rim rim;
@@ -106,7 +106,7 @@ Vec3d Skin::at_rest(const OnEdge& place) const {
   return (1 - place.share) * points_.col(place.a) + place.share * points_.col(place.b);
 }
 
-// What lies under the middle of the points between which a triangle is divided; they are three or more.
+// The tetrahedron under the middle of the three or more points between which a triangle is divided.
 Index Skin::under_middle(const Body& body, Index triangle, const Rim& rim) const {
   Vec3d sum = Vec3d::Zero();
   int count = 0;
@@ -161,7 +161,7 @@ Index Skin::show_part(const Topology& topology, Index triangle, const Rim& rim, 
   return number;
 }
 
-// That which is there already, or a new one.
+// Returns the vertex at a place, or makes one.
 Index Skin::cut_vertex(const Topology& topology, const OnEdge& place, Index element) {
   const auto [at, is_new] = cut_at_.try_emplace({place.drawn_a, place.drawn_b, place.share, element}, -1);
   if (is_new) {
@@ -191,7 +191,7 @@ void Skin::add_cut_vertex() {
   mesh_.texture.push_back(Eigen::Vector2f::Zero());
 }
 
-// Those of a triangle's parts whose tetrahedra have other corners now.
+// Updates the vertices of a triangle's parts whose tetrahedra have other corners now.
 void Skin::update_cut_vertices(const Topology& topology, Index triangle) {
   const auto at = divided_.find(triangle);
   if (at == divided_.end()) return;

@@ -1,5 +1,5 @@
-// A snapshot is a picture of a running simulation that other threads read: all that a viewer, a haptic loop
-// or a script needs of one moment. It goes through a TripleBuffer, which recycles its storage. Taking one
+// A snapshot is a copy of one moment of a running simulation, for other threads. It has all that a viewer, a
+// haptic loop or a script needs. It goes through a TripleBuffer, which recycles its storage. To make one
 // allocates nothing while nothing is cut.
 #pragma once
 
@@ -27,6 +27,8 @@ struct ToolSnapshot {
   Vec3d torque = Vec3d::Zero();  // on the tool, by the body, about its position [N m]
   double radius = 0;             // of its spherical tip [m]
   Vec3d blade = Vec3d::Zero();   // of a scalpel, from its tip, which is the position, to its heel [m]
+  double opening = 0;            // of jaws [m]
+  Vec3d jaw = Vec3d::Zero();     // width, thickness and length of each jaw [m]; 0: it has none
 };
 
 struct FigureSnapshot {  // figures of the frame before the picture
@@ -48,8 +50,8 @@ struct Snapshot {
   FigureSnapshot figures;
 };
 
-// Copies one surface into pictures, one after the other. What stays the same while nothing is cut is copied
-// once for all.
+// Copies one surface into snapshots, one after the other. What does not change while nothing is cut is copied
+// only once.
 class SurfaceCopies {
  public:
   // O(#vertices + #triangles of the surface); it allocates where the revision or the number of vertices has

@@ -3,11 +3,11 @@
 //
 // The value that a reader looks at is never written to. With one reader this is the triple buffer: one slot
 // that is being read, one that is complete, one that is being written. Each further view that is held at the
-// same time wants one slot more.
+// same time needs one more slot.
 //
-// Reading and publishing take a bounded number of atomic operations, whatever the other threads do. Which
-// slot is the latest and how often it has been taken stand in one word, so that a reader finds it and makes
-// itself known in one operation.
+// Reading and publishing take a bounded number of atomic operations, whatever the other threads do. One word
+// says which slot is the latest and how often it has been taken. So a reader finds the slot and registers
+// itself in one operation.
 #pragma once
 
 #include <atomic>
@@ -34,8 +34,8 @@ class TripleBuffer {
   // ---- The thread that writes.
 
   // The slot to write the next value into. It holds an older value, whose storage can be used again. All
-  // calls before publish() give the same slot. Null if readers hold more views than were planned for: leave
-  // this value out then. O(#slots).
+  // calls before publish() give the same slot. Null if readers hold more views than were planned for; then
+  // leave this value out. O(#slots).
   T* writable() {
     for (std::uint32_t i = 0; i < slots_->count && writing_ == none; ++i)
       if (i != published_ && slots_->slot[i].holders.load(std::memory_order_acquire) == 0) writing_ = i;

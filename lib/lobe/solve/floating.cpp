@@ -7,8 +7,8 @@
 #include "lobe/error.h"
 
 namespace lobe {
-// One row per given component: what it lets pass of the translations e_i and rotations e_i × (X −
-// centre)/size. The piece is held if they have rank 6.
+// There is a row per given component: its part of the translations e_i and rotations e_i × (X − centre)/size.
+// The piece is held if the rows have rank 6.
 bool is_held(const Elements& elements, const std::vector<Index>& piece,
              const std::function<bool(Index vertex, int axis)>& is_prescribed) {
   std::vector<Index> vertices;

@@ -8,13 +8,13 @@
 
 namespace lobe {
 
-// Whether the given components of its vertices leave a piece none of the six rigid motions.
+// Whether the given components of a piece's vertices hold it against all six rigid motions.
 bool is_held(const Elements& elements, const std::vector<Index>& piece,
              const std::function<bool(Index vertex, int axis)>& is_prescribed);
 
-// Throws InputError that names the first piece (tetrahedra that hang together by faces) whose given
-// components leave it one of the six rigid motions. Vertices that it shares with a piece which is held count
-// as given.
+// Throws InputError that names the first piece (tetrahedra that are connected by faces) whose given
+// components do not hold it against all six rigid motions. Vertices that it shares with a piece which is held
+// count as given.
 void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns);
 
 }  // namespace lobe

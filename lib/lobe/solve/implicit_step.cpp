@@ -72,7 +72,7 @@ bool ImplicitStep::Problem::direction(const NewtonPoint& at, Mat3X<double>& dire
   return true;
 }
 
-// Straight on, or, where that inverts something, from where the body is.
+// Starts from the motion at constant velocity, or, if that inverts a tetrahedron, from the present positions.
 NewtonPoint ImplicitStep::Problem::start() const {
   const auto with_given = [&](Mat3X<double> u) {
     for (Eigen::Index i = 0; i < u.size(); ++i)

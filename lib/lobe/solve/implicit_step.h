@@ -2,11 +2,12 @@
 // masses,
 //   m ((1 − α_m) a⁺ + α_m a + γ v_α) = f(u_α, t_α),          x_α = (1 − α_f) x⁺ + α_f x for u, v, t,
 //   u⁺ = u + Δt v + Δt² ((½ − β) a + β a⁺),  v⁺ = v + Δt ((1 − γ_N) a + γ_N a⁺),
-//   α_m = (2ρ − 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ_N = ½ − α_m + α_f, β = ¼ (1 − α_m + α_f)²,
-// solved as the minimum of the potential whose gradient this is, which never inverts a non-linear
-// tetrahedron. Of second order and unconditionally stable for linear models; ρ is the spectral radius at high
-// frequencies. ρ = 1: the implicit midpoint rule (Newmark's average acceleration where f is linear), which
-// keeps linear and angular momentum and, in linear models, energy; ρ < 1 damps what Δt cannot resolve.
+//   α_m = (2ρ − 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ_N = ½ − α_m + α_f, β = ¼ (1 − α_m + α_f)².
+// A step is solved as the minimum of the potential whose gradient this is, and never inverts a non-linear
+// tetrahedron. The method is of second order and, for linear models, unconditionally stable. ρ is the
+// spectral radius at high frequencies. ρ = 1 is the implicit midpoint rule (Newmark's average acceleration
+// where f is linear), which conserves linear and angular momentum and, in linear models, energy. ρ < 1 damps
+// what Δt cannot resolve.
 #pragma once
 
 #include <memory>
@@ -35,7 +36,7 @@ class ImplicitStep {
         alpha_f_(spectral_radius / (spectral_radius + 1)),
         make_factor_(std::move(make_factor)) {}
 
-  // After an edit of the mesh, of regions or of what is held. The elements must outlive the steps.
+  // Call it after an edit of the mesh, of regions or of what is held. The elements must outlive the steps.
   void rebuild(const Elements& elements, const HeldVertices& held);
   bool is_built_on(const Elements& elements) const {
     return elements_ == &elements;
@@ -43,7 +44,7 @@ class ImplicitStep {
 
   double load_time() const { return 1 - alpha_f_; }  // t_α = t + load_time() Δt
 
-  // False if Newton's method did not converge: the motion is then unchanged, and a smaller step may do.
+  // False if Newton's method did not converge. The motion is then unchanged, and a smaller step may work.
   bool step(const StepLoads& loads, double dt, DynamicState& motion);
 
  private:

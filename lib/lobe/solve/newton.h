@@ -19,7 +19,7 @@ class NewtonProblem {
  public:
   virtual ~NewtonProblem() = default;
   virtual NewtonPoint at(const Mat3X<double>& u) const = 0;
-  // A direction of descent, zero where displacements are given; false if there is none.
+  // Finds a direction of descent, which is zero where displacements are given. False if there is none.
   virtual bool direction(const NewtonPoint& at, Mat3X<double>& direction) = 0;
 };
 
@@ -29,10 +29,10 @@ struct NewtonResult {
   int iterations = 0;
 };
 
-// From `point` to a minimum. Steps are halved until no non-linear tetrahedron is inverted (or, from an
-// inverted start, more inverted) and the potential falls, or the residual does, where rounding hides the
-// potential. On failure the point is the last one that was accepted, but for its smallest_tet, which is that
-// of the last one tried.
+// Goes from `point` to a minimum. Steps are halved until two conditions hold: no non-linear tetrahedron is
+// inverted (or, if some were at the start, none is more inverted), and the potential falls. Where rounding
+// hides the potential, the residual must fall. On failure the point is the last one that was accepted, but
+// its smallest_tet is that of the last one that was tried.
 NewtonResult minimise(NewtonProblem& problem, NewtonPoint& point, double tolerance, int most_iterations);
 
 }  // namespace lobe

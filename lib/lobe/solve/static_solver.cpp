@@ -54,7 +54,7 @@ class Equilibrium : public NewtonProblem {
     result.factor = factor_->name();
   }
 
-  // From the equilibrium result.u at another fraction; the result changes its state only on success.
+  // Goes on from result.u, the equilibrium at another fraction. The result changes only on success.
   bool find(double fraction);
   const char* reason() const { return reason_; }  // of the last equilibrium that was not found
 

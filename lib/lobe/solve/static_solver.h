@@ -1,6 +1,7 @@
 // Static equilibrium, the reference for everything that moves. It uses Newton's method with the exact tangent
-// and a sparse factorisation with nested dissection. A line search never accepts an inverted non-linear
-// tetrahedron. Load steps double after an equilibrium, and halve where none is found.
+// and a sparse factorisation with nested dissection. A line search never inverts a non-linear tetrahedron;
+// from a state that is inverted it only accepts states that are less so. Load steps double after an
+// equilibrium, and halve where none is found.
 #pragma once
 
 #include <functional>
@@ -17,8 +18,9 @@ struct StaticOptions {
   int most_iterations = 60;          // of Newton's method per load step
   double smallest_load_step = 1e-4;  // as a fraction of all loads and prescribed displacements
   SparseFactorMaker factor = make_ldlt;
-  const Mat3X<double>* start =
-      nullptr;  // a guess at the solution, 3 × #vertices [m]; none: the loads grow from 0
+  // A guess at the solution, 3 × #vertices [m]. If none is given or it leads nowhere, all loads are tried at
+  // once from u = 0, then in steps.
+  const Mat3X<double>* start = nullptr;
   std::function<void(double load_fraction)> progress;
 };
 
@@ -39,8 +41,9 @@ struct StaticResult {
   int damped = 0;                 // iterations in which the tangent was not positive definite and was damped
 };
 
-// Dead loads, gravity and prescribed displacements of the setup; tools are ignored. Throws InputError if the
-// setup is inconsistent, or if a piece of the body is free to move as a rigid body.
+// Finds the equilibrium under dead loads, gravity and prescribed displacements of the setup. Tools are
+// ignored. Throws InputError if the setup is inconsistent, or if a piece of the body is free to move as a
+// rigid body.
 StaticResult solve_static(const Setup& setup, const StaticOptions& options = {});
 
 }  // namespace lobe

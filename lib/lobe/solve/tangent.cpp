@@ -141,7 +141,7 @@ void Tangent::scale_and_add_mass(double scale, double weight, const std::vector<
 
 namespace {
 
-// Where everything is given: orderings do not take a graph without vertices.
+// A factor for a problem without unknowns, because orderings do not take a graph without vertices.
 class NothingUnknown : public SparseFactor {
  public:
   const char* name() const override { return "none"; }

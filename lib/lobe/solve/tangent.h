@@ -9,7 +9,7 @@
 
 namespace lobe {
 
-// Energy [J], internal forces −∂W/∂u (3 × #vertices [N]) of the alive tetrahedra, each with the model of its
+// Energy [J] and internal forces −∂W/∂u (3 × #vertices [N]) of the alive tetrahedra, each by the model of its
 // region.
 struct EnergyAndForces {
   double energy = 0;
@@ -32,13 +32,13 @@ inline TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat
   return tet_stiffness(elements, tet, u, elements.region_of[tet]);
 }
 
-// The tangent assembled on the unknowns: the pattern once, its values at every state. Nodal pressures
-// (PressureNodes) couple all tetrahedra around a vertex; they stay unknowns of their own, so that the matrix
-// stays sparse,
+// The tangent assembled on the unknowns. The pattern is found once, the values at every state. Nodal
+// pressures (PressureNodes) couple all tetrahedra around a vertex. They are unknowns, too, so that the matrix
+// stays sparse:
 //   [ K   Gᵀ ] [du]   [r]
-//   [ G  −C  ] [dp] = [0],   G_n = ∂(V_n θ_n)/∂u,  C = diag(V_n / wλ),
-// which is the tangent K + Gᵀ C⁻¹ G of the energy, and has one negative eigenvalue per pressure where that is
-// positive definite.
+//   [ G  −D ] [dp] = [0],   G_n = ∂(V_n θ_n)/∂u,  D = diag(V_n / χλ).
+// That is the system of the tangent K + Gᵀ D⁻¹ G of the energy. Where this is positive definite, the matrix
+// has one negative eigenvalue per pressure.
 class Tangent {
  public:
   Tangent(const Elements& elements, const Unknowns& unknowns);
@@ -50,14 +50,14 @@ class Tangent {
   // scale × the tangent + weight × the lumped masses [kg], per vertex.
   void scale_and_add_mass(double scale, double weight, const std::vector<double>& mass);
 
-  // A factor analysed for the pattern; the default one where the matrix is indefinite and the wanted one
-  // cannot.
+  // Returns a factor that is analysed for the pattern. It is the default one if the matrix is indefinite and
+  // the wanted one takes definite matrices only.
   std::unique_ptr<SparseFactor> make_factor(const SparseFactorMaker& wanted) const;
   // Adds growing multiples of its diagonal to a tangent that is not positive definite until it is, and sets
   // `damped`.
   bool factorise(SparseFactor& factor, bool& damped);
   Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const;  // on the unknowns
-  // The same for the forces less those of a displacement w of given components: 3 × #vertices [m].
+  // The same for the forces minus those of a displacement w of given components: 3 × #vertices [m].
   Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces, const Mat3X<double>& u,
                         const Mat3X<double>& w) const;
 

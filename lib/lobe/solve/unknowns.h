@@ -1,4 +1,4 @@
-// Which displacement components of a mesh are solved for, and where they stand in the vectors of unknowns.
+// Which displacement components of a mesh are solved for, and their places in the vectors of unknowns.
 #pragma once
 
 #include <Eigen/SparseCore>

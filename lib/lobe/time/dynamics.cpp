@@ -87,7 +87,7 @@ template <class Real>
 void Dynamics<Real>::restore_held_components() {
   find_moving();
   for (const HeldVertices::Held& item : inertia.driven()) {
-    if (model.held.fixes(item.vertex)) continue;  // it is none that moves by itself
+    if (model.held.fixes(item.vertex)) continue;  // no component of it moves by itself
     for (int i = 0; i < 3; ++i)
       if (item.axes[i]) motion.forces(i, item.vertex) = motion.v(i, item.vertex) = 0;
   }

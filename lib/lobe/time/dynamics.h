@@ -55,7 +55,7 @@ struct Dynamics {
   // Vertices on which force terms act.
   std::vector<Index> touched_by_terms() const;
 
-  // To be called after the state was changed by other means than a step.
+  // Call it after the state was changed by other means than a step.
   void state_was_replaced();
   void state_has_moved();
 };

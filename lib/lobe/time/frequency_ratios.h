@@ -1,6 +1,6 @@
-// The ratio of the highest frequency to the estimate ω_v of each vertex (theory, section 7). When ω_max is
-// measured, no mode around a vertex is above ω_max/ω_v times its estimate. None is taken to be above the
-// largest ratio that the vertex of the highest estimate ever had. Part of a checkpoint.
+// The ratio of the highest frequency to the estimate ω_v of each vertex (theory, section 7). The ratio of a
+// vertex is ω_max/ω_v when ω_max is measured, but at most the largest ratio that the vertex of the highest
+// estimate ever had. Part of a checkpoint.
 #pragma once
 
 #include <algorithm>
@@ -30,8 +30,8 @@ struct FrequencyRatios {
   static constexpr auto fields = std::tuple(&FrequencyRatios::most, &FrequencyRatios::of_vertex,
                                             &FrequencyRatios::limit, &FrequencyRatios::steps);
 
-  // Whether the change of the limit may cost or gain, in so many steps, twice the time that a measurement
-  // takes.
+  // Whether, over as many steps as were taken since, the change of the limit is worth twice the time of a
+  // measurement.
   bool is_worth_measuring(double limit_now) const {
     const double change = std::abs(limit_now / limit - 1);
     return change > slightest && change * steps >= 2 * evaluations;

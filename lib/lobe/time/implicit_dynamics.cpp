@@ -15,7 +15,7 @@ void ImplicitDynamics::set_acceleration(const Model& model, const Mat3X<double>&
   at_ = model.revisions;
 }
 
-// The accelerations are taken from the forces after every edit.
+// The accelerations are computed from the forces after every edit.
 bool ImplicitDynamics::step(Dynamics<double>& body, double dt, const PrescribedMotion& prescribed) {
   const Model& model = body.model;
   Motion<double>& motion = body.motion;

@@ -18,7 +18,7 @@ class ImplicitDynamics {
   using PrescribedMotion = std::function<Vec3d(const HeldVertices::Held& item, double time)>;
   bool step(Dynamics<double>& body, double dt, const PrescribedMotion& prescribed);
 
-  // Part of a checkpoint: accelerations [m/s²], 3 × #vertices, or empty where they are to be taken from the
+  // Part of a checkpoint: accelerations [m/s²], 3 × #vertices; empty if they are to be computed from the
   // forces.
   Mat3X<double> acceleration(const Model& model) const;
   void set_acceleration(const Model& model, const Mat3X<double>& acceleration);

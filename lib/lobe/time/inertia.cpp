@@ -89,8 +89,8 @@ void Inertia<Real>::slow_short_waves(Parallel& parallel, Motion<Real>& motion) {
         free_vertex.inverse_mass * (Real(2) * once.col(free_vertex.vertex) - twice.col(free_vertex.vertex));
 }
 
-// ½ v·C⁻¹v by conjugate gradients: M C p = M v in the inner product of M⁻¹, in which M C is symmetric. What
-// each adds to v·p is known without p. Driven components have lumped masses.
+// Computes ½ v·C⁻¹v by conjugate gradients for M C p = M v, in the inner product of M⁻¹, in which M C is
+// symmetric. What each iteration adds to v·p is known without p. Driven components have lumped masses.
 template <class Real>
 double Inertia<Real>::kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const {
   double twice = 0;

@@ -67,7 +67,7 @@ class Inertia {
   void check_degree(int degree) const;                    // throws InputError for one that there is not
   void ask_for(int degree) { degree_ = degree; }
   void use(int degree) { selective_.set_degree(degree); }
-  // Vertices around which the couplings follow an edit.
+  // Adds vertices around which the couplings must be updated after an edit.
   void add_edits(const std::vector<Index>& vertices) {
     if (may_be_selective()) edits_.insert(edits_.end(), vertices.begin(), vertices.end());
   }
@@ -78,8 +78,8 @@ class Inertia {
   void prepare(const Model& model, bool any_asleep, TakesPart&& takes_part);
   void apply(Parallel& parallel, Mat3X<Real>& f) { selective_.apply(driven_, parallel, f); }
   void apply(int degree, Parallel& parallel, Mat3X<Real>& f);
-  // Call it when inertia grows: v → v − (1 − P)² v. Short waves then keep about their momentum, since with
-  // their old speed they would go too far. Long waves keep their speed.
+  // Call it when inertia grows: v → v − (1 − P)² v. Long waves then keep their speed, and short waves keep
+  // about their momentum. With their old speed short waves would swing too far.
   void slow_short_waves(Parallel& parallel, Motion<Real>& motion);
   double kinetic_energy(const StateColumns<Real>& state, Parallel& parallel) const;  // [J]
   double dispersion(int degree) const { return selective_.dispersion(degree); }      // [s²]

@@ -42,7 +42,7 @@ struct MovingVertex {
   Real inverse_mass = 0;  // [1/kg]
 };
 
-// Those that move by themselves: with an inverse mass above 0.
+// Returns the vertices that move by themselves: those with an inverse mass above 0.
 template <class Real>
 std::vector<MovingVertex<Real>> moving_vertices(const std::vector<double>& inverse_mass) {
   std::vector<MovingVertex<Real>> moving;
@@ -51,13 +51,13 @@ std::vector<MovingVertex<Real>> moving_vertices(const std::vector<double>& inver
   return moving;
 }
 
-// The vertices [begin, end) of the list.
+// Moves the vertices [begin, end) of the list by one step.
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  const StepFactors<Real>& step, Index begin, Index end, Mat3X<Real>& u,
                                  Mat3X<Real>& v, Reversals& reversals) {
   Fastest<Real> fastest;
-  bool finite = true;
+  bool finite = true;  // no branch within the loop: which vertices turn back is as random as rounding is
   for (Index at = begin; at < end; ++at) {
     const auto [i, inverse_mass] = moving[std::size_t(at)];
     const Vec3<Real> before = v.col(i);
@@ -65,19 +65,20 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
     v.col(i) = after;
     u.col(i) += step.dt * after;
     const Real speed = after.squaredNorm();
-    finite = finite && speed < std::numeric_limits<Real>::max();
+    finite = finite & (speed < std::numeric_limits<Real>::max());
     fastest.all = std::max(fastest.all, speed);
-    const bool reversing = before.dot(after) < 0 && speed > before.squaredNorm();
+    const int reversing = int(before.dot(after) < 0) & int(speed > before.squaredNorm());
     std::uint8_t& count = reversals[std::size_t(i)];
-    count = reversing ? std::min<std::uint8_t>(count + 1, many_reversals) : 0;
-    if (count == many_reversals) fastest.reversing = std::max(fastest.reversing, speed);
+    const int now = reversing * std::min(count + 1, int(many_reversals));
+    count = static_cast<std::uint8_t>(now);
+    fastest.reversing = std::max(fastest.reversing, Real(now / many_reversals) * speed);
   }
   if (!finite) fastest.all = std::numeric_limits<Real>::infinity();
   return fastest;
 }
 
-// Forces act for the time `kick` from where v lives before to where it lives afterwards: half a step before
-// the new u.
+// The same with a velocity that is not half a step old. Forces act for the time `kick`, from the time of the
+// old velocity to that of the new one, which is half a step before the new u.
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,
                                  Real kick, Real dt, Real damping, Mat3X<Real>& u, Mat3X<Real>& v,

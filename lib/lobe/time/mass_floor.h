@@ -5,7 +5,7 @@
 //
 //   ω_max² ≤ max_i ( Σ_{T∋i} m_T,i ω_T² ) / m_i
 //
-// so that m_i ≥ Σ m_T,i ω_T² / ω*² at the vertices of copies keeps what they add below ω* (theory, section
+// So frequencies at the vertices of copies stay below ω* if m_i ≥ Σ m_T,i ω_T² / ω*² there (theory, section
 // 9).
 #pragma once
 
@@ -18,8 +18,8 @@ struct MassFloor {
   bool counts_precomputed =
       true;  // tetrahedra of condensed regions take no steps, unless these can be expanded
 
-  // The least mass of a vertex [kg]: 0 where no copy of a tetrahedron is near. `squares`, if given,
-  // remembers what was found of each tetrahedron of the start, 0 where it has not been.
+  // The least mass of a vertex [kg]: 0 where no copy of a tetrahedron is near. `squares`, if given, stores
+  // ω_T² of each tetrahedron of the start; 0: not computed yet.
   double at(const Elements& elements, Index vertex, std::vector<double>* squares = nullptr) const;
 };
 

@@ -14,8 +14,8 @@ struct MassScaling {
   double limit_before = 0, limit_after = 0;  // of the time step at rest [s]
 };
 
-// Factors ≥ 1 of the vertices' masses: no ω_v² / factor is above a level that takes just the added mass, Σ
-// m_v max(0, ω_v²/level − 1).
+// Returns factors ≥ 1 for the vertices' masses. They lower each ω_v² to a common level, for which the added
+// mass Σ m_v max(0, ω_v²/level − 1) is just the given one.
 std::vector<double> mass_factors(const std::vector<double>& mass,     // [kg]
                                  const std::vector<double>& squares,  // ω_v² [1/s²], 0 where held
                                  double added);                       // [kg]

@@ -11,13 +11,12 @@ namespace lobe {
 namespace {
 
 constexpr double slightest = 0.07;  // coupling of two vertices that counts, of what they feel alone
-// Vertices among which those with as many neighbours are put side by side.
+// Within so many vertices, those with equal numbers of neighbours are grouped.
 constexpr std::size_t window = 128;
 
 // Chebyshev's iteration for A z = x from z = 0 leaves the residual T(ν − a/α)/T(ν) of the part that belongs
-// to the eigenvalue a of A, 0 … α (ν + 1) = 1. So z = P(a) x, apart from a factor. T is of the degree; with
-// T(ν)
-// above 1 no P(a) is zero.
+// to the eigenvalue a of A, 0 … α (ν + 1) = 1. So z = P(a) x, apart from a factor. T is the Chebyshev
+// polynomial of the degree (ν and α are η and ζ in the theory). With T(ν) above 1 no P(a) is zero.
 class Chebyshev {
  public:
   explicit Chebyshev(int degree) : degree_(degree), t_(std::acosh(rise) / degree), nu_(std::cosh(t_)) {}
@@ -53,8 +52,8 @@ void SelectiveMass<Real>::follow(const Elements& elements, const std::vector<Ind
   for (Index v : vertices) rows_[std::size_t(v)] = find_row(elements, v, takes_part);
 }
 
-// Of the stiffness (λ + 2μ) ∫∇·∇, made as large as what a vertex feels when it moves while its neighbours are
-// held.
+// The row of L: of the stiffness (λ + 2μ) ∫∇·∇, scaled to what the vertex feels when it moves while its
+// neighbours are held.
 template <class Real>
 auto SelectiveMass<Real>::find_row(const Elements& elements, Index vertex,
                                    const std::function<bool(Index)>& takes_part) const -> Row {
@@ -149,7 +148,7 @@ void SelectiveMass<Real>::divide(Real by) {
     for (Real& weight : four.weights) weight /= by;
 }
 
-// use(place, own, (A x)_own) for the fours [begin, end).
+// Calls use(place, own, (A x)_own) for the groups of four [begin, end).
 template <class Real>
 template <class Use>
 void SelectiveMass<Real>::multiply(const Vectors& x, Index begin, Index end, Use&& use) const {

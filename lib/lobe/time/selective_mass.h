@@ -1,9 +1,9 @@
 // Selective mass scaling: inertia that grows with the wave number, so that the stable time step is longer
 // (theory, section 7). The inverse mass matrix is a polynomial of a Laplacian L,
 //   C = P(M⁻¹L) M⁻¹,  P(0) = 1,  0 < P ≤ 1,
-// M lumped: what moves as a whole, and every equilibrium, is as before. After Olovsson, Simonsson, Unosson
-// (Int. J. Numer. Meth. Engng 63, 2005), who add to the mass matrix, and Tkachuk, Bischoff (ibid. 101, 2015),
-// who construct its inverse.
+// with lumped M. Motion as a whole and equilibria do not change. The method follows Olovsson, Simonsson,
+// Unosson (Int. J. Numer. Meth. Engng 63, 2005), who add to the mass matrix, and Tkachuk, Bischoff (ibid.
+// 101, 2015), who construct its inverse.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ class SelectiveMass {
  public:
   static constexpr int most = highest_mass_degree;
 
-  // The degree of a P(a), 1 … `most`; 1: masses are lumped.
+  // The degree of a P(a), 1 … `most`. With 1 masses are lumped.
   int degree() const { return degree_; }
   void set_degree(int degree) { degree_ = degree; }
 
@@ -56,9 +56,9 @@ class SelectiveMass {
   struct Row {
     std::vector<Neighbour> neighbours;
     double stiffness = 0;  // of L where only this vertex moves, before `ratio` [N/m]
-    double ratio = 0;      // by which what it feels of the body is more
+    double ratio = 0;      // by how much stiffer the body is at this vertex
   };
-  // One neighbour each of four vertices that lie side by side.
+  // One neighbour of each of four consecutive vertices.
   struct Four {
     std::array<Index, 4> places;
     std::array<Real, 4> weights;
@@ -75,7 +75,7 @@ class SelectiveMass {
   std::vector<Row> rows_;  // per vertex
   double highest_ = 1;     // a bound of the eigenvalues of M⁻¹L [1/s²]
 
-  // M⁻¹L over its bound, of those that move, four and four.
+  // M⁻¹L over its bound, for the vertices that move, in groups of four.
   std::vector<MovingVertex<Real>> order_;
   std::vector<Index> place_of_;  // per vertex, −1 if it does not move
   std::vector<Index> starts_;    // of each four

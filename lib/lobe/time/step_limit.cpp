@@ -40,7 +40,7 @@ double StepLimit<Real>::find(Body& body) {
   }
   const VertexFrequency highest = frequencies_.highest([&](Index v) { return weight(body, v); });
   limiting_vertex_ = highest.vertex;
-  // SVK softens when crushed; a step far beyond that of the body at rest would still be rash.
+  // SVK softens when crushed. A step far longer than that of the body at rest would still be unsafe.
   const double omega = std::max({highest.omega, at_rest(body).omega / 4, node_omega_});
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
@@ -85,8 +85,9 @@ VertexFrequency StepLimit<Real>::highest_vertex(Body& body) {
   return frequencies_.highest(alone);
 }
 
-// About the present state, by displacements that are small enough for forces to be linear, and large enough
-// for their differences to be known. Nothing is found where the body has gone so far that there are none.
+// Searches about the present state, with displacements that are small enough for forces to be linear, and
+// large enough for their differences to be accurate. If the body has moved so far that there are none,
+// nothing is found.
 template <class Real>
 HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettings& settings) {
   body.regions.place_embedded(body.motion, body.parallel);
@@ -146,7 +147,7 @@ void StepLimit<Real>::measure_at_rest(Body& body) {
 
 template <class Real>
 void StepLimit<Real>::measure_again(Body& body) {
-  if (body.inertia.is_selective() && body.sleep.any()) return;  // C knows of those who move only
+  if (body.inertia.is_selective() && body.sleep.any()) return;  // C has the vertices that move only
   const double limit = find(body);
   if (!ratios_.is_worth_measuring(limit)) return;
   ratios_.steps = 0;

@@ -25,11 +25,11 @@ class StepLimit {
   // 2/ω_max at the present state [s]; infinite if nothing is free. Costs O(#tetrahedra) if the state has
   // changed since the last call. Cuts are followed locally, except with nodal pressure.
   double find(Body& body);
-  // The same from scratch, as a restored world finds it, so that both get the same bits.
+  // The same from scratch, as a restored world computes it, so that both get the same bits.
   void find_anew(Body& body);
   // ---- For frames. The limit is found again after `interval` of simulated time, about a frame of 60 Hz,
-  // because a pass over all tetrahedra costs as much as two or three steps. In between the last limit holds,
-  // while nothing is edited and nothing sleeps.
+  // because a pass over all tetrahedra costs as much as two or three steps. In between the last limit is
+  // used, while nothing is edited and nothing sleeps.
   static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? frame_limit_.limit : keep(body); }
@@ -60,12 +60,12 @@ class StepLimit {
   void restart(Body& body);
   void restart_for_degree(Body& body);
 
-  // Follows an edit; call it before the elements do. The stiffness of a tetrahedron at its corners goes with
-  // it, or moves to the copy of a vertex. Three cases need a pass over everything: nodal pressure, a
-  // pre-computed region, and the removal of the tetrahedron of the smallest volume ratio.
+  // Follows an edit; call it before the elements do. What a tetrahedron adds to the stiffness at its corners
+  // is removed with it, or moves to the copy of a vertex. Three cases need a pass over everything: nodal
+  // pressure, a pre-computed region, and the removal of the tetrahedron of the smallest volume ratio.
   // `shares_before`: one for each of edit.shares, 0 of a new copy.
   void follow(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
-  // Follows a tetrahedron that changes its model by change().
+  // Follows a change of the model of a tetrahedron, which change() performs.
   template <class Change>
   void follow_region(const Body& body, Index tet, Change&& change);
   void extend(Index vertices) { ratios_.extend(vertices); }

@@ -8,7 +8,7 @@
 namespace lobe {
 namespace {
 
-// The alive ones of these tetrahedra, and those that reach them by at most so many common vertices.
+// Returns the alive ones of these tetrahedra, with so many rings of neighbours by common vertices.
 std::vector<Index> with_rings(const Topology& topology, const std::vector<Index>& tets, int rings) {
   std::vector<char> is_found(std::size_t(topology.tet_count()), 0);
   std::vector<Index> found;
@@ -59,7 +59,8 @@ void Unravelling::lump(const Dynamics<Real>& body, double volume_ratio) {
   state_.is_lumped = body.inertia.may_be_selective() && volume_ratio < least && !is_driven(body.model.held);
 }
 
-// All that were made linear and still are, halfway from the threshold of the guard to rest.
+// Whether all tetrahedra that were made linear, and still are, are at least halfway between the guard's
+// threshold and rest.
 template <class Real>
 bool Unravelling::have_come_back(const Dynamics<Real>& body) const {
   const Elements& elements = body.model.elements;
@@ -70,7 +71,7 @@ bool Unravelling::have_come_back(const Dynamics<Real>& body) const {
   });
 }
 
-// And around those that are linear already, of which there are none at the start.
+// Makes tetrahedra linear around the tangle and around those that are linear already (none at the start).
 std::optional<Unravelling::Remedy> Unravelling::make_linear_around(const Elements& elements, double time,
                                                                    std::vector<Index> tangled) {
   state_.since = time;

@@ -43,12 +43,12 @@ class Unravelling {
     state_.stage = 0;
     state_.since = time;
   }
-  // Tetrahedra, sorted, whose model an edit sets: they are not changed back.
+  // Call it with tetrahedra, sorted, whose model an edit sets. They are not changed back.
   void leave_alone(const std::vector<Index>& tets);
 
   // Call it at the start of a frame, with the smallest volume ratio. Masses are lumped while tetrahedra are
-  // crushed, because a tangle comes undone by short waves. Selective masses would hold these back, and long
-  // waves would fold the body meanwhile.
+  // crushed, because a tangle comes undone by short waves. Selective masses would slow these, and long waves
+  // would fold the body meanwhile.
   template <class Real>
   void lump(const Dynamics<Real>& body, double volume_ratio);
 

@@ -29,9 +29,9 @@ double largest_eigenvalue(const Mat3<double>& symmetric);
 template <class Real>
 class VertexFrequencies {
  public:
-  // From scratch: add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero before.
-  // O(#vertices). The weight of a vertex is its inverse mass [1/kg], 0 where it is held, times whatever
-  // factor its ω_v² is to be compared with.
+  // Computes all from scratch. add(K) adds the stiffness of all vertices to K, 6 × #vertices, which is zero
+  // before. O(#vertices). The weight of a vertex is its inverse mass [1/kg], 0 where it is held, times
+  // whatever factor its ω_v² is to be compared with.
   template <class Weight, class Add>
   void find(Index vertices, Weight&& weight, Add&& add) {
     DiagonalStiffness K = DiagonalStiffness::Zero(6, vertices);
@@ -46,7 +46,7 @@ class VertexFrequencies {
     squares_.assign(K_.count(), [&](Index v) { return bound(v) * weight(v); });
   }
 
-  // After these, update() the vertices.
+  // After one of these, call update() for the vertices.
   void extend(Index vertices) {
     K_.extend(vertices);
     is_exact_.resize(std::size_t(vertices), 0);

@@ -23,7 +23,7 @@ struct Cautery {
   ToolId id = 0;
   std::string name;
   double radius = 0;  // of its spherical tip [m]
-  // Positions of its tip [m], one list from each switching on to the switching off; the last is the present.
+  // Positions of its tip [m], one list for each time it was on; the last is the present one.
   std::vector<GrowingPath> strokes;
   bool is_live = false;
   bool burns = false;                // only of live ones

@@ -29,7 +29,7 @@ class GrowingPath {
   // Amortised O(1).
   void push_back(const PathPoint& row);
   void forget_after(double time);  // the rows of a frame that failed
-  // It will hardly grow any more: copies share it all.
+  // Call it when the path will hardly grow any more. Copies then share all of it.
   void settle();
 
   // In files and digests it is the list of its rows.

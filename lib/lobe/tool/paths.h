@@ -29,7 +29,8 @@ inline void forget_after(double time, std::vector<PathPoint>& path) {
   while (!path.empty() && path.back().time > time + just_before) path.pop_back();
 }
 
-// Just after the frame's start. As a path of a scene, a stroke would otherwise begin in the frame before.
+// The time just after the frame's start. A stroke that began at the start itself would, as a path of a scene,
+// begin in the frame before.
 inline double start_of_stroke(double time) {
   return std::nextafter(time, std::numeric_limits<double>::infinity());
 }

@@ -63,7 +63,7 @@ void Probe::begin_frame(double time, double end) {
   path.push_back({end, to.position, to.orientation, opening});
 }
 
-// As it is led, or as jaws close by themselves.
+// The opening that the hand leads to, or that of jaws which close by themselves.
 double Probe::next_opening(const PathPoint& from, double duration) const {
   if (target && target->opening) return *target->opening;
   if (shape_of_tip.kind != RigidShape::Kind::jaws) return from.opening;

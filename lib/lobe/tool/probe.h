@@ -1,6 +1,6 @@
 // A probe is a rigid body that presses on the organ and rubs along it (contact/contact.h), or a pair of jaws
-// that close on the organ. Jaws that are moved by hand close while the probe is on, until they meet or feel
-// most_grip. Switched off, they open to where they were.
+// that close on the organ. Jaws that are moved by hand close while the probe is on, until they meet or their
+// force reaches most_grip. Switched off, they open to where they were.
 #pragma once
 
 #include "lobe/tool/growing_path.h"

@@ -30,8 +30,8 @@ void Scalpel::turn_on(bool on) {
   cuts = on;
 }
 
-// The energy over the way is the force along it. Without a way, which is when the tissue alone has moved,
-// there is none to tell.
+// The force along the way is the energy divided by the way. If only the tissue has moved there is no way, and
+// no force is computed.
 void Scalpel::cut_by(const CutWork& done, const Vec3d& own_way, const Vec3d& tip) {
   work.energy += done.energy;
   work.moment += done.moment;

@@ -1,5 +1,5 @@
 // The kinds of tools. Each is a class in a file of its own, with a row in three lists: ToolLists, ToolCommand
-// if hands can bring it, and ToolSetups (setup/tool_setups.h). All of them answer
+// if hands can bring it, and ToolSetups (setup/tool_setups.h). All of them have
 //
 //   Path             the struct of setup/tool_setups.h from which one is made, Path::type its name in scenes
 //   Bring            the command by which one is made

@@ -10,7 +10,8 @@ class Tools {
  public:
   explicit Tools(const ToolSetups& setups);
 
-  // ---- Make, move and take away tools. Throws InputError for a tool that does not exist or follows a path.
+  // ---- To make, move and remove tools. These throw InputError for a tool that does not exist or follows a
+  // path.
 
   ToolId next_id() const { return next_; }
   // Adds the tool of a command: TakeHold, BringCautery, … A grasp takes hold at the start of the next frame.

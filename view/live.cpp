@@ -13,6 +13,7 @@
 #include "gauge.h"
 #include "lobe/live/session_scene.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/read_shape.h"
 #include "skin_feed.h"
 
 namespace lobe::view {
@@ -26,28 +27,6 @@ std::atomic<std::uint64_t> sessions_so_far = 0;
 
 Json array(const Vec3d& p) { return {p[0], p[1], p[2]}; }
 Json array(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
-
-// As in a scene, but a mesh with its points and triangles.
-Json json_of(const RigidShape& shape) {
-  switch (shape.kind) {
-    case RigidShape::Kind::sphere:
-      return {{"sphere", {{"radius", shape.radius}}}};
-    case RigidShape::Kind::capsule:
-      return {{"capsule", {{"radius", shape.radius}, {"length", shape.length}}}};
-    case RigidShape::Kind::box:
-      return {{"box", {{"size", array(shape.size)}}}};
-    case RigidShape::Kind::plane:
-      return {{"plane", Json::object()}};
-    case RigidShape::Kind::jaws:
-      return {{"jaws", {{"size", array(shape.size)}}}};
-    case RigidShape::Kind::mesh:
-      break;
-  }
-  Json points = Json::array(), triangles = Json::array();
-  for (const Vec3d& point : shape.points) points.push_back(array(point));
-  for (const Eigen::Vector3i& t : shape.triangles) triangles.push_back({t[0], t[1], t[2]});
-  return {{"mesh", {{"points", points}, {"triangles", triangles}}}};
-}
 
 SessionOptions session_options(const LiveOptions& options) {
   SessionOptions result;
@@ -255,7 +234,7 @@ class LiveOf final : public Live {
       list.push_back({{"name", obstacle.name},
                       {"position", array(obstacle.position)},
                       {"orientation", array(obstacle.orientation)},
-                      {"shape", json_of(obstacle.shape)}});
+                      {"shape", write_shape(obstacle.shape, {})}});
     return list;
   }
 

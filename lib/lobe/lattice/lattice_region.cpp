@@ -15,12 +15,6 @@ Mat3<double> symmetric(const Eigen::Matrix<double, 6, 1>& K) {  // xx, xy, xz, y
   return matrix;
 }
 
-// For ever.
-bool is_at_rest(const HeldVertices::Held& item) {
-  return item.holder == HeldVertices::boundary && item.axes == all_axes && item.start.isZero(0) &&
-         item.goal.isZero(0);
-}
-
 }  // namespace
 
 // ---- Edits
@@ -70,101 +64,6 @@ void LatticeRegion<Real>::list_vertices(const Topology& topology) {
 }
 
 template <class Real>
-VertexRoles LatticeRegion<Real>::roles(const Model& model, std::vector<std::uint8_t> is_embedded) const {
-  VertexRoles roles{std::move(is_embedded), Flags(std::size_t(model.elements.topology.vertex_count()), 0)};
-  for (const HeldVertices::Held& item : model.held.all())
-    roles.is_still[std::size_t(item.vertex)] = is_at_rest(item);
-  return roles;
-}
-
-template <class Real>
-VertexRoles LatticeRegion<Real>::roles(const Model& model, double time, bool may_embed) {
-  Flags may(std::size_t(model.elements.topology.vertex_count()), 0);
-  if (any() && may_embed) {
-    if (inner_.size() != may.size()) find_inner(model);
-    for (Index v : vertices_) may[std::size_t(v)] = inner_[std::size_t(v)] && !zones_.is_full(v, time);
-  }
-  return roles(model, std::move(may));
-}
-
-template <class Real>
-void LatticeRegion<Real>::find_inner(const Model& model) {
-  const Topology& topology = model.elements.topology;
-  inner_.assign(std::size_t(topology.vertex_count()), 0);
-  for (Index v : vertices_) {
-    const auto around = topology.around(v);
-    inner_[std::size_t(v)] =
-        !around.empty() && std::all_of(around.begin(), around.end(), [&](Index t) { return has(t); });
-  }
-  for (const HeldVertices::Held& item : model.held.all()) {
-    if (item.holder != HeldVertices::boundary) continue;  // what tools hold is in a zone (zones.h)
-    inner_[std::size_t(item.vertex)] = 0;
-    if (is_at_rest(item)) continue;
-    for (Index t : topology.around(item.vertex))
-      for (Index v : topology.corners(t)) inner_[std::size_t(v)] = 0;
-  }
-}
-
-// Nodes count with their masses in the norms of displacement and speed.
-template <class Real>
-void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& motion,
-                               const std::vector<double>& mass, double damping,
-                               const std::vector<Index>& held, const std::vector<Index>& pressed) {
-  if (!any()) return;
-  const auto norm = [&](const Mat3X<Real>& of_vertices, const Mat3X<Real>& of_nodes) {
-    double sum = 0;
-    for (std::size_t v = 0; v < mass.size(); ++v)
-      if (!embeds(static_cast<Index>(v)))
-        sum += mass[v] * double(of_vertices.col(Eigen::Index(v)).squaredNorm());
-    for (std::size_t n = 0; n < embedding_.mass.size(); ++n)
-      sum += embedding_.mass[n] * double(of_nodes.col(Eigen::Index(n)).squaredNorm());
-    return std::sqrt(sum);
-  };
-  zones_.look(elements, lattice_.frame.edge, motion.time,
-              {held, pressed, norm(motion.u.padded(), motion.nodes.u),
-               norm(motion.v.padded(), motion.nodes.v), damping});
-}
-
-// Two sides of a cut must have no node in common: those that are left are half a cell away from what is cut.
-template <class Real>
-std::vector<Index> LatticeRegion<Real>::in_the_way(const Elements& elements,
-                                                   const std::vector<Index>& tets) const {
-  constexpr double least = 0.75, at_once = 1.25;  // cells
-  std::vector<Index> found;
-  const auto add = [&](double distance) {
-    const Flags is_near = within(elements, tets, distance * lattice_.frame.edge);
-    for (Index t = 0; t < static_cast<Index>(member_.size()); ++t)
-      if (member_[std::size_t(t)] && is_near[std::size_t(t)]) found.push_back(t);
-  };
-  if (any()) add(least);
-  if (found.empty()) return found;
-  found.clear();
-  add(at_once);
-  return found;
-}
-
-// Per tetrahedron: whether it is as near to one of these, along others.
-template <class Real>
-std::vector<std::uint8_t> LatticeRegion<Real>::within(const Elements& elements,
-                                                      const std::vector<Index>& tets, double distance) const {
-  Flags is_near(std::size_t(elements.topology.tet_count()), 0);
-  std::vector<std::pair<Index, Index>> queue;  // and from where
-  const auto middle = [&](Index t) -> Vec3d { return elements.corner_points(t).rowwise().mean(); };
-  const auto meet = [&](Index t, Index start) {
-    if (std::exchange(is_near[std::size_t(t)], 1) == 0) queue.emplace_back(t, start);
-  };
-  for (Index t : tets)
-    if (elements.topology.alive(t)) meet(t, t);
-  for (std::size_t i = 0; i < queue.size(); ++i) {
-    const auto [tet, start] = queue[i];
-    elements.topology.for_neighbours(tet, [&](int, Index other) {
-      if ((middle(other) - middle(start)).norm() <= distance) meet(other, start);
-    });
-  }
-  return is_near;
-}
-
-template <class Real>
 void LatticeRegion<Real>::make_lattice_anew(const Elements& elements, Nodes<Real>& nodes) {
   Lattice fresh = make_lattice(elements, lattice_.frame);
   nodes = values_of(fresh, lattice_, nodes);
@@ -202,8 +101,7 @@ void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double o
   is_outdated_ = has_lost_ = false;
   embedding_ = lobe::embed(elements, lattice_, whole_, std::move(wanted));
   omega_ = omega;
-  mass_added_ =
-      give_mass(elements, lattice_, mass, omega / ZoneMass::longer, zone_mass_.stiffness(), embedding_);
+  mass_added_ = give_mass(elements, lattice_, mass, omega, zone_mass_.stiffness(), embedding_);
   zone_mass_.raise(embedding_, omega, vertices_, mass);
 
   const TakeOver<Real> change(elements, lattice_, whole_cells_, former, embedding_, is_anew);

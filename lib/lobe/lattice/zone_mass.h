@@ -1,8 +1,8 @@
 // Mass that vertices of full tetrahedra get while a lattice moves the rest of a body, so that its steps are
-// as long as those of the full body, whose highest frequency is ω*, times `longer`. With K_vv at rest and R,
-// by how much ω* is above the estimate that single vertices give,
+// as long as those of the full body, whose highest frequency is ω*. With K_vv at rest and R, by how much ω*
+// is above the estimate that single vertices give,
 //
-//   m_v ≥ R² λ_max(K_vv) longer²/ω*².
+//   m_v ≥ R² λ_max(K_vv)/ω*².
 //
 // These vertices are around tools: they follow what pulls at them and hardly swing. While nothing is embedded
 // all masses are what they are. The mass has no weight.
@@ -18,8 +18,6 @@ namespace lobe {
 
 class ZoneMass {
  public:
-  // 1.5 makes a liver of 50,000 tetrahedra a sixth faster, but jolts what is embedded again in mid-swing.
-  static constexpr double longer = 1;
   static constexpr double ratio = 1.15;  // R
 
   // After an edit: vertices of these tetrahedra and no others may get mass. `owns(tet)`.
@@ -38,7 +36,7 @@ class ZoneMass {
   bool may_raise(Index v) const { return stiffness_[std::size_t(v)] > 0; }
 
   double least(Index v, double omega) const {  // [kg]
-    return omega > 0 ? ratio * ratio * longer * longer / (omega * omega) * stiffness_[std::size_t(v)] : 0;
+    return omega > 0 ? ratio * ratio / (omega * omega) * stiffness_[std::size_t(v)] : 0;
   }
   // Raises masses of those of the vertices that are not embedded [kg].
   void raise(const Embedding& embedding, double omega, const std::vector<Index>& vertices,

@@ -1,5 +1,4 @@
 // Patch tests: affine displacements of the boundary of irregular meshes give affine displacements inside.
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <random>
@@ -7,6 +6,7 @@
 #include "benchmarks/validation/bodies.h"
 #include "benchmarks/validation/cases.h"
 #include "lobe/mesh/generators.h"
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe::validation {
 namespace {
@@ -23,8 +23,7 @@ Mat3<double> random_matrix(std::mt19937& random) {
 Mat3<double> random_gradient(bool large, std::mt19937& random) {
   const Mat3<double> A = random_matrix(random);
   if (!large) return 1e-3 * A;
-  const Eigen::SelfAdjointEigenSolver<Mat3<double>> symmetric(A + A.transpose());
-  const Mat3<double> V = symmetric.eigenvectors();
+  const Mat3<double> V = symmetric_eigen<Mat3<double>>(A + A.transpose()).vectors;
   const Vec3d stretches = 1 + 0.25 * random_matrix(random).col(0).array();
   const double angle = random_matrix(random)(0, 0) * 0.7;
   const Mat3<double> R =

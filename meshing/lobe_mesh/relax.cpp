@@ -1,7 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/relax.h"
+#include "lobe/numerics/symmetric_eigen.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -126,9 +126,7 @@ double Relaxation::square_frequency(Index v) const {
   const auto K = stiffness_.col(v);
   Mat3<double> block;
   block << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
-  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
-  solver.computeDirect(block, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[2] / mass_[v];
+  return largest_eigenvalue(block) / mass_[v];
 }
 
 double Relaxation::vertex_cost(Index v) const {

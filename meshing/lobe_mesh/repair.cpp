@@ -1,7 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/repair.h"
+#include "lobe/numerics/symmetric_eigen.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -37,7 +37,7 @@ void refuse_hopeless(const Surface& surface) {
   for (const Index v : surface.triangles.reshaped()) {
     spread += (points.col(v) - mean) * (points.col(v) - mean).transpose() / (3.0 * surface.triangle_count());
   }
-  const Vec3d variances = Eigen::SelfAdjointEigenSolver<Mat3<double>>(spread).eigenvalues();
+  const Vec3d variances = symmetric_eigenvalues(spread);
   if (!(variances[0] > 1e-14 * variances[2])) {
     throw InputError("surface", "flat: all its vertices lie in one plane, so it encloses no volume");
   }

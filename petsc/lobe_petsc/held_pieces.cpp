@@ -1,9 +1,10 @@
 #include "lobe_petsc/held_pieces.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <string>
+
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe::petsc {
 namespace {
@@ -104,8 +105,8 @@ void refuse_floating_pieces(const Ranks& ranks, const Part& part, const Elements
     found = false;
     for (std::size_t p = 0; p < all.size(); ++p) {
       if (held[p] || sizes[p] == 0) continue;
-      const Eigen::SelfAdjointEigenSolver<Gram> modes(all[p], Eigen::EigenvaluesOnly);
-      if (!(modes.eigenvalues()[0] > 1e-13 * modes.eigenvalues()[5])) continue;
+      const Eigen::VectorXd squares = symmetric_eigenvalues<Eigen::MatrixXd>(all[p]);
+      if (!(squares[0] > 1e-13 * squares[5])) continue;
       held[p] = 1;
       found = true;
     }

@@ -1,11 +1,11 @@
 // Natural frequencies of a free block at rest, all of it embedded, against those of its own tetrahedra.
 #include <doctest/doctest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "lattice_support.h"
 #include "lobe/fem/hooke.h"
+#include "lobe/numerics/symmetric_eigen.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -29,10 +29,7 @@ Eigen::VectorXd lowest(const Eigen::MatrixXd& K, const std::vector<double>& mass
   Eigen::VectorXd roots(K.rows());
   for (Eigen::Index i = 0; i < roots.size(); ++i) roots[i] = 1 / std::sqrt(mass[std::size_t(i / 3)]);
   const Eigen::MatrixXd scaled = roots.asDiagonal() * K * roots.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .segment(6, count)
-      .cwiseSqrt();
+  return symmetric_eigenvalues(scaled).segment(6, count).cwiseSqrt();
 }
 
 void add(Index row, Index column, const Mat3<double>& block, Eigen::MatrixXd& K) {

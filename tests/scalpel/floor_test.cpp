@@ -1,9 +1,8 @@
 // Mass that keeps the time step of what a blade has cut.
+#include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/time/mass_floor.h"
 
 #include <doctest/doctest.h>
-
-#include <Eigen/Eigenvalues>
 
 #include "fibre_support.h"
 #include "lobe/sim/rebuild.h"
@@ -37,8 +36,7 @@ double square_by_matrix(const Elements& elements, Index t) {
     }
     K.col(i) = (stress * of_tet.gradients * of_tet.volume).reshaped();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> solver(K, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[11] / (e.density * of_tet.volume / 4);
+  return symmetric_eigenvalues<Eigen::MatrixXd>(K)[11] / (e.density * of_tet.volume / 4);
 }
 
 World<double> cut_world(const Setup& setup, int strokes) {

@@ -1,8 +1,9 @@
 #include "lobe/condense/rigid_frame.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
+
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 namespace {
@@ -22,7 +23,7 @@ Mat3<double> closest_rotation(const Mat3<double>& M) {
   N.topRightCorner<1, 3>() = axial.transpose();
   N.bottomLeftCorner<3, 1>() = axial;
   N.bottomRightCorner<3, 3>() = M + M.transpose() - M.trace() * Mat3<double>::Identity();
-  const Eigen::Vector4d q = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(N).eigenvectors().col(3);
+  const Eigen::Vector4d q = symmetric_eigen(N).vectors.col(3);
   if (axial.isZero(0) && std::abs(q[0]) > 0.5)
     return Mat3<double>::Identity();  // a body at rest stays exactly at rest
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lobe/numerics/lanczos.h"
+#include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/solve/tangent.h"
 #include "lobe/time/vertex_frequencies.h"
 

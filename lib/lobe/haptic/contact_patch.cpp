@@ -1,10 +1,10 @@
 #include "lobe/haptic/contact_patch.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/solve/tangent.h"
 
 namespace lobe {
@@ -99,27 +99,23 @@ Mat3<double> ContactPatch::condense() {
 }
 
 Mat3<double> clamped(const Mat3<double>& K, double highest) {
-  const Eigen::SelfAdjointEigenSolver<Mat3<double>> eigen(0.5 * (K + K.transpose()));
-  const Vec3d values = eigen.eigenvalues().cwiseMax(0.0).cwiseMin(highest);
-  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+  const auto [values, Q] = symmetric_eigen<Mat3<double>>(0.5 * (K + K.transpose()));
+  const Vec3d within = values.cwiseMax(0.0).cwiseMin(highest);
+  return Q * within.asDiagonal() * Q.transpose();
 }
 
 Mat3<double> clamped_to(const Mat3<double>& K, const Mat3<double>& A, double least, double most) {
-  const Eigen::SelfAdjointEigenSolver<Mat3<double>> eigen(0.5 * (A + A.transpose()));
-  const Vec3d root = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const auto [squares, Q] = symmetric_eigen<Mat3<double>>(0.5 * (A + A.transpose()));
+  const Vec3d root = squares.cwiseMax(0.0).cwiseSqrt();
   const double smallest = 1e-6 * root.maxCoeff();  // of a direction without stiffness K has none
   const Vec3d inverse = root.unaryExpr([&](double r) { return r > smallest ? 1 / r : 0.0; });
-  const Mat3<double>& Q = eigen.eigenvectors();
   const Mat3<double> to = inverse.asDiagonal() * Q.transpose(), from = Q * root.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Mat3<double>> ratios(0.5 * to * (K + K.transpose()) * to.transpose());
-  const Vec3d values = ratios.eigenvalues().cwiseMax(least).cwiseMin(most);
-  return from * ratios.eigenvectors() * values.asDiagonal() * ratios.eigenvectors().transpose() *
-         from.transpose();
+  const auto [ratios, R] = symmetric_eigen<Mat3<double>>(0.5 * to * (K + K.transpose()) * to.transpose());
+  const Vec3d values = ratios.cwiseMax(least).cwiseMin(most);
+  return from * R * values.asDiagonal() * R.transpose() * from.transpose();
 }
 
-double highest_eigenvalue(const Mat3<double>& K) {
-  return Eigen::SelfAdjointEigenSolver<Mat3<double>>(K, Eigen::EigenvaluesOnly).eigenvalues()[2];
-}
+double highest_eigenvalue(const Mat3<double>& K) { return symmetric_eigenvalues(K)[2]; }
 
 double shear_speed(const Elements& elements, Index tet) {
   const Elastic& elastic = elements.elastic_of(tet);

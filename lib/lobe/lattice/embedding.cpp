@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "lobe/fem/hooke.h"
-#include "lobe/time/vertex_frequencies.h"
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 namespace {

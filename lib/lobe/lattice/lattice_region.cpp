@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/sort_unique.h"
-#include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
 namespace {

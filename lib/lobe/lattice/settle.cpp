@@ -1,7 +1,8 @@
 #include "lobe/lattice/settle.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 namespace {
@@ -141,13 +142,12 @@ MovingMasses::Motion MovingMasses::moved_by(const Momentum& momentum) const {
     const Vec3d arm = own.x - at;
     inertia += own.mass * (arm.squaredNorm() * Mat3<double>::Identity() - arm * arm.transpose());
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3<double>> solver(inertia);
-  const Vec3d torque = solver.eigenvectors().transpose() * (momentum.angular - at.cross(momentum.linear));
+  const auto [inertias, axes] = symmetric_eigen(inertia);
+  const Vec3d torque = axes.transpose() * (momentum.angular - at.cross(momentum.linear));
   Vec3d spin = Vec3d::Zero();
   for (int i = 0; i < 3; ++i)
-    if (solver.eigenvalues()[i] > 1e-9 * solver.eigenvalues()[2])
-      spin[i] = torque[i] / solver.eigenvalues()[i];
-  return {at, momentum.linear / mass, solver.eigenvectors() * spin};
+    if (inertias[i] > 1e-9 * inertias[2]) spin[i] = torque[i] / inertias[i];
+  return {at, momentum.linear / mass, axes * spin};
 }
 
 }  // namespace lobe

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "lobe/time/vertex_frequencies.h"
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 

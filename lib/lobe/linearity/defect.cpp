@@ -1,9 +1,9 @@
 #include "lobe/linearity/defect.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <map>
 
+#include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/region/nodal_pressure.h"
 
 namespace lobe {
@@ -19,11 +19,9 @@ Mat3<double> matrix(const Column& a) { return a.reshaped(3, 3); }
 Mat3<double> nonlinear_gradient(const Mat3<double>& H) {
   constexpr double least_stretch = 0.2;
   const Mat3<double> I = Mat3<double>::Identity(), strain = (H + H.transpose()) / 2;
-  Eigen::SelfAdjointEigenSolver<Mat3<double>> principal;
-  principal.computeDirect(strain);
-  const Vec3d stretches = (1 + 2 * principal.eigenvalues().array()).max(least_stretch * least_stretch).sqrt();
-  const Mat3<double> stretch =
-      principal.eigenvectors() * stretches.asDiagonal() * principal.eigenvectors().transpose();
+  const SymmetricEigen<Mat3<double>> principal = direct_symmetric_eigen(strain);
+  const Vec3d stretches = (1 + 2 * principal.values.array()).max(least_stretch * least_stretch).sqrt();
+  const Mat3<double> stretch = principal.vectors * stretches.asDiagonal() * principal.vectors.transpose();
   const Vec3d turn(H(2, 1) - H(1, 2), H(0, 2) - H(2, 0), H(1, 0) - H(0, 1));  // twice the rotation vector
   const double angle = turn.norm() / 2;
   if (angle == 0) return stretch - I;
@@ -95,8 +93,7 @@ void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone)
   mean.material.nodal_pressure = nodal_lambda > 0 ? nodal_lambda / lambda : 0;
   mean.material.law = neo_hookean > volume / 2 ? MaterialLaw::neo_hookean : MaterialLaw::svk;
   mean.material.fibre = fibre.times(1 / volume);
-  if (fibre.any())
-    mean.direction = Eigen::SelfAdjointEigenSolver<Mat3<double>>(structure).eigenvectors().col(2);
+  if (fibre.any()) mean.direction = symmetric_eigen(structure).vectors.col(2);
 }
 
 Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {

@@ -1,10 +1,10 @@
 #include "lobe/mesh/refine.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 
 #include "lobe/error.h"
+#include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -85,7 +85,7 @@ class FibreInterpolation {
     if (fibre.isZero(0) || !fibre.allFinite()) return fibre;
     Mat3<double> A = fibre * fibre.transpose();
     for (int c = 0; c < 4; ++c) A += (weights[c] - 0.25) * means_.col(mesh_.tets(c, tet)).reshaped(3, 3);
-    const Vec3d found = Eigen::SelfAdjointEigenSolver<Mat3<double>>(A).eigenvectors().col(2);
+    const Vec3d found = symmetric_eigen(A).vectors.col(2);
     return found.dot(fibre) < 0 ? Vec3d(-found) : found;
   }
 

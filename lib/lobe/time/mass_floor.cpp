@@ -1,8 +1,9 @@
 #include "lobe/time/mass_floor.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 namespace {
@@ -12,15 +13,12 @@ namespace {
 // diagonal, with λ s sᵀ + 2μ diag(s²), and one part for each pair i < j, μ (Y_ij s_j + Y_ji s_i)² ≤ μ (s_i² +
 // s_j²).
 double largest_stiffness(const Elastic& e, const Mat34<double>& A) {
-  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
-  solver.computeDirect(A * A.transpose(), Eigen::EigenvaluesOnly);
-  const Vec3d squares = solver.eigenvalues().cwiseMax(0), s = squares.cwiseSqrt();
+  const Vec3d squares = direct_symmetric_eigenvalues(A * A.transpose()).cwiseMax(0), s = squares.cwiseSqrt();
   Mat3<double> diagonal = e.lambda * s * s.transpose();
   diagonal.diagonal() += 2 * e.mu * squares;
-  solver.computeDirect(diagonal, Eigen::EigenvaluesOnly);
   const double along_fibre = 2 * std::sqrt(3.0) * std::abs(e.fibre.coupling) + 4 * std::abs(e.fibre.shear) +
                              std::abs(e.fibre.stretch);
-  return std::max(solver.eigenvalues()[2], e.mu * (squares[1] + squares[2])) + along_fibre * squares[2];
+  return std::max(largest_eigenvalue(diagonal), e.mu * (squares[1] + squares[2])) + along_fibre * squares[2];
 }
 
 }  // namespace

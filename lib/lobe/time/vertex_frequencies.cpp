@@ -1,7 +1,8 @@
 #include "lobe/time/vertex_frequencies.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 
@@ -17,12 +18,6 @@ CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat3
     K.col(c) << B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2);
   }
   return s.volume * K;
-}
-
-double largest_eigenvalue(const Mat3<double>& symmetric) {
-  Eigen::SelfAdjointEigenSolver<Mat3<double>> solver;
-  solver.computeDirect(symmetric, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[2];
 }
 
 // With q = tr K/3 and p² = |K − qI|²/6 the eigenvalues of a symmetric 3 × 3 matrix are q + 2p cos φ at three

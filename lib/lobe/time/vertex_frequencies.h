@@ -24,8 +24,6 @@ using CornerStiffness = Eigen::Matrix<double, 6, 4>;
 CornerStiffness corner_stiffness(const Elements& elements, Index tet,
                                  const Mat34<double>& u);  // of its corners [m]
 
-double largest_eigenvalue(const Mat3<double>& symmetric);
-
 template <class Real>
 class VertexFrequencies {
  public:

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "fem/moduli.h"
 #include "lobe/fem/elements.h"
 #include "lobe/fem/transverse_isotropy.h"
 #include "near.h"
@@ -17,7 +18,6 @@ using namespace lobe::test;
 namespace {
 
 constexpr TransverseConstants c{9e4, 3e4, 0.4, 0.35, 2e4};
-constexpr double lambda = 4e4, mu = 1e4;  // of the neo-Hookean solid
 constexpr double elongations[] = {-0.4, -1e-3, -1e-6, 1e-6, 1e-3, 0.3, 0.6};
 constexpr double shears[] = {1e-6, 1e-3, 0.4, 1.5};
 

@@ -21,7 +21,7 @@ Mat3<double> gradient_of(double J) {
   F.col(0) *= J / (1 + volume_change<double>(F - Mat3<double>::Identity()));
   return F - Mat3<double>::Identity();
 }
-constexpr double states[] = {0.199, 0.15, 0.1,  0.06, 0.05,
+constexpr double ratios[] = {0.199, 0.15, 0.1,  0.06, 0.05,
                              0.04,  0.0,  -0.3, -2.0};  // barrier, then its extension
 }  // namespace
 
@@ -61,7 +61,7 @@ TEST_CASE("the force of the guard only grows towards collapse and beyond, its cu
 }
 
 TEST_CASE("the guard's stress is the slope of its energy, near the threshold, at zero volume and inverted") {
-  for (double J : states) {
+  for (double J : ratios) {
     const Mat3<double> H = gradient_of(J), P = guard_stress(H, modulus, below);
     const double h = 1e-7;
     for (int i = 0; i < 9; ++i) {
@@ -78,7 +78,7 @@ TEST_CASE("the guard's stress is the slope of its energy, near the threshold, at
 
 TEST_CASE("the guard's diagonal block is the derivative of the force on a vertex that moves alone") {
   const Vec3d alpha(0.7, -1.1, 0.4);
-  for (double J : states) {
+  for (double J : ratios) {
     const Mat3<double> H = gradient_of(J), block = guard_diagonal_block(H, alpha, modulus, below);
     const double h = 1e-8;
     for (int d = 0; d < 3; ++d) {
@@ -93,7 +93,7 @@ TEST_CASE("the guard's diagonal block is the derivative of the force on a vertex
 
 TEST_CASE("rotations do not change the guard's energy and turn its stress") {
   const Mat3<double> Q = Eigen::AngleAxisd(2.5, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
-  for (double J : states) {
+  for (double J : ratios) {
     const Mat3<double> H = gradient_of(J), F = H + Mat3<double>::Identity();
     const Mat3<double> turned = Q * F - Mat3<double>::Identity();
     CHECK(guard_energy_density(turned, modulus, below) ==
@@ -107,7 +107,7 @@ TEST_CASE("the guard's corner forces conserve momentum and angular momentum") {
   Mat34<double> X;
   X << 0, 1, 0, 0.2, 0, 0.1, 1, 0, 0, 0, 0.3, 1.5;
   const Shape s = shape(X);
-  for (double J : states) {
+  for (double J : ratios) {
     const Mat3<double> H = gradient_of(J);
     const Mat34<double> x = X + H * X, f = corner_forces<double>(s.volume * guard_stress(H, modulus, below),
                                                                  s.gradients.rightCols<3>());
@@ -122,10 +122,10 @@ TEST_CASE("lanes of a pack are guarded each for itself, as one element is") {
   using Lane = Pack<double>;
   Mat3<Lane> H;
   for (int i = 0; i < 9; ++i)
-    H(i) = Lane([&](auto lane) { return gradient_of(states[lane % std::size(states)])(i); });
+    H(i) = Lane([&](auto lane) { return gradient_of(ratios[lane % std::size(ratios)])(i); });
   const Mat3<Lane> P = guard_stress(H, Lane(modulus), Lane(below));
   for (std::size_t lane = 0; lane < Lane::size(); ++lane) {
-    const Mat3<double> alone = guard_stress(gradient_of(states[lane % std::size(states)]), modulus, below);
+    const Mat3<double> alone = guard_stress(gradient_of(ratios[lane % std::size(ratios)]), modulus, below);
     for (int i = 0; i < 9; ++i) CHECK(double(P(i)[lane]) == near(alone(i), 1e-12, alone.norm()));
   }
 }

@@ -5,15 +5,12 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "fem/moduli.h"
 #include "lobe/fem/shape.h"
 #include "near.h"
 
 using namespace lobe;
 using namespace lobe::test;
-
-namespace {
-constexpr double lambda = 4e4, mu = 1e4;
-}
 
 TEST_CASE("a true rotation by 45 degrees gives the linear model its spurious energy") {
   const Mat3<double> R = Eigen::AngleAxisd(std::numbers::pi / 4, Vec3d::UnitZ()).toRotationMatrix();

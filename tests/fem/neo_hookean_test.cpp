@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "fem/moduli.h"
 #include "lobe/fem/hooke.h"
 #include "near.h"
 #include "support.h"
@@ -12,8 +13,6 @@ using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-constexpr double lambda = 4e4, mu = 1e4;
 
 Mat3<double> stretch(double along, double across) {
   return Vec3d(along - 1, across - 1, across - 1).asDiagonal().toDenseMatrix();

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fem/moduli.h"
 #include "lobe/fem/elements.h"
 #include "lobe/fem/hooke.h"
 #include "lobe/fem/svk.h"
@@ -12,7 +13,6 @@ using namespace lobe::test;
 
 namespace {
 
-constexpr double lambda = 4e4, mu = 1e4;
 const Law<double> isotropic = linear_law(Elastic{lambda, mu});
 
 Mat34<double> rest() {

@@ -6,7 +6,7 @@ using namespace lobe;
 
 namespace {
 
-MeshFile read(const std::string& file, std::string_view bytes) {
+MeshFile read_any(const std::string& file, std::string_view bytes) {
   const std::string extension = std::filesystem::path(file).extension();
   if (extension == ".vtu") return io::read_vtu(file, bytes);
   if (extension == ".vtk") return io::finish(io::read_vtk_legacy(file, bytes), file);
@@ -20,7 +20,7 @@ bool survives(const std::string& file, const std::string& bytes) {
   try {
     // A copy on the heap of exactly this size: the sanitizer sees a byte read beyond it.
     const std::vector<char> exact(bytes.begin(), bytes.end());
-    const MeshFile result = read(file, {exact.data(), exact.size()});
+    const MeshFile result = read_any(file, {exact.data(), exact.size()});
     CHECK(result.mesh.tet_count() > 0);
     return true;
   } catch (const InputError& error) {

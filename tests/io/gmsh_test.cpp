@@ -7,9 +7,9 @@ using test::near;
 
 namespace {
 
-MeshFile read(const std::string& text) { return io::finish(io::read_gmsh("g.msh", text), "g.msh"); }
-std::string fault(const std::string& text) {
-  return fixture::fault_of([&] { read(text); });
+MeshFile read_gmsh(const std::string& text) { return io::finish(io::read_gmsh("g.msh", text), "g.msh"); }
+std::string fault_in_gmsh(const std::string& text) {
+  return fixture::fault_of([&] { read_gmsh(text); });
 }
 
 const std::string format22 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
@@ -29,9 +29,9 @@ const std::string tets41 = "$Elements\n2 2 1 2\n3 4 4 1\n1 50 1 2 3\n3 5 4 1\n2 
 }  // namespace
 
 TEST_CASE("Gmsh 2.2: node numbers with gaps, comments and other sections") {
-  const MeshFile file = read(format22 + "$Comments\nmade $Nodes\n by hand\n$EndComments\n" +
-                             "$PhysicalNames\n1\n3 5 \"liver\"\n$EndPhysicalNames\n" + nodes22 + tet22 +
-                             "$NodeData\n1\n\"T\"\n$EndNodeData\n");
+  const MeshFile file = read_gmsh(format22 + "$Comments\nmade $Nodes\n by hand\n$EndComments\n" +
+                                  "$PhysicalNames\n1\n3 5 \"liver\"\n$EndPhysicalNames\n" + nodes22 + tet22 +
+                                  "$NodeData\n1\n\"T\"\n$EndNodeData\n");
   CHECK(file.mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
   CHECK(file.mesh.points.col(1) == Vec3d(1, 0, 0));
   CHECK(file.mesh.labels == std::vector<int>{5});
@@ -39,14 +39,14 @@ TEST_CASE("Gmsh 2.2: node numbers with gaps, comments and other sections") {
 
 TEST_CASE("Gmsh 2.2: elements may come before the nodes' order and without tags") {
   const MeshFile file =
-      read(format22 + nodes22 + "$Elements\n2\n1 15 0 10\n2 4 0 7 10 3000000000 2\n$EndElements");
+      read_gmsh(format22 + nodes22 + "$Elements\n2\n1 15 0 10\n2 4 0 7 10 3000000000 2\n$EndElements");
   CHECK(file.ignored_cells == 1);
   CHECK(file.mesh.labels == std::vector<int>{0});
   CHECK(file.prepared.reoriented == 1);
 }
 
 TEST_CASE("Gmsh 4.1: the label is the first physical group of the volume, parametric nodes are read") {
-  const MeshFile file = read(format41 + entities41 + nodes41 + tets41);
+  const MeshFile file = read_gmsh(format41 + entities41 + nodes41 + tets41);
   CHECK(file.mesh.labels == std::vector<int>{6, 0});
   CHECK(file.mesh.points.col(4) == Vec3d(1, 1, 1));
   CHECK(file.mesh.tets.col(0) == Eigen::Vector4i(0, 1, 2, 3));
@@ -69,13 +69,13 @@ TEST_CASE("Gmsh: binary files of the other byte order are read") {
   text += "\n$EndNodes\n$Elements\n1\n";
   for (const int n : {4, 1, 2, 1, 33, 0, 1, 2, 3, 4}) put(n);
   text += "\n$EndElements\n";
-  CHECK(read(text).mesh.labels == std::vector<int>{33});
-  CHECK(read(text).mesh.points.col(3) == Vec3d(0, 0, 1));
+  CHECK(read_gmsh(text).mesh.labels == std::vector<int>{33});
+  CHECK(read_gmsh(text).mesh.points.col(3) == Vec3d(0, 0, 1));
 }
 
 TEST_CASE("Gmsh 1: node numbers with gaps, regions as labels, elements of other types") {
-  const MeshFile file = read(nodes1 + "$ELM\n4\n1 15 9 1 1 10\n2 2 9 1 3 10 7 4\n3 4 5 1 4 10 7 4 2\n" +
-                             "9 4 6 2 4 7 4 2 8\n$ENDELM\n");
+  const MeshFile file = read_gmsh(nodes1 + "$ELM\n4\n1 15 9 1 1 10\n2 2 9 1 3 10 7 4\n3 4 5 1 4 10 7 4 2\n" +
+                                  "9 4 6 2 4 7 4 2 8\n$ENDELM\n");
   CHECK(file.mesh.points.cols() == 5);
   CHECK(file.mesh.points.col(1) == Vec3d(1, 0, 0));
   CHECK(file.mesh.points.col(4) == Vec3d(1, 1, 1.5));
@@ -89,65 +89,68 @@ TEST_CASE("Gmsh 1: node numbers with gaps, regions as labels, elements of other 
 TEST_CASE("Gmsh 1: the sections may be in lines of Windows and end in any case") {
   std::string text = nodes1 + "$ELM\n1\n1 4 0 0 4 10 7 4 2\n$EndElm\n";
   for (std::size_t at = 0; (at = text.find('\n', at)) != text.npos; at += 2) text.replace(at, 1, "\r\n");
-  CHECK(read(text).mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
+  CHECK(read_gmsh(text).mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
 }
 
 TEST_CASE("Gmsh 1: bad files are refused at their line") {
   const std::string tet = "$ELM\n1\n3 4 5 1 4 10 7 4 2\n$ENDELM\n";
-  REQUIRE(read(nodes1 + tet).mesh.tet_count() == 1);
-  CHECK_CONTAINS(fault(tet), "element 3 uses node 10, which $NOD does not have");
-  CHECK_CONTAINS(fault(nodes1), "has no tetrahedron");
-  CHECK_CONTAINS(fault("$ELM\n0\n$ENDELM\n"), "has no $NOD section");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 3 10 7 4\n$ENDELM"),
+  REQUIRE(read_gmsh(nodes1 + tet).mesh.tet_count() == 1);
+  CHECK_CONTAINS(fault_in_gmsh(tet), "element 3 uses node 10, which $NOD does not have");
+  CHECK_CONTAINS(fault_in_gmsh(nodes1), "has no tetrahedron");
+  CHECK_CONTAINS(fault_in_gmsh("$ELM\n0\n$ENDELM\n"), "has no $NOD section");
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n1\n3 4 5 1 3 10 7 4\n$ENDELM"),
                  "g.msh:11: element 3 has 3 nodes, expected 4 of type 4");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7 4 11\n$ENDELM"),
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7 4 11\n$ENDELM"),
                  "g.msh:11: element 3 uses node 11, which $NOD does not have");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 99 5 1 4 10 7 4 2\n$ENDELM"), "unknown element type 99");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n2\n3 4 5 1 4 10 7 4 2\n$ENDELM"),
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n1\n3 99 5 1 4 10 7 4 2\n$ENDELM"), "unknown element type 99");
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n2\n3 4 5 1 4 10 7 4 2\n$ENDELM"),
                  "g.msh:12: '$ENDELM', expected an element");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7 4 2\n4 4 5 1 4 10 7 4 2\n$ENDELM"),
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7 4 2\n4 4 5 1 4 10 7 4 2\n$ENDELM"),
                  "g.msh:12: '4', expected $ENDELM");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n400\n3 4 5 1 4 10 7 4 2\n$ENDELM"),
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n400\n3 4 5 1 4 10 7 4 2\n$ENDELM"),
                  "g.msh:10: 400 elements are announced");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7"),
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n1\n3 4 5 1 4 10 7"),
                  "g.msh:11: the file ends where a node of an element is expected");
-  CHECK_CONTAINS(fault(nodes1 + "$ELM\n1\n3 4 9999999999 1 4 10 7 4 2\n$ENDELM"),
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + "$ELM\n1\n3 4 9999999999 1 4 10 7 4 2\n$ENDELM"),
                  "physical group 9999999999");
-  CHECK_CONTAINS(fault("$NOD\n2\n1 0 0 0\n1 1 0 0\n$ENDNOD"), "g.msh:4: node 1 is given twice");
-  CHECK_CONTAINS(fault("$NOD\n1\n1 0 0 zero\n$ENDNOD"), "g.msh:3: 'zero'");
-  CHECK_CONTAINS(fault(nodes1 + format22), "$MeshFormat after a section of Gmsh 1");
+  CHECK_CONTAINS(fault_in_gmsh("$NOD\n2\n1 0 0 0\n1 1 0 0\n$ENDNOD"), "g.msh:4: node 1 is given twice");
+  CHECK_CONTAINS(fault_in_gmsh("$NOD\n1\n1 0 0 zero\n$ENDNOD"), "g.msh:3: 'zero'");
+  CHECK_CONTAINS(fault_in_gmsh(nodes1 + format22), "$MeshFormat after a section of Gmsh 1");
 }
 
 TEST_CASE("Gmsh: bad files are refused at their line") {
-  CHECK_CONTAINS(fault("solid"), "g.msh:1: expected a section, such as $Nodes");
-  CHECK_CONTAINS(fault("$Nodes\n"), "expected $MeshFormat before any other section");
-  CHECK_CONTAINS(fault("$MeshFormat\n4.0 0 8\n$EndMeshFormat"),
+  CHECK_CONTAINS(fault_in_gmsh("solid"), "g.msh:1: expected a section, such as $Nodes");
+  CHECK_CONTAINS(fault_in_gmsh("$Nodes\n"), "expected $MeshFormat before any other section");
+  CHECK_CONTAINS(fault_in_gmsh("$MeshFormat\n4.0 0 8\n$EndMeshFormat"),
                  "Gmsh format 4.0, expected 1, 2.2 or 4.1; convert it");
-  CHECK_CONTAINS(fault(format22), "has no $Nodes section");
-  CHECK_CONTAINS(fault(format22 + nodes22), "has no tetrahedron");
-  CHECK_CONTAINS(fault(format22 + "$Nodes\n3\n1 0 0 0\n1 1 0 0\n2 0 1 0\n"),
+  CHECK_CONTAINS(fault_in_gmsh(format22), "has no $Nodes section");
+  CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22), "has no tetrahedron");
+  CHECK_CONTAINS(fault_in_gmsh(format22 + "$Nodes\n3\n1 0 0 0\n1 1 0 0\n2 0 1 0\n"),
                  "g.msh:7: node 1 is given twice");
-  CHECK_CONTAINS(fault(format22 + "$Nodes\n400000\n1 0 0 0\n"), "g.msh:5: 400000 nodes are announced");
-  CHECK_CONTAINS(fault(format22 + "$Nodes\n1\n1 0 0 0\n2 0 0 0\n$EndNodes"), "'2', expected $EndNodes");
-  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n7 4 2 5 9 10 7 11 2\n"),
+  CHECK_CONTAINS(fault_in_gmsh(format22 + "$Nodes\n400000\n1 0 0 0\n"),
+                 "g.msh:5: 400000 nodes are announced");
+  CHECK_CONTAINS(fault_in_gmsh(format22 + "$Nodes\n1\n1 0 0 0\n2 0 0 0\n$EndNodes"),
+                 "'2', expected $EndNodes");
+  CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n7 4 2 5 9 10 7 11 2\n"),
                  "element 7 uses node 11, which $Nodes does not have");
-  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 4 1 9999999999 10 7 2 2\n"),
+  CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n1 4 1 9999999999 10 7 2 2\n"),
                  "physical group 9999999999");
-  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 777 0 10 7 2 2\n"), "unknown element type 777");
-  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 2 0 10 7 2\n$EndElements"),
+  CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n1 777 0 10 7 2 2\n"),
+                 "unknown element type 777");
+  CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n1 2 0 10 7 2\n$EndElements"),
                  "has no 4-node tetrahedron, only 1 other cells");
-  CHECK_CONTAINS(fault(format22 + nodes22 + "$Elements\n1\n1 4 0 10 7 7 2\n$EndElements"),
+  CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n1 4 0 10 7 7 2\n$EndElements"),
                  "uses a vertex twice");
-  CHECK_CONTAINS(fault(format22 + fixture::edited(nodes22, "7 1 0 0", "7 inf 0 0") + tet22),
+  CHECK_CONTAINS(fault_in_gmsh(format22 + fixture::edited(nodes22, "7 1 0 0", "7 inf 0 0") + tet22),
                  "vertex 1: its position is (inf, 0, 0)");
-  CHECK_CONTAINS(fault(format22 + fixture::edited(nodes22, "2 0 0 1", "2 1 1 0") + tet22), "is flat");
-  CHECK_CONTAINS(fault(format22 + "$Periodic\n1\n"), "expected $EndPeriodic");
-  CHECK_CONTAINS(fault(format41 + "$PartitionedEntities\n1\n"), "save it in one piece");
-  CHECK_CONTAINS(fault(format41 + nodes41 + fixture::edited(tets41, "4 1\n1 50", "4 -1\n1 50")),
+  CHECK_CONTAINS(fault_in_gmsh(format22 + fixture::edited(nodes22, "2 0 0 1", "2 1 1 0") + tet22), "is flat");
+  CHECK_CONTAINS(fault_in_gmsh(format22 + "$Periodic\n1\n"), "expected $EndPeriodic");
+  CHECK_CONTAINS(fault_in_gmsh(format41 + "$PartitionedEntities\n1\n"), "save it in one piece");
+  CHECK_CONTAINS(fault_in_gmsh(format41 + nodes41 + fixture::edited(tets41, "4 1\n1 50", "4 -1\n1 50")),
                  "a negative number of elements");
 }
 
 TEST_CASE("Gmsh: binary faults name the byte") {
   const std::string bytes = fixture::bytes("gmsh41_binary.msh");
-  CHECK_CONTAINS(fault(bytes.substr(0, bytes.size() / 2)), "g.msh: byte ");
+  CHECK_CONTAINS(fault_in_gmsh(bytes.substr(0, bytes.size() / 2)), "g.msh: byte ");
 }

@@ -9,17 +9,17 @@ namespace {
 const std::string nodes =
     "# comment\n4 3 1 1\n1 0 0 0 0.5 0\n2 1 0 0 0.5 0\n3 0 1 0 0.5 1\n4 0 0 1 0.5 1 # last\n";
 
-MeshFile read(const std::string& node, const std::string& ele) {
+MeshFile read_tetgen(const std::string& node, const std::string& ele) {
   return io::finish(io::read_tetgen("t.node", node, "t.ele", ele), "t.ele");
 }
-std::string fault(const std::string& node, const std::string& ele) {
-  return fixture::fault_of([&] { read(node, ele); });
+std::string fault_in_tetgen(const std::string& node, const std::string& ele) {
+  return fixture::fault_of([&] { read_tetgen(node, ele); });
 }
 
 }  // namespace
 
 TEST_CASE("TetGen: numbers from 1, attributes, markers and comments") {
-  const MeshFile file = read(nodes, "1 4 1\n# x\n1 1 2 3 4 3.0\n");
+  const MeshFile file = read_tetgen(nodes, "1 4 1\n# x\n1 1 2 3 4 3.0\n");
   CHECK(file.mesh.points.col(3) == Vec3d(0, 0, 1));
   CHECK(file.mesh.labels == std::vector<int>{3});
 }
@@ -30,18 +30,21 @@ TEST_CASE("TetGen: either name of the pair finds the other") {
 }
 
 TEST_CASE("TetGen: tetrahedra without a region have label 0") {
-  CHECK(read(nodes, "1 4 0\n1 1 2 3 4").mesh.labels == std::vector<int>{0});
+  CHECK(read_tetgen(nodes, "1 4 0\n1 1 2 3 4").mesh.labels == std::vector<int>{0});
 }
 
 TEST_CASE("TetGen: bad files are refused at their line") {
-  CHECK_CONTAINS(fault(nodes, "1 4 0\n1 0 2 3 4"), "t.ele:2: a vertex of a tetrahedron is 0, expected 1 … 4");
-  CHECK_CONTAINS(fault(nodes, "1 4 0\n1 1 2 3 5"), "is 5, expected 1 … 4");
-  CHECK_CONTAINS(fault(nodes, "1 10 0\n1 1 2 3 4 5 6 7 8 9 10"), "run TetGen without -o2");
-  CHECK_CONTAINS(fault(nodes, "1 4 1\n1 1 2 3 4 1.5"), "the region of a tetrahedron must be a whole number");
-  CHECK_CONTAINS(fault(nodes, "100 4 0\n1 1 2 3 4"), "100 tetrahedra are announced");
-  CHECK_CONTAINS(fault(nodes, "0 4 0\n"), "has no tetrahedron");
-  CHECK_CONTAINS(fault("0 2 0 0\n", "1 4 0\n"), "t.node:1: the dimension is 2");
-  CHECK_CONTAINS(fault(fixture::edited(nodes, "3 0 1 0", "7 0 1 0"), ""),
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "1 4 0\n1 0 2 3 4"),
+                 "t.ele:2: a vertex of a tetrahedron is 0, expected 1 … 4");
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "1 4 0\n1 1 2 3 5"), "is 5, expected 1 … 4");
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "1 10 0\n1 1 2 3 4 5 6 7 8 9 10"), "run TetGen without -o2");
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "1 4 1\n1 1 2 3 4 1.5"),
+                 "the region of a tetrahedron must be a whole number");
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "100 4 0\n1 1 2 3 4"), "100 tetrahedra are announced");
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "0 4 0\n"), "has no tetrahedron");
+  CHECK_CONTAINS(fault_in_tetgen("0 2 0 0\n", "1 4 0\n"), "t.node:1: the dimension is 2");
+  CHECK_CONTAINS(fault_in_tetgen(fixture::edited(nodes, "3 0 1 0", "7 0 1 0"), ""),
                  "t.node:5: vertex number 7, expected 3");
-  CHECK_CONTAINS(fault(fixture::edited(nodes, "3 0 1 0", "3 0 nan 0"), "1 4 0\n1 1 2 3 4"), "vertex 2");
+  CHECK_CONTAINS(fault_in_tetgen(fixture::edited(nodes, "3 0 1 0", "3 0 nan 0"), "1 4 0\n1 1 2 3 4"),
+                 "vertex 2");
 }

@@ -5,20 +5,22 @@ using namespace lobe;
 
 namespace {
 
-MeshFile read(const std::string& text) { return io::finish(io::read_vtk_legacy("v.vtk", text), "v.vtk"); }
-std::string fault(const std::string& text) {
-  return fixture::fault_of([&] { read(text); });
+MeshFile read_legacy(const std::string& text) {
+  return io::finish(io::read_vtk_legacy("v.vtk", text), "v.vtk");
+}
+std::string fault_in_legacy(const std::string& text) {
+  return fixture::fault_of([&] { read_legacy(text); });
 }
 
-const std::string head = "# vtk DataFile Version 4.2\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+const std::string legacy_head = "# vtk DataFile Version 4.2\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\n";
 const std::string points = "POINTS 5 float\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\n";
 const std::string cells = "CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10 10\n";
 
 }  // namespace
 
 TEST_CASE("legacy VTK: every kind of attribute is walked over on the way to the labels") {
-  const MeshFile file = read(
-      head + "FIELD FieldData 2\nTIME 1 1 double\n0.5\nnote 1 1 string\nby%20hand\n" + points +
+  const MeshFile file = read_legacy(
+      legacy_head + "FIELD FieldData 2\nTIME 1 1 double\n0.5\nnote 1 1 string\nby%20hand\n" + points +
       "METADATA\nINFORMATION 0\n\n" + cells +
       "POINT_DATA 5\nNORMALS n float\n1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n"
       "SCALARS s double 2\nLOOKUP_TABLE mine\n1 2 3 4 5 6 7 8 9 10\nLOOKUP_TABLE mine 1\n0 0 0 1\n"
@@ -29,46 +31,52 @@ TEST_CASE("legacy VTK: every kind of attribute is walked over on the way to the 
 }
 
 TEST_CASE("legacy VTK: without labels they are 0") {
-  CHECK(read(head + points + cells).mesh.labels == std::vector<int>{0, 0});
+  CHECK(read_legacy(legacy_head + points + cells).mesh.labels == std::vector<int>{0, 0});
 }
 
 TEST_CASE("legacy VTK: bad files are refused at their line") {
-  CHECK_CONTAINS(fault("solid x\n"), "v.vtk:1: expected '# vtk DataFile Version …'");
-  CHECK_CONTAINS(fault("# vtk DataFile Version 7.0\n"), "unknown version, expected 2.0 … 5.1");
-  CHECK_CONTAINS(fault("# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\n"),
+  CHECK_CONTAINS(fault_in_legacy("solid x\n"), "v.vtk:1: expected '# vtk DataFile Version …'");
+  CHECK_CONTAINS(fault_in_legacy("# vtk DataFile Version 7.0\n"), "unknown version, expected 2.0 … 5.1");
+  CHECK_CONTAINS(fault_in_legacy("# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\n"),
                  "v.vtk:4: expected DATASET UNSTRUCTURED_GRID");
-  CHECK_CONTAINS(fault(head), "has no CELLS");
-  CHECK_CONTAINS(fault(head + points + "NONSENSE 3\n"), "v.vtk:7: unknown keyword, expected POINTS");
-  CHECK_CONTAINS(fault(head + "POINTS 6000000000000000000 float\n0"),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head), "has no CELLS");
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + "NONSENSE 3\n"),
+                 "v.vtk:7: unknown keyword, expected POINTS");
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + "POINTS 6000000000000000000 float\n0"),
                  "6000000000000000000 points are announced");
-  CHECK_CONTAINS(fault(head + "POINTS 1 quad\n0 0 0"), "type 'quad' of points, expected float");
-  CHECK_CONTAINS(fault(head + "POINTS 1 float\n0 0 x"), "v.vtk:6: 'x', expected a value of points");
-  CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "4 1 2 3 4", "4 1 2 3 5")),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + "POINTS 1 quad\n0 0 0"),
+                 "type 'quad' of points, expected float");
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + "POINTS 1 float\n0 0 x"),
+                 "v.vtk:6: 'x', expected a value of points");
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + fixture::edited(cells, "4 1 2 3 4", "4 1 2 3 5")),
                  "v.vtk: cell 1: names vertex 5, expected 0 … 4");
-  CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "4 1 2 3 4", "4 1 2 3 -1")), "names vertex -1");
-  CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "4 1 2 3 4", "5 1 2 3 4")),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + fixture::edited(cells, "4 1 2 3 4", "4 1 2 3 -1")),
+                 "names vertex -1");
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + fixture::edited(cells, "4 1 2 3 4", "5 1 2 3 4")),
                  "the vertices of cell 1 go beyond the 10 numbers");
-  CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "4 0 1 2 3", "3 0 1 2 4")),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + fixture::edited(cells, "4 0 1 2 3", "3 0 1 2 4")),
                  "cell 0: is a tetrahedron of 3 vertices, expected 4");
-  CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "TYPES 2\n10 10", "TYPES 1\n10")),
-                 "1 cell types for 2 cells");
-  CHECK_CONTAINS(fault(head + points + fixture::edited(cells, "10 10\n", "12 13\n")),
+  CHECK_CONTAINS(
+      fault_in_legacy(legacy_head + points + fixture::edited(cells, "TYPES 2\n10 10", "TYPES 1\n10")),
+      "1 cell types for 2 cells");
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + fixture::edited(cells, "10 10\n", "12 13\n")),
                  "has no 4-node tetrahedron, only 2 other cells");
-  CHECK_CONTAINS(fault(head + fixture::edited(points, "1 1 1\n", "1 nan 1\n") + cells),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + fixture::edited(points, "1 1 1\n", "1 nan 1\n") + cells),
                  "vertex 4: its position is (1, nan, 1)");
-  CHECK_CONTAINS(fault(head + fixture::edited(points, "1 1 1\n", "1 0 0\n") + cells),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + fixture::edited(points, "1 1 1\n", "1 0 0\n") + cells),
                  "tetrahedron 1: is flat");
-  CHECK_CONTAINS(fault(head + points + cells + "CELL_DATA 3\n"),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + cells + "CELL_DATA 3\n"),
                  "data of another number of cells, expected 2");
-  CHECK_CONTAINS(fault(head + points + cells + "CELL_DATA 2\nSCALARS label int\nLOOKUP_TABLE default\n1.5 2"),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + cells +
+                                 "CELL_DATA 2\nSCALARS label int\nLOOKUP_TABLE default\n1.5 2"),
                  "v.vtk: label: cell 0: its label is 1.5");
-  CHECK_CONTAINS(fault(head + points + cells +
-                       "CELL_DATA 2\nFIELD f 1\nx 9000000000000000000 9000000000000000000 int\n"),
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + cells +
+                                 "CELL_DATA 2\nFIELD f 1\nx 9000000000000000000 9000000000000000000 int\n"),
                  "are announced");
 }
 
 TEST_CASE("legacy VTK: an inside-out tetrahedron is turned round, an unused point kept") {
-  const MeshFile file = read(head + points + "CELLS 1 5\n4 0 2 1 3\nCELL_TYPES 1\n10\n");
+  const MeshFile file = read_legacy(legacy_head + points + "CELLS 1 5\n4 0 2 1 3\nCELL_TYPES 1\n10\n");
   CHECK(file.prepared.reoriented == 1);
   CHECK(file.prepared.unreferenced == 1);
   CHECK(file.mesh.vertex_count() == 5);
@@ -79,5 +87,5 @@ TEST_CASE("legacy VTK: binary strings and bits are walked over") {
   const std::string extra = std::string("FIELD FieldData 2\nnote 1 2 string\n") + '\xc2' + "ab" + '\x80' +
                             '\x01' + "c\nbits 1 9 bit\n" + "ab" + "\n";
   const std::size_t at = bytes.find("POINTS");
-  CHECK(read(bytes.substr(0, at) + extra + bytes.substr(at)).mesh.tet_count() == 12);
+  CHECK(read_legacy(bytes.substr(0, at) + extra + bytes.substr(at)).mesh.tet_count() == 12);
 }

@@ -50,17 +50,18 @@ Law<double> along(const TransverseConstants& constants, const Vec3d& a, bool lin
   return law;
 }
 
-const Mat3<double> some_gradient =
+const Mat3<double> asymmetric_gradient =
     (Mat3<double>() << 0.15, -0.2, 0.1, 0.25, 0.2, -0.15, -0.1, 0.2, 0.1).finished();
 
 }  // namespace
 
 TEST_CASE("stress and energy of a fibre along x are those of the stiffness in Voigt's notation") {
   const Law<double> law = along(muscle, Vec3d::UnitX());
-  const Mat3<double> strain = (some_gradient + some_gradient.transpose()) / 2;
+  const Mat3<double> strain = (asymmetric_gradient + asymmetric_gradient.transpose()) / 2;
   const auto expected = (voigt_stiffness(muscle) * voigt_strain(strain)).eval();
-  CHECK((voigt_stress(linear_stress(law, some_gradient)) - expected).norm() < 1e-13 * expected.norm());
-  CHECK(linear_energy_density(law, some_gradient) == near(expected.dot(voigt_strain(strain)) / 2, 1e-13));
+  CHECK((voigt_stress(linear_stress(law, asymmetric_gradient)) - expected).norm() < 1e-13 * expected.norm());
+  CHECK(linear_energy_density(law, asymmetric_gradient) ==
+        near(expected.dot(voigt_strain(strain)) / 2, 1e-13));
 }
 
 TEST_CASE("simple shear in the three planes has the stress of the stiffness in Voigt's notation") {
@@ -81,9 +82,9 @@ TEST_CASE("simple shear in the three planes has the stress of the stiffness in V
 
 TEST_CASE("any other direction is that tensor, rotated") {
   const Mat3<double> Q = Eigen::AngleAxisd(1.1, Vec3d(1, -2, 0.5).normalized()).toRotationMatrix();
-  const Mat3<double> stress = linear_stress(along(muscle, Vec3d::UnitX()), some_gradient);
+  const Mat3<double> stress = linear_stress(along(muscle, Vec3d::UnitX()), asymmetric_gradient);
   const Mat3<double> turned =
-      linear_stress<double>(along(muscle, Q.col(0)), Q * some_gradient * Q.transpose());
+      linear_stress<double>(along(muscle, Q.col(0)), Q * asymmetric_gradient * Q.transpose());
   CHECK((turned - Q * stress * Q.transpose()).norm() < 1e-13 * stress.norm());
 }
 
@@ -100,7 +101,7 @@ TEST_CASE("the non-linear law has the same small strains") {
   const Law<double> linear = along(muscle, Vec3d(1, 2, -0.5).normalized()),
                     law = along(muscle, linear.direction, false);
   const auto difference = [&](double size) {
-    const Mat3<double> H = size * some_gradient;
+    const Mat3<double> H = size * asymmetric_gradient;
     return (law_stress(law, H) - linear_stress(linear, H)).norm() / linear_stress(linear, H).norm();
   };
   CHECK(difference(1e-4) / difference(5e-5) == near(2, 1e-2));  // of first order in the strain

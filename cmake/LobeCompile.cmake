@@ -45,9 +45,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(lobe_compile INTERFACE "SHELL:--param ggc-min-heapsize=${heap}")
 endif()
 
-# Headers that most units of a target include, precompiled: they take a second of each. None of the project's
-# own, so that a change to one of them compiles what includes it and nothing else. ccache cannot look into
-# precompiled headers.
+# Headers that most units of a target include, precompiled: they take a second of each. None of the
+# library's own, so that a change to one of them compiles what includes it and nothing else. ccache cannot
+# look into precompiled headers.
 if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
@@ -65,6 +65,12 @@ function(lobe_precompile target)  # further headers…
   target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <future>
     <limits> <map> <memory> <numeric> <optional> <span> <sstream> <string> <vector> <Eigen/Geometry> <Eigen/LU>
     <Eigen/SparseCore> ${ARGN})
+endfunction()
+# For code that only calls the library, as tests do: the precompiled header of the tests, where there are any.
+function(lobe_precompile_as_tests target)
+  if(TARGET lobe_precompiled)
+    target_precompile_headers(${target} REUSE_FROM lobe_precompiled)
+  endif()
 endfunction()
 # Code that runs once per command or per frame, not per step: -O1 takes a third less to compile.
 function(lobe_optimise_lightly target)

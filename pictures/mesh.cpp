@@ -17,7 +17,7 @@
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -158,15 +158,20 @@ Eigen::Matrix<double, 3, 2> sides_of(vtkPolyData* surface, vtkIdType cell) {
   return corners.rightCols<2>().colwise() - corners.col(0);
 }
 
-// The part of each face's fibre that lies in it, as a sum of two sides of the face.
+// The part of each face's fibre that lies in it, as a sum of two sides of the face; 0 without an area.
 std::vector<Eigen::Vector2d> fibres_in_faces(vtkPolyData* surface, const std::filesystem::path& file) {
   vtkDataArray* fibre = surface->GetCellData()->GetArray("fibre");
   if (!fibre || fibre->GetNumberOfComponents() != 3)
     throw std::runtime_error(file.string() + ": has no cell array \"fibre\" of 3 components");
   std::vector<Eigen::Vector2d> parts;
-  for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
-    parts.push_back(
-        sides_of(surface, i).colPivHouseholderQr().solve(Eigen::Map<const Vec3>(fibre->GetTuple3(i))));
+  for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) {
+    const Eigen::Matrix<double, 3, 2> sides = sides_of(surface, i);
+    const Eigen::Matrix2d products = sides.transpose() * sides;
+    Eigen::Vector2d part = Eigen::Vector2d::Zero();
+    if (products.determinant() > 0)
+      part = products.inverse() * (sides.transpose() * Eigen::Map<const Vec3>(fibre->GetTuple3(i)));
+    parts.push_back(part);
+  }
   return parts;
 }
 

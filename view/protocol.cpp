@@ -1,6 +1,6 @@
 #include "protocol.h"
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -132,7 +132,8 @@ void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest, const Ma
     const Vec3d first = rest.col(corner[0]).cast<double>(), fibre = fibres.col(surface.owner[t].tet);
     Eigen::Matrix<double, 3, 2> sides;
     for (int k : {0, 1}) sides.col(k) = rest.col(corner[k + 1]).cast<double>() - first;
-    const Eigen::Vector2f parts = sides.colPivHouseholderQr().solve(fibre).cast<float>();
+    const Eigen::Matrix2d products = sides.transpose() * sides;
+    const Eigen::Vector2f parts = (products.inverse() * (sides.transpose() * fibre)).cast<float>();
     out.put(std::span<const float>(parts.data(), 2));
   }
   out.end();

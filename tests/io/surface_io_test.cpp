@@ -6,20 +6,20 @@ using namespace lobe;
 
 namespace {
 
-struct Surface {
+struct Triangulation {
   Mat3X<double> points;
   Triangles triangles;
 };
 
-Surface tetrahedron() {
-  Surface surface{Mat3X<double>(3, 4), Triangles(3, 4)};
+Triangulation tetrahedron() {
+  Triangulation surface{Mat3X<double>(3, 4), Triangles(3, 4)};
   surface.points << 0, 0.1, 0, 0, /**/ 0, 0, 1, 0, /**/ 0, 0, 0, 1;
   surface.triangles << 0, 0, 0, 1, /**/ 2, 1, 3, 2, /**/ 1, 3, 2, 3;
   return surface;
 }
 
 std::string written(const fixture::Folder& folder, const char* name) {
-  const Surface surface = tetrahedron();
+  const Triangulation surface = tetrahedron();
   write_surface(folder.path / name, surface.points, surface.triangles);
   return io::read_file(folder.path / name);
 }
@@ -49,7 +49,7 @@ TEST_CASE("surfaces as PLY and STL have the size their header announces") {
 
 TEST_CASE("data of triangles become properties of the faces of a PLY") {
   const fixture::Folder folder;
-  const Surface surface = tetrahedron();
+  const Triangulation surface = tetrahedron();
   const std::vector<DataArray> data{{"open edges", Eigen::RowVector4d(0, 1, 0, 2), DataArray::Type::int32},
                                     {"area", Eigen::RowVector4d(0.5, 1, 2, 4)}};
   write_surface(folder.path / "a.ply", surface.points, surface.triangles, data);
@@ -74,7 +74,7 @@ TEST_CASE("data of triangles become properties of the faces of a PLY") {
 
 TEST_CASE("a surface as VTP reads back bit for bit") {
   const fixture::Folder folder;
-  const Surface surface = tetrahedron();
+  const Triangulation surface = tetrahedron();
   const DataArray faults{"faults", Eigen::RowVector4d(0, 1, 0, 2), DataArray::Type::int32};
   write_surface(folder.path / "a.vtp", surface.points, surface.triangles, {faults});
   const Polygons read = read_vtp(folder.path / "a.vtp");
@@ -93,7 +93,7 @@ TEST_CASE("a surface as VTP reads back bit for bit") {
 
 TEST_CASE("surfaces of unknown extension, with bad vertices or without a folder are refused") {
   const fixture::Folder folder;
-  Surface surface = tetrahedron();
+  Triangulation surface = tetrahedron();
   const auto fault = [&](const std::filesystem::path& file) {
     return fixture::fault_of([&] { write_surface(file, surface.points, surface.triangles); });
   };

@@ -5,11 +5,12 @@
 set -euo pipefail
 packages=$1 project=$2 chroot=$3
 
+[ ! -d "$chroot/packages" ] || rm -rf "$chroot"  # of an earlier run: it has a compiler
 [ -x "$chroot/usr/bin/apt-get" ] || debootstrap --variant=minbase bookworm "$chroot" http://deb.debian.org/debian
 mkdir -p "$chroot/packages" "$chroot/project"
 cp "$packages"/*.deb "$chroot/packages"
 cp -r "$project"/. "$chroot/project"
-inside() { chroot "$chroot" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root "$@"; }
+inside() { chroot "$chroot" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root "$@"; }
 install() { inside sh -c "apt-get install -y -qq --no-install-recommends $* >/dev/null"; }
 
 inside apt-get update -qq

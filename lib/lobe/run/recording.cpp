@@ -17,6 +17,11 @@ namespace {
 
 constexpr io::Format format{"loberec ", 8, "recording of a world"};
 
+// Whether a command only says what tools do in the next frame. Such a command does not change the state.
+bool is_about_tools(const Command& command) {
+  return std::visit([]<class Any>(const Any&) { return std::is_constructible_v<ToolCommand, Any>; }, command);
+}
+
 void mix(std::uint64_t word, std::uint64_t& digest) {
   digest = (digest ^ word) * 0x9e3779b97f4a7c15u;
   digest ^= digest >> 32;

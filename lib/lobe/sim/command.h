@@ -142,11 +142,6 @@ using Command =
            std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginCondensing, EndCondensing,
                         Superseded>>::Type;
 
-// Whether a command only says what tools do in the next frame. Such a command does not change the state.
-inline bool is_about_tools(const Command& command) {
-  return std::visit([]<class Any>(const Any&) { return std::is_constructible_v<ToolCommand, Any>; }, command);
-}
-
 // Remembers whether something pressed on the interior of a pre-computed region. The region is expanded for
 // it, and condensed again later.
 struct TouchExpansion {

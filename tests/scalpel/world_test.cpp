@@ -1,6 +1,8 @@
 // Blades in a world.
 #include <doctest/doctest.h>
 
+#include <map>
+
 #include "fibre_support.h"
 #include "folder.h"
 #include "lobe/diagnostics/grain_frame.h"
@@ -90,6 +92,43 @@ void check_that_it_equals_one_built_afresh(const Setup& setup) {
   CHECK(compare_with_rebuilt(world).largest() < 1e-12);
 }
 
+// Several steps whose tetrahedra are divided once, against the same steps one by one. Numbers of vertices and
+// tetrahedra differ.
+void check_that_steps_in_turn_equal_single_ones(Setup setup) {
+  setup.cut_step = 0;
+  const std::vector<Incision> incisions = incisions_of(setup.mesh, 3);
+  World<double> one_by_one = moving_world<double>(setup), together = moving_world<double>(setup);
+  cut(one_by_one, incisions);
+  together.apply(InciseInTurn{incisions});
+  validate(together);
+  CHECK(compare_with_rebuilt(together).largest() < 1e-12);
+  const Grains &a = *one_by_one.grains(), &b = *together.grains();
+  REQUIRE(a.count() == b.count());
+  REQUIRE(a.point_count() == b.point_count());
+  for (Index g = 0; g < a.count(); ++g) {
+    CHECK(a[g].points == b[g].points);
+    CHECK(a[g].share == b[g].share);
+    CHECK(a[g].open == b[g].open);
+  }
+  const Topology &first = one_by_one.elements().topology, &second = together.elements().topology;
+  CHECK(first.tet_count() == second.tet_count());
+  CHECK(first.vertex_count() == second.vertex_count());
+  CHECK(first.alive_count() == second.alive_count());
+  std::map<Index, Index> match;  // grains of one tetrahedron are those of one there
+  for (Index g = 0; g < a.count(); ++g)
+    CHECK(match.emplace(a[g].element, b[g].element).first->second == b[g].element);
+  const Whole expected = whole_of(one_by_one), found = whole_of(together);
+  CHECK(found.elastic == near(expected.elastic, 1e-12));
+  CHECK(found.kinetic == near(expected.kinetic, 1e-12));
+  CHECK(found.mass == near(expected.mass, 1e-12));
+  CHECK((found.momentum - expected.momentum).norm() < 1e-12 * expected.momentum.norm());
+  CHECK((found.forces - expected.forces).norm() < 1e-12 * expected.forces.norm());
+  World<double> again(setup);
+  again.restore(together.save());
+  CHECK(again.state().u == together.state().u);
+  CHECK(again.forces() == together.forces());
+}
+
 // A bar along x, held where x is least, and a blade that falls through its middle.
 Setup bar_and_blade(double speed = 0.2) {
   Setup setup = setup_of(box_mesh({0.12, 0.03, 0.03}, 12, 3, 3));
@@ -114,6 +153,12 @@ TEST_CASE("energies, momenta, masses and forces are the same before and after a 
   check_that_a_cut_changes_nothing_at_once(hybrid_setup(block()));
   check_that_a_cut_changes_nothing_at_once(setup_of(block(), RegionModel::tensor_mass));
   check_that_a_cut_changes_nothing_at_once(fibrous_setup(block()));
+}
+
+TEST_CASE("steps whose tetrahedra are divided once equal the same steps one by one") {
+  check_that_steps_in_turn_equal_single_ones(setup_of(block()));
+  check_that_steps_in_turn_equal_single_ones(hybrid_setup(block()));
+  check_that_steps_in_turn_equal_single_ones(setup_of(block(), RegionModel::tensor_mass));
 }
 
 TEST_CASE("a cut body equals one built afresh, also after removals and changes of region") {

@@ -170,7 +170,7 @@ std::vector<Index> Topology::rims_of(const std::vector<Index>& removed, std::vec
 std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> tets, Index& left) {
   std::vector<Index> search_of(tets.size()), open(tets.size(), 0), queue;  // open: tetrahedra yet to be left
   const auto root = [&](Index search) {
-    while (search_of[search] != search) search = search_of[search];
+    while (search_of[search] != search) search = search_of[search] = search_of[search_of[search]];
     return search;
   };
   Index searches = 0;

@@ -163,7 +163,9 @@ void World<Real>::repeat(const Command& command) {
     check_tets(removal->tets);
     cut(removal->tets);
   } else if (const auto* incise = std::get_if<Incise>(&command)) {
-    repeat_incision(*incise);
+    repeat_incisions(std::span(&incise->incision, 1));
+  } else if (const auto* in_turn = std::get_if<InciseInTurn>(&command)) {
+    repeat_incisions(in_turn->incisions);
   } else if (const auto* change = std::get_if<SetRegion>(&command)) {
     check_tets(change->tets);
     change_region(change->tets, change->model);

@@ -72,6 +72,13 @@ struct Incise {
   static constexpr auto fields = std::tuple(&Incise::incision);
 };
 
+// The same of several steps in a frame. Tetrahedra are divided once, after the last. One step is an Incise.
+struct InciseInTurn {
+  std::vector<Incision> incisions;
+  bool operator==(const InciseInTurn&) const = default;
+  static constexpr auto fields = std::tuple(&InciseInTurn::incisions);
+};
+
 // Sets external forces on vertices [N]. They replace the previous ones.
 struct SetForces {
   std::vector<VertexLoad> forces;
@@ -140,7 +147,7 @@ using Command =
     Joined<std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree>,
            ToolCommand,
            std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginCondensing, EndCondensing,
-                        Superseded>>::Type;
+                        Superseded, InciseInTurn>>::Type;
 
 // Remembers whether something pressed on the interior of a pre-computed region. The region is expanded for
 // it, and condensed again later.

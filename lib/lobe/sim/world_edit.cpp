@@ -35,12 +35,11 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
 
 // The present shares of tetrahedra that get another one; 0 for new copies.
 std::vector<double> shares_of(const Elements& elements, const MeshEdit& edit) {
+  Index first_new = elements.topology.tet_count();
+  for (const TetCopy& copy : edit.copies) first_new = std::min(first_new, copy.copy);
   std::vector<double> shares;
-  for (const TetShare& tet_share : edit.shares) {
-    const bool is_new = std::any_of(edit.copies.begin(), edit.copies.end(),
-                                    [&](const TetCopy& copy) { return copy.copy == tet_share.tet; });
-    shares.push_back(is_new ? 0 : elements.share_of(tet_share.tet));
-  }
+  for (const TetShare& tet_share : edit.shares)
+    shares.push_back(tet_share.tet >= first_new ? 0 : elements.share_of(tet_share.tet));
   return shares;
 }
 

@@ -22,12 +22,17 @@ bool is_held_by_one(const HeldVertices& held, const std::array<Index, 3>& vertic
 }
 
 // Divides grains, after which faces can be opened.
-void divide_grains(const Incise& command, Grains& grains) {
-  if (!grains.can_bisect(command.incision.bisections))
+void divide_grains(const Incision& incision, Grains& grains) {
+  if (!grains.can_bisect(incision.bisections))
     throw InputError("incision", "names a point that there is not, or divides an edge at its end");
-  grains.bisect(command.incision.bisections);
-  if (!grains.can_open(command.incision.opened))
-    throw InputError("incision", "opens a face that there is not");
+  grains.bisect(incision.bisections);
+  if (!grains.can_open(incision.opened)) throw InputError("incision", "opens a face that there is not");
+}
+
+// The command that repeats these.
+Command command_of(std::vector<Incision> incisions) {
+  if (incisions.size() == 1) return Incise{std::move(incisions.front())};
+  return InciseInTurn{std::move(incisions)};
 }
 
 }  // namespace
@@ -78,6 +83,8 @@ Blades::BodyNow World<Real>::body_now() {
   return {placement, tets_in};
 }
 
+// Grains are cut step by step. Tetrahedra are divided once, after the last step: until then a tetrahedron is
+// where its parts will be, and a step asks only where the tissue is.
 template <class Real>
 void World<Real>::incise(const BladeMove& move, Report& report) {
   BladeMove whole = move;
@@ -85,6 +92,8 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
   expand_ahead(whole);
   const int steps = blades_->steps(whole);
   Index crumbs = 0;
+  std::vector<Incision> incisions;
+  std::vector<Index> opened;
   BladeMove step = whole;
   for (int i = 1; i <= steps; ++i) {
     const double share = double(i) / steps;
@@ -92,7 +101,10 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
                whole.from.heel + share * (whole.to.heel - whole.from.heel)};
     const std::optional<Incised> incised = blades_->cut(step, body_now());
     step.from = step.to;
-    if (!incised) return notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
+    if (!incised) {
+      notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
+      break;
+    }
     if (incised->refused > 0)
       notice(Condition::Kind::scalpel, std::to_string(incised->refused) + " edges were not cut: there are " +
                                            std::to_string(most_grains) + " grains in a tetrahedron already");
@@ -101,14 +113,16 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
       tools_.cut_by(move.tool, {}, incised->way, step.to.tip);
       continue;
     }
-    journal_.edits.push_back(Incise{incised->incision});
+    incisions.push_back(incised->incision);
+    opened.insert(opened.end(), incised->opened.begin(), incised->opened.end());
     report.cut_area += incised->area;
     tools_.cut_by(move.tool, work_of(*incised), incised->way, step.to.tip);
-    const MeshEdit edit = divide(incised->opened);
+  }
+  if (!incisions.empty()) {
+    journal_.edits.push_back(command_of(std::move(incisions)));
+    const MeshEdit edit = divide(opened);
     report.tets_copied += static_cast<Index>(edit.copies.size());
-    if (edit.empty()) continue;
-    change_region(hinged_tets(body_.model, edit), RegionModel::nonlinear);
-    report.tets_removed += treat_loose(pieces_.loosened_by(body_.model, edit));
+    report.tets_removed += settle(edit);
   }
   if (crumbs > 0)
     notice(Condition::Kind::scalpel, std::to_string(crumbs) +
@@ -204,24 +218,42 @@ void World<Real>::share_loads(const MeshEdit& edit) {
                                            blades_->grains.boundary_share_of(tet_share.tet, f, elements()));
 }
 
+// Treats what has come apart. Returns how many tetrahedra vanished.
+template <class Real>
+Index World<Real>::settle(const MeshEdit& edit) {
+  if (edit.empty()) return 0;
+  if (const std::vector<Index> hinged = hinged_tets(body_.model, edit); !hinged.empty())
+    change_region(hinged, RegionModel::nonlinear);
+  const auto loose = pieces_.loosened_by(body_.model, edit);
+  if (loose.empty()) return 0;
+  synchronise_velocities();
+  return treat_loose(loose);
+}
+
 // Repeats a cut without its consequences.
 template <class Real>
-MeshEdit World<Real>::repeat_incision(const Incise& command) {
-  Blades& present = blades();
-  divide_grains(command, present.grains);
-  if (!command.incision.empty()) journal_.edits.push_back(command);
-  return divide(present.grains.open(command.incision.opened, command.incision.stroke));
+MeshEdit World<Real>::repeat_incisions(std::span<const Incision> incisions) {
+  Grains& grains = blades().grains;
+  std::vector<Index> opened;
+  for (const Incision& incision : incisions) {
+    divide_grains(incision, grains);
+    const std::vector<Index> beside = grains.open(incision.opened, incision.stroke);
+    opened.insert(opened.end(), beside.begin(), beside.end());
+  }
+  if (std::any_of(incisions.begin(), incisions.end(), [](const Incision& i) { return !i.empty(); }))
+    journal_.edits.push_back(command_of({incisions.begin(), incisions.end()}));
+  return divide(opened);
 }
 
 // Tries the cut on a copy first, so that an invalid command changes nothing.
 template <class Real>
-void World<Real>::perform(const Incise& command) {
+void World<Real>::perform_incisions(std::span<const Incision> incisions) {
   Grains trial = blades().grains;
-  divide_grains(command, trial);
-  const MeshEdit edit = repeat_incision(command);
-  if (edit.empty()) return;
-  change_region(hinged_tets(body_.model, edit), RegionModel::nonlinear);
-  treat_loose(pieces_.loosened_by(body_.model, edit));
+  for (const Incision& incision : incisions) {
+    divide_grains(incision, trial);
+    trial.open(incision.opened, incision.stroke);
+  }
+  settle(repeat_incisions(incisions));
 }
 
 }  // namespace lobe

@@ -134,7 +134,9 @@ bool Grains::can_bisect(const std::vector<Incision::Bisection>& edges) const {
 }
 
 bool Grains::can_open(const std::vector<Index>& faces) const {
-  return std::all_of(faces.begin(), faces.end(), [&](Index code) { return code >= 0 && code / 4 < count(); });
+  return std::all_of(faces.begin(), faces.end(), [&](Index code) {
+    return code >= 0 && code / 4 < count() && !of((*this)[code / 4].element).empty();  // not removed
+  });
 }
 
 bool Grains::fills(Index vertex, const Elements& elements) const {

@@ -23,12 +23,12 @@ void Inertia<Real>::update(const Model& model, const std::vector<Index>& vertice
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(n, 0);
   add_edits(vertices);
   for (Index v : vertices) mass_[v] = lumped_mass(model.elements, v) * (factor_.empty() ? 1.0 : factor_[v]);
-  if (floor_.square > 0) raise_to_floor(model, vertices);
+  raise_to_floor(model, vertices);
 }
 
 template <class Real>
 void Inertia<Real>::raise_to_floor(const Model& model, const std::vector<Index>& vertices) {
-  if (model.elements.shares.empty()) return;
+  if (floor_.square == 0 || model.elements.shares.empty()) return;
   added_.resize(mass_.size(), 0);
   for (Index v : vertices) {
     const double raised = std::max(mass_[v], floor_.at(model.elements, v, &tet_squares_));

@@ -31,12 +31,14 @@ class Inertia {
   void update(const Model& model, const std::vector<Index>& vertices);
   // Computes the inverse mass of a vertex whose mass has changed, or that was held or released.
   void release(Model& model, Index v);
-  // For changing masses directly: those of a condensed interior move to its interface.
+  // For changing masses directly: those of a condensed interior move to its interface. Call raise_to_floor()
+  // next.
   std::vector<double>& masses() { return mass_; }
   // Sets the mass floor, which keeps vertices at a cut from needing shorter steps. It acts on vertices that
   // are updated from now on.
   void set_floor(const MassFloor& floor) { floor_ = floor; }
   const MassFloor& floor() const { return floor_; }
+  void raise_to_floor(const Model& model, const std::vector<Index>& vertices);
   double mass_of_floor() const { return sum_of_floor_; }  // that it has added [kg]
   // The mass on which gravity acts [kg]. Mass of the floor has no weight.
   double weighs(Index v) const {
@@ -86,8 +88,6 @@ class Inertia {
   typename SelectiveMass<Real>::Acceleration acceleration() const { return selective_.acceleration(); }
 
  private:
-  void raise_to_floor(const Model& model, const std::vector<Index>& vertices);
-
   std::vector<double> mass_, inverse_mass_, factor_;  // [kg], [1/kg], of mass scaling or empty
   MassScaling scaling_;
   MassFloor floor_;

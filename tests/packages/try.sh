@@ -10,7 +10,10 @@ packages=$1 project=$2 chroot=$3
 mkdir -p "$chroot/packages" "$chroot/project"
 cp "$packages"/*.deb "$chroot/packages"
 cp -r "$project"/. "$chroot/project"
-inside() { chroot "$chroot" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root "$@"; }
+inside() {  # without anything of the environment outside
+  chroot "$chroot" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 \
+    HOME=/root "$@"
+}
 install() { inside sh -c "apt-get install -y -qq --no-install-recommends $* >/dev/null"; }
 
 inside apt-get update -qq

@@ -36,6 +36,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_flag("--reduced", options.reduced,
                "hybrid: only gestures, all non-linear and all reduced, and natural frequencies");
+  app.add_option("--model", options.model, "stress: only this model");
   app.add_option("--minutes", options.minutes, "soak: how long; live: simulated minutes of random hands")
       ->check(CLI::Range(0.01, 1e5))
       ->capture_default_str();

@@ -6,6 +6,7 @@
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/stress/play.h"
+#include "lobe/error.h"
 #include "lobe/io/atomic_file.h"
 #include "lobe/text.h"
 
@@ -100,7 +101,10 @@ std::string markdown(const std::vector<StressRow>& rows) {
 
 void bench_stress(const Options& options) {
   const std::string machine = begin_results(options.output, "stress");
-  const std::vector<Plan> plans = stress::all_plans(options.quick);
+  std::vector<Plan> plans = stress::all_plans(options.quick);
+  if (!options.model.empty())
+    std::erase_if(plans, [&](const Plan& plan) { return plan.model != options.model; });
+  if (plans.empty()) throw InputError("--model", "the suite has no model \"" + options.model + "\"");
   print_header();
   std::vector<StressRow> rows;
   std::size_t failed = 0;

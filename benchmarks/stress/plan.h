@@ -12,7 +12,7 @@ namespace lobe::stress {
 enum class Must {
   recover,      // advances throughout, and is back at rest, nothing inverted, at the end
   survive,      // advances throughout, all values finite
-  report,       // advances, or says by name why not; all values finite
+  report,       // advances, or is refused or stops and says by name why; all values finite
   keep_energy,  // the largest energy of the second half is at most 1.5 times that of the first
   stay,         // displacements exactly zero
   flag,         // its step is too long: that is noticed before a vertex has moved by 1 % of the body
@@ -46,7 +46,7 @@ std::vector<Subject> organs(bool quick);  // the shipped meshes
 
 // Every model and mixture of models: "mixed", "precomputed" and "corotated" (precomputed, in a frame that
 // turns with it) are linear in their low half and non-linear in the other; "selective" has selective masses
-// beside the volume term.
+// beside the volume term; "reduced" is so throughout, with cells of the size that lobe chooses.
 const std::vector<std::string>& models();
 // A guarded body of soft tissue, held at its low end if asked, damped.
 Setup tissue(const TetMesh& mesh, const std::string& model);

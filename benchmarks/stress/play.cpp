@@ -8,7 +8,9 @@
 #include <type_traits>
 
 #include "benchmarks/timing.h"
+#include "lobe/error.h"
 #include "lobe/fem/volume_term.h"
+#include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/world.h"
 
@@ -41,8 +43,7 @@ class Player {
       while (ok_ && world_.time() < plan_.seconds * (1 - 1e-9)) frame();
     verdict_.seconds = watch.seconds();
     verdict_.farthest = farthest();
-    if (verdict_.in_double && finite_ && world_.grains())
-      verdict_.cut_error = std::max(verdict_.cut_error, compare_with_rebuilt(world_).largest());
+    if (verdict_.in_double && finite_ && world_.grains()) compare();
     verdict_.why = judge();
     verdict_.passed = verdict_.why.empty();
     if (verdict_.passed) verdict_.why = reported_;
@@ -53,6 +54,7 @@ class Player {
   void bare_steps();
   void frame();
   void cut();
+  void compare();
   void measure();
   std::string judge();
 
@@ -64,10 +66,18 @@ class Player {
     const Mat3X<double>& X = plan_.setup.mesh.points;
     return (X.rowwise().maxCoeff() - X.rowwise().minCoeff()).maxCoeff();
   }
+  template <class Visit>  // visit(mass, velocity) of vertices and of the nodes of a lattice
+  void visit_masses(Visit&& visit) {
+    const Mat3X<double> v = world_.state().v.template cast<double>();
+    const std::vector<double>& mass = world_.body().inertia.mass();
+    for (std::size_t i = 0; i < mass.size(); ++i) visit(mass[i], Vec3d(v.col(Index(i))));
+    const std::vector<double>& of_nodes = world_.body().regions.reduced().embedding().mass;
+    for (std::size_t n = 0; n < of_nodes.size(); ++n)
+      visit(of_nodes[n], Vec3d(world_.body().motion.nodes.v.col(Index(n)).template cast<double>()));
+  }
   Vec3d momentum() {
     Vec3d sum = Vec3d::Zero();
-    for (std::size_t v = 0; v < world_.body().inertia.mass().size(); ++v)
-      sum += world_.body().inertia.mass()[v] * world_.state().v.col(Index(v)).template cast<double>();
+    visit_masses([&](double mass, const Vec3d& v) { sum += mass * v; });
     return sum;
   }
   bool is_free() const { return world_.held().all().empty() && plan_.setup.gravity.isZero(0); }
@@ -104,8 +114,25 @@ void Player<Real>::cut() {
   if (end == cut_) return;
   world_.remove_tets({to_cut_.begin() + std::ptrdiff_t(cut_), to_cut_.begin() + std::ptrdiff_t(end)});
   cut_ = end;
-  if (verdict_.in_double)
-    verdict_.cut_error = std::max(verdict_.cut_error, compare_with_rebuilt(world_).largest());
+  if (verdict_.in_double) compare();
+}
+
+// With a world that is built afresh. A reduced region is compared as a non-linear one, in a copy: a lattice
+// depends on what was embedded before.
+template <class Real>
+void Player<Real>::compare() {
+  const auto note = [&](World<Real>& world) {
+    verdict_.cut_error = std::max(verdict_.cut_error, compare_with_rebuilt(world).largest());
+  };
+  const LatticeRegion<Real>& reduced = world_.body().regions.reduced();
+  if (!reduced.any()) return note(world_);
+  World<Real> copy(plan_.setup);
+  copy.restore(world_.save());
+  SetRegion all{{}, RegionModel::nonlinear};
+  for (Index t = 0; t < world_.elements().topology.tet_count(); ++t)
+    if (reduced.has(t)) all.tets.push_back(t);
+  copy.apply(all);
+  note(copy);
 }
 
 template <class Real>
@@ -138,9 +165,12 @@ void Player<Real>::measure() {
   verdict_.last_ratio = std::numeric_limits<double>::infinity();
   const Mat3X<double> u = world_.state().u.template cast<double>();
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    const auto may_be_large = [](RegionModel model) {
+      return model == RegionModel::nonlinear || model == RegionModel::reduced;
+    };
     const bool is_nonlinear =
-        elements.region_of[t] == RegionModel::nonlinear ||
-        plan_.setup.region_of[elements.topology.parent(t)] == RegionModel::nonlinear;  // but for a tangle
+        may_be_large(elements.region_of[t]) ||
+        may_be_large(plan_.setup.region_of[elements.topology.parent(t)]);  // but for a tangle
     if (!elements.topology.alive(t) || !is_nonlinear) continue;
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
     const double ratio = 1 + volume_change<double>(displacement_gradient<double>(
@@ -154,8 +184,7 @@ void Player<Real>::measure() {
   largest = std::max(largest, energy());
   if (!is_free()) return;
   double scale = 0;
-  for (std::size_t v = 0; v < world_.body().inertia.mass().size(); ++v)
-    scale += world_.body().inertia.mass()[v] * double(world_.state().v.col(Index(v)).norm());
+  visit_masses([&](double mass, const Vec3d& v) { scale += mass * v.norm(); });
   if (scale > 0)
     verdict_.momentum_drift = std::max(verdict_.momentum_drift, (momentum() - momentum_).norm() / scale);
 }
@@ -200,7 +229,15 @@ const char* name(Must must) {
 
 template <class Real>
 Verdict play(const Plan& plan) {
-  return Player<Real>(plan).play();
+  try {
+    return Player<Real>(plan).play();
+  } catch (const InputError& error) {  // of a model that does not go with the body or with a tool
+    Verdict refused;
+    refused.in_double = std::is_same_v<Real, double>;
+    refused.passed = plan.must == Must::report;
+    refused.why = std::string("refused: ") + error.what();
+    return refused;
+  }
 }
 
 template Verdict play<float>(const Plan&);

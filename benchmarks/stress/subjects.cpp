@@ -40,9 +40,9 @@ std::vector<Subject> organs(bool quick) {
 }
 
 const std::vector<std::string>& models() {
-  static const std::vector<std::string> all{"nonlinear",   "volume term", "nodal pressure",
-                                            "stored",      "tensor-mass", "mixed",
-                                            "precomputed", "corotated",   "selective"};
+  static const std::vector<std::string> all{"nonlinear",   "volume term", "nodal pressure", "stored",
+                                            "tensor-mass", "mixed",       "precomputed",    "corotated",
+                                            "selective",   "reduced"};
   return all;
 }
 
@@ -51,8 +51,9 @@ Setup tissue(const TetMesh& mesh, const std::string& model) {
   setup.mesh = mesh;
   setup.materials = {{4e4, 1e4, 1000, model == "nodal pressure" ? 1.0 : 0.0}};
   setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(mesh.tet_count()),
-                         model == "tensor-mass" ? RegionModel::tensor_mass : RegionModel::nonlinear);
+  setup.region_of.assign(std::size_t(mesh.tet_count()), model == "tensor-mass" ? RegionModel::tensor_mass
+                                                        : model == "reduced"   ? RegionModel::reduced
+                                                                               : RegionModel::nonlinear);
   setup.guard_below = 0.2;
   setup.volume_penalty = model == "volume term" || model == "selective" ? 1e5 : 0;
   setup.selective_mass = model == "selective" ? 9 : 1;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "folder.h"
-#include "lattice_support.h"
+#include "lattice_worlds.h"
 #include "lobe/error.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/validate.h"
@@ -17,41 +17,11 @@ using namespace lobe::test;
 
 namespace {
 
-constexpr double edge = 0.01;
-
-// A bar along x, jittered, held at x = 0 if asked.
-Setup bar(int length, int width, bool is_held = true, RegionModel model = RegionModel::reduced) {
-  TetMesh mesh = box_mesh({length * edge, width * edge, width * edge}, length, width, width);
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> jitter(-0.15 * edge, 0.15 * edge);
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if (mesh.points(0, v) > edge / 2)
-      for (int d = 0; d < 3; ++d) mesh.points(d, v) += jitter(random);
-  Setup setup = setup_of(mesh, model);
-  setup.lattice_cell = 2 * edge;
-  setup.volume_penalty = 1e5;
-  for (Index v = 0; v < mesh.vertex_count() && is_held; ++v)
-    if (mesh.points(0, v) < edge / 2) setup.prescribed.push_back({v, Vec3d::Zero()});
-  return setup;
-}
-
 // The same size of six cells across.
 Setup fine_bar() {
   Setup setup = bar(24, 6);
   setup.mesh.points *= 2.0 / 3;
   return setup;
-}
-
-Setup all_nonlinear(Setup setup) {
-  std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
-  return setup;
-}
-
-std::vector<Index> vertices_near(const TetMesh& mesh, const Vec3d& at, double radius) {
-  std::vector<Index> found;
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if ((mesh.points.col(v) - at).norm() < radius) found.push_back(v);
-  return found;
 }
 
 // Pulled at its end and let go.
@@ -64,21 +34,6 @@ Setup pulled_bar(RegionModel model = RegionModel::reduced) {
                           {{0.05, Vec3d::Zero()}, {0.25, Vec3d(-0.01, 0.02, 0.03)}},
                           true});
   return setup;
-}
-
-const LatticeRegion<double>& region_of(const World<double>& world) { return world.body().regions.reduced(); }
-
-MovingMasses::Momentum momentum_of(World<double>& world) {
-  const auto& motion = world.body().motion;
-  const auto& region = region_of(world);
-  MovingMasses sum;
-  for (Index v = 0; v < motion.u.count(); ++v)
-    sum.add(world.body().inertia.mass()[std::size_t(v)], world.elements().points.col(v) + motion.u.col(v),
-            motion.v.col(v));
-  for (Index n = 0; n < region.lattice().node_count(); ++n)
-    sum.add(region.embedding().mass[std::size_t(n)], region.lattice().nodes.col(n) + motion.nodes.u.col(n),
-            motion.nodes.v.col(n));
-  return sum.momentum();
 }
 
 // ½ v⁻·M v⁺ + U(u), over a step of dt [J].
@@ -107,10 +62,6 @@ World<double> thrown(const Setup& setup, int threads = 1) {
   }
   world.set_state(state);
   return world;
-}
-
-double relative_error(const Mat3X<double>& u, const Mat3X<double>& exact) {
-  return (u - exact).norm() / exact.norm();
 }
 
 std::string refusal(const Setup& setup) {

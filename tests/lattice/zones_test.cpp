@@ -15,9 +15,11 @@ Index vertex_at(const Elements& elements, double x) {
   return -1;
 }
 
-FullZones::Sight touch(const std::vector<Index>& held, const std::vector<Index>& pressed) {
+FullZones::Sight touch(const std::vector<Index>& held, const std::vector<Index>& loaded,
+                       const std::vector<Index>& pressed = {}) {
   FullZones::Sight sight;
   sight.held = held;
+  sight.loaded = loaded;
   sight.pressed = pressed;
   return sight;
 }
@@ -54,11 +56,37 @@ TEST_CASE(
   CHECK(other.state().touched == zones.state().touched);
 }
 
+TEST_CASE("what contact presses is full further around, and grows only when it comes to the border") {
+  const Elements elements(setup_of(box_mesh({0.16, 0.01, 0.01}, 16, 1, 1)));
+  const auto at = [&](double x) { return vertex_at(elements, x); };
+  constexpr double cell = 0.026;  // reaches 3.1 cm
+  FullZones zones;
+  zones.look(elements, cell, 1, touch({}, {}, {at(0.04)}));
+  CHECK(zones.is_full(at(0.07), 1));
+  CHECK_FALSE(zones.is_full(at(0.08), 1));
+  CHECK(zones.is_full(at(0.01), 1.25));
+  zones.look(elements, cell, 1.02, touch({}, {}, {at(0.05)}));  // slides inside of the zone
+  CHECK_FALSE(zones.is_full(at(0.08), 1.02));
+  zones.look(elements, cell, 1.04, touch({}, {}, {at(0.07)}));  // its neighbour is not full
+  CHECK(zones.is_full(at(0.10), 1.04));
+  CHECK_FALSE(zones.is_full(at(0.11), 1.04));
+  // What it has left is embedded again at a multiple of 0.1 s, and not before 0.25 s.
+  CHECK(zones.is_full(at(0.02), 1.02 + 0.25));
+  CHECK(zones.is_full(at(0.02), 1.29));
+  CHECK_FALSE(zones.is_full(at(0.02), 1.3));
+  FullZones restored;
+  restored.set_state(zones.state());
+  for (FullZones* each : {&zones, &restored})
+    each->look(elements, cell, 1.06, touch({}, {at(0.16)}, {at(0.08)}));
+  CHECK(restored.state().until == zones.state().until);
+  CHECK(zones.is_full(at(0.15), 1.06));
+}
+
 TEST_CASE("all is full while the body is quick in comparison with how far it has ever moved") {
   const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
   FullZones zones;
   const auto is_full = [&](double time, double displacement, double speed, double damping) {
-    zones.look(elements, 0.05, time, {{}, {}, displacement, speed, damping});
+    zones.look(elements, 0.05, time, {{}, {}, {}, displacement, speed, damping});
     return zones.is_full(0, time);
   };
   CHECK(is_full(1, 0.001, 0.01, 0));

@@ -77,12 +77,12 @@ class Regions {
   const CondensingLog& condensing() const { return precomputed_.condensing(); }
 
   // Vertices of reduced regions that follow the nodes of a lattice. place_embedded() comes before forces are
-  // added, collect() after all other forces, force terms included.
+  // added, with velocities if force terms read them. collect() comes after all other forces.
   LatticeRegion<Real>& reduced() { return reduced_; }
   const LatticeRegion<Real>& reduced() const { return reduced_; }
   bool is_embedded(Index vertex) const { return reduced_.embeds(vertex); }
-  void place_embedded(Motion<Real>& motion, Parallel& parallel) const {
-    if (reduced_.any_embedded()) reduced_.place(motion, parallel);
+  void place_embedded(bool velocities, Motion<Real>& motion, Parallel& parallel) const {
+    if (reduced_.any_embedded()) reduced_.place(velocities, motion, parallel);
   }
   void collect(double missing_share, Motion<Real>& motion, Parallel& parallel) {
     if (reduced_.any_embedded()) reduced_.collect(missing_share, motion, parallel);

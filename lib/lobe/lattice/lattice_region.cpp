@@ -220,16 +220,30 @@ bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) con
 
 // From differences to the first node, so that a translation strains nothing.
 template <class Real>
-void LatticeRegion<Real>::place(Motion<Real>& motion, Parallel& parallel) const {
+void LatticeRegion<Real>::place(bool velocities, Motion<Real>& motion, Parallel& parallel) const {
+  const auto value = [](const Place& own, const Mat3X<Real>& q) -> Vec3<Real> {
+    const Vec3<Real> first = q.col(own.nodes[0]);
+    Vec3<Real> sum = Vec3<Real>::Zero();
+    for (std::size_t n = 1; n < 8; ++n) sum += own.weights[n] * (q.col(own.nodes[n]) - first);
+    return first + sum;
+  };
   parallel.for_ranges(static_cast<Index>(places_.size()), 1024, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Place& own = places_[std::size_t(i)];
-      const Vec3<Real> first = motion.nodes.u.col(own.nodes[0]);
-      Vec3<Real> sum = Vec3<Real>::Zero();
-      for (std::size_t n = 1; n < 8; ++n) sum += own.weights[n] * (motion.nodes.u.col(own.nodes[n]) - first);
-      motion.u.col(own.vertex) = first + sum;
+      motion.u.col(own.vertex) = value(own, motion.nodes.u);
+      if (velocities) motion.v.col(own.vertex) = value(own, motion.nodes.v);
     }
   });
+}
+
+template <class Real>
+std::vector<Index> LatticeRegion<Real>::pressed_unseen(const Motion<Real>& motion) const {
+  std::vector<Index> found;
+  for (Index v : embedding_.vertices)
+    if (!motion.forces.col(v).isZero(0) &&
+        !std::binary_search(embedding_.interface.begin(), embedding_.interface.end(), v))
+      found.push_back(v);
+  return found;
 }
 
 template <class Real>

@@ -43,10 +43,9 @@ class LatticeRegion {
   // Takes note of tetrahedra that left or entered; embed() must follow before anything is evaluated. Throws
   // InputError for cells that do not suit the tetrahedra (choose_lattice).
   void follow(const Elements& elements, const RegionEdit& edit);
-  // What becomes full now, while tools hold vertices and force terms act on some (sorted lists). `mass`: per
-  // vertex [kg].
+  // What becomes full now. Displacements and speeds of `sight` are found here. `mass`: per vertex [kg].
   void look(const Elements& elements, const Motion<Real>& motion, const std::vector<double>& mass,
-            double damping, const std::vector<Index>& held, const std::vector<Index>& pressed);
+            FullZones::Sight sight);
   // Its tetrahedra that must leave before these are cut: none while it is far from them, else more than now
   // touch them, so that it is seldom asked.
   std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const;
@@ -87,8 +86,9 @@ class LatticeRegion {
 
   // ---- A step, in this order
 
-  // Computes displacements of the embedded corners of full tetrahedra from those of the nodes.
-  void place(Motion<Real>& motion, Parallel& parallel) const;
+  // Computes displacements of the embedded corners of full tetrahedra from those of the nodes, and their
+  // velocities if asked for.
+  void place(bool velocities, Motion<Real>& motion, Parallel& parallel) const;
   void add_full_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     full().add_forces(u, f, parallel);
   }
@@ -100,6 +100,9 @@ class LatticeRegion {
                               motion.node_turns, parallel);
   }
   bool any_moving() const { return !moving_.empty(); }
+  // Embedded vertices on which a force term acted in the last step though no step computes where they are.
+  // Such a force has no effect.
+  std::vector<Index> pressed_unseen(const Motion<Real>& motion) const;
 
   // ---- Displacements, velocities and energies
 

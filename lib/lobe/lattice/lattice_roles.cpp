@@ -55,8 +55,7 @@ void LatticeRegion<Real>::find_inner(const Model& model) {
 // Nodes count with their masses in the norms of displacement and speed.
 template <class Real>
 void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& motion,
-                               const std::vector<double>& mass, double damping,
-                               const std::vector<Index>& held, const std::vector<Index>& pressed) {
+                               const std::vector<double>& mass, FullZones::Sight sight) {
   if (!any()) return;
   const auto norm = [&](const Mat3X<Real>& of_vertices, const Mat3X<Real>& of_nodes) {
     double sum = 0;
@@ -67,9 +66,9 @@ void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& mot
       sum += embedding_.mass[n] * double(of_nodes.col(Eigen::Index(n)).squaredNorm());
     return std::sqrt(sum);
   };
-  zones_.look(elements, lattice_.frame.edge, motion.time,
-              {held, pressed, norm(motion.u.padded(), motion.nodes.u),
-               norm(motion.v.padded(), motion.nodes.v), damping});
+  sight.displacement = norm(motion.u.padded(), motion.nodes.u);
+  sight.speed = norm(motion.v.padded(), motion.nodes.v);
+  zones_.look(elements, lattice_.frame.edge, motion.time, sight);
 }
 
 // Two sides of a cut must have no node in common: those that are left are half a cell away from what is cut.

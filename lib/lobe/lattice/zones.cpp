@@ -1,8 +1,9 @@
 #include "lobe/lattice/zones.h"
 
 #include <algorithm>
-#include <iterator>
 #include <unordered_map>
+
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 
@@ -22,32 +23,46 @@ void FullZones::look(const Elements& elements, double cell, double time, const S
   state_.largest = std::max(state_.largest, sight.displacement);
   const bool is_quick = sight.speed > highest_rate(sight.damping) * state_.largest;
   if (is_quick && sight.held.empty()) keep_full(quick);
-  if (sight.held != state_.held) keep_full(burst);
+  const bool holds_others = sight.held != state_.held;
+  if (holds_others) keep_full(burst);
   state_.held = sight.held;
-  std::vector<Index> touched;
-  std::set_union(sight.held.begin(), sight.held.end(), sight.pressed.begin(), sight.pressed.end(),
-                 std::back_inserter(touched));
-  if (touched != state_.touched) around_is_known_ = false;
+  std::vector<Index> touched = sight.held;
+  for (const std::vector<Index>* list : {&sight.loaded, &sight.pressed})
+    touched.insert(touched.end(), list->begin(), list->end());
+  sort_unique(touched);
+  if (touched != state_.touched || sight.pressed != pressed_) around_is_known_ = false;
+  pressed_ = sight.pressed;
   state_.touched = std::move(touched);
   if (state_.touched.empty()) return;
-  if (!around_is_known_) find_around(elements, reach * cell);
+  if (!around_is_known_) find_around(elements, cell);
   state_.until.resize(std::size_t(elements.topology.vertex_count()), lowest);
-  for (Index v : around_) state_.until[std::size_t(v)] = time + linger;
+  // While a tool slides, a zone grows only when the tool comes to its border, and then by all of its reach.
+  const bool grows = sight.pressed.empty() || holds_others ||
+                     std::any_of(beside_.begin(), beside_.end(), [&](Index v) { return !is_full(v, time); });
+  const double until = sight.pressed.empty() ? time + linger : every * std::ceil((time + linger) / every);
+  for (Index v : around_)
+    if (grows || is_full(v, time)) state_.until[std::size_t(v)] = until;
 }
 
 // As far as each vertex that is touched reaches along edges at rest, and at least to its neighbours: what it
 // pulls at is strained most there.
-void FullZones::find_around(const Elements& elements, double distance) {
-  around_ = state_.touched;
+void FullZones::find_around(const Elements& elements, double cell) {
+  around_ = beside_ = state_.touched;
+  const auto distance_of = [&](Index v) {
+    return cell * (std::binary_search(pressed_.begin(), pressed_.end(), v) ? reach_of_press : reach);
+  };
   std::unordered_map<Index, Index> from;  // the vertex that reaches one
   for (Index v : around_) from.emplace(v, v);
   for (std::size_t i = 0; i < around_.size(); ++i) {
     const Index own = around_[i], start = from.at(own);
+    const double distance = distance_of(start);
     for (Index t : elements.topology.around(own))
       for (Index v : elements.topology.corners(t)) {
         const bool is_near =
             own == start || (elements.points.col(v) - elements.points.col(start)).norm() <= distance;
-        if (is_near && from.emplace(v, start).second) around_.push_back(v);
+        if (!is_near || !from.emplace(v, start).second) continue;
+        around_.push_back(v);
+        if (own == start) beside_.push_back(v);
       }
   }
   around_is_known_ = true;

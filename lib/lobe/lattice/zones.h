@@ -16,8 +16,12 @@ class FullZones {
   static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
   static constexpr double burst = 0.05;   // all are full after something has taken hold or let go [s]
   static constexpr double quick = 0.03;   // and after the body was quick [s]
-  // How far around what is touched they are full, in cells; its neighbours always are.
-  static constexpr double reach = 0.4;
+  // How far around what is touched, and around what contact may press, they are full, in cells; its
+  // neighbours always are.
+  static constexpr double reach = 0.4, reach_of_press = 1.2;
+  // What a tool presses moves on while the tool slides. Vertices are embedded again at multiples of this
+  // time, so that it happens seldom [s].
+  static constexpr double every = 0.1;
 
   // A lattice whose frequencies are off by a share moves the body wrongly by share · τ |v|, where damping
   // ends what grows within τ. The body is quick where that is more than `most` of its largest displacement.
@@ -25,7 +29,7 @@ class FullZones {
   static constexpr double longest = 0.04;  // τ where nothing damps [s]
 
   struct State {                       // part of a checkpoint
-    std::vector<Index> held, touched;  // sorted; held ones are touched
+    std::vector<Index> held, touched;  // sorted; touched: held, loaded or pressed
     std::vector<double> until;         // per vertex: when it was last to be full [s]; empty: none ever was
     double all_until = lowest;         // all vertices [s]
     double largest = 0;                // √Σ m |u|² so far [√kg m]
@@ -40,7 +44,8 @@ class FullZones {
 
   struct Sight {                 // of a moment
     std::vector<Index> held;     // vertices that tools hold, sorted
-    std::vector<Index> pressed;  // on which force terms act, sorted
+    std::vector<Index> loaded;   // on which forces and springs act, sorted
+    std::vector<Index> pressed;  // on which contact may act, sorted
     double displacement = 0;     // √Σ m |u|² [√kg m]
     double speed = 0;            // √Σ m |v|² [√kg m/s]
     double damping = 0;          // γ [1/s]
@@ -65,10 +70,12 @@ class FullZones {
   static constexpr double lowest = std::numeric_limits<double>::lowest();
   static constexpr double just_before = 1e-9;  // times are sums of frames [s]
 
-  void find_around(const Elements& elements, double distance);
+  void find_around(const Elements& elements, double cell);
 
   State state_;
-  std::vector<Index> around_;  // within reach of what is touched
+  std::vector<Index> pressed_;  // when these were found
+  std::vector<Index> beside_;   // what is touched, and its neighbours
+  std::vector<Index> around_;   // within reach of what is touched
   bool around_is_known_ = false;
 };
 

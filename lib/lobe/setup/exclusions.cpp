@@ -38,7 +38,6 @@ constexpr Exclusion table[] = {
     {Option::reduced, Option::nodal_pressure, "a cell of the lattice has no nodal pressure",
      "leave one of them out"},
     {Option::reduced, Option::fibres, "a cell has no direction of fibres", "use \"nonlinear\""},
-    {Option::reduced, Option::force_terms, "embedded vertices cannot take other forces", "use \"nonlinear\""},
     {Option::static_solution, Option::corotated, "an equilibrium has no motion that a frame could follow",
      "use \"nonlinear\" or a fixed frame"},
 };

@@ -25,7 +25,7 @@ struct Condition {
     lumped,     // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
                 // are shorter meanwhile. Nothing to do
     scalpel,    // a blade could not cut all that it met. See the text
-    lost_force  // a force term acts on the interior of a pre-computed region. See the text
+    lost_force  // a force term acts where it has no effect. See the text
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy

@@ -165,7 +165,7 @@ class World {
   void update(const std::vector<Index>& vertices);
   void release(const std::vector<Index>& vertices);
   void move_mass();
-  void embed();
+  bool embed(const std::vector<Index>& also_pressed = {});
   void embed_as(VertexRoles wanted);
   void free_ahead(const std::vector<Index>& tets);
   void set_expanded(bool is_expanded);

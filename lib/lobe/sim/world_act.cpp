@@ -70,6 +70,7 @@ void World<Real>::show_body() {
 
 template <class Real>
 void World<Real>::show_body_to(ForceTerm<Real>& term) {
+  if (body_.regions.reduced().any_embedded()) state();
   BodyView body{.model = body_.model,
                 .surface = surface().mesh(),
                 .mass = body_.inertia.mass(),
@@ -149,6 +150,7 @@ void World<Real>::terms_have_changed(const std::vector<Index>& touched_before) {
   limit_.forget();
   ++body_.model.revisions.structure;
   report_lost_forces(now);
+  embed();
 }
 
 // Reports forces on the interior of a condensed region. It follows its interface, so they have no effect.

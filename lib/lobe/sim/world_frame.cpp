@@ -44,6 +44,12 @@ Condition too_stiff(double limit, double time) {
           time};
 }
 
+std::string lost_on_lattice(Index v) {
+  return "a force on vertex " + std::to_string(v) +
+         ", which follows a lattice, had no effect in a frame: move the tool more slowly, or use shorter "
+         "frames";
+}
+
 Condition sub_stepped(int tries, int steps, double time) {
   return {Condition::Kind::sub_stepped,
           "it took " + std::to_string(tries) + " tries and " + std::to_string(steps) + " steps", time};
@@ -166,10 +172,12 @@ void World<Real>::prepare_frame(double duration, Report& report) {
   }
   play_tools(duration, report);
   show_body();
+  bool has_changed = false;
   {
     const Timed timed(report, Phase::cutting);
-    embed();
+    has_changed = embed();
   }
+  if (has_changed) show_body();  // in which other vertices have masses now
   {
     const Timed timed(report, Phase::time_step);
     report.time_step_limit = limit_.for_frame(body_);
@@ -196,20 +204,23 @@ void World<Real>::advance_to(double end, Report& report) {
   }
   int steps = std::max(1, static_cast<int>(wanted));
   for (const auto& term : body_.terms) term->begin_steps();
-  const StateColumns<Real> start = body_.motion;
+  StateColumns<Real> start = body_.motion;
   const Sleep::State sleep_at_start = body_.sleep.state();
   double step = 0;
   std::string fastest;
   for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt) {
     step = duration / steps;
     const bool done = run_steps(steps, step, attempt == 0, report);
+    std::vector<Index> unseen;
+    if (done && !body_.terms.empty()) unseen = body_.regions.reduced().pressed_unseen(body_.motion);
     double limit_after = std::numeric_limits<double>::infinity();
     if (done && !implicit_) {
       const Timed timed(report, Phase::time_step);
       limit_after = limit_.at_end(body_);
     }
     // If the body has become too stiff for the step that was taken, it may have begun to swing.
-    if (done && (step <= limit_after || attempt == most_tries - 1)) {
+    if (done && ((step <= limit_after && unseen.empty()) || attempt == most_tries - 1)) {
+      if (!unseen.empty()) notice(Condition::Kind::lost_force, lost_on_lattice(unseen.front()));
       body_.motion.time = end;
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
       if (attempt > 0) report.conditions.push_back(sub_stepped(attempt + 1, steps, start.time));
@@ -218,8 +229,15 @@ void World<Real>::advance_to(double end, Report& report) {
     fastest = culprit();
     go_back(start, sleep_at_start);
     ++report.reruns;
-    const double wanted_now = duration / (setup_.safety * limit_after);
-    steps = std::max(2 * steps, static_cast<int>(std::min<double>(wanted_now, most_steps)));
+    if (!unseen.empty()) {  // the frame is run again, in which they move by themselves
+      embed(unseen);
+      show_body();
+      start = body_.motion;
+      limit_after = std::min(limit_after, limit_.for_frame(body_));
+    }
+    const double wanted_now = std::min<double>(duration / (setup_.safety * limit_after), most_steps);
+    steps = unseen.empty() ? std::max(2 * steps, static_cast<int>(wanted_now))
+                           : std::max(steps, static_cast<int>(std::ceil(wanted_now)));
   }
   report.ok = false;
   report.time_step = step;

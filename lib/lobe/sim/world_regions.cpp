@@ -173,19 +173,27 @@ void World<Real>::set_expanded(bool is_expanded) {
 // ---- Reduced regions
 
 // Embeds the vertices that are to follow the nodes of the lattice now; those that are held or pressed do not.
-// Before the frequency of the full body is known, no vertex is embedded.
+// Before the frequency of the full body is known, no vertex is embedded. True if something has changed.
 template <class Real>
-void World<Real>::embed() {
+bool World<Real>::embed(const std::vector<Index>& also_pressed) {
   LatticeRegion<Real>& region = body_.regions.reduced();
-  if (!region.any() && !region.any_embedded()) return;
-  std::vector<Index> pressed = body_.touched_by_terms(), in_tools;
+  if (!region.any() && !region.any_embedded()) return false;
+  FullZones::Sight sight;
+  sight.damping = body_.damping;
+  sight.pressed = also_pressed;
+  for (const auto& term : body_.terms) {
+    const std::vector<Index> touched = term->touched();
+    std::vector<Index>& list = term->needs_body() ? sight.pressed : sight.loaded;
+    list.insert(list.end(), touched.begin(), touched.end());
+  }
   for (const HeldVertices::Held& item : held().all())
-    if (item.holder != HeldVertices::boundary) in_tools.push_back(item.vertex);
-  sort_unique(pressed);
-  sort_unique(in_tools);
-  region.look(elements(), body_.motion, body_.inertia.mass(), body_.damping, in_tools, pressed);
+    if (item.holder != HeldVertices::boundary) sight.held.push_back(item.vertex);
+  for (std::vector<Index>* list : {&sight.held, &sight.loaded, &sight.pressed}) sort_unique(*list);
+  region.look(elements(), body_.motion, body_.inertia.mass(), std::move(sight));
   VertexRoles wanted = region.roles(body_.model, time(), limit_.highest_at_rest() > 0);
-  if (!region.has_roles(wanted)) embed_as(std::move(wanted));
+  if (region.has_roles(wanted)) return false;
+  embed_as(std::move(wanted));
+  return true;
 }
 
 template <class Real>

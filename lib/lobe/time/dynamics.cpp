@@ -22,7 +22,7 @@ void Dynamics<Real>::find_forces() {
     loads.put_at(*wanted, motion.forces);
   else
     loads.put(motion.time, parallel, motion.forces);
-  regions.place_embedded(motion, parallel);
+  regions.place_embedded(!terms.empty(), motion, parallel);
   regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), motion.forces.padded(), parallel);
   for (const auto& term : terms) term->add_forces(here(), motion.forces.padded());
   regions.collect(loads.missing_share(motion.time), motion, parallel);

@@ -9,7 +9,7 @@ namespace lobe {
 template <class Real>
 template <class Weight>
 void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
-  body.regions.place_embedded(body.motion, body.parallel);  // wherever a reader may have left them
+  body.regions.place_embedded(false, body.motion, body.parallel);  // wherever a reader may have left them
   frequencies_.find(body.model.elements.topology.vertex_count(), weight, [&](DiagonalStiffness& K) {
     const auto found = body.regions.add_diagonal_stiffness(body.motion.u.padded(), K, body.parallel);
     volume_ratio_ = found.smallest_volume_ratio;
@@ -90,7 +90,7 @@ VertexFrequency StepLimit<Real>::highest_vertex(Body& body) {
 // nothing is found.
 template <class Real>
 HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettings& settings) {
-  body.regions.place_embedded(body.motion, body.parallel);
+  body.regions.place_embedded(false, body.motion, body.parallel);
   const Mat3X<Real> at = body.motion.u.view();
   double farthest = 0;  // of what moves by itself [m]
   for (Index v = 0; v < static_cast<Index>(at.cols()); ++v)

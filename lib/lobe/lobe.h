@@ -124,6 +124,7 @@
 #include "lobe/io/surface_io.h"
 #include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/proposal.h"
+#include "lobe/linearity/reduced_watch.h"
 #include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/live/pick.h"

@@ -106,10 +106,11 @@ def table_huge():
 
 def table_reduced():
     body = [[row["scene"].removeprefix("liver_"), thousands(row["tets"]), f"{float(row['speedup']):.2f}",
-             percent(row["largest_error"]), percent(row["mean_error"], 2), f"{float(row['worst_frame']):.2f}",
+             percent(row["largest_error"]), percent(row["mean_error"], 2), percent(row["estimated_error"]),
+             f"{float(row['ratio_at_worst']):.2f}", percent(row["watching"], 0), f"{float(row['worst_frame']):.2f}",
              percent(row["expanded"], 0)] for row in rows("reduced", regions="reduced")]
-    return markdown(["gesture", "tetrahedra", "speed-up", "largest error", "mean error", "slowest frame",
-                     "all full"], body)
+    return markdown(["gesture", "tetrahedra", "speed-up", "largest error", "mean error", "largest estimated",
+                     "ratio", "watch", "slowest frame", "all full"], body)
 
 
 def table_meshing_quality():

@@ -143,6 +143,27 @@ TEST_CASE("selective masses take the place of corrected regions, and the report 
   CHECK_FALSE(report.contains("linearity"));
 }
 
+TEST_CASE("the error of reduced regions is estimated, reported and warned of") {
+  const Folder folder;
+  Json json = small_scene();
+  json["regions"] = {{{"model", "reduced"}, {"cell", 0.018}}};
+  json["tools"] = Json::array();
+  json["time"]["duration"] = 1;
+  json["gravity"] = {0, 0, -5};
+  const RunResult result = play(write_scene_files(folder, json), folder.path / "out");
+  REQUIRE(result.ok);
+  const Json seen = report_in(folder.path / "out")["reduced"];
+  CHECK(seen["series"].size() == 51);
+  CHECK(seen["series"][0]["error"] == 0);
+  CHECK(seen["worst_error"].get<double>() > 0.02);
+  CHECK(seen["worst_place"][0].get<double>() > 0.04);
+  CHECK(seen["frames_exceeded"].get<int>() > 0);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings[0].starts_with("the error of reduced regions was estimated at up to "));
+  play(write_scene_files(folder), folder.path / "other");
+  CHECK_FALSE(report_in(folder.path / "other").contains("reduced"));
+}
+
 TEST_CASE("the report tells what was skipped") {
   const Folder folder;
   Json scene = small_scene();

@@ -35,6 +35,10 @@ class Loads {
   Mat3X<double> at(double time) const {  // 3 × #vertices [N]
     return (external_.view() - missing_share(time) * dead_.view()).template cast<double>();
   }
+  // On a vertex of this mass [kg] at a time, whoever bears it [N].
+  Vec3d of_vertex(const Elements& elements, Index v, double mass, double time) const {
+    return mass * gravity_ + (1 - missing_share(time)) * loads_.at(elements, v);
+  }
   double work(const Mat3X<Real>& u) const;  // of all loads at full size on u [J]
 
   // Loads at full size, 3 × #vertices [N]: all loads, and only the dead ones. A condensed region takes out

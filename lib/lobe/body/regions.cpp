@@ -66,6 +66,17 @@ void Regions<Real>::add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, P
 }
 
 template <class Real>
+void Regions<Real>::add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  tensor_mass_.add_forces(u, f, parallel);
+  nonlinear_.add_forces(u, f, parallel);
+  reduced_.add_tet_forces(u, f, parallel);
+  if (is_expanded_)
+    expanded_.add_forces(u, f, parallel);
+  else
+    precomputed_.add_stiffness_forces(u, f, parallel);
+}
+
+template <class Real>
 void Regions<Real>::add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                                     Parallel& parallel) {
   add_free_forces(u, f, parallel);

@@ -96,6 +96,8 @@ class Regions {
   // without loads, and of any other state.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   void add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f, Parallel& parallel);
+  // Those of all tetrahedra, as if no vertex were embedded.
+  void add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   // Adds the stiffness that each vertex feels when it moves while its neighbours are held. Returns the
   // smallest det F.
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,

@@ -104,6 +104,21 @@ class LatticeRegion {
   // Such a force has no effect.
   std::vector<Index> pressed_unseen(const Motion<Real>& motion) const;
 
+  // ---- What the lattice does not balance
+
+  // Adds the forces of all its tetrahedra, as if no vertex were embedded: 3 × #vertices.
+  void add_tet_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+    all_.add_forces(u, f, parallel);
+  }
+  // What of the forces on each vertex, of all tetrahedra and loads, does not go into its acceleration and its
+  // damping: 3 × #vertices [N]; zero where vertices move by themselves with their own mass. Each is turned
+  // back by the rotation of the tissue around it. Displacements must have been recovered, and the forces be
+  // those at them.
+  Mat3X<double> residual(const Elements& elements, const Loads<Real>& loads,
+                         const std::vector<double>& own_mass,  // per vertex [kg]; those behind are left out
+                         const std::vector<double>& mass,      // with which they move now [kg]
+                         const Motion<Real>& motion, Parallel& parallel);
+
   // ---- Displacements, velocities and energies
 
   // Computes displacements of all embedded vertices, and velocities if asked for.

@@ -52,7 +52,10 @@ class ZoneMass {
                 motion.v.col(v).template cast<double>());
     }
   }
-  double sum() const;  // [kg]
+  double sum() const;            // [kg]
+  double added(Index v) const {  // [kg]
+    return v < static_cast<Index>(added_.size()) ? added_[std::size_t(v)] : 0;
+  }
 
  private:
   template <class Owns>

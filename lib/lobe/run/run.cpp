@@ -27,7 +27,8 @@ double seconds_since(Clock::time_point start) {
 
 template <class Real>
 bool play(World<Real>& world, const Scene& scene, const RunOptions& options, FrameWriter& frame_writer,
-          Totals& totals, LinearityResults<Real>& watched, MassResults<Real>& masses) {
+          Totals& totals, LinearityResults<Real>& watched, MassResults<Real>& masses,
+          ReducedResults<Real>& reduced) {
   const Frames frames = frames_of(scene.time);
   const auto record = [&](bool last) {
     const Clock::time_point start = Clock::now();
@@ -42,6 +43,7 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Fra
   const auto look = [&] {
     watched.look(world, recorded ? &*recorded : nullptr);
     masses.look(world, recorded ? &*recorded : nullptr);
+    reduced.look(world);
   };
   look();
   for (int i = 0; i < frames.count && ok; ++i) {
@@ -89,9 +91,10 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   const double limit = world.time_step_limit();
   LinearityResults<Real> watched(world, scene, resolved);
   MassResults<Real> masses(world, scene);
-  result.ok = play(world, scene, options, frame_writer, totals, watched, masses);
+  ReducedResults<Real> reduced(world);
+  result.ok = play(world, scene, options, frame_writer, totals, watched, masses, reduced);
   result.picture_request = frame_writer.finish();
-  for (const std::string& warning : {watched.warning(), masses.warning()})
+  for (const std::string& warning : {watched.warning(), masses.warning(), reduced.warning()})
     if (!warning.empty()) result.warnings.push_back(warning);
   result.warnings.insert(result.warnings.end(), totals.warnings.begin(), totals.warnings.end());
   Json report{
@@ -123,6 +126,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   add_parts_in_use(report, world, scene, resolved, totals);
   if (watched.any()) report["linearity"] = watched.json();
   if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
+  if (const std::optional<Json> seen = reduced.json()) report["reduced"] = *seen;
   result.report = options.directory / "report.json";
   io::write_file(result.report, report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   result.summary = summary_of(report);

@@ -1,5 +1,5 @@
 // Collects for the report what the watches find while a scene runs: errors of linear regions and of selective
-// masses that lobe has chosen.
+// masses that lobe has chosen, and of reduced regions.
 #pragma once
 
 #include <map>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lobe/linearity/mass_watch.h"
+#include "lobe/linearity/reduced_watch.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/run/recording.h"
 #include "lobe/scene/resolve.h"
@@ -118,6 +119,47 @@ class MassResults {
   MassReport worst_;
   int exceeded_ = 0;
   std::map<std::string, int> frames_;
+  nlohmann::ordered_json series_ = nlohmann::ordered_json::array();
+};
+
+// Collects what the watch of reduced regions reports.
+template <class Real>
+class ReducedResults {
+ public:
+  static constexpr double tolerance = 0.02;  // above which there is a warning
+
+  explicit ReducedResults(const World<Real>& world) {
+    if (world.body().regions.reduced().any()) watch_.emplace(world, tolerance);
+  }
+
+  void look(World<Real>& world) {
+    if (!watch_) return;
+    const ReducedReport seen = watch_->look(world);
+    if (seen.error > worst_.error) worst_ = seen;
+    exceeded_ += seen.exceeded;
+    series_.push_back({{"time", seen.time}, {"error", seen.error}});
+  }
+
+  std::string warning() const {
+    if (worst_.error <= tolerance) return "";
+    return "the error of reduced regions was estimated at up to " + rounded(100 * worst_.error) + " % at " +
+           rounded(worst_.time) + " s, most " + place_in_words(worst_.place) +
+           "; a smaller \"cell\", or \"nonlinear\" there, may help";
+  }
+  std::optional<nlohmann::ordered_json> json() const {
+    if (!watch_) return {};
+    return nlohmann::ordered_json{{"worst_error", worst_.error},
+                                  {"worst_time", worst_.time},
+                                  {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
+                                  {"frames_exceeded", exceeded_},
+                                  {"looking_s", watch_->looking_seconds()},
+                                  {"series", series_}};
+  }
+
+ private:
+  std::optional<ReducedWatch<Real>> watch_;
+  ReducedReport worst_;
+  int exceeded_ = 0;
   nlohmann::ordered_json series_ = nlohmann::ordered_json::array();
 };
 

@@ -1,0 +1,45 @@
+// The equation of a small error e of the displacements of a body whose equations of motion were not quite
+// satisfied (theory, section 18):
+//   M ë + γ M ė + K e = r.
+// K and M are those of the body at rest. e and r, 3 × #vertices, are in frames that turn with the tissue
+// around each vertex. Steps are generalised-α ones (solve/implicit_step.h), with one cycle over two grids
+// each.
+#pragma once
+
+#include <optional>
+
+#include "lobe/linearity/two_grid.h"
+
+namespace lobe {
+
+class ErrorEquation {
+ public:
+  ErrorEquation(TwoGrid grid, double damping);  // γ [1/s]; the error begins at 0
+
+  // Takes the grid of the same mesh after cuts. Vertices that are new have the error of those that they are
+  // copies of.
+  void use(TwoGrid grid, const Topology& topology);
+  void restart();  // with an error of 0
+
+  // One step of h [s], to where r acts. What is held keeps its error.
+  void step(const TwoGrid::Product& product, const HeldVertices& held, const Mat3X<double>& r, double h);
+  const Mat3X<double>& error() const { return e_; }  // [m]
+  double norm() const;                               // √Σ m |e|² [√kg m]
+  const TwoGrid& grid() const { return grid_; }
+
+ private:
+  static constexpr double radius = 0;  // spectral: of what is faster than a step, residuals tell nothing
+  static constexpr double alpha_m = (2 * radius - 1) / (radius + 1), alpha_f = radius / (radius + 1);
+  static constexpr double gamma = 0.5 - alpha_m + alpha_f,
+                          beta = 0.25 * (1 - alpha_m + alpha_f) * (1 - alpha_m + alpha_f);
+
+  void prepare(const HeldVertices& held, double h);
+
+  TwoGrid grid_;
+  double damping_;
+  Mat3X<double> e_, v_, a_, r_;  // [m], [m/s], [m/s²], [N]
+  double h_ = 0;                 // for which the grid is prepared [s]; 0: for none
+  HeldVertices held_;            // and for this
+};
+
+}  // namespace lobe

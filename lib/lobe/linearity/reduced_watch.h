@@ -1,0 +1,63 @@
+// ReducedWatch estimates the error of reduced regions while a world runs (theory, section 18). It changes
+// nothing in the world.
+//
+//   ReducedWatch<float> watch(world, 0.02);
+//   world.advance(1.0 / 30);
+//   const ReducedReport report = watch.look(world);
+#pragma once
+
+#include <functional>
+#include <future>
+#include <optional>
+
+#include "lobe/linearity/error_equation.h"
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+struct ReducedReport {
+  double time = 0;   // [s]
+  double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
+  Vec3d place = Vec3d::Zero();  // at rest, of the vertex with the largest error [m]
+  bool exceeded = false;        // the tolerance
+};
+
+template <class Real>
+class ReducedWatch {
+ public:
+  using OnExceeded = std::function<void(const ReducedReport&)>;
+  static constexpr int frames_between = 2;  // estimates
+
+  // Of a world that has no reduced region then, every error is 0, and nothing is computed.
+  ReducedWatch(const World<Real>& world, double tolerance, OnExceeded on_exceeded = {});
+
+  // Call it at the start, and after each frame. An estimate costs four evaluations of all tetrahedra and a
+  // solution of few equations. The error counts from the first call, and from where the world was restored.
+  ReducedReport look(World<Real>& world);
+
+  double looking_seconds() const { return looking_seconds_; }  // in all
+
+ private:
+  void begin_again_if_restored(const World<Real>& world);
+  void follow_edits(const World<Real>& world);
+  void estimate(World<Real>& world, double h);
+
+  double tolerance_;
+  OnExceeded on_exceeded_;
+  std::optional<ErrorEquation> equation_;
+  std::future<TwoGrid> next_grid_;  // of the mesh as it was when that was begun
+  double grid_due_ = 0;             // [s]
+  bool grid_is_stale_ = false;
+  std::size_t edits_ = 0;       // of the world's, that are known
+  std::uint64_t restored_ = 0;  // how often it had been restored then
+  int looks_ = 0;
+  double time_ = 0;     // of the last estimate [s]
+  double largest_ = 0;  // norm of the displacement so far [√kg m]
+  ReducedReport last_;
+  double looking_seconds_ = 0;
+};
+
+extern template class ReducedWatch<float>;
+extern template class ReducedWatch<double>;
+
+}  // namespace lobe

@@ -1,0 +1,238 @@
+#include "lobe/linearity/reduced_watch.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <numeric>
+
+#include "lobe/sim/checkpoint.h"
+#include "reduced_bar.h"
+#include "world_support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+constexpr double frame = 1.0 / 30;
+
+double norm(const Elements& elements, const Mat3X<double>& u) {  // √Σ m |u|²
+  double sum = 0;
+  for (Index v = 0; v < u.cols(); ++v) sum += lumped_mass(elements, v) * u.col(v).squaredNorm();
+  return std::sqrt(sum);
+}
+
+// What a watch says of a world, and what the all-non-linear world says.
+struct Watched {
+  explicit Watched(const Setup& setup) : world(setup), exact(all_nonlinear(setup)), watch(world, 0.02) {
+    watch.look(world);
+  }
+  void advance() {
+    REQUIRE(world.advance(frame).ok);
+    REQUIRE(exact.advance(frame).ok);
+    seen = watch.look(world);
+    largest = std::max(largest, norm(exact.elements(), exact.state().u));
+    error = norm(exact.elements(), world.state().u - exact.state().u) / largest;
+  }
+
+  World<double> world, exact;
+  ReducedWatch<double> watch;
+  ReducedReport seen;
+  double error = 0, largest = 0;
+};
+
+Setup with_gravity(Setup setup, const Vec3d& gravity) {
+  setup.gravity = gravity;
+  return setup;
+}
+
+// Pulled at its end and aside, and let go.
+Setup pulled(Setup setup) {
+  setup.guard_below = 0.2;
+  const Vec3d end = setup.mesh.points.rowwise().maxCoeff();
+  setup.grasps.push_back(
+      {"grasp",
+       vertices_near(setup.mesh, {end.x(), end.y() / 2, end.z() / 2}, 0.4 * end.z()),
+       {{0.05, Vec3d::Zero()}, {0.6, Vec3d(-0.01, 0.02, 0.04)}, {0.8, Vec3d(-0.01, 0.02, 0.04)}},
+       true});
+  return setup;
+}
+
+}  // namespace
+
+TEST_CASE("a body at rest and one that was moved rigidly have no error") {
+  Setup setup = bar(12, 4);
+  World<double> resting(setup);
+  ReducedWatch<double> watch(resting, 0.02);
+  for (int i = 0; i < 4; ++i) {
+    REQUIRE(resting.advance(frame).ok);
+    CHECK(watch.look(resting).error == 0);
+  }
+  setup.prescribed.clear();
+  World<double> moved(setup);
+  State<double> state = moved.state();
+  const Mat3<double> R = Eigen::AngleAxisd(2, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
+  state.u = affine_displacement(setup.mesh.points, R);
+  moved.set_state(state);
+  ReducedWatch<double> of_moved(moved, 0.02);
+  for (int i = 0; i < 6; ++i) {
+    REQUIRE(moved.advance(frame).ok);
+    CHECK(of_moved.look(moved).error < 1e-7);
+  }
+  CHECK(moved.body().regions.reduced().any_embedded());
+}
+
+TEST_CASE(
+    "in equilibrium the estimated error is the true one up to a factor of 1.5, however large the load is") {
+  for (double load : {0.1, 1.0, 4.0}) {
+    Watched bent(with_gravity(bar(16, 4), Vec3d(0, 0.5, -1) * load));
+    for (int i = 0; i < 60; ++i) bent.advance();
+    CAPTURE(load);
+    MESSAGE("estimated " << bent.seen.error << ", true " << bent.error);
+    CHECK(bent.world.body().regions.reduced().any_embedded());
+    CHECK(bent.error > 1e-3);
+    CHECK(bent.seen.error > bent.error / 1.5);
+    CHECK(bent.seen.error < bent.error * 1.5);
+    CHECK(bent.seen.place.x() > 0.08);
+  }
+}
+
+TEST_CASE("the rotation of a body changes nothing of its estimated error") {
+  const Mat3<double> R = Eigen::AngleAxisd(2.5, Vec3d(1, -1, 0.5).normalized()).toRotationMatrix();
+  const Vec3d gravity(0, 0.5, -2);
+  const Setup plain = with_gravity(bar(12, 4), gravity);
+  Setup turned = with_gravity(bar(12, 4), R * gravity);
+  turned.ramp = 0;
+  for (PrescribedVertex& p : turned.prescribed)  // the whole bar is turned
+    p.displacement = (R - Mat3<double>::Identity()) * turned.mesh.points.col(p.vertex);
+  World<double> world(plain), other(turned);
+  State<double> state = other.state();
+  state.u = affine_displacement(turned.mesh.points, R);
+  other.set_state(state);
+  ReducedWatch<double> watch(world, 0.02), of_other(other, 0.02);
+  double ratio = 0;
+  for (int i = 0; i < 40; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    REQUIRE(other.advance(frame).ok);
+    const double error = watch.look(world).error;
+    ratio = of_other.look(other).error / error;
+  }
+  // Errors are relative to √Σ m |u|², which contains the turn.
+  const double size = norm(world.elements(), world.state().u), turn = norm(other.elements(), other.state().u);
+  CHECK(ratio * turn / size == doctest::Approx(1).epsilon(0.2));
+}
+
+TEST_CASE("while a bar is pulled and after it is let go the estimate is within a factor of three") {
+  for (int across : {4, 6}) {
+    Watched pull(pulled(bar(4 * across, across, RegionModel::reduced, 0.04 / across)));
+    int compared = 0;
+    double worst = 0, estimated = 0, at_worst = 0;
+    while (pull.world.time() < 1.4) {
+      pull.advance();
+      estimated = std::max(estimated, pull.seen.error);
+      if (pull.error > worst) at_worst = pull.seen.error;
+      worst = std::max(worst, pull.error);
+      if (!(pull.error > 0.007)) continue;
+      ++compared;
+      CAPTURE(pull.world.time());
+      CAPTURE(pull.error);
+      CHECK(pull.seen.error > pull.error / 3);
+      CHECK(pull.seen.error < pull.error * 3);
+    }
+    MESSAGE("largest errors: estimated " << estimated << ", true " << worst << ", estimated then "
+                                         << at_worst);
+    CHECK(compared > 10);
+    CHECK(estimated > worst / 2);
+    CHECK(estimated < worst * 2);
+  }
+}
+
+TEST_CASE_TEMPLATE("a watch changes nothing in a world", Real, float, double) {
+  Setup setup = pulled(bar(16, 4));
+  setup.gravity = {0, 0, -1};
+  World<Real> watched(setup), unwatched(setup);
+  ReducedWatch<Real> watch(watched, 0.02);
+  for (int i = 0; i < 40; ++i) {
+    REQUIRE(watched.advance(frame).ok);
+    REQUIRE(unwatched.advance(frame).ok);
+    watch.look(watched);
+    if (i == 30)
+      for (World<Real>* each : {&watched, &unwatched}) each->remove_tets({0, 1, 2, 500, 501});
+  }
+  CHECK(watch.looking_seconds() > 0);
+  CHECK(same_bits(watched, unwatched));
+}
+
+TEST_CASE("a body is cut under a watch; its error is estimated again from where it is put back") {
+  const Setup setup = with_gravity(bar(16, 4), {0, 0, -2});
+  World<double> world(setup);
+  ReducedWatch<double> watch(world, 0.02);
+  for (int i = 0; i < 30; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    watch.look(world);
+  }
+  const Checkpoint<double> before = world.save();
+  const double error = watch.look(world).error;
+  std::vector<Index> cut;
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Vec3d X = barycentre(setup.mesh, t);
+    if (std::abs(X.x() - 0.08) < 0.004 && X.z() > 0.015) cut.push_back(t);
+  }
+  world.remove_tets(cut);
+  double after = 0;
+  for (int i = 0; i < 40; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    after = watch.look(world).error;
+    CHECK(std::isfinite(after));
+  }
+  CHECK(after > 0);
+  world.restore(before);
+  CHECK(watch.look(world).error == 0);
+  double again = 0;
+  for (int i = 0; i < 40; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    again = watch.look(world).error;
+  }
+  CHECK(again == doctest::Approx(error).epsilon(0.1));
+}
+
+TEST_CASE("a body of two cells along is watched, and one of which everything is cut away") {
+  Setup setup = with_gravity(bar(8, 3), {0, 0, -2});
+  setup.lattice_cell = 0.039;
+  World<double> world(setup);
+  ReducedWatch<double> watch(world, 0.02);
+  for (int i = 0; i < 40; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    CHECK(std::isfinite(watch.look(world).error));
+    if (i == 8) CHECK(watch.look(world).error > 0);
+    if (i != 10) continue;
+    std::vector<Index> all(std::size_t(setup.mesh.tet_count()));
+    std::iota(all.begin(), all.end(), 0);
+    world.remove_tets(all);
+  }
+}
+
+TEST_CASE("who exceeds the tolerance is told, with the place") {
+  World<double> world(with_gravity(bar(16, 4), {0, 0, -2}));
+  std::vector<ReducedReport> told;
+  ReducedWatch<double> watch(world, 1e-4, [&](const ReducedReport& report) { told.push_back(report); });
+  CHECK_FALSE(watch.look(world).exceeded);
+  for (int i = 0; i < 20; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    watch.look(world);
+  }
+  REQUIRE_FALSE(told.empty());
+  CHECK(told.back().exceeded);
+  CHECK(told.back().error > 1e-4);
+  CHECK(told.back().time == world.time());
+}
+
+TEST_CASE("a world without reduced regions has no such error, and pays nothing") {
+  World<double> world(all_nonlinear(with_gravity(bar(8, 3), {0, 0, -2})));
+  ReducedWatch<double> watch(world, 0.02);
+  for (int i = 0; i < 5; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    CHECK(watch.look(world).error == 0);
+  }
+  CHECK(watch.looking_seconds() < 1e-3);
+}

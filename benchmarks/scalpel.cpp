@@ -124,6 +124,7 @@ double geometry_seconds(const Setup& setup, const FullStroke& stroke, int frames
     return BladePose{stroke.from.tip + share * (stroke.to.tip - stroke.from.tip),
                      stroke.from.heel + share * (stroke.to.heel - stroke.from.heel)};
   };
+  body.tets_in({});  // forms the groups, as a World does ahead of the first cut
   double seconds = 0;
   for (int i = 0; i < frames; ++i) {
     const Stopwatch watch(true);

@@ -44,10 +44,13 @@ Blades& World<Real>::blades() {
   return *blades_;
 }
 
-// Makes the grains ahead of the first cut, because that takes longer than a frame.
+// Makes the grains ahead of the first cut, and the groups of tetrahedra for its search, because that takes
+// longer than a frame.
 template <class Real>
 void World<Real>::prepare_blades() {
-  if (!blades_ && !prepared_) prepared_ = std::make_unique<Blades>(elements());
+  if (blades_ || prepared_) return;
+  prepared_ = std::make_unique<Blades>(elements());
+  tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {});
 }
 
 // Sets the mass floor, so that the stable step of the cut body is not much shorter than that of the whole

@@ -20,7 +20,8 @@ struct Options {
   std::string model;     // stress: only this one; empty: all
   double minutes = 10;   // soak: of wall time; live: simulated
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
-  std::vector<std::filesystem::path> meshes;  // accuracy, hybrid, realtime: of the one scene, beside its own
+  // accuracy, hybrid, realtime: of the one scene, beside its own; scalpel: beside the shipped liver
+  std::vector<std::filesystem::path> meshes;
 };
 
 // A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its
@@ -33,7 +34,7 @@ struct Benchmark {
   const char* name;
   const char* help;
   void (*run)(const Options& options);  // throws InputError, WrongResult
-  bool takes_scenes = false;
+  bool takes_meshes = false, takes_scenes = false;
 };
 
 std::span<const Benchmark> all_benchmarks();

@@ -206,13 +206,17 @@ Setup shuffled(const Setup& setup) {
   return result;
 }
 
-Setup liver_setup() {
-  Setup setup = whole_body(read_mesh(std::filesystem::path(LOBE_DATA_DIR) / "meshes/liver_10k.vtu").mesh);
+Setup organ_setup(const TetMesh& mesh) {
+  Setup setup = whole_body(mesh);
   const auto x = setup.mesh.points.row(0);
   const double held_below = x.minCoeff() + 0.05 * (x.maxCoeff() - x.minCoeff());
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (x[v] < held_below) setup.prescribed.push_back({v, Vec3d::Zero()});
   return setup;
+}
+
+Setup liver_setup() {
+  return organ_setup(read_mesh(std::filesystem::path(LOBE_DATA_DIR) / "meshes/liver_10k.vtu").mesh);
 }
 
 Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(mesh_name)), setup(body) {

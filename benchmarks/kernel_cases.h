@@ -18,7 +18,8 @@ Setup cube_setup(int tets);
 // The same body, its vertices and tetrahedra numbered at random.
 Setup shuffled(const Setup& setup);
 
-// The shipped liver, non-linear, of one material, held on one side.
+// An organ, non-linear, of one material, held where x is least. liver_setup(): the shipped liver.
+Setup organ_setup(const TetMesh& mesh);
 Setup liver_setup();
 
 // A body with every vertex moved at random by a tenth of a cell of six tetrahedra: strains are large, and

@@ -43,7 +43,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--scene", options.scenes,
                  "accuracy, hybrid, realtime: your own scene, in place of the shipped ones")
       ->allow_extra_args(false);
-  app.add_option("--mesh", options.meshes, "accuracy, hybrid, realtime: a further mesh of that scene")
+  app.add_option("--mesh", options.meshes,
+                 "accuracy, hybrid, realtime: a further mesh of that scene; scalpel: a further organ")
       ->allow_extra_args(false);
 }
 
@@ -56,8 +57,10 @@ const Benchmark& benchmark_of(const Arguments& arguments) {
     for (const Benchmark& b : benchmarks) message += std::string("\n  ") + b.name + ": " + b.help;
     throw lobe::InputError("bench " + arguments.name, message);
   }
-  if (!chosen->takes_scenes && !(arguments.options.scenes.empty() && arguments.options.meshes.empty()))
-    throw lobe::InputError("bench " + arguments.name, "takes neither --scene nor --mesh");
+  if (!chosen->takes_scenes && !arguments.options.scenes.empty())
+    throw lobe::InputError("bench " + arguments.name, "takes no --scene");
+  if (!chosen->takes_meshes && !arguments.options.meshes.empty())
+    throw lobe::InputError("bench " + arguments.name, "takes no --mesh");
   return *chosen;
 }
 

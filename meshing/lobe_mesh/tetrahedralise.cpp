@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "lobe/error.h"
+#include "lobe/mesh/spatial_order.h"
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"
@@ -27,6 +28,20 @@ namespace {
 constexpr double surface_edge_factor = 1.08;
 
 constexpr double finest_feature = 0.15;  // of the shortest edge asked for
+
+// Numbers vertices and tetrahedra along a curve through space: what lies close together in the body then lies
+// close together in memory. Meshers leave them in no such order.
+TetMesh in_spatial_order(const TetMesh& mesh) {
+  Mat3X<double> middles(3, mesh.tet_count());
+  for (Index t = 0; t < mesh.tet_count(); ++t) middles.col(t) = barycentre(mesh, t);
+  const std::vector<Index> vertices = spatial_order(mesh.points), tets = spatial_order(middles);
+  std::vector<Index> number(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) number[std::size_t(vertices[i])] = static_cast<Index>(i);
+  TetMesh ordered{mesh.points(Eigen::all, vertices), mesh.tets(Eigen::all, tets), {}};
+  for (Index& v : ordered.tets.reshaped()) v = number[std::size_t(v)];
+  for (Index t : tets) ordered.labels.push_back(mesh.labels[std::size_t(t)]);
+  return ordered;
+}
 
 class Stopwatch {
  public:
@@ -219,6 +234,7 @@ void Tries::one(Mesher mesher, double factor) {
     improve(mesh);
     mesh.points = unit_.from_unit(mesh.points);
     prepare(mesh, "mesh");
+    mesh = in_spatial_order(mesh);
     MeshReport now = report_;
     now.mesher = mesher;
     options_.progress("measure", -1);

@@ -90,6 +90,19 @@ TEST_CASE("the same input gives the same mesh, bit for bit, in any unit") {
   }
 }
 
+// Of a mesh in no order these would be about a third of its vertices, and half of its width.
+TEST_CASE("neighbours in the body are neighbours in memory") {
+  MeshReport report;
+  const TetMesh mesh = mesh_of(make_sphere(0.05, 3), 0.008, Mesher::cgal, report);
+  double apart = 0, way = 0;
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    apart += double(mesh.tets.col(t).maxCoeff() - mesh.tets.col(t).minCoeff()) / mesh.tet_count();
+    if (t > 0) way += (barycentre(mesh, t) - barycentre(mesh, t - 1)).norm() / mesh.tet_count();
+  }
+  CHECK(apart < 0.2 * mesh.vertex_count());
+  CHECK(way < 1.2 * report.mean_edge);
+}
+
 TEST_CASE("of several tries the longest time step is kept, and all are reported") {
   MeshReport report;
   tetrahedralise({make_sphere(0.05, 3)}, {.edge = 0.012, .tries = 3}, report);

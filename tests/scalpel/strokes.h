@@ -38,7 +38,7 @@ inline std::vector<Incision> incisions_of(const TetMesh& mesh, int strokes) {
 
 template <class Real>
 void cut(World<Real>& world, const std::vector<Incision>& incisions) {
-  for (const Incision& incision : incisions) world.apply(Incise{incision});
+  for (const Incision& incision : incisions) world.apply(Incise{{incision}});
 }
 
 template <class Real>

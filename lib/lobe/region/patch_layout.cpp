@@ -58,10 +58,12 @@ template <int n>
 void PatchLayout<n>::fill_new_patches(const std::vector<Item>& items, const Mat3X<double>& points) {
   const std::vector<Item> order = in_patch_order(items, points);
   const Index count = static_cast<Index>(order.size()), first_patch = patch_count();
-  const std::size_t patches = patches_.size() + order.size() * 17 / (16 * capacity) + 4;
-  vertex_.reserve(patches * patch_vertices);
-  uses_.reserve(patches * patch_vertices);
-  id_of_.reserve(patches * capacity);
+  if (first_patch == 0) {
+    const std::size_t patches = order.size() * 17 / (16 * capacity) + 4;
+    vertex_.reserve(patches * patch_vertices);
+    uses_.reserve(patches * patch_vertices);
+    id_of_.reserve(patches * capacity);
+  }
   std::vector<Index> known_to(std::size_t(places_.vertex_count()), -1);  // the last patch
   std::vector<Index> ends;
   for (Index i = 0; i < count; ends.push_back(i)) {
@@ -95,11 +97,12 @@ void PatchLayout<n>::list_places(Index first_patch) {
     for_places([&](Index place) { ++lengths[vertex_[place]]; });
     places_ = VertexLists<Index>(lengths);
   }
+  const auto before = std::ptrdiff_t(used_.size());
   for_places([&](Index place) {
     places_.append(vertex_[place], place);
     use(vertex_[place]);
   });
-  std::sort(used_.begin(), used_.end());
+  std::sort(used_.begin() + before, used_.end());
 }
 
 template <int n>
@@ -138,9 +141,10 @@ Index PatchLayout<n>::patch_for(const Item& item) {
   for (Index v : item.corners)
     for (Index place : places_[v]) {
       const Index p = place / patch_vertices;
-      if (missing(p, item.corners) >= fewest || !has_room(p, item)) continue;
+      const Index count = missing(p, item.corners);
+      if (count >= fewest || !has_room(p, item)) continue;
       best = p;
-      fewest = missing(p, item.corners);
+      fewest = count;
     }
   if (best >= 0) return best;
   return open_ >= 0 && has_room(open_, item) ? open_ : open_patch(item.kind);

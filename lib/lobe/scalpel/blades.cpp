@@ -138,8 +138,10 @@ std::vector<Index> Blades::tets_near(const SweptSheets& swept, const Blade& blad
   const double reach = std::max(blade.reach(), open_within) * grains.mean_edge();
   const Eigen::AlignedBox3d box = last ? swept.last_box().merged(last->box()) : swept.last_box();
   const Vec3d around = Vec3d::Constant(reach);
+  const Sheet* now = nullptr;  // made when the first tetrahedron is near
   const auto may_reach = [&](const auto& x) {
-    return swept.last().may_reach(x, reach) || (last && last->may_reach(x, reach));
+    if (!now) now = &swept.last();
+    return now->may_reach(x, reach) || (last && last->may_reach(x, reach));
   };
   return body.tets_in({{box.min() - around, box.max() + around}, may_reach, may_reach});
 }

@@ -1,6 +1,8 @@
 // What grains that have come apart mean for the simulation.
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -67,7 +69,6 @@ class Division {
     const Changed* changed = find_changed(grain);
     return changed ? changed->corners : topology_.corners(grains_[grain].element);
   }
-  std::span<const Index> grains_of(Index tet) const;
 
   template <class Visit>  // visit(pair, vertex) of both tetrahedra that the grains beside a face are part of
   void for_common_vertices(Visit&& visit) const {
@@ -80,7 +81,6 @@ class Division {
   }
   void find_star(Index v);
   void find_rest(Index v, Index first, std::size_t most, std::vector<Index>& found);
-  bool hangs_together(Index v);
   bool is_bridged(Index v);
   bool was_whole(Index v);
   bool may_part() const;
@@ -100,7 +100,8 @@ class Division {
   std::vector<std::pair<Index, Index>> sides_;  // vertices, and grains beside faces that opened there; sorted
   std::vector<Changed> changed_;
   std::vector<Index> star_, front_;           // grains around a vertex; those found there
-  std::vector<Part> parts_;                   // by their numbers, once all are found
+  std::vector<Part> parts_, new_parts_;       // by their numbers: of old tetrahedra, of new ones
+  std::vector<Index> grains_of_tet_;          // scratch of divide()
   std::array<std::vector<Index>, 4> across_;  // scratch of add_neighbours()
   Index new_tets_ = 0;
   TetDivision result_;
@@ -150,7 +151,7 @@ TetDivision Division::find() {
   for (Index v : vertices_) split(v);
   result_.may_part = may_part();
   for (Index t : changed_tets()) divide(t);
-  std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.tet < b.tet; });
+  std::move(new_parts_.begin(), new_parts_.end(), std::back_inserter(parts_));
   find_neighbours();
   return std::move(result_);
 }
@@ -177,11 +178,6 @@ void Division::find_rest(Index v, Index first, std::size_t most, std::vector<Ind
       of_other = -1;
       found.push_back(other);
     }
-}
-
-bool Division::hangs_together(Index v) {
-  find_rest(v, star_.front(), star_.size(), front_);
-  return front_.size() == star_.size();
 }
 
 // Whether grains that have been parted around a vertex still hang together there, around what has opened.
@@ -231,24 +227,25 @@ bool Division::may_part() const {
   return held < parted_.size();
 }
 
-// In order of their first grains.
+// What hangs together around a vertex, in order of the first grains.
 std::vector<std::vector<Index>> Division::parts_around(Index v) {
-  std::sort(star_.begin(), star_.end());
-  for (Index grain : star_) mark(grain) = mark_around(v);
+  find_star(v);
   std::vector<std::vector<Index>> parts;
-  for (Index first : star_)
-    if (mark(first) == mark_around(v)) find_rest(v, first, star_.size(), parts.emplace_back());
+  for (std::size_t found = 0; found < star_.size(); found += parts.back().size()) {
+    Index first = std::numeric_limits<Index>::max();
+    for (Index grain : star_)
+      if (grain < first && mark(grain) == mark_around(v)) first = grain;
+    find_rest(v, first, star_.size() - found, parts.emplace_back());
+  }
   return parts;
 }
 
 // The part in which the vertex lies keeps it, and with it what acts on it and who may grasp it; of several,
 // as of none, the one that fills most, the first of those.
 void Division::split(Index v) {
-  const bool is_known = was_whole(v);
-  if (is_known && is_bridged(v)) return;
-  find_star(v);
-  if (!is_known && hangs_together(v)) return;
+  if (was_whole(v) && is_bridged(v)) return;
   const std::vector<std::vector<Index>> parts = parts_around(v);
+  if (parts.size() < 2) return;
   const Vec3d& X = grains_.point(topology_.origin(v));
   const auto has_vertex = [&](Index grain) {
     const Eigen::Vector4i& points = grains_[grain].points;
@@ -290,7 +287,8 @@ void Division::divide(Index tet) {
     double share = 0;
   };
   std::vector<Group> groups;
-  std::vector<Index> all(grains_.of(tet).begin(), grains_.of(tet).end());
+  std::vector<Index>& all = grains_of_tet_;
+  all.assign(grains_.of(tet).begin(), grains_.of(tet).end());
   std::sort(all.begin(), all.end());
   for (Index grain : all) {
     const Corners corners = corners_of(grain);
@@ -307,14 +305,8 @@ void Division::divide(Index tet) {
     result_.parts.push_back({number, tet, group->corners, group->share});
     if (number != tet)
       for (Index grain : group->grains) changed(grain).element = number;
-    parts_.push_back({number, std::move(group->grains)});
+    (number == tet ? parts_ : new_parts_).push_back({number, std::move(group->grains)});
   }
-}
-
-std::span<const Index> Division::grains_of(Index tet) const {
-  const auto at =
-      std::lower_bound(parts_.begin(), parts_.end(), tet, [](const Part& p, Index t) { return p.tet < t; });
-  return at != parts_.end() && at->tet == tet ? std::span<const Index>(at->grains) : grains_.of(tet);
 }
 
 // Of what was touched, of what has other corners or is new, and of what is beside these.
@@ -329,7 +321,13 @@ void Division::find_neighbours() {
   }
   sort_unique(tets);
   result_.neighbours.reserve(tets.size());
-  for (Index t : tets) add_neighbours(t, grains_of(t));
+  result_.others.reserve(4 * tets.size());
+  auto part = parts_.begin();
+  for (Index t : tets) {
+    while (part != parts_.end() && part->tet < t) ++part;
+    const bool is_part = part != parts_.end() && part->tet == t;
+    add_neighbours(t, is_part ? std::span<const Index>(part->grains) : grains_.of(t));
+  }
 }
 
 // Two tetrahedra beside each other differ in one corner, which is opposite to the face that they share.
@@ -339,10 +337,13 @@ void Division::add_neighbours(Index tet, std::span<const Index> grains) {
   for (Index grain : grains) {
     for (int f = 0; f < 4; ++f) {
       const Index other = grains_.neighbour(grain, f);
-      if (other < 0 || element_of(other) == tet) continue;
-      const Corners next = corners_of(other);
+      if (other < 0) continue;
+      const Changed* changed = find_changed(other);
+      const Index element = changed ? changed->element : grains_[other].element;
+      if (element == tet) continue;
+      const Corners next = changed ? changed->corners : topology_.corners(element);
       for (int c = 0; c < 4; ++c)
-        if (!has(next, corners[c])) across_[std::size_t(c)].push_back(element_of(other));
+        if (!has(next, corners[c])) across_[std::size_t(c)].push_back(element);
     }
   }
   TetDivision::Neighbours& listed = result_.neighbours.emplace_back();

@@ -12,7 +12,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 17,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 18,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -163,9 +163,7 @@ void World<Real>::repeat(const Command& command) {
     check_tets(removal->tets);
     cut(removal->tets);
   } else if (const auto* incise = std::get_if<Incise>(&command)) {
-    repeat_incisions(std::span(&incise->incision, 1));
-  } else if (const auto* in_turn = std::get_if<InciseInTurn>(&command)) {
-    repeat_incisions(in_turn->incisions);
+    repeat_incisions(*incise);
   } else if (const auto* change = std::get_if<SetRegion>(&command)) {
     check_tets(change->tets);
     change_region(change->tets, change->model);

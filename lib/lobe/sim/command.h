@@ -64,19 +64,15 @@ struct SetMassDegree {
   static constexpr auto fields = std::tuple(&SetMassDegree::degree);
 };
 
-// Records what a blade has cut in one step, by numbers of grains. World makes this command. The first one is
-// empty; it marks when the grains were made.
+// Records what a blade has cut in one frame, step by step, by numbers of grains. Tetrahedra are divided once,
+// after the last step. World makes this command. The first one is empty; it marks when the grains were made.
 struct Incise {
-  Incision incision;
-  bool operator==(const Incise&) const = default;
-  static constexpr auto fields = std::tuple(&Incise::incision);
-};
-
-// The same of several steps in a frame. Tetrahedra are divided once, after the last. One step is an Incise.
-struct InciseInTurn {
   std::vector<Incision> incisions;
-  bool operator==(const InciseInTurn&) const = default;
-  static constexpr auto fields = std::tuple(&InciseInTurn::incisions);
+  bool is_empty() const {
+    return std::all_of(incisions.begin(), incisions.end(), [](const Incision& i) { return i.empty(); });
+  }
+  bool operator==(const Incise&) const = default;
+  static constexpr auto fields = std::tuple(&Incise::incisions);
 };
 
 // Sets external forces on vertices [N]. They replace the previous ones.
@@ -147,7 +143,7 @@ using Command =
     Joined<std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree>,
            ToolCommand,
            std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginCondensing, EndCondensing,
-                        Superseded, InciseInTurn>>::Type;
+                        Superseded>>::Type;
 
 // Remembers whether something pressed on the interior of a pre-computed region. The region is expanded for
 // it, and condensed again later.

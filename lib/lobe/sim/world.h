@@ -12,8 +12,6 @@
 //   for (int frame = 0; frame < 60; ++frame) world.advance(1.0 / 30);
 #pragma once
 
-#include <span>
-
 #include "lobe/sim/display.h"
 #include "lobe/sim/history.h"
 #include "lobe/sim/pieces.h"
@@ -132,8 +130,7 @@ class World {
   }
   void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
   void perform(const SwitchTool& command) { tools_.turn_on(command.tool, command.on); }
-  void perform(const Incise& command) { perform_incisions(std::span(&command.incision, 1)); }
-  void perform(const InciseInTurn& command) { perform_incisions(command.incisions); }
+  void perform(const Incise& command);
   void perform(const LetGo& command) { tools_.let_go(command.tool); }
   void perform(const SetForces& command);
   void perform(const SetSprings& command);
@@ -205,8 +202,7 @@ class World {
   void check_fits(const Checkpoint<Real>& checkpoint) const;
   void check_repeats(const Command& command) const;
   void repeat(const Command& command);
-  void perform_incisions(std::span<const Incision> incisions);
-  MeshEdit repeat_incisions(std::span<const Incision> incisions);
+  MeshEdit repeat_incisions(const Incise& command);
   Index settle(const MeshEdit& edit);
   void take(const Checkpoint<Real>& checkpoint);
   void take_nodes(const Checkpoint<Real>& checkpoint);

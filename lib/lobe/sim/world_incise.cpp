@@ -29,12 +29,6 @@ void divide_grains(const Incision& incision, Grains& grains) {
   if (!grains.can_open(incision.opened)) throw InputError("incision", "opens a face that there is not");
 }
 
-// The command that repeats these.
-Command command_of(std::vector<Incision> incisions) {
-  if (incisions.size() == 1) return Incise{std::move(incisions.front())};
-  return InciseInTurn{std::move(incisions)};
-}
-
 }  // namespace
 
 template <class Real>
@@ -50,10 +44,13 @@ Blades& World<Real>::blades() {
   return *blades_;
 }
 
-// Makes the grains ahead of the first cut, because that takes longer than a frame.
+// Makes the grains ahead of the first cut, and the groups of tetrahedra for its search, because that takes
+// longer than a frame.
 template <class Real>
 void World<Real>::prepare_blades() {
-  if (!blades_ && !prepared_) prepared_ = std::make_unique<Blades>(elements());
+  if (blades_ || prepared_) return;
+  prepared_ = std::make_unique<Blades>(elements());
+  tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {});
 }
 
 // Sets the mass floor, so that the stable step of the cut body is not much shorter than that of the whole
@@ -119,7 +116,7 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
     tools_.cut_by(move.tool, work_of(*incised), incised->way, step.to.tip);
   }
   if (!incisions.empty()) {
-    journal_.edits.push_back(command_of(std::move(incisions)));
+    journal_.edits.push_back(Incise{std::move(incisions)});
     const MeshEdit edit = divide(opened);
     report.tets_copied += static_cast<Index>(edit.copies.size());
     report.tets_removed += settle(edit);
@@ -232,28 +229,27 @@ Index World<Real>::settle(const MeshEdit& edit) {
 
 // Repeats a cut without its consequences.
 template <class Real>
-MeshEdit World<Real>::repeat_incisions(std::span<const Incision> incisions) {
+MeshEdit World<Real>::repeat_incisions(const Incise& command) {
   Grains& grains = blades().grains;
   std::vector<Index> opened;
-  for (const Incision& incision : incisions) {
+  for (const Incision& incision : command.incisions) {
     divide_grains(incision, grains);
     const std::vector<Index> beside = grains.open(incision.opened, incision.stroke);
     opened.insert(opened.end(), beside.begin(), beside.end());
   }
-  if (std::any_of(incisions.begin(), incisions.end(), [](const Incision& i) { return !i.empty(); }))
-    journal_.edits.push_back(command_of({incisions.begin(), incisions.end()}));
+  if (!command.is_empty()) journal_.edits.push_back(command);
   return divide(opened);
 }
 
 // Tries the cut on a copy first, so that an invalid command changes nothing.
 template <class Real>
-void World<Real>::perform_incisions(std::span<const Incision> incisions) {
+void World<Real>::perform(const Incise& command) {
   Grains trial = blades().grains;
-  for (const Incision& incision : incisions) {
+  for (const Incision& incision : command.incisions) {
     divide_grains(incision, trial);
     trial.open(incision.opened, incision.stroke);
   }
-  settle(repeat_incisions(incisions));
+  settle(repeat_incisions(command));
 }
 
 }  // namespace lobe

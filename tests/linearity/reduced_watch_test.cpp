@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "lobe/sim/checkpoint.h"
+#include "near.h"
 #include "reduced_bar.h"
 #include "world_support.h"
 
@@ -100,7 +101,9 @@ TEST_CASE(
 TEST_CASE("the rotation of a body changes nothing of its estimated error") {
   const Mat3<double> R = Eigen::AngleAxisd(2.5, Vec3d(1, -1, 0.5).normalized()).toRotationMatrix();
   const Vec3d gravity(0, 0.5, -2);
-  const Setup plain = with_gravity(bar(12, 4), gravity);
+  Setup plain = with_gravity(bar(12, 4), gravity);
+  // Held away from rest by next to nothing, so that the same vertices are full.
+  for (PrescribedVertex& p : plain.prescribed) p.displacement = Vec3d::Constant(1e-12);
   Setup turned = with_gravity(bar(12, 4), R * gravity);
   turned.ramp = 0;
   for (PrescribedVertex& p : turned.prescribed)  // the whole bar is turned
@@ -109,17 +112,22 @@ TEST_CASE("the rotation of a body changes nothing of its estimated error") {
   State<double> state = other.state();
   state.u = affine_displacement(turned.mesh.points, R);
   other.set_state(state);
+  // What has moved as far is as seldom quick, and so as seldom full.
+  Checkpoint<double> moved = world.save();
+  moved.nodes.zones.largest = norm(other.elements(), state.u);
+  world.restore(moved);
   ReducedWatch<double> watch(world, 0.02), of_other(other, 0.02);
-  double ratio = 0;
+  double ratio = 0, size = 0, turn = 0;
   for (int i = 0; i < 40; ++i) {
     REQUIRE(world.advance(frame).ok);
     REQUIRE(other.advance(frame).ok);
+    size = std::max(size, norm(world.elements(), world.state().u));
+    turn = std::max(turn, norm(other.elements(), other.state().u));
     const double error = watch.look(world).error;
     ratio = of_other.look(other).error / error;
   }
-  // Errors are relative to √Σ m |u|², which contains the turn.
-  const double size = norm(world.elements(), world.state().u), turn = norm(other.elements(), other.state().u);
-  CHECK(ratio * turn / size == doctest::Approx(1).epsilon(0.2));
+  // Errors are relative to the largest √Σ m |u|² so far, which contains the turn.
+  CHECK(ratio * turn / size == near(1, 0.2));
 }
 
 TEST_CASE("while a bar is pulled and after it is let go the estimate is within a factor of three") {
@@ -172,7 +180,6 @@ TEST_CASE("a body is cut under a watch; its error is estimated again from where 
     watch.look(world);
   }
   const Checkpoint<double> before = world.save();
-  const double error = watch.look(world).error;
   std::vector<Index> cut;
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const Vec3d X = barycentre(setup.mesh, t);
@@ -193,7 +200,16 @@ TEST_CASE("a body is cut under a watch; its error is estimated again from where 
     REQUIRE(world.advance(frame).ok);
     again = watch.look(world).error;
   }
-  CHECK(again == doctest::Approx(error).epsilon(0.1));
+  // As if nothing had been cut, but for what it has forgotten of the frames before.
+  World<double> uncut(setup);
+  ReducedWatch<double> of_uncut(uncut, 0.02);
+  double error = 0;
+  for (int i = 0; i < 70; ++i) {
+    REQUIRE(uncut.advance(frame).ok);
+    error = of_uncut.look(uncut).error;
+  }
+  CHECK(again > error / 3);
+  CHECK(again < 3 * error);
 }
 
 TEST_CASE("a body of two cells along is watched, and one of which everything is cut away") {

@@ -11,19 +11,20 @@ namespace lobe::test {
 
 inline constexpr double edge = 0.01;
 
-// A bar along x, jittered, held at x = 0 if asked.
-inline Setup bar(int length, int width, bool is_held = true, RegionModel model = RegionModel::reduced) {
-  TetMesh mesh = box_mesh({length * edge, width * edge, width * edge}, length, width, width);
+// A bar along x of cells of this size [m], jittered, held at x = 0 if asked.
+inline Setup bar(int length, int width, bool is_held = true, RegionModel model = RegionModel::reduced,
+                 double size = edge) {
+  TetMesh mesh = box_mesh({length * size, width * size, width * size}, length, width, width);
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> jitter(-0.15 * edge, 0.15 * edge);
+  std::uniform_real_distribution<double> jitter(-0.15 * size, 0.15 * size);
   for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if (mesh.points(0, v) > edge / 2)
+    if (mesh.points(0, v) > size / 2)
       for (int d = 0; d < 3; ++d) mesh.points(d, v) += jitter(random);
   Setup setup = setup_of(mesh, model);
-  setup.lattice_cell = 2 * edge;
+  setup.lattice_cell = 2 * size;
   setup.volume_penalty = 1e5;
   for (Index v = 0; v < mesh.vertex_count() && is_held; ++v)
-    if (mesh.points(0, v) < edge / 2) setup.prescribed.push_back({v, Vec3d::Zero()});
+    if (mesh.points(0, v) < size / 2) setup.prescribed.push_back({v, Vec3d::Zero()});
   return setup;
 }
 

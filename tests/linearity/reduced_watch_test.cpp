@@ -62,7 +62,7 @@ Setup pulled(Setup setup) {
 }  // namespace
 
 TEST_CASE("a body at rest and one that was moved rigidly have no error") {
-  Setup setup = bar(12, 4);
+  Setup setup = damped_bar(12, 4);
   World<double> resting(setup);
   ReducedWatch<double> watch(resting, 0.02);
   for (int i = 0; i < 4; ++i) {
@@ -86,7 +86,7 @@ TEST_CASE("a body at rest and one that was moved rigidly have no error") {
 TEST_CASE(
     "in equilibrium the estimated error is the true one up to a factor of 1.5, however large the load is") {
   for (double load : {0.1, 1.0, 4.0}) {
-    Watched bent(with_gravity(bar(16, 4), Vec3d(0, 0.5, -1) * load));
+    Watched bent(with_gravity(damped_bar(16, 4), Vec3d(0, 0.5, -1) * load));
     for (int i = 0; i < 60; ++i) bent.advance();
     CAPTURE(load);
     MESSAGE("estimated " << bent.seen.error << ", true " << bent.error);
@@ -101,10 +101,10 @@ TEST_CASE(
 TEST_CASE("the rotation of a body changes nothing of its estimated error") {
   const Mat3<double> R = Eigen::AngleAxisd(2.5, Vec3d(1, -1, 0.5).normalized()).toRotationMatrix();
   const Vec3d gravity(0, 0.5, -2);
-  Setup plain = with_gravity(bar(12, 4), gravity);
+  Setup plain = with_gravity(damped_bar(12, 4), gravity);
   // Held away from rest by next to nothing, so that the same vertices are full.
   for (PrescribedVertex& p : plain.prescribed) p.displacement = Vec3d::Constant(1e-12);
-  Setup turned = with_gravity(bar(12, 4), R * gravity);
+  Setup turned = with_gravity(damped_bar(12, 4), R * gravity);
   turned.ramp = 0;
   for (PrescribedVertex& p : turned.prescribed)  // the whole bar is turned
     p.displacement = (R - Mat3<double>::Identity()) * turned.mesh.points.col(p.vertex);
@@ -132,7 +132,7 @@ TEST_CASE("the rotation of a body changes nothing of its estimated error") {
 
 TEST_CASE("while a bar is pulled and after it is let go the estimate is within a factor of three") {
   for (int across : {4, 6}) {
-    Watched pull(pulled(bar(4 * across, across, RegionModel::reduced, 0.04 / across)));
+    Watched pull(pulled(damped_bar(4 * across, across, 0.04 / across)));
     int compared = 0;
     double worst = 0, estimated = 0, at_worst = 0;
     while (pull.world.time() < 1.4) {
@@ -156,7 +156,7 @@ TEST_CASE("while a bar is pulled and after it is let go the estimate is within a
 }
 
 TEST_CASE_TEMPLATE("a watch changes nothing in a world", Real, float, double) {
-  Setup setup = pulled(bar(16, 4));
+  Setup setup = pulled(damped_bar(16, 4));
   setup.gravity = {0, 0, -1};
   World<Real> watched(setup), unwatched(setup);
   ReducedWatch<Real> watch(watched, 0.02);
@@ -172,7 +172,7 @@ TEST_CASE_TEMPLATE("a watch changes nothing in a world", Real, float, double) {
 }
 
 TEST_CASE("a body is cut under a watch; its error is estimated again from where it is put back") {
-  const Setup setup = with_gravity(bar(16, 4), {0, 0, -2});
+  const Setup setup = with_gravity(damped_bar(16, 4), {0, 0, -2});
   World<double> world(setup);
   ReducedWatch<double> watch(world, 0.02);
   for (int i = 0; i < 30; ++i) {
@@ -213,7 +213,7 @@ TEST_CASE("a body is cut under a watch; its error is estimated again from where 
 }
 
 TEST_CASE("a body of two cells along is watched, and one of which everything is cut away") {
-  Setup setup = with_gravity(bar(8, 3), {0, 0, -2});
+  Setup setup = with_gravity(damped_bar(8, 3), {0, 0, -2});
   setup.lattice_cell = 0.039;
   World<double> world(setup);
   ReducedWatch<double> watch(world, 0.02);
@@ -229,7 +229,7 @@ TEST_CASE("a body of two cells along is watched, and one of which everything is 
 }
 
 TEST_CASE("who exceeds the tolerance is told, with the place") {
-  World<double> world(with_gravity(bar(16, 4), {0, 0, -2}));
+  World<double> world(with_gravity(damped_bar(16, 4), {0, 0, -2}));
   std::vector<ReducedReport> told;
   ReducedWatch<double> watch(world, 1e-4, [&](const ReducedReport& report) { told.push_back(report); });
   CHECK_FALSE(watch.look(world).exceeded);
@@ -244,7 +244,7 @@ TEST_CASE("who exceeds the tolerance is told, with the place") {
 }
 
 TEST_CASE("a world without reduced regions has no such error, and pays nothing") {
-  World<double> world(all_nonlinear(with_gravity(bar(8, 3), {0, 0, -2})));
+  World<double> world(all_nonlinear(with_gravity(damped_bar(8, 3), {0, 0, -2})));
   ReducedWatch<double> watch(world, 0.02);
   for (int i = 0; i < 5; ++i) {
     REQUIRE(world.advance(frame).ok);

@@ -51,7 +51,7 @@ struct Rest {
 TEST_CASE("cycles over two grids converge to the exact solution, of nearly incompressible bodies, too") {
   for (double volume_penalty : {0.0, 1e5})
     for (int across : {4, 8}) {
-      Setup setup = bar(4 * across, across);
+      Setup setup = damped_bar(4 * across, across);
       setup.volume_penalty = volume_penalty;
       const Rest rest(setup);
       TwoGrid grid(rest.elements, 0.03);
@@ -72,7 +72,7 @@ TEST_CASE("cycles over two grids converge to the exact solution, of nearly incom
 }
 
 TEST_CASE("one cycle finds most of what a smooth force does, of inertia, too") {
-  const Setup setup = bar(32, 8);
+  const Setup setup = damped_bar(32, 8);
   const Rest rest(setup);
   TwoGrid grid(rest.elements, 0.02);
   for (Index v = 0; v < grid.vertex_count(); ++v)
@@ -88,7 +88,7 @@ TEST_CASE("one cycle finds most of what a smooth force does, of inertia, too") {
 }
 
 TEST_CASE("under a constant residual the error becomes that of equilibrium; without one it dies away") {
-  const Setup setup = bar(16, 4);
+  const Setup setup = damped_bar(16, 4);
   const Rest rest(setup);
   ErrorEquation equation(TwoGrid(rest.elements, 0.02), 20);
   Mat3X<double> r = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
@@ -102,7 +102,7 @@ TEST_CASE("under a constant residual the error becomes that of equilibrium; with
 }
 
 TEST_CASE("held vertices keep their error, and copies have that of their originals") {
-  const Setup setup = bar(8, 4);
+  const Setup setup = damped_bar(8, 4);
   Rest rest(setup);
   ErrorEquation equation(TwoGrid(rest.elements, 0.02), 20);
   Mat3X<double> r = Mat3X<double>::Zero(3, setup.mesh.vertex_count());

@@ -7,6 +7,7 @@
 
 #include "lobe/error.h"
 #include "lobe/fem/shape.h"
+#include "lobe/setup/exclusions.h"
 #include "lobe/solve/static_solver.h"
 
 namespace lobe::bench {
@@ -64,6 +65,15 @@ void add_trial_hybrids(const Setup& setup, std::vector<Model>& models, std::vect
   }
 }
 
+void add_reduced(const Setup& nonlinear, std::vector<Model>& models, std::vector<std::string>& warnings) {
+  try {
+    refuse_excluded(Option::reduced, options_of(nonlinear), "the scene");
+    models.push_back({"reduced", all(nonlinear, RegionModel::reduced), 0});
+  } catch (const InputError& error) {
+    warnings.push_back("no reduced model: " + std::string(error.what()));
+  }
+}
+
 }  // namespace
 
 Setup reference_setup(Setup setup) { return all(std::move(setup), RegionModel::nonlinear); }
@@ -80,6 +90,7 @@ std::vector<Model> make_models(const Setup& setup, std::vector<std::string>& war
   averaged.evaluator = Evaluator::direct;  // the stored one has no nodal pressure
   for (Elastic& elastic : averaged.materials) elastic.nodal_pressure = elastic.lambda > 0;
   models.push_back({"svk_nodal_pressure", std::move(averaged), 0});
+  add_reduced(with_volume, models, warnings);
   if (const double fraction = linear_fraction(setup); fraction > 0)
     models.push_back({"hybrid_scene", setup, fraction});
   add_trial_hybrids(setup, models, warnings);

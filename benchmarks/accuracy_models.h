@@ -20,6 +20,7 @@ Setup reference_setup(Setup setup);
 // tensor_mass        everywhere
 // svk                everywhere, without volume penalty
 // svk_volume         everywhere, with the scene's volume penalty, if it has one
+// reduced            on a lattice everywhere, full around tools, with the scene's volume penalty
 // hybrid_scene       the scene's own regions, if any is linear
 // hybrid_strain_50   the half of the volume with the least smoothed strain of a linear trial solution is
 //                    tensor-mass

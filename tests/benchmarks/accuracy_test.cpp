@@ -69,7 +69,7 @@ const Mat3<double> stretch = (Mat3<double>() << 1.1, 0.05, 0, 0, 0.95, 0.02, 0, 
 TEST_CASE("every model of a gesture that turns a body has the error that it must have") {
   const Accuracy accuracy = measure_accuracy(turning_case({beam(1), beam(2)}), 1);
   CHECK(accuracy.warnings.empty());
-  CHECK(accuracy.rows.size() == 2 * 8 * 2 * 2);  // meshes × models × precisions × steps
+  CHECK(accuracy.rows.size() == 2 * 9 * 2 * 2);  // meshes × models × precisions × steps
   for (const AccuracyRow& row : accuracy.rows) {
     INFO(row.model << ' ' << row.precision << ' ' << row.safety);
     CHECK(row.status == "done");
@@ -246,9 +246,10 @@ TEST_CASE("what cannot be had is left out with a warning") {
   loose.volume_penalty = 0;
   std::vector<std::string> warnings;
   const std::vector<Model> models = make_models(loose, warnings);
-  REQUIRE(models.size() == 3);
+  REQUIRE(models.size() == 4);
   CHECK(models[0].name == "tensor_mass");
   CHECK(models[1].name == "svk");
+  CHECK(models[3].name == "reduced");
   CHECK(warnings.size() == 2);
 }
 

@@ -71,7 +71,7 @@ class Tester:
                 elif language == "cpp":
                     self.cpp.append((place, self.wrapped(code, mark, len(self.cpp))))
                 elif language == "c":
-                    self.compile(place, [self.cc, "-std=c99", "-x", "c"], code)
+                    self.compile(place, self.cc, ["-std=c99", "-x", "c"], code)
                 elif language == "json":
                     self.read_json(place, code)
                 elif language == "python" and page.name != "python.md":
@@ -86,9 +86,9 @@ class Tester:
             return f"void block_{number}({mark[4:]}) {{\n{code}}}\n"
         return code
 
-    def compile(self, place, compiler, code):
+    def compile(self, place, compiler, options, code):
         include = [flag for folder in self.includes for flag in ("-isystem", folder)]
-        done = subprocess.run([*compiler, "-fsyntax-only", "-Wall", "-Werror", *include, "-"], input=code,
+        done = subprocess.run([compiler, "-fsyntax-only", "-Wall", "-Werror", *options, *include, "-"], input=code,
                               capture_output=True, text=True)
         if done.returncode:
             self.fault(place, done.stderr[:2000])
@@ -97,7 +97,7 @@ class Tester:
         if self.cxx == "none":
             return
         text = PRELUDE + "".join(f'#line 1 "{place}"\n{code}' for place, code in self.cpp)
-        self.compile("C++ blocks", [self.cxx, "-std=c++20", "-x", "c++", "-Wno-unused", "-Wno-return-type"], text)
+        self.compile("C++ blocks", self.cxx, ["-std=c++20", "-x", "c++", "-Wno-unused", "-Wno-return-type"], text)
 
     def read_json(self, place, code):
         whole = code if code.lstrip().startswith(("{", "[")) else "{" + code + "}"  # a few keys of an object

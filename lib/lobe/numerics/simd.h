@@ -17,8 +17,8 @@ using Pack = std::experimental::native_simd<Real>;
 
 // body(0), body(1) … body(n − 1), one after the other without a loop.
 template <int n, class Body>
-void unrolled(Body&& body) {
-  [&]<int... i>(std::integer_sequence<int, i...>) { (body(i), ...); }
+[[gnu::always_inline]] inline void unrolled(Body&& body) {
+  [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) { (body(i), ...); }
   (std::make_integer_sequence<int, n>());
 }
 

@@ -126,7 +126,7 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
     for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
       const Lanes e(patch.blocks[b], first, patch.u);
       const T ratio = T(1) + volume_change(e.H);
-      where(ratio < smallest, smallest) = ratio;
+      smallest = min(ratio, smallest);  // where() of libstdc++ is wrong with clang and AVX-512
       Law<T> law = law_of<solid>(patch, b, first);
       law.terms.svk = solid.svk;
       law.terms.fibre = solid.fibre;

@@ -227,11 +227,12 @@ TEST_CASE("dead loads and gravity act on what follows a lattice, and grow as the
 TEST_CASE("a gesture on a reduced bar: steps of the limit suffice where a lattice moves it") {
   Setup setup = pulled_bar();
   World<double> world(setup), exact(pulled_bar(RegionModel::nonlinear));
-  double top = 0, largest = 0;
+  double top = 0, largest = 0, ratio = 1;
   int reruns = 0;
   for (int i = 0; i < 40; ++i) {
     const Report report = world.advance(0.02);
     exact.advance(0.02);
+    ratio = std::min(ratio, world.step_limit().ratios().of_nodes);
     REQUIRE(report.ok);
     validate(world);
     // Tetrahedra that were just freed swing at their highest frequency: such a frame may be run again.
@@ -245,6 +246,7 @@ TEST_CASE("a gesture on a reduced bar: steps of the limit suffice where a lattic
         CHECK((world.state().u.col(v) - exact.state().u.col(v)).norm() < 1e-9);
   }
   CHECK(reruns == 0);
+  CHECK(ratio < 0.95);  // steps are longer than bounds of nodes allow
   MESSAGE("largest error " << largest / top);
   CHECK(largest < 0.1 * top);
 }
@@ -415,4 +417,41 @@ TEST_CASE("what does not go with a reduced region, or does not suit it, is named
   CHECK(with([](Setup& s) { s.lattice_cell = 1; }).find("more than half of the reduced regions") !=
         std::string::npos);
   CHECK(with([](Setup& s) { s.lattice_cell = -1; }).find("lattice_cell") != std::string::npos);
+}
+
+TEST_CASE("vertices are kept full for a while by command; a checkpoint knows it, and nothing jumps") {
+  Setup setup = bar(16, 4);
+  setup.damping = 20;
+  setup.gravity = {0, 0, -0.05};
+  World<double> world(setup);
+  for (int i = 0; i < 50; ++i) REQUIRE(world.advance(0.02).ok);
+  const std::vector<Index> end = vertices_near(setup.mesh, {0.16, 0.02, 0.02}, 0.03);
+  const Index before = region_of(world).full_tet_count();
+  const Mat3X<double> u = world.state().u;
+  world.apply(KeepFull{end, 0.15});
+  CHECK(world.state().u == u);
+  REQUIRE(world.advance(0.02).ok);
+  for (Index v : end) CHECK_FALSE(region_of(world).embeds(v));
+  CHECK(region_of(world).full_tet_count() > before);
+  CHECK(region_of(world).any_embedded());
+  World<double> restored(setup, 2);
+  restored.restore(world.save());
+  Mat3X<double> last = world.state().u;
+  for (int i = 0; i < 15; ++i) {
+    REQUIRE(world.advance(0.02).ok);
+    REQUIRE(restored.advance(0.02).ok);
+    CHECK(same_bits(world, restored));
+    CHECK(relative_error(world.state().u, last) < 5e-3);
+    last = world.state().u;
+  }
+  CHECK(region_of(world).full_tet_count() == before);
+  CHECK_THROWS_WITH_AS(world.apply(KeepFull{{-1}, 0.1}), doctest::Contains("no vertex -1"), InputError);
+  CHECK_THROWS_AS(world.apply(KeepFull{{setup.mesh.vertex_count()}, 0.1}), InputError);
+  for (double duration : {0.0, std::nan(""), double(INFINITY)})
+    CHECK_THROWS_WITH_AS(world.apply(KeepFull{end, duration}), doctest::Contains("duration"), InputError);
+  World<double> without(all_nonlinear(setup)), same(all_nonlinear(setup));
+  without.apply(KeepFull{end, 0.15});
+  REQUIRE(without.advance(0.02).ok);
+  REQUIRE(same.advance(0.02).ok);
+  CHECK(same_bits(without, same));
 }

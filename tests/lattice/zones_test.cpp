@@ -97,3 +97,19 @@ TEST_CASE("all is full while the body is quick in comparison with how far it has
   CHECK_FALSE(is_full(6, 0.001, 0.01, 0));  // has been further
   CHECK_FALSE(is_full(7, 0, 0, 0));
 }
+
+TEST_CASE("what is to be full is so until the next multiple of a tenth of a second, and no longer") {
+  const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
+  const Index count = elements.topology.vertex_count();
+  FullZones zones;
+  zones.ask({2, 5}, count, 1.23);
+  CHECK(zones.is_full(2, 1.29));
+  CHECK(zones.is_full(5, 1.29));
+  CHECK_FALSE(zones.is_full(2, 1.31));
+  CHECK_FALSE(zones.is_full(3, 0));
+  zones.ask({2}, count, 0.5);  // an earlier end changes nothing
+  CHECK(zones.is_full(2, 1.29));
+  zones.ask({5}, count, 2);
+  CHECK(zones.is_full(5, 1.99));
+  CHECK_FALSE(zones.is_full(2, 1.99));
+}

@@ -25,7 +25,7 @@ double norm(const Elements& elements, const Mat3X<double>& u) {  // √Σ m |u|�
 
 // What a watch says of a world, and what the all-non-linear world says.
 struct Watched {
-  explicit Watched(const Setup& setup) : world(setup), exact(all_nonlinear(setup)), watch(world, 0.02) {
+  explicit Watched(const Setup& setup) : world(setup), exact(all_nonlinear(setup)), watch(world, {0.02}) {
     watch.look(world);
   }
   void advance() {
@@ -64,7 +64,7 @@ Setup pulled(Setup setup) {
 TEST_CASE("a body at rest and one that was moved rigidly have no error") {
   Setup setup = damped_bar(12, 4);
   World<double> resting(setup);
-  ReducedWatch<double> watch(resting, 0.02);
+  ReducedWatch<double> watch(resting, {0.02});
   for (int i = 0; i < 4; ++i) {
     REQUIRE(resting.advance(frame).ok);
     CHECK(watch.look(resting).error == 0);
@@ -75,7 +75,7 @@ TEST_CASE("a body at rest and one that was moved rigidly have no error") {
   const Mat3<double> R = Eigen::AngleAxisd(2, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
   state.u = affine_displacement(setup.mesh.points, R);
   moved.set_state(state);
-  ReducedWatch<double> of_moved(moved, 0.02);
+  ReducedWatch<double> of_moved(moved, {0.02});
   for (int i = 0; i < 6; ++i) {
     REQUIRE(moved.advance(frame).ok);
     CHECK(of_moved.look(moved).error < 1e-7);
@@ -116,7 +116,7 @@ TEST_CASE("the rotation of a body changes nothing of its estimated error") {
   Checkpoint<double> moved = world.save();
   moved.nodes.zones.largest = norm(other.elements(), state.u);
   world.restore(moved);
-  ReducedWatch<double> watch(world, 0.02), of_other(other, 0.02);
+  ReducedWatch<double> watch(world, {0.02}), of_other(other, {0.02});
   double ratio = 0, size = 0, turn = 0;
   for (int i = 0; i < 40; ++i) {
     REQUIRE(world.advance(frame).ok);
@@ -159,7 +159,7 @@ TEST_CASE_TEMPLATE("a watch changes nothing in a world", Real, float, double) {
   Setup setup = pulled(damped_bar(16, 4));
   setup.gravity = {0, 0, -1};
   World<Real> watched(setup), unwatched(setup);
-  ReducedWatch<Real> watch(watched, 0.02);
+  ReducedWatch<Real> watch(watched, {0.02});
   for (int i = 0; i < 40; ++i) {
     REQUIRE(watched.advance(frame).ok);
     REQUIRE(unwatched.advance(frame).ok);
@@ -174,7 +174,7 @@ TEST_CASE_TEMPLATE("a watch changes nothing in a world", Real, float, double) {
 TEST_CASE("a body is cut under a watch; its error is estimated again from where it is put back") {
   const Setup setup = with_gravity(damped_bar(16, 4), {0, 0, -2});
   World<double> world(setup);
-  ReducedWatch<double> watch(world, 0.02);
+  ReducedWatch<double> watch(world, {0.02});
   for (int i = 0; i < 30; ++i) {
     REQUIRE(world.advance(frame).ok);
     watch.look(world);
@@ -202,7 +202,7 @@ TEST_CASE("a body is cut under a watch; its error is estimated again from where 
   }
   // As if nothing had been cut, but for what it has forgotten of the frames before.
   World<double> uncut(setup);
-  ReducedWatch<double> of_uncut(uncut, 0.02);
+  ReducedWatch<double> of_uncut(uncut, {0.02});
   double error = 0;
   for (int i = 0; i < 70; ++i) {
     REQUIRE(uncut.advance(frame).ok);
@@ -216,7 +216,7 @@ TEST_CASE("a body of two cells along is watched, and one of which everything is 
   Setup setup = with_gravity(damped_bar(8, 3), {0, 0, -2});
   setup.lattice_cell = 0.039;
   World<double> world(setup);
-  ReducedWatch<double> watch(world, 0.02);
+  ReducedWatch<double> watch(world, {0.02});
   for (int i = 0; i < 40; ++i) {
     REQUIRE(world.advance(frame).ok);
     CHECK(std::isfinite(watch.look(world).error));
@@ -231,7 +231,8 @@ TEST_CASE("a body of two cells along is watched, and one of which everything is 
 TEST_CASE("who exceeds the tolerance is told, with the place") {
   World<double> world(with_gravity(damped_bar(16, 4), {0, 0, -2}));
   std::vector<ReducedReport> told;
-  ReducedWatch<double> watch(world, 1e-4, [&](const ReducedReport& report) { told.push_back(report); });
+  ReducedWatch<double> watch(world,
+                             {1e-4, false, [&](const ReducedReport& report) { told.push_back(report); }});
   CHECK_FALSE(watch.look(world).exceeded);
   for (int i = 0; i < 20; ++i) {
     REQUIRE(world.advance(frame).ok);
@@ -245,10 +246,61 @@ TEST_CASE("who exceeds the tolerance is told, with the place") {
 
 TEST_CASE("a world without reduced regions has no such error, and pays nothing") {
   World<double> world(all_nonlinear(with_gravity(damped_bar(8, 3), {0, 0, -2})));
-  ReducedWatch<double> watch(world, 0.02);
+  ReducedWatch<double> watch(world, {0.02});
   for (int i = 0; i < 5; ++i) {
     REQUIRE(world.advance(frame).ok);
     CHECK(watch.look(world).error == 0);
   }
   CHECK(watch.looking_seconds() < 1e-3);
+}
+
+TEST_CASE("an error above the tolerance is corrected by some of the vertices, which are embedded again") {
+  const Setup setup = pulled(damped_bar(24, 6, 0.04 / 6));
+  double largest[2] = {0, 0}, most_full = 0;
+  for (bool correct : {false, true}) {
+    World<double> world(setup), exact(all_nonlinear(setup));
+    const double tolerance = 0.012;
+    ReducedWatch<double> watch(world, {tolerance, correct});
+    watch.look(world);
+    Index to_full = 0;
+    double size = 0;
+    while (world.time() < 3) {
+      REQUIRE(world.advance(frame).ok);
+      REQUIRE(exact.advance(frame).ok);
+      to_full += watch.look(world).to_full;
+      size = std::max(size, norm(exact.elements(), exact.state().u));
+      const double error = norm(exact.elements(), world.state().u - exact.state().u) / size;
+      largest[correct] = std::max(largest[correct], error);
+      const auto& region = region_of(world);
+      if (correct && region.any_embedded())
+        most_full = std::max(most_full, double(region.full_tet_count()) / setup.mesh.tet_count());
+    }
+    CHECK((to_full > 0) == correct);
+    CHECK(region_of(world).full_tet_count() == 216);  // smooth again, but for those at the clamp
+  }
+  MESSAGE("largest error " << largest[0] << ", corrected " << largest[1] << ", at most " << most_full
+                           << " full where not all is");
+  CHECK(largest[1] < 0.75 * largest[0]);
+}
+
+TEST_CASE("a correction is a list of commands: sent to a world without a watch they have the same bits") {
+  Setup setup = with_gravity(damped_bar(16, 4), {0, 0, -3});
+  World<float> watched(setup), other(setup, 2);
+  ReducedWatch<float> watch(watched, {0.005, true});
+  std::vector<Command> sent;
+  const CommandSink send = [&](const Command& command) {
+    sent.push_back(command);
+    watched.apply(command);
+  };
+  std::size_t done = 0;
+  for (int i = 0; i < 40; ++i) {
+    watch.look(watched, send);
+    for (; done < sent.size(); ++done) other.apply(sent[done]);
+    REQUIRE(watched.advance(frame).ok);
+    REQUIRE(other.advance(frame).ok);
+    CHECK(same_bits(watched, other));
+  }
+  CHECK(!sent.empty());
+  CHECK(std::all_of(sent.begin(), sent.end(),
+                    [](const Command& command) { return std::holds_alternative<KeepFull>(command); }));
 }

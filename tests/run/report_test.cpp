@@ -160,6 +160,12 @@ TEST_CASE("the error of reduced regions is estimated, reported and warned of") {
   CHECK(seen["frames_exceeded"].get<int>() > 0);
   REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].starts_with("the error of reduced regions was estimated at up to "));
+  CHECK(seen["vertices_to_full"] == 0);
+  json["regions"][0]["tolerance"] = 0.02;
+  REQUIRE(play(write_scene_files(folder, json), folder.path / "corrected").ok);
+  const Json corrected = report_in(folder.path / "corrected")["reduced"];
+  CHECK(corrected["vertices_to_full"].get<int>() > 0);
+  CHECK(corrected["worst_error"].get<double>() < seen["worst_error"].get<double>());
   play(write_scene_files(folder), folder.path / "other");
   CHECK_FALSE(report_in(folder.path / "other").contains("reduced"));
 }

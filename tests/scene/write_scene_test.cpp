@@ -50,6 +50,7 @@ TEST_CASE("automatic regions survive being written and read, and have the schema
   document["regions"] = {{"auto",
                           {{"tolerance", 0.05},
                            {"precomputed", false},
+                           {"reduced", true},
                            {"correct", true},
                            {"gestures",
                             {{{"name", "lift"}, {"where", {{"all", true}}}, {"displacement", {0, 0, 1}}},
@@ -58,7 +59,7 @@ TEST_CASE("automatic regions survive being written and read, and have the schema
   document["regions"] = {{"auto", json::object()}};
   const json written = json::parse(to_json(parse_scene(document.dump())));
   const json definition = json::parse(scene_schema())["definitions"]["auto_regions"];
-  CHECK(compare_defaults(definition["properties"], written["regions"]["auto"]) == 4);
+  CHECK(compare_defaults(definition["properties"], written["regions"]["auto"]) == 5);
 }
 
 TEST_CASE("the schema's defaults are the library's") {

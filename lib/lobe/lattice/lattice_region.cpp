@@ -205,8 +205,8 @@ bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) con
   };
   bool fits = state.u.cols() == lattice_.node_count() &&
               state.is_embedded.size() == embedding_.roles.is_embedded.size() &&
-              state.zones.until.size() <= std::size_t(vertices) && are_vertices(state.zones.held) &&
-              are_vertices(state.zones.touched);
+              std::max(state.zones.until.size(), state.zones.asked_until.size()) <= std::size_t(vertices) &&
+              are_vertices(state.zones.held) && are_vertices(state.zones.touched);
   for (std::size_t v = 0; fits && v < state.is_embedded.size(); ++v) {
     if (!state.is_embedded[v]) continue;
     const auto around = elements.topology.around(static_cast<Index>(v));
@@ -314,9 +314,10 @@ typename LatticeRegion<Real>::Frequency LatticeRegion<Real>::highest_frequency(c
       bounds[std::size_t(own.nodes[n])] += std::abs(double(own.weights[n])) * stiffness;
   }
   double square = 0;
-  for (const MovingVertex<Real>& moving : moving_)
-    square =
-        std::max(square, bounds[std::size_t(moving.vertex)] / embedding_.mass[std::size_t(moving.vertex)]);
+  for (const MovingVertex<Real>& moving : moving_) {
+    found.squares.push_back(bounds[std::size_t(moving.vertex)] / embedding_.mass[std::size_t(moving.vertex)]);
+    square = std::max(square, found.squares.back());
+  }
   found.omega = std::sqrt(square);
   return found;
 }

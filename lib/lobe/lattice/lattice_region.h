@@ -46,6 +46,11 @@ class LatticeRegion {
   // What becomes full now. Displacements and speeds of `sight` are found here. `mass`: per vertex [kg].
   void look(const Elements& elements, const Motion<Real>& motion, const std::vector<double>& mass,
             FullZones::Sight sight);
+  // These vertices are full until then [s], from the next look() on, and longer where the tissue is not
+  // smooth.
+  void keep_full(const Elements& elements, const std::vector<Index>& vertices, double until) {
+    if (any()) zones_.ask(vertices, elements.topology.vertex_count(), until);
+  }
   // Its tetrahedra that must leave before these are cut: none while it is far from them, else more than now
   // touch them, so that it is seldom asked.
   std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const;
@@ -100,6 +105,7 @@ class LatticeRegion {
                               motion.node_turns, parallel);
   }
   bool any_moving() const { return !moving_.empty(); }
+  const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // nodes
   // Embedded vertices on which a force term acted in the last step though no step computes where they are.
   // Such a force has no effect.
   std::vector<Index> pressed_unseen(const Motion<Real>& motion) const;
@@ -133,7 +139,8 @@ class LatticeRegion {
     return full().add_diagonal_stiffness(u, K, parallel);
   }
   struct Frequency {
-    double omega = 0;  // a bound of the nodes' frequencies [rad/s]
+    double omega = 0;             // a bound of the nodes' frequencies [rad/s]
+    std::vector<double> squares;  // of each of moving() [1/s²]
     typename LatticeCells<Real>::Smallest smallest = {};
   };
   // K: of all tetrahedra around the vertices [N/m]. `ratio`: of the highest frequency to that which the
@@ -163,6 +170,7 @@ class LatticeRegion {
   Flags within(const Elements& elements, const std::vector<Index>& tets, double distance) const;
 
   void list_vertices(const Topology& topology);
+  void ask_again_where_rough(const Elements& elements, const Motion<Real>& motion);
   void find_inner(const Model& model);
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
   MovingMasses in_motion_before(const Elements& elements, const Embedding& former, const VertexRoles& wanted,

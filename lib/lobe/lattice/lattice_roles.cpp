@@ -14,6 +14,22 @@ bool is_at_rest(const HeldVertices::Held& item) {
          item.goal.isZero(0);
 }
 
+// The mean square of F − F̄ over the tetrahedra around a vertex.
+template <class Real>
+double square_roughness(const Elements& elements, Index v, const Mat3X<Real>& u) {
+  Mat3<double> mean = Mat3<double>::Zero();
+  double volume = 0, squares = 0;
+  for (Index t : elements.topology.around(v)) {
+    const Shape shape = elements.shape_of(t);
+    const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t)).template cast<double>();
+    const Mat3<double> H = corners * shape.gradients.transpose();
+    mean += shape.volume * H;
+    squares += shape.volume * H.squaredNorm();
+    volume += shape.volume;
+  }
+  return volume > 0 ? squares / volume - (mean / volume).squaredNorm() : 0;
+}
+
 }  // namespace
 
 template <class Real>
@@ -69,6 +85,33 @@ void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& mot
   sight.displacement = norm(motion.u.padded(), motion.nodes.u);
   sight.speed = norm(motion.v.padded(), motion.nodes.v);
   zones_.look(elements, lattice_.frame.edge, motion.time, sight);
+  ask_again_where_rough(elements, motion);
+}
+
+// What was asked to be full for a while stays so, part by part, until its tissue is smooth.
+template <class Real>
+void LatticeRegion<Real>::ask_again_where_rough(const Elements& elements, const Motion<Real>& motion) {
+  constexpr double smooth = 0.02;
+  std::vector<Index> due = zones_.take_due(motion.time);
+  std::erase_if(due, [&](Index v) {
+    return v >= static_cast<Index>(lattice_.part_of_vertex.size()) ||
+           lattice_.part_of_vertex[std::size_t(v)] < 0;
+  });
+  if (due.empty()) return;
+  struct Sum {
+    double squares = 0;
+    int count = 0;
+  };
+  std::vector<Sum> sums(lattice_.parts.size());
+  const auto sum_of = [&](Index v) -> Sum& {
+    return sums[std::size_t(lattice_.part_of_vertex[std::size_t(v)])];
+  };
+  for (Index v : due) {
+    sum_of(v).squares += square_roughness(elements, v, motion.u.padded());
+    ++sum_of(v).count;
+  }
+  std::erase_if(due, [&](Index v) { return sum_of(v).squares < smooth * smooth * sum_of(v).count; });
+  zones_.ask(due, elements.topology.vertex_count(), motion.time + FullZones::linger);
 }
 
 // Two sides of a cut must have no node in common: those that are left are half a cell away from what is cut.

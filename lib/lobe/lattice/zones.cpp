@@ -26,6 +26,7 @@ void FullZones::look(const Elements& elements, double cell, double time, const S
   const bool holds_others = sight.held != state_.held;
   if (holds_others) keep_full(burst);
   state_.held = sight.held;
+  if (time < state_.all_until - just_before) state_.asked_until.clear();
   std::vector<Index> touched = sight.held;
   for (const std::vector<Index>* list : {&sight.loaded, &sight.pressed})
     touched.insert(touched.end(), list->begin(), list->end());
@@ -42,6 +43,25 @@ void FullZones::look(const Elements& elements, double cell, double time, const S
   const double until = sight.pressed.empty() ? time + linger : every * std::ceil((time + linger) / every);
   for (Index v : around_)
     if (grows || is_full(v, time)) state_.until[std::size_t(v)] = until;
+}
+
+void FullZones::ask(const std::vector<Index>& vertices, Index vertex_count, double until) {
+  state_.asked_until.resize(std::size_t(vertex_count), lowest);
+  for (Index v : vertices) {
+    double& own = state_.asked_until[std::size_t(v)];
+    own = std::max(own, every * std::ceil(until / every));
+  }
+}
+
+std::vector<Index> FullZones::take_due(double time) {
+  std::vector<Index> found;
+  for (std::size_t v = 0; v < state_.asked_until.size(); ++v) {
+    double& own = state_.asked_until[v];
+    if (own == lowest || time < own - just_before) continue;
+    own = lowest;
+    found.push_back(static_cast<Index>(v));
+  }
+  return found;
 }
 
 // As far as each vertex that is touched reaches along edges at rest, and at least to its neighbours: what it

@@ -31,15 +31,17 @@ class FullZones {
   struct State {                       // part of a checkpoint
     std::vector<Index> held, touched;  // sorted; touched: held, loaded or pressed
     std::vector<double> until;         // per vertex: when it was last to be full [s]; empty: none ever was
+    std::vector<double> asked_until;   // the same, by ask()
     double all_until = lowest;         // all vertices [s]
     double largest = 0;                // √Σ m |u|² so far [√kg m]
     bool is_valid() const {
-      for (double t : until)
-        if (std::isnan(t)) return false;
+      for (const std::vector<double>* values : {&until, &asked_until})
+        for (double t : *values)
+          if (std::isnan(t)) return false;
       return !std::isnan(all_until) && largest >= 0;
     }
-    static constexpr auto fields =
-        std::tuple(&State::held, &State::touched, &State::until, &State::all_until, &State::largest);
+    static constexpr auto fields = std::tuple(&State::held, &State::touched, &State::until,
+                                              &State::asked_until, &State::all_until, &State::largest);
   };
 
   struct Sight {                 // of a moment
@@ -52,9 +54,15 @@ class FullZones {
   };
   // `cell`: the edge of the lattice's cells [m].
   void look(const Elements& elements, double cell, double time, const Sight& sight);
+  // What is asked to be full is so until then, rounded up to a multiple of `every` [s], or until all were
+  // full: what comes after that is another motion.
+  void ask(const std::vector<Index>& vertices, Index vertex_count, double until);
+  std::vector<Index> take_due(double time);  // of what was asked: it need not be full any more
   bool is_full(Index v, double time) const {
-    return time < state_.all_until - just_before ||
-           (v < static_cast<Index>(state_.until.size()) && time < state_.until[std::size_t(v)] - just_before);
+    const auto is_before = [&](const std::vector<double>& until) {
+      return v < static_cast<Index>(until.size()) && time < until[std::size_t(v)] - just_before;
+    };
+    return time < state_.all_until - just_before || is_before(state_.until) || is_before(state_.asked_until);
   }
 
   // After an edit of the mesh: neighbours may be others.

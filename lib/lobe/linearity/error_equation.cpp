@@ -61,6 +61,8 @@ void ErrorEquation::step(const TwoGrid::Product& product, const HeldVertices& he
   r_ = r;
 }
 
+Eigen::VectorXd ErrorEquation::power() const { return e_.cwiseProduct(r_).colwise().sum(); }
+
 double ErrorEquation::norm() const {
   double sum = 0;
   for (Index v = 0; v < grid_.vertex_count(); ++v)

@@ -25,6 +25,7 @@ class ErrorEquation {
   void step(const TwoGrid::Product& product, const HeldVertices& held, const Mat3X<double>& r, double h);
   const Mat3X<double>& error() const { return e_; }  // [m]
   double norm() const;                               // √Σ m |e|² [√kg m]
+  Eigen::VectorXd power() const;                     // per vertex: e·r at the last step [J]
   const TwoGrid& grid() const { return grid_; }
 
  private:

@@ -1,8 +1,11 @@
 #include "lobe/linearity/reduced_watch.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
+
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -11,6 +14,9 @@ constexpr double coarse = 2;                 // cells of the region along one of
 constexpr double small = 1e-4;               // displacements near rest, of a cell
 constexpr double grid_delay = 0.5;           // until a grid that is being made is used [s], and
 constexpr double grid_delay_per_tet = 1e-5;  // for each tetrahedron
+constexpr double correct_above = 0.8;        // of the tolerance: where vertices become full, and
+constexpr double correct_down_to = 0.4;      // what the others may make
+constexpr double least_full = 0.25;          // for which they stay so [s]
 
 double norm(const std::vector<double>& mass, const Mat3X<double>& u) {
   double sum = 0;
@@ -37,9 +43,8 @@ Mat3X<double> stiffness_times(Dynamics<Real>& body, const Mat3X<double>& x) {
 }  // namespace
 
 template <class Real>
-ReducedWatch<Real>::ReducedWatch(const World<Real>& world, double tolerance, OnExceeded on_exceeded)
-    : tolerance_(tolerance),
-      on_exceeded_(std::move(on_exceeded)),
+ReducedWatch<Real>::ReducedWatch(const World<Real>& world, ReducedOptions options)
+    : options_(std::move(options)),
       edits_(world.journal().edits.size()),
       restored_(world.body().model.revisions.restored),
       time_(world.time()) {
@@ -85,16 +90,51 @@ void ReducedWatch<Real>::estimate(World<Real>& world, double h) {
                                         body.inertia.mass(), body.motion, body.parallel)
                               .leftCols(equation_->grid().vertex_count());
   equation_->step([&](const Mat3X<double>& x) { return stiffness_times(body, x); }, world.held(), r, h);
+  before_ = last_.error;
   last_.error = largest_ > 0 ? equation_->norm() / largest_ : 0;
   Index worst = 0;
   equation_->error().colwise().squaredNorm().maxCoeff(&worst);
   last_.place = world.elements().points.col(worst);
 }
 
+// Vertices of the lattice's parts with the largest power r·e of the residual: as many as make the error small
+// enough if the rest makes its share of it.
 template <class Real>
-ReducedReport ReducedWatch<Real>::look(World<Real>& world) {
+std::vector<Index> ReducedWatch<Real>::where_most_is_made(const World<Real>& world) const {
+  const LatticeRegion<Real>& region = world.body().regions.reduced();
+  const Eigen::VectorXd power = equation_->power();
+  struct Part {
+    double power = 0;
+    std::vector<Index> vertices;
+  };
+  std::vector<Part> parts(region.lattice().parts.size());
+  for (Index v : region.embedding().vertices) {
+    Part& own = parts[std::size_t(region.lattice().part_of_vertex[std::size_t(v)])];
+    own.vertices.push_back(v);
+    if (v < power.size()) own.power += power[v];
+  }
+  std::erase_if(parts, [](const Part& part) { return !(part.power > 0); });
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Part& a, const Part& b) { return a.power > b.power; });
+  double left = 0;
+  for (const Part& part : parts) left += part.power;
+  const double goal = correct_down_to * options_.tolerance / last_.error * left;
+  std::vector<Index> found;
+  for (Part& part : parts) {
+    if (left <= goal) break;
+    left -= part.power;
+    found.insert(found.end(), part.vertices.begin(), part.vertices.end());
+  }
+  sort_unique(found);
+  return found;
+}
+
+template <class Real>
+ReducedReport ReducedWatch<Real>::look(World<Real>& world, const CommandSink& send) {
   const auto start = std::chrono::steady_clock::now();
   last_.time = world.time();
+  last_.to_full = 0;
+  bool is_new = false;
   if (equation_) {
     begin_again_if_restored(world);
     follow_edits(world);
@@ -102,11 +142,18 @@ ReducedReport ReducedWatch<Real>::look(World<Real>& world) {
     if (looks_++ % frames_between == 0 && since > 0) {
       time_ = world.time();
       estimate(world, since);
+      is_new = true;
     }
   }
-  last_.exceeded = last_.error > tolerance_;
+  last_.exceeded = last_.error > options_.tolerance;
+  const bool grows = last_.error > 0.95 * before_;
+  if (options_.correct && is_new && grows && last_.error > correct_above * options_.tolerance) {
+    const std::vector<Index> vertices = where_most_is_made(world);
+    last_.to_full = static_cast<Index>(vertices.size());
+    if (!vertices.empty()) send(KeepFull{vertices, least_full});
+  }
   looking_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (last_.exceeded && on_exceeded_) on_exceeded_(last_);
+  if (last_.exceeded && options_.on_exceeded) options_.on_exceeded(last_);
   return last_;
 }
 

@@ -1,7 +1,8 @@
-// ReducedWatch estimates the error of reduced regions while a world runs (theory, section 18). It changes
-// nothing in the world.
+// ReducedWatch estimates the error of reduced regions while a world runs, and corrects it if asked: vertices
+// become full for a while where most of it is made (theory, section 18). Otherwise it changes nothing in the
+// world.
 //
-//   ReducedWatch<float> watch(world, 0.02);
+//   ReducedWatch<float> watch(world, {.tolerance = 0.02, .correct = true});
 //   world.advance(1.0 / 30);
 //   const ReducedReport report = watch.look(world);
 #pragma once
@@ -10,6 +11,7 @@
 #include <future>
 #include <optional>
 
+#include "lobe/linearity/command_sink.h"
 #include "lobe/linearity/error_equation.h"
 #include "lobe/sim/world.h"
 
@@ -20,20 +22,27 @@ struct ReducedReport {
   double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
   Vec3d place = Vec3d::Zero();  // at rest, of the vertex with the largest error [m]
   bool exceeded = false;        // the tolerance
+  Index to_full = 0;            // vertices that it has made full
+};
+
+struct ReducedOptions {
+  double tolerance = 0.02;
+  bool correct = false;
+  std::function<void(const ReducedReport&)> on_exceeded = {};
 };
 
 template <class Real>
 class ReducedWatch {
  public:
-  using OnExceeded = std::function<void(const ReducedReport&)>;
   static constexpr int frames_between = 2;  // estimates
 
   // Of a world that has no reduced region then, every error is 0, and nothing is computed.
-  ReducedWatch(const World<Real>& world, double tolerance, OnExceeded on_exceeded = {});
+  ReducedWatch(const World<Real>& world, ReducedOptions options);
 
   // Call it at the start, and after each frame. An estimate costs four evaluations of all tetrahedra and a
   // solution of few equations. The error counts from the first call, and from where the world was restored.
-  ReducedReport look(World<Real>& world);
+  ReducedReport look(World<Real>& world) { return look(world, sink_of(world)); }
+  ReducedReport look(World<Real>& world, const CommandSink& send);
 
   double looking_seconds() const { return looking_seconds_; }  // in all
 
@@ -41,9 +50,9 @@ class ReducedWatch {
   void begin_again_if_restored(const World<Real>& world);
   void follow_edits(const World<Real>& world);
   void estimate(World<Real>& world, double h);
+  std::vector<Index> where_most_is_made(const World<Real>& world) const;
 
-  double tolerance_;
-  OnExceeded on_exceeded_;
+  ReducedOptions options_;
   std::optional<ErrorEquation> equation_;
   std::future<TwoGrid> next_grid_;  // of the mesh as it was when that was begun
   double grid_due_ = 0;             // [s]
@@ -54,6 +63,7 @@ class ReducedWatch {
   double time_ = 0;     // of the last estimate [s]
   double largest_ = 0;  // norm of the displacement so far [√kg m]
   ReducedReport last_;
+  double before_ = 0;  // the estimate before the last
   double looking_seconds_ = 0;
 };
 

@@ -223,8 +223,8 @@ void Session<Real>::edit(const HandCommand& command) {
         return std::is_same_v<Edit, RemoveTets> || std::is_same_v<Edit, SetRegion> ||
                std::is_same_v<Edit, Expand> || std::is_same_v<Edit, Condense> ||
                std::is_same_v<Edit, Relinearise> || std::is_same_v<Edit, SetMassDegree> ||
-               std::is_same_v<Edit, SetForces> || std::is_same_v<Edit, SetSprings> ||
-               std::is_same_v<Edit, MoveSprings>;
+               std::is_same_v<Edit, KeepFull> || std::is_same_v<Edit, SetForces> ||
+               std::is_same_v<Edit, SetSprings> || std::is_same_v<Edit, MoveSprings>;
       },
       *command.body_edit);
   if (!is_edit) throw InputError("edit", "is not for tools, frames, or what the world does by itself");

@@ -19,6 +19,7 @@ const char* edit_name(const Command& command) {
   if (std::holds_alternative<Incise>(command)) return "an incision was made";
   if (std::holds_alternative<SetRegion>(command)) return "a region was changed";
   if (std::holds_alternative<SetMassDegree>(command)) return "the degree of the masses was changed";
+  if (std::holds_alternative<KeepFull>(command)) return "vertices of a reduced region were kept full";
   if (std::holds_alternative<SetForces>(command)) return "forces were set";
   if (std::holds_alternative<SetSprings>(command) || std::holds_alternative<MoveSprings>(command))
     return "springs were set";

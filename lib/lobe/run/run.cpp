@@ -14,6 +14,7 @@
 #include "lobe/run/watch_results.h"
 #include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 namespace {
@@ -43,7 +44,7 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Fra
   const auto look = [&] {
     watched.look(world, recorded ? &*recorded : nullptr);
     masses.look(world, recorded ? &*recorded : nullptr);
-    reduced.look(world);
+    reduced.look(world, recorded ? &*recorded : nullptr);
   };
   look();
   for (int i = 0; i < frames.count && ok; ++i) {
@@ -64,7 +65,8 @@ bool play(World<Real>& world, const Scene& scene, const RunOptions& options, Fra
 template <class Real>
 void add_parts_in_use(Json& report, const World<Real>& world, const Scene& scene, const Resolved& resolved,
                       const Totals& totals) {
-  if (resolved.proposal && !scene.corrects_masses())
+  const bool is_reduced = options_of(resolved.setup).has(Option::reduced);
+  if (resolved.proposal && !scene.corrects_masses() && !is_reduced)
     report["auto_regions"] = proposal_json(*resolved.proposal);
   if (world.grains())
     report["scalpel"] = {{"cut_area_m2", totals.cut_area},
@@ -91,7 +93,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   const double limit = world.time_step_limit();
   LinearityResults<Real> watched(world, scene, resolved);
   MassResults<Real> masses(world, scene);
-  ReducedResults<Real> reduced(world);
+  ReducedResults<Real> reduced(world, scene);
   result.ok = play(world, scene, options, frame_writer, totals, watched, masses, reduced);
   result.picture_request = frame_writer.finish();
   for (const std::string& warning : {watched.warning(), masses.warning(), reduced.warning()})

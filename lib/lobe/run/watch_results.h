@@ -26,7 +26,7 @@ template <class Real>
 class LinearityResults {
  public:
   LinearityResults(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
-    if (!scene.auto_regions || scene.corrects_masses()) return;
+    if (!scene.auto_regions || scene.corrects_masses() || world.body().regions.reduced().any()) return;
     tolerance_ = scene.auto_regions->tolerance;
     corrects_ = scene.auto_regions->correct;
     std::vector<std::vector<Index>> grasps;
@@ -82,7 +82,7 @@ template <class Real>
 class MassResults {
  public:
   MassResults(World<Real>& world, const Scene& scene) {
-    if (!scene.corrects_masses()) return;
+    if (!scene.corrects_masses() || world.body().regions.reduced().any()) return;
     tolerance_ = scene.auto_regions->tolerance;
     watch_.emplace(world, tolerance_);
   }
@@ -126,25 +126,27 @@ class MassResults {
 template <class Real>
 class ReducedResults {
  public:
-  static constexpr double tolerance = 0.02;  // above which there is a warning
-
-  explicit ReducedResults(const World<Real>& world) {
-    if (world.body().regions.reduced().any()) watch_.emplace(world, tolerance);
+  ReducedResults(const World<Real>& world, const Scene& scene)
+      : tolerance_(scene.reduced_tolerance().value_or(ReducedOptions{}.tolerance)),
+        corrects_(scene.reduced_tolerance().has_value()) {
+    if (world.body().regions.reduced().any()) watch_.emplace(world, ReducedOptions{tolerance_, corrects_});
   }
 
-  void look(World<Real>& world) {
+  void look(World<Real>& world, CommandRecorder<Real>* recorded) {
     if (!watch_) return;
-    const ReducedReport seen = watch_->look(world);
+    const ReducedReport seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
+    to_full_ += seen.to_full;
     series_.push_back({{"time", seen.time}, {"error", seen.error}});
   }
 
   std::string warning() const {
-    if (worst_.error <= tolerance) return "";
+    if (worst_.error <= tolerance_) return "";
     return "the error of reduced regions was estimated at up to " + rounded(100 * worst_.error) + " % at " +
            rounded(worst_.time) + " s, most " + place_in_words(worst_.place) +
-           "; a smaller \"cell\", or \"nonlinear\" there, may help";
+           "; a smaller \"cell\", or \"nonlinear\" there, may help" +
+           (corrects_ ? "" : ", or a \"tolerance\" above which it is corrected");
   }
   std::optional<nlohmann::ordered_json> json() const {
     if (!watch_) return {};
@@ -152,14 +154,18 @@ class ReducedResults {
                                   {"worst_time", worst_.time},
                                   {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
                                   {"frames_exceeded", exceeded_},
+                                  {"vertices_to_full", to_full_},
                                   {"looking_s", watch_->looking_seconds()},
                                   {"series", series_}};
   }
 
  private:
+  double tolerance_;  // above which there is a warning
+  bool corrects_;
   std::optional<ReducedWatch<Real>> watch_;
   ReducedReport worst_;
   int exceeded_ = 0;
+  Index to_full_ = 0;
   nlohmann::ordered_json series_ = nlohmann::ordered_json::array();
 };
 

@@ -78,6 +78,7 @@ Region read_region(const json& entry, const std::string& pointer) {
   region.model = static_cast<RegionModel>(at - region_model_names.begin());  // the schema knows no others
   if (entry.value("frame", "fixed") == "corotated") region.frame = RegionFrame::corotated;
   read(entry, "cell", region.cell);
+  read(entry, "tolerance", region.tolerance);
   region.is_measured = entry.value("representation", "condensed") == "measured";
   region.where = read_where(entry);
   region.pointer = pointer;
@@ -167,6 +168,7 @@ AutoRegions read_auto_regions(const json& object) {
   AutoRegions regions;
   read(object, "tolerance", regions.tolerance);
   read(object, "precomputed", regions.precomputed);
+  read(object, "reduced", regions.reduced);
   read(object, "correct", regions.correct);
   if (!object.contains("gestures")) return regions;
   for (const json& entry : object["gestures"])

@@ -35,13 +35,18 @@ void resolve_cell(Resolution& resolution) {
   const Region* first = nullptr;
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const bool is_reduced = regions[i].model == RegionModel::reduced;
-    const std::string place = "/regions/" + std::to_string(i) + "/cell";
-    if (!is_reduced && regions[i].cell > 0) resolution.fail(place, "needs \"model\": \"reduced\"");
+    const std::string place = "/regions/" + std::to_string(i);
+    if (!is_reduced && regions[i].cell > 0) resolution.fail(place + "/cell", "needs \"model\": \"reduced\"");
+    if (!is_reduced && regions[i].tolerance > 0)
+      resolution.fail(place + "/tolerance", "needs \"model\": \"reduced\"");
     if (!is_reduced) continue;
     if (!first) first = &regions[i];
     if (regions[i].cell != first->cell)
-      resolution.fail(place,
+      resolution.fail(place + "/cell",
                       "all reduced regions have one lattice in common; give all of them the same cells");
+    if (regions[i].tolerance != first->tolerance)
+      resolution.fail(place + "/tolerance",
+                      "the error of all reduced regions is estimated together; give all of them the same");
   }
   if (first) resolution.result.setup.lattice_cell = first->cell;
 }

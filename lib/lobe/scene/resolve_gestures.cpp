@@ -1,8 +1,10 @@
 #include <algorithm>
 
 #include "lobe/condense/interface_size.h"
+#include "lobe/lattice/lattice.h"
 #include "lobe/linearity/step_cost.h"
 #include "lobe/scene/resolve_parts.h"
+#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 
@@ -47,9 +49,40 @@ void choose_representation(Resolution& resolution) {
           rounded(1e6 * cost.tensor_mass) + " us: it is tensor-mass now; let it end at a narrower part");
 }
 
+// Makes all of a body one reduced region, if it may be one and its mesh is fine enough for that to pay.
+bool reduce_automatic(Resolution& resolution) {
+  constexpr double pays_above = 60;  // tetrahedra in the volume of a cell
+  Resolved& resolved = resolution.result;
+  const auto leave = [&](const std::string& why) {
+    resolution.warn("/regions/auto/reduced", "nothing is reduced: " + why);
+    return false;
+  };
+  Setup trial = resolved.setup;
+  trial.region_of.assign(trial.region_of.size(), RegionModel::reduced);
+  trial.selective_mass = 1;
+  try {
+    refuse_excluded(Option::reduced, options_of(trial), "");
+    const Elements elements(trial);
+    const double edge = choose_lattice(elements, 0).edge,
+                 in_a_cell = double(trial.region_of.size()) * edge * edge * edge / total_volume(trial.mesh);
+    if (in_a_cell < pays_above)
+      return leave("a cell of the lattice has the volume of " + rounded(in_a_cell) +
+                   " tetrahedra, and it pays above " + rounded(pays_above));
+  } catch (const InputError& error) {
+    return leave(error.faults().front().message);
+  }
+  if (resolved.setup.selective_mass > 1)
+    resolution.warn("/time/selective_mass", "is not used: all is reduced, which pays more");
+  resolved.setup.region_of = trial.region_of;
+  resolved.setup.selective_mass = 1;
+  resolved.proposal.emplace().region_of = trial.region_of;
+  return true;
+}
+
 void propose_automatic(Resolution& resolution, const std::function<void(double fraction)>& progress) {
   const Scene& scene = resolution.scene;
   Resolved& resolved = resolution.result;
+  if (scene.auto_regions->reduced && reduce_automatic(resolution)) return;
   ProposalOptions options;
   options.tolerance = scene.auto_regions->tolerance;
   options.condense = scene.auto_regions->precomputed;

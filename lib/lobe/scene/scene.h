@@ -102,6 +102,7 @@ struct Region {
   std::optional<Selector> where;
   std::string pointer;
   bool is_measured = false;  // precomputed: tensor-mass, if lobe measures that a step is clearly cheaper so
+  double tolerance = 0;      // reduced: estimated error that is corrected, the same in all; 0: none is
 };
 
 // A gesture for which regions are chosen: a displacement of vertices [m], or a force on them [N].
@@ -116,6 +117,7 @@ struct SceneGesture {
 struct AutoRegions {
   double tolerance = 0.02;             // relative L2 error of the displacement, of each gesture
   bool precomputed = true;             // whether linear regions may be precomputed
+  bool reduced = false;                // whether all may be reduced, where the mesh is fine enough to pay
   bool correct = false;                // whether zones change their model while the scene runs
   std::vector<SceneGesture> gestures;  // empty: those of the scene's grasps; without, pulls at five places
 };
@@ -178,6 +180,13 @@ struct Scene {
   }
   // Whether lobe adapts the degree of selective masses while the scene runs. No region is linear then.
   bool corrects_masses() const { return auto_regions && auto_regions->correct && time.selective_mass > 1; }
+  // The estimated error of reduced regions that lobe run corrects; none: it does not.
+  std::optional<double> reduced_tolerance() const {
+    if (auto_regions && auto_regions->correct) return auto_regions->tolerance;
+    for (const Region& region : regions)
+      if (region.model == RegionModel::reduced && region.tolerance > 0) return region.tolerance;
+    return {};
+  }
 
   std::string name;            // what reports call it
   std::filesystem::path file;  // where it was read from

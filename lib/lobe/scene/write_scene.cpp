@@ -96,6 +96,7 @@ ordered_json write(const Region& region) {
   ordered_json entry = {{"name", region.name}, {"model", name(region.model)}};
   if (region.frame == RegionFrame::corotated) entry["frame"] = "corotated";
   if (region.cell > 0) entry["cell"] = region.cell;
+  if (region.tolerance > 0) entry["tolerance"] = region.tolerance;
   if (region.is_measured) entry["representation"] = "measured";
   add_where(entry, region.where);
   return entry;
@@ -110,6 +111,7 @@ ordered_json write(const AutoRegions& regions) {
   return {{"auto",
            {{"tolerance", regions.tolerance},
             {"precomputed", regions.precomputed},
+            {"reduced", regions.reduced},
             {"correct", regions.correct},
             {"gestures", gestures}}}};
 }

@@ -12,7 +12,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 18,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 19,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -145,7 +145,7 @@ void World<Real>::check_repeats(const Command& command) const {
   const Index vertices = elements().topology.vertex_count();
   const Regions<Real>& regions = body_.regions;
   bool fits = !std::holds_alternative<Advance>(command) && !std::holds_alternative<Relinearise>(command) &&
-              !std::holds_alternative<SetMassDegree>(command);
+              !std::holds_alternative<SetMassDegree>(command) && !std::holds_alternative<KeepFull>(command);
   if (const auto* hold = std::get_if<Hold>(&command))
     for (const HeldVertices::Held& item : hold->held.all()) fits = fits && item.vertex < vertices;
   if (const auto* begin = std::get_if<BeginCondensing>(&command))

@@ -64,6 +64,14 @@ struct SetMassDegree {
   static constexpr auto fields = std::tuple(&SetMassDegree::degree);
 };
 
+// Makes vertices of reduced regions full for a while, from the next frame on: they do not follow the lattice.
+struct KeepFull {
+  std::vector<Index> vertices;
+  double duration = 0;  // [s], > 0
+  bool operator==(const KeepFull&) const = default;
+  static constexpr auto fields = std::tuple(&KeepFull::vertices, &KeepFull::duration);
+};
+
 // Records what a blade has cut in one frame, step by step, by numbers of grains. Tetrahedra are divided once,
 // after the last step. World makes this command. The first one is empty; it marks when the grains were made.
 struct Incise {
@@ -143,7 +151,7 @@ using Command =
     Joined<std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree>,
            ToolCommand,
            std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginCondensing, EndCondensing,
-                        Superseded>>::Type;
+                        Superseded, KeepFull>>::Type;
 
 // Remembers whether something pressed on the interior of a pre-computed region. The region is expanded for
 // it, and condensed again later.

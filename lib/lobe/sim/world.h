@@ -121,6 +121,7 @@ class World {
   void perform(const Condense&);
   void perform(const Relinearise& command);
   void perform(const SetMassDegree& command);
+  void perform(const KeepFull& command);
   template <class Bring>
   requires requires { &Bring::check; }
   void perform(const Bring& command) {

@@ -200,7 +200,7 @@ template <class Real>
 void World<Real>::embed_as(VertexRoles wanted) {
   LatticeRegion<Real>& region = body_.regions.reduced();
   state();
-  limit_.forget();
+  limit_.forget_nodes();
   const std::vector<Index> vertices = region.vertices();
   weigh(vertices);
   region.embed(body_.model, std::move(wanted), limit_.highest_at_rest(), body_.inertia.masses(), body_.loads,
@@ -216,6 +216,18 @@ template <class Real>
 void World<Real>::free_ahead(const std::vector<Index>& tets) {
   const std::vector<Index> found = body_.regions.reduced().in_the_way(elements(), tets);
   if (!found.empty()) change_region(found, RegionModel::nonlinear);
+}
+
+template <class Real>
+void World<Real>::perform(const KeepFull& command) {
+  if (!(command.duration > 0) || !std::isfinite(command.duration))
+    throw InputError("keep full", "the duration must be above 0 s and finite");
+  const Index count = elements().topology.vertex_count();
+  for (Index v : command.vertices)
+    if (v < 0 || v >= count)
+      throw InputError("keep full", "there is no vertex " + std::to_string(v) + ", only " +
+                                        std::to_string(count) + " vertices");
+  body_.regions.reduced().keep_full(elements(), command.vertices, time() + command.duration);
 }
 
 // ---- Inertia

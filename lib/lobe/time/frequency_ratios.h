@@ -1,6 +1,6 @@
 // The ratio of the highest frequency to the estimate ω_v of each vertex (theory, section 7). The ratio of a
 // vertex is ω_max/ω_v when ω_max is measured, but at most the largest ratio that the vertex of the highest
-// estimate ever had. Part of a checkpoint.
+// estimate ever had. Nodes of a lattice have one ratio in common. Part of a checkpoint.
 #pragma once
 
 #include <algorithm>
@@ -19,16 +19,19 @@ struct FrequencyRatios {
 
   double most = 1;               // of a vertex of which nothing is known
   std::vector<float> of_vertex;  // per vertex, up to most
+  double of_nodes = 1;           // ω_max to the bound of the nodes of a lattice
   double limit = 0;              // of the time step, when it was measured [s]
   int steps = 0;                 // since then, up to most_steps
 
   bool is_valid() const {
-    return most > 0 && std::isfinite(most) && limit >= 0 && steps >= 0 && steps <= most_steps &&
-           std::all_of(of_vertex.begin(), of_vertex.end(),
-                       [&](float one) { return one > 0 && one <= static_cast<float>(most); });
+    return most > 0 && std::isfinite(most) && of_nodes > 0 && of_nodes <= 1 && limit >= 0 && steps >= 0 &&
+           steps <= most_steps && std::all_of(of_vertex.begin(), of_vertex.end(), [&](float one) {
+             return one > 0 && one <= static_cast<float>(most);
+           });
   }
-  static constexpr auto fields = std::tuple(&FrequencyRatios::most, &FrequencyRatios::of_vertex,
-                                            &FrequencyRatios::limit, &FrequencyRatios::steps);
+  static constexpr auto fields =
+      std::tuple(&FrequencyRatios::most, &FrequencyRatios::of_vertex, &FrequencyRatios::of_nodes,
+                 &FrequencyRatios::limit, &FrequencyRatios::steps);
 
   // Whether, over as many steps as were taken since, the change of the limit is worth twice the time of a
   // measurement.

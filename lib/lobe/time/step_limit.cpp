@@ -5,6 +5,17 @@
 #include <limits>
 
 namespace lobe {
+namespace {
+
+constexpr double caution = 1.2;  // nodes move on until they are measured again
+
+// Displacements from a state that is so far from rest [m], for differences of forces.
+template <class Real>
+double small_about(double farthest) {
+  return std::sqrt(double(std::numeric_limits<Real>::epsilon())) / 3 * farthest;
+}
+
+}  // namespace
 
 template <class Real>
 template <class Weight>
@@ -14,8 +25,9 @@ void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
     const auto found = body.regions.add_diagonal_stiffness(body.motion.u.padded(), K, body.parallel);
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
-    const auto nodes = body.regions.reduced().highest_frequency(body.motion.nodes, K, ratios_.most);
+    auto nodes = body.regions.reduced().highest_frequency(body.motion.nodes, K, ratios_.most);
     node_omega_ = nodes.omega;
+    node_squares_ = std::move(nodes.squares);
     if (nodes.smallest.volume_ratio < volume_ratio_) {
       volume_ratio_ = nodes.smallest.volume_ratio;
       volume_ratio_tet_ = nodes.smallest.tet;
@@ -41,7 +53,7 @@ double StepLimit<Real>::find(Body& body) {
   const VertexFrequency highest = frequencies_.highest([&](Index v) { return weight(body, v); });
   limiting_vertex_ = highest.vertex;
   // SVK softens when crushed. A step far longer than that of the body at rest would still be unsafe.
-  const double omega = std::max({highest.omega, at_rest(body).omega / 4, node_omega_});
+  const double omega = std::max({highest.omega, at_rest(body).omega / 4, ratios_.of_nodes * node_omega_});
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 
@@ -97,8 +109,7 @@ HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettin
     if (body.inertia.inverse_mass(v) > 0) farthest = std::max(farthest, double(at.col(v).norm()));
   const bool at_rest = farthest == 0;
   if (at_rest && !body.terms.empty()) return {};
-  const double small =
-      at_rest ? 1e-9 * mean_edge_ : std::sqrt(double(std::numeric_limits<Real>::epsilon())) / 3 * farthest;
+  const double small = at_rest ? 1e-9 * mean_edge_ : small_about<Real>(farthest);
   if (!(small < 0.01 * mean_edge_)) return {};
   body.regions.invalidate_sums();
   const Mat3X<Real> velocities = body.terms.empty() ? Mat3X<Real>() : Mat3X<Real>(body.motion.v.view());
@@ -123,6 +134,57 @@ HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettin
         add_forces(at_rest ? u : Mat3X<Real>(at + u), f);
       },
       settings, body.inertia.is_selective() ? scale : nothing);
+}
+
+// The same of all that moves, vertices and nodes in one list.
+template <class Real>
+HighestFrequency StepLimit<Real>::search_with_nodes(Body& body, const LanczosSettings& settings) {
+  Motion<Real>& motion = body.motion;
+  const std::vector<MovingVertex<Real>>& nodes = body.regions.reduced().moving();
+  std::vector<Index> vertices;
+  std::vector<double> inverse_mass, squares;
+  for (Index v = 0; v < motion.u.count(); ++v) {
+    if (!(body.inertia.inverse_mass(v) > 0)) continue;
+    vertices.push_back(v);
+    inverse_mass.push_back(body.inertia.inverse_mass(v));
+    squares.push_back(bounded_square(v));
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    inverse_mass.push_back(double(nodes[i].inverse_mass));
+    squares.push_back(node_squares_[i]);
+  }
+  const auto visit = [&](auto&& of_vertex, auto&& of_node) {
+    Index i = 0;
+    for (Index v : vertices) of_vertex(v, i++);
+    for (const MovingVertex<Real>& node : nodes) of_node(node.vertex, i++);
+  };
+  const StateColumns<Real> at = motion;
+  double farthest = 0;
+  visit([&](Index v, Index) { farthest = std::max(farthest, double(at.u.col(v).norm())); },
+        [&](Index n, Index) { farthest = std::max(farthest, double(at.nodes.u.col(n).norm())); });
+  const double small = small_about<Real>(farthest);
+  if (!(farthest > 0) || !(small < 0.01 * mean_edge_)) return {};
+  const auto find_forces = [&](Mat3X<Real>& f) {
+    body.find_forces();
+    visit([&](Index v, Index i) { f.col(i) = motion.forces.col(v); },
+          [&](Index n, Index i) { f.col(i) = motion.node_forces.col(n); });
+  };
+  body.regions.invalidate_sums();
+  Mat3X<Real> there(3, static_cast<Eigen::Index>(squares.size()));
+  find_forces(there);
+  Mat3X<Real> forces = there;
+  const HighestFrequency found = highest_frequency<Real>(
+      inverse_mass, [&](Index i) { return squares[std::size_t(i)]; }, small,
+      [&](const Mat3X<Real>& u, Mat3X<Real>& f) {
+        visit([&](Index v, Index i) { motion.u.col(v) = at.u.col(v) + u.col(i); },
+              [&](Index n, Index i) { motion.nodes.u.col(n) = at.nodes.u.col(n) + u.col(i); });
+        find_forces(forces);
+        f += forces - there;
+      },
+      settings);
+  static_cast<StateColumns<Real>&>(motion) = at;
+  body.regions.invalidate_sums();
+  return found;
 }
 
 template <class Real>
@@ -152,8 +214,14 @@ void StepLimit<Real>::measure_again(Body& body) {
   if (!ratios_.is_worth_measuring(limit)) return;
   ratios_.steps = 0;
   ratios_.limit = limit;
-  const HighestFrequency found =
-      search_highest(body, {.tolerance = 0.02, .most = FrequencyRatios::evaluations});
+  constexpr LanczosSettings settings{.tolerance = 0.02, .most = FrequencyRatios::evaluations};
+  if (nodes_limit(limit)) {
+    const HighestFrequency found = search_with_nodes(body, settings);
+    if (found.omega > 0) ratios_.of_nodes = std::min(1.0, caution * found.omega / node_omega_);
+    ratios_.limit = find(body);
+    return;
+  }
+  const HighestFrequency found = search_highest(body, settings);
   if (!(found.omega > 0)) return;
   std::vector<double> alone;
   for (Index v = 0; v < body.model.elements.topology.vertex_count(); ++v)

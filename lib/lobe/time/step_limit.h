@@ -69,6 +69,11 @@ class StepLimit {
   template <class Change>
   void follow_region(const Body& body, Index tet, Change&& change);
   void extend(Index vertices) { ratios_.extend(vertices); }
+  // Call it when other vertices are embedded than before: nothing is measured then of the nodes.
+  void forget_nodes() {
+    forget();
+    ratios_.of_nodes = 1;
+  }
   void update(const Body& body, Index vertex);  // after its inverse mass has changed
   void forget() {
     known_ = Known::nothing;
@@ -123,6 +128,8 @@ class StepLimit {
   template <class Weight>
   void find_frequencies(Body& body, Weight&& weight);
   HighestFrequency search_highest(Body& body, const LanczosSettings& settings);
+  HighestFrequency search_with_nodes(Body& body, const LanczosSettings& settings);
+  bool nodes_limit(double limit) const { return ratios_.of_nodes * node_omega_ > 1.98 / limit; }
   void measure_degree_at_rest(Body& body);
   RestFrequency& at_rest(const Body& body) {
     return at_rest_[body.regions.is_expanded()][std::size_t(body.inertia.degree_now())];
@@ -141,6 +148,7 @@ class StepLimit {
   std::uint64_t found_at_ = 0;  // revision of the displacements
   Index limiting_vertex_ = -1;
   double node_omega_ = 0;  // a bound of the frequencies of nodes [rad/s]
+  std::vector<double> node_squares_;
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;
   FrameLimit frame_limit_;

@@ -363,13 +363,17 @@ std::string bench_gestures(const Options& options) {
     for (const char* name : {"liver_declared.json", "liver_undeclared.json"})
       scenes.push_back(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / name);
   if (options.quick) scenes.resize(1);
-  if (options.reduced && options.scenes.empty()) scenes.erase(scenes.begin());  // the same, declared
+  if (options.reduced && options.scenes.empty()) {
+    scenes.erase(scenes.begin());  // the same, declared
+    scenes.push_back(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / "kidney_undeclared.json");
+  }
   std::vector<GestureRow> all;
   std::string names, own;
   const auto play_all = [&](const Scene& scene, const std::string& name) {
     names += name + " ";
-    std::vector<std::filesystem::path> meshes = options.meshes;
-    meshes.insert(meshes.begin(), mesh_path(scene));
+    std::vector<std::filesystem::path> meshes = {mesh_path(scene)};
+    if (!options.scenes.empty() || name.starts_with("liver"))  // shipped scenes: --mesh is another liver
+      meshes.insert(meshes.end(), options.meshes.begin(), options.meshes.end());
     for (const std::filesystem::path& mesh : meshes) {  // its own is drawn
       const Resolved resolved = resolve(scene, read_mesh(mesh).mesh, {false});
       const bool is_own = mesh == meshes.front();

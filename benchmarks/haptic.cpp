@@ -119,8 +119,8 @@ void compare(const Body& body, const Mat3<double>& of_body, double frame, double
   add("K: blocked (b)", by_stiffness(frames, path, [&](std::size_t k) { return frames[k].blocked; }));
   add("K: patch (c)", by_stiffness(frames, path, [&](std::size_t k) { return frames[k].patch; }));
   add("K: whole body (d)", by_stiffness(frames, path, [&](std::size_t) { return of_body; }));
-  add("K: c with a", by_stiffness(frames, path, [&](std::size_t k) { return frames[k].K; }));
-  add("the servo (c with a)", by_servo(frames, path, tick));
+  add("K: c fitted", by_stiffness(frames, path, [&](std::size_t k) { return frames[k].K; }));
+  add("the servo", by_servo(frames, path, tick));
   std::fflush(stdout);
 }
 

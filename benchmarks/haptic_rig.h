@@ -69,6 +69,7 @@ struct FeltFrame {
   double end = 0;                  // [s]
   Vec3d position = Vec3d::Zero();  // mean of the frame, an offset [m]
   Vec3d force = Vec3d::Zero();     // on the tool, mean of the frame [N]
+  Vec3d rate = Vec3d::Zero();      // of the force, beside K [N/s]
   Mat3<double> blocked = Mat3<double>::Zero(), patch = blocked, K = blocked;  // [N/m]
 };
 
@@ -100,6 +101,7 @@ inline std::vector<FeltFrame> feel(const Setup& setup, const std::vector<Index>&
       const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
       stiffness.after_frame(world.body().model, vertices, displacement, felt.position, felt.force, frame);
       felt.K = stiffness.K();
+      felt.rate = stiffness.rate();
       const double reach =
           frame * shear_speed(world.elements(), world.elements().topology.around(vertices.front()).front());
       patch.gather(world.body().model, vertices, displacement, {.reach = reach});
@@ -209,6 +211,7 @@ inline Predict by_servo(const std::vector<FeltFrame>& frames, const HandPath& pa
       model.position = last.position;
       model.force = last.force;
       model.K = last.K;
+      model.rate = last.rate;
     }
     const DeviceState device{.position = path.at(time)};
     return servo->tick(&device, model, tick).force;

@@ -29,13 +29,19 @@ Stopwatch::Stopwatch(bool one_thread) : one_thread_(one_thread), start_(now(one_
 
 double Stopwatch::seconds() const { return now(one_thread_) - start_; }
 
-std::vector<std::vector<double>> sample_in_turn(const std::vector<Timed>& functions,
-                                                const Sampling& sampling) {
+std::vector<std::vector<double>> sample_rounds(const std::vector<Timed>& functions,
+                                               const Sampling& sampling) {
   std::vector<std::vector<double>> samples(functions.size());
   for (const Timed& function : functions) function.call();
   for (int round = 0; round < sampling.rounds; ++round)
     for (std::size_t i = 0; i < functions.size(); ++i)
       samples[i].push_back(seconds_per_call(functions[i], sampling.seconds));
+  return samples;
+}
+
+std::vector<std::vector<double>> sample_in_turn(const std::vector<Timed>& functions,
+                                                const Sampling& sampling) {
+  auto samples = sample_rounds(functions, sampling);
   for (std::vector<double>& s : samples) std::sort(s.begin(), s.end());
   return samples;
 }

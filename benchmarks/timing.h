@@ -30,7 +30,9 @@ struct Timed {
 };
 
 // Calls every function once to warm up, then again and again for one sample each, in turn, round after round.
-// Returns the samples of each, sorted: seconds per call.
+// Returns the samples of each, by rounds: seconds per call.
+std::vector<std::vector<double>> sample_rounds(const std::vector<Timed>& functions, const Sampling& sampling);
+// The same, sorted.
 std::vector<std::vector<double>> sample_in_turn(const std::vector<Timed>& functions,
                                                 const Sampling& sampling);
 

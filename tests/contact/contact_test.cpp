@@ -42,10 +42,11 @@ struct Hertz {
   static constexpr double young = 2e4, poisson = 0.3;
 };
 
-// The force over Hertz'. A quarter of a block, whose cells are finest where it is pressed.
+// The force over Hertz'. A quarter of a block, whose cells are finest where it is pressed. With 0.88 s³ they
+// would be coarser at the rim of the contact, and the mesh alone too stiff by 8 %.
 double press_half_space(int n) {
   TetMesh mesh = box_mesh(Vec3d::Constant(1), n, n, n);
-  for (double& s : mesh.points.reshaped()) s = Hertz::size * (0.12 * s + 0.88 * s * s * s);
+  for (double& s : mesh.points.reshaped()) s = Hertz::size * (0.12 * s + 0.88 * std::pow(s, 5));
   mesh.points.row(2) *= -1;
   mesh.tets.row(0).swap(mesh.tets.row(1));
   Setup setup = setup_of(mesh, RegionModel::tensor_mass);

@@ -5,6 +5,7 @@
 
 #include "contact/frame.h"
 #include "lobe/contact/contact.h"
+#include "lobe/mesh/refine.h"
 #include "lobe/sim/checkpoint.h"
 #include "near.h"
 #include "support.h"
@@ -16,8 +17,8 @@ using namespace lobe::test;
 namespace {
 
 // Held at the bottom; its lower part may be of another model.
-Setup block(RegionModel lower, RegionModel upper) {
-  Setup setup = setup_of(irregular_box(5), upper);
+Setup block(RegionModel lower, RegionModel upper, const TetMesh& mesh = irregular_box(5)) {
+  Setup setup = setup_of(mesh, upper);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     if (barycentre(setup.mesh, t).z() < 0.02) setup.region_of[std::size_t(t)] = lower;
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
@@ -72,8 +73,10 @@ TEST_CASE("a precomputed region is expanded while a probe may press on it, and c
   CHECK(said.find("precomputed region, has no effect") != std::string::npos);
 }
 
+// On a mesh of 750 tetrahedra forces differ by 18 %, since the one contact follows flat triangles more
+// closely than the other; and both are twice that of a fine mesh.
 TEST_CASE("with selective masses contact leaves the step alone, and the probe feels the same at rest") {
-  Setup setup = block(RegionModel::nonlinear, RegionModel::nonlinear);
+  Setup setup = block(RegionModel::nonlinear, RegionModel::nonlinear, refine(irregular_box(5)).mesh);
   setup.probes.push_back(from_above({{0, {0.025, 0.024, 0.063}}, {0.2, {0.025, 0.024, 0.059}}}));
   World<float> lumped(setup);
   setup.selective_mass = 5;
@@ -88,7 +91,7 @@ TEST_CASE("with selective masses contact leaves the step alone, and the probe fe
   }
   MESSAGE("force " << ball(lumped).force.z() << " N, with selective masses " << ball(selective).force.z()
                    << " N; limit " << last.time_step_limit / limit);
-  CHECK(ball(selective).force.z() == near(ball(lumped).force.z(), 0.15));
+  CHECK(ball(selective).force.z() == near(ball(lumped).force.z(), 0.08));
   CHECK(last.time_step_limit > 0.9 * limit);
 }
 

@@ -72,7 +72,8 @@ def table_live():
 
 def table_contact():
     shown = {"far probe": "far probe", "touching with friction": "touching, friction 0.1",
-             "self without touch": "self, nothing touches"}
+             "self without touch": "self, nothing touches",
+             "self while swinging": "self, nothing touches, the organ swings"}
     body = [[f"{thousands(row['tets'])} tetrahedra", shown[row["contact"]], thousands(row["touched_vertices"]),
              f"{row['step_us']:.1f}", percent(row["cost"], 0 if row["cost"] > 0.1 else 1), f"{row['limit']:.4f}"]
             for row in rows("contact", contact=list(shown))]

@@ -136,6 +136,41 @@ TEST_CASE("the secant takes up what the last motion says, and nothing across it"
         1e-2 * secant_correction(K, 1e-6 * Vec3d::UnitX(), force, 0).norm());
 }
 
+TEST_CASE("motion in one direction says how stiff the others are, and what K does not explain is the rate") {
+  const Setup setup = held_block(5);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  ContactStiffness stiffness({.has_helper = false});
+  constexpr double frame = 1.0 / 120;
+  Vec3d position = Vec3d::Zero(), force = Vec3d::Zero();
+  const auto move = [&](const Vec3d& way, const Vec3d& change) {
+    position += way;
+    force += change;
+    stiffness.after_frame(world.body().model, contact, displacement_of(world), position, force, frame);
+  };
+  move(Vec3d::Zero(), Vec3d::Zero());
+  const Mat3<double> patch = stiffness.K();
+  REQUIRE(patch.norm() > 0);
+  const Vec3d way = 5e-4 * Vec3d(1, 2, -2).normalized(), across = 5e-4 * Vec3d(2, -1, 0).normalized();
+  for (int i = 0; i < 10; ++i) move(way, -0.3 * patch * way);
+  CHECK((stiffness.K() - 0.3 * patch).norm() < 1e-4 * patch.norm());
+  CHECK(stiffness.rate().norm() * frame < 1e-4 * (patch * way).norm());
+  move(Vec3d::Zero(), {0.01, 0, 0});
+  CHECK((stiffness.rate() - Vec3d(0.01, 0, 0) / frame).norm() < 1e-9);
+  CHECK((stiffness.K() - 0.3 * patch).norm() < 1e-4 * patch.norm());  // rest says nothing of K
+  // A body that is stiffer across: all frames count, those before less.
+  const Vec3d y = patch * across.normalized();
+  const Mat3<double> K = 0.3 * patch + 0.3 / y.dot(across.normalized()) * y * y.transpose();
+  for (int i = 0; i < 20; ++i) {
+    move(across, -K * across);
+    move(-0.5 * way, 0.5 * K * way);
+  }
+  CHECK(((stiffness.K() - K) * across).norm() < 0.15 * (K * across).norm());
+  CHECK(((stiffness.K() - K) * way).norm() < 0.15 * (K * way).norm());
+  stiffness.forget();
+  CHECK(stiffness.rate().norm() == 0);
+}
+
 TEST_CASE("with a helper the stiffness of a contact is what it is without, a little later") {
   const Setup setup = held_block(5);
   World<double> world(setup);

@@ -84,7 +84,22 @@ TEST_CASE("a new model is blended in: the force has no jump, and ends where the 
     before = now;
   }
   CHECK(before == near(0.7 * 1000 / 1400, 1e-9));
-  CHECK(most == near(before / 8, 0.01));  // evenly over 8 ms
+  CHECK(most == near(before / 4, 0.01));  // evenly over 4 ms
+}
+
+TEST_CASE("the force of a model changes at its rate, from the middle of its frame on, for two frames") {
+  LocalModel model = spring(1, {0.2, 0, 0});
+  model.frame = 0.01;
+  model.rate = {30, 0, -10};
+  CHECK(aged(model, 0).force.isApprox(Vec3d(0.2 + 0.005 * 30, 0, -0.005 * 10)));
+  CHECK(aged(model, 0.004).force.isApprox(Vec3d(0.2 + 0.009 * 30, 0, -0.009 * 10)));
+  CHECK(aged(model, 1).force.isApprox(Vec3d(0.2 + 0.020 * 30, 0, -0.020 * 10)));
+  Servo servo({.slew = 1e9, .stiffness = 1e9, .damping = 1e6}, {.longest_blend = 0, .highest_damping = 0});
+  const DeviceState still = at(Vec3d::Zero());
+  LocalModel fresh = spring();
+  for (int i = 0; i < 60; ++i, fresh.time += 1e-6) servo.tick(&still, fresh, tick);
+  for (int i = 1; i <= 8; ++i)
+    CHECK(servo.tick(&still, model, tick).force.x() == near(0.2 + (0.005 + i * tick) * 30, 1e-5));
 }
 
 TEST_CASE("with a new model in each tick, as in the direct mode, the force is that of the models") {

@@ -102,12 +102,13 @@ void Contact<Real>::gather(const std::vector<int>& points, const Places& now) co
   for (std::size_t i = 0; i < points.size(); ++i) x_.col(Eigen::Index(i)) = now.of_point(points[i]);
 }
 
-// Distributes the forces on these points to the vertices of the mesh.
+// Distributes the forces on the points that a tool presses to the vertices of the mesh.
 template <class Real>
-void Contact<Real>::scatter(const std::vector<int>& points, Mat3X<Real>& f) const {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const ContactSurface::Point& surface_point = surface_.points()[std::size_t(points[i])];
-    const Vec3d force = f_.col(Eigen::Index(i));
+void Contact<Real>::scatter(const ToolContact& tool, Mat3X<Real>& f) const {
+  for (int p : tool.pressed()) {
+    const int point = tool.points()[std::size_t(p)];
+    const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
+    const Vec3d force = f_.col(p);
     for (int c = 0; c < surface_point.count; ++c)
       f.col(surface_point.corners[c]) += (surface_point.weights[c] * force).template cast<Real>();
   }
@@ -141,9 +142,8 @@ void Contact<Real>::visit_tools(const At& at, Visit&& visit) const {
     if (tool.is_outdated(at.time, body_moved_)) search(tool, at, 0);
     if (tool.points().empty() || !tool.is_there(at.time)) continue;
     const Here here(surface_, at);
-    gather(tool.points(), here);
     tool.use(surface_);
-    visit(i, tool, ToolContact::At{surface_, own_law, at.time, last_step_, x_, here});
+    visit(i, tool, ToolContact::At{surface_, own_law, at.time, last_step_, body_moved_, here});
   }
 }
 
@@ -242,10 +242,9 @@ void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
   visit_memories([](ContactMemory& memory) { memory.begin_forces(); });
   visit_tools(at, [&](std::size_t i, ToolContact& tool, const ToolContact::At& here) {
     if (f_.cols() < x_.cols()) f_.resize(3, x_.cols());
-    f_.leftCols(Eigen::Index(tool.points().size())).setZero();
-    tool.add_forces(here, f_);
+    tool.find_forces(here, f_);
     if (!tool.is_obstacle()) on_tools_[i - setup_.obstacles.size()] = tool.on_tool();
-    scatter(tool.points(), f);
+    scatter(tool, f);
   });
   visit_self(at, [&](const SelfContact::At& here) {
     self_forces_->begin(surface_, f.cols());

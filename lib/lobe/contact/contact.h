@@ -73,7 +73,7 @@ class Contact : public ForceTerm<Real> {
   void search(ToolContact& tool, const At& at, double ahead) const;
   void find_touched(const At& at, double until);
   void gather(const std::vector<int>& points, const Places& now) const;
-  void scatter(const std::vector<int>& points, Mat3X<Real>& f) const;
+  void scatter(const ToolContact& tool, Mat3X<Real>& f) const;
   template <class Visit>
   void visit_self(const At& at, Visit&& visit) const;
   template <class Visit>

@@ -15,6 +15,7 @@ namespace lobe {
 namespace {
 
 constexpr double least_room = 0.05;  // θ
+constexpr double filled = 1.15;      // φ
 constexpr double most_added = 0.2;   // of ω_max², with selective masses
 
 // What vertices feel at rest when they move alone, of those that `is_wanted`, upper triangles [N/m]. Each
@@ -126,7 +127,7 @@ void ContactSurface::find_stiffness(const BodyView& now) {
   const auto kappa_of = [&](Index v) {
     double& known = kappa[std::size_t(v)];
     if (known >= 0) return known;
-    const double full = square * now.mass[std::size_t(v)];
+    const double full = filled * square * now.mass[std::size_t(v)];
     const double room = full - ratio * largest_of(K.col(v));
     known = area[std::size_t(v)] > 0 ? std::max(least_room * full, room) / area[std::size_t(v)] : 0;
     return known;

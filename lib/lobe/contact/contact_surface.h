@@ -3,9 +3,10 @@
 //
 // Contact is as stiff as the stable step allows. A vertex v of mass m whose own frequency at rest is ω_v may
 // be given
-//   k_v = max(θ, 1 − r² ω_v²/ω_max²) ω_max² m_v,   θ = 0.05,
+//   k_v = max(θ φ, φ − r² ω_v²/ω_max²) ω_max² m_v,   θ = 0.05,  φ = 1.15,
 // and contact of v with a rigid body then leaves the highest frequency of the body, ω_max, about where it is:
-// by Gershgorin's theorem ω² ≤ ω_max² + max k_v/m_v in the worst case. r is ω_max over the largest ω_v. Per
+// by Gershgorin's theorem ω² ≤ ω_max² + max k_v/m_v in the worst case. r is ω_max over the largest ω_v. φ is
+// above 1 since a vertex that moves against its neighbours moves with some of them, too. Per
 // area that is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
 //
 // Selective masses have a mobility C that couples vertices. The stiffness K_c of contact all over the surface

@@ -8,7 +8,7 @@ namespace lobe {
 
 Distance distance_to_sphere(double radius, const Vec3d& x) {
   const double r = x.norm();
-  return {r - radius, r > 0 ? Vec3d(x / r) : Vec3d::UnitZ()};
+  return {r - radius, r > 0 ? Vec3d(x * (1 / r)) : Vec3d::UnitZ()};
 }
 
 Distance distance_to_capsule(double radius, double length, const Vec3d& x) {

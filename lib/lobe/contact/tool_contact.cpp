@@ -57,10 +57,11 @@ double ToolContact::gap_to(const Mat3<double>& triangle, const RigidMotion& now)
 void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, double time,
                          double body_moved, double ahead) {
   const RigidMotion now = motion_at(path_, time);
-  const double margin = 0.2 * surface.mean_edge() + 1.1 * ahead + memory_.held().most();
+  const double margin = 0.5 * surface.mean_edge() + 1.1 * ahead + memory_.held().most();
   place_of_.assign(surface.points().size(), -1);
   points_.clear();
   candidates_.clear();
+  near_.clear();
   double gap = std::numeric_limits<double>::infinity();  // to the nearest triangle that is no candidate
   for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
     const ContactSurface::Triangle& triangle = surface.triangles()[t];
@@ -96,60 +97,108 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
 
 // ---- Forces
 
-void ToolContact::find_places(const Mat3X<double>& x, const RigidMotion& now) const {
-  const auto count = static_cast<Eigen::Index>(points_.size());
-  if (places_.cols() < count) places_.resize(3, count);
+// Finds the candidates that are not known to be out of reach. False: there are none.
+bool ToolContact::find_near(const At& at) const {
+  near_.clear();
+  const bool knows = at.time <= ahead_until_;
+  const double moved = at.body_moved + ahead_ + memory_.held().most();
+  for (std::size_t c = 0; c < candidates_.size(); ++c)
+    if (!knows || moved >= candidates_[c].clear_until) near_.push_back(static_cast<int>(c));
+  return !near_.empty();
+}
+
+void ToolContact::find_places(const At& at, const RigidMotion& now) const {
+  if (places_.cols() < Eigen::Index(points_.size())) places_.resize(3, Eigen::Index(points_.size()));
+  place_is_of_.resize(points_.size(), 0);
+  ++evaluation_;
   const Mat3<double> to_tool = now.rotation.transpose();
-  for (Eigen::Index p = 0; p < count; ++p) places_.col(p) = to_tool * (x.col(p) - now.position);
+  for (int c : near_)
+    for (int p : candidates_[std::size_t(c)].points) {
+      if (std::exchange(place_is_of_[std::size_t(p)], evaluation_) == evaluation_) continue;
+      places_.col(p) = to_tool * (at.places.of_point(points_[std::size_t(p)]) - now.position);
+    }
+}
+
+// The tool moves by no more than ahead_ − moved_ from the start of the frame to its end, and no point of a
+// triangle by more than its corners. What is clear by less than `least` is not safe from changes that no step
+// makes.
+void ToolContact::remember_clear(const Candidate& candidate, const Mat3<double>& x, const At& at,
+                                 double opening) const {
+  constexpr double least = 1e-5;  // [m]
+  double gap = std::numeric_limits<double>::infinity();
+  visit_places(
+      x, candidate.divisions, [](const Vec3d&, double) { return false; },
+      [&](int, const Vec3d& place, auto&&) { gap = std::min(gap, distance_.at(place, opening).value); });
+  candidate.clear_until = at.body_moved + moved_ + gap - distance_.error() - least;
 }
 
 // The tangential way from the anchor, which has followed where it slides, to the point [m].
 Vec3d ToolContact::slip_of(const Touch& touch, double stiffness, double pressure) const {
   if (!touch.anchor) return Vec3d::Zero();
   const Vec3d &g = touch.gradient, way = touch.place - touch.anchor->at;
-  const Vec3d slip = way - g * (g.dot(way) / g.squaredNorm());
+  const double square_of_g = distance_.error() > 0 ? g.squaredNorm() : 1;  // of a mesh g is no unit vector
+  const Vec3d slip = way - g * (g.dot(way) / square_of_g);
   const double square = stiffness * stiffness / 4 * slip.squaredNorm(), most = friction_ * pressure;
   return square > most * most ? Vec3d(slip * (most / std::sqrt(square))) : slip;
 }
 
-void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
+void ToolContact::find_forces(const At& at, Mat3X<double>& f) {
   on_tool_ = {.tool = tool_};
-  if (!is_there(at.time) || candidates_.empty()) return;
+  pressed_.clear();
+  if (!is_there(at.time) || !find_near(at)) return;
   const RigidMotion now = motion_at(path_, at.time);
-  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+  const auto count = Eigen::Index(points_.size());
+  if (speeds_.cols() < count) speeds_.resize(3, count);
+  is_pressed_in_.resize(points_.size(), 0);
   double grip = 0;
-  Mat3<double> speeds;  // of the corners of a triangle
-  const Candidate* of_speeds = nullptr;
+  // All in the tool's axes. Speeds against the tool are linear within a triangle, since it is rigid.
+  const Mat3<double> to_tool = now.rotation.transpose();
+  const Vec3d spin = to_tool * now.spin;
+  const auto begin_point = [&](int p) {
+    if (std::exchange(is_pressed_in_[std::size_t(p)], evaluation_) == evaluation_) return;
+    pressed_.push_back(p);
+    f.col(p).setZero();
+    if (at.law.damping == 0) return;
+    const Vec3d v = at.places.velocity_of_point(points_[std::size_t(p)]) - now.velocity;
+    speeds_.col(p) = to_tool * v - spin.cross(places_.col(p));
+  };
+  const Candidate* of = nullptr;
   visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
     const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
+    if (std::exchange(of, &candidate) != &candidate)
+      for (int p : candidate.points) begin_point(p);
     const double area = triangle.area / (candidate.divisions * candidate.divisions);
     double pressure = at.law.pressure(touch.depth, touch.held, triangle.stiffness);
     if (at.law.damping > 0) {
-      if (std::exchange(of_speeds, &candidate) != &candidate)
-        for (int c = 0; c < 3; ++c) speeds.col(c) = at.places.velocity_of_point(triangle.points[c]);
-      const Vec3d v = speeds * touch.weights - now.velocity - now.spin.cross(now.rotation * touch.place);
-      const double approach = -touch.gradient.dot(now.rotation.transpose() * v) +
-                              touch.gradient.y() * std::copysign(now.opens / 2, touch.place.y());
+      double approach = touch.gradient.y() * std::copysign(now.opens / 2, touch.place.y());
+      for (int c = 0; c < 3; ++c)
+        approach -= touch.weights[c] * touch.gradient.dot(speeds_.col(candidate.points[c]));
       pressure = std::max(0.0, pressure + at.law.damping * triangle.stiffness * approach);
     }
     Vec3d traction = pressure * touch.gradient;
-    const Vec3d slip = friction_ > 0 ? slip_of(touch, triangle.stiffness, pressure) : Vec3d::Zero();
-    traction -= triangle.stiffness / 2 * slip;
-    if (friction_ > 0)
+    if (friction_ > 0) {
+      const Vec3d slip = slip_of(touch, triangle.stiffness, pressure);
+      traction -= triangle.stiffness / 2 * slip;
       memory_.add({.tet = triangle.owner.tet,
                    .code = triangle.owner.code,
                    .divisions = candidate.divisions,
                    .number = touch.number,
                    .at = touch.place - slip});
+    }
     if (at.law.hold > 0)
       memory_.held().add(candidate.triangle, triangle.points, touch.weights, area * triangle.stiffness,
                          touch.depth);
-    const Vec3d own_force = area * traction, in_world = now.rotation * own_force;
-    for (int c = 0; c < 3; ++c) f.col(candidate.points[c]) += touch.weights[c] * in_world;
-    force += own_force;
-    torque += touch.place.cross(own_force);
+    const Vec3d own_force = area * traction;
+    for (int c = 0; c < 3; ++c) f.col(candidate.points[c]) += touch.weights[c] * own_force;
     grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
   });
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+  for (int p : pressed_) {
+    const Vec3d own = f.col(p);
+    force += own;
+    torque += places_.col(p).cross(own);
+    f.col(p) = now.rotation * own;
+  }
   memory_.held().end(at.surface, at.law, at.since);
   on_tool_.force = now.rotation * force;
   on_tool_.torque = now.rotation * torque;
@@ -157,7 +206,7 @@ void ToolContact::add_forces(const At& at, Mat3X<double>& f) {
 }
 
 double ToolContact::energy(const At& at) const {
-  if (!is_there(at.time)) return 0;
+  if (!is_there(at.time) || !find_near(at)) return 0;
   double sum = 0;
   visit_touches(at, motion_at(path_, at.time), [&](const Candidate& candidate, const Touch& touch) {
     const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];

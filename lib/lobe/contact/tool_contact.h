@@ -57,23 +57,26 @@ class ToolContact {
   }
   const std::vector<int>& points() const { return points_; }  // of the surface, that candidates have
 
-  // ---- Forces. x, f: one column for each of points(). memory().begin_forces() in each evaluation.
+  // ---- Forces. f: one column for each of points(). memory().begin_forces() in each evaluation.
 
   struct At {
     const ContactSurface& surface;
     const ContactLaw& law;
     double time = 0;
-    double since = 0;        // the last step [s]
-    const Mat3X<double>& x;  // [m]
-    const Places& places;    // of the surface
+    double since = 0;       // the last step [s]
+    double body_moved = 0;  // by at most that in all steps [m]
+    const Places& places;   // of the surface
   };
-  void add_forces(const At& at, Mat3X<double>& f);  // [N]
+  // Sets f at pressed(), those of points() on which there are forces [N].
+  void find_forces(const At& at, Mat3X<double>& f);
+  const std::vector<int>& pressed() const { return pressed_; }
   const OnTool& on_tool() const { return on_tool_; }
   double energy(const At& at) const;                                        // [J]
   void use(const ContactSurface& surface) { memory_.held().use(surface); }  // before any of these
   // visit(point, weight, K): each touch, whose stiffness K, 3 × 3 [N/m], a point shares by its weight.
   template <class Visit>
   void visit_stiffness(const At& at, Visit&& visit) const {
+    if (!find_near(at)) return;
     const RigidMotion now = motion_at(path_, at.time);
     visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
       const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
@@ -107,6 +110,8 @@ class ToolContact {
     int triangle = 0;
     Eigen::Vector3i points;  // places in points_
     int divisions = 1;
+    // It is out of reach until body and tool together have moved so far in all steps [m].
+    mutable double clear_until = -std::numeric_limits<double>::infinity();
   };
   struct Touch {  // at a point of a triangle, in the tool's axes
     Vec3d weights;
@@ -116,8 +121,11 @@ class ToolContact {
     Vec3d gradient, place;
   };
   double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // or less [m]
-  void find_places(const Mat3X<double>& x, const RigidMotion& now) const;
-  template <class Visit>  // visit(candidate, touch)
+  bool find_near(const At& at) const;
+  void find_places(const At& at, const RigidMotion& now) const;
+  // Of a candidate that nothing touches now. x: its corners in the tool's axes [m].
+  void remember_clear(const Candidate& candidate, const Mat3<double>& x, const At& at, double opening) const;
+  template <class Visit>  // visit(candidate, touch), after find_near()
   void visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const;
   Vec3d slip_of(const Touch& touch, double stiffness, double pressure) const;
 
@@ -137,7 +145,14 @@ class ToolContact {
 
   ContactMemory memory_;
   OnTool on_tool_;
-  mutable Mat3X<double> places_;  // scratch: where points_ are, in the tool's axes [m]
+  // Scratch of an evaluation: candidates that may touch, where their points are in the tool's axes [m], and
+  // the points that are pressed.
+  mutable std::vector<int> near_;
+  mutable Mat3X<double> places_;
+  mutable std::vector<int> place_is_of_;  // per point: the evaluation that found its place
+  mutable int evaluation_ = 0;
+  std::vector<int> pressed_, is_pressed_in_;  // the latter per point: in which evaluation
+  Mat3X<double> speeds_;                      // of pressed points against the tool, in its axes [m/s]
 };
 
 template <class Visit>
@@ -147,12 +162,19 @@ void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& vi
   const auto is_beyond = [&](const Vec3d& middle, double radius) {
     return distance_.is_beyond(middle, radius + most_held, now.opening);
   };
-  find_places(at.x, now);
-  for (const Candidate& candidate : candidates_) {
+  find_places(at, now);
+  for (int c : near_) {
+    const Candidate& candidate = candidates_[std::size_t(c)];
     const Mat3<double> x = places_(Eigen::all, candidate.points);
-    const Vec3d centre = x.rowwise().sum() / 3;
-    const double radius = std::sqrt((x.colwise() - centre).colwise().squaredNorm().maxCoeff());
-    if (is_beyond(centre, radius + distance_.error())) continue;
+    if (candidate.divisions > few_divisions) {
+      const Vec3d centre = x.rowwise().sum() / 3;
+      const double radius = std::sqrt((x.colwise() - centre).colwise().squaredNorm().maxCoeff());
+      if (is_beyond(centre, radius + distance_.error())) {
+        remember_clear(candidate, x, at, now.opening);
+        continue;
+      }
+    }
+    bool is_touched = false;
     const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
     visit_places(x, candidate.divisions, is_beyond, [&](int number, const Vec3d& place, auto&& weights_of) {
       if (is_beyond(place, 0)) return;
@@ -161,9 +183,11 @@ void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& vi
       const Vec3d weights = weights_of();
       const double held = memory_.held().any() ? memory_.held().at(triangle.points, weights) : 0;
       if (g.value >= held) return;
+      is_touched = true;
       const Anchor* anchor = anchors.find(triangle.owner, candidate.divisions, number);
       visit(candidate, Touch{weights, number, -g.value, held, anchor, g.gradient, place});
     });
+    if (!is_touched) remember_clear(candidate, x, at, now.opening);
   }
 }
 

@@ -1,5 +1,8 @@
 #include "lobe/haptic/contact_stiffness.h"
 
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace lobe {
@@ -41,7 +44,8 @@ void ContactStiffness::help() {
 void ContactStiffness::forget() {
   has_patch_ = has_last_ = false;
   is_outdated_ = true;  // what the helper may be at
-  K_ = of_patch_ = correction_ = Mat3<double>::Zero();
+  K_ = of_patch_ = ways_ = changes_ = Mat3<double>::Zero();
+  rate_.setZero();
 }
 
 void ContactStiffness::take_result() {
@@ -49,7 +53,7 @@ void ContactStiffness::take_result() {
   work_.store(Work::none, std::memory_order_relaxed);
   if (std::exchange(is_outdated_, false)) return;
   of_patch_ = condensed_;
-  if (std::exchange(is_bound_, false)) correction_.setZero();  // which was of the bound
+  is_bound_ = false;
 }
 
 // Until the first patch is condensed what is known is the bound.
@@ -61,8 +65,11 @@ void ContactStiffness::gather(const Model& model, std::span<const Index> contact
   const Mat3<double> blocked = patch_.blocked();
   highest_ = highest_eigenvalue(blocked);
   const bool is_other = !has_patch_ || structure_ != model.revisions.structure;
-  if (is_other) of_patch_ = blocked;
-  if (is_other) correction_.setZero();
+  if (is_other) {
+    of_patch_ = blocked;
+    ways_.setZero();
+    changes_.setZero();
+  }
   is_bound_ = is_bound_ || is_other;
   structure_ = model.revisions.structure;
   has_patch_ = true;
@@ -77,6 +84,28 @@ void ContactStiffness::gather(const Model& model, std::span<const Index> contact
   work_.notify_all();
 }
 
+void ContactStiffness::learn(const Vec3d& way, const Vec3d& force_change, double duration) {
+  const double square = way.squaredNorm(), noise = settings_.noise * settings_.noise;
+  const double kept = std::exp(-duration / settings_.memory * square / (square + noise));
+  ways_ = kept * ways_ + way * way.transpose();
+  changes_ = kept * changes_ - force_change * way.transpose();
+}
+
+// The least squares of the header, with a little weight on the patch as it is: without motion that is what is
+// known.
+Mat3<double> ContactStiffness::fitted() const {
+  const double noise = settings_.noise * settings_.noise;
+  const double least = 1e-2 * noise * of_patch_.squaredNorm() / 3;
+  const double known = (of_patch_ * ways_ * of_patch_).trace() + least;
+  if (known == 0) return of_patch_;
+  const double says = (of_patch_ * changes_).trace() + least;
+  const double scale = std::clamp(says / known, settings_.softest, settings_.stiffest);
+  const double weight = settings_.prior * ways_.trace() / 3 + noise;
+  const Mat3<double> both = ways_ + weight * Mat3<double>::Identity();
+  const Mat3<double> K = (changes_ + weight * scale * of_patch_) * both.inverse();
+  return 0.5 * (K + K.transpose());
+}
+
 void ContactStiffness::after_frame(const Model& model, std::span<const Index> contact,
                                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position,
                                    const Vec3d& force, double duration) {
@@ -89,12 +118,11 @@ void ContactStiffness::after_frame(const Model& model, std::span<const Index> co
     contact_size_ = contact.size();
     gather(model, contact, displacement, duration);
   }
-  if (has_last_)
-    correction_ += secant_correction(of_patch_ + correction_, position - last_position_, force - last_force_,
-                                     settings_.noise);
-  K_ = is_bound_ ? clamped(of_patch_ + correction_, highest_)
-                 : clamped_to(of_patch_ + correction_, of_patch_, settings_.softest, settings_.stiffest);
-  correction_ = K_ - of_patch_;
+  const Vec3d way = position - last_position_, force_change = force - last_force_;
+  if (has_last_) learn(way, force_change, duration);
+  K_ = is_bound_ ? clamped(fitted(), highest_)
+                 : clamped_to(fitted(), of_patch_, settings_.softest, settings_.stiffest);
+  rate_ = has_last_ ? Vec3d((force_change + K_ * way) / duration) : Vec3d(Vec3d::Zero());
   last_position_ = position;
   last_force_ = force;
   has_last_ = true;

@@ -1,6 +1,13 @@
-// Finds the stiffness K of the local model. It starts from that of the contact patch. Forces and motions of
-// the last frames correct it (the secant, [PDA] reference [15]). This takes account of inertia and of
-// everything outside of the contact patch.
+// Finds the stiffness K of the local model, and the rate r at which its force changes. Frames in which the
+// tool moved by d and its force changed by Δf say what K is where the tool went. The stiffness of the contact
+// patch, K_p, says how that compares with other directions. K is where
+//
+//   Σ |K d + Δf|² + ω |K − s K_p|²,   s where Σ |s K_p d + Δf|² is least,
+//
+// is least, made symmetric. The sums forget: what is older counts less the further the tool has moved since.
+// ω is a share of Σ |d|²/3. So one direction that is known scales the whole patch. This takes account of
+// everything outside of the contact patch. What K does not explain of the last change is inertia and damping,
+//   r = (Δf + K d)/duration.
 #pragma once
 
 #include <atomic>
@@ -20,9 +27,11 @@ class ContactStiffness {
  public:
   struct Settings {
     double every = 0.025;  // between two patches [s]
-    double noise = 5e-5;   // of the secant [m]
-    // What the secant makes of the patch, in any direction: a patch is too stiff, by up to 4 in what was
-    // tried, and a body that swings would otherwise be taken for one that is soft or hard.
+    double noise = 5e-5;   // motions below say nothing [m]
+    double memory = 0.3;   // in which frames are forgotten, of a tool that moves [s]
+    double prior = 0.1;    // the share of Σ |d|²/3 that the patch has
+    // What motions make of the patch, in any direction: a patch is too stiff, by up to 4 in what was tried,
+    // and a body that swings would otherwise be taken for one that is soft or hard.
     double softest = 0.1, stiffest = 1.25;
     bool has_helper = true;  // a thread condenses the patch; false: at once, for the same bits each time
   };
@@ -40,6 +49,7 @@ class ContactStiffness {
                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position, const Vec3d& force,
                    double duration);
   const Mat3<double>& K() const { return K_; }  // symmetric, eigenvalues from 0 to those of `blocked` [N/m]
+  const Vec3d& rate() const { return rate_; }   // r [N/s]
 
  private:
   enum class Work : std::uint8_t { none, wanted, done, end };
@@ -47,13 +57,16 @@ class ContactStiffness {
   void gather(const Model& model, std::span<const Index> contact,
               const std::function<Vec3d(Index)>& displacement, double duration);
   void take_result();
+  void learn(const Vec3d& way, const Vec3d& force_change, double duration);
+  Mat3<double> fitted() const;
   void help();
 
   const Settings settings_;
   ContactPatch patch_;                             // of the helper while work is wanted
   Mat3<double> condensed_ = Mat3<double>::Zero();  // its result
-  Mat3<double> K_ = Mat3<double>::Zero(), of_patch_ = Mat3<double>::Zero(),
-               correction_ = Mat3<double>::Zero();
+  Mat3<double> K_ = Mat3<double>::Zero(), of_patch_ = Mat3<double>::Zero();
+  Mat3<double> ways_ = Mat3<double>::Zero(), changes_ = Mat3<double>::Zero();  // Σ d dᵀ, −Σ Δf dᵀ
+  Vec3d rate_ = Vec3d::Zero();
   double highest_ = 0, since_patch_ = 0;
   std::uint64_t structure_ = 0;
   std::size_t contact_size_ = 0;

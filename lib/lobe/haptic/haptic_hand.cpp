@@ -140,6 +140,7 @@ void HapticHand<Real>::feel(World<Real>& world, ToolId tool, double duration) {
   const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
   stiffness_.after_frame(world.body().model, contact, displacement, model_.position, model_.force, duration);
   model_.K = stiffness_.K();
+  model_.rate = stiffness_.rate();
 }
 
 template <class Real>

@@ -19,6 +19,12 @@ struct Push {
 
 }  // namespace
 
+LocalModel aged(const LocalModel& model, double since) {
+  LocalModel now = model;
+  now.force += std::min(since + 0.5 * model.frame, 2 * model.frame) * model.rate;
+  return now;
+}
+
 Vec3d force_at(const LocalModel& model, const Vec3d& x) {
   const Vec3d way = x - model.position;
   if (model.is_bilateral) return model.force - model.K * way;

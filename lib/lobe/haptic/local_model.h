@@ -1,10 +1,11 @@
 // The local model predicts the force on a tool until the next frame. It consists of the force f_k of the last
 // frame, the place at which it acted, and the stiffness of the tissue that the tool touches there,
 //
-//   f(x) = f_k − K (x − x_k)                    of a tool that holds what it touches
+//   f(x) = f_k + r τ − K (x − x_k)              of a tool that holds what it touches
 //   f(x) = max(0, n·f_k − n·K n n·(x − x_k)) …   along the normal n of one that only touches it
 //
-// (theory, section 17). f_k is the mean over a frame, so x_k is the mean place of the tool in that frame.
+// (theory, section 17). f_k is the mean over a frame, so x_k is the mean place of the tool in that frame, and
+// τ the time since the middle of the frame. r is what K does not explain of how the force has changed.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +23,15 @@ struct LocalModel {
   Vec3d tool_at_end = Vec3d::Zero();      // where the tool is at the end of the frame [m]
   Vec3d position = Vec3d::Zero();         // x_k [m]
   Vec3d force = Vec3d::Zero();            // f_k, on the tool [N]
+  Vec3d rate = Vec3d::Zero();             // r, of the force [N/s]
   Vec3d torque = Vec3d::Zero();           // on the tool [N m]
   Mat3<double> K = Mat3<double>::Zero();  // symmetric, without negative eigenvalues [N/m]
   Vec3d normal = Vec3d::UnitZ();          // of the surface, outwards
 };
 
-// f(x) [N].
+// The model with the force f_k + r τ of a time since it came [s]. It goes on for no longer than two frames.
+LocalModel aged(const LocalModel& model, double since);
+// f(x) of f_k as it stands [N].
 Vec3d force_at(const LocalModel& model, const Vec3d& x);
 
 struct Proxy {

@@ -92,14 +92,14 @@ void Servo::take_model(const LocalModel& model, double dt) {
   const bool is_new = model.time != model_.time || model.engagement != model_.engagement ||
                       model.is_engaged != model_.is_engaged;
   if (!is_new) return;
-  const Vec3d was = model_.is_engaged ? force_at(model_, proxy_) : Vec3d::Zero();
+  const Vec3d was = model_.is_engaged ? force_at(aged(model_, since_model_), proxy_) : Vec3d::Zero();
   if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement)) {
     clutch_ += model.tool_at_end - tool_of(state_.device.position);
     state_.tool = proxy_ = model.tool_at_end;  // another one, which is there
     settled_.setZero();
     unloaded_ = model.tool_at_end;
   }
-  const Vec3d is = model.is_engaged ? force_at(model, proxy_) : Vec3d::Zero();
+  const Vec3d is = model.is_engaged ? force_at(aged(model, dt), proxy_) : Vec3d::Zero();
   offset_ = was + blended_ - is;
   model_ = model;
   since_model_ = dt;
@@ -148,8 +148,9 @@ Vec3d Servo::wanted_force(double dt) {
   const double left = blend > 0 ? std::max(0.0, 1 - since_model_ / blend) : 0;
   blended_ = left * offset_;
   const Vec3d device = tool_of(state_.device.position + lead() * state_.device.velocity);
-  const Proxy proxy =
-      model_.is_engaged ? quasi_static_proxy(model_, device, coupling_, blended_) : Proxy{device, blended_};
+  const Proxy proxy = model_.is_engaged
+                          ? quasi_static_proxy(aged(model_, since_model_), device, coupling_, blended_)
+                          : Proxy{device, blended_};
   proxy_ = proxy.position;
   if (proxy.force.isZero(0)) unloaded_ = proxy_;
   settle(device, dt);

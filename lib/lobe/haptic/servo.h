@@ -26,7 +26,7 @@ struct ServoOptions {
   double tick = 1e-3;              // between two ticks [s]
   double bound_share = 0.8;        // of the stiffness of the coupling, in Colgate's bound
   double coupling_damping = 0.25;  // share of the device's; at most a quarter
-  double longest_blend = 8e-3;     // [s]
+  double longest_blend = 4e-3;     // [s]
   double stale_frames = 3;         // a model that is older fades
   double fade = 0.05;              // to nothing [s]
   double settling_frames = 6;  // time constant of the tool's way from the device to where it is in balance

@@ -328,7 +328,7 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
     front += cells[9] == "1";
     for (int number : {3, 4, 5, 6}) CHECK(std::stod(cells[std::size_t(number)]) >= 0);
   }
-  CHECK(rows == 64);
+  CHECK(rows == 72);
   CHECK(front > 1);
   CHECK(sizes == std::set<std::string>{"18", "144"});
   CHECK(scenes == std::set<std::string>{"my_scene"});
@@ -336,7 +336,7 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
   CHECK(std::filesystem::exists(folder.path / "results" / "machine.txt"));
   REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --mesh finer.vtu --quick -o quick") == 0);
   const std::string quick = bytes_of(folder.path / "quick" / "accuracy.csv");
-  CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 32);
+  CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 36);
   write_vtu(folder.path / "other.vtu", box_mesh({0.06, 0.02, 0.06}, 3, 1, 3));
   CHECK(lobe_bench("accuracy --scene 'my scene.json' --mesh other.vtu -o other") == 2);
   CHECK(bytes_of(folder.path / "err.txt").find("does not cover the same body") != errors.npos);

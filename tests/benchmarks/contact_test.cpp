@@ -9,7 +9,7 @@ using namespace lobe::test;
 
 TEST_CASE("lobe bench contact writes a row per case; contact does not shorten the step") {
   const std::vector<Record> rows = BenchResults("contact", "--quick").rows("contact");
-  CHECK(rows.size() == 6);
+  CHECK(rows.size() == 8);
   for (const Record& row : rows) {
     CHECK((std::isfinite(number(row, "step_us")) && number(row, "step_us") > 0));
     const bool touches = row.at("contact").starts_with("touching");

@@ -115,8 +115,9 @@ class SelfContact {
 
   void fill_grid(const Places& now, double margin, double cell);
   void find_faces(Layer& layer);
-  void stamp_around(const ContactSurface& surface, int triangle);
-  bool is_own(int triangle, const Layer& layer) const;
+  std::vector<int> vertices_around(const ContactSurface& surface, int triangle);
+  void list_own_layers(const ContactSurface& surface);
+  bool is_on_its_side(int triangle, const Layer& layer) const;
   void find_pairs(const ContactSurface& surface, const Places& now, double within);
   void take_candidates(const ContactSurface& surface, double moved);
   double moved_since_search(const Places& now) const;
@@ -143,6 +144,7 @@ class SelfContact {
   std::vector<int> faces_;                        // of the layers
   std::vector<int> first_around_, around_;        // triangles around each point of the surface
   std::vector<int> first_of_vertex_, of_vertex_;  // and around each vertex of the mesh
+  std::vector<int> first_own_, own_;              // per triangle: tetrahedra that it never touches
 
   std::vector<Candidate> candidates_;
   std::vector<Pair> pairs_;

@@ -85,6 +85,7 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   }
   stamp_of_vertex_.assign(vertices, -1);
   stamp_of_layer_.assign(layers_.size(), -1);
+  list_own_layers(surface);
   inverses_.assign(layers_.size(), {});
   vertices_.clear();
   for (const Layer& layer : layers_)
@@ -161,20 +162,41 @@ void SelfContact::fill_grid(const Places& now, double margin, double cell) {
 }
 
 // The vertices of a triangle and its neighbours.
-void SelfContact::stamp_around(const ContactSurface& surface, int triangle) {
+std::vector<int> SelfContact::vertices_around(const ContactSurface& surface, int triangle) {
+  std::vector<int> found;
   for (int around : surface.triangles()[std::size_t(triangle)].points)
     for (int i = first_around_[std::size_t(around)]; i < first_around_[std::size_t(around) + 1]; ++i)
       for (int p : surface.triangles()[std::size_t(around_[std::size_t(i)])].points) {
         const ContactSurface::Point& point = surface.points()[std::size_t(p)];
-        for (int c = 0; c < point.count; ++c) stamp_of_vertex_[std::size_t(point.corners[c])] = triangle;
+        for (int c = 0; c < point.count; ++c)
+          if (std::exchange(stamp_of_vertex_[std::size_t(point.corners[c])], triangle) != triangle)
+            found.push_back(point.corners[c]);
       }
+  return found;
 }
 
-// Whether a tetrahedron has a vertex of those and is on the triangle's side of the surface.
-bool SelfContact::is_own(int triangle, const Layer& layer) const {
-  if (std::none_of(layer.corners.begin(), layer.corners.end(),
-                   [&](int v) { return stamp_of_vertex_[std::size_t(v)] == triangle; }))
-    return false;
+// Of each triangle: the tetrahedra that have a vertex of those and are on its side of the surface.
+void SelfContact::list_own_layers(const ContactSurface& surface) {
+  std::vector<int> first_with, with;  // tetrahedra around each vertex
+  fill_lists(stamp_of_vertex_.size(), first_with, with, [&](auto&& add) {
+    for (std::size_t l = 0; l < layers_.size(); ++l)
+      for (int v : layers_[l].corners) add(std::size_t(v), static_cast<int>(l));
+  });
+  own_.clear();
+  first_own_.assign(1, 0);
+  const auto count = static_cast<int>(surface.triangles().size());
+  for (int t = 0; t < count; ++t) {
+    for (int v : vertices_around(surface, t))
+      for (int i = first_with[std::size_t(v)]; i < first_with[std::size_t(v) + 1]; ++i) {
+        const auto l = std::size_t(with[std::size_t(i)]);
+        if (std::exchange(stamp_of_layer_[l], t) != t && is_on_its_side(t, layers_[l]))
+          own_.push_back(with[std::size_t(i)]);
+      }
+    first_own_.push_back(static_cast<int>(own_.size()));
+  }
+}
+
+bool SelfContact::is_on_its_side(int triangle, const Layer& layer) const {
   const Plane& plane = planes_[std::size_t(triangle)];
   const Vec3d centre = layer.rest.rowwise().mean();
   return plane.normal.dot(centre - plane.corner) < 0.05 * (layer.rest.col(1) - layer.rest.col(0)).norm();
@@ -212,13 +234,13 @@ double SelfContact::moved_since_search(const Places& now) const {
 void SelfContact::find_pairs(const ContactSurface& surface, const Places& now, double within) {
   found_.clear();
   fill_grid(now, within, 1.5 * surface.mean_edge());
-  std::fill(stamp_of_vertex_.begin(), stamp_of_vertex_.end(), -1);
   std::fill(stamp_of_layer_.begin(), stamp_of_layer_.end(), -1);
   const auto count = static_cast<int>(surface.triangles().size());
   for (int t = 0; t < count; ++t) {
     Mat3<double> corners;
     for (int c = 0; c < 3; ++c) corners.col(c) = now.of_point(surface.triangles()[std::size_t(t)].points[c]);
-    stamp_around(surface, t);
+    for (int i = first_own_[std::size_t(t)]; i < first_own_[std::size_t(t) + 1]; ++i)
+      stamp_of_layer_[std::size_t(own_[std::size_t(i)])] = t;
     const Vec3d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
     Eigen::Vector3i from, to;
     for (int i = 0; i < 3; ++i) {
@@ -234,7 +256,6 @@ void SelfContact::find_pairs(const ContactSurface& surface, const Places& now, d
             if (std::exchange(stamp_of_layer_[l], t) == t) continue;
             if ((box_low_[l].array() > high.array()).any() || (box_high_[l].array() < low.array()).any())
               continue;
-            if (is_own(t, layers_[l])) continue;
             const double gap = gap_between(corners, corners_of(now, layers_[l]));
             if (gap <= within) found_.push_back({t, static_cast<int>(l), gap});
           }

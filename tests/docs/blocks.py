@@ -88,8 +88,8 @@ class Tester:
 
     def compile(self, place, compiler, options, code):
         include = [flag for folder in self.includes for flag in ("-isystem", folder)]
-        done = subprocess.run([compiler, "-fsyntax-only", "-Wall", "-Werror", *options, *include, "-"], input=code,
-                              capture_output=True, text=True)
+        command = [compiler, "-fsyntax-only", "-Wall", "-Werror", *options, *include, "-"]
+        done = subprocess.run(command, input=code, capture_output=True, text=True)
         if done.returncode:
             self.fault(place, done.stderr[:2000])
 
@@ -97,7 +97,8 @@ class Tester:
         if self.cxx == "none":
             return
         text = PRELUDE + "".join(f'#line 1 "{place}"\n{code}' for place, code in self.cpp)
-        self.compile("C++ blocks", self.cxx, ["-std=c++20", "-x", "c++", "-Wno-unused", "-Wno-return-type"], text)
+        options = ["-std=c++20", "-x", "c++", "-Wno-unused", "-Wno-return-type"]
+        self.compile("C++ blocks", self.cxx, options, text)
 
     def read_json(self, place, code):
         whole = code if code.lstrip().startswith(("{", "[")) else "{" + code + "}"  # a few keys of an object

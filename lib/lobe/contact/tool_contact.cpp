@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace lobe {
@@ -142,6 +143,20 @@ Vec3d ToolContact::slip_of(const Touch& touch, double stiffness, double pressure
   return square > most * most ? Vec3d(slip * (most / std::sqrt(square))) : slip;
 }
 
+// Turns forces at these points from the tool's axes to those of the world. Returns their sum and their torque
+// about the tool's origin.
+static std::pair<Vec3d, Vec3d> turn_and_sum(const std::vector<int>& points, const Mat3X<double>& places,
+                                            const Mat3<double>& rotation, Mat3X<double>& f) {
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+  for (int p : points) {
+    const Vec3d own = f.col(p);
+    force += own;
+    torque += places.col(p).cross(own);
+    f.col(p) = rotation * own;
+  }
+  return {rotation * force, rotation * torque};
+}
+
 void ToolContact::find_forces(const At& at, Mat3X<double>& f) {
   on_tool_ = {.tool = tool_};
   pressed_.clear();
@@ -192,16 +207,8 @@ void ToolContact::find_forces(const At& at, Mat3X<double>& f) {
     for (int c = 0; c < 3; ++c) f.col(candidate.points[c]) += touch.weights[c] * own_force;
     grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
   });
-  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
-  for (int p : pressed_) {
-    const Vec3d own = f.col(p);
-    force += own;
-    torque += places_.col(p).cross(own);
-    f.col(p) = now.rotation * own;
-  }
   memory_.held().end(at.surface, at.law, at.since);
-  on_tool_.force = now.rotation * force;
-  on_tool_.torque = now.rotation * torque;
+  std::tie(on_tool_.force, on_tool_.torque) = turn_and_sum(pressed_, places_, now.rotation, f);
   if (shape_.kind == RigidShape::Kind::jaws) on_tool_.grip = std::max(0.0, grip);
 }
 

@@ -70,3 +70,43 @@ TEST_CASE("groups of a body that moved unsaid find nothing, until they are told 
   CHECK(!touched.empty());
   CHECK(touched == touched_tets(topology, mesh.points + u, sweep));
 }
+
+TEST_CASE("a copy of a tetrahedron is found from when it is added, and wherever it moves") {
+  TetMesh mesh = irregular_box(8, 0.005);
+  Topology topology(mesh);
+  TetGroups groups;
+  Mat3X<double> u = Mat3X<double>::Zero(3, mesh.vertex_count());
+  const Index tet = mesh.tet_count() / 2, vertices = mesh.vertex_count();
+  const Eigen::Vector4i corners = topology.corners(tet);
+  const Vec3d middle = mesh.points(Eigen::all, corners).rowwise().mean(), way{0.09, 0, 0};
+  const auto find_at = [&](const Vec3d& place) {
+    const Sweep sweep{place, place, 0.003};
+    const std::vector<Index> touched = groups.meeting(topology, mesh.points, u, swept_volume(sweep));
+    CHECK(touched == touched_tets(topology, mesh.points + u, sweep));
+    return touched;
+  };
+  find_at(middle);
+  const auto copy = [&](Index of, const std::vector<Index>& split, const Eigen::Vector4i& corners_of_copy) {
+    TetDivision division;
+    division.may_part = false;
+    division.vertices = split;
+    division.parts = {{of, of, topology.corners(of), 0.3}, {topology.tet_count(), of, corners_of_copy, 0.3}};
+    const MeshEdit edit = topology.divide(division);
+    mesh.points.conservativeResize(3, topology.vertex_count());
+    u.conservativeResize(3, topology.vertex_count());
+    for (const VertexSplit& vertex : edit.splits) {
+      mesh.points.col(vertex.copy) = mesh.points.col(vertex.vertex);
+      u.col(vertex.copy).setZero();
+    }
+    groups.add_copy(edit.copies.front().tet, edit.copies.front().copy);
+  };
+  const Eigen::Vector4i of_copy(vertices, vertices + 1, vertices + 2, vertices + 3);
+  copy(tet, {corners[0], corners[1], corners[2], corners[3]}, of_copy);
+  copy(mesh.tet_count(), {}, of_copy);
+  CHECK(find_at(middle).back() == mesh.tet_count() + 1);
+  CHECK(find_at(middle + way).empty());
+  u.rightCols(4).colwise() += way;
+  groups.moved(way.norm(), 1e-16);
+  CHECK(find_at(middle).back() < mesh.tet_count());
+  CHECK(find_at(middle + way) == std::vector<Index>{mesh.tet_count(), mesh.tet_count() + 1});
+}

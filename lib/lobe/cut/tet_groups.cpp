@@ -7,6 +7,16 @@ namespace lobe {
 namespace {
 
 constexpr double group_size = 200;  // tetrahedra on average; an eighth of it in each leaf
+constexpr double much = 0.1;        // of its size, by which the box of a group is wider than it need be
+constexpr double much_of_leaf = 0.03;
+constexpr double single_bits = 1.2e-7;  // relative rounding of single precision, and a little more
+
+Eigen::AlignedBox3d box_around(const Mat34<double>& x) {
+  return {x.rowwise().minCoeff(), x.rowwise().maxCoeff()};
+}
+Eigen::AlignedBox3d widened(const Eigen::AlignedBox3d& box, double by) {
+  return {box.min() - Vec3d::Constant(by), box.max() + Vec3d::Constant(by)};
+}
 
 }  // namespace
 
@@ -40,20 +50,52 @@ void TetGroups::form(const Topology& topology, const Mat3X<double>& points) {
     if (const Index end = static_cast<Index>(leaves_.size()); first < end)
       groups_.push_back({first, end, -1, {}});
   }
-  order_.resize(std::size_t(topology.tet_count()));
+  const auto tets = std::size_t(topology.tet_count());
+  order_.resize(tets);
+  boxes_.resize(tets);
   for (Index t = 0; t < topology.tet_count(); ++t) order_[begin[cell_of(t)]++] = t;
+  leaf_of_.reserve(tets + tets / 4);
+  leaf_of_.resize(tets);
+  for (std::size_t i = 0; i < leaves_.size(); ++i)
+    for (Index at = leaves_[i].begin; at < leaves_[i].end; ++at) leaf_of_[order_[at]] = static_cast<Index>(i);
 }
 
+// It is where the other is, and has the same box.
 void TetGroups::add_copy(Index tet, Index copy) {
   if (leaves_.empty()) return;
-  if (leaf_of_.empty()) {
-    leaf_of_.resize(order_.size());
-    for (std::size_t g = 0; g < leaves_.size(); ++g)
-      for (Index i = leaves_[g].begin; i < leaves_[g].end; ++i) leaf_of_[order_[i]] = static_cast<Index>(g);
-  }
   leaf_of_.resize(std::size_t(copy) + 1);
   leaf_of_[copy] = leaf_of_[tet];
-  leaves_[leaf_of_[tet]].copies.push_back(copy);
+  Leaf& leaf = leaves_[leaf_of_[tet]];
+  const auto place_in = [tet](auto begin, auto end) {
+    return std::size_t(std::find(begin, end, tet) - begin);
+  };
+  const std::size_t place = place_in(order_.begin() + leaf.begin, order_.begin() + leaf.end);
+  const bool is_copy = place == std::size_t(leaf.end - leaf.begin);
+  leaf.boxes_of_copies.push_back(is_copy
+                                     ? leaf.boxes_of_copies[place_in(leaf.copies.begin(), leaf.copies.end())]
+                                     : boxes_[std::size_t(leaf.begin) + place]);
+  leaf.copies.push_back(copy);
+}
+
+Eigen::AlignedBox3d TetGroups::as_double(const TetBox& box) {
+  return {Vec3d(box.low[0], box.low[1], box.low[2]), Vec3d(box.high[0], box.high[1], box.high[2])};
+}
+
+TetGroups::TetBox TetGroups::rounded(const Eigen::AlignedBox3d& box) {
+  TetBox result;
+  for (int d = 0; d < 3; ++d) {
+    result.low[d] = static_cast<float>(box.min()[d]);
+    result.high[d] = static_cast<float>(box.max()[d]);
+  }
+  return result;
+}
+
+void TetGroups::forget_boxes(double reach) {
+  for (Leaf& leaf : leaves_) leaf.path = -1;
+  for (Group& group : groups_) group.path = -1;
+  path_ = 0;
+  reach_ = reach;
+  is_lost_ = false;
 }
 
 template <class Box>
@@ -61,53 +103,81 @@ bool TetGroups::may_meet(const Box& group, const SweptVolume& volume) const {
   if (group.path < 0) return true;
   const double moved = path_ - group.path;
   if (group.box.isEmpty() || group.box.squaredExteriorDistance(volume.box) > moved * moved) return false;
-  const Vec3d around = Vec3d::Constant(moved);
-  return !volume.may_meet || volume.may_meet({group.box.min() - around, group.box.max() + around});
+  return !volume.may_meet || volume.may_meet(widened(group.box, moved));
+}
+
+template <class Real>
+Mat34<double> TetGroups::Body<Real>::corners(Index tet) const {
+  Mat34<double> x;
+  for (int c = 0; c < 4; ++c) {
+    const Index v = topology.tets()(c, tet);
+    x.col(c) = points.col(v) + u.col(v).template cast<double>();
+  }
+  return x;
+}
+
+template <class Real>
+void TetGroups::find_boxes(const Body<Real>& body, Leaf& leaf) {
+  leaf.path = path_;
+  leaf.box.setEmpty();
+  const auto find = [&](Index t, TetBox& box) {
+    if (!body.topology.alive(t)) return;
+    const Eigen::AlignedBox3d now = box_around(body.corners(t));
+    leaf.box.extend(now);
+    box = rounded(now);
+  };
+  for (Index at = leaf.begin; at < leaf.end; ++at) find(order_[at], boxes_[std::size_t(at)]);
+  for (std::size_t i = 0; i < leaf.copies.size(); ++i) find(leaf.copies[i], leaf.boxes_of_copies[i]);
+}
+
+// Corners are only looked at where a box may meet the volume.
+template <class Real>
+void TetGroups::search(const Body<Real>& body, const Leaf& leaf, const SweptVolume& volume,
+                       std::vector<Index>& meeting) const {
+  if (leaf.box.isEmpty()) return;
+  const double farthest = leaf.box.min().cwiseAbs().cwiseMax(leaf.box.max().cwiseAbs()).maxCoeff();
+  const double around = path_ - leaf.path + single_bits * farthest;
+  const Eigen::AlignedBox3d within = widened(leaf.box, around).intersection(widened(volume.box, around));
+  const TetBox near = rounded(widened(within, single_bits * farthest));
+  const auto look_at = [&](Index t, const TetBox& box) {
+    int sides_within = 0;  // counted: branches would be slower
+    for (int d = 0; d < 3; ++d)
+      sides_within += int(box.low[d] <= near.high[d]) + int(box.high[d] >= near.low[d]);
+    if (sides_within < 6 || !body.topology.alive(t)) return;
+    if (volume.may_meet && !volume.may_meet(widened(as_double(box), around))) return;
+    const Mat34<double> x = body.corners(t);
+    if (box_around(x).intersects(volume.box) && (!volume.meets || volume.meets(x))) meeting.push_back(t);
+  };
+  for (Index at = leaf.begin; at < leaf.end; ++at) look_at(order_[at], boxes_[std::size_t(at)]);
+  for (std::size_t i = 0; i < leaf.copies.size(); ++i) look_at(leaf.copies[i], leaf.boxes_of_copies[i]);
 }
 
 template <class Real>
 std::vector<Index> TetGroups::meeting(const Topology& topology, const Mat3X<double>& points,
                                       const Mat3X<Real>& u, const SweptVolume& volume) {
-  const std::size_t known = leaf_of_.empty() ? order_.size() : leaf_of_.size();
-  if (known != std::size_t(topology.tet_count())) {
+  if (leaf_of_.size() != std::size_t(topology.tet_count())) {
     form(topology, points);
     is_lost_ = true;
   }
-  if (is_lost_) {
-    for (Leaf& leaf : leaves_) leaf.path = -1;
-    for (Group& group : groups_) group.path = -1;
-    path_ = 0;
-    reach_ = double(u.leftCols(topology.vertex_count()).colwise().norm().maxCoeff());
-    is_lost_ = false;
-  }
-  std::vector<Index> meeting;
-  const auto look_at = [&](Index t, Eigen::AlignedBox3d& around) {
-    if (!topology.alive(t)) return;
-    Mat34<double> x;
-    for (int c = 0; c < 4; ++c) {
-      const Index v = topology.tets()(c, t);
-      x.col(c) = points.col(v) + u.col(v).template cast<double>();
-    }
-    const Eigen::AlignedBox3d box(x.rowwise().minCoeff(), x.rowwise().maxCoeff());
-    around.extend(box);
-    if (box.intersects(volume.box) && (!volume.meets || volume.meets(x))) meeting.push_back(t);
+  if (is_lost_) forget_boxes(double(u.leftCols(topology.vertex_count()).colwise().norm().maxCoeff()));
+  const Body<Real> body{topology, points, u};
+  const auto is_wide = [&](const auto& box, double most) {
+    return box.path < 0 || path_ - box.path > most * box.box.diagonal().norm();
   };
+  std::vector<Index> meeting;
   for (Group& group : groups_) {
     if (!may_meet(group, volume)) continue;
-    constexpr double much = 0.1;  // of its size, by which a box is wider than it need be
-    const bool is_wide = group.path < 0 || path_ - group.path > much * group.box.diagonal().norm();
-    if (is_wide) {
+    const bool is_group_wide = is_wide(group, much);
+    if (is_group_wide) {
       group.path = path_;
       group.box.setEmpty();
     }
     for (Index i = group.begin; i < group.end; ++i) {
       Leaf& leaf = leaves_[i];
-      if (!is_wide && !may_meet(leaf, volume)) continue;
-      leaf.path = path_;
-      leaf.box.setEmpty();
-      for (Index at = leaf.begin; at < leaf.end; ++at) look_at(order_[at], leaf.box);
-      for (Index t : leaf.copies) look_at(t, leaf.box);
-      if (is_wide) group.box.extend(leaf.box);
+      if (!is_group_wide && !may_meet(leaf, volume)) continue;
+      if (is_group_wide || is_wide(leaf, much_of_leaf)) find_boxes(body, leaf);
+      if (is_group_wide) group.box.extend(leaf.box);
+      search(body, leaf, volume, meeting);
     }
   }
   std::sort(meeting.begin(), meeting.end());

@@ -1,10 +1,11 @@
 // Finds the tetrahedra that an instrument may touch, without testing all of them. Tetrahedra that are near
-// each other at rest form groups of some hundred, and leaves of some ten within each group. Each has a box,
-// and stores how far vertices have moved since the box was computed. The box is enlarged by that distance. If
-// it then does not meet the box of the instrument, its tetrahedra are not tested. So none is missed. A
-// shuffled or inverted mesh only costs more.
+// each other at rest form groups of some hundred, and leaves of some ten within each group. Each of these,
+// and each tetrahedron, has a box, and it is known how far vertices have moved since the box was computed.
+// The box is enlarged by that distance. If it then does not meet the box of the instrument, what is in it is
+// not tested. So none is missed. A shuffled or inverted mesh only costs more.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "lobe/cut/cautery.h"
@@ -30,23 +31,43 @@ class TetGroups {
                              const SweptVolume& volume);
 
  private:
+  struct TetBox {  // [m]; in single precision, for which reaches() allows
+    std::array<float, 3> low, high;
+  };
   struct Leaf {
     Index begin, end;         // of order_
-    double path = -1;         // path_ when the box was found; −1: never
-    Eigen::AlignedBox3d box;  // of the alive tetrahedra
+    double path = -1;         // path_ when the boxes were found; −1: never
+    Eigen::AlignedBox3d box;  // of the tetrahedra that were alive then
     std::vector<Index> copies = {};
+    std::vector<TetBox> boxes_of_copies = {};
   };
   struct Group {
     Index begin, end;  // of leaves_
     double path = -1;
     Eigen::AlignedBox3d box;  // of its leaves
   };
+  template <class Real>
+  struct Body {
+    const Topology& topology;
+    const Mat3X<double>& points;
+    const Mat3X<Real>& u;
+    Mat34<double> corners(Index tet) const;  // where they are now [m]
+  };
   void form(const Topology& topology, const Mat3X<double>& points);
+  void forget_boxes(double reach);
   template <class Box>
   bool may_meet(const Box& group, const SweptVolume& volume) const;
+  template <class Real>
+  void find_boxes(const Body<Real>& body, Leaf& leaf);
+  template <class Real>
+  void search(const Body<Real>& body, const Leaf& leaf, const SweptVolume& volume,
+              std::vector<Index>& meeting) const;
+  static Eigen::AlignedBox3d as_double(const TetBox& box);
+  static TetBox rounded(const Eigen::AlignedBox3d& box);
 
   std::vector<Index> order_;
-  std::vector<Index> leaf_of_;  // per tetrahedron; none before there is a copy
+  std::vector<TetBox> boxes_;   // in that order
+  std::vector<Index> leaf_of_;  // per tetrahedron
   std::vector<Leaf> leaves_;
   std::vector<Group> groups_;
   bool is_lost_ = true;  // boxes, and the displacements when they were found, are not known

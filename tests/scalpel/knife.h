@@ -40,8 +40,8 @@ class Knife {
       const Vec3d start = elements.points.col(elements.topology.corners(t)[0]);
       return Placement{start, start, Mat3<double>::Identity()};
     };
-    const Incised incised =
-        incise(grains, {stroke_, snap_, along_faces_}, swept_, PlacedTets(near(swept_.last()), at_rest));
+    const Incised incised = incise(grains, {stroke_, snap_, along_faces_}, swept_,
+                                   PlacedTets(grains, near(swept_.last()), at_rest));
     area += incised.area;
     crumbs += incised.crumbs;
     opened_ += static_cast<Index>(incised.incision.opened.size());

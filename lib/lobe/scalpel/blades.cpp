@@ -33,11 +33,10 @@ bool is_in(const Grains& grains, Index grain, const Vec3d& X) {
 }
 
 // A little more than what grains are in now.
-Eigen::AlignedBox3d box_around(const Grains& grains, std::span<const Index> of_tet,
-                               const Placement& placement) {
+Eigen::AlignedBox3d box_around(std::span<const PlacedTets::PlacedGrain> of_tet) {
   Eigen::AlignedBox3d box;
-  for (Index grain : of_tet)
-    for (Index p : grains[grain].points) box.extend(placement(grains.point(p)));
+  for (const PlacedTets::PlacedGrain& grain : of_tet)
+    box.extend(Eigen::AlignedBox3d(grain.x.rowwise().minCoeff(), grain.x.rowwise().maxCoeff()));
   const Vec3d spare = Vec3d::Constant(1e-6 * box.sizes().maxCoeff());
   return {box.min() - spare, box.max() + spare};
 }
@@ -77,7 +76,7 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   swept.add(there);
   const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved_since(rows.back(), from),
                     stroke->begun};
-  const PlacedTets tets(tets_near(swept, blade, body), body.placement);
+  const PlacedTets tets(grains, tets_near(swept, blade, body), body.placement);
   Incised incised;
   if (tets.size() > 0) {
     find_in_body(now, tets);
@@ -105,7 +104,7 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   Row row = places_at(step.from, stroke, count);
   Eigen::AlignedBox3d box;
   for (const BladePoint& station : row) box.extend(station.place);
-  find_in_body(row, PlacedTets(body.tets_in({box, {}, {}}), body.placement));
+  find_in_body(row, PlacedTets(grains, body.tets_in({box, {}, {}}), body.placement));
   stroke.rows = {std::move(row)};
   return &stroke;
 }
@@ -169,9 +168,9 @@ void Blades::find_in_body(Row& row, const PlacedTets& tets) const {
     return std::clamp((x - start[axis]) / per_station, -1.0, double(row.size()));
   };
   for (std::size_t i = 0; i < tets.size() && left > 0; ++i) {
-    const auto& [tet, placement] = tets[i];
-    const auto of_tet = grains.of(tet);
-    const Eigen::AlignedBox3d box = box_around(grains, of_tet, placement);
+    const Placement& placement = tets[i].placement;
+    const auto of_tet = tets.grains_of(tets[i]);
+    const Eigen::AlignedBox3d box = box_around(of_tet);
     const auto [first, last] = std::minmax({station_at(box.min()[axis]), station_at(box.max()[axis])});
     const auto end = static_cast<std::size_t>(std::floor(last) + 1);
     for (auto at = static_cast<std::size_t>(std::max(0.0, std::ceil(first))); at < end && at < row.size();
@@ -180,10 +179,10 @@ void Blades::find_in_body(Row& row, const PlacedTets& tets) const {
       if (station.grain >= 0 || !box.contains(station.place)) continue;
       if (placement.gradient.determinant() < flat) break;
       const Vec3d rest = placement.start + placement.gradient.inverse() * (station.place - placement.image);
-      const auto in =
-          std::find_if(of_tet.begin(), of_tet.end(), [&](Index g) { return is_in(grains, g, rest); });
+      const auto in = std::find_if(of_tet.begin(), of_tet.end(),
+                                   [&](const auto& placed) { return is_in(grains, placed.grain, rest); });
       if (in == of_tet.end()) continue;
-      station.grain = *in;
+      station.grain = in->grain;
       station.rest = rest;
       --left;
     }

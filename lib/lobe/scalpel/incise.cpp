@@ -18,15 +18,19 @@ class Places {
  public:
   explicit Places(std::size_t most) : table_(std::bit_ceil(2 * most + 2), {-1, -1}) {}
   // That of a number; `place`, which it has from now on, where it has none yet.
-  Index of(Index number, Index place) {
-    std::size_t at = std::size_t(number) * 2654435761U & (table_.size() - 1);
-    while (table_[at].first >= 0 && table_[at].first != number) at = (at + 1) & (table_.size() - 1);
-    if (table_[at].first < 0) table_[at] = {number, place};
-    return table_[at].second;
+  Index of(std::int64_t number, Index place) {
+    std::size_t at = std::size_t(number) * 0x9E3779B97F4A7C15U >> 32 & (table_.size() - 1);
+    while (table_[at].number >= 0 && table_[at].number != number) at = (at + 1) & (table_.size() - 1);
+    if (table_[at].number < 0) table_[at] = {number, place};
+    return table_[at].place;
   }
 
  private:
-  std::vector<std::pair<Index, Index>> table_;
+  struct Entry {
+    std::int64_t number;
+    Index place;
+  };
+  std::vector<Entry> table_;
 };
 
 class Step {
@@ -120,19 +124,17 @@ std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
 
 void Step::find_near() {
   const double reach = blade_.reach() * grains_.mean_edge();
-  std::vector<std::pair<Index, Index>> placed;  // grains, and places in tets_
-  for (std::size_t i = 0; i < tets_.size(); ++i)
-    for (Index grain : grains_.of(tets_[i].tet)) placed.emplace_back(grain, static_cast<Index>(i));
+  std::vector<std::pair<Index, const Mat34<double>*>> placed;  // grains, and where their points are
+  placed.reserve(tets_.grains().size());
+  for (const auto& [grain, x] : tets_.grains())
+    if (sheet_.may_reach(x, reach) || (last_ && last_->may_reach(x, reach))) placed.emplace_back(grain, &x);
   std::sort(placed.begin(), placed.end());
   near_.reserve(placed.size());
   points_.reserve(2 * placed.size());
   Places places(2 * placed.size());
-  for (const auto& [grain, at] : placed) {
-    const Placement& placement = tets_[std::size_t(at)].placement;
+  for (const auto& [grain, placed_at] : placed) {
+    const Mat34<double>& x = *placed_at;
     const Eigen::Vector4i& numbers = grains_[grain].points;
-    Mat34<double> x;
-    for (int k = 0; k < 4; ++k) x.col(k) = placement(grains_.point(numbers[k]));
-    if (!sheet_.may_reach(x, reach) && !(last_ && last_->may_reach(x, reach))) continue;
     Near& near = near_.emplace_back(Near{grain, {}, true});
     for (int k = 0; k < 4; ++k) {
       const Index next = static_cast<Index>(points_.size()), place = places.of(numbers[k], next);
@@ -185,33 +187,31 @@ bool Step::release_flat() {
   return found;
 }
 
+// Each edge is tested once.
 void Step::find_crossed() {
-  struct Crossed {
-    Edge edge;
-    Index a, b;  // in points_
-    Near* near;
-  };
-  std::vector<Crossed> edges;
+  constexpr double least = 1e-3;
+  const auto points = static_cast<std::int64_t>(points_.size());
+  Places places(6 * near_.size());
+  std::vector<std::optional<double>> shares;  // of the edges that were tested, by their places
   for (Near& near : near_) {
     if (near.is_beyond) continue;
     for (const auto& edge : edge_corners) {
-      Index a = near.points[std::size_t(edge[0])], b = near.points[std::size_t(edge[1])];
+      const auto [a, b] = std::minmax(
+          near.points[std::size_t(edge[0])], near.points[std::size_t(edge[1])],
+          [&](Index i, Index j) { return points_[std::size_t(i)].number < points_[std::size_t(j)].number; });
       const Point &p = points_[std::size_t(a)], &q = points_[std::size_t(b)];
       if (is_on(p) || is_on(q) || !are_apart(p, q)) continue;
-      if (q.number < p.number) std::swap(a, b);
-      edges.push_back({std::minmax(p.number, q.number), a, b, &near});
+      const auto next = static_cast<Index>(shares.size());
+      const auto place = std::size_t(places.of(a * points + b, next));
+      if (place == shares.size()) {
+        shares.push_back(crossing(p.x, q.x));
+        if (shares[place])
+          marks_.push_back({{p.number, q.number}, std::clamp(*shares[place], least, 1 - least)});
+      }
+      near.marks += shares[place].has_value();
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const Crossed& e, const Crossed& f) { return e.edge < f.edge; });
-  constexpr double least = 1e-3;
-  for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
-    const Crossed& crossed = edges[i];
-    while (end < edges.size() && edges[end].edge == crossed.edge) ++end;
-    const auto share = crossing(points_[std::size_t(crossed.a)].x, points_[std::size_t(crossed.b)].x);
-    if (!share) continue;
-    marks_.push_back({crossed.edge, std::clamp(*share, least, 1 - least)});
-    for (std::size_t k = i; k < end; ++k) ++edges[k].near->marks;
-  }
+  std::sort(marks_.begin(), marks_.end(), [](const Mark& a, const Mark& b) { return a.edge < b.edge; });
 }
 
 void Step::refuse_too_many() {
@@ -332,9 +332,20 @@ Incised Step::cut() {
 
 }  // namespace
 
-PlacedTets::PlacedTets(const std::vector<Index>& tets, Placements find) : find_(std::move(find)) {
+PlacedTets::PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find)
+    : find_(std::move(find)) {
   placed_.reserve(tets.size());
-  for (Index t : tets) placed_.push_back({t, find_(t)});
+  grains_.reserve(2 * tets.size());
+  for (Index t : tets) {
+    const Placement placement = find_(t);
+    const auto begin = static_cast<Index>(grains_.size());
+    for (Index grain : grains.of(t)) {
+      const Eigen::Vector4i& points = grains[grain].points;
+      Mat34<double>& x = grains_.emplace_back(PlacedGrain{grain, {}}).x;
+      for (int k = 0; k < 4; ++k) x.col(k) = placement(grains.point(points[k]));
+    }
+    placed_.push_back({t, begin, static_cast<Index>(grains_.size()), placement});
+  }
 }
 
 const Placement* PlacedTets::find(Index tet) const {

@@ -27,14 +27,19 @@ struct Placement {
 };
 using Placements = std::function<Placement(Index element)>;
 
-// Tetrahedra in ascending order, each with where it is.
+// Tetrahedra in ascending order, each with where it and its grains are.
 class PlacedTets {
  public:
-  PlacedTets(const std::vector<Index>& tets, Placements find);
+  PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find);
 
   struct Placed {
     Index tet;
+    Index begin, end;  // of its grains
     Placement placement;
+  };
+  struct PlacedGrain {
+    Index grain;
+    Mat34<double> x;  // of its points [m]
   };
   auto begin() const { return placed_.begin(); }
   auto end() const { return placed_.end(); }
@@ -42,11 +47,17 @@ class PlacedTets {
   const Placed& operator[](std::size_t i) const { return placed_[i]; }
   bool has(Index tet) const { return find(tet) != nullptr; }
   Placement of(Index tet) const;  // of any; found where it is not one of these
+  // As they were when these were placed.
+  std::span<const PlacedGrain> grains() const { return grains_; }
+  std::span<const PlacedGrain> grains_of(const Placed& tet) const {
+    return {grains_.data() + tet.begin, grains_.data() + tet.end};
+  }
 
  private:
   const Placement* find(Index tet) const;
 
   std::vector<Placed> placed_;
+  std::vector<PlacedGrain> grains_;
   Placements find_;
 };
 

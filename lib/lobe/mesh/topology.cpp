@@ -93,6 +93,7 @@ void Topology::add_neighbour(Index tet, int face, Index other) {
     return;
   }
   stars_are_whole_ = false;  // the tetrahedra around an edge are no ring any more
+  if (more_.vertex_count() == 0) more_ = VertexLists<Across>(std::vector<Index>(std::size_t(tet_count()), 0));
   while (more_.vertex_count() < tet_count()) more_.add_vertex();
   more_.append(tet, {face, other});
 }
@@ -184,11 +185,14 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
   for (std::size_t at = 0; searches > 1; ++at) {
     const Index this_root = root(found_by_[queue[at]]);
     for_neighbours(queue[at], [&](int, Index other) {
-      if (found_by_[other] < 0) {
+      const Index by = found_by_[other];
+      if (by < 0) {
         found_by_[other] = this_root;
         ++open[this_root];
         queue.push_back(other);
-      } else if (const Index met = root(found_by_[other]); met != this_root) {
+      } else if (by == this_root) {
+        return;
+      } else if (const Index met = root(by); met != this_root) {
         search_of[met] = this_root;
         open[this_root] += open[met];
         --searches;

@@ -87,6 +87,9 @@ class Topology {
 
   // Alive tetrahedra that have v for a corner; a vertex without any is an orphan and stays where it is.
   std::span<const Index> around(Index v) const { return around_[v]; }
+  // Whether the tetrahedra around each vertex are known to be connected by faces, with one neighbour across
+  // each.
+  bool stars_are_whole() const { return stars_are_whole_; }
   Index parent(Index tet) const {  // the tetrahedron of the mesh at the start that it is, or is a copy of
     const Index copy = tet - (tet_count() - tet_copy_count());
     return copy < 0 ? tet : parents_[copy];

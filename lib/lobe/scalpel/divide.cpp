@@ -23,11 +23,13 @@ class Division {
  public:
   // `parted`: the grains on both sides of each face that has opened. `marks`: per grain, −1; so it is left.
   // `is_whole`: per vertex, whether the grains around it are known to have hung together before.
+  // `sides`: per vertex, −1; so it is left, too.
   Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
-           const std::vector<GrainPair>& parted, std::vector<Index>& marks,
+           const std::vector<GrainPair>& parted, std::vector<Index>& marks, std::vector<Index>& sides,
            std::vector<std::uint8_t>& is_whole);
   ~Division() {
     for (const Changed& changed : changed_) marks_[std::size_t(changed.grain)] = -1;
+    for (Index v : vertices_) first_side_[std::size_t(v)] = -1;
   }
   Division(const Division&) = delete;
   Division& operator=(const Division&) = delete;
@@ -80,11 +82,12 @@ class Division {
     }
   }
   void find_star(Index v);
-  void find_rest(Index v, Index first, std::size_t most, std::vector<Index>& found);
+  void find_rest(Index v, Index first);
+  bool has_many_sides(Index v) const;
   bool is_bridged(Index v);
   bool was_whole(Index v);
   bool may_part() const;
-  std::vector<std::vector<Index>> parts_around(Index v);
+  bool find_parts(Index v);
   void split(Index v);
   std::vector<Index> changed_tets() const;
   void divide(Index tet);
@@ -97,36 +100,48 @@ class Division {
   std::vector<Index>& marks_;
   std::vector<std::uint8_t>& is_whole_;
   std::vector<Index> touched_, vertices_;
-  std::vector<std::pair<Index, Index>> sides_;  // vertices, and grains beside faces that opened there; sorted
+  struct Side {         // a grain beside a face that opened
+    Index grain, next;  // of the same vertex in sides_; −1: the last
+  };
+  std::vector<Side> sides_;
+  std::vector<Index>& first_side_;  // per vertex, in sides_; −1: none
   std::vector<Changed> changed_;
   std::vector<Index> star_, front_;           // grains around a vertex; those found there
+  std::vector<std::size_t> ends_;             // of connected parts, in front_
   std::vector<Part> parts_, new_parts_;       // by their numbers: of old tetrahedra, of new ones
   std::vector<Index> grains_of_tet_;          // scratch of divide()
   std::array<std::vector<Index>, 4> across_;  // scratch of add_neighbours()
+  std::vector<Index> others_;                 // the same
   Index new_tets_ = 0;
   TetDivision result_;
 };
 
 Division::Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
-                   const std::vector<GrainPair>& parted, std::vector<Index>& marks,
+                   const std::vector<GrainPair>& parted, std::vector<Index>& marks, std::vector<Index>& sides,
                    std::vector<std::uint8_t>& is_whole)
     : grains_(grains),
       topology_(topology),
       parted_(parted),
       marks_(marks),
       is_whole_(is_whole),
-      touched_(touched) {
+      touched_(touched),
+      first_side_(sides) {
+  constexpr Index none = -1, seen = -2;
   marks_.resize(std::size_t(grains.count()), -1);
   is_whole_.resize(std::size_t(topology.vertex_count()), 0);
+  first_side_.resize(std::size_t(topology.vertex_count()), none);
   for (Index t : touched)
-    for (Index v : topology.corners(t)) vertices_.push_back(v);
-  sort_unique(vertices_);
+    for (Index v : topology.corners(t))
+      if (std::exchange(first_side_[std::size_t(v)], seen) == none) vertices_.push_back(v);
+  std::sort(vertices_.begin(), vertices_.end());
+  for (Index v : vertices_) first_side_[std::size_t(v)] = none;
   sides_.reserve(8 * parted.size());
   for_common_vertices([&](const GrainPair& pair, Index v) {
-    sides_.emplace_back(v, pair.first);
-    sides_.emplace_back(v, pair.second);
+    for (Index grain : {pair.first, pair.second}) {
+      sides_.push_back({grain, first_side_[std::size_t(v)]});
+      first_side_[std::size_t(v)] = static_cast<Index>(sides_.size()) - 1;
+    }
   });
-  sort_unique(sides_);
 }
 
 Division::Changed& Division::changed(Index grain) {
@@ -165,31 +180,32 @@ void Division::find_star(Index v) {
   for (Index grain : star_) mark(grain) = mark_around(v);
 }
 
-// What hangs together with a grain around a vertex and has not been found yet; no more than `most`.
-void Division::find_rest(Index v, Index first, std::size_t most, std::vector<Index>& found) {
-  found.assign(1, first);
+// Adds what hangs together with a grain around a vertex and has not been found yet.
+void Division::find_rest(Index v, Index first) {
+  std::size_t at = front_.size();
+  front_.push_back(first);
   mark(first) = -1;
-  for (std::size_t at = 0; at < found.size() && found.size() < most; ++at)
+  for (; at < front_.size() && front_.size() < star_.size(); ++at)
     for (int f = 0; f < 4; ++f) {
-      const Index other = grains_.neighbour(found[at], f);
+      const Index other = grains_.neighbour(front_[at], f);
       if (other < 0) continue;
       Index& of_other = mark(other);
       if (of_other != mark_around(v)) continue;
       of_other = -1;
-      found.push_back(other);
+      front_.push_back(other);
     }
 }
 
 // Whether grains that have been parted around a vertex still hang together there, around what has opened.
 // What hung together before still does, then.
 bool Division::is_bridged(Index v) {
-  const auto begin = std::lower_bound(sides_.begin(), sides_.end(), std::pair(v, Index(0)));
-  const auto end = std::find_if(begin, sides_.end(), [&](const auto& side) { return side.first != v; });
-  if (begin == end) return true;
-  for (auto side = begin; side != end; ++side) mark(side->second) = mark_around(v);
-  front_.assign(1, begin->second);
-  mark(begin->second) = mark_found(v);
-  auto missing = end - begin - 1;
+  const Index first = first_side_[std::size_t(v)];
+  if (first < 0) return true;
+  Index missing = -1;
+  for (Index side = first; side >= 0; side = sides_[std::size_t(side)].next)
+    missing += std::exchange(mark(sides_[std::size_t(side)].grain), mark_around(v)) != mark_around(v);
+  front_.assign(1, sides_[std::size_t(first)].grain);
+  mark(front_.front()) = mark_found(v);
   for (std::size_t at = 0; at < front_.size() && missing > 0; ++at)
     for (int f = 0; f < 4; ++f) {
       const Index other = grains_.neighbour(front_[at], f);
@@ -204,7 +220,8 @@ bool Division::is_bridged(Index v) {
       front_.push_back(other);
     }
   for (Index grain : front_) mark(grain) = -1;
-  for (auto side = begin; side != end; ++side) mark(side->second) = -1;
+  for (Index side = first; side >= 0; side = sides_[std::size_t(side)].next)
+    mark(sides_[std::size_t(side)].grain) = -1;
   return missing == 0;
 }
 
@@ -227,48 +244,66 @@ bool Division::may_part() const {
   return held < parted_.size();
 }
 
-// What hangs together around a vertex, in order of the first grains.
-std::vector<std::vector<Index>> Division::parts_around(Index v) {
+// Finds what hangs together around a vertex, in order of the first grains; whether these are several parts.
+bool Division::find_parts(Index v) {
   find_star(v);
-  std::vector<std::vector<Index>> parts;
-  for (std::size_t found = 0; found < star_.size(); found += parts.back().size()) {
+  front_.clear();
+  ends_.clear();
+  while (front_.size() < star_.size()) {
     Index first = std::numeric_limits<Index>::max();
     for (Index grain : star_)
       if (grain < first && mark(grain) == mark_around(v)) first = grain;
-    find_rest(v, first, star_.size() - found, parts.emplace_back());
+    find_rest(v, first);
+    ends_.push_back(front_.size());
   }
-  return parts;
+  return ends_.size() > 1;
 }
 
 // The part in which the vertex lies keeps it, and with it what acts on it and who may grasp it; of several,
 // as of none, the one that fills most, the first of those.
 void Division::split(Index v) {
-  if (was_whole(v) && is_bridged(v)) return;
-  const std::vector<std::vector<Index>> parts = parts_around(v);
-  if (parts.size() < 2) return;
+  if (was_whole(v) && !has_many_sides(v) && is_bridged(v)) return;
+  if (!find_parts(v)) return;
   const Vec3d& X = grains_.point(topology_.origin(v));
+  const auto part = [&](std::size_t i) {
+    const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
+    return std::span<const Index>(front_).subspan(begin, ends_[i] - begin);
+  };
   const auto has_vertex = [&](Index grain) {
     const Eigen::Vector4i& points = grains_[grain].points;
     return std::any_of(points.begin(), points.end(), [&](Index p) { return grains_.point(p) == X; });
   };
-  std::vector<std::pair<bool, double>> filled(parts.size());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    filled[i].first = std::any_of(parts[i].begin(), parts[i].end(), has_vertex);
-    for (Index grain : parts[i]) filled[i].second += grains_[grain].share;
+  std::size_t keeps = 0;
+  std::pair<bool, double> most;
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
+    std::pair<bool, double> filled(std::any_of(part(i).begin(), part(i).end(), has_vertex), 0.0);
+    for (Index grain : part(i)) filled.second += grains_[grain].share;
+    if (i > 0 && !(most < filled)) continue;
+    most = filled;
+    keeps = i;
   }
-  const auto keeps = std::size_t(std::max_element(filled.begin(), filled.end()) - filled.begin());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
     if (i == keeps) continue;
     const Index copy = topology_.vertex_count() + static_cast<Index>(result_.vertices.size());
     result_.vertices.push_back(v);
     is_whole_.push_back(1);
-    for (Index grain : parts[i]) {
+    for (Index grain : part(i)) {
       Changed& known = changed(grain);
       known.has_new_corners = true;
       for (Index& corner : known.corners)
         if (corner == v) corner = copy;
     }
   }
+}
+
+// Where many faces have opened, a search for all parts is the shorter one.
+bool Division::has_many_sides(Index v) const {
+  constexpr int many = 12;
+  int count = 0;
+  for (Index side = first_side_[std::size_t(v)]; side >= 0 && count < many;
+       side = sides_[std::size_t(side)].next)
+    ++count;
+  return count == many;
 }
 
 std::vector<Index> Division::changed_tets() const {
@@ -311,15 +346,20 @@ void Division::divide(Index tet) {
 
 // Of what was touched, of what has other corners or is new, and of what is beside these.
 void Division::find_neighbours() {
-  std::vector<Index> tets = touched_;
+  std::vector<Index> tets;
+  std::vector<bool> is_listed(std::size_t(topology_.tet_count() + new_tets_), false);
+  const auto list = [&](Index tet) {
+    if (!is_listed[std::size_t(tet)]) tets.push_back(tet);
+    is_listed[std::size_t(tet)] = true;
+  };
+  for (Index t : touched_) list(t);
   for (const Part& part : parts_) {
-    tets.push_back(part.tet);
+    list(part.tet);
     for (Index grain : part.grains)
       for (int f = 0; f < 4; ++f)
-        if (const Index other = grains_.neighbour(grain, f); other >= 0)
-          if (const Index tet = element_of(other); tet != tets.back()) tets.push_back(tet);
+        if (const Index other = grains_.neighbour(grain, f); other >= 0) list(element_of(other));
   }
-  sort_unique(tets);
+  std::sort(tets.begin(), tets.end());
   result_.neighbours.reserve(tets.size());
   result_.others.reserve(4 * tets.size());
   auto part = parts_.begin();
@@ -333,6 +373,7 @@ void Division::find_neighbours() {
 // Two tetrahedra beside each other differ in one corner, which is opposite to the face that they share.
 void Division::add_neighbours(Index tet, std::span<const Index> grains) {
   for (std::vector<Index>& others : across_) others.clear();
+  others_.clear();
   const Corners corners = corners_of(grains.front());
   for (Index grain : grains) {
     for (int f = 0; f < 4; ++f) {
@@ -340,7 +381,8 @@ void Division::add_neighbours(Index tet, std::span<const Index> grains) {
       if (other < 0) continue;
       const Changed* changed = find_changed(other);
       const Index element = changed ? changed->element : grains_[other].element;
-      if (element == tet) continue;
+      if (element == tet || std::find(others_.begin(), others_.end(), element) != others_.end()) continue;
+      others_.push_back(element);
       const Corners next = changed ? changed->corners : topology_.corners(element);
       for (int c = 0; c < 4; ++c)
         if (!has(next, corners[c])) across_[std::size_t(c)].push_back(element);
@@ -349,7 +391,7 @@ void Division::add_neighbours(Index tet, std::span<const Index> grains) {
   TetDivision::Neighbours& listed = result_.neighbours.emplace_back();
   listed.tet = tet;
   for (std::size_t f = 0; f < 4; ++f) {
-    if (across_[f].size() > 1) sort_unique(across_[f]);
+    std::sort(across_[f].begin(), across_[f].end());
     listed.begin[f] = static_cast<Index>(result_.others.size());
     result_.others.insert(result_.others.end(), across_[f].begin(), across_[f].end());
   }
@@ -359,7 +401,7 @@ void Division::add_neighbours(Index tet, std::span<const Index> grains) {
 }  // namespace
 
 TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& opened) {
-  Division division(*this, topology, opened, parted_, scratch_, is_whole_);
+  Division division(*this, topology, opened, parted_, scratch_, vertex_scratch_, is_whole_);
   TetDivision result = division.find();
   for (const TetDivision::Part& part : result.parts)
     while (of_element_.vertex_count() <= part.tet) of_element_.add_vertex();

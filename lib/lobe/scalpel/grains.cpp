@@ -34,6 +34,8 @@ Grains::Grains(const Elements& elements) {
   for (Index v = 0; v < topology.vertex_count(); ++v)
     lengths.push_back(static_cast<Index>(topology.around(v).size()) + room);
   around_ = VertexLists<Index>(lengths);
+  is_whole_.reserve(lengths.size() + lengths.size() / 4);
+  is_whole_.assign(lengths.size(), topology.stars_are_whole());
   of_element_ = VertexLists<Index>(std::vector<Index>(grain_of.size(), 1));
   const std::size_t points = lengths.size() + lengths.size() / 4;  // memory that nobody touches costs nothing
   points_.reserve(points);
@@ -71,6 +73,8 @@ Grains::Grains(const Elements& elements) {
             other_side(4 * grain + face) < 0)
           link(4 * grain + face, 4 * other + f);
     });
+  scratch_.reserve(grains);
+  scratch_.assign(grains_.size(), -1);
   mean_edge_ = count() > 0 ? sum / (6.0 * count()) : 0;
   mean_volume_ = count() > 0 ? volumes / count() : 0;
 }

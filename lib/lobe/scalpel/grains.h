@@ -133,6 +133,7 @@ class Grains {
   std::vector<std::pair<Index, Index>> parted_;  // grains on both sides of faces opened since divide()
   std::vector<std::uint8_t> is_whole_;  // per vertex: the grains around it hung together after divide()
   std::vector<Index> scratch_, front_;  // of a search: per grain, −1 outside of one; grains found
+  std::vector<Index> vertex_scratch_;   // of divide(): per vertex, −1 outside of it
 };
 
 }  // namespace lobe

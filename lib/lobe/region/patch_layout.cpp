@@ -134,20 +134,27 @@ Index PatchLayout<n>::leave(Index id, const LocalCorners& corners) {
   return last;
 }
 
-// Finds the patch around an item that has most of its vertices.
+// Finds the patch around an item that has most of its vertices, the first of several.
 template <int n>
 Index PatchLayout<n>::patch_for(const Item& item) {
-  Index best = -1, fewest = n;
+  around_.clear();
   for (Index v : item.corners)
     for (Index place : places_[v]) {
       const Index p = place / patch_vertices;
-      const Index count = missing(p, item.corners);
-      if (count >= fewest || !has_room(p, item)) continue;
-      best = p;
-      fewest = count;
+      const auto known =
+          std::find_if(around_.begin(), around_.end(), [&](const Near& near) { return near.patch == p; });
+      if (known == around_.end())
+        around_.push_back({p, 1});
+      else
+        ++known->vertices;
     }
-  if (best >= 0) return best;
-  return open_ >= 0 && has_room(open_, item) ? open_ : open_patch(item.kind);
+  const Near* best = nullptr;
+  for (const Near& near : around_)
+    if ((!best || near.vertices > best->vertices) && has_room(near.patch, item.kind, n - near.vertices))
+      best = &near;
+  if (best) return best->patch;
+  return open_ >= 0 && has_room(open_, item.kind, missing(open_, item.corners)) ? open_
+                                                                                : open_patch(item.kind);
 }
 
 template <int n>
@@ -157,10 +164,10 @@ Index PatchLayout<n>::missing(Index p, const Corners& corners) const {
 }
 
 template <int n>
-bool PatchLayout<n>::has_room(Index p, const Item& item) const {
+bool PatchLayout<n>::has_room(Index p, std::uint16_t kind, Index new_vertices) const {
   const Patch& patch = patches_[p];
-  return patch.kind == item.kind && patch.items < capacity &&
-         patch.vertices - patch.free + missing(p, item.corners) <= patch_vertices;
+  return patch.kind == kind && patch.items < capacity &&
+         patch.vertices - patch.free + new_vertices <= patch_vertices;
 }
 
 template <int n>

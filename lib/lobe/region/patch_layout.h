@@ -67,11 +67,15 @@ class PatchLayout {
   Index leave(Index id, const LocalCorners& corners);
 
  private:
+  struct Near {
+    Index patch;
+    Index vertices;  // of an item, that it has
+  };
   void fill_new_patches(const std::vector<Item>& items, const Mat3X<double>& points);
   void list_places(Index first_patch);
   Index patch_for(const Item& item);
   Index missing(Index p, const Corners& corners) const;
-  bool has_room(Index p, const Item& item) const;
+  bool has_room(Index p, std::uint16_t kind, Index new_vertices) const;
   Index append_patch(std::uint16_t kind);
   Index open_patch(std::uint16_t kind);
   Index local_number(Index p, Index vertex) const;  // −1 if it has none
@@ -86,6 +90,7 @@ class PatchLayout {
   std::vector<Index> used_;
   std::vector<bool> is_used_;           // per vertex
   std::vector<Index> id_of_, slot_of_;  // per slot; per id
+  std::vector<Near> around_;            // scratch of patch_for()
   std::vector<Index> empty_;            // patches, some of which may have been filled again
   Index open_ = -1;                     // patch that takes what fits nowhere else
   Index item_count_ = 0;

@@ -103,24 +103,32 @@ std::vector<Index> TensorMassRegion<Real>::update_members(const Elements& elemen
 template <class Real>
 std::vector<typename TensorMassRegion<Real>::Ends> TensorMassRegion<Real>::touched_edges(
     const Elements& elements, const RegionEdit& edit, const std::vector<Index>& removed) const {
-  std::vector<Ends> edges;
+  std::vector<std::uint64_t> keys;  // both ends in one number, which is faster to sort
+  const auto add = [&](Index low, Index high) {
+    keys.push_back(std::uint64_t(low) << 32 | std::uint64_t(high));
+  };
   const auto add_edges_of = [&](Index t) {
     const Eigen::Vector4i corners = elements.topology.corners(t);
     for (const auto& edge : edge_corners) {
       const auto [low, high] = std::minmax(corners[edge[0]], corners[edge[1]]);
-      edges.push_back({low, high});
+      add(low, high);
     }
   };
   for (Index t : removed) add_edges_of(t);
   for (Index t : edit.entered)
     if (member_[t]) add_edges_of(t);
-  if (!edit.entered.empty())
+  if (!edit.entered.empty()) {
+    std::vector<bool> is_of_edit(std::size_t(elements.topology.vertex_count()), false);
+    for (Index v : edit.vertices) is_of_edit[std::size_t(v)] = true;
     for (Index v : edit.vertices)
       for (const Neighbour& n : neighbours_[v])
-        if (std::binary_search(edit.vertices.begin(), edit.vertices.end(), n.vertex))
-          edges.push_back({v, n.vertex});
-  if (edges.size() == 6) return edges;  // of one tetrahedron
-  sort_unique(edges);
+        if (is_of_edit[std::size_t(n.vertex)]) add(v, n.vertex);
+  }
+  if (keys.size() != 6) sort_unique(keys);  // they are of one tetrahedron else
+  std::vector<Ends> edges;
+  edges.reserve(keys.size());
+  for (std::uint64_t key : keys)
+    edges.push_back({static_cast<Index>(key >> 32), static_cast<Index>(key & 0xFFFFFFFFU)});
   return edges;
 }
 

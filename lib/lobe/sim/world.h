@@ -143,6 +143,7 @@ class World {
 
   Blades& blades();
   void prepare_blades();
+  bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
   typename Blades::BodyNow body_now();
   void incise(const BladeMove& move, Report& report);
   void expand_ahead(const BladeMove& move);

@@ -27,8 +27,13 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
   for (Index v = vertices_before; v < topology.vertex_count(); ++v) edit.vertices.push_back(v);
   sort_unique(edit.entered);
   edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
+  std::vector<bool> is_listed(std::size_t(topology.vertex_count()), false);
+  for (Index v : edit.vertices) is_listed[std::size_t(v)] = true;
   for (Index t : edit.left)
-    for (Index v : topology.corners(t)) edit.vertices.push_back(v);
+    for (Index v : topology.corners(t)) {
+      if (!is_listed[std::size_t(v)]) edit.vertices.push_back(v);
+      is_listed[std::size_t(v)] = true;
+    }
   sort_unique(edit.vertices);
   return edit;
 }

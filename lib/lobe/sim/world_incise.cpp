@@ -44,13 +44,14 @@ Blades& World<Real>::blades() {
   return *blades_;
 }
 
-// Makes the grains ahead of the first cut, and the groups of tetrahedra for its search, because that takes
-// longer than a frame.
+// Makes ahead of the first cut, because it takes longer than a frame: the grains, the groups of tetrahedra
+// for its search, and what the mass floor needs.
 template <class Real>
 void World<Real>::prepare_blades() {
   if (blades_ || prepared_) return;
   prepared_ = std::make_unique<Blades>(elements());
   tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {});
+  if (has_floor()) body_.inertia.prepare_floor(elements());
 }
 
 // Sets the mass floor, so that the stable step of the cut body is not much shorter than that of the whole
@@ -58,7 +59,7 @@ void World<Real>::prepare_blades() {
 template <class Real>
 void World<Real>::begin_floor() {
   const double omega = limit_.highest_at_rest();
-  if (implicit_ || setup_.cut_step == 0 || body_.inertia.floor().square > 0 || !(omega > 0)) return;
+  if (!has_floor() || body_.inertia.floor().square > 0 || !(omega > 0)) return;
   const double highest = omega / setup_.cut_step;
   body_.inertia.set_floor({highest * highest, setup_.expandable});
 }

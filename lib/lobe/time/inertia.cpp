@@ -27,6 +27,14 @@ void Inertia<Real>::update(const Model& model, const std::vector<Index>& vertice
 }
 
 template <class Real>
+void Inertia<Real>::prepare_floor(const Elements& elements) {
+  const Topology& topology = elements.topology;
+  tet_squares_.resize(std::size_t(topology.tet_count() - topology.tet_copy_count()), 0);
+  for (std::size_t t = 0; t < tet_squares_.size(); ++t)
+    if (!(tet_squares_[t] > 0)) tet_squares_[t] = tet_square(elements, static_cast<Index>(t));
+}
+
+template <class Real>
 void Inertia<Real>::raise_to_floor(const Model& model, const std::vector<Index>& vertices) {
   if (floor_.square == 0 || model.elements.shares.empty()) return;
   added_.resize(mass_.size(), 0);

@@ -38,6 +38,8 @@ class Inertia {
   // are updated from now on.
   void set_floor(const MassFloor& floor) { floor_ = floor; }
   const MassFloor& floor() const { return floor_; }
+  // Finds what the floor needs of each tetrahedron, ahead of the first cut. O(#tets).
+  void prepare_floor(const Elements& elements);
   void raise_to_floor(const Model& model, const std::vector<Index>& vertices);
   double mass_of_floor() const { return sum_of_floor_; }  // that it has added [kg]
   // The mass on which gravity acts [kg]. Mass of the floor has no weight.

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iomanip>
 #include <limits>
+#include <memory>
 #include <random>
 #include <set>
 #include <sstream>
@@ -81,6 +82,35 @@ CutFrames play_cut(World<Real>& world, int frames) {
   }
   return played;
 }
+
+constexpr int repeats = 5;  // of each cut; neighbours on the machine disturb some of them
+
+template <class Measure>
+double median_of(Measure&& measure) {
+  std::vector<double> values;
+  for (int i = 0; i < repeats; ++i) values.push_back(measure());
+  std::sort(values.begin(), values.end());
+  return median(values);
+}
+
+// Plays the cut in several worlds, which do the same to the bit.
+struct PlayedCut {
+  PlayedCut(const Setup& setup, int count) {
+    std::vector<double> slowest_of;
+    seconds = median_of([&] {
+      world = std::make_unique<World<float>>(setup);
+      const CutFrames played = play_cut(*world, count);
+      frames = played.frames;
+      slowest_of.push_back(played.slowest);
+      return played.seconds;
+    });
+    std::sort(slowest_of.begin(), slowest_of.end());
+    slowest = median(slowest_of);
+  }
+  std::unique_ptr<World<float>> world;  // the last one
+  double seconds = 0, slowest = 0;      // medians [s]
+  int frames = 0;
+};
 
 // Tetrahedra of the start that there are several grains of.
 Index cut_tets(const Grains& grains, const Topology& topology) {
@@ -166,18 +196,17 @@ CostRow measure(const std::string& name, const char* region, const Setup& held_o
   play_cut(loose, frames);
   setup = plain;
   setup.scalpels = {on_path(stroke, frames)};
-  World<float> world(setup);
-  const std::size_t before = Grains(world.elements()).bytes();
-  const CutFrames played = play_cut(world, frames);
+  const PlayedCut cut(setup, frames);
+  World<float>& world = *cut.world;
   row.cut = cut_tets(*world.grains(), world.elements().topology);
   row.copies = world.elements().topology.tet_copy_count();
-  row.all_us = 1e6 * played.seconds / row.cut;
-  row.geometry_us = 1e6 * geometry_seconds(plain, stroke, frames) / row.cut;
-  row.sweep_us = 1e6 * geometry_seconds(plain, stroke, 1) / row.cut;
+  row.all_us = 1e6 * cut.seconds / row.cut;
+  row.geometry_us = 1e6 * median_of([&] { return geometry_seconds(plain, stroke, frames); }) / row.cut;
+  row.sweep_us = 1e6 * median_of([&] { return geometry_seconds(plain, stroke, 1); }) / row.cut;
   setup.scalpels = {on_path(stroke, 1)};
-  World<float> fast(setup);
-  const CutFrames batch = play_cut(fast, 1);
-  row.batch_us = 1e6 * batch.seconds / cut_tets(*fast.grains(), fast.elements().topology);
+  const PlayedCut batch(setup, 1);
+  row.batch_us = 1e6 * batch.seconds / cut_tets(*batch.world->grains(), batch.world->elements().topology);
+  const std::size_t before = Grains(World<float>(plain).elements()).bytes();
   row.bytes = double(world.grains()->bytes() - before) / row.cut;
   find_ratios_of_steps(plain, world, loose, row);
   State<float> state = world.state();
@@ -194,10 +223,9 @@ CostRow measure(const std::string& name, const char* region, const Setup& held_o
   const Vec3d edge = 0.02 * (stroke.from.heel - stroke.from.tip).normalized();
   const auto at = [&](double x) { return BladePose{middle + x * along - edge, middle + x * along + edge}; };
   setup.scalpels = {on_path({at(-0.025), at(0.025)}, 30)};
-  World<float> slow(setup);
-  const CutFrames frame = play_cut(slow, 30);
-  row.frame_ms = 1e3 * frame.seconds / std::max(1, frame.frames);
-  row.slowest_ms = 1e3 * frame.slowest;
+  const PlayedCut slow(setup, 30);
+  row.frame_ms = 1e3 * slow.seconds / std::max(1, slow.frames);
+  row.slowest_ms = 1e3 * slow.slowest;
   return row;
 }
 

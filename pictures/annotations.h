@@ -18,7 +18,7 @@ struct PanelSize {
 
 void add_title(vtkRenderer* renderer, const std::string& title, const PanelSize& size);
 
-// Along the lower edge, one entry per region that is shown (values of the cell array `region`).
+// Along the lower edge, one entry per style of region_styles() that is shown.
 void add_region_legend(vtkRenderer* renderer, const std::vector<int>& regions, const PanelSize& size);
 
 // Along the lower edge.

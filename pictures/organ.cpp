@@ -23,20 +23,35 @@ constexpr Color organ_color = {0.62, 0.20, 0.16};
 constexpr Color flesh_color = {0.86, 0.42, 0.36};  // what a cut lays open
 constexpr double flesh_share = 0.45;               // of it in the colour of an exposed face
 
-int region_of(vtkDataArray* region, vtkIdType cell) {
-  return std::clamp(static_cast<int>(region->GetTuple1(cell)), 0, 3);
-}
+// Which style the faces of a surface have.
+class StyleOfFace {
+ public:
+  explicit StyleOfFace(vtkPolyData* surface)
+      : region_(surface->GetCellData()->GetArray("region")),
+        embedded_(surface->GetCellData()->GetArray("embedded")) {}
+
+  bool is_known() const { return region_; }
+  int operator()(vtkIdType face) const {
+    const int region = std::clamp(static_cast<int>(region_->GetTuple1(face)), 0, 3);
+    if (region < 3 || !embedded_) return region;
+    return embedded_->GetTuple1(face) != 0 ? 4 : 5;
+  }
+
+ private:
+  vtkDataArray *region_, *embedded_;
+};
 
 // One colour per face: of its region or of the organ, towards flesh where a cut has exposed it.
 vtkSmartPointer<vtkUnsignedCharArray> face_colors(vtkPolyData* surface, bool by_region) {
-  vtkDataArray* region = by_region ? surface->GetCellData()->GetArray("region") : nullptr;
+  const StyleOfFace style(surface);
   vtkDataArray* exposed = surface->GetCellData()->GetArray("exposed");
   auto colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
   colors->SetName("face color");
   colors->SetNumberOfComponents(3);
   colors->SetNumberOfTuples(surface->GetNumberOfCells());
   for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) {
-    const Color& base = region ? region_styles()[region_of(region, i)].color : organ_color;
+    const Color& base =
+        by_region && style.is_known() ? region_styles()[std::size_t(style(i))].color : organ_color;
     const double share = exposed->GetTuple1(i) != 0 ? flesh_share : 0;
     for (int k = 0; k < 3; ++k)
       colors->SetComponent(i, k, std::round(255 * ((1 - share) * base[k] + share * flesh_color[k])));
@@ -132,18 +147,20 @@ vtkNew<vtkActor> fibre_lines(vtkPolyData* surface) {
 
 }  // namespace
 
-const std::array<RegionStyle, 4>& region_styles() {
-  static const std::array<RegionStyle, 4> styles = {{{"tensor-mass", {0.29, 0.52, 0.75}},
+const std::array<RegionStyle, 6>& region_styles() {
+  static const std::array<RegionStyle, 6> styles = {{{"tensor-mass", {0.29, 0.52, 0.75}},
                                                      {"pre-computed", {0.40, 0.62, 0.50}},
                                                      {"non-linear", {0.66, 0.23, 0.18}},
-                                                     {"reduced", {0.80, 0.55, 0.30}}}};
+                                                     {"reduced", {0.80, 0.55, 0.30}},
+                                                     {"reduced, on its lattice", {0.80, 0.55, 0.30}},
+                                                     {"reduced, full now", {0.80, 0.36, 0.42}}}};
   return styles;
 }
 
 std::vector<int> regions_shown(vtkPolyData* surface) {
   std::set<int> shown;
-  if (vtkDataArray* region = surface->GetCellData()->GetArray("region"))
-    for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) shown.insert(region_of(region, i));
+  if (const StyleOfFace style(surface); style.is_known())
+    for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) shown.insert(style(i));
   return {shown.begin(), shown.end()};
 }
 

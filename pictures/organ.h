@@ -16,14 +16,15 @@ namespace picture {
 
 using Color = std::array<double, 3>;
 
-// Names and colours of the values 0, 1, 2 of the cell array `region`.
+// Names and colours of the values 0 to 3 of the cell array `region`. Where the cell array `embedded` is
+// given, a reduced face is on its lattice (4) or full (5).
 struct RegionStyle {
   const char* name;
   Color color;
 };
-const std::array<RegionStyle, 4>& region_styles();
+const std::array<RegionStyle, 6>& region_styles();
 
-// The values of `region` that occur on the surface, ascending.
+// The styles that occur on the surface, ascending.
 std::vector<int> regions_shown(vtkPolyData* surface);
 
 // True for the colours that are an array of the file: not "none", not "region".

@@ -152,6 +152,22 @@ TEST_CASE("a frame's stress holds the nodal pressure") {
   }
 }
 
+TEST_CASE("a frame says which tetrahedra a lattice moves: those of four embedded vertices") {
+  const Folder folder;
+  const Elements body = elements(RegionModel::reduced);
+  const Mat3X<double> u = Mat3X<double>::Zero(3, body.points.count());
+  const Eigen::Vector4i first = body.topology.tets().col(0);
+  std::vector<std::uint8_t> is_embedded(std::size_t(body.points.count()), 0);
+  for (const Index v : first) is_embedded[std::size_t(v)] = 1;
+  write_frame(folder.path / "frame.vtu", body, u, u, is_embedded);
+  const Eigen::MatrixXd embedded = read_mesh(folder.path / "frame.vtu").cell_data.at("embedded");
+  REQUIRE(embedded.cols() == body.topology.tet_count());
+  CHECK(embedded(0, 0) == 1);
+  CHECK(embedded.sum() == 1);
+  write_frame(folder.path / "frame.vtu", body, u, u);
+  CHECK_FALSE(read_mesh(folder.path / "frame.vtu").cell_data.contains("embedded"));
+}
+
 TEST_CASE("a frame holds the arrays that docs/commands.md promises, tensors as xx, yy, zz, xy, yz, xz") {
   const Folder folder;
   Elements body = elements(RegionModel::nonlinear);

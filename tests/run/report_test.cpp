@@ -161,6 +161,7 @@ TEST_CASE("the error of reduced regions is estimated, reported and warned of") {
   REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].starts_with("the error of reduced regions was estimated at up to "));
   CHECK(seen["vertices_to_full"] == 0);
+  CHECK(read_mesh(folder.path / "out/frame_0010.vtu").cell_data.at("embedded").maxCoeff() == 1);
   json["regions"][0]["tolerance"] = 0.02;
   REQUIRE(play(write_scene_files(folder, json), folder.path / "corrected").ok);
   const Json corrected = report_in(folder.path / "corrected")["reduced"];
@@ -168,6 +169,7 @@ TEST_CASE("the error of reduced regions is estimated, reported and warned of") {
   CHECK(corrected["worst_error"].get<double>() < seen["worst_error"].get<double>());
   play(write_scene_files(folder), folder.path / "other");
   CHECK_FALSE(report_in(folder.path / "other").contains("reduced"));
+  CHECK_FALSE(read_mesh(folder.path / "other/frame_0000.vtu").cell_data.contains("embedded"));
 }
 
 TEST_CASE("the report tells what was skipped") {

@@ -1,6 +1,8 @@
 #include "lobe/diagnostics/fields.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lobe/region/energy_density.h"
 #include "lobe/region/nodal_pressure.h"
@@ -39,7 +41,7 @@ TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u
 }
 
 void write_frame(const std::filesystem::path& file, const Elements& elements, const Mat3X<double>& u,
-                 const Mat3X<double>& v) {
+                 const Mat3X<double>& v, const std::vector<std::uint8_t>& is_embedded) {
   using Type = DataArray::Type;
   const Topology& topology = elements.topology;
   const Eigen::Index n = topology.alive_count();
@@ -53,9 +55,11 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
       stress{"stress", Eigen::MatrixXd(6, n), Type::float32};
   DataArray von_mises{"von_mises", Eigen::MatrixXd(1, n), Type::float32};
   const std::vector<double> pressures = tet_pressures(elements, PressureNodes(elements), u);
+  std::vector<Index> there;
+  for (Index t = 0; t < topology.tet_count(); ++t)
+    if (topology.alive(t)) there.push_back(t);
   Eigen::Index at = 0;
-  for (Index t = 0; t < topology.tet_count(); ++t) {
-    if (!topology.alive(t)) continue;
+  for (const Index t : there) {
     const TetFields fields = tet_fields(elements, t, corner_displacements(elements, t, u), pressures[t]);
     mesh.tets.col(at) = topology.tets().col(t);
     if (mesh.fibres.cols() > 0) mesh.fibres.col(at) = elements.fibres.col(t);
@@ -69,8 +73,22 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
     von_mises.values(0, at) = fields.von_mises;
     ++at;
   }
-  write_vtu(file, mesh, {{"displacement", u, Type::float64}, {"velocity", v, Type::float64}},
-            {region, ratio, strain, stress, von_mises, density, source});
+  std::vector<DataArray> cells;
+  for (DataArray* array : {&region, &ratio, &strain, &stress, &von_mises, &density, &source})
+    cells.push_back(std::move(*array));
+  if (!is_embedded.empty()) cells.push_back(embedded_cells(elements, there, is_embedded));
+  write_vtu(file, mesh, {{"displacement", u, Type::float64}, {"velocity", v, Type::float64}}, cells);
+}
+
+DataArray embedded_cells(const Elements& elements, const std::vector<Index>& tets,
+                         const std::vector<std::uint8_t>& is_embedded) {
+  DataArray array{"embedded", Eigen::MatrixXd(1, tets.size()), DataArray::Type::int32};
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    const auto corners = elements.topology.corners(tets[i]);
+    array.values(0, Eigen::Index(i)) =
+        std::all_of(corners.begin(), corners.end(), [&](Index v) { return is_embedded[std::size_t(v)]; });
+  }
+  return array;
 }
 
 double current_volume(const Elements& elements, const Mat3X<double>& u) {

@@ -36,7 +36,8 @@ struct Cells {
 }  // namespace
 
 void write_grain_frame(const std::filesystem::path& file, const Elements& elements, const Grains& grains,
-                       const Mat3X<double>& u, const Mat3X<double>& v) {
+                       const Mat3X<double>& u, const Mat3X<double>& v,
+                       const std::vector<std::uint8_t>& is_embedded) {
   std::vector<Index> there;
   for (Index g = 0; g < grains.count(); ++g)
     if (elements.topology.alive(grains[g].element)) there.push_back(g);
@@ -66,9 +67,14 @@ void write_grain_frame(const std::filesystem::path& file, const Elements& elemen
     cells.density.values(0, at) = elements.elastic_of(t).density;
     cells.von_mises.values(0, at) = fields.von_mises;
   }
-  write_vtu(file, mesh, {{"displacement", moved, Type::float64}, {"velocity", speeds, Type::float64}},
-            {cells.region, cells.source, cells.parent, cells.skin, cells.stroke, cells.ratio, cells.density,
-             cells.von_mises});
+  std::vector<DataArray> all{cells.region, cells.source, cells.parent,  cells.skin,
+                             cells.stroke, cells.ratio,  cells.density, cells.von_mises};
+  if (!is_embedded.empty()) {
+    std::vector<Index> tets;
+    for (const Index g : there) tets.push_back(grains[g].element);
+    all.push_back(embedded_cells(elements, tets, is_embedded));
+  }
+  write_vtu(file, mesh, {{"displacement", moved, Type::float64}, {"velocity", speeds, Type::float64}}, all);
 }
 
 }  // namespace lobe

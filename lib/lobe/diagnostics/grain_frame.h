@@ -13,7 +13,8 @@ namespace lobe {
 // where it was on the boundary at the start. `stroke` is the last stroke that has opened a face of a grain,
 // counted from 0 in the order in which they began; −1: none has.
 void write_grain_frame(const std::filesystem::path& file, const Elements& elements, const Grains& grains,
-                       const Mat3X<double>& u,   // 3 × #vertices [m]
-                       const Mat3X<double>& v);  // 3 × #vertices [m/s]
+                       const Mat3X<double>& u,  // 3 × #vertices [m]
+                       const Mat3X<double>& v,  // 3 × #vertices [m/s]
+                       const std::vector<std::uint8_t>& is_embedded = {});
 
 }  // namespace lobe

@@ -61,6 +61,16 @@ void add_jaws(Json& bodies, const PlacedTool& tool) {
       body_json("capsule", {thick, shaft}, tool.position - turn * Vec3d(0, 0, shaft), tool.orientation));
 }
 
+// Per vertex; empty if nothing is reduced.
+template <class Real>
+std::vector<std::uint8_t> embedded(const World<Real>& world) {
+  const LatticeRegion<Real>& region = world.body().regions.reduced();
+  if (!region.any()) return {};
+  std::vector<std::uint8_t> is_embedded = region.embedding().roles.is_embedded;
+  is_embedded.resize(std::size_t(world.elements().topology.vertex_count()), 0);
+  return is_embedded;
+}
+
 }  // namespace
 
 template <class Real>
@@ -75,9 +85,9 @@ void FrameWriter::record(World<Real>& world, bool last) {
   const Mat3X<double> u = world.state().u.template cast<double>(),
                       v = world.state().v.template cast<double>();
   if (const Grains* grains = world.grains())
-    write_grain_frame(directory_ / frame, world.elements(), *grains, u, v);
+    write_grain_frame(directory_ / frame, world.elements(), *grains, u, v, embedded(world));
   else
-    write_frame(directory_ / frame, world.elements(), u, v);
+    write_frame(directory_ / frame, world.elements(), u, v, embedded(world));
   frames_.emplace_back(world.time(), frame);
   if (frame_due) next_frame_ = output_.every * (std::floor((world.time() + just_before) / output_.every) + 1);
   const bool something_left = world.elements().topology.alive_count() > 0;  // an empty mesh cannot be drawn

@@ -183,6 +183,7 @@ class SelfContact {
   std::vector<int> part_of_triangle_, part_of_layer_;
   std::vector<int> first_of_part_, of_part_;  // layers
   Mat3X<double> x_;                           // of vertices_, when they were measured [m]
+  Mat3X<double> rest_x_;                      // at rest [m]
   std::vector<Eigen::Vector4i> places_of_;    // per layer: of its corners in that
   std::vector<Index> place_of_vertex_;        // −1: in no layer
 

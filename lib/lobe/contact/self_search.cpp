@@ -13,7 +13,7 @@ namespace {
 
 constexpr int tets_per_part = 48, most_parts = 256;
 // Pairs that are farther from each other are not known, in terms of the mean edge. If a search was not the
-// last, the next goes so far that a body that swings needs none after it.
+// last, the next goes further, and about the body at rest: then a body that swings needs none after it.
 constexpr double first_within = 0.7, next_within = 1;
 // A search is due when parts would have to be measured again after this share of the usual motion.
 constexpr double least_time = 0.3;
@@ -83,6 +83,7 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   for (const Layer& layer : layers_)
     vertices_.insert(vertices_.end(), layer.corners.begin(), layer.corners.end());
   sort_unique(vertices_);
+  rest_x_ = model.elements.points.view()(Eigen::all, vertices_);
   divide_into_parts(surface);
 }
 
@@ -226,8 +227,15 @@ void SelfContact::keep_pairs(const ContactSurface& surface, const Places& now, d
     parts_.measure(x_);
     room = room_for_others();
   }
+  if (knows && room < least_time * often_ && within_ < next_within * surface.mean_edge()) {
+    within_ = next_within * surface.mean_edge();
+    x_.swap(rest_x_);
+    search(surface, moved);
+    x_.swap(rest_x_);
+    parts_.measure(x_);
+    room = room_for_others();
+  }
   if (room < least_time * often_) {
-    if (knows) within_ = next_within * surface.mean_edge();
     search(surface, moved);
     room = (within_ - near_) / 2;
   }

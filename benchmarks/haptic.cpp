@@ -11,6 +11,7 @@
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/haptic_rig.h"
 #include "benchmarks/machine.h"
+#include "benchmarks/secant.h"
 #include "benchmarks/timing.h"
 #include "lobe/haptic/devices.h"
 #include "lobe/haptic/haptic_hand.h"

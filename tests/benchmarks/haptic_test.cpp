@@ -5,8 +5,25 @@
 #include <map>
 
 #include "benchmarks/bench_results.h"
+#include "benchmarks/secant.h"
+#include "near.h"
 
+using namespace lobe;
 using namespace lobe::test;
+using bench::secant_correction;
+
+TEST_CASE("the secant takes up what the last motion says, and nothing across it") {
+  Mat3<double> K = Vec3d(300, 300, 100).asDiagonal();
+  const Vec3d way(0.002, 0, 0), force(-1, 0.1, 0);  // 500 N/m along x, and −50 N/m of it along y
+  const Mat3<double> better = K + secant_correction(K, way, force, 1e-9);
+  CHECK((better * way + force).norm() < 1e-9);
+  CHECK(better.isApprox(better.transpose()));
+  CHECK(better(2, 2) == near(100, 1e-9));
+  CHECK(better(1, 1) == near(300, 1e-9));
+  CHECK(secant_correction(K, Vec3d::Zero(), force, 5e-5).norm() == 0);
+  CHECK(secant_correction(K, 1e-6 * Vec3d::UnitX(), force, 5e-5).norm() <
+        1e-2 * secant_correction(K, 1e-6 * Vec3d::UnitX(), force, 0).norm());
+}
 
 TEST_CASE(
     "lobe bench haptic writes an error per prediction, and the times of each loop with their histograms") {

@@ -16,6 +16,10 @@ class Contact<Real>::Here final : public Places {
     return at_.model.elements.points.col(v) + at_.u.col(v).template cast<double>();
   }
   Vec3d velocity_of_vertex(Index v) const override { return at_.v.col(v).template cast<double>(); }
+  void of_vertices(const std::vector<Index>& vertices, Mat3X<double>& x) const override {
+    x.resize(3, Eigen::Index(vertices.size()));
+    for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = Here::of_vertex(vertices[std::size_t(i)]);
+  }
   Vec3d of_point(int point) const override {
     const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
     if (surface_point.count == 1) return of_vertex(surface_point.corners[0]);
@@ -152,7 +156,7 @@ template <class Visit>
 void Contact<Real>::visit_self(const At& at, Visit&& visit) const {
   if (!self_ || surface_.revision() == 0) return;
   const Here here(surface_, at);
-  if (self_->is_outdated(here, body_moved_)) self_->search(surface_, here, body_moved_);
+  self_->keep_pairs(surface_, here, body_moved_);
   const ContactLaw own_law = law();
   visit(SelfContact::At{surface_, own_law, here, body_moved_, last_step_});
 }

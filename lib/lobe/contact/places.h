@@ -12,6 +12,7 @@ class Places {
   virtual Vec3d velocity_of_point(int point) const = 0;  // [m/s]
   virtual Vec3d of_vertex(Index vertex) const = 0;       // of the mesh [m]
   virtual Vec3d velocity_of_vertex(Index vertex) const = 0;
+  virtual void of_vertices(const std::vector<Index>& vertices, Mat3X<double>& x) const = 0;
 };
 
 class ContactForces {

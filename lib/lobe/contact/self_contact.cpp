@@ -67,15 +67,59 @@ Eigen::Vector4d SelfContact::Inverse::weights(const Vec3d& x) const {
   return b;
 }
 
-// Of the points of a triangle from a tetrahedron, or less [m].
-double SelfContact::gap_of_points(const Places& now, const Mat3<double>& corners, int layer) {
+Mat3<double> SelfContact::corners_now(const ContactSurface& surface, int triangle) const {
+  Mat3<double> x = Mat3<double>::Zero();
+  for (int c = 0; c < 3; ++c) {
+    const int number = surface.triangles()[std::size_t(triangle)].points[c];
+    const ContactSurface::Point& point = surface.points()[std::size_t(number)];
+    for (int i = 0; i < point.count; ++i)
+      x.col(c) += point.weights[i] * x_.col(place_of_vertex_[std::size_t(point.corners[i])]);
+  }
+  return x;
+}
+
+// Whether a point of a triangle is in a tetrahedron, or nearly so.
+bool SelfContact::is_close(const Places& now, const Mat3<double>& corners, int layer) {
   const Inverse& tet = inverse(now, layer);
-  if (!tet.is_sound) return 0;
-  double least = std::numeric_limits<double>::infinity();
+  Mat34<double> x;
+  for (int c = 0; c < 4; ++c) x.col(c) = now.of_vertex(layers_[std::size_t(layer)].corners[c]);
+  bool is_any = false;
   visit_centroids(divisions, [&](int, const Vec3d& weights) {
-    least = std::min(least, tet.gap(tet.weights(corners * weights)));
+    const Vec3d point = corners * weights;
+    if (is_any || (tet.is_sound && tet.gap(tet.weights(point)) > near_)) return;
+    is_any = distance_to_tet(point, x) <= near_;
   });
-  return least;
+  return is_any;
+}
+
+// By how much the outermost points of a triangle are beyond the plane of a face; not a number if that is flat.
+double SelfContact::gap_beyond(const Mat34<double>& tet, int face, const Mat3<double>& outermost) {
+  const Vec3d from = tet.col((face + 1) % 4);
+  const Vec3d n = (tet.col((face + 2) % 4) - from).cross(tet.col((face + 3) % 4) - from);
+  const double length = n.dot(tet.col(face) - from) < 0 ? n.norm() : -n.norm();
+  return (n.transpose() * (outermost.colwise() - from) / length).minCoeff();
+}
+
+// Those of the pairs that are due. The plane that parted one last parts most of them still.
+void SelfContact::find_near_pairs(const At& at, const Candidate& candidate, const Mat3<double>& corners) {
+  near_pairs_.clear();
+  const Mat3<double> points = outermost(corners);
+  for (int i : suspects_of(candidate)) {
+    Pair& pair = pairs_[std::size_t(i)];
+    double& gap = gaps_[std::size_t(i)];
+    gap = std::numeric_limits<double>::infinity();
+    if (pair.due > at.moved) continue;
+    Mat34<double> x;
+    for (int c = 0; c < 4; ++c) x.col(c) = at.places.of_vertex(layers_[std::size_t(pair.layer)].corners[c]);
+    gap = gap_beyond(x, pair.face, points);
+    for (int face = 0; face < 4 && !(gap > near_); ++face) {
+      gap = gap_beyond(x, face, points);
+      if (gap > near_) pair.face = static_cast<std::uint8_t>(face);
+    }
+    if (gap > near_) continue;
+    gap = std::numeric_limits<double>::infinity();
+    near_pairs_.push_back(i);
+  }
 }
 
 // The first of the candidate's tetrahedra that a point is in, and its barycentric coordinates there; −1:
@@ -91,15 +135,13 @@ int SelfContact::find_tet(const At& at, const Candidate& candidate, const Vec3d&
       if (!tet.is_sound) break;
       b = tet.weights(x);
       if (b.minCoeff() < -1e-9) break;
-      for (int j = candidate.first; j < end; ++j)  // of others nothing is known
-        if (pairs_[std::size_t(j)].due <= at.moved) gaps_[std::size_t(j)] = 0;
+      for (int j : near_pairs_) gaps_[std::size_t(j)] = 0;  // of others nothing is known
       gaps_[std::size_t(i)] = 0;
       return layer;
     }
   int found = -1;
-  for (int i = candidate.first; i < end; ++i) {
+  for (int i : near_pairs_) {
     const Pair& pair = pairs_[std::size_t(i)];
-    if (pair.due > at.moved) continue;
     const Inverse& tet = inverse(at.places, pair.layer);
     const Eigen::Vector4d weights = tet.weights(x);
     const double gap = tet.is_sound ? tet.gap(weights) : 0;
@@ -167,7 +209,7 @@ bool SelfContact::find_touch(const At& at, const Candidate& candidate, const Vec
 // Until its points may be inside: both sides may move.
 void SelfContact::put_off(Candidate& candidate, double moved) {
   candidate.due = std::numeric_limits<double>::infinity();
-  for (int i = candidate.first; i < candidate.first + candidate.count; ++i) {
+  for (int i : suspects_of(candidate)) {
     Pair& pair = pairs_[std::size_t(i)];
     const double gap = gaps_[std::size_t(i)];
     if (gap <= near_)

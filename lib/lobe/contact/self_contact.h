@@ -18,21 +18,22 @@
 // corners.
 //
 // Cost. A search finds the pairs of a triangle and a tetrahedron that are near each other (self_search.cpp).
-// A pair is looked at again only when the body has moved so far that its points may be inside by then.
+// Which of them may have come so near that a point may be inside follows from the motion of parts of the body
+// (part_motion.h), every few steps. Those alone are looked at, each no sooner than the body has moved by half
+// of its gap; and there is no other search until one of the pairs that were not found may be that near.
 #pragma once
 
 #include <limits>
+#include <span>
 
 #include "lobe/contact/contact_law.h"
 #include "lobe/contact/contact_memory.h"
 #include "lobe/contact/contact_surface.h"
+#include "lobe/contact/part_motion.h"
 #include "lobe/contact/places.h"
 #include "lobe/contact/quadrature.h"
 
 namespace lobe {
-
-// A plane along a face of a tetrahedron, or along the triangle, parts the two by this; 0 or less: none does.
-double gap_between(const Mat3<double>& triangle, const Mat34<double>& tet);
 
 class SelfContact {
  public:
@@ -44,11 +45,10 @@ class SelfContact {
   // ---- Search. `moved`: how far vertices have moved at most in all steps [m].
 
   void rebuild(const ContactSurface& surface, const Model& model);  // of another surface
-  // Whether pairs that are not known may have come near, by how far the body has moved; if that is too far,
-  // by where its vertices are.
-  bool is_outdated(const Places& now, double moved);
-  void search(const ContactSurface& surface, const Places& now, double moved);
-  void forget() { slack_ = -1; }
+  // Searches if pairs that are not known may have come near, by how far the body has moved or, if that is too
+  // far, by where its vertices are.
+  void keep_pairs(const ContactSurface& surface, const Places& now, double moved);
+  void forget() { knows_until_ = -std::numeric_limits<double>::infinity(); }
 
   // ---- Forces
 
@@ -85,12 +85,28 @@ class SelfContact {
   };
   struct Pair {
     int layer = 0;
-    double due = 0;  // how far the body must have moved for a point to be inside [m]
+    int link = 0;           // in links_: of the triangle's part and the tetrahedron's
+    float gap = 0;          // of the points when it was searched, or less [m]
+    std::uint8_t face = 0;  // the plane of this face of the tetrahedron parted them last
+    double due = 0;         // how far the body must have moved for a point to be inside [m]
   };
   struct Candidate {
-    int triangle = 0;
-    int first = 0, count = 0;  // in pairs_
-    double due = 0;            // the least of its pairs
+    int triangle = 0, part = 0;
+    int first = 0, count = 0;                            // in pairs_, by their gaps
+    double due = 0;                                      // the least of its suspects
+    float gap = std::numeric_limits<float>::infinity();  // the least, when it was searched [m]
+    int first_suspect = 0, suspects = 0;                 // in suspects_
+  };
+  struct Link {  // of two parts that were near each other when they were searched
+    int a, b;
+    PartMotion::Bound bound;
+  };
+  struct Planes {  // of a tetrahedron's faces, n·x − offset > 0 outside, and its corners x, about origin_
+    Eigen::Array4f n[3], offset, x[3];
+  };
+  struct Four {  // layers of a part, −1 if there is none, and their boxes
+    Eigen::Vector4i layers;
+    Eigen::Array4f low[3], high[3];
   };
   struct Touch {
     const Candidate* candidate = nullptr;
@@ -113,19 +129,35 @@ class SelfContact {
     double gap(const Eigen::Vector4d& weights) const { return (-weights.cwiseProduct(heights)).maxCoeff(); }
   };
 
-  void fill_grid(const Places& now, double margin, double cell);
   void find_faces(Layer& layer);
   std::vector<int> vertices_around(const ContactSurface& surface, int triangle);
   void list_own_layers(const ContactSurface& surface);
   bool is_on_its_side(int triangle, const Layer& layer) const;
-  void find_pairs(const ContactSurface& surface, const Places& now, double within);
+  void divide_into_parts(const ContactSurface& surface);
+  void search(const ContactSurface& surface, double moved);
+  void find_boxes();
+  static void find_planes(const Mat34<double>& x, Planes& planes);
+  void link_parts();
+  void find_pairs(const ContactSurface& surface);
+  void find_pairs_of(const ContactSurface& surface, int triangle);
   void take_candidates(const ContactSurface& surface, double moved);
-  double moved_since_search(const Places& now) const;
+  double room_for_others();
+  void find_due(double moved);
+  std::span<const int> suspects_of(const Candidate& candidate) const {
+    return {suspects_.data() + candidate.first_suspect, std::size_t(candidate.suspects)};
+  }
   int face_at(const Layer& layer, const Vec3d& rest) const;
   Mat3<double> corners_of(const At& at, int triangle) const;
-  static Mat34<double> corners_of(const Places& now, const Layer& layer);
+  Mat3<double> corners_now(const ContactSurface& surface, int triangle) const;  // by x_
+  // Of the triangle between its outermost points, by its own corners.
+  static Mat3<double> outermost(const Mat3<double>& corners) {
+    const Vec3d centre = corners.rowwise().mean();
+    return ((1 - 1.0 / divisions) * (corners.colwise() - centre)).colwise() + centre;
+  }
   const Inverse& inverse(const Places& now, int layer);
-  double gap_of_points(const Places& now, const Mat3<double>& corners, int layer);
+  bool is_close(const Places& now, const Mat3<double>& corners, int layer);
+  static double gap_beyond(const Mat34<double>& tet, int face, const Mat3<double>& outermost);
+  void find_near_pairs(const At& at, const Candidate& candidate, const Mat3<double>& corners);
   template <class Visit>
   void visit_touches(const At& at, Visit&& visit);
   int find_tet(const At& at, const Candidate& candidate, const Vec3d& x, const Anchor* anchor,
@@ -146,26 +178,42 @@ class SelfContact {
   std::vector<int> first_of_vertex_, of_vertex_;  // and around each vertex of the mesh
   std::vector<int> first_own_, own_;              // per triangle: tetrahedra that it never touches
 
-  std::vector<Candidate> candidates_;
-  std::vector<Pair> pairs_;
-  std::vector<double> gaps_;  // scratch: per pair, of the points that were looked at
-  std::vector<Inverse> inverses_;
-  int pass_ = 0;                    // of all touches
-  double near_ = 0;                 // pairs that are nearer are always looked at [m]
-  double slack_ = -1;               // by how much vertices may move, before pairs are searched anew [m]
-  double left_ = 0;                 // of it, when they were measured last
-  double measured_at_ = 0;          // in terms of how far the body had moved
-  std::vector<Vec3d> searched_at_;  // where vertices_ were then
+  // Parts: of near tetrahedra with what triangles they own.
+  PartMotion parts_;
+  std::vector<int> part_of_triangle_, part_of_layer_;
+  std::vector<int> first_of_part_, of_part_;  // layers
+  Mat3X<double> x_;                           // of vertices_, when they were measured [m]
+  Mat3X<double> rest_x_;                      // at rest [m]
+  std::vector<Eigen::Vector4i> places_of_;    // per layer: of its corners in that
+  std::vector<Index> place_of_vertex_;        // −1: in no layer
 
-  // Scratch of a search: a uniform grid of the layer's boxes.
-  Vec3d low_ = Vec3d::Zero();
-  Eigen::Vector3i count_ = Eigen::Vector3i::Zero();
-  double cell_ = 0;
-  std::vector<Vec3d> box_low_, box_high_;
-  std::vector<int> first_in_, in_cell_, stamp_of_vertex_, stamp_of_layer_;
+  std::vector<Link> links_;
+  std::vector<int> link_of_;  // per pair of parts: −1 if they were not near
+  std::vector<PartMotion::Bound> worst_of_part_;
+  std::vector<Candidate> candidates_;
+  // Of what may touch before the next measurement: pairs, and their candidates.
+  std::vector<int> suspects_, watched_, last_suspects_;
+  std::vector<Pair> pairs_;
+  std::vector<double> gaps_;     // scratch: per pair, of the points that were looked at
+  std::vector<int> near_pairs_;  // scratch: of a candidate, that no plane is known to part
+  std::vector<Inverse> inverses_;
+  int pass_ = 0;       // of all touches
+  double near_ = 0;    // pairs that are nearer are always looked at [m]
+  double within_ = 0;  // pairs that were farther apart when they were searched are not known [m]
+  double often_ = 0;   // parts are measured when the body has moved by this [m]
+  double knows_until_ = -std::numeric_limits<double>::infinity();  // how far it may have moved before [m]
+
+  // Scratch of a search, about origin_.
+  Vec3d origin_ = Vec3d::Zero();
+  std::vector<float> squares_;
+  std::vector<Planes> face_planes_;  // per layer
+  std::vector<Four> fours_;
+  std::vector<int> first_four_;  // per part
+  std::vector<int> stamp_of_vertex_, stamp_of_layer_;
   struct Found {
-    int triangle, layer;
-    double gap;  // or less [m]
+    int triangle, layer, link;
+    float gap;  // or less [m]
+    int face;
   };
   std::vector<Found> found_;
 
@@ -178,18 +226,21 @@ void SelfContact::visit_touches(const At& at, Visit&& visit) {
   memory_.held().use(at.surface);
   AnchorReader anchors = memory_.anchors();
   Touch touch;
-  for (Candidate& candidate : candidates_) {
+  for (int number_of : watched_) {
+    Candidate& candidate = candidates_[std::size_t(number_of)];
     if (candidate.due > at.moved) continue;
     const Mat3<double> corners = corners_of(at, candidate.triangle);
-    const FaceOwner& owner = at.surface.triangles()[std::size_t(candidate.triangle)].owner;
-    touch.candidate = &candidate;
-    std::fill_n(gaps_.begin() + candidate.first, candidate.count, std::numeric_limits<double>::infinity());
-    visit_centroids(divisions, [&](int number, const Vec3d& weights) {
-      touch.number = number;
-      touch.weights = weights;
-      touch.anchor = anchors.find(owner, divisions, number);
-      if (find_touch(at, candidate, corners * weights, touch)) visit(touch);
-    });
+    find_near_pairs(at, candidate, corners);
+    if (!near_pairs_.empty() || memory_.held().any()) {
+      const FaceOwner& owner = at.surface.triangles()[std::size_t(candidate.triangle)].owner;
+      touch.candidate = &candidate;
+      visit_centroids(divisions, [&](int number, const Vec3d& weights) {
+        touch.number = number;
+        touch.weights = weights;
+        touch.anchor = anchors.find(owner, divisions, number);
+        if (find_touch(at, candidate, corners * weights, touch)) visit(touch);
+      });
+    }
     put_off(candidate, at.moved);
   }
 }
@@ -216,17 +267,18 @@ void SelfContact::visit_stiffness(const At& at, AtPoint&& at_point, AtVertex&& a
 template <class Triangle, class Tetrahedron>
 void SelfContact::visit_close(const At& at, Triangle&& triangle, Tetrahedron&& tetrahedron) {
   ++pass_;
-  for (const Candidate& candidate : candidates_) {
+  for (int number : watched_) {
+    const Candidate& candidate = candidates_[std::size_t(number)];
     if (candidate.due > at.moved) continue;
     const Mat3<double> corners = corners_of(at, candidate.triangle);
-    bool is_close = false;
-    for (int i = candidate.first; i < candidate.first + candidate.count; ++i) {
+    bool is_any_close = false;
+    for (int i : suspects_of(candidate)) {
       const Pair& pair = pairs_[std::size_t(i)];
-      if (pair.due > at.moved || gap_of_points(at.places, corners, pair.layer) > near_) continue;
-      is_close = true;
+      if (pair.due > at.moved || !is_close(at.places, corners, pair.layer)) continue;
+      is_any_close = true;
       tetrahedron(layers_[std::size_t(pair.layer)].corners);
     }
-    if (is_close) triangle(candidate.triangle);
+    if (is_any_close) triangle(candidate.triangle);
   }
 }
 

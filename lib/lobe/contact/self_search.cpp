@@ -1,6 +1,7 @@
 // Which triangles of a surface may be in which tetrahedra of its boundary layer.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "lobe/contact/self_contact.h"
@@ -9,6 +10,14 @@
 
 namespace lobe {
 namespace {
+
+constexpr int tets_per_part = 48, most_parts = 256;
+// Pairs that are farther from each other are not known, in terms of the mean edge. If a search was not the
+// last, the next goes further, and about the body at rest: then a body that swings needs none after it.
+constexpr double first_within = 0.7, next_within = 1;
+// A search is due when parts would have to be measured again after this share of the usual motion.
+constexpr double least_time = 0.3;
+constexpr double never = std::numeric_limits<double>::infinity();
 
 // Lists of what `visit(add)` gives by add(key, value), in order.
 template <class Visit>
@@ -22,26 +31,6 @@ void fill_lists(std::size_t keys, std::vector<int>& first, std::vector<int>& val
 }
 
 }  // namespace
-
-double gap_between(const Mat3<double>& triangle, const Mat34<double>& tet) {
-  const auto beyond = [&](const Vec3d& n, const Vec3d& from, const auto& points, double sign) {
-    return (sign / n.norm() * n.transpose() * (points.colwise() - from)).minCoeff();
-  };
-  const Vec3d a = triangle.col(0), normal = (triangle.col(1) - a).cross(triangle.col(2) - a);
-  double gap = std::max(beyond(normal, a, tet, 1), beyond(normal, a, tet, -1));
-  for (int c = 0; c < 4; ++c) {  // the face opposite to this corner
-    const Vec3d x = tet.col((c + 1) % 4);
-    const Vec3d n = (tet.col((c + 2) % 4) - x).cross(tet.col((c + 3) % 4) - x);
-    gap = std::max(gap, beyond(n, x, triangle, n.dot(tet.col(c) - x) < 0 ? 1 : -1));
-  }
-  return gap;
-}
-
-Mat34<double> SelfContact::corners_of(const Places& now, const Layer& layer) {
-  Mat34<double> x;
-  for (int c = 0; c < 4; ++c) x.col(c) = now.of_vertex(layer.corners[c]);
-  return x;
-}
 
 void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   forget();
@@ -87,11 +76,67 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   stamp_of_layer_.assign(layers_.size(), -1);
   list_own_layers(surface);
   inverses_.assign(layers_.size(), {});
+  near_ = 0.01 * surface.mean_edge();
+  within_ = first_within * surface.mean_edge();
+  often_ = 0.1 * surface.mean_edge();
   vertices_.clear();
   for (const Layer& layer : layers_)
     vertices_.insert(vertices_.end(), layer.corners.begin(), layer.corners.end());
   sort_unique(vertices_);
-  near_ = 0.01 * surface.mean_edge();
+  rest_x_ = model.elements.points.view()(Eigen::all, vertices_);
+  divide_into_parts(surface);
+}
+
+void SelfContact::divide_into_parts(const ContactSurface& surface) {
+  place_of_vertex_.assign(stamp_of_vertex_.size(), -1);
+  for (std::size_t i = 0; i < vertices_.size(); ++i)
+    place_of_vertex_[std::size_t(vertices_[i])] = static_cast<Index>(i);
+  std::vector<Vec3d> centres;
+  places_of_.clear();
+  for (const Layer& layer : layers_) {
+    centres.emplace_back(layer.rest.rowwise().mean());
+    Eigen::Vector4i& places = places_of_.emplace_back();
+    for (int c = 0; c < 4; ++c) places[c] = place_of_vertex_[std::size_t(layer.corners[c])];
+  }
+  part_of_layer_ = divide(centres, std::max(tets_per_part, static_cast<int>(layers_.size()) / most_parts));
+  const int count = layers_.empty() ? 0 : *std::max_element(part_of_layer_.begin(), part_of_layer_.end()) + 1;
+  std::vector<std::vector<int>> points(static_cast<std::size_t>(count));
+  for (std::size_t l = 0; l < layers_.size(); ++l)
+    for (int place : places_of_[l]) points[std::size_t(part_of_layer_[l])].push_back(place);
+  part_of_triangle_.clear();
+  for (const ContactSurface::Triangle& triangle : surface.triangles()) {
+    const auto owner = std::lower_bound(layers_.begin(), layers_.end(), triangle.owner.tet,
+                                        [](const Layer& layer, Index tet) { return layer.tet < tet; });
+    const int part = part_of_layer_[std::size_t(owner - layers_.begin())];
+    part_of_triangle_.push_back(part);
+    for (int p : triangle.points) {
+      const ContactSurface::Point& point = surface.points()[std::size_t(p)];
+      for (int i = 0; i < point.count; ++i)
+        points[std::size_t(part)].push_back(place_of_vertex_[std::size_t(point.corners[i])]);
+    }
+  }
+  for (std::vector<int>& own : points) sort_unique(own);
+  parts_.set_parts(points);
+  // Of each part those that are near each other are in fours, which have parts of their own.
+  const std::vector<int> four_of = divide(centres, 4);
+  std::vector<int> order(layers_.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::pair(four_of[std::size_t(a)], a) < std::pair(four_of[std::size_t(b)], b);
+  });
+  fill_lists(std::size_t(count), first_of_part_, of_part_, [&](auto&& add) {
+    for (int l : order) add(std::size_t(part_of_layer_[std::size_t(l)]), l);
+  });
+  first_four_.assign(1, 0);
+  fours_.clear();
+  for (int part = 0; part < count; ++part) {
+    const int first = first_of_part_[std::size_t(part)], end = first_of_part_[std::size_t(part) + 1];
+    for (int i = first; i < end; i += 4) {
+      Four& four = fours_.emplace_back();
+      for (int k = 0; k < 4; ++k) four.layers[k] = i + k < end ? of_part_[std::size_t(i + k)] : -1;
+    }
+    first_four_.push_back(static_cast<int>(fours_.size()));
+  }
 }
 
 // Of the triangles around its corners, but for those that it is in front of, and those that are farther from
@@ -127,37 +172,6 @@ void SelfContact::find_faces(Layer& layer) {
   layer.count = static_cast<int>(faces_.size()) - layer.first;
   std::sort(faces_.begin() + layer.first, faces_.end(), [&](int a, int b) {
     return std::pair(distance(centre, a), a) < std::pair(distance(centre, b), b);
-  });
-}
-
-// Each box is in all cells that it meets.
-void SelfContact::fill_grid(const Places& now, double margin, double cell) {
-  box_low_.clear();
-  box_high_.clear();
-  Vec3d high = Vec3d::Constant(-std::numeric_limits<double>::infinity());
-  low_ = -high;
-  for (const Layer& layer : layers_) {
-    const Mat34<double> x = corners_of(now, layer);
-    box_low_.push_back(x.rowwise().minCoeff().array() - margin);
-    box_high_.push_back(x.rowwise().maxCoeff().array() + margin);
-    low_ = low_.cwiseMin(box_low_.back());
-    high = high.cwiseMax(box_high_.back());
-  }
-  constexpr double most = 128;  // cells along an axis
-  cell_ = std::max(cell, (high - low_).maxCoeff() / most);
-  if (!(cell_ > 0) || !std::isfinite(cell_)) cell_ = 1;
-  for (int i = 0; i < 3; ++i) count_[i] = std::clamp(int((high[i] - low_[i]) / cell_) + 1, 1, int(most) + 1);
-  const auto place = [&](const Vec3d& x, int i) {
-    return std::clamp(static_cast<int>((x[i] - low_[i]) / cell_), 0, count_[i] - 1);
-  };
-  fill_lists(std::size_t(count_.prod()), first_in_, in_cell_, [&](auto&& add) {
-    for (std::size_t l = 0; l < layers_.size(); ++l) {
-      const Vec3d &a = box_low_[l], &b = box_high_[l];
-      for (int z = place(a, 2); z <= place(b, 2); ++z)
-        for (int y = place(a, 1); y <= place(b, 1); ++y)
-          for (int x = place(a, 0); x <= place(b, 0); ++x)
-            add(std::size_t(x + count_[0] * (y + count_[1] * z)), static_cast<int>(l));
-    }
   });
 }
 
@@ -202,67 +216,216 @@ bool SelfContact::is_on_its_side(int triangle, const Layer& layer) const {
   return plane.normal.dot(centre - plane.corner) < 0.05 * (layer.rest.col(1) - layer.rest.col(0)).norm();
 }
 
-// Vertices may move by a margin: whatever is not found is farther away than twice of it.
-void SelfContact::search(const ContactSurface& surface, const Places& now, double moved) {
-  slack_ = left_ = 0.2 * surface.mean_edge();
-  measured_at_ = moved;
-  searched_at_.clear();
-  for (Index v : vertices_) searched_at_.push_back(now.of_vertex(v));
-  find_pairs(surface, now, 2 * slack_);
+// ---- What may be near
+
+void SelfContact::keep_pairs(const ContactSurface& surface, const Places& now, double moved) {
+  if (moved <= knows_until_) return;
+  const bool knows = std::isfinite(knows_until_);
+  now.of_vertices(vertices_, x_);
+  double room = 0;
+  if (knows) {
+    parts_.measure(x_);
+    room = room_for_others();
+  }
+  if (knows && room < least_time * often_ && within_ < next_within * surface.mean_edge()) {
+    within_ = next_within * surface.mean_edge();
+    x_.swap(rest_x_);
+    search(surface, moved);
+    x_.swap(rest_x_);
+    parts_.measure(x_);
+    room = room_for_others();
+  }
+  if (room < least_time * often_) {
+    search(surface, moved);
+    room = (within_ - near_) / 2;
+  }
+  knows_until_ = moved + std::min(often_, room);
+  find_due(moved);
+}
+
+// By how much vertices may move until a pair that is not known may be near.
+double SelfContact::room_for_others() {
+  double least = within_;
+  for (Link& link : links_) {
+    link.bound = parts_.bound(link.a, link.b);
+    least = std::min(least, link.bound.now(within_));
+  }
+  const int count = parts_.count();
+  const double far = near_ + 2 * often_;
+  const auto square = static_cast<float>(far * far);
+  for (int a = 0; a < count; ++a) {
+    parts_.find_box_distances(a, squares_);
+    for (int b = a + 1; b < count; ++b) {
+      if (squares_[std::size_t(b)] > square || link_of_[std::size_t(a * count + b)] >= 0) continue;
+      least = std::min(
+          least, std::max(std::sqrt(double(squares_[std::size_t(b)])), parts_.bound(a, b).now(within_)));
+    }
+  }
+  return (least - near_) / 2;
+}
+
+// Of pairs that cannot be near before the next measurement: never. What touches or is held stays.
+void SelfContact::find_due(double moved) {
+  const double needed = near_ + 2 * (knows_until_ - moved);
+  worst_of_part_.assign(std::size_t(parts_.count()), {});
+  for (const Link& link : links_)
+    for (int part : {link.a, link.b}) {
+      PartMotion::Bound& worst = worst_of_part_[std::size_t(part)];
+      worst.share = std::min(worst.share, link.bound.share);
+      worst.approach = std::max(worst.approach, link.bound.approach);
+    }
+  watched_.clear();
+  suspects_.swap(last_suspects_);
+  suspects_.clear();
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    Candidate& candidate = candidates_[c];
+    const PartMotion::Bound& worst = worst_of_part_[std::size_t(candidate.part)];
+    const auto safe = static_cast<float>((needed + worst.approach) / worst.share);
+    if (candidate.suspects == 0 && candidate.gap > safe) continue;
+    const auto first = static_cast<int>(suspects_.size());
+    int i = candidate.first;
+    for (; i < candidate.first + candidate.count && pairs_[std::size_t(i)].gap <= safe; ++i) {
+      Pair& pair = pairs_[std::size_t(i)];
+      const double gap = links_[std::size_t(pair.link)].bound.now(double(pair.gap));
+      if (gap > needed) {
+        if (pair.due > moved) pair.due = never;
+      } else if (pair.due == never) {
+        pair.due = moved + std::max(0.0, gap - near_) / 2;
+      }
+      if (pair.due != never) suspects_.push_back(i);
+    }
+    for (int k = candidate.first_suspect; k < candidate.first_suspect + candidate.suspects; ++k) {
+      const int last = last_suspects_[std::size_t(k)];
+      if (last < i) continue;
+      double& due = pairs_[std::size_t(last)].due;
+      if (due > moved) due = never;
+      if (due != never) suspects_.push_back(last);
+    }
+    candidate.first_suspect = first;
+    candidate.suspects = static_cast<int>(suspects_.size()) - first;
+    if (candidate.suspects == 0) continue;
+    candidate.due = never;
+    for (int k : suspects_of(candidate)) candidate.due = std::min(candidate.due, pairs_[std::size_t(k)].due);
+    std::sort(suspects_.begin() + first, suspects_.end(),
+              [&](int k, int l) { return pairs_[std::size_t(k)].layer < pairs_[std::size_t(l)].layer; });
+    watched_.push_back(static_cast<int>(c));
+  }
+}
+
+// ---- Search
+
+void SelfContact::search(const ContactSurface& surface, double moved) {
+  parts_.remember(x_);
+  find_boxes();
+  link_parts();
+  find_pairs(surface);
   take_candidates(surface, moved);
 }
 
-bool SelfContact::is_outdated(const Places& now, double moved) {
-  if (slack_ < 0) return true;
-  if (moved - measured_at_ <= left_) return false;
-  left_ = slack_ - moved_since_search(now);
-  measured_at_ = moved;
-  return left_ < 0.3 * slack_;
-}
-
-// By how much the vertices, less their mean motion [m].
-double SelfContact::moved_since_search(const Places& now) const {
-  Vec3d mean = Vec3d::Zero();
-  for (std::size_t i = 0; i < vertices_.size(); ++i) mean += now.of_vertex(vertices_[i]) - searched_at_[i];
-  mean /= double(std::max<std::size_t>(1, vertices_.size()));
-  double square = 0;
-  for (std::size_t i = 0; i < vertices_.size(); ++i)
-    square = std::max(square, (now.of_vertex(vertices_[i]) - searched_at_[i] - mean).squaredNorm());
-  return std::sqrt(square);
-}
-
-void SelfContact::find_pairs(const ContactSurface& surface, const Places& now, double within) {
-  found_.clear();
-  fill_grid(now, within, 1.5 * surface.mean_edge());
-  std::fill(stamp_of_layer_.begin(), stamp_of_layer_.end(), -1);
-  const auto count = static_cast<int>(surface.triangles().size());
-  for (int t = 0; t < count; ++t) {
-    Mat3<double> corners;
-    for (int c = 0; c < 3; ++c) corners.col(c) = now.of_point(surface.triangles()[std::size_t(t)].points[c]);
-    for (int i = first_own_[std::size_t(t)]; i < first_own_[std::size_t(t) + 1]; ++i)
-      stamp_of_layer_[std::size_t(own_[std::size_t(i)])] = t;
-    const Vec3d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
-    Eigen::Vector3i from, to;
-    for (int i = 0; i < 3; ++i) {
-      from[i] = std::clamp(static_cast<int>((low[i] - low_[i]) / cell_), 0, count_[i] - 1);
-      to[i] = std::clamp(static_cast<int>((high[i] - low_[i]) / cell_), 0, count_[i] - 1);
+void SelfContact::find_boxes() {
+  origin_ = x_.cols() > 0 ? Vec3d(x_.col(0)) : Vec3d::Zero();
+  face_planes_.resize(layers_.size());
+  for (Four& four : fours_) {
+    four.low[0] = four.low[1] = four.low[2] =
+        Eigen::Array4f::Constant(std::numeric_limits<float>::infinity());
+    four.high[0] = four.high[1] = four.high[2] = -four.low[0];
+    for (int k = 0; k < 4 && four.layers[k] >= 0; ++k) {
+      const auto l = std::size_t(four.layers[k]);
+      Mat34<double> x = x_(Eigen::all, places_of_[l]);
+      x.colwise() -= origin_;
+      find_planes(x, face_planes_[l]);
+      for (int axis = 0; axis < 3; ++axis) {
+        four.low[axis][k] = face_planes_[l].x[axis].minCoeff();
+        four.high[axis][k] = face_planes_[l].x[axis].maxCoeff();
+      }
     }
-    for (int k = from[2]; k <= to[2]; ++k)
-      for (int j = from[1]; j <= to[1]; ++j)
-        for (int i = from[0]; i <= to[0]; ++i) {
-          const auto cell = std::size_t(i + count_[0] * (j + count_[1] * k));
-          for (int n = first_in_[cell]; n < first_in_[cell + 1]; ++n) {
-            const auto l = std::size_t(in_cell_[std::size_t(n)]);
-            if (std::exchange(stamp_of_layer_[l], t) == t) continue;
-            if ((box_low_[l].array() > high.array()).any() || (box_high_[l].array() < low.array()).any())
-              continue;
-            const double gap = gap_between(corners, corners_of(now, layers_[l]));
-            if (gap <= within) found_.push_back({t, static_cast<int>(l), gap});
-          }
-        }
   }
-  std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
-    return std::pair(a.triangle, a.layer) < std::pair(b.triangle, b.layer);
+}
+
+// About origin_. A face that is flat parts nothing.
+void SelfContact::find_planes(const Mat34<double>& x, Planes& planes) {
+  for (int axis = 0; axis < 3; ++axis) planes.x[axis] = x.row(axis).transpose().cast<float>().array();
+  for (int c = 0; c < 4; ++c) {
+    const Vec3d from = x.col((c + 1) % 4);
+    Vec3d n = (x.col((c + 2) % 4) - from).cross(x.col((c + 3) % 4) - from);
+    const double length = n.norm() * (n.dot(x.col(c) - from) < 0 ? 1 : -1);
+    n = length != 0 ? Vec3d(n / length) : Vec3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) planes.n[axis][c] = static_cast<float>(n[axis]);
+    planes.offset[c] = static_cast<float>(n.dot(from));
+  }
+}
+
+void SelfContact::link_parts() {
+  const int count = parts_.count();
+  const auto square = static_cast<float>(within_ * within_ * 1.0001);
+  link_of_.assign(std::size_t(count) * std::size_t(count), -1);
+  links_.clear();
+  for (int a = 0; a < count; ++a) {
+    parts_.find_box_distances(a, squares_);
+    for (int b = a; b < count; ++b) {
+      if (b > a && squares_[std::size_t(b)] > square) continue;
+      link_of_[std::size_t(a * count + b)] = link_of_[std::size_t(b * count + a)] =
+          static_cast<int>(links_.size());
+      links_.push_back({a, b, {}});
+    }
+  }
+}
+
+void SelfContact::find_pairs(const ContactSurface& surface) {
+  found_.clear();
+  std::fill(stamp_of_layer_.begin(), stamp_of_layer_.end(), -1);
+  for (std::size_t t = 0; t < surface.triangles().size(); ++t) find_pairs_of(surface, static_cast<int>(t));
+}
+
+void SelfContact::find_pairs_of(const ContactSurface& surface, int triangle) {
+  for (int i = first_own_[std::size_t(triangle)]; i < first_own_[std::size_t(triangle) + 1]; ++i)
+    stamp_of_layer_[std::size_t(own_[std::size_t(i)])] = triangle;
+  const Mat3<double> corners = outermost(corners_now(surface, triangle)).colwise() - origin_;
+  const Mat3<float> x = corners.cast<float>();
+  const Vec3d across = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+  const double length = across.norm();
+  const Vec3<float> n = (length > 0 ? Vec3d(across / length) : Vec3d::Zero()).cast<float>();
+  const auto rounding = static_cast<float>(parts_.rounding()), within = static_cast<float>(within_);
+  const Vec3<float> low = x.rowwise().minCoeff().array() - (within + rounding),
+                    high = x.rowwise().maxCoeff().array() + (within + rounding);
+  Eigen::Array4f from[3], to[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    from[axis].setConstant(low[axis]);
+    to[axis].setConstant(high[axis]);
+  }
+  const auto look = [&](int layer, int link) {
+    const Planes& planes = face_planes_[std::size_t(layer)];
+    Eigen::Array4f beyond;  // each face
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Array4f g =
+          planes.n[0] * x(0, c) + planes.n[1] * x(1, c) + planes.n[2] * x(2, c) - planes.offset;
+      beyond = c == 0 ? g : Eigen::Array4f(beyond.min(g));
+    }
+    int face;
+    const float most = beyond.maxCoeff(&face);
+    const Eigen::Array4f over =
+        planes.x[0] * n[0] + planes.x[1] * n[1] + planes.x[2] * n[2] - n.dot(x.col(0));
+    const float gap = std::max({most, over.minCoeff(), -over.maxCoeff()}) - rounding;
+    if (gap <= within) found_.push_back({triangle, layer, link, gap, face});
+  };
+  const std::size_t before = found_.size();
+  const int count = parts_.count(), part = part_of_triangle_[std::size_t(triangle)];
+  for (int b = 0; b < count; ++b) {
+    const int link = link_of_[std::size_t(part * count + b)];
+    if (link < 0 || !parts_.meets_box(b, low, high)) continue;
+    for (int f = first_four_[std::size_t(b)]; f < first_four_[std::size_t(b) + 1]; ++f) {
+      const Four& four = fours_[std::size_t(f)];
+      Eigen::Array4f apart = (four.low[0] - to[0]).max(from[0] - four.high[0]);
+      for (int axis = 1; axis < 3; ++axis)
+        apart = apart.max(four.low[axis] - to[axis]).max(from[axis] - four.high[axis]);
+      if (apart.minCoeff() > 0) continue;
+      for (int k = 0; k < 4; ++k)
+        if (apart[k] <= 0 && stamp_of_layer_[std::size_t(four.layers[k])] != triangle)
+          look(four.layers[k], link);
+    }
+  }
+  std::sort(found_.begin() + long(before), found_.end(), [](const Found& a, const Found& b) {
+    return std::pair(a.gap, a.layer) < std::pair(b.gap, b.layer);
   });
 }
 
@@ -270,22 +433,27 @@ void SelfContact::find_pairs(const ContactSurface& surface, const Places& now, d
 void SelfContact::take_candidates(const ContactSurface& surface, double moved) {
   candidates_.clear();
   pairs_.clear();
+  suspects_.clear();
   auto anchor = memory_.all_anchors().begin();
   bool is_held = false;
   for (const Found& found : found_) {
     if (candidates_.empty() || candidates_.back().triangle != found.triangle) {
-      candidates_.push_back({.triangle = found.triangle, .first = static_cast<int>(pairs_.size())});
-      candidates_.back().due = std::numeric_limits<double>::infinity();
+      candidates_.push_back({.triangle = found.triangle,
+                             .part = part_of_triangle_[std::size_t(found.triangle)],
+                             .first = static_cast<int>(pairs_.size())});
       const FaceOwner& owner = surface.triangles()[std::size_t(found.triangle)].owner;
       const std::pair own(owner.tet, owner.code);
       while (anchor != memory_.all_anchors().end() && std::pair(anchor->tet, anchor->code) < own) ++anchor;
       is_held = anchor != memory_.all_anchors().end() && std::pair(anchor->tet, anchor->code) == own;
     }
-    const double gap = is_held ? 0 : found.gap;
-    pairs_.push_back({found.layer, moved + std::max(0.0, gap - near_) / 2});
+    pairs_.push_back(
+        {found.layer, found.link, found.gap, static_cast<std::uint8_t>(found.face), is_held ? moved : never});
     Candidate& candidate = candidates_.back();
     ++candidate.count;
-    candidate.due = std::min(candidate.due, pairs_.back().due);
+    candidate.gap = std::min(candidate.gap, found.gap);
+    if (!is_held) continue;
+    suspects_.push_back(static_cast<int>(pairs_.size()) - 1);
+    if (candidate.suspects++ == 0) candidate.first_suspect = static_cast<int>(suspects_.size()) - 1;
   }
   gaps_.resize(pairs_.size());
 }

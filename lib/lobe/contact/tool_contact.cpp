@@ -178,22 +178,26 @@ void ToolContact::find_forces(const At& at, Mat3X<double>& f) {
     speeds_.col(p) = to_tool * v - spin.cross(places_.col(p));
   };
   const Candidate* of = nullptr;
+  double stiffness = 0, area = 0;  // of the candidate, and of each of its points
+  const bool has_jaws = shape_.kind == RigidShape::Kind::jaws;
   visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
     const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
-    if (std::exchange(of, &candidate) != &candidate)
+    if (std::exchange(of, &candidate) != &candidate) {
       for (int p : candidate.points) begin_point(p);
-    const double area = triangle.area / (candidate.divisions * candidate.divisions);
-    double pressure = at.law.pressure(touch.depth, touch.held, triangle.stiffness);
+      stiffness = triangle.stiffness;
+      area = triangle.area / (candidate.divisions * candidate.divisions);
+    }
+    double pressure = at.law.pressure(touch.depth, touch.held, stiffness);
     if (at.law.damping > 0) {
-      double approach = touch.gradient.y() * std::copysign(now.opens / 2, touch.place.y());
+      double approach = has_jaws ? touch.gradient.y() * std::copysign(now.opens / 2, touch.place.y()) : 0;
       for (int c = 0; c < 3; ++c)
         approach -= touch.weights[c] * touch.gradient.dot(speeds_.col(candidate.points[c]));
-      pressure = std::max(0.0, pressure + at.law.damping * triangle.stiffness * approach);
+      pressure = std::max(0.0, pressure + at.law.damping * stiffness * approach);
     }
     Vec3d traction = pressure * touch.gradient;
     if (friction_ > 0) {
-      const Vec3d slip = slip_of(touch, triangle.stiffness, pressure);
-      traction -= triangle.stiffness / 2 * slip;
+      const Vec3d slip = slip_of(touch, stiffness, pressure);
+      traction -= stiffness / 2 * slip;
       memory_.add({.tet = triangle.owner.tet,
                    .code = triangle.owner.code,
                    .divisions = candidate.divisions,
@@ -201,15 +205,14 @@ void ToolContact::find_forces(const At& at, Mat3X<double>& f) {
                    .at = touch.place - slip});
     }
     if (at.law.hold > 0)
-      memory_.held().add(candidate.triangle, triangle.points, touch.weights, area * triangle.stiffness,
-                         touch.depth);
+      memory_.held().add(candidate.triangle, triangle.points, touch.weights, area * stiffness, touch.depth);
     const Vec3d own_force = area * traction;
     for (int c = 0; c < 3; ++c) f.col(candidate.points[c]) += touch.weights[c] * own_force;
-    grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
+    if (has_jaws) grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
   });
   memory_.held().end(at.surface, at.law, at.since);
   std::tie(on_tool_.force, on_tool_.torque) = turn_and_sum(pressed_, places_, now.rotation, f);
-  if (shape_.kind == RigidShape::Kind::jaws) on_tool_.grip = std::max(0.0, grip);
+  if (has_jaws) on_tool_.grip = std::max(0.0, grip);
 }
 
 double ToolContact::energy(const At& at) const {

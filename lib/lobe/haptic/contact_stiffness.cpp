@@ -7,16 +7,6 @@
 
 namespace lobe {
 
-Mat3<double> secant_correction(const Mat3<double>& K, const Vec3d& way, const Vec3d& force_change,
-                               double noise) {
-  const double square = way.squaredNorm();
-  if (square == 0) return Mat3<double>::Zero();
-  const Vec3d rest = -force_change - K * way;
-  const Mat3<double> whole = (rest * way.transpose() + way * rest.transpose()) / square -
-                             rest.dot(way) / (square * square) * way * way.transpose();
-  return square / (square + noise * noise) * whole;
-}
-
 ContactStiffness::ContactStiffness(const Settings& settings) : settings_(settings) {
   if (settings.has_helper) helper_ = std::thread([this] { help(); });
 }

@@ -17,12 +17,6 @@
 
 namespace lobe {
 
-// The least change of a symmetric K after which K d = −Δf (Powell's symmetric Broyden update), by a share
-// that falls to 0 where the tool has hardly moved: below `noise` [m] it is not the motion that changes the
-// force.
-Mat3<double> secant_correction(const Mat3<double>& K, const Vec3d& way, const Vec3d& force_change,
-                               double noise);
-
 class ContactStiffness {
  public:
   struct Settings {

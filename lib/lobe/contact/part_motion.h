@@ -1,0 +1,75 @@
+// Parts of a body, and how much nearer any two of them may have come, from the motion of their vertices alone.
+//
+// Since remember() each part has moved by the affine motion that fits its vertices best, and a remainder:
+//   x = a(X) + r,  a(X) = c + (I + H) (X − C),  |r| ≤ ρ,  C and c its centre then and now.
+// An affine motion makes a distance shorter by a factor of no less than σ, the least singular value of I + H.
+// So points of the parts A and B that were g apart are now apart by at least
+//   σ_A g − ρ_A − ρ_B − max |a_A(X) − a_B(X)| over X in B.
+// A motion of the whole body, with its rotation, makes that no less than g; a uniform strain by no more than
+// its σ. A part that is far away is bounded by the boxes of both as well.
+//
+// Cost: some 4 ns per vertex and 20 ns per pair of parts.
+#pragma once
+
+#include <vector>
+
+#include "lobe/types.h"
+
+namespace lobe {
+
+// Divides points into parts of at most `most`, halved again and again along the longest side of their box:
+// the part of each point.
+std::vector<int> divide(const std::vector<Vec3d>& points, int most);
+
+class PartMotion {
+ public:
+  // A lower bound of a distance now, by what it was at remember() [m].
+  struct Bound {
+    double share = 1, approach = 0;
+    double now(double then) const { return share * then - approach; }
+  };
+
+  void set_parts(const std::vector<std::vector<int>>& points);  // of each part: columns of x below
+  int count() const { return static_cast<int>(parts_.size()); }
+  // x: 3 × #points [m].
+  void remember(const Mat3X<double>& x);
+  void measure(const Mat3X<double>& x);
+
+  Bound bound(int a, int b) const;
+  bool meets_box(int part, const Vec3<float>& low, const Vec3<float>& high) const {
+    const auto p = std::size_t(part);
+    for (int i = 0; i < 3; ++i)
+      if (low_[i][p] > high[i] || high_[i][p] < low[i]) return false;
+    return true;
+  }
+  double rounding() const { return rounding_; }  // of all of this, generously [m]
+  // The squares of the distances of a part's box from those of the parts after it, or less: at squares[b] [m²].
+  void find_box_distances(int a, std::vector<float>& squares) const;
+
+ private:
+  using Lanes = Eigen::Array4f;
+  struct Part {
+    int first = 0, count = 0;      // groups of four points
+    Vec3d centre = Vec3d::Zero();  // then, about the origin of then
+    double radius = 0;             // of the points about it, at remember() [m]
+    Vec3d place = Vec3d::Zero();   // of the centre now, about the origin of now
+    Mat3<double> H = Mat3<double>::Zero();
+    double remainder = 0, share = 1;  // ρ [m], σ
+  };
+  struct Group {
+    Eigen::Vector4i points;               // columns; the last perhaps several times
+    Eigen::Array<float, 4, 3> then, fit;  // X − C [m]; by which displacements are multiplied for H [1/m]
+    Lanes share;                          // of each in the mean
+  };
+  void load(const Group& group, const Mat3X<double>& x, Eigen::Array<float, 4, 3>& now) const;
+  void fit(Part& part);
+
+  std::vector<Part> parts_;
+  std::vector<Group> groups_;
+  Vec3d origin_ = Vec3d::Zero();
+  double rounding_ = 0;                  // [m]
+  std::vector<float> low_[3], high_[3];  // boxes of the parts, about origin_ [m]
+  std::vector<Eigen::Array<float, 4, 3>> now_;
+};
+
+}  // namespace lobe

@@ -1,4 +1,4 @@
-// What the last motion of a tool and the change of its force say of its stiffness: way (a) of `lobe bench haptic`.
+// What a tool's last motion and the change of its force say of its stiffness: way (a) of `lobe bench haptic`.
 #pragma once
 
 #include "lobe/types.h"

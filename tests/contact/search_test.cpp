@@ -32,7 +32,7 @@ TetMesh open_ring() {
   return mesh;
 }
 
-// The energy of a body on itself as self_contact.h defines it, by all points of triangles in all tetrahedra. A
+// The energy of a body on itself as self_contact.h defines it, by all points in all tetrahedra. A
 // point that is in several, where the body is folded onto itself, counts for one of them.
 class ByForce {
  public:

@@ -1,4 +1,4 @@
-// Parts of a body, and how much nearer any two of them may have come, from the motion of their vertices alone.
+// Parts of a body, and how much nearer any two may have come, from the motion of their vertices alone.
 //
 // Since remember() each part has moved by the affine motion that fits its vertices best, and a remainder:
 //   x = a(X) + r,  a(X) = c + (I + H) (X − C),  |r| ≤ ρ,  C and c its centre then and now.
@@ -43,7 +43,7 @@ class PartMotion {
     return true;
   }
   double rounding() const { return rounding_; }  // of all of this, generously [m]
-  // The squares of the distances of a part's box from those of the parts after it, or less: at squares[b] [m²].
+  // The squares of the distances of a box from those of the parts b after it, or less: squares[b] [m²].
   void find_box_distances(int a, std::vector<float>& squares) const;
 
  private:

@@ -92,7 +92,7 @@ bool SelfContact::is_close(const Places& now, const Mat3<double>& corners, int l
   return is_any;
 }
 
-// By how much the outermost points of a triangle are beyond the plane of a face; not a number if that is flat.
+// By how much the outermost points of a triangle are beyond the plane of a face; NaN if that is flat [m].
 double SelfContact::gap_beyond(const Mat34<double>& tet, int face, const Mat3<double>& outermost) {
   const Vec3d from = tet.col((face + 1) % 4);
   const Vec3d n = (tet.col((face + 2) % 4) - from).cross(tet.col((face + 3) % 4) - from);

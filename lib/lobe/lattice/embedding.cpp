@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "lobe/fem/hooke.h"
 #include "lobe/numerics/symmetric_eigen.h"
@@ -10,10 +12,17 @@
 namespace lobe {
 namespace {
 
-void add_sample(const Elements& elements, const Lattice& lattice, Index sample, double sign, CellSums& sums) {
-  const Index tet = sample / tet_samples, part = lattice.part_of_sample[std::size_t(sample)];
-  const Vec3d X = elements.corner_points(tet) * sample_weights().col(sample % tet_samples);
-  const double volume = sign * elements.volume(tet) / tet_samples;
+struct TetSamples {
+  TetSamples(const Elements& elements, Index tet)
+      : points(elements.corner_points(tet) * sample_weights()), volume(elements.volume(tet) / tet_samples) {}
+  Eigen::Matrix<double, 3, tet_samples> points;  // [m]
+  double volume;                                 // of one [m³]
+};
+
+void add_sample(const Lattice& lattice, const TetSamples& of_tet, Index sample, double sign, CellSums& sums) {
+  const Index part = lattice.part_of_sample[std::size_t(sample)];
+  const Vec3d X = of_tet.points.col(sample % tet_samples);
+  const double volume = sign * of_tet.volume;
   sums.volume += volume;
   sums.gradients += volume * cell_gradients(lattice.in_cell(part, X), lattice.frame.edge);
 }
@@ -72,9 +81,13 @@ Vec3d middle(const Lattice& lattice, Index part) {
 
 WholeLattice sum_cells(const Elements& elements, const Lattice& lattice) {
   WholeLattice whole{std::vector<CellSums>(lattice.parts.size()), {}};
-  for (std::size_t i = 0; i < lattice.part_of_sample.size(); ++i)
-    if (const Index part = lattice.part_of_sample[i]; part >= 0)
-      add_sample(elements, lattice, static_cast<Index>(i), 1, whole.sums[std::size_t(part)]);
+  const auto& part_of = lattice.part_of_sample;
+  for (Index first = 0; first < static_cast<Index>(part_of.size()); first += tet_samples) {
+    if (part_of[std::size_t(first)] < 0) continue;  // then all of them are outside
+    const TetSamples of_tet(elements, first / tet_samples);
+    for (Index sample = first; sample < first + tet_samples; ++sample)
+      add_sample(lattice, of_tet, sample, 1, whole.sums[std::size_t(part_of[std::size_t(sample)])]);
+  }
   whole.stiffness = fluctuation_stiffness(elements, lattice, whole.sums);
   return whole;
 }
@@ -132,10 +145,11 @@ std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattic
 }
 
 void take_out(const Elements& elements, Index tet, Lattice& lattice, WholeLattice& whole) {
+  const TetSamples of_tet(elements, tet);
   for (Index sample = tet_samples * tet; sample < tet_samples * (tet + 1); ++sample) {
     Index& part = lattice.part_of_sample[std::size_t(sample)];
     if (part < 0) continue;
-    add_sample(elements, lattice, sample, -1, whole.sums[std::size_t(part)]);
+    add_sample(lattice, of_tet, sample, -1, whole.sums[std::size_t(part)]);
     part = -1;
   }
 }
@@ -181,12 +195,15 @@ Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLat
   std::vector<CellSums> sums = whole.sums;
   for (std::size_t p = 0; p < parts.size(); ++p)
     if (parts[p].full >= parts[p].embedded) sums[p] = {};
+  std::optional<TetSamples> of_tet;
+  Index known = -1;  // the tetrahedron of these
   for_samples([&](std::size_t part, Index sample) {
     const Part& group = parts[part];
-    const bool is_left_out = is_full[std::size_t(sample / tet_samples)],
-               subtracts = group.full < group.embedded;
-    if (group.embedded > 0 && is_left_out == subtracts)
-      add_sample(elements, lattice, sample, subtracts ? -1 : 1, sums[part]);
+    const Index tet = sample / tet_samples;
+    const bool is_left_out = is_full[std::size_t(tet)], subtracts = group.full < group.embedded;
+    if (group.embedded == 0 || is_left_out != subtracts) return;
+    if (std::exchange(known, tet) != tet) of_tet.emplace(elements, tet);
+    add_sample(lattice, *of_tet, sample, subtracts ? -1 : 1, sums[part]);
   });
   const auto gauss = gauss_points(lattice.frame.edge);
   for (std::size_t p = 0; p < parts.size(); ++p) {

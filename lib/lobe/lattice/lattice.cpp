@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
+#include <span>
+#include <tuple>
 
 #include "lobe/error.h"
 #include "lobe/text.h"
@@ -44,16 +45,50 @@ class Unions {
   std::vector<Index> parent_;
 };
 
-struct Place {  // of a sample
+struct Place {  // of the samples of a tetrahedron that are in one cell
   std::array<int, 3> cell;
   std::uint16_t material;
-  Index sample;
-  Index tet() const { return sample / tet_samples; }
+  std::uint8_t samples;  // one bit each
+  Index tet;
   bool is_beside(const Place& other) const { return cell == other.cell && material == other.material; }
   bool operator<(const Place& other) const {
-    return std::tie(cell, material, sample) < std::tie(other.cell, other.material, other.sample);
+    return std::tie(cell, material, tet) < std::tie(other.cell, other.material, other.tet);
   }
 };
+
+// Per vertex, the parts of the tetrahedra around it, sorted.
+class PartsAround {
+ public:
+  PartsAround(const Topology& topology, const std::vector<Index>& part_of_sample);
+  std::span<const Index> operator[](Index vertex) const {
+    return {parts_.data() + begin_[std::size_t(vertex)], parts_.data() + end_[std::size_t(vertex)]};
+  }
+
+ private:
+  std::vector<Index> begin_, end_, parts_;
+};
+
+PartsAround::PartsAround(const Topology& topology, const std::vector<Index>& part_of_sample)
+    : begin_(std::size_t(topology.vertex_count()) + 1, 0) {
+  const auto for_entries = [&](auto&& visit) {  // visit(vertex, part)
+    for (Index t = 0; t < topology.tet_count(); ++t) {
+      const Index* of_tet = part_of_sample.data() + tet_samples * t;
+      for (int s = 0; s < tet_samples; ++s)
+        if (of_tet[s] >= 0 && std::find(of_tet, of_tet + s, of_tet[s]) == of_tet + s)
+          for (Index v : topology.corners(t)) visit(std::size_t(v), of_tet[s]);
+    }
+  };
+  for_entries([&](std::size_t v, Index) { ++begin_[v + 1]; });
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  parts_.resize(std::size_t(begin_.back()));
+  end_.assign(begin_.begin(), begin_.end() - 1);
+  for_entries([&](std::size_t v, Index part) {
+    const auto first = parts_.begin() + begin_[v], last = parts_.begin() + end_[v];
+    if (std::find(first, last, part) == last) parts_[std::size_t(end_[v]++)] = part;
+  });
+  for (std::size_t v = 0; v < end_.size(); ++v)
+    std::sort(parts_.begin() + begin_[v], parts_.begin() + end_[v]);
+}
 
 Eigen::Vector3i corner(const Lattice::Part& part, int c) {
   return part.cell + Eigen::Vector3i(c & 1, c >> 1 & 1, c >> 2);
@@ -70,8 +105,9 @@ class Maker {
   Lattice make() {
     make_parts();
     join_small_parts();
-    make_nodes();
-    place_vertices();
+    const PartsAround around(elements_.topology, lattice_.part_of_sample);
+    make_nodes(around);
+    place_vertices(around);
     return std::move(lattice_);
   }
 
@@ -79,28 +115,36 @@ class Maker {
   void make_parts();
   void add_parts(const Place* begin, const Place* end);
   void join_small_parts();
-  Index nearest_part(Index sample, const std::vector<double>& filled) const;
+  Index nearest_part(Index sample, const PartsAround& around, const std::vector<double>& filled) const;
   double distance(Index part, const Vec3d& X) const;
-  void make_nodes();
-  void place_vertices();
-  std::vector<Index> parts_around(Index vertex) const;
+  void make_nodes(const PartsAround& around);
+  void place_vertices(const PartsAround& around);
 
   const Elements& elements_;
   Lattice lattice_;
+  std::vector<Index> first_with_;  // per vertex; −1 between groups of places
 };
 
 void Maker::make_parts() {
   std::vector<Place> places;
   for (Index t : reduced_tets(elements_)) {
     const Eigen::Matrix<double, 3, tet_samples> points = elements_.corner_points(t) * sample_weights();
+    const std::size_t first = places.size();
     for (int s = 0; s < tet_samples; ++s) {
       const Vec3d at = (points.col(s) - lattice_.frame.origin) / lattice_.frame.edge;
-      places.push_back({{int(std::floor(at.x())), int(std::floor(at.y())), int(std::floor(at.z()))},
-                        elements_.material_of[std::size_t(t)],
-                        tet_samples * t + s});
+      const std::array<int, 3> cell = {int(std::floor(at.x())), int(std::floor(at.y())),
+                                       int(std::floor(at.z()))};
+      const auto own = std::find_if(places.begin() + std::ptrdiff_t(first), places.end(),
+                                    [&](const Place& place) { return place.cell == cell; });
+      const auto bit = std::uint8_t(1 << s);
+      if (own == places.end())
+        places.push_back({cell, elements_.material_of[std::size_t(t)], bit, t});
+      else
+        own->samples |= bit;
     }
   }
   std::sort(places.begin(), places.end());
+  first_with_.assign(std::size_t(elements_.topology.vertex_count()), -1);
   for (std::size_t i = 0, end; i < places.size(); i = end) {
     for (end = i + 1; end < places.size() && places[end].is_beside(places[i]);) ++end;
     add_parts(places.data() + i, places.data() + end);
@@ -110,19 +154,24 @@ void Maker::make_parts() {
 // Makes the parts of the samples of one cell and material.
 void Maker::add_parts(const Place* begin, const Place* end) {
   Unions same(std::size_t(end - begin));
-  std::map<Index, Index> first_with;  // vertex
   for (const Place* place = begin; place < end; ++place)
-    for (Index v : elements_.topology.corners(place->tet())) {
+    for (Index v : elements_.topology.corners(place->tet)) {
       const auto own = static_cast<Index>(place - begin);
-      same.join(first_with.try_emplace(v, own).first->second, own);
+      Index& first = first_with_[std::size_t(v)];
+      if (first < 0) first = own;
+      same.join(first, own);
     }
-  std::map<Index, Index> part_of;
+  std::vector<Index> part_of(std::size_t(end - begin));  // that of the first of a set is known first
   for (const Place* place = begin; place < end; ++place) {
-    const auto [found, is_new] = part_of.try_emplace(same.find(static_cast<Index>(place - begin)),
-                                                     static_cast<Index>(lattice_.parts.size()));
-    if (is_new)
+    const auto own = static_cast<Index>(place - begin), root = same.find(own);
+    if (root == own) {
+      part_of[std::size_t(own)] = static_cast<Index>(lattice_.parts.size());
       lattice_.parts.push_back({{begin->cell[0], begin->cell[1], begin->cell[2]}, begin->material, {}});
-    lattice_.part_of_sample[std::size_t(place->sample)] = found->second;
+    }
+    for (int s = 0; s < tet_samples; ++s)
+      if (place->samples >> s & 1)
+        lattice_.part_of_sample[std::size_t(tet_samples * place->tet + s)] = part_of[std::size_t(root)];
+    for (Index v : elements_.topology.corners(place->tet)) first_with_[std::size_t(v)] = -1;
   }
 }
 
@@ -131,14 +180,17 @@ void Maker::add_parts(const Place* begin, const Place* end) {
 void Maker::join_small_parts() {
   std::vector<Index>& part_of = lattice_.part_of_sample;
   std::vector<double> filled(lattice_.parts.size(), 0);  // shares of a cell
-  for (std::size_t i = 0; i < part_of.size(); ++i)
-    if (part_of[i] >= 0)
-      filled[std::size_t(part_of[i])] += elements_.volume(static_cast<Index>(i) / tet_samples) / tet_samples /
-                                         std::pow(lattice_.frame.edge, 3);
+  const double of_cell = std::pow(lattice_.frame.edge, 3);
+  for (std::size_t first = 0; first < part_of.size(); first += tet_samples) {
+    if (part_of[first] < 0) continue;
+    const double share = elements_.volume(static_cast<Index>(first / tet_samples)) / tet_samples / of_cell;
+    for (std::size_t i = first; i < first + tet_samples; ++i) filled[std::size_t(part_of[i])] += share;
+  }
+  const PartsAround around(elements_.topology, part_of);
   std::vector<Index> joined = part_of;
   for (std::size_t i = 0; i < part_of.size(); ++i)
     if (part_of[i] >= 0 && filled[std::size_t(part_of[i])] < least_filled)
-      joined[i] = nearest_part(static_cast<Index>(i), filled);
+      joined[i] = nearest_part(static_cast<Index>(i), around, filled);
   std::vector<Index> number(lattice_.parts.size(), -1);
   std::vector<Lattice::Part> left;
   for (Index part : joined)
@@ -155,13 +207,13 @@ void Maker::join_small_parts() {
 }
 
 // Its own if there is no other of its material.
-Index Maker::nearest_part(Index sample, const std::vector<double>& filled) const {
+Index Maker::nearest_part(Index sample, const PartsAround& around, const std::vector<double>& filled) const {
   const Index tet = sample / tet_samples, own = lattice_.part_of_sample[std::size_t(sample)];
   const Vec3d X = elements_.corner_points(tet) * sample_weights().col(sample % tet_samples);
   Index nearest = own;
   double least = std::numeric_limits<double>::infinity();
   for (Index v : elements_.topology.corners(tet))
-    for (Index part : parts_around(v)) {
+    for (Index part : around[v]) {
       const bool suits =
           filled[std::size_t(part)] >= least_filled &&
           lattice_.parts[std::size_t(part)].material == lattice_.parts[std::size_t(own)].material;
@@ -177,18 +229,7 @@ double Maker::distance(Index part, const Vec3d& X) const {
   return std::max(0.0, (lattice_.in_cell(part, X).array() - 0.5).abs().maxCoeff() - 0.5);
 }
 
-std::vector<Index> Maker::parts_around(Index vertex) const {
-  std::vector<Index> parts;
-  for (Index t : elements_.topology.around(vertex))
-    for (Index sample = tet_samples * t; sample < tet_samples * (t + 1); ++sample) {
-      const Index part = lattice_.part_of_sample[std::size_t(sample)];
-      if (part >= 0 && std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
-    }
-  std::sort(parts.begin(), parts.end());
-  return parts;
-}
-
-void Maker::make_nodes() {
+void Maker::make_nodes(const PartsAround& parts_around) {
   std::vector<Lattice::Part>& parts = lattice_.parts;
   Unions same(8 * parts.size());
   const auto join = [&](Index a, Index b) {
@@ -201,7 +242,7 @@ void Maker::make_nodes() {
   };
   std::vector<std::pair<Index, Index>> joined;
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
-    const std::vector<Index> around = parts_around(v);
+    const std::span<const Index> around = parts_around[v];
     for (std::size_t i = 0; i < around.size(); ++i)
       for (std::size_t j = i + 1; j < around.size(); ++j) joined.emplace_back(around[i], around[j]);
   }
@@ -225,10 +266,10 @@ void Maker::make_nodes() {
 }
 
 // Gives each vertex to the part around it whose cell has it, or is nearest.
-void Maker::place_vertices() {
+void Maker::place_vertices(const PartsAround& around) {
   for (Index v = 0; v < elements_.topology.vertex_count(); ++v) {
     double nearest = 0;
-    for (Index part : parts_around(v)) {
+    for (Index part : around[v]) {
       const double away = distance(part, elements_.points.col(v));
       Index& own = lattice_.part_of_vertex[std::size_t(v)];
       if (own >= 0 && away >= nearest) continue;

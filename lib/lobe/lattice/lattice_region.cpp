@@ -31,7 +31,7 @@ void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edi
     if (!member_[std::size_t(t)]) continue;
     member_[std::size_t(t)] = 0;
     --tet_count_;
-    has_lost_ = true;
+    misses_tets_ = true;
     const bool is_elsewhere = elements.topology.alive(t) && !enters(t);
     if (!is_elsewhere) is_outdated_ = true;
     if (!is_outdated_) take_out(elements, t, lattice_, whole_);
@@ -98,7 +98,7 @@ void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double o
   const MovingMasses before = in_motion_before(elements, former, wanted, mass, motion);
   const bool is_anew = is_outdated_;
   if (is_anew) make_lattice_anew(elements, motion.nodes);
-  is_outdated_ = has_lost_ = false;
+  is_outdated_ = misses_tets_ = false;
   embedding_ = lobe::embed(elements, lattice_, whole_, std::move(wanted));
   omega_ = omega;
   mass_added_ = give_mass(elements, lattice_, mass, omega, zone_mass_.stiffness(), embedding_);
@@ -109,6 +109,7 @@ void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double o
   MovingMasses after;  // and what keep_momentum() adds
   zone_mass_.add_to(after, elements, motion, [&](Index v) { return !former.embeds(v); });
   change.keep_momentum(model, mass, before, std::move(after), motion);
+  if (notes_lost_) note_lost(elements, former, motion);
 
   take_loads(elements, mass, loads);
   build(elements);

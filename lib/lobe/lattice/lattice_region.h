@@ -6,6 +6,8 @@
 // Forces conserve linear and angular momentum, and a rotation costs no energy.
 #pragma once
 
+#include <utility>
+
 #include "lobe/body/loads.h"
 #include "lobe/body/model.h"
 #include "lobe/body/motion.h"
@@ -46,11 +48,10 @@ class LatticeRegion {
   // What becomes full now. Displacements and speeds of `sight` are found here. `mass`: per vertex [kg].
   void look(const Elements& elements, const Motion<Real>& motion, const std::vector<double>& mass,
             FullZones::Sight sight);
-  // These vertices are full until then [s], from the next look() on, and longer where the tissue is not
-  // smooth.
-  void keep_full(const Elements& elements, const std::vector<Index>& vertices, double until) {
-    if (any()) zones_.ask(vertices, elements.topology.vertex_count(), until);
-  }
+  // These vertices are full for that long [s], from the next look() on, and longer where the tissue is not
+  // smooth. Throws InputError for vertices that do not exist and for a duration that is not positive and
+  // finite.
+  void keep_full(const Elements& elements, const std::vector<Index>& vertices, double time, double duration);
   // Its tetrahedra that must leave before these are cut: none while it is far from them, else more than now
   // touch them, so that it is seldom asked.
   std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const;
@@ -59,8 +60,13 @@ class LatticeRegion {
   // What vertices may do at a time: without `may_embed`, none is embedded.
   VertexRoles roles(const Model& model, double time, bool may_embed);
   VertexRoles roles(const Model& model, std::vector<std::uint8_t> is_embedded) const;
+  // Takes from `wanted` what the lattice could not follow: the parts whose displacements embed() would change
+  // most, until what is left is a small share of the largest displacement so far. They stay full for a while
+  // and are then looked at again. Masses and displacements as for embed().
+  void leave_out_rough(const Elements& elements, const std::vector<double>& mass, double omega,
+                       const Motion<Real>& motion, VertexRoles& wanted);
   bool has_roles(const VertexRoles& wanted) const {
-    return !is_outdated_ && !has_lost_ && wanted == embedding_.roles;
+    return !is_outdated_ && !misses_tets_ && wanted == embedding_.roles;
   }
   // Embeds these vertices and no others. Displacements and velocities of vertices() must be up to date, and
   // masses and loads those of their tetrahedra: the nodes take them over from embedded vertices. Momentum is
@@ -124,6 +130,13 @@ class LatticeRegion {
                          const std::vector<double>& own_mass,  // per vertex [kg]; those behind are left out
                          const std::vector<double>& mass,      // with which they move now [kg]
                          const Motion<Real>& motion, Parallel& parallel);
+  // What embed() has taken from displacements since the last call, of vertices that became embedded: 3 ×
+  // #vertices [m], turned back like residual(). From the first call on it takes note of that. Empty: nothing.
+  Mat3X<Real> take_lost() {
+    notes_lost_ = true;
+    return std::exchange(lost_, {});
+  }
+  bool has_lost() const { return lost_.size() > 0; }
 
   // ---- Displacements, velocities and energies
 
@@ -170,11 +183,16 @@ class LatticeRegion {
   Flags within(const Elements& elements, const std::vector<Index>& tets, double distance) const;
 
   void list_vertices(const Topology& topology);
+  // Per vertex that would be embedded: m |u_i − Σ w_n q_n|² [kg m²].
+  std::vector<double> lost_by(const Elements& elements, const std::vector<double>& mass, double omega,
+                              const Motion<Real>& motion, const VertexRoles& wanted) const;
   void ask_again_where_rough(const Elements& elements, const Motion<Real>& motion);
   void find_inner(const Model& model);
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
   MovingMasses in_motion_before(const Elements& elements, const Embedding& former, const VertexRoles& wanted,
                                 const std::vector<double>& mass, const Motion<Real>& motion) const;
+  void note_lost(const Elements& elements, const Embedding& former, const Motion<Real>& motion);
+  Mat3<double> rotation_of(Index part, const Mat3X<Real>& q) const;
   void build(const Elements& elements);
   void place_interface(const Elements& elements);
   void take_loads(const Elements& elements, std::vector<double>& mass, Loads<Real>& loads);
@@ -185,7 +203,9 @@ class LatticeRegion {
   Index tet_count_ = 0;
   std::vector<Index> vertices_;
   bool is_outdated_ = false;  // the lattice
-  bool has_lost_ = false;     // tetrahedra since it was embedded
+  bool misses_tets_ = false;  // that have left since it was embedded
+  bool notes_lost_ = false;   // displacements
+  Mat3X<Real> lost_;
   FullZones zones_;
   // Per vertex: no other region has it, nor is it next to one that boundary conditions hold; empty: not
   // known.

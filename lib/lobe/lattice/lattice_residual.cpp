@@ -34,6 +34,38 @@ Mat3<double> rotation_around(const Elements& elements, Index v, const Mat3X<Real
 }  // namespace
 
 template <class Real>
+Mat3<double> LatticeRegion<Real>::rotation_of(Index part, const Mat3X<Real>& q) const {
+  const CellGradients middle = cell_gradients(Vec3d::Constant(0.5), lattice_.frame.edge);
+  Mat3<double> F = Mat3<double>::Identity();
+  for (int n = 0; n < 8; ++n)
+    F += q.col(lattice_.parts[std::size_t(part)].nodes[std::size_t(n)]).template cast<double>() *
+         middle.row(n);
+  return rotation(F);
+}
+
+// Displacements of vertices that became embedded must not have been recovered yet.
+template <class Real>
+void LatticeRegion<Real>::note_lost(const Elements& elements, const Embedding& former,
+                                    const Motion<Real>& motion) {
+  const auto count = Eigen::Index(elements.topology.vertex_count()), known = lost_.cols();
+  for (Index v : embedding_.vertices) {
+    if (former.embeds(v)) continue;
+    if (lost_.cols() < count) {
+      lost_.conservativeResize(3, count);
+      lost_.rightCols(count - known).setZero();
+    }
+    const Index part = lattice_.part_of_vertex[std::size_t(v)];
+    const CellWeights w = lattice_.weights(v, elements.points.col(v));
+    Vec3d u = motion.u.col(v).template cast<double>();
+    for (int n = 0; n < 8; ++n)
+      u -=
+          w[n] *
+          motion.nodes.u.col(lattice_.parts[std::size_t(part)].nodes[std::size_t(n)]).template cast<double>();
+    lost_.col(v) += (rotation_of(part, motion.nodes.u).transpose() * u).template cast<Real>();
+  }
+}
+
+template <class Real>
 Mat3X<double> LatticeRegion<Real>::residual(const Elements& elements, const Loads<Real>& loads,
                                             const std::vector<double>& own_mass,
                                             const std::vector<double>& mass, const Motion<Real>& motion,
@@ -43,7 +75,6 @@ Mat3X<double> LatticeRegion<Real>::residual(const Elements& elements, const Load
   Mat3X<Real> f = Mat3X<Real>::Zero(3, motion.u.padded().cols());
   all_.add_forces(motion.u.padded(), f, parallel);
   std::vector<Mat3<double>> turn(lattice_.parts.size(), Mat3<double>::Zero());  // Rᵀ of each part
-  const CellGradients middle = cell_gradients(Vec3d::Constant(0.5), lattice_.frame.edge);
   for (Index v : embedding_.vertices) {
     if (v >= static_cast<Index>(own_mass.size())) continue;
     const auto part = std::size_t(lattice_.part_of_vertex[std::size_t(v)]);
@@ -54,12 +85,7 @@ Mat3X<double> LatticeRegion<Real>::residual(const Elements& elements, const Load
       acceleration += w[Eigen::Index(n)] / embedding_.mass[std::size_t(nodes[n])] *
                       motion.node_forces.col(nodes[n]).template cast<double>();
     const double own = own_mass[std::size_t(v)];
-    if (turn[part].isZero(0)) {
-      Mat3<double> F = Mat3<double>::Identity();
-      for (std::size_t n = 0; n < 8; ++n)
-        F += motion.nodes.u.col(nodes[n]).template cast<double>() * middle.row(Eigen::Index(n));
-      turn[part] = rotation(F).transpose();
-    }
+    if (turn[part].isZero(0)) turn[part] = rotation_of(static_cast<Index>(part), motion.nodes.u).transpose();
     const Vec3d load = loads.of_vertex(elements, v, own, motion.time);
     r.col(v) = turn[part] * (f.col(v).template cast<double>() + load - own * acceleration);
   }

@@ -1,5 +1,6 @@
 #include "lobe/linearity/error_equation.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lobe {
@@ -59,6 +60,11 @@ void ErrorEquation::step(const TwoGrid::Product& product, const HeldVertices& he
   grid_.clear_held(a_);
   grid_.clear_held(v_);
   r_ = r;
+}
+
+void ErrorEquation::add(const Mat3X<double>& e) {
+  const auto known = std::min(e_.cols(), e.cols());
+  e_.leftCols(known) += e.leftCols(known);
 }
 
 Eigen::VectorXd ErrorEquation::power() const { return e_.cwiseProduct(r_).colwise().sum(); }

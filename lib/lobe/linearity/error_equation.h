@@ -23,6 +23,8 @@ class ErrorEquation {
 
   // One step of h [s], to where r acts. What is held keeps its error.
   void step(const TwoGrid::Product& product, const HeldVertices& held, const Mat3X<double>& r, double h);
+  // Adds to the error what was lost at once. 3 × #vertices; those that the grid does not know are left out.
+  void add(const Mat3X<double>& e);
   const Mat3X<double>& error() const { return e_; }  // [m]
   double norm() const;                               // √Σ m |e|² [√kg m]
   Eigen::VectorXd power() const;                     // per vertex: e·r at the last step [J]

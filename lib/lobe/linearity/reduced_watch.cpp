@@ -82,14 +82,19 @@ void ReducedWatch<Real>::follow_edits(const World<Real>& world) {
 template <class Real>
 void ReducedWatch<Real>::estimate(World<Real>& world, double h) {
   Dynamics<Real>& body = world.body();
-  const Mat3X<double> u = world.displacements().template cast<double>();
-  largest_ = std::max(largest_, norm(equation_->grid().mass(), u));
+  world.displacements();  // which recovers them
   body.find_forces();
   const Mat3X<double> r = body.regions.reduced()
                               .residual(world.elements(), body.loads, equation_->grid().mass(),
                                         body.inertia.mass(), body.motion, body.parallel)
                               .leftCols(equation_->grid().vertex_count());
   equation_->step([&](const Mat3X<double>& x) { return stiffness_times(body, x); }, world.held(), r, h);
+}
+
+template <class Real>
+void ReducedWatch<Real>::measure(World<Real>& world) {
+  const Mat3X<double> u = world.displacements().template cast<double>();
+  largest_ = std::max(largest_, norm(equation_->grid().mass(), u));
   before_ = last_.error;
   last_.error = largest_ > 0 ? equation_->norm() / largest_ : 0;
   Index worst = 0;
@@ -135,15 +140,21 @@ ReducedReport ReducedWatch<Real>::look(World<Real>& world, const CommandSink& se
   last_.time = world.time();
   last_.to_full = 0;
   bool is_new = false;
+  ++looks_;
   if (equation_) {
     begin_again_if_restored(world);
     follow_edits(world);
     const double since = world.time() - time_;
-    if (looks_++ % frames_between == 0 && since > 0) {
+    auto& region = world.body().regions.reduced();
+    if (!(since > 0)) region.take_lost();  // before its first frame
+    const bool is_due = since > 0 && looks_ % frames_between == 0;
+    if (is_due) {
       time_ = world.time();
       estimate(world, since);
-      is_new = true;
     }
+    is_new = is_due || region.has_lost();
+    if (region.has_lost()) equation_->add(region.take_lost().template cast<double>());
+    if (is_new) measure(world);
   }
   last_.exceeded = last_.error > options_.tolerance;
   const bool grows = last_.error > 0.95 * before_;

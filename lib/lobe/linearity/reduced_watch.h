@@ -50,6 +50,7 @@ class ReducedWatch {
   void begin_again_if_restored(const World<Real>& world);
   void follow_edits(const World<Real>& world);
   void estimate(World<Real>& world, double h);
+  void measure(World<Real>& world);
   std::vector<Index> where_most_is_made(const World<Real>& world) const;
 
   ReducedOptions options_;
@@ -59,7 +60,7 @@ class ReducedWatch {
   bool grid_is_stale_ = false;
   std::size_t edits_ = 0;       // of the world's, that are known
   std::uint64_t restored_ = 0;  // how often it had been restored then
-  int looks_ = 0;
+  int looks_ = -1;
   double time_ = 0;     // of the last estimate [s]
   double largest_ = 0;  // norm of the displacement so far [√kg m]
   ReducedReport last_;

@@ -128,25 +128,16 @@ void TwoGrid::find_stiffness(const Elements& elements) {
   factor_->analyse(stiffness_);
 }
 
-void TwoGrid::hold(const HeldVertices& held, SparseFactor::Matrix& A) {
-  is_held_.setConstant(3, Eigen::Index(mass_.size()), false);
-  for (Index v = 0; v < vertex_count(); ++v)
-    if (!moves(v)) is_held_.col(v).setConstant(true);
-  for (const HeldVertices::Held& item : held.all()) {
-    if (!moves(item.vertex)) continue;
-    const CellWeights& w = weights_[std::size_t(item.vertex)];
-    const auto& nodes = nodes_of(item.vertex);
-    const double spring = spring_stiffness * s_ * largest_eigenvalue(diagonal_[std::size_t(item.vertex)]);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!item.axes[axis]) continue;
-      is_held_(axis, item.vertex) = true;
-      for (std::size_t n = 0; n < 8; ++n)
-        for (std::size_t m = 0; m < 8; ++m)
-          if (nodes[n] >= nodes[m])
-            A.coeffRef(3 * nodes[n] + axis, 3 * nodes[m] + axis) +=
-                spring * w[Eigen::Index(n)] * w[Eigen::Index(m)];
-    }
-  }
+void TwoGrid::add_spring(const HeldVertices::Held& item, SparseFactor::Matrix& A) {
+  const CellWeights& w = weights_[std::size_t(item.vertex)];
+  const auto& nodes = nodes_of(item.vertex);
+  const double spring = spring_stiffness * s_ * largest_eigenvalue(diagonal_[std::size_t(item.vertex)]);
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t n = 0; n < 8; ++n)
+      for (std::size_t m = 0; item.axes[axis] && m < 8; ++m)
+        if (nodes[n] >= nodes[m])
+          A.coeffRef(3 * nodes[n] + axis, 3 * nodes[m] + axis) +=
+              spring * w[Eigen::Index(n)] * w[Eigen::Index(m)];
 }
 
 void TwoGrid::prepare(const HeldVertices& held, double s, double w) {
@@ -157,11 +148,51 @@ void TwoGrid::prepare(const HeldVertices& held, double s, double w) {
     const Mat3<double> own = s_ * diagonal_[v] + w_ * mass_[v] * Mat3<double>::Identity();
     relaxation_.push_back(mass_[v] > 0 ? Mat3<double>(relaxation * own.inverse()) : Mat3<double>::Zero());
   }
-  SparseFactor::Matrix A = s_ * stiffness_;
+  matrix_ = s_ * stiffness_;
   for (Index i = 0; i < 3 * lattice_.node_count(); ++i)
-    A.coeffRef(i, i) += w_ * node_mass_[std::size_t(i / 3)];
-  hold(held, A);
-  lattice_is_solved_ = factor_ && factor_->factorise(A);
+    matrix_.coeffRef(i, i) += w_ * node_mass_[std::size_t(i / 3)];
+  is_held_.setConstant(3, Eigen::Index(mass_.size()), false);
+  for (Index v = 0; v < vertex_count(); ++v)
+    if (!moves(v)) is_held_.col(v).setConstant(true);
+  const auto hold = [&](bool by_tools) {
+    bool any = false;
+    for (const HeldVertices::Held& item : held.all()) {
+      if (!moves(item.vertex) || (item.holder != HeldVertices::boundary) != by_tools) continue;
+      for (int axis = 0; axis < 3; ++axis)
+        if (item.axes[axis]) is_held_(axis, item.vertex) = true;
+      add_spring(item, matrix_);
+      any = true;
+    }
+    return any;
+  };
+  hold(false);
+  const bool is_first = factored_ == Factor::none;
+  if (is_first) factored_ = factor_ && factor_->factorise(matrix_) ? Factor::exact : Factor::failed;
+  const bool tools_hold = hold(true);
+  if (factored_ != Factor::failed) factored_ = is_first && !tools_hold ? Factor::exact : Factor::near;
+}
+
+// Conjugate gradients; the right hand side is itself no more than a part of a cycle.
+Eigen::VectorXd TwoGrid::solve_lattice(const Eigen::VectorXd& f) const {
+  constexpr int most = 30;
+  constexpr double tolerance = 0.1;  // of the residual in the norm of the factor's inverse
+  Eigen::VectorXd x = factor_->solve(f);
+  if (factored_ == Factor::exact) return x;
+  const auto A = matrix_.selfadjointView<Eigen::Lower>();
+  const double enough = tolerance * tolerance * f.dot(x);
+  Eigen::VectorXd left = f - A * x, scaled = factor_->solve(left), along = scaled;
+  double square = left.dot(scaled);
+  for (int i = 0; i < most && square > enough; ++i) {
+    const Eigen::VectorXd image = A * along;
+    const double step = square / along.dot(image);
+    x += step * along;
+    left -= step * image;
+    scaled = factor_->solve(left);
+    const double next = left.dot(scaled);
+    along = scaled + next / square * along;
+    square = next;
+  }
+  return x;
 }
 
 void TwoGrid::clear_held(Mat3X<double>& x) const {
@@ -187,13 +218,13 @@ Mat3X<double> TwoGrid::relaxed(Mat3X<double> f) const {
 }
 
 Mat3X<double> TwoGrid::of_lattice(Mat3X<double> f) const {
-  if (!lattice_is_solved_) return Mat3X<double>::Zero(3, f.cols());
+  if (factored_ == Factor::none || factored_ == Factor::failed) return Mat3X<double>::Zero(3, f.cols());
   clear_held(f);
   Eigen::VectorXd of_nodes = Eigen::VectorXd::Zero(3 * lattice_.node_count());
   for (Index v = 0; v < vertex_count(); ++v)
     for (std::size_t n = 0; moves(v) && n < 8; ++n)
       of_nodes.segment<3>(3 * nodes_of(v)[n]) += weights_[std::size_t(v)][Eigen::Index(n)] * f.col(v);
-  of_nodes = factor_->solve(of_nodes);
+  of_nodes = solve_lattice(of_nodes);
   f.setZero();
   for (Index v = 0; v < vertex_count(); ++v)
     for (std::size_t n = 0; moves(v) && n < 8; ++n)

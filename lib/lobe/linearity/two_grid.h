@@ -18,7 +18,9 @@ class TwoGrid {
   // `edge`: of the lattice's cells [m]. Costs some microseconds per tetrahedron.
   TwoGrid(const Elements& elements, double edge);
 
-  // Sets the equation and what is held. Costs one factor of the lattice's matrix.
+  // Sets the equation and what is held. The first call factors the lattice's matrix without what tools hold.
+  // After later calls, and where tools hold something, its equations are solved by conjugate gradients with
+  // that factor.
   void prepare(const HeldVertices& held, double s, double w);  // w [1/s²]
 
   // Gives K x [N]; all are 3 × #vertices.
@@ -39,7 +41,8 @@ class TwoGrid {
   void find_masses(const Elements& elements);
   void find_diagonal(const Elements& elements);
   void find_stiffness(const Elements& elements);
-  void hold(const HeldVertices& held, SparseFactor::Matrix& A);
+  void add_spring(const HeldVertices::Held& item, SparseFactor::Matrix& A);
+  Eigen::VectorXd solve_lattice(const Eigen::VectorXd& f) const;
   // f − (s K + w M) x
   Mat3X<double> left(const Product& product, const Mat3X<double>& f, const Mat3X<double>& x) const;
   // The displacements that forces make, vertex by vertex and by the lattice alone.
@@ -54,8 +57,10 @@ class TwoGrid {
   double s_ = 1, w_ = 0;
   Eigen::Matrix<bool, 3, Eigen::Dynamic> is_held_;
   std::vector<Mat3<double>> relaxation_;  // per vertex, ω (s K_vv + w m_v)⁻¹
+  SparseFactor::Matrix matrix_;           // s K + w M of the lattice, and springs
   std::unique_ptr<SparseFactor> factor_;  // none where no tetrahedron is left
-  bool lattice_is_solved_ = false;        // false: its matrix is not positive definite
+  enum class Factor { none, failed, near, exact };
+  Factor factored_ = Factor::none;  // of matrix_; failed: it is not positive definite
 };
 
 }  // namespace lobe

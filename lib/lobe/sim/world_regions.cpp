@@ -192,6 +192,9 @@ bool World<Real>::embed(const std::vector<Index>& also_pressed) {
   region.look(elements(), body_.motion, body_.inertia.mass(), std::move(sight));
   VertexRoles wanted = region.roles(body_.model, time(), limit_.highest_at_rest() > 0);
   if (region.has_roles(wanted)) return false;
+  state();
+  weigh(region.vertices());
+  region.leave_out_rough(elements(), body_.inertia.mass(), limit_.highest_at_rest(), body_.motion, wanted);
   embed_as(std::move(wanted));
   return true;
 }
@@ -220,14 +223,7 @@ void World<Real>::free_ahead(const std::vector<Index>& tets) {
 
 template <class Real>
 void World<Real>::perform(const KeepFull& command) {
-  if (!(command.duration > 0) || !std::isfinite(command.duration))
-    throw InputError("keep full", "the duration must be above 0 s and finite");
-  const Index count = elements().topology.vertex_count();
-  for (Index v : command.vertices)
-    if (v < 0 || v >= count)
-      throw InputError("keep full", "there is no vertex " + std::to_string(v) + ", only " +
-                                        std::to_string(count) + " vertices");
-  body_.regions.reduced().keep_full(elements(), command.vertices, time() + command.duration);
+  body_.regions.reduced().keep_full(elements(), command.vertices, time(), command.duration);
 }
 
 // ---- Inertia

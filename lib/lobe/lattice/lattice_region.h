@@ -60,11 +60,6 @@ class LatticeRegion {
   // What vertices may do at a time: without `may_embed`, none is embedded.
   VertexRoles roles(const Model& model, double time, bool may_embed);
   VertexRoles roles(const Model& model, std::vector<std::uint8_t> is_embedded) const;
-  // Takes from `wanted` what the lattice could not follow: the parts whose displacements embed() would change
-  // most, until what is left is a small share of the largest displacement so far. They stay full for a while
-  // and are then looked at again. Masses and displacements as for embed().
-  void leave_out_rough(const Elements& elements, const std::vector<double>& mass, double omega,
-                       const Motion<Real>& motion, VertexRoles& wanted);
   bool has_roles(const VertexRoles& wanted) const {
     return !is_outdated_ && !misses_tets_ && wanted == embedding_.roles;
   }
@@ -183,9 +178,6 @@ class LatticeRegion {
   Flags within(const Elements& elements, const std::vector<Index>& tets, double distance) const;
 
   void list_vertices(const Topology& topology);
-  // Per vertex that would be embedded: m |u_i − Σ w_n q_n|² [kg m²].
-  std::vector<double> lost_by(const Elements& elements, const std::vector<double>& mass, double omega,
-                              const Motion<Real>& motion, const VertexRoles& wanted) const;
   void ask_again_where_rough(const Elements& elements, const Motion<Real>& motion);
   void find_inner(const Model& model);
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);

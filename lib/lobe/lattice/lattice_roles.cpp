@@ -103,59 +103,6 @@ void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& mot
   ask_again_where_rough(elements, motion);
 }
 
-template <class Real>
-std::vector<double> LatticeRegion<Real>::lost_by(const Elements& elements, const std::vector<double>& mass,
-                                                 double omega, const Motion<Real>& motion,
-                                                 const VertexRoles& wanted) const {
-  Embedding trial;
-  trial.roles = wanted;
-  for (Index v : vertices_)
-    if (wanted.embeds(v)) trial.vertices.push_back(v);
-  const Mat3X<double> q = TakeOver<Real>(elements, lattice_, whole_cells_, embedding_, trial, false)
-                              .settled_displacements(mass, omega, motion);
-  std::vector<double> lost(mass.size(), 0);
-  for (Index v : trial.vertices) {
-    if (embeds(v)) continue;
-    const CellWeights w = lattice_.weights(v, elements.points.col(v));
-    const auto& nodes = lattice_.parts[std::size_t(lattice_.part_of_vertex[std::size_t(v)])].nodes;
-    Vec3d apart = motion.u.col(v).template cast<double>();
-    for (int n = 0; n < 8; ++n) apart -= w[n] * q.col(nodes[std::size_t(n)]);
-    lost[std::size_t(v)] = mass[std::size_t(v)] * apart.squaredNorm();
-  }
-  return lost;
-}
-
-template <class Real>
-void LatticeRegion<Real>::leave_out_rough(const Elements& elements, const std::vector<double>& mass,
-                                          double omega, const Motion<Real>& motion, VertexRoles& wanted) {
-  const double most = std::pow(FullZones::most_lost * zones_.state().largest, 2);
-  const auto becomes = [&](Index v) { return wanted.embeds(v) && !embeds(v); };
-  if (is_outdated_ || most == 0 || std::none_of(vertices_.begin(), vertices_.end(), becomes)) return;
-  const std::vector<double> lost = lost_by(elements, mass, omega, motion, wanted);
-  struct Part {
-    double lost = 0;
-    std::vector<Index> vertices;
-  };
-  std::vector<Part> parts(lattice_.parts.size());
-  double left = 0;
-  for (Index v : vertices_) {
-    if (!becomes(v)) continue;
-    Part& own = parts[std::size_t(lattice_.part_of_vertex[std::size_t(v)])];
-    own.lost += lost[std::size_t(v)];
-    own.vertices.push_back(v);
-    left += lost[std::size_t(v)];
-  }
-  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.lost > b.lost; });
-  std::vector<Index> rough;
-  for (const Part& part : parts) {
-    if (left <= most) break;
-    left -= part.lost;
-    rough.insert(rough.end(), part.vertices.begin(), part.vertices.end());
-  }
-  for (Index v : rough) wanted.is_embedded[std::size_t(v)] = 0;
-  if (!rough.empty()) zones_.ask(rough, elements.topology.vertex_count(), motion.time + FullZones::linger);
-}
-
 // What was asked to be full for a while stays so, part by part, until its tissue is smooth.
 template <class Real>
 void LatticeRegion<Real>::ask_again_where_rough(const Elements& elements, const Motion<Real>& motion) {

@@ -8,7 +8,7 @@ namespace {
 
 // The residual of nodes that are settled, squared and relative.
 template <class Real>
-constexpr double settled_residual = std::is_same_v<Real, float> ? 1e-10 : 1e-24;
+constexpr double settled = std::is_same_v<Real, float> ? 1e-10 : 1e-24;
 
 }  // namespace
 
@@ -92,38 +92,19 @@ void TakeOver<Real>::begin_fresh_nodes(const Flags& fresh, const Mat3X<double>& 
     if (fresh[std::size_t(n)] && sum[n] > 0) q.col(n) /= sum[n];
 }
 
-// Those that nothing moved.
-template <class Real>
-std::vector<std::uint8_t> TakeOver<Real>::fresh_among(Flags touched, const Motion<Real>& motion) const {
-  for (std::size_t n = 0; n < touched.size(); ++n)
-    touched[n] = touched[n] && (is_anew_ ? motion.nodes.u.col(Eigen::Index(n)).isZero(0)
-                                         : former_.mass.empty() || former_.mass[n] == 0);
-  return touched;
-}
-
-template <class Real>
-Mat3X<double> TakeOver<Real>::settled(const std::vector<double>& mass, double omega, const Flags& touched,
-                                      const Flags& fresh, const VertexColumns<Mat3X<Real>>& of_vertices,
-                                      const Mat3X<Real>& of_nodes) const {
-  const Mat3X<double> u = of_vertices.view().template cast<double>();
-  Mat3X<double> q = of_nodes.template cast<double>();
-  begin_fresh_nodes(fresh, u, q);
-  settle(elements_, lattice_, now_, whole_, mass, omega, touched, u, settled_residual<Real>, q);
-  return q;
-}
-
-template <class Real>
-Mat3X<double> TakeOver<Real>::settled_displacements(const std::vector<double>& mass, double omega,
-                                                    const Motion<Real>& motion) const {
-  const Flags touched = touched_nodes();
-  return settled(mass, omega, touched, fresh_among(touched, motion), motion.u, motion.nodes.u);
-}
-
 template <class Real>
 void TakeOver<Real>::settle_nodes(const std::vector<double>& mass, double omega, Motion<Real>& motion) const {
-  const Flags touched = touched_nodes(), fresh = fresh_among(touched, motion);
+  const Flags touched = touched_nodes();
+  Flags fresh = touched;  // nothing moved these
+  for (std::size_t n = 0; n < fresh.size(); ++n)
+    fresh[n] = fresh[n] && (is_anew_ ? motion.nodes.u.col(Eigen::Index(n)).isZero(0)
+                                     : former_.mass.empty() || former_.mass[n] == 0);
   const auto take = [&](const auto& of_vertices, Mat3X<Real>& of_nodes) {
-    of_nodes = settled(mass, omega, touched, fresh, of_vertices, of_nodes).template cast<Real>();
+    const Mat3X<double> u = of_vertices.view().template cast<double>();
+    Mat3X<double> q = of_nodes.template cast<double>();
+    begin_fresh_nodes(fresh, u, q);
+    settle(elements_, lattice_, now_, whole_, mass, omega, touched, u, settled<Real>, q);
+    of_nodes = q.template cast<Real>();
   };
   take(motion.u, motion.nodes.u);
   take(motion.v, motion.nodes.v);

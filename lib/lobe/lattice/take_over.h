@@ -31,9 +31,6 @@ class TakeOver {
   void settle_nodes(const std::vector<double>& mass,  // per vertex [kg]
                     double omega,                     // the highest frequency of the full body [rad/s]
                     Motion<Real>& motion) const;
-  // The displacements that it would give them.
-  Mat3X<double> settled_displacements(const std::vector<double>& mass, double omega,
-                                      const Motion<Real>& motion) const;
   // Adds a rigid motion to the velocities of what has changed, so that the momentum is that of `before`. Both
   // sums leave out what did not change: `after` has the nodes added here, and the vertices that were freed.
   void keep_momentum(const Model& model, const std::vector<double>& mass, const MovingMasses& before,
@@ -43,10 +40,6 @@ class TakeOver {
   using Flags = std::vector<std::uint8_t>;
 
   Flags touched_nodes() const;
-  Flags fresh_among(Flags touched, const Motion<Real>& motion) const;
-  Mat3X<double> settled(const std::vector<double>& mass, double omega, const Flags& touched,
-                        const Flags& fresh, const VertexColumns<Mat3X<Real>>& of_vertices,
-                        const Mat3X<Real>& of_nodes) const;
   Flags changed_nodes() const;
   void begin_fresh_nodes(const Flags& fresh, const Mat3X<double>& u, Mat3X<double>& q) const;
   template <class Visit>

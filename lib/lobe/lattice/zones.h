@@ -28,10 +28,6 @@ class FullZones {
   static constexpr double share = 0.05, most = 0.015;
   static constexpr double longest = 0.04;  // τ where nothing damps [s]
 
-  // What embedding changes of displacements is at most this share of the largest displacement so far, a
-  // quarter of the error of 2 % that reduced regions are for.
-  static constexpr double most_lost = 0.005;
-
   struct State {                       // part of a checkpoint
     std::vector<Index> held, touched;  // sorted; touched: held, loaded or pressed
     std::vector<double> until;         // per vertex: when it was last to be full [s]; empty: none ever was

@@ -192,9 +192,6 @@ bool World<Real>::embed(const std::vector<Index>& also_pressed) {
   region.look(elements(), body_.motion, body_.inertia.mass(), std::move(sight));
   VertexRoles wanted = region.roles(body_.model, time(), limit_.highest_at_rest() > 0);
   if (region.has_roles(wanted)) return false;
-  state();
-  weigh(region.vertices());
-  region.leave_out_rough(elements(), body_.inertia.mass(), limit_.highest_at_rest(), body_.motion, wanted);
   embed_as(std::move(wanted));
   return true;
 }

@@ -1,5 +1,6 @@
 #include "lobe/linearity/two_grid.h"
 
+#include <Eigen/IterativeLinearSolvers>
 #include <Eigen/LU>
 #include <algorithm>
 #include <utility>
@@ -16,6 +17,14 @@ constexpr double relaxation = 0.5;
 constexpr double spring_stiffness = 4;  // softer ones would let the lattice correct too much
 
 using Entries = std::vector<Eigen::Triplet<double>>;
+
+// The factor of a matrix that is near the one to be solved with, as a preconditioner for Eigen.
+struct NearFactor {
+  const SparseFactor* factor = nullptr;
+  NearFactor& compute(const SparseFactor::Matrix&) { return *this; }
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return factor->solve(b); }
+  Eigen::ComputationInfo info() const { return Eigen::Success; }
+};
 
 Elements all_reduced(Elements elements) {
   std::fill(elements.region_of.begin(), elements.region_of.end(), RegionModel::reduced);
@@ -172,27 +181,14 @@ void TwoGrid::prepare(const HeldVertices& held, double s, double w) {
   if (factored_ != Factor::failed) factored_ = is_first && !tools_hold ? Factor::exact : Factor::near;
 }
 
-// Conjugate gradients; the right hand side is itself no more than a part of a cycle.
+// The right hand side is itself no more than a part of a cycle: a tenth of the residual is enough.
 Eigen::VectorXd TwoGrid::solve_lattice(const Eigen::VectorXd& f) const {
-  constexpr int most = 30;
-  constexpr double tolerance = 0.1;  // of the residual in the norm of the factor's inverse
-  Eigen::VectorXd x = factor_->solve(f);
-  if (factored_ == Factor::exact) return x;
-  const auto A = matrix_.selfadjointView<Eigen::Lower>();
-  const double enough = tolerance * tolerance * f.dot(x);
-  Eigen::VectorXd left = f - A * x, scaled = factor_->solve(left), along = scaled;
-  double square = left.dot(scaled);
-  for (int i = 0; i < most && square > enough; ++i) {
-    const Eigen::VectorXd image = A * along;
-    const double step = square / along.dot(image);
-    x += step * along;
-    left -= step * image;
-    scaled = factor_->solve(left);
-    const double next = left.dot(scaled);
-    along = scaled + next / square * along;
-    square = next;
-  }
-  return x;
+  if (factored_ == Factor::exact) return factor_->solve(f);
+  Eigen::ConjugateGradient<SparseFactor::Matrix, Eigen::Lower, NearFactor> gradients;
+  gradients.preconditioner().factor = factor_.get();
+  gradients.setTolerance(0.1);
+  gradients.setMaxIterations(30);
+  return gradients.compute(matrix_).solve(f);
 }
 
 void TwoGrid::clear_held(Mat3X<double>& x) const {

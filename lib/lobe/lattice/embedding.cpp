@@ -154,22 +154,13 @@ void take_out(const Elements& elements, Index tet, Lattice& lattice, WholeLattic
   }
 }
 
-// Of a part, the fewer of its samples are summed: those that it has, or those that it does not have.
-Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLattice& whole,
-                VertexRoles roles) {
-  struct Part {
-    Index tet = -1, embedded = 0, full = 0;  // the first that is embedded; numbers of samples
-  };
-  Embedding e;
-  e.roles = std::move(roles);
-  std::vector<Part> parts(lattice.parts.size());
+namespace {
+
+// Finds full tetrahedra, embedded vertices and those between both. Returns, per tetrahedron, whether it is
+// full.
+std::vector<std::uint8_t> sort_out(const Elements& elements, const Lattice& lattice, Embedding& e) {
   std::vector<std::uint8_t> is_beside(e.roles.is_embedded.size(), 0),
       is_full(lattice.part_of_sample.size() / tet_samples);
-  const auto for_samples = [&](auto&& visit) {  // visit(part, sample), of reduced tetrahedra
-    for (std::size_t i = 0; i < lattice.part_of_sample.size(); ++i)
-      if (lattice.part_of_sample[i] >= 0)
-        visit(std::size_t(lattice.part_of_sample[i]), static_cast<Index>(i));
-  };
   for (Index t = 0; t < static_cast<Index>(is_full.size()); ++t) {
     if (lattice.part_of_sample[std::size_t(t) * tet_samples] < 0) continue;
     const Eigen::Vector4i corners = elements.topology.corners(t);
@@ -184,6 +175,26 @@ Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLat
     if (e.embeds(v)) e.vertices.push_back(v);
     if (is_beside[std::size_t(v)]) e.interface.push_back(v);
   }
+  return is_full;
+}
+
+}  // namespace
+
+// Of a part, the fewer of its samples are summed: those that it has, or those that it does not have.
+Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLattice& whole,
+                VertexRoles roles) {
+  struct Part {
+    Index tet = -1, embedded = 0, full = 0;  // the first that is embedded; numbers of samples
+  };
+  Embedding e;
+  e.roles = std::move(roles);
+  std::vector<Part> parts(lattice.parts.size());
+  const std::vector<std::uint8_t> is_full = sort_out(elements, lattice, e);
+  const auto for_samples = [&](auto&& visit) {  // visit(part, sample), of reduced tetrahedra
+    for (std::size_t i = 0; i < lattice.part_of_sample.size(); ++i)
+      if (lattice.part_of_sample[i] >= 0)
+        visit(std::size_t(lattice.part_of_sample[i]), static_cast<Index>(i));
+  };
   for_samples([&](std::size_t part, Index sample) {
     Part& group = parts[part];
     if (is_full[std::size_t(sample / tet_samples)]) {

@@ -39,5 +39,9 @@ TEST_CASE("lobe bench features times each feature on and off") {
     CHECK(std::stod(row.at("off_ns_per_tet")) > 0);
     CHECK(std::stod(row.at("ratio")) ==
           near(std::stod(row.at("on_ns_per_tet")) / std::stod(row.at("off_ns_per_tet")), 1e-2));
+#if defined(NDEBUG) && !defined(LOBE_SANITIZED)
+    // It halves the time. A compiler that vectorised it badly once made it three times as long.
+    if (row.at("feature") == "selective mass") CHECK(std::stod(row.at("ratio")) < 1);
+#endif
   }
 }

@@ -13,9 +13,18 @@ void ErrorEquation::restart() {
   for (Mat3X<double>* values : {&e_, &v_, &a_, &r_}) values->setZero(3, grid_.vertex_count());
 }
 
+auto ErrorEquation::grid_maker() const
+    -> std::function<TwoGrid(const Elements&, double, const HeldVertices&)> {
+  return [h = h_, damping = damping_](const Elements& elements, double edge, const HeldVertices& held) {
+    TwoGrid grid(elements, edge);
+    if (h > 0) prepare(grid, held, damping, h);
+    return grid;
+  };
+}
+
 void ErrorEquation::use(TwoGrid grid, const Topology& topology) {
   grid_ = std::move(grid);
-  h_ = 0;
+  is_prepared_ = false;
   for (Mat3X<double>* values : {&e_, &v_, &a_, &r_}) {
     const Index known = static_cast<Index>(values->cols());
     values->conservativeResize(3, grid_.vertex_count());
@@ -27,11 +36,16 @@ void ErrorEquation::use(TwoGrid grid, const Topology& topology) {
 }
 
 void ErrorEquation::prepare(const HeldVertices& held, double h) {
-  if (std::abs(h - h_) <= 1e-3 * h && held == held_) return;
+  if (is_prepared_ && std::abs(h - h_) <= 1e-3 * h && held == held_) return;
+  is_prepared_ = true;
   h_ = h;
   held_ = held;
+  prepare(grid_, held, damping_, h);
+}
+
+void ErrorEquation::prepare(TwoGrid& grid, const HeldVertices& held, double damping, double h) {
   const double of_mass = (1 - alpha_m) / (beta * h * h), of_damping = (1 - alpha_f) * gamma / (beta * h);
-  grid_.prepare(held, 1 - alpha_f, of_mass + damping_ * of_damping);
+  grid.prepare(held, 1 - alpha_f, of_mass + damping * of_damping);
 }
 
 // With x the change of e,

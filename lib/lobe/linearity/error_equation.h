@@ -16,8 +16,10 @@ class ErrorEquation {
  public:
   ErrorEquation(TwoGrid grid, double damping);  // γ [1/s]; the error begins at 0
 
-  // Takes the grid of the same mesh after cuts. Vertices that are new have the error of those that they are
-  // copies of.
+  // The grid of the same mesh after cuts, prepared for a step as long as the last. It may be made in another
+  // thread.
+  std::function<TwoGrid(const Elements& elements, double edge, const HeldVertices& held)> grid_maker() const;
+  // Takes it. Vertices that are new have the error of those that they are copies of.
   void use(TwoGrid grid, const Topology& topology);
   void restart();  // with an error of 0
 
@@ -37,11 +39,13 @@ class ErrorEquation {
                           beta = 0.25 * (1 - alpha_m + alpha_f) * (1 - alpha_m + alpha_f);
 
   void prepare(const HeldVertices& held, double h);
+  static void prepare(TwoGrid& grid, const HeldVertices& held, double damping, double h);
 
   TwoGrid grid_;
   double damping_;
   Mat3X<double> e_, v_, a_, r_;  // [m], [m/s], [m/s²], [N]
-  double h_ = 0;                 // for which the grid is prepared [s]; 0: for none
+  double h_ = 0;                 // of the last step [s]
+  bool is_prepared_ = false;     // the grid, for this
   HeldVertices held_;            // and for this
 };
 

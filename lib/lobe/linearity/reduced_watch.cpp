@@ -65,7 +65,8 @@ void ReducedWatch<Real>::begin_again_if_restored(const World<Real>& world) {
   last_ = {};
 }
 
-// After a cut the grid is made anew from a copy in another thread, because that takes as long as some frames.
+// After a cut the grid is made anew and factored from a copy in another thread, because that takes as long as
+// some frames.
 template <class Real>
 void ReducedWatch<Real>::follow_edits(const World<Real>& world) {
   const Elements& elements = world.elements();
@@ -76,7 +77,8 @@ void ReducedWatch<Real>::follow_edits(const World<Real>& world) {
   if (!grid_is_stale_ || next_grid_.valid()) return;
   grid_is_stale_ = false;
   grid_due_ = world.time() + grid_delay + grid_delay_per_tet * elements.topology.alive_count();
-  next_grid_ = std::async(std::launch::async, [elements, edge] { return TwoGrid(elements, edge); });
+  next_grid_ = std::async(std::launch::async, [make = equation_->grid_maker(), elements, edge,
+                                               held = world.held()] { return make(elements, edge, held); });
 }
 
 template <class Real>

@@ -11,6 +11,7 @@
 #include "benchmarks/frequencies.h"
 #include "benchmarks/gestures.h"
 #include "benchmarks/machine.h"
+#include "benchmarks/reduced_setup.h"
 #include "benchmarks/timing.h"
 #include "lobe/condense/interface_size.h"
 #include "lobe/condense/narrow_interface.h"
@@ -245,6 +246,7 @@ void bench_hybrid(const Options& options) {
   }
   if (!all.empty()) io::write_file(options.output / "hybrid.csv", csv(all));
   if (options.reduced) {
+    bench_reduced_setup(options);
     bench_gestures(options);
     return bench_frequencies(options);
   }

@@ -6,7 +6,6 @@
 #include <random>
 #include <vector>
 
-#include "lobe/contact/quadrature.h"
 #include "lobe/contact/rigid_motion.h"
 #include "lobe/contact/signed_distance.h"
 #include "near.h"
@@ -63,34 +62,6 @@ TEST_CASE("what is said to be beyond a gap is no nearer, and little that is beyo
       }
     }
     CHECK(said > 0.9 * beyond);
-  }
-}
-
-TEST_CASE(
-    "the points of a triangle are where their weights say, and strips that are skipped hold none nearby") {
-  Mat3<double> x;
-  x << 0.1, 1.1, 0.3, 0.2, 0.1, 0.9, -0.4, 0, 0.5;
-  for (int n : {1, 2, 5}) {
-    std::vector<Vec3d> expected;
-    visit_centroids(n, [&](int, const Vec3d& weights) { expected.push_back(weights); });
-    const auto never = [](const Vec3d&, double) { return false; };
-    int count = 0;
-    visit_places(x, n, never, [&](int number, const Vec3d& place, auto&& weights) {
-      CHECK(number == count++);
-      CHECK((weights() - expected[std::size_t(number)]).norm() < 1e-12);
-      CHECK((place - x * expected[std::size_t(number)]).norm() < 1e-12);
-    });
-    CHECK(count == n * n);
-    std::vector<char> was_visited(expected.size(), 0);
-    const Vec3d corner = x.col(0);
-    const auto is_far = [&](const Vec3d& middle, double radius) {
-      return (middle - corner).norm() > radius + 0.4;
-    };
-    visit_places(x, n, is_far,
-                 [&](int number, const Vec3d&, auto&&) { was_visited[std::size_t(number)] = 1; });
-    for (std::size_t q = 0; q < expected.size(); ++q)
-      CHECK((was_visited[q] || (x * expected[q] - corner).norm() > 0.4));
-    CHECK((n < 5 || std::count(was_visited.begin(), was_visited.end(), 0) > 0));
   }
 }
 

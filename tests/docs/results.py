@@ -49,7 +49,7 @@ def one(table, column, **wanted):
 
 
 def percent(value, digits=1):
-    return f"{100 * value:.{digits}f} %"
+    return f"{round(100 * value, digits) + 0.0:.{digits}f} %"  # no -0.0
 
 
 def thousands(value):

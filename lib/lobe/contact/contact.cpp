@@ -20,6 +20,12 @@ class Contact<Real>::Here final : public Places {
     x.resize(3, Eigen::Index(vertices.size()));
     for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = Here::of_vertex(vertices[std::size_t(i)]);
   }
+  void of_points(const std::vector<int>& points, PointRows& x, PointRows& v) const override {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      x.col(Eigen::Index(i)) = Here::of_point(points[i]);
+      v.col(Eigen::Index(i)) = Here::velocity_of_point(points[i]);
+    }
+  }
   Vec3d of_point(int point) const override {
     const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
     if (surface_point.count == 1) return of_vertex(surface_point.corners[0]);
@@ -109,13 +115,11 @@ void Contact<Real>::gather(const std::vector<int>& points, const Places& now) co
 // Distributes the forces on the points that a tool presses to the vertices of the mesh.
 template <class Real>
 void Contact<Real>::scatter(const ToolContact& tool, Mat3X<Real>& f) const {
-  for (int p : tool.pressed()) {
-    const int point = tool.points()[std::size_t(p)];
+  tool.visit_forces([&](int point, const Vec3d& force) {
     const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
-    const Vec3d force = f_.col(p);
     for (int c = 0; c < surface_point.count; ++c)
       f.col(surface_point.corners[c]) += (surface_point.weights[c] * force).template cast<Real>();
-  }
+  });
 }
 
 template <class Real>
@@ -245,8 +249,7 @@ void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
   for (OnTool& on_tool : on_tools_) on_tool = {.tool = on_tool.tool};
   visit_memories([](ContactMemory& memory) { memory.begin_forces(); });
   visit_tools(at, [&](std::size_t i, ToolContact& tool, const ToolContact::At& here) {
-    if (f_.cols() < x_.cols()) f_.resize(3, x_.cols());
-    tool.find_forces(here, f_);
+    tool.find_forces(here);
     if (!tool.is_obstacle()) on_tools_[i - setup_.obstacles.size()] = tool.on_tool();
     scatter(tool, f);
   });

@@ -94,7 +94,6 @@ class Contact : public ForceTerm<Real> {
 
   // Scratch: all points of the surface; those of a tool's candidates; forces of the body on itself.
   mutable Mat3X<double> all_, x_;
-  Mat3X<double> f_;
   class SelfForces;
   std::unique_ptr<SelfForces> self_forces_;
 };

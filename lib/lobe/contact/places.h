@@ -5,12 +5,17 @@
 
 namespace lobe {
 
+// One column for each point, component after component.
+using PointRows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+
 class Places {
  public:
   virtual ~Places() = default;
   virtual Vec3d of_point(int point) const = 0;           // of the surface [m]
   virtual Vec3d velocity_of_point(int point) const = 0;  // [m/s]
-  virtual Vec3d of_vertex(Index vertex) const = 0;       // of the mesh [m]
+  // Of some points of the surface: their places [m] and velocities [m/s].
+  virtual void of_points(const std::vector<int>& points, PointRows& x, PointRows& v) const = 0;
+  virtual Vec3d of_vertex(Index vertex) const = 0;  // of the mesh [m]
   virtual Vec3d velocity_of_vertex(Index vertex) const = 0;
   virtual void of_vertices(const std::vector<Index>& vertices, Mat3X<double>& x) const = 0;
 };

@@ -1,38 +1,23 @@
 #include "lobe/contact/signed_distance.h"
 
-#include <algorithm>
-
+#include "lobe/contact/distance_formulas.h"
 #include "lobe/contact/distance_grid.h"
 
 namespace lobe {
 
-Distance distance_to_sphere(double radius, const Vec3d& x) {
-  const double r = x.norm();
-  return {r - radius, r > 0 ? Vec3d(x * (1 / r)) : Vec3d::UnitZ()};
-}
+namespace {
 
+Distance plain(const DistanceOf<double>& found) { return {found.value, found.gradient}; }
+
+}  // namespace
+
+Distance distance_to_sphere(double radius, const Vec3d& x) { return plain(sphere_distance(radius, x)); }
 Distance distance_to_capsule(double radius, double length, const Vec3d& x) {
-  return distance_to_sphere(radius, x - Vec3d(0, 0, std::clamp(x.z(), 0.0, length)));
+  return plain(capsule_distance(radius, length, x));
 }
-
-// Outside the nearest point of the box, inside the nearest of its six faces.
-Distance distance_to_box(const Vec3d& half_size, const Vec3d& x) {
-  const Vec3d beyond = x.cwiseAbs() - half_size;
-  const Vec3d sign = x.unaryExpr([](double c) { return c < 0 ? -1.0 : 1.0; });
-  const Vec3d out = beyond.cwiseMax(0);
-  if (const double far = out.norm(); far > 0) return {far, out.cwiseProduct(sign) / far};
-  int axis;
-  const double depth = beyond.maxCoeff(&axis);
-  return {depth, sign[axis] * Vec3d::Unit(axis)};
-}
-
-// The one is the mirror image of the other in y = 0.
+Distance distance_to_box(const Vec3d& half_size, const Vec3d& x) { return plain(box_distance(half_size, x)); }
 Distance distance_to_jaws(const Vec3d& size, double opening, const Vec3d& x) {
-  const double side = x.y() < 0 ? -1 : 1;
-  const Vec3d centre(0, (opening + size[1]) / 2, size[2] / 2);
-  Distance found = distance_to_box(size / 2, Vec3d(x.x(), side * x.y(), x.z()) - centre);
-  found.gradient.y() *= side;
-  return found;
+  return plain(jaws_distance(size, opening, x));
 }
 
 SignedDistance::SignedDistance(const RigidShape& shape)

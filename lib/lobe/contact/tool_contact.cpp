@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 namespace lobe {
 namespace {
 
-constexpr int most_divisions = 24;
+constexpr int few_divisions = 4;  // what all their points take is less than to ask which strips are near
 
 int divisions_of(double longest, double fineness) {
   return std::clamp(static_cast<int>(std::ceil(longest / (fineness / 2))), 2, most_divisions);
@@ -89,6 +88,12 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
   }
   for (Candidate& candidate : candidates_)
     for (int& p : candidate.points) p = place_of_[std::size_t(p)];
+  triangles_.clear();
+  for (const Candidate& candidate : candidates_) {
+    const ContactSurface::Triangle& triangle = surface.triangles()[std::size_t(candidate.triangle)];
+    const int n = candidate.divisions;
+    triangles_.push_back({.stiffness = triangle.stiffness, .area = triangle.area / (n * n)});
+  }
   slack_ = candidates_.empty() ? gap : margin;
   moved_ = 0;
   moved_at_ = time;
@@ -96,7 +101,7 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
   body_moved_ = body_moved;
 }
 
-// ---- Forces
+// ---- What is touched
 
 // Finds the candidates that are not known to be out of reach. False: there are none.
 bool ToolContact::find_near(const At& at) const {
@@ -108,123 +113,251 @@ bool ToolContact::find_near(const At& at) const {
   return !near_.empty();
 }
 
+void ToolContact::find_touches(const At& at, const RigidMotion& now) const {
+  find_places(at, now);
+  block_count_ = 0;
+  for (int c : near_) take_triangle(c, now.opening);
+  find_distances(0, now.opening);
+  if (memory_.held().any()) leave_what_is_held(at);
+  remember_clear(at, now.opening);
+}
+
+// Speeds against the tool are linear within a triangle, since it is rigid.
 void ToolContact::find_places(const At& at, const RigidMotion& now) const {
-  if (places_.cols() < Eigen::Index(points_.size())) places_.resize(3, Eigen::Index(points_.size()));
-  place_is_of_.resize(points_.size(), 0);
+  constexpr int width = PointBlock::width;
+  const auto room = (Eigen::Index(points_.size()) + width - 1) / width * width;
+  if (places_.cols() < room)
+    for (PointRows* of_points : {&places_, &speeds_}) of_points->setZero(3, room);
+  near_of_.resize(points_.size());
+  is_near_in_.resize(points_.size(), 0);
+  near_points_.clear();
   ++evaluation_;
-  const Mat3<double> to_tool = now.rotation.transpose();
-  for (int c : near_)
-    for (int p : candidates_[std::size_t(c)].points) {
-      if (std::exchange(place_is_of_[std::size_t(p)], evaluation_) == evaluation_) continue;
-      places_.col(p) = to_tool * (at.places.of_point(points_[std::size_t(p)]) - now.position);
+  for (int c : near_) {
+    TouchTriangle& triangle = triangles_[std::size_t(c)];
+    for (int i = 0; i < 3; ++i) {
+      const auto p = std::size_t(candidates_[std::size_t(c)].points[i]);
+      if (std::exchange(is_near_in_[p], evaluation_) != evaluation_) {
+        near_of_[p] = int(near_points_.size());
+        near_points_.push_back(points_[p]);
+      }
+      triangle.points[std::size_t(i)] = near_of_[p];
+    }
+  }
+  at.places.of_points(near_points_, places_, speeds_);
+  const Vec3d spin = now.rotation.transpose() * now.spin;
+  TouchAxes axes;
+  for (int d = 0; d < 3; ++d) {
+    const auto i = std::size_t(d);
+    axes.to_tool[i] = {now.rotation(0, d), now.rotation(1, d), now.rotation(2, d)};
+    axes.position[i] = now.position[d];
+    axes.velocity[i] = now.velocity[d];
+    axes.spin[i] = spin[d];
+  }
+  kernels_.to_axes(axes, rows(places_), rows(speeds_), int(near_points_.size()));
+}
+
+void ToolContact::take_triangle(int number, double opening) const {
+  TouchTriangle& triangle = triangles_[std::size_t(number)];
+  const int n = candidates_[std::size_t(number)].divisions;
+  for (int d = 0; d < 3; ++d) {
+    const auto i = std::size_t(d);
+    const auto x = [&](std::size_t c) { return places_(d, triangle.points[c]); };
+    triangle.along[i] = (x(1) - x(0)) / n;
+    triangle.up[i] = (x(2) - x(0)) / n;
+    triangle.turn[i] = (triangle.along[i] + triangle.up[i]) / 3;
+    triangle.start[i] = x(0) + triangle.turn[i];
+  }
+  if (n <= few_divisions)
+    take_blocks(number, n, 0, int(point_blocks(n).size()));
+  else
+    take_near_strips(number, n, opening);
+}
+
+TouchLaw ToolContact::law(const At& at, double opens) const {
+  return {.deepest = at.law.deepest,
+          .damping = at.law.damping,
+          .friction = friction_,
+          .opens = opens,
+          .has_jaws = shape_.kind == RigidShape::Kind::jaws,
+          .is_unit = distance_.error() == 0};
+}
+
+// Blocks of points of a triangle.
+void ToolContact::take_blocks(int triangle, int divisions, int begin, int end) const {
+  const std::vector<PointBlock>& points = point_blocks(divisions);
+  const std::size_t count = block_count_ + std::size_t(end - begin);
+  if (blocks_.size() < count) blocks_.resize(count);
+  for (int b = begin; b < end; ++b) {
+    TouchBlock& block = blocks_[block_count_++];
+    block.points = &points[std::size_t(b)];
+    block.triangle = triangle;
+    block.first = b * PointBlock::width;
+  }
+}
+
+// Those of strips that may be touched.
+void ToolContact::take_near_strips(int number, int n, double opening) const {
+  const TouchTriangle& triangle = triangles_[std::size_t(number)];
+  constexpr int width = PointBlock::width;
+  const double more = memory_.held().most() + distance_.error();
+  const auto is_beyond = [&](const Vec3d& middle, double radius) {
+    return distance_.is_beyond(middle, radius + more, opening);
+  };
+  const auto vector = [](const std::array<double, 3>& a) { return Vec3d(a[0], a[1], a[2]); };
+  const Vec3d along = vector(triangle.along), up = vector(triangle.up), start = vector(triangle.start);
+  const double length = along.norm(), height = vector(triangle.turn).norm();
+  const Vec3d centre = start + (n - 1) * (along + up) / 3;
+  if (is_beyond(centre, 2.0 / 3 * n * std::max({length, up.norm(), (along - up).norm()}))) return;
+  for (int j = 0, end = 0; j < n; ++j) {
+    const int last = n - j - 1;
+    if (is_beyond(start + j * up + 0.5 * last * along, 0.5 * last * length + height)) continue;
+    const int begin = std::max(end, strip(n, j).begin / width);
+    end = std::max(end, (strip(n, j).end + width - 1) / width);
+    take_blocks(number, n, begin, end);
+  }
+}
+
+// A mesh has a grid in place of a formula.
+void ToolContact::find_distances(std::size_t first, double opening) const {
+  const double near = memory_.held().most();
+  kernels_.find_distances({shape_.kind, shape_.radius, shape_.length, shape_.size, opening}, near,
+                          triangles_.data(), blocks_.data() + first, int(block_count_ - first));
+  if (shape_.kind != RigidShape::Kind::mesh) return;
+  for (std::size_t b = first; b < block_count_; ++b)
+    for (unsigned int rest = blocks_[b].points->lanes; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+      const Distance found = distance_.at(lane_of(blocks_[b].place, lane));
+      blocks_[b].distance[lane] = found.value;
+      for (std::size_t d = 0; d < 3; ++d) blocks_[b].gradient[d][lane] = found.gradient[int(d)];
+      if (found.value < near) blocks_[b].touched |= 1u << lane;
     }
 }
 
-// The tool moves by no more than ahead_ − moved_ from the start of the frame to its end, and no point of a
-// triangle by more than its corners. What is clear by less than `least` is not safe from changes that no step
-// makes.
-void ToolContact::remember_clear(const Candidate& candidate, const Mat3<double>& x, const At& at,
-                                 double opening) const {
+// Of points near enough for what is held somewhere, leaves those that are for what is held there.
+void ToolContact::leave_what_is_held(const At& at) const {
+  visit_lanes([&](TouchBlock& block, std::size_t lane) {
+    block.held[lane] = memory_.held().at(triangle_of(block, at).points, lane_of(block.points->weights, lane));
+    if (block.distance[lane] >= block.held[lane]) block.touched &= ~(1u << lane);
+  });
+}
+
+// Until when those are clear that nothing touches now. The tool moves by no more than ahead_ − moved_ from
+// the start of the frame to its end, and no point of a triangle by more than its corners. What is clear by
+// less than `least` is not safe from changes that no step makes.
+void ToolContact::remember_clear(const At& at, double opening) const {
   constexpr double least = 1e-5;  // [m]
-  double gap = std::numeric_limits<double>::infinity();
-  visit_places(
-      x, candidate.divisions, [](const Vec3d&, double) { return false; },
-      [&](int, const Vec3d& place, auto&&) { gap = std::min(gap, distance_.at(place, opening).value); });
-  candidate.clear_until = at.body_moved + moved_ + gap - distance_.error() - least;
-}
-
-// The tangential way from the anchor, which has followed where it slides, to the point [m].
-Vec3d ToolContact::slip_of(const Touch& touch, double stiffness, double pressure) const {
-  if (!touch.anchor) return Vec3d::Zero();
-  const Vec3d &g = touch.gradient, way = touch.place - touch.anchor->at;
-  const double square_of_g = distance_.error() > 0 ? g.squaredNorm() : 1;  // of a mesh g is no unit vector
-  const Vec3d slip = way - g * (g.dot(way) / square_of_g);
-  const double square = stiffness * stiffness / 4 * slip.squaredNorm(), most = friction_ * pressure;
-  return square > most * most ? Vec3d(slip * (most / std::sqrt(square))) : slip;
-}
-
-// Turns forces at these points from the tool's axes to those of the world. Returns their sum and their torque
-// about the tool's origin.
-static std::pair<Vec3d, Vec3d> turn_and_sum(const std::vector<int>& points, const Mat3X<double>& places,
-                                            const Mat3<double>& rotation, Mat3X<double>& f) {
-  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
-  for (int p : points) {
-    const Vec3d own = f.col(p);
-    force += own;
-    torque += places.col(p).cross(own);
-    f.col(p) = rotation * own;
+  std::size_t b = 0;
+  for (int t : near_) {
+    const Candidate& candidate = candidates_[std::size_t(t)];
+    const std::size_t begin = b;
+    unsigned int touched = 0;
+    for (; b < block_count_ && blocks_[b].triangle == t; ++b) touched |= blocks_[b].touched;
+    if (touched != 0) continue;
+    double gap = std::numeric_limits<double>::infinity();
+    const auto see = [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i)
+        for (unsigned int rest = blocks_[i].points->lanes; rest != 0; rest &= rest - 1)
+          gap = std::min(gap, blocks_[i].distance[std::size_t(std::countr_zero(rest))]);
+    };
+    if (candidate.divisions <= few_divisions) {
+      see(begin, b);
+    } else {  // all strips
+      const std::size_t count = block_count_;
+      take_blocks(t, candidate.divisions, 0, int(point_blocks(candidate.divisions).size()));
+      find_distances(count, opening);
+      see(count, block_count_);
+      block_count_ = count;
+    }
+    candidate.clear_until = at.body_moved + moved_ + gap - distance_.error() - least;
   }
-  return {rotation * force, rotation * torque};
 }
 
-void ToolContact::find_forces(const At& at, Mat3X<double>& f) {
+// ---- Forces
+
+void ToolContact::find_forces(const At& at) {
   on_tool_ = {.tool = tool_};
   pressed_.clear();
   if (!is_there(at.time) || !find_near(at)) return;
   const RigidMotion now = motion_at(path_, at.time);
-  const auto count = Eigen::Index(points_.size());
-  if (speeds_.cols() < count) speeds_.resize(3, count);
-  is_pressed_in_.resize(points_.size(), 0);
-  double grip = 0;
-  // All in the tool's axes. Speeds against the tool are linear within a triangle, since it is rigid.
-  const Mat3<double> to_tool = now.rotation.transpose();
-  const Vec3d spin = to_tool * now.spin;
-  const auto begin_point = [&](int p) {
-    if (std::exchange(is_pressed_in_[std::size_t(p)], evaluation_) == evaluation_) return;
-    pressed_.push_back(p);
-    f.col(p).setZero();
-    if (at.law.damping == 0) return;
-    const Vec3d v = at.places.velocity_of_point(points_[std::size_t(p)]) - now.velocity;
-    speeds_.col(p) = to_tool * v - spin.cross(places_.col(p));
-  };
-  const Candidate* of = nullptr;
-  double stiffness = 0, area = 0;  // of the candidate, and of each of its points
-  const bool has_jaws = shape_.kind == RigidShape::Kind::jaws;
-  visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
-    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
-    if (std::exchange(of, &candidate) != &candidate) {
-      for (int p : candidate.points) begin_point(p);
-      stiffness = triangle.stiffness;
-      area = triangle.area / (candidate.divisions * candidate.divisions);
+  find_touches(at, now);
+  begin_forces();
+  if (friction_ > 0) find_anchors(at);
+  const double grip = kernels_.add_forces(law(at, now.opens), triangles_.data(), blocks_.data(),
+                                          int(block_count_), rows(speeds_), forces_.data());
+  remember(at);
+  turn_and_sum(now.rotation);
+  if (shape_.kind == RigidShape::Kind::jaws) on_tool_.grip = std::max(0.0, grip);
+}
+
+// The corners of the triangles that are touched, and no forces on them.
+void ToolContact::begin_forces() {
+  if (forces_.cols() < places_.cols()) forces_.resize(4, places_.cols());
+  is_pressed_.assign(near_points_.size(), 0);
+  for (std::size_t b = 0; b < block_count_; ++b) {
+    if (blocks_[b].touched == 0) continue;
+    for (int p : triangles_[std::size_t(blocks_[b].triangle)].points) {
+      if (std::exchange(is_pressed_[std::size_t(p)], 1)) continue;
+      pressed_.push_back(p);
+      forces_.col(p).setZero();
     }
-    double pressure = at.law.pressure(touch.depth, touch.held, stiffness);
-    if (at.law.damping > 0) {
-      double approach = has_jaws ? touch.gradient.y() * std::copysign(now.opens / 2, touch.place.y()) : 0;
-      for (int c = 0; c < 3; ++c)
-        approach -= touch.weights[c] * touch.gradient.dot(speeds_.col(candidate.points[c]));
-      pressure = std::max(0.0, pressure + at.law.damping * stiffness * approach);
-    }
-    Vec3d traction = pressure * touch.gradient;
-    if (friction_ > 0) {
-      const Vec3d slip = slip_of(touch, stiffness, pressure);
-      traction -= stiffness / 2 * slip;
-      memory_.add({.tet = triangle.owner.tet,
-                   .code = triangle.owner.code,
-                   .divisions = candidate.divisions,
-                   .number = touch.number,
-                   .at = touch.place - slip});
-    }
-    if (at.law.hold > 0)
-      memory_.held().add(candidate.triangle, triangle.points, touch.weights, area * stiffness, touch.depth);
-    const Vec3d own_force = area * traction;
-    for (int c = 0; c < 3; ++c) f.col(candidate.points[c]) += touch.weights[c] * own_force;
-    if (has_jaws) grip -= std::copysign(0.5, touch.place.y()) * own_force.y();
+  }
+}
+
+void ToolContact::find_anchors(const At& at) {
+  AnchorReader anchors = memory_.anchors();
+  visit_lanes([&](TouchBlock& block, std::size_t lane) {
+    const Anchor* anchor =
+        anchors.find(triangle_of(block, at).owner, candidate_of(block).divisions, block.first + int(lane));
+    block.has_anchor[lane] = anchor != nullptr;
+    if (!anchor) return;
+    for (std::size_t d = 0; d < 3; ++d) block.anchor[d][lane] = anchor->at[int(d)];
   });
+}
+
+// What a step would leave behind.
+void ToolContact::remember(const At& at) {
+  if (friction_ > 0)
+    visit_lanes([&](const TouchBlock& block, std::size_t lane) {
+      const FaceOwner& owner = triangle_of(block, at).owner;
+      memory_.add({.tet = owner.tet,
+                   .code = owner.code,
+                   .divisions = candidate_of(block).divisions,
+                   .number = block.first + int(lane),
+                   .at = lane_of(block.anchor, lane)});
+    });
+  if (at.law.hold > 0)
+    visit_lanes([&](const TouchBlock& block, std::size_t lane) {
+      const TouchTriangle& triangle = triangles_[std::size_t(block.triangle)];
+      memory_.held().add(candidate_of(block).triangle, triangle_of(block, at).points,
+                         lane_of(block.points->weights, lane), triangle.area * triangle.stiffness,
+                         -block.distance[lane]);
+    });
   memory_.held().end(at.surface, at.law, at.since);
-  std::tie(on_tool_.force, on_tool_.torque) = turn_and_sum(pressed_, places_, now.rotation, f);
-  if (has_jaws) on_tool_.grip = std::max(0.0, grip);
+}
+
+// Turns forces from the tool's axes to those of the world, and sums them and their torque about its origin.
+void ToolContact::turn_and_sum(const Mat3<double>& rotation) {
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+  for (int p : pressed_) {
+    const Vec3d own = forces_.col(p).head<3>(), place = places_.col(p);
+    force += own;
+    torque += place.cross(own);
+    forces_.col(p).head<3>() = rotation * own;
+  }
+  on_tool_.force = rotation * force;
+  on_tool_.torque = rotation * torque;
 }
 
 double ToolContact::energy(const At& at) const {
   if (!is_there(at.time) || !find_near(at)) return 0;
   double sum = 0;
-  visit_touches(at, motion_at(path_, at.time), [&](const Candidate& candidate, const Touch& touch) {
-    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
-    const double area = triangle.area / (candidate.divisions * candidate.divisions);
-    sum += area * at.law.energy(touch.depth, touch.held, triangle.stiffness);
-    if (friction_ == 0) return;
-    const double pressure = at.law.pressure(touch.depth, touch.held, triangle.stiffness);
-    sum += area * triangle.stiffness / 4 * slip_of(touch, triangle.stiffness, pressure).squaredNorm();
+  visit_touches(at, motion_at(path_, at.time), [&](const Candidate&, const Touch& touch) {
+    const double stiffness = touch.triangle.stiffness, area = touch.triangle.area;
+    sum += area * at.law.energy(touch.depth, touch.held, stiffness);
+    if (friction_ == 0 || !touch.anchor) return;
+    const double pressure = at.law.pressure(touch.depth, touch.held, stiffness);
+    const Vec3d way = touch.place - touch.anchor->at;
+    sum += area * stiffness / 4 * law(at, 0).slip(stiffness, way, touch.gradient, pressure).squaredNorm();
   });
   return sum;
 }

@@ -14,22 +14,24 @@
 // anchor slides after the point.
 #pragma once
 
+#include <bit>
 #include <limits>
 
 #include "lobe/contact/contact_law.h"
 #include "lobe/contact/contact_memory.h"
 #include "lobe/contact/contact_surface.h"
 #include "lobe/contact/places.h"
-#include "lobe/contact/quadrature.h"
 #include "lobe/contact/rigid_motion.h"
 #include "lobe/contact/signed_distance.h"
+#include "lobe/contact/touch_kernels.h"
 #include "lobe/setup/contact_setup.h"
 
 namespace lobe {
 
 class ToolContact {
  public:
-  ToolContact(int tool, const RigidShape& shape) : tool_(tool), shape_(shape), distance_(shape) {}
+  ToolContact(int tool, const RigidShape& shape, InstructionSet set = chosen_instruction_set())
+      : tool_(tool), shape_(shape), distance_(shape), kernels_(touch_kernels(set)) {}
 
   // What stays where it is: of a number below 0.
   ToolContact(int number, const ObstacleSetup& obstacle);
@@ -57,7 +59,7 @@ class ToolContact {
   }
   const std::vector<int>& points() const { return points_; }  // of the surface, that candidates have
 
-  // ---- Forces. f: one column for each of points(). memory().begin_forces() in each evaluation.
+  // ---- Forces. memory().begin_forces() in each evaluation.
 
   struct At {
     const ContactSurface& surface;
@@ -67,9 +69,11 @@ class ToolContact {
     double body_moved = 0;  // by at most that in all steps [m]
     const Places& places;   // of the surface
   };
-  // Sets f at pressed(), those of points() on which there are forces [N].
-  void find_forces(const At& at, Mat3X<double>& f);
-  const std::vector<int>& pressed() const { return pressed_; }
+  void find_forces(const At& at);
+  template <class Visit>  // visit(point of the surface, force [N]) of those that are pressed
+  void visit_forces(Visit&& visit) const {
+    for (int i : pressed_) visit(near_points_[std::size_t(i)], Vec3d(forces_.col(i).template head<3>()));
+  }
   const OnTool& on_tool() const { return on_tool_; }
   double energy(const At& at) const;                                        // [J]
   void use(const ContactSurface& surface) { memory_.held().use(surface); }  // before any of these
@@ -79,8 +83,7 @@ class ToolContact {
     if (!find_near(at)) return;
     const RigidMotion now = motion_at(path_, at.time);
     visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
-      const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
-      const double k = triangle.stiffness * triangle.area / (candidate.divisions * candidate.divisions);
+      const double k = touch.triangle.stiffness * touch.triangle.area;
       const Vec3d n = now.rotation * touch.gradient;
       Mat3<double> K = k * n * n.transpose();
       if (friction_ > 0) K += k / 2 * (Mat3<double>::Identity() - n * n.transpose());
@@ -114,24 +117,52 @@ class ToolContact {
     mutable double clear_until = -std::numeric_limits<double>::infinity();
   };
   struct Touch {  // at a point of a triangle, in the tool's axes
+    const TouchTriangle& triangle;
     Vec3d weights;
-    int number;  // of the point
     double depth, held;
     const Anchor* anchor;  // or null
     Vec3d gradient, place;
   };
   double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // or less [m]
   bool find_near(const At& at) const;
+  // After find_near(): where the corners of what is near are and what its points touch.
+  void find_touches(const At& at, const RigidMotion& now) const;
   void find_places(const At& at, const RigidMotion& now) const;
-  // Of a candidate that nothing touches now. x: its corners in the tool's axes [m].
-  void remember_clear(const Candidate& candidate, const Mat3<double>& x, const At& at, double opening) const;
+  void take_triangle(int number, double opening) const;
+  TouchLaw law(const At& at, double opens) const;
+  TouchRows rows(PointRows& of) const { return {of.data(), int(of.cols())}; }
+  void take_near_strips(int triangle, int divisions, double opening) const;
+  void take_blocks(int triangle, int divisions, int begin, int end) const;
+  void find_distances(std::size_t first_block, double opening) const;
+  void leave_what_is_held(const At& at) const;
+  void remember_clear(const At& at, double opening) const;
+  const Candidate& candidate_of(const TouchBlock& block) const {
+    return candidates_[std::size_t(block.triangle)];
+  }
+  const ContactSurface::Triangle& triangle_of(const TouchBlock& block, const At& at) const {
+    return at.surface.triangles()[std::size_t(candidate_of(block).triangle)];
+  }
+  void begin_forces();
+  void find_anchors(const At& at);
+  void remember(const At& at);
+  void turn_and_sum(const Mat3<double>& rotation);
+  static Vec3d lane_of(const std::array<PointBlock::Row, 3>& rows, std::size_t lane) {
+    return {rows[0][lane], rows[1][lane], rows[2][lane]};
+  }
+  // visit(block, lane) of each point that is touched.
+  template <class Visit>
+  void visit_lanes(Visit&& visit) const {
+    for (std::size_t b = 0; b < block_count_; ++b)
+      for (unsigned int rest = blocks_[b].touched; rest != 0; rest &= rest - 1)
+        visit(blocks_[b], static_cast<std::size_t>(std::countr_zero(rest)));
+  }
   template <class Visit>  // visit(candidate, touch), after find_near()
   void visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const;
-  Vec3d slip_of(const Touch& touch, double stiffness, double pressure) const;
 
   int tool_;
   RigidShape shape_;
   SignedDistance distance_;
+  TouchKernels kernels_;
   double friction_ = 0, appears_ = 0, goes_ = 0;
   std::vector<PathPoint> path_;  // around the frame
 
@@ -145,50 +176,35 @@ class ToolContact {
 
   ContactMemory memory_;
   OnTool on_tool_;
-  // Scratch of an evaluation: candidates that may touch, where their points are in the tool's axes [m], and
-  // the points that are pressed.
-  mutable std::vector<int> near_;
-  mutable Mat3X<double> places_;
-  mutable std::vector<int> place_is_of_;  // per point: the evaluation that found its place
+  mutable std::vector<TouchTriangle> triangles_;  // per candidate
+
+  // Scratch of an evaluation: candidates that may touch; their points, as those of the surface; where these
+  // are and how fast, in the tool's axes; what is found at points of triangles; the points that are pressed.
+  mutable std::vector<int> near_, near_points_;
+  mutable PointRows places_, speeds_;    // per near point [m], [m/s]
+  mutable std::vector<int> near_of_;     // per point: which near point it is
+  mutable std::vector<int> is_near_in_;  // per point: the evaluation that found so
   mutable int evaluation_ = 0;
-  std::vector<int> pressed_, is_pressed_in_;  // the latter per point: in which evaluation
-  Mat3X<double> speeds_;                      // of pressed points against the tool, in its axes [m/s]
+  mutable std::vector<TouchBlock> blocks_;
+  mutable std::size_t block_count_ = 0;
+  std::vector<int> pressed_;
+  std::vector<std::uint8_t> is_pressed_;             // per near point
+  Eigen::Matrix<double, 4, Eigen::Dynamic> forces_;  // per near point, and a row of zeros [N]
 };
 
+// One after the other, as numbers that are no packs.
 template <class Visit>
 void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const {
   AnchorReader anchors = memory_.anchors();
-  const double most_held = memory_.held().most();
-  const auto is_beyond = [&](const Vec3d& middle, double radius) {
-    return distance_.is_beyond(middle, radius + most_held, now.opening);
-  };
-  find_places(at, now);
-  for (int c : near_) {
-    const Candidate& candidate = candidates_[std::size_t(c)];
-    const Mat3<double> x = places_(Eigen::all, candidate.points);
-    if (candidate.divisions > few_divisions) {
-      const Vec3d centre = x.rowwise().sum() / 3;
-      const double radius = std::sqrt((x.colwise() - centre).colwise().squaredNorm().maxCoeff());
-      if (is_beyond(centre, radius + distance_.error())) {
-        remember_clear(candidate, x, at, now.opening);
-        continue;
-      }
-    }
-    bool is_touched = false;
-    const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
-    visit_places(x, candidate.divisions, is_beyond, [&](int number, const Vec3d& place, auto&& weights_of) {
-      if (is_beyond(place, 0)) return;
-      const Distance g = distance_.at(place, now.opening);
-      if (g.value >= most_held) return;
-      const Vec3d weights = weights_of();
-      const double held = memory_.held().any() ? memory_.held().at(triangle.points, weights) : 0;
-      if (g.value >= held) return;
-      is_touched = true;
-      const Anchor* anchor = anchors.find(triangle.owner, candidate.divisions, number);
-      visit(candidate, Touch{weights, number, -g.value, held, anchor, g.gradient, place});
-    });
-    if (!is_touched) remember_clear(candidate, x, at, now.opening);
-  }
+  find_touches(at, now);
+  visit_lanes([&](const TouchBlock& block, std::size_t lane) {
+    const Candidate& candidate = candidate_of(block);
+    const Anchor* anchor =
+        anchors.find(triangle_of(block, at).owner, candidate.divisions, block.first + int(lane));
+    visit(candidate, Touch{triangles_[std::size_t(block.triangle)], lane_of(block.points->weights, lane),
+                           -block.distance[lane], block.held[lane], anchor, lane_of(block.gradient, lane),
+                           lane_of(block.place, lane)});
+  });
 }
 
 }  // namespace lobe

@@ -63,8 +63,9 @@ void Patches<Real>::for_lanes(Index p, const Mat3X<Real>& u, Visit&& visit) {
   sums_.gather(layout_, p, u, local);
   const PatchArrays<Real> patch = arrays(p, local);
   for (Index i = 0; i < layout_.patch(p).items; i += Lanes::count)
-    visit(Lanes(patch.blocks[i / width], i % width, patch.u), patch, i / width, p * Layout::capacity + i,
-          std::min<int>(Lanes::count, layout_.patch(p).items - i));
+    if (!visit(Lanes(patch.blocks[i / width], i % width, patch.u), patch, i / width, p * Layout::capacity + i,
+               std::min<int>(Lanes::count, layout_.patch(p).items - i)))
+      return;
 }
 
 template <class Real>
@@ -81,6 +82,7 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
     if (law.terms.fibre) law.direction = e.direction(patch.fibre_blocks[block], slot % width);
     const T W = law_energy_density(law, e.H) * e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
+    return true;
   };
   for (Index p = 0; p < layout_.patch_count(); ++p) for_lanes(p, u, add);
   return sum;
@@ -97,11 +99,12 @@ void Patches<Real>::find_slopes(const Mat3X<Real>& u) {
           slopes_(d, 4 * layout_.id_of(slot + lane) + c) =
               double(Real(e.V[lane])) * double(Real(Fa[d][lane]));
     }
+    return true;
   };
   for (Index p = 0; p < layout_.patch_count(); ++p) for_lanes(p, u, keep);
 }
 
-// The tetrahedron of the smallest det F is searched in its patch only.
+// The tetrahedron of the smallest det F is searched in its patch only, until it is found.
 template <class Real>
 typename Patches<Real>::Stiffness Patches<Real>::smallest_of(const std::vector<Real>& ratios,
                                                              const Mat3X<Real>& u) {
@@ -115,6 +118,7 @@ typename Patches<Real>::Stiffness Patches<Real>::smallest_of(const std::vector<R
         result.smallest_volume_ratio = 1 + Real(change[lane]);
         result.smallest_tet = layout_.id_of(slot + lane);
       }
+    return result.smallest_volume_ratio > double(*smallest);
   };
   for_lanes(static_cast<Index>(smallest - ratios.begin()), u, find);
   return result;

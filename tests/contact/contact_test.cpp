@@ -2,11 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "condense/half_linear.h"
 #include "contact/frame.h"
+#include "lobe/contact/quadrature.h"
 #include "lobe/error.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
@@ -136,6 +138,35 @@ TEST_CASE("contact forces are minus the slope of the energy, and its stiffness i
     const double felt = -(force_at(v, 2, h) - force_at(v, 2, -h)) / (2 * h);
     CHECK(felt < K(5, v) * 1.001 + 1e-6 * stiffest);
     CHECK(felt > 0.6 * K(5, v) - 0.02 * stiffest);
+  }
+}
+
+// Against all points of all triangles. Without friction and with lumped masses nothing is remembered.
+TEST_CASE("what a tip touches is found among all points, however small it is") {
+  for (double radius : {0.0008, 0.003, 0.012}) {
+    Setup setup = setup_of(box_mesh(Vec3d::Constant(0.05), 5, 5, 5), RegionModel::nonlinear);
+    const Vec3d centre(0.0243, 0.0227, 0.05 + 0.8 * radius);
+    setup.probes.push_back(ball(radius, {{0, centre}}));
+    World<double> world(setup);
+    world.advance(1e-4);
+    const auto& contact = dynamic_cast<const Contact<double>&>(*world.body().terms.front());
+    const Mat3X<double> x = setup.mesh.points + world.state().u;
+    double energy = 0;
+    int touched = 0;
+    for (const ContactSurface::Triangle& triangle : contact.surface().triangles()) {
+      Mat3<double> corners;
+      for (int c = 0; c < 3; ++c)
+        corners.col(c) = x.col(contact.surface().points()[std::size_t(triangle.points[c])].corners[0]);
+      const int n = std::clamp(static_cast<int>(std::ceil(triangle.longest / (radius / 2))), 2, 24);
+      visit_centroids(n, [&](int, const Vec3d& weights) {
+        const double depth = radius - (corners * weights - centre).norm();
+        if (depth <= 0) return;
+        energy += triangle.area / (n * n) * triangle.stiffness * depth * depth / 2;
+        ++touched;
+      });
+    }
+    CHECK(touched > 1);
+    CHECK(world.energies().applied == near(energy, 1e-9));
   }
 }
 

@@ -4,9 +4,11 @@
 #include <map>
 #include <random>
 
+#include "contact/frame.h"
 #include "lobe/contact/distance_grid.h"
 #include "lobe/error.h"
 #include "near.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -115,4 +117,32 @@ TEST_CASE("a mesh that is open, turned inside out or without points is refused")
   CHECK(fault_of(shape) == "it needs triangles between finite vertices that there are");
   CHECK(fault_of({.kind = RigidShape::Kind::mesh}) ==
         "it needs triangles between finite vertices that there are");
+}
+
+TEST_CASE("a probe of triangles presses like the sphere that it stands for, and an obstacle like a probe") {
+  const double radius = 0.012;
+  struct Pressed {
+    Mat3X<double> u;   // [m]
+    double force = 0;  // on the probe [N]
+  };
+  const auto press = [&](const RigidShape& shape, bool is_obstacle) {
+    Setup setup = setup_of(irregular_box(5), RegionModel::nonlinear);
+    for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+      if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+    setup.damping = 15;
+    const Vec3d place(0.025, 0.022, 0.059);
+    if (is_obstacle)
+      setup.contact.obstacles.push_back(
+          {.name = "stone", .shape = shape, .position = place, .friction = 0.1});
+    else
+      setup.probes.push_back({"tip", shape, 0.1, {{0, place}}});
+    World<double> world(setup);
+    for (int i = 0; i < 15; ++i) world.advance(frame);
+    return Pressed{world.state().u, is_obstacle ? 0 : world.tools().lists().probes.front().force.norm()};
+  };
+  const RigidShape triangles = cube_of_triangles(16, radius, true);
+  const Pressed sphere = press(RigidShape::sphere(radius), false), mesh = press(triangles, false);
+  CHECK(sphere.force > 0.1);
+  CHECK(mesh.force == near(sphere.force, 0.03));
+  CHECK((press(triangles, true).u - mesh.u).norm() < 1e-9 * mesh.u.norm());
 }

@@ -142,7 +142,7 @@ int check_against_formulae(const Case& c, const Found& found) {
     ++touched;
     const double side = x.y() < 0 ? -1 : 1;
     double approach = -g.gradient.dot(c.corners.v * weights);
-    if (c.law.has_jaws) approach += g.gradient.y() * side * std::abs(c.law.opens) / 2;
+    if (c.law.has_jaws) approach += g.gradient.y() * side * c.law.opens / 2;
     const double elastic = stiffness * std::clamp(c.held - g.value, 0.0, c.law.deepest);
     const double p = std::max(0.0, elastic + c.law.damping * stiffness * approach);
     Vec3d force = area * p * g.gradient;

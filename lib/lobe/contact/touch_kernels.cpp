@@ -2,7 +2,6 @@
 #include "lobe/contact/touch_kernels.h"
 
 #include <bit>
-#include <cmath>
 
 #include "lobe/numerics/simd.h"
 
@@ -137,8 +136,7 @@ LOBE_FLATTEN double add_forces(const TouchLaw& law, const TouchTriangle* triangl
       T approach = T(0);
       if (law.damping > 0) {
         if (law.has_jaws)
-          approach = gradient[1] *
-                     pick(is_less(place[1], T(0)), T(-std::abs(law.opens / 2)), T(std::abs(law.opens / 2)));
+          approach = gradient[1] * pick(is_less(place[1], T(0)), T(-law.opens / 2), T(law.opens / 2));
         for (std::size_t c = 0; c < 3; ++c) {
           const double* v = speeds.row + triangle.points[c];
           approach -= load(points.weights[c], first) *

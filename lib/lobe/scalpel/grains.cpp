@@ -320,13 +320,13 @@ bool Grains::hangs_together(Index point) {
 // In order of their first grains.
 std::vector<std::vector<Index>> Grains::parts_around(Index point) {
   std::vector<Index> left(around_[point].begin(), around_[point].end());
-  std::sort(left.begin(), left.end());
   for (Index grain : left) scratch_[std::size_t(grain)] = 0;
   std::vector<std::vector<Index>> parts;
-  for (Index first : left) {
-    if (scratch_[std::size_t(first)] < 0) continue;
-    std::vector<Index>& part = parts.emplace_back(1, first);
-    scratch_[std::size_t(first)] = -1;
+  while (!left.empty()) {
+    std::vector<Index>& part = parts.emplace_back();
+    part.reserve(left.size());
+    part.push_back(*std::min_element(left.begin(), left.end()));
+    scratch_[std::size_t(part.front())] = -1;
     for (std::size_t at = 0; at < part.size(); ++at)
       for (int f = 0; f < 4; ++f) {
         if ((*this)[part[at]].points[f] == point) continue;
@@ -335,6 +335,7 @@ std::vector<std::vector<Index>> Grains::parts_around(Index point) {
         scratch_[std::size_t(other)] = -1;
         part.push_back(other);
       }
+    std::erase_if(left, [&](Index grain) { return scratch_[std::size_t(grain)] < 0; });
   }
   return parts;
 }

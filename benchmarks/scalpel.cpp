@@ -149,7 +149,8 @@ double geometry_seconds(const Setup& setup, const FullStroke& stroke, int frames
                              },
                              [&](const SweptVolume& volume) {
                                return groups.meeting(elements.topology, elements.points.padded(), u, volume);
-                             }};
+                             },
+                             [&](Index t) { return elements.corner_points(t); }};
   const auto pose = [&](double share) {
     return BladePose{stroke.from.tip + share * (stroke.to.tip - stroke.from.tip),
                      stroke.from.heel + share * (stroke.to.heel - stroke.from.heel)};

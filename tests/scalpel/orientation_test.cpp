@@ -62,3 +62,39 @@ TEST_CASE("a sheet tells where it is crossed, and how far a point is from it") {
   CHECK(sheet.distance({1, 2, 0}, 2) == 1);
   CHECK(sheet.distance({1, 2, 0}, 0.99) > 1);  // farther than it asks for
 }
+
+TEST_CASE("no tetrahedron or box within reach of a sheet is said to be out of it") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto any = [&] { return Vec3d(uniform(random), uniform(random), uniform(random)); };
+  int in_reach = 0, out = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Vec3d edge = any(), way = 0.2 * any(), start = any(), bend = trial % 2 * 0.3 * any();
+    std::vector<Vec3d> from, to;
+    for (int i = 0; i <= 10; ++i) {
+      const double share = i / 10.0;
+      from.push_back(start + share * edge + share * (1 - share) * bend);
+      to.push_back(from.back() + way + (trial % 3 == 0 ? share : 0.0) * any());
+    }
+    const Sheet sheet(from, to);
+    for (int tet = 0; tet < 20; ++tet) {
+      const Vec3d corner = any();
+      Mat34<double> x;
+      for (int k = 0; k < 4; ++k) x.col(k) = corner + 0.1 * any();
+      const double reach = 0.05 + 0.05 * uniform(random);
+      double least = sheet.distance(x.rowwise().mean(), 10);
+      for (int k = 0; k < 4; ++k) least = std::min(least, sheet.distance(x.col(k), 10));
+      const bool reaches = sheet.may_reach(x, reach),
+                 box_reaches = sheet.may_reach(
+                     Eigen::AlignedBox3d(x.rowwise().minCoeff(), x.rowwise().maxCoeff()), reach);
+      if (least < reach) {
+        ++in_reach;
+        CHECK(reaches);
+        CHECK(box_reaches);
+      }
+      out += !reaches;
+    }
+  }
+  CHECK(in_reach > 100);
+  CHECK(out > 10000);
+}

@@ -113,6 +113,8 @@ void Topology::forget_neighbour(Index tet, Index other) {
 }
 
 void Topology::set_neighbours(Index tet, int face, std::span<const Index> others) {
+  const Index now = std::max(neighbours_(face, tet), -1);
+  if (others.size() < 2 && !has_more(tet) && now == (others.empty() ? -1 : others[0])) return;
   if (neighbours_(face, tet) < 0) close_face(4 * tet + face);
   neighbours_(face, tet) = -1;
   if (has_more(tet))

@@ -76,9 +76,9 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   swept.add(there);
   const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved_since(rows.back(), from),
                     stroke->begun};
-  const PlacedTets tets(grains, tets_near(swept, blade, body), body.placement);
+  const PlacedTets tets(grains, tets_near(swept, blade, body), body.placement, body.corners);
   Incised incised;
-  if (tets.size() > 0) {
+  if (tets.size() > 0 || !grains.waiting(blade.stroke).empty()) {
     find_in_body(now, tets);
     incised = incise(grains, blade, swept, tets);
   }
@@ -102,9 +102,12 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   const double length = (step.from.heel - step.from.tip).norm();
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
   Row row = places_at(step.from, stroke, count);
-  Eigen::AlignedBox3d box;
-  for (const BladePoint& station : row) box.extend(station.place);
-  find_in_body(row, PlacedTets(grains, body.tets_in({box, {}, {}}), body.placement));
+  std::vector<Vec3d> places;
+  for (const BladePoint& station : row) places.push_back(station.place);
+  const Sheet edge(places, places);
+  const auto is_at_edge = [&](const auto& x) { return edge.may_reach(x, 0); };
+  const std::vector<Index> near = body.tets_in({edge.box(), is_at_edge, is_at_edge});
+  find_in_body(row, PlacedTets(grains, near, body.placement, body.corners));
   stroke.rows = {std::move(row)};
   return &stroke;
 }
@@ -134,7 +137,7 @@ void Blades::end_strokes() {
 std::vector<Index> Blades::tets_near(const SweptSheets& swept, const Blade& blade,
                                      const BodyNow& body) const {
   const Sheet* last = blade.looks_back ? swept.before_last() : nullptr;
-  const double reach = std::max(blade.reach(), open_within) * grains.mean_edge();
+  const double reach = blade.reach(grains);
   const Eigen::AlignedBox3d box = last ? swept.last_box().merged(last->box()) : swept.last_box();
   const Vec3d around = Vec3d::Constant(reach);
   const Sheet* now = nullptr;  // made when the first tetrahedron is near
@@ -168,7 +171,6 @@ void Blades::find_in_body(Row& row, const PlacedTets& tets) const {
     return std::clamp((x - start[axis]) / per_station, -1.0, double(row.size()));
   };
   for (std::size_t i = 0; i < tets.size() && left > 0; ++i) {
-    const Placement& placement = tets[i].placement;
     const auto of_tet = tets.grains_of(tets[i]);
     const Eigen::AlignedBox3d box = box_around(of_tet);
     const auto [first, last] = std::minmax({station_at(box.min()[axis]), station_at(box.max()[axis])});
@@ -177,6 +179,7 @@ void Blades::find_in_body(Row& row, const PlacedTets& tets) const {
          ++at) {
       BladePoint& station = row[at];
       if (station.grain >= 0 || !box.contains(station.place)) continue;
+      const Placement& placement = tets.of(tets[i]);
       if (placement.gradient.determinant() < flat) break;
       const Vec3d rest = placement.start + placement.gradient.inverse() * (station.place - placement.image);
       const auto in = std::find_if(of_tet.begin(), of_tet.end(),

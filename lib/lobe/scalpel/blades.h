@@ -30,6 +30,7 @@ class Blades {
   struct BodyNow {
     Placements placement;
     std::function<std::vector<Index>(const SweptVolume&)> tets_in;  // that meet it
+    CornerPlaces corners;
   };
 
   // The edge from which a move goes on. The tissue may have carried it along.

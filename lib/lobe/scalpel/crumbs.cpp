@@ -23,6 +23,7 @@ std::vector<Index> both_sides(const Grains& grains, const std::vector<Index>& fa
 // The grains that hang together with one if these faces open, sorted; none if they are no crumb.
 std::vector<Index> crumb_of(const Grains& grains, Index first, const std::vector<Index>& opened) {
   const double least = least_share * grains.mean_volume();
+  if (grains.volume(first) >= least) return {};
   std::vector<Index> part{first};
   double volume = 0;
   for (std::size_t at = 0; at < part.size(); ++at) {

@@ -47,7 +47,7 @@ class Division {
   };
   struct Part {  // of a tetrahedron that was divided or has new corners
     Index tet;
-    std::vector<Index> grains;
+    Index begin, end;  // in grains_of_parts_
   };
 
   // Of a grain: its place in changed_; −1: none; below: the vertex around which it has not been found yet,
@@ -83,8 +83,7 @@ class Division {
   }
   void find_star(Index v);
   void find_rest(Index v, Index first);
-  bool has_many_sides(Index v) const;
-  bool is_bridged(Index v);
+  bool find_parts_at_sides(Index v);
   bool was_whole(Index v);
   bool may_part() const;
   bool find_parts(Index v);
@@ -99,19 +98,29 @@ class Division {
   const std::vector<GrainPair>& parted_;
   std::vector<Index>& marks_;
   std::vector<std::uint8_t>& is_whole_;
-  std::vector<Index> touched_, vertices_;
+  std::vector<Index> vertices_;
   struct Side {         // a grain beside a face that opened
-    Index grain, next;  // of the same vertex in sides_; −1: the last
+    Index grain, next;  // of the same vertex in sides_; negative: the last
   };
   std::vector<Side> sides_;
-  std::vector<Index>& first_side_;  // per vertex, in sides_; −1: none
+  std::vector<Index>& first_side_;  // per vertex, in sides_; negative: none
   std::vector<Changed> changed_;
-  std::vector<Index> star_, front_;           // grains around a vertex; those found there
-  std::vector<std::size_t> ends_;             // of connected parts, in front_
-  std::vector<Part> parts_, new_parts_;       // by their numbers: of old tetrahedra, of new ones
-  std::vector<Index> grains_of_tet_;          // scratch of divide()
-  std::array<std::vector<Index>, 4> across_;  // scratch of add_neighbours()
-  std::vector<Index> others_;                 // the same
+  std::vector<Index> star_, front_;  // grains around a vertex; those found there
+  struct Connected {
+    Index first;             // the lowest number
+    std::size_t begin, end;  // in front_
+  };
+  std::vector<Connected> connected_;     // parts of what is around a vertex
+  std::vector<Part> parts_, new_parts_;  // by their numbers: of old tetrahedra, of new ones
+  std::vector<Index> grains_of_parts_;
+  struct Group {  // of grains with the same corners
+    Corners corners;
+    double share = 0;
+  };
+  std::vector<Group> groups_;                                 // scratch of divide()
+  std::vector<std::pair<std::size_t, Index>> grains_of_tet_;  // the same: groups, and their grains
+  std::array<std::vector<Index>, 4> across_;                  // scratch of add_neighbours()
+  std::vector<Index> others_;                                 // the same
   Index new_tets_ = 0;
   TetDivision result_;
 };
@@ -124,7 +133,6 @@ Division::Division(const Grains& grains, const Topology& topology, const std::ve
       parted_(parted),
       marks_(marks),
       is_whole_(is_whole),
-      touched_(touched),
       first_side_(sides) {
   constexpr Index none = -1, seen = -2;
   marks_.resize(std::size_t(grains.count()), -1);
@@ -132,16 +140,18 @@ Division::Division(const Grains& grains, const Topology& topology, const std::ve
   first_side_.resize(std::size_t(topology.vertex_count()), none);
   for (Index t : touched)
     for (Index v : topology.corners(t))
-      if (std::exchange(first_side_[std::size_t(v)], seen) == none) vertices_.push_back(v);
-  std::sort(vertices_.begin(), vertices_.end());
-  for (Index v : vertices_) first_side_[std::size_t(v)] = none;
+      if (!is_whole_[std::size_t(v)] && std::exchange(first_side_[std::size_t(v)], seen) == none)
+        vertices_.push_back(v);
   sides_.reserve(8 * parted.size());
   for_common_vertices([&](const GrainPair& pair, Index v) {
+    Index& first = first_side_[std::size_t(v)];
+    if (first == none) vertices_.push_back(v);
     for (Index grain : {pair.first, pair.second}) {
-      sides_.push_back({grain, first_side_[std::size_t(v)]});
-      first_side_[std::size_t(v)] = static_cast<Index>(sides_.size()) - 1;
+      sides_.push_back({grain, first});
+      first = static_cast<Index>(sides_.size()) - 1;
     }
   });
+  std::sort(vertices_.begin(), vertices_.end());
 }
 
 Division::Changed& Division::changed(Index grain) {
@@ -196,33 +206,45 @@ void Division::find_rest(Index v, Index first) {
     }
 }
 
-// Whether grains that have been parted around a vertex still hang together there, around what has opened.
-// What hung together before still does, then.
-bool Division::is_bridged(Index v) {
+// What hung together around a vertex comes apart only where faces opened: each part has a grain beside one.
+// Finds the parts, unless the grains beside these faces still hang together. Whether they are several.
+bool Division::find_parts_at_sides(Index v) {
+  front_.clear();
+  connected_.clear();
   const Index first = first_side_[std::size_t(v)];
-  if (first < 0) return true;
-  Index missing = -1;
+  Index missing = 0;
   for (Index side = first; side >= 0; side = sides_[std::size_t(side)].next)
     missing += std::exchange(mark(sides_[std::size_t(side)].grain), mark_around(v)) != mark_around(v);
-  front_.assign(1, sides_[std::size_t(first)].grain);
-  mark(front_.front()) = mark_found(v);
-  for (std::size_t at = 0; at < front_.size() && missing > 0; ++at)
-    for (int f = 0; f < 4; ++f) {
-      const Index other = grains_.neighbour(front_[at], f);
-      if (other < 0) continue;
-      Index& of_other = mark(other);
-      if (of_other == mark_found(v)) continue;
-      if (of_other == mark_around(v))
-        --missing;
-      else if (!has(topology_.corners(grains_[other].element), v))
-        continue;
-      of_other = mark_found(v);
-      front_.push_back(other);
-    }
+  bool is_apart = false;
+  for (Index side = first; side >= 0 && missing > 0; side = sides_[std::size_t(side)].next) {
+    const Index start = sides_[std::size_t(side)].grain;
+    if (mark(start) == mark_found(v)) continue;
+    const std::size_t begin = front_.size();
+    front_.push_back(start);
+    mark(start) = mark_found(v);
+    --missing;
+    for (std::size_t at = begin; at < front_.size() && (missing > 0 || is_apart); ++at)
+      for (int f = 0; f < 4; ++f) {
+        const Index other = grains_.neighbour(front_[at], f);
+        if (other < 0) continue;
+        Index& of_other = mark(other);
+        if (of_other == mark_found(v)) continue;
+        if (of_other == mark_around(v))
+          --missing;
+        else if (!has(topology_.corners(grains_[other].element), v))
+          continue;
+        of_other = mark_found(v);
+        front_.push_back(other);
+      }
+    is_apart = is_apart || missing > 0;
+    if (is_apart)
+      connected_.push_back(
+          {*std::min_element(front_.begin() + std::ptrdiff_t(begin), front_.end()), begin, front_.size()});
+  }
   for (Index grain : front_) mark(grain) = -1;
-  for (Index side = first; side >= 0; side = sides_[std::size_t(side)].next)
-    mark(sides_[std::size_t(side)].grain) = -1;
-  return missing == 0;
+  std::sort(connected_.begin(), connected_.end(),
+            [](const Connected& a, const Connected& b) { return a.first < b.first; });
+  return is_apart;
 }
 
 // Asked once for each vertex: from then on it is.
@@ -248,26 +270,26 @@ bool Division::may_part() const {
 bool Division::find_parts(Index v) {
   find_star(v);
   front_.clear();
-  ends_.clear();
+  connected_.clear();
   while (front_.size() < star_.size()) {
     Index first = std::numeric_limits<Index>::max();
     for (Index grain : star_)
       if (grain < first && mark(grain) == mark_around(v)) first = grain;
+    const std::size_t begin = front_.size();
     find_rest(v, first);
-    ends_.push_back(front_.size());
+    connected_.push_back({first, begin, front_.size()});
   }
-  return ends_.size() > 1;
+  return connected_.size() > 1;
 }
 
 // The part in which the vertex lies keeps it, and with it what acts on it and who may grasp it; of several,
 // as of none, the one that fills most, the first of those.
 void Division::split(Index v) {
-  if (was_whole(v) && !has_many_sides(v) && is_bridged(v)) return;
-  if (!find_parts(v)) return;
+  if (was_whole(v) ? !find_parts_at_sides(v) : !find_parts(v)) return;
   const Vec3d& X = grains_.point(topology_.origin(v));
   const auto part = [&](std::size_t i) {
-    const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
-    return std::span<const Index>(front_).subspan(begin, ends_[i] - begin);
+    return std::span<const Index>(front_).subspan(connected_[i].begin,
+                                                  connected_[i].end - connected_[i].begin);
   };
   const auto has_vertex = [&](Index grain) {
     const Eigen::Vector4i& points = grains_[grain].points;
@@ -275,14 +297,14 @@ void Division::split(Index v) {
   };
   std::size_t keeps = 0;
   std::pair<bool, double> most;
-  for (std::size_t i = 0; i < ends_.size(); ++i) {
+  for (std::size_t i = 0; i < connected_.size(); ++i) {
     std::pair<bool, double> filled(std::any_of(part(i).begin(), part(i).end(), has_vertex), 0.0);
     for (Index grain : part(i)) filled.second += grains_[grain].share;
     if (i > 0 && !(most < filled)) continue;
     most = filled;
     keeps = i;
   }
-  for (std::size_t i = 0; i < ends_.size(); ++i) {
+  for (std::size_t i = 0; i < connected_.size(); ++i) {
     if (i == keeps) continue;
     const Index copy = topology_.vertex_count() + static_cast<Index>(result_.vertices.size());
     result_.vertices.push_back(v);
@@ -296,16 +318,6 @@ void Division::split(Index v) {
   }
 }
 
-// Where many faces have opened, a search for all parts is the shorter one.
-bool Division::has_many_sides(Index v) const {
-  constexpr int many = 12;
-  int count = 0;
-  for (Index side = first_side_[std::size_t(v)]; side >= 0 && count < many;
-       side = sides_[std::size_t(side)].next)
-    ++count;
-  return count == many;
-}
-
 std::vector<Index> Division::changed_tets() const {
   std::vector<Index> tets;
   for (const Changed& known : changed_)
@@ -316,46 +328,52 @@ std::vector<Index> Division::changed_tets() const {
 
 // Grains with the same corners are one tetrahedron. What fills most keeps the number, the first of several.
 void Division::divide(Index tet) {
-  struct Group {
-    Corners corners;
-    std::vector<Index> grains;
-    double share = 0;
-  };
-  std::vector<Group> groups;
-  std::vector<Index>& all = grains_of_tet_;
-  all.assign(grains_.of(tet).begin(), grains_.of(tet).end());
-  std::sort(all.begin(), all.end());
-  for (Index grain : all) {
+  groups_.clear();
+  grains_of_tet_.clear();
+  for (Index grain : grains_.of(tet)) grains_of_tet_.emplace_back(0, grain);
+  std::sort(grains_of_tet_.begin(), grains_of_tet_.end());
+  for (auto& [group, grain] : grains_of_tet_) {
     const Corners corners = corners_of(grain);
-    auto at =
-        std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.corners == corners; });
-    if (at == groups.end()) at = groups.insert(at, Group{corners, {}, 0});
-    at->grains.push_back(grain);
-    at->share += grains_[grain].share;
+    while (group < groups_.size() && groups_[group].corners != corners) ++group;
+    if (group == groups_.size()) groups_.push_back({corners, 0});
+    groups_[group].share += grains_[grain].share;
   }
-  const auto keeps = std::max_element(groups.begin(), groups.end(),
-                                      [](const Group& a, const Group& b) { return a.share < b.share; });
-  for (auto group = groups.begin(); group != groups.end(); ++group) {
-    const Index number = group == keeps ? tet : topology_.tet_count() + new_tets_++;
-    result_.parts.push_back({number, tet, group->corners, group->share});
-    if (number != tet)
-      for (Index grain : group->grains) changed(grain).element = number;
-    (number == tet ? parts_ : new_parts_).push_back({number, std::move(group->grains)});
+  const auto most = std::max_element(groups_.begin(), groups_.end(),
+                                     [](const Group& a, const Group& b) { return a.share < b.share; });
+  const auto keeps = std::size_t(most - groups_.begin());
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const Index number = i == keeps ? tet : topology_.tet_count() + new_tets_++;
+    result_.parts.push_back({number, tet, groups_[i].corners, groups_[i].share});
+    const auto begin = static_cast<Index>(grains_of_parts_.size());
+    for (const auto& [group, grain] : grains_of_tet_) {
+      if (group != i) continue;
+      grains_of_parts_.push_back(grain);
+      if (number != tet) changed(grain).element = number;
+    }
+    (number == tet ? parts_ : new_parts_)
+        .push_back({number, begin, static_cast<Index>(grains_of_parts_.size())});
   }
 }
 
-// Of what was touched, of what has other corners or is new, and of what is beside these.
+// Of what a face has opened between, of what has other corners or is new, and of what is beside these.
 void Division::find_neighbours() {
+  const auto grains_of = [this](const Part& part) {
+    return std::span<const Index>(grains_of_parts_)
+        .subspan(std::size_t(part.begin), std::size_t(part.end - part.begin));
+  };
   std::vector<Index> tets;
   std::vector<bool> is_listed(std::size_t(topology_.tet_count() + new_tets_), false);
   const auto list = [&](Index tet) {
     if (!is_listed[std::size_t(tet)]) tets.push_back(tet);
     is_listed[std::size_t(tet)] = true;
   };
-  for (Index t : touched_) list(t);
+  for (const auto& [a, b] : parted_) {
+    if (grains_[a].element == grains_[b].element) continue;
+    for (Index grain : {a, b}) list(grains_[grain].element);
+  }
   for (const Part& part : parts_) {
     list(part.tet);
-    for (Index grain : part.grains)
+    for (Index grain : grains_of(part))
       for (int f = 0; f < 4; ++f)
         if (const Index other = grains_.neighbour(grain, f); other >= 0) list(element_of(other));
   }
@@ -366,7 +384,7 @@ void Division::find_neighbours() {
   for (Index t : tets) {
     while (part != parts_.end() && part->tet < t) ++part;
     const bool is_part = part != parts_.end() && part->tet == t;
-    add_neighbours(t, is_part ? std::span<const Index>(part->grains) : grains_.of(t));
+    add_neighbours(t, is_part ? grains_of(*part) : grains_.of(t));
   }
 }
 

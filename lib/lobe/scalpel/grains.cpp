@@ -1,6 +1,7 @@
 #include "lobe/scalpel/grains.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -73,6 +74,8 @@ Grains::Grains(const Elements& elements) {
             other_side(4 * grain + face) < 0)
           link(4 * grain + face, 4 * other + f);
     });
+  for (double shortest : shortest_)
+    if (std::isfinite(shortest)) longest_shortest_ = std::max(longest_shortest_, shortest);
   scratch_.reserve(grains);
   scratch_.assign(grains_.size(), -1);
   mean_edge_ = count() > 0 ? sum / (6.0 * count()) : 0;
@@ -154,6 +157,34 @@ bool Grains::fills(Index vertex, const Elements& elements) const {
 
 void Grains::forget_stroke(int stroke) {
   for (std::uint32_t& on : on_) on &= ~(1u << stroke);
+  waiting_[std::size_t(stroke)].clear();
+}
+
+void Grains::set_on(std::vector<std::uint32_t> on) {
+  on_ = std::move(on);
+  for (int stroke = 0; stroke < most_strokes; ++stroke) {
+    std::vector<Index>& waiting = waiting_[std::size_t(stroke)];
+    waiting.clear();
+    if (std::none_of(on_.begin(), on_.end(), [&](std::uint32_t bits) { return bits >> stroke & 1; }))
+      continue;
+    for (Index grain = 0; grain < count(); ++grain)
+      if (has_closed_face_on(grain, stroke)) waiting.push_back(grain);
+  }
+}
+
+bool Grains::is_closed_on(Index grain, int face, int stroke) const {
+  if (neighbour(grain, face) < 0) return false;
+  const int* c = face_corners[face];
+  return std::all_of(c, c + 3, [&](int k) { return is_on((*this)[grain].points[k], stroke); });
+}
+
+bool Grains::has_closed_face_on(Index grain, int stroke) const {
+  const Eigen::Vector4i& points = (*this)[grain].points;
+  if (std::count_if(points.begin(), points.end(), [&](Index p) { return is_on(p, stroke); }) < 3)
+    return false;
+  for (int f = 0; f < 4; ++f)
+    if (is_closed_on(grain, f, stroke)) return true;
+  return false;
 }
 
 // A stays at its end, b goes to the new point; a copy does the opposite. The face between the two is new.
@@ -191,6 +222,9 @@ void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t
     on_.push_back((on_[a] & on_[b]) | strokes);
     around_.add_vertex();
   }
+  std::uint32_t waiting = 0;
+  for (int stroke = 0; stroke < most_strokes; ++stroke)
+    waiting |= std::uint32_t(!waiting_[std::size_t(stroke)].empty()) << stroke;
   std::vector<Index> star, both;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const auto [a, b, share] = edges[i];
@@ -203,6 +237,17 @@ void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t
     for (std::size_t k = 0; k < star.size(); ++k)
       both.insert(both.end(), {star[k], halves + static_cast<Index>(k)});
     around_.assign(point, both);  // of exactly its size
+    wait_with(both, (waiting | on_[std::size_t(point)]) & ~strokes);
+    waiting |= on_[std::size_t(point)];
+  }
+}
+
+// Halves of grains have the faces that waited, and perhaps others. `strokes`: as bits.
+void Grains::wait_with(const std::vector<Index>& halves, std::uint32_t strokes) {
+  for (; strokes != 0; strokes &= strokes - 1) {
+    const int stroke = std::countr_zero(strokes);
+    for (Index grain : halves)
+      if (has_closed_face_on(grain, stroke)) waiting_[std::size_t(stroke)].push_back(grain);
   }
 }
 
@@ -275,13 +320,13 @@ bool Grains::hangs_together(Index point) {
 // In order of their first grains.
 std::vector<std::vector<Index>> Grains::parts_around(Index point) {
   std::vector<Index> left(around_[point].begin(), around_[point].end());
-  std::sort(left.begin(), left.end());
   for (Index grain : left) scratch_[std::size_t(grain)] = 0;
   std::vector<std::vector<Index>> parts;
-  for (Index first : left) {
-    if (scratch_[std::size_t(first)] < 0) continue;
-    std::vector<Index>& part = parts.emplace_back(1, first);
-    scratch_[std::size_t(first)] = -1;
+  while (!left.empty()) {
+    std::vector<Index>& part = parts.emplace_back();
+    part.reserve(left.size());
+    part.push_back(*std::min_element(left.begin(), left.end()));
+    scratch_[std::size_t(part.front())] = -1;
     for (std::size_t at = 0; at < part.size(); ++at)
       for (int f = 0; f < 4; ++f) {
         if ((*this)[part[at]].points[f] == point) continue;
@@ -290,6 +335,7 @@ std::vector<std::vector<Index>> Grains::parts_around(Index point) {
         scratch_[std::size_t(other)] = -1;
         part.push_back(other);
       }
+    std::erase_if(left, [&](Index grain) { return scratch_[std::size_t(grain)] < 0; });
   }
   return parts;
 }

@@ -68,6 +68,7 @@ class Grains {
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
   double mean_volume() const { return mean_volume_; }                        // of its tetrahedra [m³]
   double shortest_edge(Index p) const { return shortest_[std::size_t(p)]; }  // of the mesh, near a point [m]
+  double longest_shortest_edge() const { return longest_shortest_; }         // of all points [m]
 
   // Points that lie on the sheet of a stroke that goes on. At most 32 strokes go on at a time.
   static constexpr int most_strokes = 32;
@@ -76,7 +77,16 @@ class Grains {
   void put_on(Index point, int stroke) { on_[std::size_t(point)] |= 1u << stroke; }
   void forget_stroke(int stroke);
   const std::vector<std::uint32_t>& on() const { return on_; }
-  void set_on(std::vector<std::uint32_t> on) { on_ = std::move(on); }
+  void set_on(std::vector<std::uint32_t> on);
+  // Whether grains are connected across a face all three points of which lie on the sheet of a stroke.
+  bool is_closed_on(Index grain, int face, int stroke) const;
+  bool has_closed_face_on(Index grain, int stroke) const;
+  // Grains that have such a face, and perhaps others. Their faces wait for the blade to come nearer.
+  std::vector<Index>& waiting(int stroke) { return waiting_[std::size_t(stroke)]; }
+  std::vector<Index>& point_scratch() {  // of a step: per point, −1 outside of it
+    point_scratch_.resize(points_.size(), -1);
+    return point_scratch_;
+  }
 
   double volume(Index grain) const;     // at rest [m³]
   double area(Index code) const;        // of a face 4 × grain + face, at rest [m²]
@@ -113,6 +123,7 @@ class Grains {
  private:
   void bisect(Index grain, Index a, Index b, Index point, double share);
   void split_if_apart(Index point);
+  void wait_with(const std::vector<Index>& halves, std::uint32_t strokes);
 
   void link(Index code, Index other);
   void unlink(Index grain);
@@ -128,12 +139,14 @@ class Grains {
   std::vector<std::uint32_t> on_;
   VertexLists<Index> around_;      // of points
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
-  double mean_edge_ = 0, mean_volume_ = 0;
+  double mean_edge_ = 0, mean_volume_ = 0, longest_shortest_ = 0;
+  std::array<std::vector<Index>, most_strokes> waiting_;
   std::vector<Index> changed_;
   std::vector<std::pair<Index, Index>> parted_;  // grains on both sides of faces opened since divide()
   std::vector<std::uint8_t> is_whole_;  // per vertex: the grains around it hung together after divide()
   std::vector<Index> scratch_, front_;  // of a search: per grain, −1 outside of one; grains found
   std::vector<Index> vertex_scratch_;   // of divide(): per vertex, −1 outside of it
+  std::vector<Index> point_scratch_;
 };
 
 }  // namespace lobe

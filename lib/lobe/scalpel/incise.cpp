@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
-#include <limits>
 
 #include "lobe/scalpel/crumbs.h"
 #include "lobe/sort_unique.h"
@@ -12,26 +10,6 @@ namespace lobe {
 namespace {
 
 using Edge = std::pair<Index, Index>;  // ascending
-
-// Places of numbers that are there once each.
-class Places {
- public:
-  explicit Places(std::size_t most) : table_(std::bit_ceil(2 * most + 2), {-1, -1}) {}
-  // That of a number; `place`, which it has from now on, where it has none yet.
-  Index of(std::int64_t number, Index place) {
-    std::size_t at = std::size_t(number) * 0x9E3779B97F4A7C15U >> 32 & (table_.size() - 1);
-    while (table_[at].number >= 0 && table_[at].number != number) at = (at + 1) & (table_.size() - 1);
-    if (table_[at].number < 0) table_[at] = {number, place};
-    return table_[at].place;
-  }
-
- private:
-  struct Entry {
-    std::int64_t number;
-    Index place;
-  };
-  std::vector<Entry> table_;
-};
 
 class Step {
  public:
@@ -51,6 +29,12 @@ class Step {
     double distance = 0;                 // from the sheet, where it is to lie on it [m]
     bool was_on = false, is_on = false;  // before this step; from now on
     int side = 0, last_side = 0;         // beyond which of its planes; and of the last sheet's
+    Index first_edge = -1;               // to a point of a higher number that was tested, in edges_
+  };
+  struct Tested {  // an edge
+    Index other;   // in points_
+    Index next;    // of the same point, in edges_; −1: the last
+    std::optional<double> share;
   };
   struct Near {
     Index grain;
@@ -72,6 +56,7 @@ class Step {
   Mark* mark_of(const Edge& edge);
   Mark* mark_of(const Near& near, int a, int b);
   bool is_near_grain(Index grain) const;
+  bool is_crossed(Index a, Index b);
   std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
 
   void find_near();
@@ -80,7 +65,8 @@ class Step {
   void find_crossed();
   void refuse_too_many();
   void drop_third_marks();
-  std::vector<Index> faces_on() const;
+  std::vector<Index> grains_with_closed_faces() const;
+  std::vector<Index> faces_on(const std::vector<Index>& closed) const;
   std::vector<Index> faces_between_sides() const;
   bool is_near(Index grain, const Eigen::Vector3i& points) const;
   Vec3d middle_of_face(Index code) const;
@@ -96,6 +82,8 @@ class Step {
   std::vector<Point> points_;  // of grains near the sheet
   std::vector<Near> near_;     // by their grains
   std::vector<Mark> marks_;    // by their edges
+  std::vector<Tested> edges_;
+  std::vector<Index> new_on_;  // points that the sheet takes in this step, ascending
   Incised result_;
 };
 
@@ -123,32 +111,42 @@ std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
 }
 
 void Step::find_near() {
-  const double reach = blade_.reach() * grains_.mean_edge();
-  std::vector<std::pair<Index, const Mat34<double>*>> placed;  // grains, and where their points are
-  placed.reserve(tets_.grains().size());
-  for (const auto& [grain, x] : tets_.grains())
-    if (sheet_.may_reach(x, reach) || (last_ && last_->may_reach(x, reach))) placed.emplace_back(grain, &x);
-  std::sort(placed.begin(), placed.end());
-  near_.reserve(placed.size());
-  points_.reserve(2 * placed.size());
-  Places places(2 * placed.size());
-  for (const auto& [grain, placed_at] : placed) {
-    const Mat34<double>& x = *placed_at;
+  const double reach = blade_.reach(grains_);
+  struct Found {
+    Index grain, place;  // in tets_.grains()
+  };
+  std::vector<Found> found;
+  found.reserve(tets_.grains().size());
+  for (const PlacedTets::Placed& placed : tets_)
+    for (Index at = placed.begin; at < placed.end; ++at) {
+      const auto& [grain, x] = tets_.grains()[std::size_t(at)];
+      if (placed.is_whole || sheet_.may_reach(x, reach) || (last_ && last_->may_reach(x, reach)))
+        found.push_back({grain, at});
+    }
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.grain < b.grain; });
+  near_.reserve(found.size());
+  points_.reserve(2 * found.size());
+  std::vector<Index>& place_of = grains_.point_scratch();
+  for (const auto& [grain, at] : found) {
+    const Mat34<double>& x = tets_.grains()[std::size_t(at)].x;
     const Eigen::Vector4i& numbers = grains_[grain].points;
     Near& near = near_.emplace_back(Near{grain, {}, true});
     for (int k = 0; k < 4; ++k) {
-      const Index next = static_cast<Index>(points_.size()), place = places.of(numbers[k], next);
+      Index& place = place_of[std::size_t(numbers[k])];
+      if (place < 0) {
+        place = static_cast<Index>(points_.size());
+        Point& point = points_.emplace_back(Point{numbers[k], x.col(k)});
+        point.was_on = grains_.is_on(point.number, blade_.stroke);
+        point.side = sheet_.side(point.x);
+        if (last_) point.last_side = last_->side(point.x);
+      }
       near.points[std::size_t(k)] = place;
-      if (place < next) continue;
-      Point& point = points_.emplace_back(Point{numbers[k], x.col(k)});
-      point.was_on = grains_.is_on(point.number, blade_.stroke);
-      point.side = sheet_.side(point.x);
-      if (last_) point.last_side = last_->side(point.x);
     }
     for (int k = 1; k < 4; ++k)
       near.is_beyond = near.is_beyond && !are_apart(points_[std::size_t(near.points[0])],
                                                     points_[std::size_t(near.points[std::size_t(k)])]);
   }
+  for (const Point& point : points_) place_of[std::size_t(point.number)] = -1;
 }
 
 // Points near enough to the sheet lie on it from now on; but not all four of a grain: the farthest stays off.
@@ -163,8 +161,12 @@ void Step::put_on() {
   }
   while (release_flat()) {
   }
-  for (const Point& point : points_)
-    if (point.is_on) grains_.put_on(point.number, blade_.stroke);
+  for (const Point& point : points_) {
+    if (!point.is_on) continue;
+    grains_.put_on(point.number, blade_.stroke);
+    new_on_.push_back(point.number);
+  }
+  std::sort(new_on_.begin(), new_on_.end());
 }
 
 bool Step::release_flat() {
@@ -187,12 +189,20 @@ bool Step::release_flat() {
   return found;
 }
 
-// Each edge is tested once.
-void Step::find_crossed() {
+// Whether the sheet crosses the edge between two points, the lower number first. Each edge is tested once.
+bool Step::is_crossed(Index a, Index b) {
   constexpr double least = 1e-3;
-  const auto points = static_cast<std::int64_t>(points_.size());
-  Places places(6 * near_.size());
-  std::vector<std::optional<double>> shares;  // of the edges that were tested, by their places
+  Point &p = points_[std::size_t(a)], &q = points_[std::size_t(b)];
+  for (Index edge = p.first_edge; edge >= 0; edge = edges_[std::size_t(edge)].next)
+    if (edges_[std::size_t(edge)].other == b) return edges_[std::size_t(edge)].share.has_value();
+  const std::optional<double> share = crossing(p.x, q.x);
+  edges_.push_back({b, p.first_edge, share});
+  p.first_edge = static_cast<Index>(edges_.size()) - 1;
+  if (share) marks_.push_back({{p.number, q.number}, std::clamp(*share, least, 1 - least)});
+  return share.has_value();
+}
+
+void Step::find_crossed() {
   for (Near& near : near_) {
     if (near.is_beyond) continue;
     for (const auto& edge : edge_corners) {
@@ -200,15 +210,7 @@ void Step::find_crossed() {
           near.points[std::size_t(edge[0])], near.points[std::size_t(edge[1])],
           [&](Index i, Index j) { return points_[std::size_t(i)].number < points_[std::size_t(j)].number; });
       const Point &p = points_[std::size_t(a)], &q = points_[std::size_t(b)];
-      if (is_on(p) || is_on(q) || !are_apart(p, q)) continue;
-      const auto next = static_cast<Index>(shares.size());
-      const auto place = std::size_t(places.of(a * points + b, next));
-      if (place == shares.size()) {
-        shares.push_back(crossing(p.x, q.x));
-        if (shares[place])
-          marks_.push_back({{p.number, q.number}, std::clamp(*shares[place], least, 1 - least)});
-      }
-      near.marks += shares[place].has_value();
+      if (!is_on(p) && !is_on(q) && are_apart(p, q)) near.marks += is_crossed(a, b);
     }
   }
   std::sort(marks_.begin(), marks_.end(), [](const Mark& a, const Mark& b) { return a.edge < b.edge; });
@@ -242,30 +244,38 @@ void Step::drop_third_marks() {
   }
 }
 
+// Whether the middle of a face is near what was swept; of a face that has waited, near the last sheet.
 bool Step::is_near(Index grain, const Eigen::Vector3i& points) const {
   Eigen::Vector3i sorted = points;  // both sides find the same sum
   std::sort(sorted.begin(), sorted.end());
-  const Vec3d middle = (grains_.point(sorted[0]) + grains_.point(sorted[1]) + grains_.point(sorted[2])) / 3;
-  return swept_.is_near(place(grain, middle), open_within * grains_.mean_edge());
+  const Vec3d middle =
+      place(grain, (grains_.point(sorted[0]) + grains_.point(sorted[1]) + grains_.point(sorted[2])) / 3);
+  const double within = open_within * grains_.mean_edge();
+  const bool is_new = std::any_of(sorted.begin(), sorted.end(), [&](Index p) {
+    return std::binary_search(new_on_.begin(), new_on_.end(), p);
+  });
+  return is_new ? swept_.is_near(middle, within) : sheet_.distance(middle, within) < within;
 }
 
-// Closed faces on the stroke's sheet, each from one side.
-std::vector<Index> Step::faces_on() const {
-  std::vector<Index> faces, touching;
-  const auto is_point_on = [&](Index p) { return grains_.is_on(p, blade_.stroke); };
-  for (const PlacedTets::Placed& placed : tets_)
-    for (Index grain : grains_.of(placed.tet)) {
-      const Eigen::Vector4i& p = grains_[grain].points;
-      if (std::count_if(p.begin(), p.end(), is_point_on) >= 3) touching.push_back(grain);
-    }
-  std::sort(touching.begin(), touching.end());
-  for (Index grain : touching) {
+// Grains, ascending, beside closed faces on the stroke's sheet: those around its new points, and those that
+// wait.
+std::vector<Index> Step::grains_with_closed_faces() const {
+  std::vector<Index> closed = grains_.waiting(blade_.stroke);
+  for (Index p : new_on_)
+    for (Index grain : grains_.around(p))
+      if (grains_.has_closed_face_on(grain, blade_.stroke)) closed.push_back(grain);
+  sort_unique(closed);
+  return closed;
+}
+
+// Closed faces on the stroke's sheet, each from the side of the lower number.
+std::vector<Index> Step::faces_on(const std::vector<Index>& closed) const {
+  std::vector<Index> faces;
+  for (Index grain : closed) {
     const Eigen::Vector4i& p = grains_[grain].points;
     for (int f = 0; f < 4; ++f) {
+      if (grains_.neighbour(grain, f) < grain || !grains_.is_closed_on(grain, f, blade_.stroke)) continue;
       const int* c = face_corners[f];
-      if (!std::all_of(c, c + 3, [&](int k) { return is_point_on(p[k]); })) continue;
-      const Index other = grains_.neighbour(grain, f);
-      if (other < 0 || (other < grain && tets_.has(grains_[other].element))) continue;
       if (is_near(grain, {p[c[0]], p[c[1]], p[c[2]]})) faces.push_back(4 * grain + f);
     }
   }
@@ -325,38 +335,46 @@ Incised Step::cut() {
   drop_third_marks();
   for (const Mark& mark : marks_)
     if (mark.counts) result_.incision.bisections.push_back({mark.edge.first, mark.edge.second, mark.share});
+  for (std::size_t i = 0; i < result_.incision.bisections.size(); ++i)
+    new_on_.push_back(grains_.point_count() + static_cast<Index>(i));
   grains_.bisect(result_.incision.bisections, 1u << blade_.stroke);
-  open(faces_on());
+  std::vector<Index> closed = grains_with_closed_faces();
+  open(faces_on(closed));
+  std::erase_if(closed, [&](Index grain) { return !grains_.has_closed_face_on(grain, blade_.stroke); });
+  grains_.waiting(blade_.stroke) = std::move(closed);
   return std::move(result_);
 }
 
 }  // namespace
 
-PlacedTets::PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find)
+PlacedTets::PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find,
+                       const CornerPlaces& corners)
     : find_(std::move(find)) {
   placed_.reserve(tets.size());
   grains_.reserve(2 * tets.size());
   for (Index t : tets) {
-    const Placement placement = find_(t);
     const auto begin = static_cast<Index>(grains_.size());
-    for (Index grain : grains.of(t)) {
+    const std::span<const Index> of_tet = grains.of(t);
+    Placed& placed =
+        placed_.emplace_back(Placed{t, begin, begin + static_cast<Index>(of_tet.size()), false, {}});
+    placed.is_whole = of_tet.size() == 1 && grains[of_tet[0]].share == 1;
+    if (placed.is_whole && corners) {
+      grains_.push_back({of_tet[0], corners(t)});
+      continue;
+    }
+    const Placement& placement = of(placed);
+    for (Index grain : of_tet) {
       const Eigen::Vector4i& points = grains[grain].points;
       Mat34<double>& x = grains_.emplace_back(PlacedGrain{grain, {}}).x;
       for (int k = 0; k < 4; ++k) x.col(k) = placement(grains.point(points[k]));
     }
-    placed_.push_back({t, begin, static_cast<Index>(grains_.size()), placement});
   }
 }
 
-const Placement* PlacedTets::find(Index tet) const {
+Placement PlacedTets::of(Index tet) const {
   const auto at = std::lower_bound(placed_.begin(), placed_.end(), tet,
                                    [](const Placed& placed, Index t) { return placed.tet < t; });
-  return at != placed_.end() && at->tet == tet ? &at->placement : nullptr;
-}
-
-Placement PlacedTets::of(Index tet) const {
-  const Placement* known = find(tet);
-  return known ? *known : find_(tet);
+  return at != placed_.end() && at->tet == tet ? of(*at) : find_(tet);
 }
 
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets) {

@@ -15,8 +15,12 @@ struct Blade {
   bool looks_back = false;
   Index number = -1;  // the stroke's, of all strokes of the body
 
-  // The distance from the sheet within which grains may have to be divided, in mean edges.
-  double reach() const { return along_faces ? 2 : 2 * snap; }
+  // The distance from the sheet within which grains may have to be divided [m]: there are the points that it
+  // takes, and the edges that it crosses.
+  double reach(const Grains& grains) const {
+    constexpr double rounding = 1e-6;
+    return along_faces ? 2 * grains.mean_edge() : (1 + rounding) * snap * grains.longest_shortest_edge();
+  }
 };
 
 // Where the tetrahedra of the simulation are: an affine map of each.
@@ -26,16 +30,20 @@ struct Placement {
   Vec3d operator()(const Vec3d& X) const { return image + gradient * (X - start); }
 };
 using Placements = std::function<Placement(Index element)>;
+using CornerPlaces = std::function<Mat34<double>(Index element)>;  // where they are now [m]
 
-// Tetrahedra in ascending order, each with where it and its grains are.
+// Tetrahedra in ascending order, each with where its grains are.
 class PlacedTets {
  public:
-  PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find);
+  // Of tetrahedra that nothing has divided only the corners are asked for; without `corners`, the map.
+  PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find,
+             const CornerPlaces& corners = {});
 
   struct Placed {
     Index tet;
     Index begin, end;  // of its grains
-    Placement placement;
+    bool is_whole;
+    mutable std::optional<Placement> placement;  // found when it is asked for
   };
   struct PlacedGrain {
     Index grain;
@@ -45,8 +53,11 @@ class PlacedTets {
   auto end() const { return placed_.end(); }
   std::size_t size() const { return placed_.size(); }
   const Placed& operator[](std::size_t i) const { return placed_[i]; }
-  bool has(Index tet) const { return find(tet) != nullptr; }
-  Placement of(Index tet) const;  // of any; found where it is not one of these
+  const Placement& of(const Placed& placed) const {
+    if (!placed.placement) placed.placement = find_(placed.tet);
+    return *placed.placement;
+  }
+  Placement of(Index tet) const;  // of any
   // As they were when these were placed.
   std::span<const PlacedGrain> grains() const { return grains_; }
   std::span<const PlacedGrain> grains_of(const Placed& tet) const {
@@ -54,8 +65,6 @@ class PlacedTets {
   }
 
  private:
-  const Placement* find(Index tet) const;
-
   std::vector<Placed> placed_;
   std::vector<PlacedGrain> grains_;
   Placements find_;
@@ -77,7 +86,9 @@ struct Incised {
 };
 
 // Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all
-// three points lie on the stroke's sheets, and their middle near what it has swept last.
+// three points lie on the stroke's sheets, and their middle near what it has swept last. A face is looked at
+// when the sheet has taken the last of its points. If its middle is not near then, it waits, and opens when
+// the last sheet is near.
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
 inline constexpr Index most_grains = 256;   // of a tetrahedron

@@ -28,6 +28,7 @@ double share_at(const std::array<Vec3d, 3>& t, const Vec3d& p, const Vec3d& q) {
 }  // namespace
 
 Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  Vec3d normal = Vec3d::Zero();
   triangles_.reserve(2 * from.size());
   for (std::size_t i = 0; i + 1 < from.size(); ++i)
     for (const std::array<Vec3d, 3>& t : {std::array<Vec3d, 3>{from[i], from[i + 1], to[i + 1]},
@@ -35,17 +36,9 @@ Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
       Triangle& triangle = triangles_.emplace_back(Triangle{t, {}});
       for (const Vec3d& corner : t) triangle.box.extend(corner);
       box_.extend(triangle.box);
-      normal_ += (t[1] - t[0]).cross(t[2] - t[0]);
+      normal += (t[1] - t[0]).cross(t[2] - t[0]);
     }
-  normal_.normalize();  // zero where there is none
-  low_ = std::numeric_limits<double>::infinity();
-  high_ = -low_;
-  for (const std::vector<Vec3d>* row : {&from, &to})
-    for (const Vec3d& p : *row) {
-      low_ = std::min(low_, normal_.dot(p));
-      high_ = std::max(high_, normal_.dot(p));
-      rounding_ = std::max(rounding_, 1e-12 * p.cwiseAbs().maxCoeff());
-    }
+  find_box(normal, from, to);
   parts_.reserve(triangles_.size() / per_part + 1);
   for (std::size_t begin = 0; begin < triangles_.size(); begin += per_part) {
     Part& part = parts_.emplace_back(Part{begin, std::min(begin + per_part, triangles_.size()), {}});
@@ -60,17 +53,48 @@ Sheet::Sheet(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
     of_groups_.emplace_back(std::span(groups_).subspan(begin, std::min(per_part, groups_.size() - begin)));
 }
 
+void Sheet::find_box(const Vec3d& normal, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  constexpr double loose = 1.5;  // times the longest way of a point: a box that is wider is not filled
+  if (const Vec3d across = normal.cross(from.back() - from.front()); across.squaredNorm() > 0) {
+    axes_.row(0) = normal.normalized();
+    axes_.row(1) = across.normalized();
+    axes_.row(2) = axes_.row(0).cross(axes_.row(1));
+  }
+  low_.setConstant(std::numeric_limits<double>::infinity());
+  high_ = -low_;
+  double longest = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    longest = std::max(longest, (to[i] - from[i]).norm());
+    for (const Vec3d& p : {from[i], to[i]}) {
+      const Vec3d at = axes_ * p;
+      low_ = low_.cwiseMin(at);
+      high_ = high_.cwiseMax(at);
+      rounding_ = std::max(rounding_, 1e-12 * p.cwiseAbs().maxCoeff());
+    }
+  }
+  const Vec3d size = high_ - low_;
+  fills_box_ = size[1] > 0 && size[0] + size[1] <= loose * longest;
+}
+
 bool Sheet::may_reach(const Mat34<double>& x, double reach) const {
-  const Eigen::RowVector4d along = normal_.transpose() * x;
-  if (along.maxCoeff() < low_ - reach || along.minCoeff() > high_ + reach) return false;
-  return visit_parts({x.rowwise().minCoeff(), x.rowwise().maxCoeff()}, reach * reach,
-                     [](const Part&) { return true; });
+  const double within = reach + rounding_;
+  for (int d = 0; d < 3; ++d) {
+    const Eigen::RowVector4d at = axes_.row(d) * x;
+    if (at.maxCoeff() < low_[d] - within || at.minCoeff() > high_[d] + within) return false;
+  }
+  return fills_box_ || visit_parts({x.rowwise().minCoeff(), x.rowwise().maxCoeff()}, within * within,
+                                   [](const Part&) { return true; });
 }
 
 bool Sheet::may_reach(const Eigen::AlignedBox3d& box, double reach) const {
-  const double at = normal_.dot(box.center()), half = normal_.cwiseAbs().dot(box.sizes()) / 2;
-  return at + half >= low_ - reach && at - half <= high_ + reach &&
-         visit_parts(box, reach * reach, [](const Part&) { return true; });
+  const double within = reach + rounding_;
+  const Vec3d middle = (box.min() + box.max()) / 2, half = (box.max() - box.min()) / 2;
+  for (int d = 0; d < 3; ++d) {
+    const Vec3d axis = axes_.row(d);
+    const double at = axis.dot(middle), around = axis.cwiseAbs().dot(half) + within;
+    if (at + around < low_[d] || at - around > high_[d]) return false;
+  }
+  return fills_box_ || visit_parts(box, within * within, [](const Part&) { return true; });
 }
 
 double Sheet::distance(const Vec3d& p, double within) const {

@@ -23,26 +23,28 @@ class Sheet {
 
   const Eigen::AlignedBox3d& box() const { return box_; }  // [m]
   double distance(const Vec3d& p, double within) const;    // [m]; infinite where it is above that
-  // Whether a tetrahedron may be within a distance of the sheet [m]. It is not, if a plane separates them, or
-  // if it is further from all boxes around parts of the sheet.
+  // Whether a tetrahedron may be within a distance of the sheet [m]. It is not, if it is further from the box
+  // around the sheet along one of the axes of that, or from all boxes around parts of the sheet.
   bool may_reach(const Mat34<double>& x, double reach) const;
   bool may_reach(const Eigen::AlignedBox3d& box, double reach) const;  // the same of a box
   // Beyond which of two planes that the sheet lies between a point is: −1 or 1; 0: between them. An edge
   // from one such point to another beyond the same plane is not crossed.
   int side(const Vec3d& p) const {
-    const double at = normal_.dot(p);
-    return at < low_ - rounding_ ? -1 : at > high_ + rounding_ ? 1 : 0;
+    const double at = axes_.row(0).dot(p);
+    return at < low_[0] - rounding_ ? -1 : at > high_[0] + rounding_ ? 1 : 0;
   }
   // How far a point is beyond these planes: no farther than from the sheet [m].
   double beyond(const Vec3d& p) const {
-    const double at = normal_.dot(p);
-    return std::max(low_ - at, at - high_) - rounding_;
+    const double at = axes_.row(0).dot(p);
+    return std::max(low_[0] - at, at - high_[0]) - rounding_;
   }
   // Where the sheet crosses the edge from p to q, as a share of it: where it pierces an odd number of
   // triangles, at the first. Nothing where both ends are on one side.
   std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
 
  private:
+  void find_box(const Vec3d& normal, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to);
+
   struct Triangle {
     std::array<Vec3d, 3> corners;
     Eigen::AlignedBox3d box;
@@ -88,9 +90,12 @@ class Sheet {
   std::vector<Triangle> triangles_;
   std::vector<Part> parts_, groups_;                // of triangles, and of these
   std::vector<BoxesOfParts> of_parts_, of_groups_;  // the parts of each group; groups in fours
-  Vec3d normal_ = Vec3d::Zero();                    // the mean of the triangles'
-  double low_ = 0, high_ = 0;                       // along it [m]
-  double rounding_ = 0;                             // above that of these [m]
+  // Of a box around the sheet: the mean of the triangles' normals, across the edge, along it. Zero where there
+  // is no normal.
+  Mat3<double> axes_ = Mat3<double>::Zero();
+  Vec3d low_, high_;        // along these [m]
+  double rounding_ = 0;     // above that of these [m]
+  bool fills_box_ = false;  // as well as its parts fill theirs: there is no need to look at them
   Eigen::AlignedBox3d box_;
 };
 

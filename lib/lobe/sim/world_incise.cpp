@@ -78,7 +78,12 @@ Blades::BodyNow World<Real>::body_now() {
   const auto tets_in = [this](const SweptVolume& volume) {
     return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
   };
-  return {placement, tets_in};
+  const auto corners = [this](Index t) {
+    const Eigen::Vector4i v = elements().topology.corners(t);
+    return Mat34<double>(elements().corner_points(t) +
+                         body_.motion.u.padded()(Eigen::all, v).template cast<double>());
+  };
+  return {placement, tets_in, corners};
 }
 
 // Grains are cut step by step. Tetrahedra are divided once, after the last step: until then a tetrahedron is

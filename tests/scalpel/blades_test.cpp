@@ -1,0 +1,141 @@
+// What a step of a blade leaves out because it cannot matter, against steps that leave out nothing.
+#include "lobe/scalpel/blades.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "lobe/mesh/generators.h"
+#include "near.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// A body that is turned and stretched as one, and blades through it.
+struct MappedBody {
+  MappedBody(const TetMesh& mesh, bool looks_at_all) : elements(setup_of(mesh)), blades(elements) {
+    now.placement = [this](Index t) {
+      const Vec3d start = elements.points.col(elements.topology.corners(t)[0]);
+      return Placement{start, F * start, F};
+    };
+    if (!looks_at_all) now.corners = [this](Index t) { return Mat34<double>(F * elements.corner_points(t)); };
+    now.tets_in = [this, looks_at_all](const SweptVolume& volume) {
+      std::vector<Index> tets(std::size_t(elements.topology.tet_count()));
+      std::iota(tets.begin(), tets.end(), 0);
+      if (looks_at_all) return tets;
+      std::erase_if(tets, [&](Index t) {
+        const Mat34<double> x = F * elements.corner_points(t);
+        return !volume.box.intersects({x.rowwise().minCoeff(), x.rowwise().maxCoeff()}) ||
+               (volume.meets && !volume.meets(x));
+      });
+      return tets;
+    };
+  }
+
+  Incised cut(const BladeMove& move) {
+    Incised incised = *blades.cut(move, now);
+    if (!incised.opened.empty())
+      elements.follow(elements.topology.divide(blades.grains.divide(elements.topology, incised.opened)));
+    return incised;
+  }
+
+  const Mat3<double> F = Eigen::AngleAxisd(0.7, Vec3d(1, 2, 3).normalized()).toRotationMatrix() *
+                         Vec3d(1.1, 0.9, 1.05).asDiagonal();
+  Elements elements;
+  Blades blades;
+  Blades::BodyNow now;
+};
+
+// The k-th of n steps of one of two blades, which cross each other.
+BladeMove move_of(int tool, int k, int n, const Mat3<double>& F) {
+  const Vec3d normal = Vec3d(1, tool == 0 ? 0.3 : -2, 0.2).normalized(), along = normal.unitOrthogonal(),
+              edge = normal.cross(along), middle = Vec3d::Constant(0.05);
+  const auto pose = [&](int i) {
+    const double x = -0.1 + 0.2 * i / n;
+    const Vec3d at = F * (middle + x * along + 0.004 * std::sin(60 * x) * normal);
+    return BladePose{at - 0.12 * edge, at + 0.12 * edge};
+  };
+  return {tool, 0, 0.1, pose(k), pose(k + 1)};
+}
+
+std::vector<Index> all_with_closed_faces(const Grains& grains, int stroke) {
+  std::vector<Index> found;
+  for (Index grain = 0; grain < grains.count(); ++grain)
+    if (grains.has_closed_face_on(grain, stroke)) found.push_back(grain);
+  return found;
+}
+
+void check_waiting(Grains& grains, int stroke) {
+  std::vector<Index> waiting = grains.waiting(stroke);
+  std::sort(waiting.begin(), waiting.end());
+  const std::vector<Index> closed = all_with_closed_faces(grains, stroke);
+  CHECK(std::includes(waiting.begin(), waiting.end(), closed.begin(), closed.end()));
+  Grains restored = grains;
+  restored.set_on(grains.on());
+  CHECK(restored.waiting(stroke) == closed);
+}
+
+}  // namespace
+
+TEST_CASE("a step that looks at what it may reach does what one does that looks at everything") {
+  const TetMesh mesh = irregular_box(5, 0.02);
+  MappedBody near(mesh, false), all(mesh, true);
+  constexpr int steps = 14;
+  std::size_t edges = 0, faces = 0;
+  for (int k = 0; k < steps; ++k)
+    for (int tool : {0, 1}) {
+      const Incised some = near.cut(move_of(tool, k, steps, near.F)),
+                    same = all.cut(move_of(tool, k, steps, near.F));
+      CHECK(some.incision.opened == same.incision.opened);
+      REQUIRE(some.incision.bisections.size() == same.incision.bisections.size());
+      for (std::size_t i = 0; i < some.incision.bisections.size(); ++i) {
+        const auto &a = some.incision.bisections[i], &b = same.incision.bisections[i];
+        CHECK(std::pair(a.a, a.b) == std::pair(b.a, b.b));
+        CHECK(a.share == test::near(b.share, 1e-9, 1));
+      }
+      edges += some.incision.bisections.size();
+      faces += some.incision.opened.size();
+    }
+  CHECK(edges > 100);
+  CHECK(faces > 200);
+  CHECK(near.blades.grains.on() == all.blades.grains.on());
+}
+
+TEST_CASE("each closed face on the sheet of a stroke that goes on waits, also where others divide it") {
+  MappedBody body(irregular_box(5, 0.02), false);
+  constexpr int steps = 14;
+  for (int k = 0; k < steps; ++k)
+    for (int tool : {0, 1}) {
+      body.cut(move_of(tool, k, steps, body.F));
+      for (int stroke : {0, 1}) check_waiting(body.blades.grains, stroke);
+    }
+}
+
+// Around two faces that fill a square of a plane of the mesh, through its corners; then across.
+TEST_CASE("faces whose points a blade has passed wait until it comes near their middle") {
+  MappedBody body(box_mesh(Vec3d::Constant(0.1), 5, 5, 5), false);
+  Grains& grains = body.blades.grains;
+  const Vec3d centre(0.05, 0.05, 0.04);
+  const double radius = 0.02 / std::sqrt(2);
+  const auto pose = [&](int i) {
+    const double angle = i * M_PI / 12;
+    const Vec3d out(std::cos(angle), std::sin(angle), 0);
+    return BladePose{body.F * (centre + radius * out), body.F * (centre + (radius + 0.003) * out)};
+  };
+  for (int i = 0; i < 24; ++i) {
+    body.cut({0, 0, 0.1, pose(i), pose(i + 1)});
+    check_waiting(grains, 0);
+  }
+  const std::vector<Index> waiting = all_with_closed_faces(grains, 0);
+  CHECK(waiting.size() == 4);
+  const BladePose across{body.F * (centre - Vec3d(0, 0.006, 0)), body.F * (centre + Vec3d(0, 0.006, 0))};
+  CHECK(body.cut({0, 0, 0.1, pose(24), across}).incision.opened.size() == 2);
+  CHECK(all_with_closed_faces(grains, 0).empty());
+  check_waiting(grains, 0);
+}

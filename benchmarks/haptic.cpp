@@ -295,6 +295,13 @@ void bench_haptic(const Options& options) {
   if (options.quick) bodies.resize(1);
   if (!options.quick)
     bodies.push_back(liver("liver_82k", refine(read_mesh(meshes / "liver_10k.vtu").mesh).mesh));
+  for (const std::filesystem::path& mesh : options.meshes) {
+    Body body = liver(mesh.stem().string(), read_mesh(mesh).mesh);
+    bodies.push_back(body);
+    body.mesh += "_reduced";
+    std::fill(body.setup.region_of.begin(), body.setup.region_of.end(), RegionModel::reduced);
+    bodies.push_back(std::move(body));
+  }
   time_loops(options, bodies);
 }
 

@@ -44,7 +44,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "accuracy, hybrid, realtime: your own scene, in place of the shipped ones")
       ->allow_extra_args(false);
   app.add_option("--mesh", options.meshes,
-                 "accuracy, hybrid, realtime: a further mesh of that scene; scalpel: a further organ")
+                 "accuracy, hybrid, realtime: a further mesh of that scene; scalpel: a further organ; "
+                 "haptic: a further liver")
       ->allow_extra_args(false);
 }
 

@@ -1,5 +1,5 @@
-// A part of `lobe bench hybrid --reduced`: how long a world with a reduced region takes to set up, and how much
-// memory it takes beyond one that is all non-linear.
+// A part of `lobe bench hybrid --reduced`: how long a world with a reduced region takes to set up, and how
+// much memory it takes beyond one that is all non-linear.
 #pragma once
 
 #include "benchmarks/benchmarks.h"

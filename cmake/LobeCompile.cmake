@@ -19,8 +19,8 @@ if(PROJECT_IS_TOP_LEVEL)
     target_compile_options(lobe_compile INTERFACE -Wno-restrict)
   endif()
 endif()
-# clang would read a number that was just written as a part of a vector, which waits until the write has left the
-# processor's buffer: selective masses took six times as long. Results have the same bits.
+# clang would read a number that was just written as a part of a vector, which waits until the write has
+# left the processor's buffer: selective masses took six times as long. Results have the same bits.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(lobe_compile INTERFACE "SHELL:-mllvm -disable-vector-combine")
 endif()

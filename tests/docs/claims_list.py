@@ -276,13 +276,13 @@ CLAIMS = [
                 f"({high(rows('gestures', regions='precomputed-corrected', tets=2925), 'watching') * 100:.0f} % at 2,925)"),
     (B, lambda: f"masses {span(rows('gestures', regions='selective-mass-corrected', tets=[10299, 12022]), 'watching', 1, 100)} % "
                 f"at 10,299 and 12,022, {watching('selective-mass-corrected', 50247)} % at 50,247"),
-    (B, lambda: f"| geometry per cut tetrahedron [µs] | 5 | {blade('geometry_us', 5, digits=0)} |"),
+    (B, lambda: f"| geometry per cut tetrahedron [µs] | 5 | {blade('geometry_us', 5, digits=1)} |"),
     (B, lambda: f"| the same, all in one sweep [µs] | 5 | {blade('sweep_us', 5, digits=1)} |"),
     (B, lambda: f"| all, non-linear, in batches of 8; 47; 24 [µs, wall] | 12 | {blade('all_us', 12, digits=0)} |"),
     (B, lambda: f"| non-linear, all in one frame [µs, wall] | 12 | {blade('batch_us', 12, digits=0)} |"),
     (B, lambda: f"| tensor-mass, all in one frame [µs, wall] | 15 | {blade('batch_us', 15, 'tensor-mass', 0)} |"),
     (B, lambda: f"| all, tensor-mass [µs, wall] | 15 | {blade('all_us', 15, 'tensor-mass', 0)} |"),
-    (B, lambda: f"| frame of a 40 mm blade [ms, wall] | 0.3 | {blade('frame_ms', 0.3)} |"),
+    (B, lambda: f"| frame of a 40 mm blade [ms, wall] | 0.3 | {blade('frame_ms', 0.3)} | tensor-mass: {blade('frame_ms', 9, 'tensor-mass')} |"),
     (B, lambda: f"| bytes of grains per cut tetrahedron | 400 | {blade('bytes', 400, digits=0)} |"),
     (B, lambda: f"| step after a full cut, non-linear | 1.10 | {blade('step_ratio', 1.1)} |"),
     (B, lambda: f"| the same, tensor-mass | 1.10 | {blade('step_ratio', 1.1, 'tensor-mass')} | copies add edges and vertices; a "

@@ -90,8 +90,8 @@ class Sheet {
   std::vector<Triangle> triangles_;
   std::vector<Part> parts_, groups_;                // of triangles, and of these
   std::vector<BoxesOfParts> of_parts_, of_groups_;  // the parts of each group; groups in fours
-  // Of a box around the sheet: the mean of the triangles' normals, across the edge, along it. Zero where there
-  // is no normal.
+  // Of a box around the sheet: the mean of the triangles' normals, across the edge, along it. Zero where
+  // there is no normal.
   Mat3<double> axes_ = Mat3<double>::Zero();
   Vec3d low_, high_;        // along these [m]
   double rounding_ = 0;     // above that of these [m]

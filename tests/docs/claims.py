@@ -45,7 +45,7 @@ def table_hybrid():
 
 
 SHOWN = ["strain-recipe", "proposed", "proposed-precomputed", "proposed-corrected", "precomputed-alone",
-         "precomputed-corrected", "selective-mass-alone", "selective-mass-corrected"]
+         "precomputed-corrected", "selective-mass-alone", "selective-mass-corrected", "reduced", "reduced-corrected"]
 
 
 def gesture_row(row, second):

@@ -22,7 +22,7 @@ std::span<const Benchmark> all_benchmarks() {
       {"palpation", "what a finger feels over a tumour, beside it and without it", bench_palpation},
       {"live", "what a session costs beside its frames; a replay of minutes of random hands", bench_live},
       {"haptic", "forces between frames against frames of 1 ms; how punctual a loop at 1 kHz is",
-       bench_haptic},
+       bench_haptic, true},
       {"features", "what each option costs per step, on and off", bench_features},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"huge", "static solutions of millions of tetrahedra in parts (lobe-petsc, MPI)", bench_huge},

@@ -1,0 +1,126 @@
+// What grains that have come apart mean for the simulation: which vertices are doubled, and which tetrahedra
+// are divided.
+#pragma once
+
+#include <array>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lobe/scalpel/grains.h"
+
+namespace lobe {
+
+// Grains of the tetrahedra around a vertex hang together there if faces lead from one to another without
+// leaving these tetrahedra: a face in common ties all three vertices of its tetrahedra's face together.
+class Division {
+ public:
+  using Corners = Eigen::Vector4i;
+  using GrainPair = std::pair<Index, Index>;
+
+  // `parted`: the grains on both sides of each face that has opened. `marks`: per grain, −1; so it is left.
+  // `is_whole`: per vertex, whether the grains around it are known to have hung together before.
+  // `sides`: per vertex, −1; so it is left, too.
+  Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
+           const std::vector<GrainPair>& parted, std::vector<Index>& marks, std::vector<Index>& sides,
+           std::vector<std::uint8_t>& is_whole);
+  ~Division() {
+    for (const Changed& changed : changed_) marks_[std::size_t(changed.grain)] = -1;
+    for (Index v : vertices_) first_side_[std::size_t(v)] = -1;
+  }
+  Division(const Division&) = delete;
+  Division& operator=(const Division&) = delete;
+
+  TetDivision find();
+  // Grains, and the tetrahedra that they are part of now.
+  std::vector<std::pair<Index, Index>> moved_grains() const;
+
+ private:
+  struct Changed {  // a grain whose tetrahedron will have another number or other corners
+    Index grain, element;
+    Corners corners;  // of its tetrahedron, as they will be
+    bool has_new_corners = false;
+    Index mark = -1;
+  };
+  struct Part {  // of a tetrahedron that was divided or has new corners
+    Index tet;
+    Index begin, end;  // in grains_of_parts_
+  };
+
+  // Of a grain: its place in changed_; −1: none; below: the vertex around which it has not been found yet,
+  // or has.
+  static Index mark_around(Index v) { return -2 - 2 * v; }
+  static Index mark_found(Index v) { return -3 - 2 * v; }
+  Index& mark(Index grain) {
+    Index& own = marks_[std::size_t(grain)];
+    return own < 0 ? own : changed_[std::size_t(own)].mark;
+  }
+  const Changed* find_changed(Index grain) const {
+    const Index place = marks_[std::size_t(grain)];
+    return place < 0 ? nullptr : &changed_[std::size_t(place)];
+  }
+  Changed& changed(Index grain);
+  Index element_of(Index grain) const {
+    const Changed* changed = find_changed(grain);
+    return changed ? changed->element : grains_[grain].element;
+  }
+  Corners corners_of(Index grain) const {
+    const Changed* changed = find_changed(grain);
+    return changed ? changed->corners : topology_.corners(grains_[grain].element);
+  }
+
+  static bool has(const Corners& corners, Index v) { return (corners.array() == v).any(); }
+  template <class Visit>  // visit(pair, vertex) of both tetrahedra that the grains beside a face are part of
+  void for_common_vertices(Visit&& visit) const {
+    for (const GrainPair& pair : parted_) {
+      const Corners a = topology_.corners(grains_[pair.first].element),
+                    b = topology_.corners(grains_[pair.second].element);
+      for (Index v : a)
+        if (has(b, v)) visit(pair, v);
+    }
+  }
+  void find_star(Index v);
+  void find_rest(Index v, Index first);
+  bool find_parts_at_sides(Index v);
+  bool was_whole(Index v);
+  bool may_part() const;
+  bool find_parts(Index v);
+  void split(Index v);
+  std::vector<Index> changed_tets() const;
+  void divide(Index tet);
+  void find_neighbours();
+  void add_neighbours(Index tet, std::span<const Index> grains);
+
+  const Grains& grains_;
+  const Topology& topology_;
+  const std::vector<GrainPair>& parted_;
+  std::vector<Index>& marks_;
+  std::vector<std::uint8_t>& is_whole_;
+  std::vector<Index> vertices_;
+  struct Side {         // a grain beside a face that opened
+    Index grain, next;  // of the same vertex in sides_; negative: the last
+  };
+  std::vector<Side> sides_;
+  std::vector<Index>& first_side_;  // per vertex, in sides_; negative: none
+  std::vector<Changed> changed_;
+  std::vector<Index> star_, front_;  // grains around a vertex; those found there
+  struct Connected {
+    Index first;             // the lowest number
+    std::size_t begin, end;  // in front_
+  };
+  std::vector<Connected> connected_;     // parts of what is around a vertex
+  std::vector<Part> parts_, new_parts_;  // by their numbers: of old tetrahedra, of new ones
+  std::vector<Index> grains_of_parts_;
+  struct Group {  // of grains with the same corners
+    Corners corners;
+    double share = 0;
+  };
+  std::vector<Group> groups_;                                 // scratch of divide()
+  std::vector<std::pair<std::size_t, Index>> grains_of_tet_;  // the same: groups, and their grains
+  std::array<std::vector<Index>, 4> across_;                  // scratch of add_neighbours()
+  std::vector<Index> others_;                                 // the same
+  Index new_tets_ = 0;
+  TetDivision result_;
+};
+
+}  // namespace lobe

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
@@ -180,7 +182,7 @@ std::vector<Index> TetGroups::meeting(const Topology& topology, const Mat3X<doub
       search(body, leaf, volume, meeting);
     }
   }
-  std::sort(meeting.begin(), meeting.end());
+  sort_unique(meeting);
   return meeting;
 }
 

@@ -19,6 +19,12 @@ Elements::Elements(const Body& body)
   if (std::any_of(given.begin(), given.end(), [](int label) { return label != 0; })) labels = given;
   corner_volumes.resize(std::size_t(topology.tet_count()));
   for (Index t = 0; t < topology.tet_count(); ++t) corner_volumes[t] = volume(t) / 4;
+  // Room for copies, so that a first cut copies no list. Until it is touched, it takes no memory.
+  const auto tets = std::size_t(topology.tet_count()), room = tets + tets / 4;
+  if (!labels.empty()) labels.reserve(room);
+  material_of.reserve(room);
+  region_of.reserve(room);
+  corner_volumes.reserve(room);
 }
 
 void Elements::follow(const MeshEdit& edit) {

@@ -95,7 +95,9 @@ void Topology::add_neighbour(Index tet, int face, Index other) {
   stars_are_whole_ = false;  // the tetrahedra around an edge are no ring any more
   if (more_.vertex_count() == 0) more_ = VertexLists<Across>(std::vector<Index>(std::size_t(tet_count()), 0));
   while (more_.vertex_count() < tet_count()) more_.add_vertex();
+  has_more_.resize(std::size_t(tet_count()), 0);
   more_.append(tet, {face, other});
+  has_more_[std::size_t(tet)] = 1;
 }
 
 // Removes a neighbour. If it was the first of several, another one takes its place.
@@ -120,6 +122,7 @@ void Topology::set_neighbours(Index tet, int face, std::span<const Index> others
   if (has_more(tet))
     for (std::size_t i = more_[tet].size(); i-- > 0;)
       if (more_[tet][i].face == face) more_.erase(tet, &more_[tet][i]);
+  if (has_more(tet)) has_more_[std::size_t(tet)] = !more_[tet].empty();
   for (Index other : others) add_neighbour(tet, face, other);
   if (others.empty()) open_face(4 * tet + face);
 }
@@ -143,7 +146,10 @@ void Topology::unlink(Index tet) {
     }
     neighbours_(f, tet) = -1;
   }
-  if (is_shared) more_.clear(tet);
+  if (is_shared) {
+    more_.clear(tet);
+    has_more_[std::size_t(tet)] = 0;
+  }
 }
 
 // The tetrahedra next to each connected part of the removed ones, one part after the other. `ends` has the
@@ -183,24 +189,31 @@ std::vector<std::vector<Index>> Topology::pieces_apart(std::span<const Index> te
     open[searches++] = 1;
     queue.push_back(t);
   }
+  constexpr std::size_t ahead = 8;  // so that what is visited next is in the cache
   std::vector<std::vector<Index>> apart;
   for (std::size_t at = 0; searches > 1; ++at) {
+    if (at + 2 * ahead < queue.size()) __builtin_prefetch(&neighbours_(0, queue[at + 2 * ahead]));
+    if (at + ahead < queue.size())
+      for (int f = 0; f < 4; ++f)
+        if (const Index other = neighbours_(f, queue[at + ahead]); other >= 0)
+          __builtin_prefetch(&found_by_[other]);
     const Index this_root = root(found_by_[queue[at]]);
+    Index found = 0;
     for_neighbours(queue[at], [&](int, Index other) {
       const Index by = found_by_[other];
+      if (by == this_root) return;
       if (by < 0) {
         found_by_[other] = this_root;
-        ++open[this_root];
+        ++found;
         queue.push_back(other);
-      } else if (by == this_root) {
-        return;
       } else if (const Index met = root(by); met != this_root) {
         search_of[met] = this_root;
-        open[this_root] += open[met];
+        found += open[met];
         --searches;
       }
     });
-    if (--open[this_root] > 0 || searches == 1) continue;
+    open[this_root] += found - 1;
+    if (open[this_root] > 0 || searches == 1) continue;
     std::vector<Index>& piece = apart.emplace_back();
     std::copy_if(queue.begin(), queue.end(), std::back_inserter(piece),
                  [&](Index t) { return root(found_by_[t]) == this_root; });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -60,7 +61,7 @@ struct TetDivision {
     Index tet = 0;
     std::array<Index, 5> begin{};  // of each face, in others; and the end
   };
-  std::vector<Neighbours> neighbours;  // of the parts, and of all next to them
+  std::vector<Neighbours> neighbours;  // of the parts, and of all next to them; ascending
   std::vector<Index> others;
   bool may_part = true;  // false: nothing has come off, there is no need to search
   std::span<const Index> across(const Neighbours& of, std::size_t face) const {
@@ -148,7 +149,9 @@ class Topology {
     int face;
     Index tet;
   };
-  bool has_more(Index tet) const { return tet < more_.vertex_count() && !more_[tet].empty(); }
+  bool has_more(Index tet) const {
+    return std::size_t(tet) < has_more_.size() && has_more_[std::size_t(tet)] != 0;
+  }
   void forget_neighbour(Index tet, Index other);
   void set_neighbours(Index tet, int face, std::span<const Index> others);
   void add_neighbour(Index tet, int face, Index other);
@@ -169,7 +172,8 @@ class Topology {
   VertexColumns<Tets>
       neighbours_;  // per face: the first other tetrahedron; on the boundary −1 − its place in boundary_
   VertexLists<Across> more_;  // per tetrahedron, further ones across its faces; no lists until there is one
-  bool stars_are_whole_ = true;  // the tetrahedra around each vertex are connected by faces
+  std::vector<std::uint8_t> has_more_;  // per tetrahedron, whether its list is not empty
+  bool stars_are_whole_ = true;         // the tetrahedra around each vertex are connected by faces
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;

@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "lobe/mesh/topology.h"
-#include "lobe/sort_unique.h"
 
 namespace lobe {
 
@@ -58,8 +57,8 @@ MeshEdit Topology::divide(const TetDivision& division) {
   split_vertices(division, edit);
   if (!division.may_part) return edit;
   std::vector<Index> rim;
+  rim.reserve(division.neighbours.size());
   for (const TetDivision::Neighbours& listed : division.neighbours) rim.push_back(listed.tet);
-  sort_unique(rim);
   find_cut_off(rim, {static_cast<Index>(rim.size())}, edit);
   return edit;
 }

@@ -68,22 +68,18 @@ void Division::find_neighbours() {
         .subspan(std::size_t(part.begin), std::size_t(part.end - part.begin));
   };
   std::vector<Index> tets;
-  std::vector<bool> is_listed(std::size_t(topology_.tet_count() + new_tets_), false);
-  const auto list = [&](Index tet) {
-    if (!is_listed[std::size_t(tet)]) tets.push_back(tet);
-    is_listed[std::size_t(tet)] = true;
-  };
+  tets.reserve(2 * parted_.size() + parts_.size() + 4 * grains_of_parts_.size());
   for (const auto& [a, b] : parted_) {
     if (grains_[a].element == grains_[b].element) continue;
-    for (Index grain : {a, b}) list(grains_[grain].element);
+    for (Index grain : {a, b}) tets.push_back(grains_[grain].element);
   }
   for (const Part& part : parts_) {
-    list(part.tet);
+    tets.push_back(part.tet);
     for (Index grain : grains_of(part))
       for (int f = 0; f < 4; ++f)
-        if (const Index other = grains_.neighbour(grain, f); other >= 0) list(element_of(other));
+        if (const Index other = grains_.neighbour(grain, f); other >= 0) tets.push_back(element_of(other));
   }
-  std::sort(tets.begin(), tets.end());
+  sort_unique(tets);
   result_.neighbours.reserve(tets.size());
   result_.others.reserve(4 * tets.size());
   auto part = parts_.begin();
@@ -123,7 +119,7 @@ void Division::add_neighbours(Index tet, std::span<const Index> grains) {
 }
 
 TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& opened) {
-  Division division(*this, topology, opened, parted_, scratch_, vertex_scratch_, is_whole_);
+  Division division(*this, topology, opened, parted_, {scratch_, place_scratch_, vertex_scratch_}, is_whole_);
   TetDivision result = division.find();
   for (const TetDivision::Part& part : result.parts)
     while (of_element_.vertex_count() <= part.tet) of_element_.add_vertex();

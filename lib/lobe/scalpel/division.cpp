@@ -3,20 +3,22 @@
 #include <limits>
 
 #include "lobe/scalpel/division.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 
 Division::Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
-                   const std::vector<GrainPair>& parted, std::vector<Index>& marks, std::vector<Index>& sides,
-                   std::vector<std::uint8_t>& is_whole)
+                   const std::vector<GrainPair>& parted, Scratch scratch, std::vector<std::uint8_t>& is_whole)
     : grains_(grains),
       topology_(topology),
       parted_(parted),
-      marks_(marks),
+      marks_(scratch.marks),
+      places_(scratch.places),
       is_whole_(is_whole),
-      first_side_(sides) {
+      first_side_(scratch.sides) {
   constexpr Index none = -1, seen = -2;
   marks_.resize(std::size_t(grains.count()), -1);
+  places_.resize(std::size_t(grains.count()), -1);
   is_whole_.resize(std::size_t(topology.vertex_count()), 0);
   first_side_.resize(std::size_t(topology.vertex_count()), none);
   for (Index t : touched)
@@ -32,42 +34,48 @@ Division::Division(const Grains& grains, const Topology& topology, const std::ve
       first = static_cast<Index>(sides_.size()) - 1;
     }
   });
-  std::sort(vertices_.begin(), vertices_.end());
+  sort_unique(vertices_);
 }
 
 Division::Changed& Division::changed(Index grain) {
-  Index& place = marks_[std::size_t(grain)];
+  Index& place = places_[std::size_t(grain)];
   if (place < 0) {
     const Index element = grains_[grain].element;
-    changed_.push_back({grain, element, topology_.corners(element), false, place});
+    changed_.push_back({grain, element, topology_.corners(element)});
     place = static_cast<Index>(changed_.size()) - 1;
   }
   return changed_[std::size_t(place)];
 }
 
-void Division::find_star(Index v) {
+void Division::mark_star(Index v) {
   star_.clear();
   for (Index t : topology_.around(v)) {
     const std::span<const Index> own = grains_.of(t);
     star_.insert(star_.end(), own.begin(), own.end());
   }
-  for (Index grain : star_) mark(grain) = mark_around(v);
+  for (Index grain : star_) mark(grain) = std::max(mark(grain), is_around);
 }
 
-// Adds what hangs together with a grain around a vertex and has not been found yet.
-void Division::find_rest(Index v, Index first) {
-  std::size_t at = front_.size();
+// Adds what hangs together with a grain in the marked star of a vertex and has not been found yet.
+void Division::find_rest(Index first) {
+  const std::size_t begin = front_.size();
   front_.push_back(first);
-  mark(first) = -1;
-  for (; at < front_.size() && front_.size() < star_.size(); ++at)
+  mark(first) = is_found;
+  for (std::size_t at = begin; at < front_.size() && front_.size() < star_.size(); ++at)
     for (int f = 0; f < 4; ++f) {
       const Index other = grains_.neighbour(front_[at], f);
       if (other < 0) continue;
       Index& of_other = mark(other);
-      if (of_other != mark_around(v)) continue;
-      of_other = -1;
+      if (of_other != is_around) continue;
+      of_other = is_found;
       front_.push_back(other);
     }
+  add_connected(begin);
+}
+
+void Division::add_connected(std::size_t begin) {
+  connected_.push_back(
+      {*std::min_element(front_.begin() + std::ptrdiff_t(begin), front_.end()), begin, front_.size()});
 }
 
 // What hung together around a vertex comes apart only where faces opened: each part has a grain beside one.
@@ -76,38 +84,37 @@ bool Division::find_parts_at_sides(Index v) {
   front_.clear();
   connected_.clear();
   const Index first = first_side_[std::size_t(v)];
+  if (first < 0) return false;
   Index missing = 0;
   for (Index side = first; side >= 0; side = sides_[std::size_t(side)].next)
-    missing += std::exchange(mark(sides_[std::size_t(side)].grain), mark_around(v)) != mark_around(v);
-  bool is_apart = false;
-  for (Index side = first; side >= 0 && missing > 0; side = sides_[std::size_t(side)].next) {
-    const Index start = sides_[std::size_t(side)].grain;
-    if (mark(start) == mark_found(v)) continue;
-    const std::size_t begin = front_.size();
-    front_.push_back(start);
-    mark(start) = mark_found(v);
-    --missing;
-    for (std::size_t at = begin; at < front_.size() && (missing > 0 || is_apart); ++at)
-      for (int f = 0; f < 4; ++f) {
-        const Index other = grains_.neighbour(front_[at], f);
-        if (other < 0) continue;
-        Index& of_other = mark(other);
-        if (of_other == mark_found(v)) continue;
-        if (of_other == mark_around(v))
-          --missing;
-        else if (!has(topology_.corners(grains_[other].element), v))
-          continue;
-        of_other = mark_found(v);
-        front_.push_back(other);
-      }
-    is_apart = is_apart || missing > 0;
-    if (is_apart)
-      connected_.push_back(
-          {*std::min_element(front_.begin() + std::ptrdiff_t(begin), front_.end()), begin, front_.size()});
+    missing += std::exchange(mark(sides_[std::size_t(side)].grain), is_around) != is_around;
+  const auto find = [&](Index grain) {
+    mark(grain) = is_found;
+    front_.push_back(grain);
+  };
+  find(sides_[std::size_t(first)].grain);
+  --missing;
+  for (std::size_t at = 0; at < front_.size() && missing > 0; ++at)
+    for (int f = 0; f < 4; ++f) {
+      const Index other = grains_.neighbour(front_[at], f);
+      if (other < 0 || mark(other) == is_found) continue;
+      if (mark(other) == is_around)
+        --missing;
+      else if (!has(topology_.corners(grains_[other].element), v))
+        continue;
+      find(other);
+    }
+  const bool is_apart = missing > 0;
+  if (is_apart) {
+    add_connected(0);
+    mark_star(v);
+    for (Index side = first; side >= 0; side = sides_[std::size_t(side)].next)
+      if (const Index grain = sides_[std::size_t(side)].grain; mark(grain) == is_around) find_rest(grain);
+    for (Index grain : star_) mark(grain) = -1;
+    std::sort(connected_.begin(), connected_.end(),
+              [](const Connected& a, const Connected& b) { return a.first < b.first; });
   }
   for (Index grain : front_) mark(grain) = -1;
-  std::sort(connected_.begin(), connected_.end(),
-            [](const Connected& a, const Connected& b) { return a.first < b.first; });
   return is_apart;
 }
 
@@ -132,17 +139,16 @@ bool Division::may_part() const {
 
 // Finds what hangs together around a vertex, in order of the first grains; whether these are several parts.
 bool Division::find_parts(Index v) {
-  find_star(v);
   front_.clear();
   connected_.clear();
+  mark_star(v);
   while (front_.size() < star_.size()) {
     Index first = std::numeric_limits<Index>::max();
     for (Index grain : star_)
-      if (grain < first && mark(grain) == mark_around(v)) first = grain;
-    const std::size_t begin = front_.size();
-    find_rest(v, first);
-    connected_.push_back({first, begin, front_.size()});
+      if (grain < first && mark(grain) == is_around) first = grain;
+    find_rest(first);
   }
+  for (Index grain : star_) mark(grain) = -1;
   return connected_.size() > 1;
 }
 

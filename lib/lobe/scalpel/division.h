@@ -18,14 +18,17 @@ class Division {
   using Corners = Eigen::Vector4i;
   using GrainPair = std::pair<Index, Index>;
 
-  // `parted`: the grains on both sides of each face that has opened. `marks`: per grain, −1; so it is left.
-  // `is_whole`: per vertex, whether the grains around it are known to have hung together before.
-  // `sides`: per vertex, −1; so it is left, too.
+  struct Scratch {                      // −1 outside of a division
+    std::vector<Index>&marks, &places;  // per grain
+    std::vector<Index>& sides;          // per vertex
+  };
+
+  // `parted`: the grains on both sides of each face that has opened. `is_whole`: per vertex, whether the
+  // grains around it are known to have hung together before.
   Division(const Grains& grains, const Topology& topology, const std::vector<Index>& touched,
-           const std::vector<GrainPair>& parted, std::vector<Index>& marks, std::vector<Index>& sides,
-           std::vector<std::uint8_t>& is_whole);
+           const std::vector<GrainPair>& parted, Scratch scratch, std::vector<std::uint8_t>& is_whole);
   ~Division() {
-    for (const Changed& changed : changed_) marks_[std::size_t(changed.grain)] = -1;
+    for (const Changed& changed : changed_) places_[std::size_t(changed.grain)] = -1;
     for (Index v : vertices_) first_side_[std::size_t(v)] = -1;
   }
   Division(const Division&) = delete;
@@ -40,23 +43,17 @@ class Division {
     Index grain, element;
     Corners corners;  // of its tetrahedron, as they will be
     bool has_new_corners = false;
-    Index mark = -1;
   };
   struct Part {  // of a tetrahedron that was divided or has new corners
     Index tet;
     Index begin, end;  // in grains_of_parts_
   };
 
-  // Of a grain: its place in changed_; −1: none; below: the vertex around which it has not been found yet,
-  // or has.
-  static Index mark_around(Index v) { return -2 - 2 * v; }
-  static Index mark_found(Index v) { return -3 - 2 * v; }
-  Index& mark(Index grain) {
-    Index& own = marks_[std::size_t(grain)];
-    return own < 0 ? own : changed_[std::size_t(own)].mark;
-  }
+  // Of a grain around a vertex: it has not been found yet, or has.
+  static constexpr Index is_around = 0, is_found = 1;
+  Index& mark(Index grain) { return marks_[std::size_t(grain)]; }
   const Changed* find_changed(Index grain) const {
-    const Index place = marks_[std::size_t(grain)];
+    const Index place = places_[std::size_t(grain)];
     return place < 0 ? nullptr : &changed_[std::size_t(place)];
   }
   Changed& changed(Index grain);
@@ -79,8 +76,9 @@ class Division {
         if (has(b, v)) visit(pair, v);
     }
   }
-  void find_star(Index v);
-  void find_rest(Index v, Index first);
+  void mark_star(Index v);
+  void find_rest(Index first);
+  void add_connected(std::size_t begin);
   bool find_parts_at_sides(Index v);
   bool was_whole(Index v);
   bool may_part() const;
@@ -94,7 +92,8 @@ class Division {
   const Grains& grains_;
   const Topology& topology_;
   const std::vector<GrainPair>& parted_;
-  std::vector<Index>& marks_;
+  std::vector<Index>& marks_;   // per grain; −1 outside of a search
+  std::vector<Index>& places_;  // per grain, in changed_; −1: none
   std::vector<std::uint8_t>& is_whole_;
   std::vector<Index> vertices_;
   struct Side {         // a grain beside a face that opened
@@ -103,7 +102,7 @@ class Division {
   std::vector<Side> sides_;
   std::vector<Index>& first_side_;  // per vertex, in sides_; negative: none
   std::vector<Changed> changed_;
-  std::vector<Index> star_, front_;  // grains around a vertex; those found there
+  std::vector<Index> star_, front_;  // grains around a vertex; those found there, part by part
   struct Connected {
     Index first;             // the lowest number
     std::size_t begin, end;  // in front_

@@ -385,7 +385,7 @@ void Grains::forget(const std::vector<Index>& elements) {
 std::size_t Grains::bytes() const {
   return grains_.size() * (sizeof(Grain) + sizeof other_sides_[0]) + points_.size() * sizeof(Vec3d) +
          shortest_.size() * sizeof(double) + on_.size() * sizeof(std::uint32_t) +
-         grains_.size() * sizeof scratch_[0] +
+         grains_.size() * (sizeof scratch_[0] + sizeof place_scratch_[0]) +
          (around_.items().size() + of_element_.items().size()) * sizeof(Index);
 }
 

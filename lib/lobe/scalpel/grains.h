@@ -146,6 +146,7 @@ class Grains {
   std::vector<std::uint8_t> is_whole_;  // per vertex: the grains around it hung together after divide()
   std::vector<Index> scratch_, front_;  // of a search: per grain, −1 outside of one; grains found
   std::vector<Index> vertex_scratch_;   // of divide(): per vertex, −1 outside of it
+  std::vector<Index> place_scratch_;    // the same, per grain
   std::vector<Index> point_scratch_;
 };
 

@@ -61,7 +61,7 @@ class Step {
 
   void find_near();
   void put_on();
-  bool release_flat();
+  void release_flat();
   void find_crossed();
   void refuse_too_many();
   void drop_third_marks();
@@ -151,6 +151,7 @@ void Step::find_near() {
 
 // Points near enough to the sheet lie on it from now on; but not all four of a grain: the farthest stays off.
 void Step::put_on() {
+  bool is_any_on = false;
   for (Point& point : points_) {
     const double within = blade_.snap * grains_.shortest_edge(point.number);
     if (point.was_on || sheet_.beyond(point.x) >= within ||
@@ -158,9 +159,9 @@ void Step::put_on() {
       continue;
     point.distance = sheet_.distance(point.x, within);
     point.is_on = point.distance < within;
+    is_any_on = is_any_on || point.is_on;
   }
-  while (release_flat()) {
-  }
+  if (is_any_on) release_flat();
   for (const Point& point : points_) {
     if (!point.is_on) continue;
     grains_.put_on(point.number, blade_.stroke);
@@ -169,8 +170,8 @@ void Step::put_on() {
   std::sort(new_on_.begin(), new_on_.end());
 }
 
-bool Step::release_flat() {
-  bool found = false;
+// Points are only released, so that what is not flat when it is looked at stays so.
+void Step::release_flat() {
   for (const Near& near : near_) {
     const auto& points = near.points;
     if (!std::all_of(points.begin(), points.end(), [&](Index p) { return is_on(points_[std::size_t(p)]); }))
@@ -182,11 +183,8 @@ bool Step::release_flat() {
       if (!worst || std::pair(point.distance, point.number) > std::pair(worst->distance, worst->number))
         worst = &point;
     }
-    if (!worst) continue;
-    worst->is_on = false;
-    found = true;
+    if (worst) worst->is_on = false;
   }
-  return found;
 }
 
 // Whether the sheet crosses the edge between two points, the lower number first. Each edge is tested once.

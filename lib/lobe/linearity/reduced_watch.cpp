@@ -153,9 +153,10 @@ ReducedReport ReducedWatch<Real>::look(World<Real>& world, const CommandSink& se
     follow_edits(world);
     const double since = world.time() - time_;
     auto& region = world.body().regions.reduced();
-    if (!(since > 0)) region.take_lost();  // before its first frame
-    if (std::exchange(begins_, false))     // what fades then is no error
+    if (std::exchange(begins_, false)) {  // what was lost before is no error, nor what fades now
+      region.take_lost();
       equation_->add(region.fading(world.body().motion).template cast<double>());
+    }
     const bool is_due = since > 0 && looks_ % frames_between == 0;
     if (is_due) {
       time_ = world.time();

@@ -16,6 +16,7 @@ from ._lobe import (
     Snapshot,
     StaticResult,
     Surface,
+    Transitions,
     World,
     __version__,
     box_mesh,
@@ -31,6 +32,6 @@ from .programs import bench, mesh, read_table, view
 
 __all__ = [
     "Cautery", "Checkpoint", "Condition", "Difference", "GestureOutcome", "Grasp", "InputError", "Mesh",
-    "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult", "Surface", "World", "__version__", "bench", "box_mesh",
-    "compare", "mesh", "propose_regions", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
+    "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult", "Surface", "Transitions", "World", "__version__",
+    "bench", "box_mesh", "compare", "mesh", "propose_regions", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
 ]

@@ -99,6 +99,15 @@ void bind_reports(py::module_& module) {
       .def_readonly("time", &Condition::time, "[s]")
       .def("__repr__",
            [](const Condition& c) { return "<" + std::string(name(c.kind)) + ": " + c.text + ">"; });
+  py::class_<Transitions>(
+      module, "Transitions",
+      "How often vertices of reduced regions were embedded or became full, and by what that "
+      "changed energies [J].")
+      .def_readonly("count", &Transitions::count)
+      .def_readonly("kinetic", &Transitions::kinetic)
+      .def_readonly("elastic", &Transitions::elastic)
+      .def_readonly("loads", &Transitions::loads)
+      .def_property_readonly("total", &Transitions::total);
   py::class_<Report>(module, "Report", "Of one frame.")
       .def_readonly("ok", &Report::ok, "False: the world could not be advanced; the conditions say why")
       .def_readonly("steps", &Report::steps)
@@ -108,6 +117,7 @@ void bind_reports(py::module_& module) {
       .def_readonly("tets_removed", &Report::tets_removed)
       .def_readonly("tets_copied", &Report::tets_copied, "parts that scalpels have cut off tetrahedra")
       .def_readonly("cut_area", &Report::cut_area, "that scalpels have opened, at rest [m²]")
+      .def_readonly("transitions", &Report::transitions, "of reduced regions, since the last report")
       .def_readonly("smallest_volume_ratio", &Report::smallest_volume_ratio, "of non-linear tetrahedra")
       .def_readonly("conditions", &Report::conditions);
   py::class_<PyCheckpoint>(module, "Checkpoint", "All that has changed in a world since it was built.")

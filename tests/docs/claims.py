@@ -124,6 +124,13 @@ def table_reduced_setup():
                      "of these beyond all non-linear"], body)
 
 
+def table_frequencies():
+    body = [[thousands(row["tets"]), f"{row['lambda_over_mu']:.0f}", f"{1e3 * row['cell']:.1f}", thousands(row["cells"]),
+             f"{row['alpha_over_mu']:.2f}", percent(row["mean_error"]), percent(row["largest_error"])]
+            for row in rows("frequencies")]
+    return markdown(["tetrahedra", "λ/μ", "cell [mm]", "cells", "α/μ", "mean error", "largest error"], body)
+
+
 def table_accuracy_undeclared():
     shown = {"svk_volume": "all non-linear", "reduced": "reduced", "hybrid_gradient_50": "half tensor-mass",
              "tensor_mass": "all tensor-mass"}
@@ -154,7 +161,7 @@ def table_meshing_fuzz():
     return markdown(["damage", "surfaces", "meshed", "refused by name", "gave up by name", "wrong"], body)
 
 
-TABLES = {"reduced": table_reduced, "reduced-setup": table_reduced_setup,
+TABLES = {"reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequencies": table_frequencies,
           "accuracy-undeclared": table_accuracy_undeclared,
           "meshing-quality": table_meshing_quality, "meshing-fuzz": table_meshing_fuzz,
           "contact": table_contact, "haptic": table_haptic, "palpation": table_palpation,

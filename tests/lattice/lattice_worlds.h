@@ -40,6 +40,18 @@ inline std::vector<Index> vertices_near(const TetMesh& mesh, const Vec3d& at, do
   return found;
 }
 
+// Pulled at its end and let go.
+inline Setup pulled_bar(RegionModel model = RegionModel::reduced) {
+  Setup setup = bar(16, 4, true, model);
+  setup.damping = 20;
+  setup.guard_below = 0.2;
+  setup.grasps.push_back({"grasp",
+                          vertices_near(setup.mesh, {0.16, 0.02, 0.02}, 0.016),
+                          {{0.05, Vec3d::Zero()}, {0.25, Vec3d(-0.01, 0.02, 0.03)}},
+                          true});
+  return setup;
+}
+
 inline const LatticeRegion<double>& region_of(const World<double>& world) {
   return world.body().regions.reduced();
 }

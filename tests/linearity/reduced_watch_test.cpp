@@ -83,6 +83,29 @@ TEST_CASE("a body at rest and one that was moved rigidly have no error") {
   CHECK(moved.body().regions.reduced().any_embedded());
 }
 
+TEST_CASE("the error does not jump when a lattice takes over, and grows while what is left fades") {
+  const Setup setup = with_gravity(damped_bar(12, 4), Vec3d(0, 2, -4));
+  World<double> world(setup);
+  const Index end = vertices_near(setup.mesh, {0.12, 0.02, 0.02}, 0.012).front();
+  world.apply(SetForces{{{end, {0, 0, 0.1}}}});  // a zone around it
+  for (int i = 0; i < 30; ++i) REQUIRE(world.advance(frame).ok);
+  world.apply(SetForces{{}});
+  REQUIRE(world.advance(FullZones::linger + 0.01).ok);  // zones change between frames
+  ReducedWatch<double> watch(world, {0.02});
+  CHECK(watch.look(world).error == 0);
+  const auto& region = world.body().regions.reduced();
+  CHECK_FALSE(region.embeds(end));
+  world.apply(SetForces{{}});
+  CHECK(region.embeds(end));
+  const double left =
+      norm(world.elements(), region.fading(world.body().motion)) / norm(world.elements(), world.state().u);
+  CHECK(left > 2e-5);
+  CHECK(watch.look(world).error < 0.1 * left);
+  REQUIRE(world.advance(Fading<double>::duration).ok);
+  CHECK(region.fading(world.body().motion).norm() == 0);
+  CHECK(watch.look(world).error > 0.1 * left);
+}
+
 TEST_CASE(
     "in equilibrium the estimated error is the true one up to a factor of 1.5, however large the load is") {
   for (double load : {0.1, 1.0, 4.0}) {

@@ -96,6 +96,7 @@ void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double o
   const Elements& elements = model.elements;
   const Embedding former = std::move(embedding_);
   const MovingMasses before = in_motion_before(elements, former, wanted, mass, motion);
+  const Mat3X<Real> faded_before = notes_lost_ ? fading(motion) : Mat3X<Real>();
   const bool is_anew = is_outdated_;
   if (is_anew) make_lattice_anew(elements, motion.nodes);
   is_outdated_ = misses_tets_ = false;
@@ -109,7 +110,8 @@ void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double o
   MovingMasses after;  // and what keep_momentum() adds
   zone_mass_.add_to(after, elements, motion, [&](Index v) { return !former.embeds(v); });
   change.keep_momentum(model, mass, before, std::move(after), motion);
-  if (notes_lost_) note_lost(elements, former, motion);
+  if (notes_lost_) note_lost(elements, faded_before, motion);
+  fading_.begin(elements, lattice_, embedding_, motion);
 
   take_loads(elements, mass, loads);
   build(elements);
@@ -182,7 +184,7 @@ void LatticeRegion<Real>::place_interface(const Elements& elements) {
 }
 
 template <class Real>
-void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Motion<Real>& motion) const {
+void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Motion<Real>& motion) {
   if (!any_embedded()) return;
   std::vector<double> mass(std::size_t(elements.topology.vertex_count()), 0);
   for (Index v : embedding_.vertices) mass[std::size_t(v)] = lumped_mass(elements, v);
@@ -190,11 +192,12 @@ void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Mot
                             Mat3X<Real>::Zero(3, lattice_.node_count())};
   motion.nodes = none;
   TakeOver<Real>(elements, lattice_, whole_cells_, {}, embedding_, true).settle_nodes(mass, omega, motion);
+  fading_.begin(elements, lattice_, embedding_, motion);
 }
 
 template <class Real>
 typename LatticeRegion<Real>::State LatticeRegion<Real>::state(const Motion<Real>& motion) const {
-  return {motion.nodes.u, motion.nodes.v, embedding_.roles.is_embedded, zones_.state()};
+  return {motion.nodes.u, motion.nodes.v, embedding_.roles.is_embedded, zones_.state(), fading_.state()};
 }
 
 template <class Real>
@@ -208,6 +211,10 @@ bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) con
               state.is_embedded.size() == embedding_.roles.is_embedded.size() &&
               std::max(state.zones.until.size(), state.zones.asked_until.size()) <= std::size_t(vertices) &&
               are_vertices(state.zones.held) && are_vertices(state.zones.touched);
+  fits = fits && are_vertices(state.fading.vertices) &&
+         std::all_of(state.fading.vertices.begin(), state.fading.vertices.end(), [&](Index v) {
+           return v < static_cast<Index>(state.is_embedded.size()) && state.is_embedded[std::size_t(v)];
+         });
   for (std::size_t v = 0; fits && v < state.is_embedded.size(); ++v) {
     if (!state.is_embedded[v]) continue;
     const auto around = elements.topology.around(static_cast<Index>(v));
@@ -235,6 +242,7 @@ void LatticeRegion<Real>::place(bool velocities, Motion<Real>& motion, Parallel&
       if (velocities) motion.v.col(own.vertex) = value(own, motion.nodes.v);
     }
   });
+  fading_.add_at_full(velocities, motion, parallel);
 }
 
 template <class Real>
@@ -260,6 +268,7 @@ void LatticeRegion<Real>::collect(double missing, Motion<Real>& motion, Parallel
       motion.node_forces.col(n) = sum;
     }
   });
+  fading_.add_forces(motion);
 }
 
 // ---- Displacements, velocities and energies
@@ -279,6 +288,7 @@ void LatticeRegion<Real>::recover(const Elements& elements, bool velocities,
     state.u.col(v) = value(state.nodes.u);
     if (velocities) state.v.col(v) = value(state.nodes.v);
   }
+  fading_.add(velocities, state);
 }
 
 template <class Real>
@@ -300,19 +310,19 @@ double LatticeRegion<Real>::kinetic_energy(const Nodes<Real>& nodes) const {
 }
 
 template <class Real>
-typename LatticeRegion<Real>::Frequency LatticeRegion<Real>::highest_frequency(const Nodes<Real>& nodes,
-                                                                               const DiagonalStiffness& K,
-                                                                               double ratio) const {
+typename LatticeRegion<Real>::Frequency LatticeRegion<Real>::highest_frequency(
+    const StateColumns<Real>& state, const DiagonalStiffness& K, double ratio) const {
   Frequency found;
   if (!any_embedded()) return found;
   std::vector<double> bounds(std::size_t(lattice_.node_count()), 0);
-  found.smallest = cells_.add_bounds(nodes.u, bounds);
+  found.smallest = cells_.add_bounds(state.nodes.u, bounds);
   for (const Place& own : places_) {
+    std::array<Real, 8> weights = fading_.change_of_weights(own.vertex, state.time);
     double sum = 0;
-    for (Real w : own.weights) sum += std::abs(double(w));
+    for (std::size_t n = 0; n < 8; ++n) sum += std::abs(double(weights[n] += own.weights[n]));
     const double stiffness = ratio * ratio * sum * largest_eigenvalue(symmetric(K.col(own.vertex)));
     for (std::size_t n = 0; n < 8; ++n)
-      bounds[std::size_t(own.nodes[n])] += std::abs(double(own.weights[n])) * stiffness;
+      bounds[std::size_t(own.nodes[n])] += std::abs(double(weights[n])) * stiffness;
   }
   double square = 0;
   for (const MovingVertex<Real>& moving : moving_) {

@@ -11,6 +11,7 @@
 #include "lobe/body/loads.h"
 #include "lobe/body/model.h"
 #include "lobe/body/motion.h"
+#include "lobe/lattice/fading.h"
 #include "lobe/lattice/lattice_cells.h"
 #include "lobe/lattice/take_over.h"
 #include "lobe/lattice/zone_mass.h"
@@ -60,12 +61,13 @@ class LatticeRegion {
   // What vertices may do at a time: without `may_embed`, none is embedded.
   VertexRoles roles(const Model& model, double time, bool may_embed);
   VertexRoles roles(const Model& model, std::vector<std::uint8_t> is_embedded) const;
-  bool has_roles(const VertexRoles& wanted) const {
-    return !is_outdated_ && !misses_tets_ && wanted == embedding_.roles;
-  }
+  bool has_roles(const VertexRoles& wanted) const { return is_up_to_date() && wanted == embedding_.roles; }
+  // Whether its forces and energies are those of its tetrahedra: false from follow() to embed().
+  bool is_up_to_date() const { return !is_outdated_ && !misses_tets_; }
   // Embeds these vertices and no others. Displacements and velocities of vertices() must be up to date, and
   // masses and loads those of their tetrahedra: the nodes take them over from embedded vertices. Momentum is
-  // conserved. `omega`: the highest frequency of the full body at rest [rad/s].
+  // conserved. What the nodes cannot make of the displacements fades from then on (fading.h). `omega`: the
+  // highest frequency of the full body at rest [rad/s].
   void embed(const Model& model, VertexRoles wanted, double omega,
              std::vector<double>& mass,  // per vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
@@ -76,19 +78,24 @@ class LatticeRegion {
     if (any_embedded()) zone_mass_.raise(embedding_, omega_, vertices, mass);
   }
   // After World::set_state(): fits displacements and velocities of the nodes to those of the embedded
-  // vertices, by least squares.
-  void settle_all(const Elements& elements, double omega, Motion<Real>& motion) const;
+  // vertices, by least squares. The rest of the displacements fades.
+  void settle_all(const Elements& elements, double omega, Motion<Real>& motion);
 
   struct State {       // part of a checkpoint
     Mat3X<Real> u, v;  // of nodes, 3 × #nodes [m], [m/s]
     std::vector<std::uint8_t> is_embedded;
     FullZones::State zones;
+    typename Fading<Real>::State fading;
     bool is_valid() const { return u.allFinite() && v.allFinite() && u.cols() == v.cols(); }
-    static constexpr auto fields = std::tuple(&State::u, &State::v, &State::is_embedded, &State::zones);
+    static constexpr auto fields =
+        std::tuple(&State::u, &State::v, &State::is_embedded, &State::zones, &State::fading);
   };
   State state(const Motion<Real>& motion) const;
   bool fits(const State& state, const Elements& elements) const;
   void set_zones(const FullZones::State& zones) { zones_.set_state(zones); }
+  void set_fading(const Elements& elements, const typename Fading<Real>::State& state) {
+    fading_.set_state(elements, lattice_, embedding_, state);
+  }
 
   // ---- A step, in this order
 
@@ -117,21 +124,24 @@ class LatticeRegion {
   void add_tet_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     all_.add_forces(u, f, parallel);
   }
+  // The lattice's motion is that of its nodes alone: what still fades of displacements is no part of it.
   // What of the forces on each vertex, of all tetrahedra and loads, does not go into its acceleration and its
-  // damping: 3 × #vertices [N]; zero where vertices move by themselves with their own mass. Each is turned
-  // back by the rotation of the tissue around it. Displacements must have been recovered, and the forces be
-  // those at them.
+  // damping: 3 × #vertices [N]. Where a vertex moves by itself with its own mass, that is only the difference
+  // that neighbours make whose displacement fades. Each is turned back by the rotation of the tissue around
+  // it. Displacements must have been recovered, and the forces be those at them.
   Mat3X<double> residual(const Elements& elements, const Loads<Real>& loads,
                          const std::vector<double>& own_mass,  // per vertex [kg]; those behind are left out
                          const std::vector<double>& mass,      // with which they move now [kg]
                          const Motion<Real>& motion, Parallel& parallel);
-  // What embed() has taken from displacements since the last call, of vertices that became embedded: 3 ×
-  // #vertices [m], turned back like residual(). From the first call on it takes note of that. Empty: nothing.
+  // What embed() has taken from the lattice's displacements since the last call: 3 × #vertices [m], turned
+  // back like residual(). From the first call on it takes note of that. Empty: nothing.
   Mat3X<Real> take_lost() {
     notes_lost_ = true;
     return std::exchange(lost_, {});
   }
   bool has_lost() const { return lost_.size() > 0; }
+  // What still fades of displacements: 3 × #vertices [m], turned back like residual(). Empty: nothing.
+  Mat3X<Real> fading(const StateColumns<Real>& state) const;
 
   // ---- Displacements, velocities and energies
 
@@ -153,7 +163,8 @@ class LatticeRegion {
   };
   // K: of all tetrahedra around the vertices [N/m]. `ratio`: of the highest frequency to that which the
   // stiffness of single vertices gives.
-  Frequency highest_frequency(const Nodes<Real>& nodes, const DiagonalStiffness& K, double ratio) const;
+  Frequency highest_frequency(const StateColumns<Real>& state, const DiagonalStiffness& K,
+                              double ratio) const;
 
   template <class Visit>
   void visit_patches(Visit&& visit) {
@@ -183,7 +194,8 @@ class LatticeRegion {
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
   MovingMasses in_motion_before(const Elements& elements, const Embedding& former, const VertexRoles& wanted,
                                 const std::vector<double>& mass, const Motion<Real>& motion) const;
-  void note_lost(const Elements& elements, const Embedding& former, const Motion<Real>& motion);
+  Vec3d lattice_displacement(const Elements& elements, Index v, const Mat3X<Real>& q) const;
+  void note_lost(const Elements& elements, const Mat3X<Real>& faded_before, const Motion<Real>& motion);
   Mat3<double> rotation_of(Index part, const Mat3X<Real>& q) const;
   void build(const Elements& elements);
   void place_interface(const Elements& elements);
@@ -209,6 +221,7 @@ class LatticeRegion {
   double omega_ = 0;       // the highest frequency of the full body at rest [rad/s]
   double mass_added_ = 0;  // to nodes [kg]
   ZoneMass zone_mass_;
+  Fading<Real> fading_;
   PatchCount past_patches_;
 
   // What a step reads.

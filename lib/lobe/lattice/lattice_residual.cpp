@@ -43,17 +43,26 @@ Mat3<double> LatticeRegion<Real>::rotation_of(Index part, const Mat3X<Real>& q) 
   return rotation(F);
 }
 
-// Displacements of vertices that became embedded must not have been recovered yet.
 template <class Real>
-void LatticeRegion<Real>::note_lost(const Elements& elements, const Embedding& former,
+Mat3X<Real> LatticeRegion<Real>::fading(const StateColumns<Real>& state) const {
+  Mat3X<Real> left;
+  fading_.visit(state, [&](Index v, const Vec3<Real>& u) {
+    if (left.size() == 0) left = Mat3X<Real>::Zero(3, state.u.count());
+    const Index part = lattice_.part_of_vertex[std::size_t(v)];
+    left.col(v) = rotation_of(part, state.nodes.u).transpose().template cast<Real>() * u;
+  });
+  return left;
+}
+
+// Displacements must not have been recovered yet.
+template <class Real>
+void LatticeRegion<Real>::note_lost(const Elements& elements, const Mat3X<Real>& faded_before,
                                     const Motion<Real>& motion) {
   const auto count = Eigen::Index(elements.topology.vertex_count()), known = lost_.cols();
+  lost_.conservativeResize(3, count);
+  lost_.rightCols(count - known).setZero();
+  lost_.leftCols(faded_before.cols()) -= faded_before;
   for (Index v : embedding_.vertices) {
-    if (former.embeds(v)) continue;
-    if (lost_.cols() < count) {
-      lost_.conservativeResize(3, count);
-      lost_.rightCols(count - known).setZero();
-    }
     const Index part = lattice_.part_of_vertex[std::size_t(v)];
     const CellWeights w = lattice_.weights(v, elements.points.col(v));
     Vec3d u = motion.u.col(v).template cast<double>();
@@ -72,8 +81,18 @@ Mat3X<double> LatticeRegion<Real>::residual(const Elements& elements, const Load
                                             Parallel& parallel) {
   Mat3X<double> r = Mat3X<double>::Zero(3, motion.u.count());
   if (!any_embedded()) return r;
-  Mat3X<Real> f = Mat3X<Real>::Zero(3, motion.u.padded().cols());
-  all_.add_forces(motion.u.padded(), f, parallel);
+  Mat3X<Real> f = Mat3X<Real>::Zero(3, motion.u.padded().cols()), of_fading;
+  if (fading_.any()) {
+    Mat3X<Real> u = motion.u.padded();
+    fading_.visit(motion, [&](Index v, const Vec3<Real>& left) { u.col(v) -= left; });
+    all_.add_forces(u, f, parallel);
+    of_fading = Mat3X<Real>::Zero(3, u.cols());
+    full_.add_forces(motion.u.padded(), of_fading, parallel);
+    of_fading = -of_fading;
+    full_.add_forces(u, of_fading, parallel);
+  } else {
+    all_.add_forces(motion.u.padded(), f, parallel);
+  }
   std::vector<Mat3<double>> turn(lattice_.parts.size(), Mat3<double>::Zero());  // Rᵀ of each part
   for (Index v : embedding_.vertices) {
     if (v >= static_cast<Index>(own_mass.size())) continue;
@@ -90,10 +109,12 @@ Mat3X<double> LatticeRegion<Real>::residual(const Elements& elements, const Load
     r.col(v) = turn[part] * (f.col(v).template cast<double>() + load - own * acceleration);
   }
   for (Index v : vertices_) {
-    const double added = embeds(v) ? 0 : zone_mass_.added(v);
-    if (added > 0)
-      r.col(v) = added / mass[std::size_t(v)] * rotation_around(elements, v, motion.u.padded()).transpose() *
-                 motion.forces.col(v).template cast<double>();
+    if (embeds(v)) continue;
+    Vec3d own = Vec3d::Zero();
+    if (const double added = zone_mass_.added(v); added > 0)
+      own = added / mass[std::size_t(v)] * motion.forces.col(v).template cast<double>();
+    if (of_fading.size() > 0) own += of_fading.col(v).template cast<double>();
+    if (!own.isZero(0)) r.col(v) = rotation_around(elements, v, motion.u.padded()).transpose() * own;
   }
   return r;
 }

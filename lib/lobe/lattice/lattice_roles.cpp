@@ -88,6 +88,7 @@ template <class Real>
 void LatticeRegion<Real>::look(const Elements& elements, const Motion<Real>& motion,
                                const std::vector<double>& mass, FullZones::Sight sight) {
   if (!any()) return;
+  fading_.forget_if_over(motion.time);
   const auto norm = [&](const Mat3X<Real>& of_vertices, const Mat3X<Real>& of_nodes) {
     double sum = 0;
     for (std::size_t v = 0; v < mass.size(); ++v)

@@ -1,6 +1,6 @@
 // A change of what a lattice moves: its nodes take over vertices that become embedded, and give back those
-// that do not stay so. Displacements are continuous where vertices become free. Linear and angular momentum
-// are kept, energy is not: what the lattice cannot follow is lost (theory, section 18).
+// that do not stay so. Linear and angular momentum are kept, energy is not: of velocities, what the lattice
+// cannot follow is lost; of displacements, it fades (fading.h).
 #pragma once
 
 #include "lobe/body/model.h"

@@ -63,6 +63,7 @@ void ReducedWatch<Real>::begin_again_if_restored(const World<Real>& world) {
   equation_.emplace(TwoGrid(world.elements(), edge), world.body().damping);
   edits_ = world.journal().edits.size();
   last_ = {};
+  begins_ = true;
 }
 
 // After a cut the grid is made anew and factored from a copy in another thread, because that takes as long as
@@ -98,9 +99,13 @@ void ReducedWatch<Real>::measure(World<Real>& world) {
   const Mat3X<double> u = world.displacements().template cast<double>();
   largest_ = std::max(largest_, norm(equation_->grid().mass(), u));
   before_ = last_.error;
-  last_.error = largest_ > 0 ? equation_->norm() / largest_ : 0;
+  const Dynamics<Real>& body = world.body();
+  Mat3X<double> e = equation_->error();  // of what the nodes make of displacements
+  if (const Mat3X<Real> left = body.regions.reduced().fading(body.motion); left.size() > 0)
+    e -= left.leftCols(e.cols()).template cast<double>();
+  last_.error = largest_ > 0 ? norm(equation_->grid().mass(), e) / largest_ : 0;
   Index worst = 0;
-  equation_->error().colwise().squaredNorm().maxCoeff(&worst);
+  e.colwise().squaredNorm().maxCoeff(&worst);
   last_.place = world.elements().points.col(worst);
 }
 
@@ -148,7 +153,10 @@ ReducedReport ReducedWatch<Real>::look(World<Real>& world, const CommandSink& se
     follow_edits(world);
     const double since = world.time() - time_;
     auto& region = world.body().regions.reduced();
-    if (!(since > 0)) region.take_lost();  // before its first frame
+    if (std::exchange(begins_, false)) {  // what was lost before is no error, nor what fades now
+      region.take_lost();
+      equation_->add(region.fading(world.body().motion).template cast<double>());
+    }
     const bool is_due = since > 0 && looks_ % frames_between == 0;
     if (is_due) {
       time_ = world.time();

@@ -60,6 +60,7 @@ class ReducedWatch {
   bool grid_is_stale_ = false;
   std::size_t edits_ = 0;       // of the world's, that are known
   std::uint64_t restored_ = 0;  // how often it had been restored then
+  bool begins_ = true;          // the error counts from here
   int looks_ = -1;
   double time_ = 0;     // of the last estimate [s]
   double largest_ = 0;  // norm of the displacement so far [√kg m]

@@ -26,6 +26,13 @@ void Totals::add(const Report& report, double time, double wall) {
   patches_evaluated += report.patches_evaluated;
   patches_skipped += report.patches_skipped;
   if (report.tets_removed > 0) cuts.push_back({{"time", time}, {"tetrahedra", report.tets_removed}});
+  if (const Transitions& of = report.transitions; of.count > 0)
+    transitions.push_back({{"time", time},
+                           {"count", of.count},
+                           {"kinetic", of.kinetic},
+                           {"elastic", of.elastic},
+                           {"loads", of.loads},
+                           {"total", of.total()}});
   for (const Condition& c : report.conditions) {
     conditions.push_back({{"time", c.time}, {"condition", name(c.kind)}, {"text", c.text}});
     const bool first_inversion = c.kind == Condition::Kind::near_inversion && !warned_of_inversion;

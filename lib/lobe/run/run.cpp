@@ -128,7 +128,10 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   add_parts_in_use(report, world, scene, resolved, totals);
   if (watched.any()) report["linearity"] = watched.json();
   if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
-  if (const std::optional<Json> seen = reduced.json()) report["reduced"] = *seen;
+  if (const std::optional<Json> seen = reduced.json()) {
+    report["reduced"] = *seen;
+    report["reduced"]["transitions"] = totals.transitions;
+  }
   result.report = options.directory / "report.json";
   io::write_file(result.report, report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   result.summary = summary_of(report);

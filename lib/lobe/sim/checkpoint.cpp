@@ -12,7 +12,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 19,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 20,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -40,6 +40,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.mass_degree = body_.inertia.degree();
   if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
   c.pending = pending_;
+  c.transitions = transitions_;
   c.touch_expansion = touch_expansion_;
   for (const auto& term : body_.terms) c.terms.push_back({term->name(), term->save()});
   return c;
@@ -97,6 +98,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   if (blades_) blades_->set_state(c.blades);
   pieces_.set_state(c.pieces);
   pending_ = c.pending;
+  transitions_ = c.transitions;
   touch_expansion_ = c.touch_expansion;
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.release(body_.model, v);
@@ -117,6 +119,7 @@ void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   if (!region.has_roles(roles)) embed_as(std::move(roles));
   body_.motion.nodes.u = c.nodes.u;
   body_.motion.nodes.v = c.nodes.v;
+  region.set_fading(elements(), c.nodes.fading);
   body_.motion.u.view() = c.state.u;
   body_.motion.v.view() = c.state.v;
   body_.state_was_replaced();

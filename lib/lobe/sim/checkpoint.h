@@ -30,6 +30,7 @@ struct Checkpoint {
   int mass_degree = 1;
   Mat3X<double> acceleration;  // of implicit dynamics [m/s²]; empty: to be taken from the forces
   std::vector<Condition> pending;
+  Transitions transitions;
   struct Term {
     std::string name, saved;
     static constexpr auto fields = std::tuple(&Term::name, &Term::saved);
@@ -38,11 +39,12 @@ struct Checkpoint {
   TouchExpansion touch_expansion;
 
   bool is_valid() const { return acceleration.allFinite(); }
-  static constexpr auto fields = std::tuple(
-      &Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held, &Checkpoint::tools,
-      &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling,
-      &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes, &Checkpoint::mass_degree,
-      &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::terms, &Checkpoint::touch_expansion);
+  static constexpr auto fields =
+      std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
+                 &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
+                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes,
+                 &Checkpoint::mass_degree, &Checkpoint::acceleration, &Checkpoint::pending,
+                 &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::touch_expansion);
 };
 
 // A digest of all that decides how a world moves: mesh, materials, regions, loads, tools …

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <tuple>
@@ -38,6 +39,17 @@ enum class Phase { forces, integration, time_step, cutting };
 inline constexpr int phase_count = 4;
 inline constexpr const char* phase_names[phase_count] = {"forces", "integration", "time_step", "cutting"};
 
+// How often vertices of reduced regions were embedded or became full, and by what that changed energies:
+// what a lattice cannot follow is lost, and full tetrahedra count in place of cells (theory, section 18).
+struct Transitions {
+  int count = 0;
+  double kinetic = 0, elastic = 0, loads = 0;  // [J]
+  double total() const { return kinetic + elastic + loads; }
+  bool is_valid() const { return count >= 0 && std::isfinite(total()); }
+  static constexpr auto fields =
+      std::tuple(&Transitions::count, &Transitions::kinetic, &Transitions::elastic, &Transitions::loads);
+};
+
 struct Report {
   bool ok = true;  // false: the world could not be advanced
   int steps = 0;
@@ -51,6 +63,7 @@ struct Report {
   double mass_added = 0;  // since the start, where blades have cut, to keep the time step [kg]
   long long patches_evaluated = 0, patches_skipped = 0;  // in all evaluations; skipped: asleep
   double smallest_volume_ratio = 1;  // of det F over the non-linear region, at the start of the frame
+  Transitions transitions;           // of reduced regions, since the last report
   std::array<double, phase_count> seconds{};  // of wall time per phase
   std::vector<Condition> conditions;
 };

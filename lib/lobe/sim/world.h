@@ -12,6 +12,8 @@
 //   for (int frame = 0; frame < 60; ++frame) world.advance(1.0 / 30);
 #pragma once
 
+#include <functional>
+
 #include "lobe/sim/display.h"
 #include "lobe/sim/history.h"
 #include "lobe/sim/pieces.h"
@@ -166,6 +168,7 @@ class World {
   void move_mass();
   bool embed(const std::vector<Index>& also_pressed = {});
   void embed_as(VertexRoles wanted);
+  void as_transition(const std::function<void()>& change);
   void free_ahead(const std::vector<Index>& tets);
   void set_expanded(bool is_expanded);
   void use_mass_degree(int degree);
@@ -229,7 +232,9 @@ class World {
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
   TouchExpansion touch_expansion_;
-  std::vector<Condition> pending_;  // found by edits; part of the next report
+  std::vector<Condition> pending_;  // found by edits; part of the next report, as these are
+  Transitions transitions_;
+  bool in_transition_ = false;
   Display<Real> display_;
 };
 

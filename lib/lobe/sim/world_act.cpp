@@ -19,9 +19,15 @@ void World<Real>::perform(const Hold& command) {
   for (const HeldVertices::Held& item : held().all()) edit.vertices.push_back(item.vertex);
   for (const HeldVertices::Held& item : command.held.all()) edit.vertices.push_back(item.vertex);
   sort_unique(edit.vertices);
-  body_.model.held = command.held;
-  if (body_.regions.any_condensed()) journal_.edits.push_back(command);
-  follow(std::move(edit));
+  const auto change = [&] {
+    body_.model.held = command.held;
+    if (body_.regions.any_condensed()) journal_.edits.push_back(command);
+    follow(std::move(edit));
+  };
+  if (body_.regions.reduced().any())
+    as_transition(change);
+  else
+    change();
 }
 
 // ---- Forces
@@ -70,7 +76,7 @@ void World<Real>::show_body() {
 
 template <class Real>
 void World<Real>::show_body_to(ForceTerm<Real>& term) {
-  if (body_.regions.reduced().any_embedded()) state();
+  body_.recover_embedded();
   BodyView body{.model = body_.model,
                 .surface = surface().mesh(),
                 .mass = body_.inertia.mass(),

@@ -149,7 +149,7 @@ Index World<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
 
 template <class Real>
 void World<Real>::freeze(const std::vector<Index>& piece) {
-  if (body_.regions.reduced().any_embedded()) state();
+  body_.recover_embedded();
   std::vector<Index> vertices;
   for (Index t : piece)
     for (Index v : elements().topology.corners(t)) vertices.push_back(v);

@@ -146,6 +146,7 @@ Report World<Real>::advance(double duration) {
   const PatchCount after = body_.regions.patch_count();
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
+  report.transitions = std::exchange(transitions_, {});
   lobe_assert(body_.motion.u.count() == elements().topology.vertex_count(), "a vertex has no displacement");
   if constexpr (is_debug_build)
     if (report.tets_removed > 0) validate(*this);

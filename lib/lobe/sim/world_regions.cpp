@@ -49,10 +49,17 @@ template <class Real>
 void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
   synchronise_velocities();
   state();
-  RegionEdit edit = change_of_region(tets, model);
-  if (edit.left.empty()) return;
-  journal_.edits.push_back(SetRegion{edit.left, model});
-  follow(std::move(edit));
+  const auto is_reduced = [&](Index t) { return elements().region_of[t] == RegionModel::reduced; };
+  const auto change = [&] {
+    RegionEdit edit = change_of_region(tets, model);
+    if (edit.left.empty()) return;
+    journal_.edits.push_back(SetRegion{edit.left, model});
+    follow(std::move(edit));
+  };
+  if (model == RegionModel::reduced || std::any_of(tets.begin(), tets.end(), is_reduced))
+    as_transition(change);
+  else
+    change();
 }
 
 template <class Real>
@@ -192,8 +199,28 @@ bool World<Real>::embed(const std::vector<Index>& also_pressed) {
   region.look(elements(), body_.motion, body_.inertia.mass(), std::move(sight));
   VertexRoles wanted = region.roles(body_.model, time(), limit_.highest_at_rest() > 0);
   if (region.has_roles(wanted)) return false;
-  embed_as(std::move(wanted));
+  if (region.is_up_to_date())
+    as_transition([&] { embed_as(std::move(wanted)); });
+  else  // energies would be those of what an edit has taken, too
+    embed_as(std::move(wanted));
   return true;
+}
+
+// Sums by what a change changes energies, if it embeds vertices or makes them full. Masses must be those of
+// the state when it begins.
+template <class Real>
+void World<Real>::as_transition(const std::function<void()>& change) {
+  if (in_transition_) return change();
+  in_transition_ = true;
+  const int count = transitions_.count;
+  const Energies before = body_.energies_without_terms();
+  change();
+  in_transition_ = false;
+  if (transitions_.count == count) return;
+  const Energies after = body_.energies_without_terms();
+  transitions_.kinetic += after.kinetic - before.kinetic;
+  transitions_.elastic += after.elastic() - before.elastic();
+  transitions_.loads += after.loads - before.loads;
 }
 
 template <class Real>
@@ -206,6 +233,7 @@ void World<Real>::embed_as(VertexRoles wanted) {
   region.embed(body_.model, std::move(wanted), limit_.highest_at_rest(), body_.inertia.masses(), body_.loads,
                body_.motion);
   release(vertices);
+  ++transitions_.count;
   body_.state_has_moved();
   ++body_.model.revisions.structure;
   tools_.state_was_replaced();

@@ -34,6 +34,11 @@ void Dynamics<Real>::recover(typename Regions<Real>::Interior wanted) {
 }
 
 template <class Real>
+void Dynamics<Real>::recover_embedded() {
+  if (regions.reduced().any_embedded()) recover(Regions<Real>::Interior::all);
+}
+
+template <class Real>
 void Dynamics<Real>::find_moving() {
   inertia.find_moving(
       model, sleep.revision(), [&](Index v) { return sleep.is_asleep(v); }, motion);
@@ -47,6 +52,13 @@ void Dynamics<Real>::prepare_inertia() {
 
 template <class Real>
 Energies Dynamics<Real>::energies() {
+  Energies e = energies_without_terms();
+  for (const auto& term : terms) e.applied += term->energy(here());
+  return e;
+}
+
+template <class Real>
+Energies Dynamics<Real>::energies_without_terms() {
   recover(Regions<Real>::Interior::all);
   if (inertia.is_selective()) prepare_inertia();
   const ElasticEnergy elastic = regions.energy(model.elements, motion);
@@ -55,7 +67,6 @@ Energies Dynamics<Real>::energies() {
   e.elastic_linear = elastic.linear;
   e.elastic_nonlinear = elastic.nonlinear;
   e.loads = elastic.condensed_loads - loads.work(motion.u.padded());
-  for (const auto& term : terms) e.applied += term->energy(here());
   return e;
 }
 

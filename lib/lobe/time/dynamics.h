@@ -14,7 +14,8 @@ struct Energies {  // [J]
   double kinetic = 0, elastic_linear = 0, elastic_nonlinear = 0;
   double loads = 0;    // −(gravity and dead loads) · u
   double applied = 0;  // of force terms
-  double total() const { return kinetic + elastic_linear + elastic_nonlinear + loads + applied; }
+  double elastic() const { return elastic_linear + elastic_nonlinear; }
+  double total() const { return kinetic + elastic() + loads + applied; }
 };
 
 template <class Real>
@@ -35,10 +36,12 @@ struct Dynamics {
   void find_forces();
   // Computes the displacements of the condensed interior, and its velocities if asked for.
   void recover(typename Regions<Real>::Interior wanted);
-  void find_moving();      // finds the vertices that move
-  void prepare_inertia();  // and the couplings of selective masses
+  void recover_embedded();  // and the velocities of what follows a lattice
+  void find_moving();       // finds the vertices that move
+  void prepare_inertia();   // and the couplings of selective masses
   Energies energies();
-  Vec3d reaction(int holder);  // force that the holder must apply now [N]
+  Energies energies_without_terms();  // of forces
+  Vec3d reaction(int holder);         // force that the holder must apply now [N]
 
   // Advances velocities and displacements by dt [s] with the forces of the last evaluation, which it
   // overwrites. Forces act for the time `kick`: half of the last step and half of this one.

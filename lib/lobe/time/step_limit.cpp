@@ -25,7 +25,7 @@ void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
     const auto found = body.regions.add_diagonal_stiffness(body.motion.u.padded(), K, body.parallel);
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
-    auto nodes = body.regions.reduced().highest_frequency(body.motion.nodes, K, ratios_.most);
+    auto nodes = body.regions.reduced().highest_frequency(body.motion, K, ratios_.most);
     node_omega_ = nodes.omega;
     node_squares_ = std::move(nodes.squares);
     if (nodes.smallest.volume_ratio < volume_ratio_) {

@@ -86,7 +86,40 @@ double limit_of(World<Real>& world, bool with_contact) {
 struct ContactCase {
   const char* what;
   std::function<void(Setup&)> ask;
+  bool has_slit = false;
 };
+
+// Its tetrahedra left and right of its middle share no vertices within a ball of a fifth of its length: a
+// slit, whose lips lie on each other.
+TetMesh with_slit(TetMesh mesh) {
+  const Vec3d low = mesh.points.rowwise().minCoeff(), high = mesh.points.rowwise().maxCoeff();
+  const Vec3d middle = (low + high) / 2;
+  const auto is_right = [&](Index t) {
+    return mesh.points(Eigen::all, mesh.tets.col(t)).row(0).mean() > middle[0];
+  };
+  std::vector<bool> is_of_left(std::size_t(mesh.vertex_count()), false);
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    if (!is_right(t))
+      for (Index v : mesh.tets.col(t)) is_of_left[std::size_t(v)] = true;
+  std::vector<Index> copy_of(is_of_left.size(), -1);
+  std::vector<Vec3d> copies;
+  for (Index t = 0; t < mesh.tet_count(); ++t) {
+    if (!is_right(t)) continue;
+    for (Index& v : mesh.tets.col(t)) {
+      if (!is_of_left[std::size_t(v)] || (mesh.points.col(v) - middle).norm() > (high - low)[0] / 5) continue;
+      Index& copy = copy_of[std::size_t(v)];
+      if (copy < 0) {
+        copy = mesh.vertex_count() + static_cast<Index>(copies.size());
+        copies.emplace_back(mesh.points.col(v));
+      }
+      v = copy;
+    }
+  }
+  mesh.points.conservativeResize(3, mesh.vertex_count() + static_cast<Index>(copies.size()));
+  for (std::size_t i = 0; i < copies.size(); ++i)
+    mesh.points.col(mesh.vertex_count() - Index(copies.size() - i)) = copies[i];
+  return mesh;
+}
 
 // By its weight, and for ever.
 void swing(Setup& setup) {
@@ -96,16 +129,25 @@ void swing(Setup& setup) {
 
 std::vector<ContactCase> cases() {
   return {{"none", [](Setup&) {}},
+          {"also none", [](Setup&) {}},  // what the measurement itself is off by
           {"far probe", [](Setup& s) { s.probes.push_back(ball(s.mesh, 0.2, 0.1)); }},
           {"near probe", [](Setup& s) { s.probes.push_back(ball(s.mesh, 0.003, 0.1)); }},
           {"touching", [](Setup& s) { s.probes.push_back(ball(s.mesh, -depth, 0)); }},
           {"touching with friction", [](Setup& s) { s.probes.push_back(ball(s.mesh, -depth, 0.1)); }},
           {"self without touch", [](Setup& s) { s.contact.self = true; }},
           {"none while swinging", swing},
-          {"self while swinging", [](Setup& s) {
+          {"self while swinging",
+           [](Setup& s) {
              swing(s);
              s.contact.self = true;
-           }}};
+           }},
+          {"none with a slit while swinging", swing, true},
+          {"self with a slit while swinging",
+           [](Setup& s) {
+             swing(s);
+             s.contact.self = true;
+           },
+           true}};
 }
 
 void check(World<double>& world, const ContactCase& contact_case, ContactRow& row) {
@@ -148,7 +190,7 @@ std::vector<ContactRow> measure(const std::string& name, const TetMesh& mesh, co
   const std::vector<ContactCase> all = cases();
   std::vector<ContactRow> rows;
   for (const ContactCase& contact_case : all) {
-    Setup setup = organ(mesh);
+    Setup setup = organ(contact_case.has_slit ? with_slit(mesh) : mesh);
     contact_case.ask(setup);
     ContactRow row{name, contact_case.what, mesh.tet_count()};
     World<double> exact(setup);
@@ -159,7 +201,7 @@ std::vector<ContactRow> measure(const std::string& name, const TetMesh& mesh, co
   std::vector<Timed> timed;
   for (int copy = 0; copy < copies; ++copy)
     for (const ContactCase& contact_case : all) {
-      Setup setup = organ(mesh);
+      Setup setup = organ(contact_case.has_slit ? with_slit(mesh) : mesh);
       contact_case.ask(setup);
       timed.push_back(runners.emplace_back(setup).timed());
     }

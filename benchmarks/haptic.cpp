@@ -1,5 +1,5 @@
 // lobe bench haptic: forces between frames against the same body in frames of 1 ms, and how punctual a loop
-// at 1 kHz is beside a simulation.
+// at 1 kHz is beside a simulation, and an empty one without it.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "benchmarks/benchmarks.h"
+#include "benchmarks/empty_loop.h"
 #include "benchmarks/haptic_rig.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/secant.h"
@@ -172,6 +173,23 @@ std::string histogram_rows(const LoopRow& row, const LoopTimes& times) {
   return out.str();
 }
 
+void take_times(const LoopTimes& times, LoopRow& row) {
+  const double late[] = {0.5, 0.99, 0.999}, compute[] = {0.5, 0.99};
+  for (int i = 0; i < 3; ++i) row.late[i] = times.lateness.quantile(late[i]);
+  row.late[3] = times.lateness.longest();
+  for (int i = 0; i < 2; ++i) row.compute[i] = times.compute.quantile(compute[i]);
+  row.compute[2] = times.compute.longest();
+  row.missed = double(times.missed) / (double(times.missed) + double(times.compute.total()));
+}
+
+void print(const LoopRow& row) {
+  std::printf("%-12s %-13s %-9s %6.0f %8.1f %8.2f  %5.0f %6.0f %7.0f %7.0f  %5.0f %5.0f %6.0f  %.1e\n",
+              row.mesh.c_str(), row.mode.c_str(), row.thread.c_str(), row.seconds, 1e3 * row.frame,
+              row.factor, row.late[0], row.late[1], row.late[2], row.late[3], row.compute[0], row.compute[1],
+              row.compute[2], row.missed);
+  std::fflush(stdout);
+}
+
 LoopRow time_loop(const Body& body, double frame, int priority, double seconds, std::string& histograms) {
   Session<float> session(body.setup, {.frame = frame});
   Controller controller = session.connect("hand");
@@ -196,22 +214,26 @@ LoopRow time_loop(const Body& body, double frame, int priority, double seconds, 
   row.seconds = watch.seconds();
   row.frame = frame;
   row.factor = (session.status()->time - before) / row.seconds;
-  const LoopTimes& times = loop.times();
   row.thread = loop.is_real_time() ? "fifo" : "ordinary";
-  const double late[] = {0.5, 0.99, 0.999}, compute[] = {0.5, 0.99};
-  for (int i = 0; i < 3; ++i) row.late[i] = times.lateness.quantile(late[i]);
-  row.late[3] = times.lateness.longest();
-  for (int i = 0; i < 2; ++i) row.compute[i] = times.compute.quantile(compute[i]);
-  row.compute[2] = times.compute.longest();
-  row.missed = double(times.missed) / (double(times.missed) + double(times.compute.total()));
+  take_times(loop.times(), row);
   loop.stop();
   session.stop();
-  histograms += histogram_rows(row, times);
-  std::printf("%-12s %-13s %-9s %6.0f %8.1f %8.2f  %5.0f %6.0f %7.0f %7.0f  %5.0f %5.0f %6.0f  %.1e\n",
-              row.mesh.c_str(), row.mode.c_str(), row.thread.c_str(), row.seconds, 1e3 * frame, row.factor,
-              row.late[0], row.late[1], row.late[2], row.late[3], row.compute[0], row.compute[1],
-              row.compute[2], row.missed);
-  std::fflush(stdout);
+  histograms += histogram_rows(row, loop.times());
+  print(row);
+  return row;
+}
+
+// With the same load, and no session.
+LoopRow time_empty(int priority, double seconds) {
+  const Load load(true);
+  LoopTimes times;
+  LoopRow row;
+  row.mesh = "none";
+  row.mode = "empty";
+  row.thread = time_empty_loop(priority, seconds, times) ? "fifo" : "ordinary";
+  row.seconds = seconds;
+  take_times(times, row);
+  print(row);
   return row;
 }
 
@@ -263,6 +285,7 @@ void time_loops(const Options& options, const std::vector<Body>& bodies) {
                 1e3 * trial.p99, trial.is_direct ? "direct" : "extrapolated");
     const double frame = trial.is_direct ? direct_frame : 1.0 / 120;
     const double seconds = options.quick ? 2 : 20;
+    rows.push_back(time_empty(50, seconds));
     rows.push_back(time_loop(body, frame, 50, seconds, histograms));
     rows.push_back(time_loop(body, frame, 0, seconds, histograms));
     if (trial.is_direct) rows.push_back(time_loop(body, 1.0 / 120, 50, seconds, histograms));
@@ -272,13 +295,7 @@ void time_loops(const Options& options, const std::vector<Body>& bodies) {
   io::write_file(options.output / "haptic.gp", haptic_plot);
 }
 
-}  // namespace
-
-void bench_haptic(const Options& options) {
-  begin_results(options.output, "haptic");
-  const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
-  std::vector<Body> bodies{liver("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh),
-                           liver("liver_10k", read_mesh(meshes / "liver_10k.vtu").mesh)};
+void compare_predictions(const Options& options, const std::vector<Body>& bodies) {
   std::printf("\n%-12s %6s %6s %7s %7s  %-20s %8s %8s %8s\n", "mesh", "frame", "force", "speed", "peak N",
               "between frames", "rms %", "max %", "jump %");
   std::vector<ErrorRow> rows;
@@ -292,6 +309,16 @@ void bench_haptic(const Options& options) {
     }
   }
   io::write_file(options.output / "haptic.csv", csv(rows));
+}
+
+}  // namespace
+
+void bench_haptic(const Options& options) {
+  begin_results(options.output, "haptic");
+  const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
+  std::vector<Body> bodies{liver("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh),
+                           liver("liver_10k", read_mesh(meshes / "liver_10k.vtu").mesh)};
+  if (!options.loop) compare_predictions(options, bodies);
   if (options.quick) bodies.resize(1);
   if (!options.quick)
     bodies.push_back(liver("liver_82k", refine(read_mesh(meshes / "liver_10k.vtu").mesh).mesh));

@@ -4,12 +4,15 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <random>
 #include <set>
 
 #include "lobe/contact/contact.h"
+#include "lobe/contact/convex_gap.h"
+#include "lobe/contact/gap_kernels.h"
 #include "lobe/cut/distance.h"
 #include "near.h"
 #include "support.h"
@@ -189,6 +192,78 @@ TEST_CASE("whatever a fast body does, it finds all of itself that it touches") {
   CHECK(worst <= 1e-9 * most);
 }
 
+namespace {
+
+// Two blocks above each other, the lower of which has a slit in its middle, along z.
+TetMesh slit_block_and_piece() {
+  TetMesh mesh = box_mesh({0.04, 0.02, 0.03}, 4, 2, 3);
+  std::map<Index, Index> copy_of;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (std::abs(mesh.points(0, v) - 0.02) < 1e-9 && mesh.points(2, v) > 0.005)
+      copy_of.emplace(v, mesh.vertex_count() + static_cast<Index>(copy_of.size()));
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    if (barycentre(mesh, t).x() > 0.02)
+      for (Index& v : mesh.tets.col(t))
+        if (const auto found = copy_of.find(v); found != copy_of.end()) v = found->second;
+  const TetMesh piece = box_mesh({0.02, 0.02, 0.01}, 2, 2, 1);
+  const auto before = static_cast<Index>(mesh.points.cols());
+  const auto with_copies = before + static_cast<Index>(copy_of.size());
+  mesh.points.conservativeResize(3, with_copies + piece.vertex_count());
+  for (const auto& [v, copy] : copy_of) mesh.points.col(copy) = mesh.points.col(v);
+  mesh.points.rightCols(piece.vertex_count()) = piece.points.colwise() + Vec3d(0.01, 0, 0.031);
+  const Index tets = mesh.tet_count();
+  mesh.tets.conservativeResize(4, tets + piece.tet_count());
+  mesh.tets.rightCols(piece.tet_count()) = piece.tets.array() + with_copies;
+  mesh.labels.insert(mesh.labels.end(), piece.labels.begin(), piece.labels.end());
+  return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("in any motion of a slit and of a piece that falls, what touches is found") {
+  Setup setup = setup_of(slit_block_and_piece());
+  setup.contact.self = true;
+  setup.contact.friction = 0;
+  World<double> world(setup);
+  const double dt = 0.8 * world.time_step_limit();
+  REQUIRE(world.step(dt));
+  const State<double> first = world.state();
+  const auto& contact = dynamic_cast<const Contact<double>&>(*world.body().terms.front());
+  ByForce by_force(world, contact.surface());
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Mat3X<double>& X = setup.mesh.points;
+  int touches = 0, sure = 0;
+  double worst = 0, most = 0;
+  for (int throws = 0; throws < 12; ++throws) {
+    State<double> state = first;  // flies, turns, is strained and bent; the piece falls, the slit shuts
+    const Vec3d flies = Vec3d(uniform(random), uniform(random), uniform(random));
+    Mat3<double> strains;
+    for (double& rate : strains.reshaped()) rate = 25 * uniform(random);
+    const double bends = 600 * uniform(random), shuts = 0.3 * (1 + uniform(random));
+    for (Index v = 0; v < X.cols(); ++v) {
+      const Vec3d x = X.col(v) - Vec3d(0.02, 0.01, 0.02);
+      state.v.col(v) = flies + strains * x + Vec3d(0, 0, bends * x[0] * x[0]);
+      state.v(0, v) += x[0] > 0 ? -shuts : shuts;
+      if (X(2, v) > 0.0305) state.v(2, v) -= 0.6;
+      for (double& speed : state.v.col(v)) speed += 0.02 * uniform(random);
+    }
+    world.set_state(state);
+    for (int i = 0; i < 40 && world.step(dt); ++i) {
+      const double found = contact.energy(world.body().here());
+      const ByForce::Range expected = by_force.energy();
+      most = std::max(most, expected.most);
+      worst = std::max({worst, expected.least - found, found - expected.most});
+      touches += expected.most > 0 ? 1 : 0;
+      sure += expected.most > 0 && expected.least == expected.most ? 1 : 0;
+    }
+  }
+  MESSAGE("it touches in " << touches << " of 480 steps, in " << sure << " of them for sure; energy up to "
+                           << most << " J");
+  CHECK(sure > 20);
+  CHECK(worst <= 1e-9 * most);
+}
+
 TEST_CASE("parts of a body are no nearer than their bound, and a turn of all brings none nearer") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -199,8 +274,14 @@ TEST_CASE("parts of a body are no nearer than their bound, and a turn of all bri
   for (int i = 0; i < 60; ++i) points[std::size_t(i / 30)].push_back(i);
   PartMotion parts;
   parts.set_parts(points);
+  const auto about_one = [](const Mat3X<double>& x) {
+    std::vector<float> places(4 * std::size_t(x.cols()));
+    for (int i = 0; i < x.cols(); ++i)
+      for (int d = 0; d < 3; ++d) places[std::size_t(4 * i + d)] = float(x(d, i) - x(d, 0));
+    return places;
+  };
   const auto holds = [&](const Mat3X<double>& x) {
-    parts.measure(x);
+    parts.measure(about_one(x).data());
     const PartMotion::Bound between = parts.bound(0, 1), within = parts.bound(0, 0);
     for (int i = 0; i < 30; ++i)
       for (int j = 0; j < 60; ++j) {
@@ -214,7 +295,7 @@ TEST_CASE("parts of a body are no nearer than their bound, and a turn of all bri
       for (int j = 30; j < 60; ++j) least = std::min(least, (x.col(i) - x.col(j)).squaredNorm());
     return double(squares[1]) <= least;
   };
-  parts.remember(X);
+  parts.remember(about_one(X).data());
   CHECK(holds(X));
   const Mat3<double> turn = Eigen::AngleAxisd(2, Vec3d(1, 2, 3).normalized()).toRotationMatrix();
   const Mat3X<double> turned = (turn * X).colwise() + Vec3d(5, 3, 1);
@@ -230,9 +311,100 @@ TEST_CASE("parts of a body are no nearer than their bound, and a turn of all bri
     }
     CHECK(holds(x));
   }
-  parts.remember(turned);  // one part comes to where the other is
+  parts.remember(about_one(turned).data());  // one part comes to where the other is
   Mat3X<double> met = turned;
   met.rightCols(30).colwise() -= turn * Vec3d(0.03, 0, 0);
   CHECK(holds(met));
   CHECK(parts.bound(0, 1).now(0.02) < 0);
+}
+
+namespace {
+
+constexpr int samples = 60;
+
+double sampled_distance(const Mat34<double>& tet, const Mat3<double>& triangle) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= samples; ++i)
+    for (int j = 0; i + j <= samples; ++j)
+      least = std::min(least, distance_to_tet(triangle * Vec3d(i, j, samples - i - j) / samples, tet));
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("the way from a tetrahedron to a triangle that it does not meet is the shortest") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  int apart = 0;
+  for (int k = 0; k < 60; ++k) {
+    Mat34<double> tet;
+    Mat3<double> triangle;
+    for (double& x : tet.reshaped()) x = uniform(random);
+    for (double& x : triangle.reshaped()) x = uniform(random);
+    triangle.row(k % 3).array() += 0.2 * (k % 5);
+    const double found = shortest_way(tet, triangle).norm(), sampled = sampled_distance(tet, triangle);
+    if (sampled < 2.0 / samples) continue;
+    ++apart;
+    CHECK(found <= sampled + 1e-12);
+    CHECK(found >= sampled - 2.0 / samples);
+  }
+  CHECK(apart > 15);
+}
+
+TEST_CASE("every instruction set finds the same gaps and ranges") {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  constexpr int places = 50, width = PairBlock::width;
+  std::vector<float> x(4 * places);
+  for (float& number : x) number = uniform(random);
+  const auto place = [&](int i) -> Vec3d {
+    return Eigen::Map<Vec3<float>>(&x[4 * std::size_t(i)]).cast<double>();
+  };
+  std::vector<PairBlock> blocks(2);
+  for (PairBlock& block : blocks)
+    for (int lane = 0; lane < width; ++lane) {
+      const auto l = std::size_t(lane);
+      for (auto& of_corner : block.places) of_corner[l] = int(random() % places);
+      Mat34<double> tet;
+      Mat3<double> triangle;
+      for (int c = 0; c < 3; ++c) triangle.col(c) = place(block.places[std::size_t(c)][l]);
+      for (int c = 0; c < 4; ++c) tet.col(c) = place(block.places[std::size_t(3 + c)][l]);
+      const Vec3d a = (tet.rightCols<3>().colwise() - tet.col(0)).transpose() * shortest_way(tet, triangle);
+      for (int d = 0; d < 3; ++d) block.normal[std::size_t(d)][l] = float(a[d]);
+    }
+  std::vector<PairBlock> of_baseline = blocks;
+  gap_kernels(InstructionSet::baseline).find_gaps(x.data(), 1, of_baseline.data(), 2);
+  int apart = 0;
+  for (const PairBlock& block : of_baseline)
+    for (std::size_t l = 0; l < std::size_t(width); ++l) {
+      Mat34<double> tet;
+      Mat3<double> triangle;
+      for (int c = 0; c < 3; ++c) triangle.col(c) = place(block.places[std::size_t(c)][l]);
+      for (int c = 0; c < 4; ++c) tet.col(c) = place(block.places[std::size_t(3 + c)][l]);
+      const Mat3<double> edges = tet.rightCols<3>().colwise() - tet.col(0);
+      if (!(edges.determinant() > 0.01) || sampled_distance(tet, triangle) < 0.05) continue;
+      ++apart;
+      CHECK(block.gap[l] == near(shortest_way(tet, triangle).norm(), 1e-4));
+    }
+  CHECK(apart > 3);
+  for (InstructionSet set : available_instruction_sets()) {
+    std::vector<PairBlock> own = blocks;
+    gap_kernels(set).find_gaps(x.data(), 1, own.data(), 2);
+    for (std::size_t b = 0; b < own.size(); ++b)
+      CHECK(std::memcmp(own[b].gap.data(), of_baseline[b].gap.data(), sizeof own[b].gap) == 0);
+    for (int vertices : {0, 1, 5, 16, 37, 60})
+      for (std::size_t first : {0, 1, 3}) {  // wherever the arrays begin
+        const float *u = &x[first], *from = &x[first + 11];
+        const Eigen::Map<const Mat3X<float>> there(u, 3, vertices), here(from, 3, vertices);
+        const std::vector<double> wide(x.begin(), x.end());
+        double expected = 0;
+        if (vertices > 0) {
+          const Mat3X<double> moved = (there - here).cast<double>();
+          expected = (moved.rowwise().maxCoeff() - moved.rowwise().minCoeff()).norm();
+        }
+        CHECK(gap_kernels(set).float_range(u, from, vertices) == near(expected, 1e-6, 1));
+        CHECK(gap_kernels(set).double_range(&wide[first], &wide[first + 11], vertices) ==
+              near(expected, 1e-6, 1));
+      }
+  }
 }

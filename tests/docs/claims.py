@@ -71,9 +71,11 @@ def table_live():
 
 
 def table_contact():
-    shown = {"far probe": "far probe", "touching with friction": "touching, friction 0.1",
+    shown = {"also none": "none (what the measurement is off by)",
+             "far probe": "far probe", "touching with friction": "touching, friction 0.1",
              "self without touch": "self, nothing touches",
-             "self while swinging": "self, nothing touches, the organ swings"}
+             "self while swinging": "self, nothing touches, the organ swings",
+             "self with a slit while swinging": "self, lips of a slit rub, the organ swings"}
     body = [[f"{thousands(row['tets'])} tetrahedra", shown[row["contact"]], thousands(row["touched_vertices"]),
              f"{row['step_us']:.1f}", percent(row["cost"], 0 if row["cost"] > 0.1 else 1), f"{row['limit']:.4f}"]
             for row in rows("contact", contact=list(shown))]

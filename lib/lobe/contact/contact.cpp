@@ -2,24 +2,51 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
 
 #include "lobe/io/fields.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
 
+// Columns that begin at the same place of a line of the cache as others.
+template <class Real>
+class Contact<Real>::Station {
+ public:
+  int count() const { return count_; }
+  auto columns() { return Eigen::Map<Mat3X<Real>>(numbers_.data() + first_, 3, count_); }
+  auto columns() const { return Eigen::Map<const Mat3X<Real>>(numbers_.data() + first_, 3, count_); }
+  void lie_like(const Mat3X<Real>& other, int count) {
+    constexpr std::size_t line = 64;
+    count_ = count;
+    numbers_.resize(3 * std::size_t(count) + line / sizeof(Real));
+    const auto place = [](const Real* at) { return reinterpret_cast<std::uintptr_t>(at) % line; };
+    first_ = (place(other.data()) + line - place(numbers_.data())) % line / sizeof(Real);
+  }
+
+ private:
+  std::vector<Real> numbers_;
+  std::size_t first_ = 0;
+  int count_ = 0;
+};
+
+template <class Real>
+struct Contact<Real>::Stations {
+  GapKernels kernels = gap_kernels(chosen_instruction_set());
+  Station u[SelfContact::stations], zeros;  // one column per vertex
+};
+
 template <class Real>
 class Contact<Real>::Here final : public Places {
  public:
-  Here(const ContactSurface& surface, const At& at) : surface_(surface), at_(at) {}
+  Here(const ContactSurface& surface, const At& at, Stations* stations = nullptr)
+      : surface_(surface), at_(at), stations_(stations) {}
   Vec3d of_vertex(Index v) const override {
     return at_.model.elements.points.col(v) + at_.u.col(v).template cast<double>();
   }
   Vec3d velocity_of_vertex(Index v) const override { return at_.v.col(v).template cast<double>(); }
-  void of_vertices(const std::vector<Index>& vertices, Mat3X<double>& x) const override {
-    x.resize(3, Eigen::Index(vertices.size()));
-    for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = Here::of_vertex(vertices[std::size_t(i)]);
-  }
   void of_points(const std::vector<int>& points, PointRows& x, PointRows& v) const override {
     for (std::size_t i = 0; i < points.size(); ++i) {
       x.col(Eigen::Index(i)) = Here::of_point(points[i]);
@@ -43,9 +70,46 @@ class Contact<Real>::Here final : public Places {
     return sum;
   }
 
+  void set_station(int station, double ahead) const override {
+    Station& own = stations_->u[station];
+    own.lie_like(at_.u, count());
+    own.columns() = at_.u.leftCols(count()) + Real(ahead) * at_.v.leftCols(count());
+  }
+  double range_since(int station) const override { return range(at_.u, stations_->u[station]); }
+  double range_of_speeds() const override {
+    if (stations_->zeros.count() != count()) {
+      stations_->zeros.lie_like(at_.v, count());
+      stations_->zeros.columns().setZero();
+    }
+    return range(at_.v, stations_->zeros);
+  }
+  void of_vertices_there(int station, Index origin, const std::vector<Index>& vertices,
+                         float* x) const override {
+    const auto u = std::as_const(stations_->u[station]).columns();
+    const auto& X = at_.model.elements.points;
+    const Vec3d from = X.col(origin);
+    const Vec3<Real> moved = u.col(origin);
+    for (Index v : vertices) {
+      Eigen::Map<Vec3<float>> place(x);
+      place = (X.col(v) - from).template cast<float>() + (u.col(v) - moved).template cast<float>();
+      x += 4;
+    }
+  }
+
  private:
+  int count() const { return int(at_.model.elements.topology.vertex_count()); }
+  double range(const Mat3X<Real>& u, const Station& from) const {
+    if (from.count() != count()) return std::numeric_limits<double>::infinity();
+    const Real* there = from.columns().data();
+    if constexpr (std::is_same_v<Real, float>)
+      return stations_->kernels.float_range(u.data(), there, count());
+    else
+      return stations_->kernels.double_range(u.data(), there, count());
+  }
+
   const ContactSurface& surface_;
   const At& at_;
+  Stations* stations_;
 };
 
 // Sums in double precision, per vertex of the mesh.
@@ -85,7 +149,10 @@ Contact<Real>::~Contact() = default;
 template <class Real>
 Contact<Real>::Contact(const ContactSetup& setup, double body_damping)
     : setup_(setup), body_damping_(body_damping), self_forces_(std::make_unique<SelfForces>()) {
-  if (setup.self) self_ = std::make_unique<SelfContact>(setup.friction);
+  if (setup.self) {
+    self_ = std::make_unique<SelfContact>(setup.friction);
+    stations_ = std::make_unique<Stations>();
+  }
   for (const ObstacleSetup& obstacle : setup.obstacles)
     tools_.emplace_back(static_cast<int>(tools_.size()) - static_cast<int>(setup.obstacles.size()), obstacle);
 }
@@ -159,10 +226,11 @@ template <class Real>
 template <class Visit>
 void Contact<Real>::visit_self(const At& at, Visit&& visit) const {
   if (!self_ || surface_.revision() == 0) return;
-  const Here here(surface_, at);
-  self_->keep_pairs(surface_, here, body_moved_);
+  const Here here(surface_, at, stations_.get());
   const ContactLaw own_law = law();
-  visit(SelfContact::At{surface_, own_law, here, body_moved_, last_step_});
+  const SelfContact::At now{surface_, own_law, here, body_moved_, last_step_};
+  self_->keep_pairs(now);
+  visit(now);
 }
 
 // ---- A frame

@@ -68,6 +68,8 @@ class Contact : public ForceTerm<Real> {
   void visit_memories(Visit&& visit);  // visit(memory) of the body on itself, then of each tool
   void forget_all() const;             // forgets all lists of what may touch
   class Here;                          // Places
+  class Station;                       // of Places, for self contact
+  struct Stations;
   void forget_if_replaced(const At& at) const;
   void find_all(const At& at) const;
   void search(ToolContact& tool, const At& at, double ahead) const;
@@ -84,6 +86,7 @@ class Contact : public ForceTerm<Real> {
   ContactSurface surface_;
   mutable std::vector<ToolContact> tools_;     // obstacles first, as tools of numbers below 0
   mutable std::unique_ptr<SelfContact> self_;  // none: the body does not touch itself
+  std::unique_ptr<Stations> stations_;
   std::vector<OfTool> waiting_;
   std::vector<OnTool> on_tools_;
   std::vector<Index> touched_;                // that may be in this frame

@@ -67,25 +67,27 @@ void PartMotion::set_parts(const std::vector<std::vector<int>>& points) {
   }
 }
 
-void PartMotion::load(const Group& group, const Mat3X<double>& x, Eigen::Array<float, 4, 3>& now) const {
-  for (int k = 0; k < 4; ++k) now.row(k) = (x.col(group.points[k]) - origin_).cast<float>().array();
+void PartMotion::load(const Group& group, const float* x, Eigen::Array<float, 4, 3>& now) {
+  Eigen::Array4f of[4];
+  for (int k = 0; k < 4; ++k) of[k] = Eigen::Map<const Eigen::Array4f>(x + 4 * std::size_t(group.points[k]));
+  for (int k = 0; k < 4; ++k) now.row(k) = of[k].head<3>();
 }
 
-// All is about an origin in the body, so that single precision suffices wherever the body is.
-void PartMotion::remember(const Mat3X<double>& x) {
-  origin_ = x.cols() > 0 ? Vec3d(x.col(0)) : Vec3d::Zero();
+void PartMotion::remember(const float* x) {
+  const auto place = [&](int point) -> Vec3d {
+    return Eigen::Map<const Vec3<float>>(x + 4 * std::size_t(point)).cast<double>();
+  };
   for (Part& part : parts_) {
     part.centre.setZero();
     for (int i = part.first; i < part.first + part.count; ++i)
       for (int k = 0; k < 4; ++k)
-        part.centre +=
-            double(groups_[std::size_t(i)].share[k]) * (x.col(groups_[std::size_t(i)].points[k]) - origin_);
+        part.centre += double(groups_[std::size_t(i)].share[k]) * place(groups_[std::size_t(i)].points[k]);
     Mat3<double> moment = Mat3<double>::Zero();
     part.radius = 0;
     for (int i = part.first; i < part.first + part.count; ++i) {
       Group& group = groups_[std::size_t(i)];
       for (int k = 0; k < 4; ++k) {
-        const Vec3d X = x.col(group.points[k]) - origin_ - part.centre;
+        const Vec3d X = place(group.points[k]) - part.centre;
         group.then.row(k) = X.cast<float>().array();
         part.radius = std::max(part.radius, X.norm());
         if (group.share[k] > 0) moment += X * X.transpose();
@@ -106,8 +108,7 @@ void PartMotion::remember(const Mat3X<double>& x) {
   measure(x);
 }
 
-void PartMotion::measure(const Mat3X<double>& x) {
-  origin_ = x.cols() > 0 ? Vec3d(x.col(0)) : Vec3d::Zero();
+void PartMotion::measure(const float* x) {
   for (std::size_t i = 0; i < groups_.size(); ++i) load(groups_[i], x, now_[i]);
   for (Part& part : parts_) fit(part);
   float size = 0;
@@ -167,11 +168,38 @@ void PartMotion::fit(Part& part) {
   if (!std::isfinite(part.remainder)) part.share = 0;
 }
 
-auto PartMotion::bound(int a, int b) const -> Bound {
+// With boxes, a point of B that is by e outside of where B is within w of A is by w + e outside of A.
+auto PartMotion::meeting(int a, int b, double within) const -> Meeting {
+  const auto of = [&](int first, int second) -> Meeting {
+    Vec3d low, high;
+    for (int i = 0; i < 3; ++i) {
+      const auto f = std::size_t(first), s = std::size_t(second);
+      low[i] = std::max(double(low_[i][s]), double(low_[i][f]) - within) - rounding_;
+      high[i] = std::min(double(high_[i][s]), double(high_[i][f]) + within) + rounding_;
+    }
+    const Vec3d centre = (low + high) / 2;
+    return {first, second, centre - parts_[std::size_t(first)].centre,
+            centre - parts_[std::size_t(second)].centre, (high - low).norm() / 2};
+  };
+  const Meeting in_b = of(a, b), in_a = of(b, a);
+  const Meeting& smaller = in_a.radius < in_b.radius ? in_a : in_b;
+  return smaller.radius < parts_[std::size_t(smaller.b)].radius ? smaller : all_of(smaller.a, smaller.b);
+}
+
+auto PartMotion::all_of(int a, int b) const -> Meeting {
   const Part &A = parts_[std::size_t(a)], &B = parts_[std::size_t(b)];
-  if (a == b) return {A.share, 2 * A.remainder + rounding_};
-  const Vec3d way = B.centre - A.centre, between = A.place + way + A.H * way - B.place;
-  return {A.share, A.remainder + B.remainder + between.norm() + (A.H - B.H).norm() * B.radius + rounding_};
+  return {a, b, B.centre - A.centre, Vec3d::Zero(), B.radius};
+}
+
+auto PartMotion::bound(const Meeting& meeting) const -> Bound {
+  const Part &A = parts_[std::size_t(meeting.a)], &B = parts_[std::size_t(meeting.b)];
+  if (meeting.a == meeting.b) return {A.share, 2 * A.remainder + rounding_};
+  const Vec3d between =
+      A.place + meeting.of_a + A.H * meeting.of_a - B.place - meeting.of_b - B.H * meeting.of_b;
+  const double turn = (A.H - B.H).norm();
+  // Beyond the ball points are farther apart, but not if the motions differ by more than all.
+  const double radius = turn > A.share ? meeting.of_b.norm() + B.radius : meeting.radius;
+  return {A.share, A.remainder + B.remainder + between.norm() + turn * radius + rounding_};
 }
 
 void PartMotion::find_box_distances(int a, std::vector<float>& squares) const {

@@ -4,7 +4,8 @@
 //   x = a(X) + r,  a(X) = c + (I + H) (X − C),  |r| ≤ ρ,  C and c its centre then and now.
 // An affine motion makes a distance shorter by a factor of no less than σ, the least singular value of I + H.
 // So points of the parts A and B that were g apart are now apart by at least
-//   σ_A g − ρ_A − ρ_B − max |a_A(X) − a_B(X)| over X in B.
+//   σ_A g − ρ_A − ρ_B − max |a_A(X) − a_B(X)| over X in B,
+// and if g is at most w, X need only be where B is within w of A.
 // A motion of the whole body, with its rotation, makes that no less than g; a uniform strain by no more than
 // its σ. A part that is far away is bounded by the boxes of both as well.
 //
@@ -29,13 +30,24 @@ class PartMotion {
     double now(double then) const { return share * then - approach; }
   };
 
-  void set_parts(const std::vector<std::vector<int>>& points);  // of each part: columns of x below
+  void set_parts(const std::vector<std::vector<int>>& points);  // of each part: numbers of x below
   int count() const { return static_cast<int>(parts_.size()); }
-  // x: 3 × #points [m].
-  void remember(const Mat3X<double>& x);
-  void measure(const Mat3X<double>& x);
+  // x: places of points about one of the body, so that single precision suffices wherever that is; four
+  // numbers each, of which the last is not used [m].
+  void remember(const float* x);
+  void measure(const float* x);
 
-  Bound bound(int a, int b) const;
+  // Of two parts and a ball, in which b is, or what of b was at remember() within some distance of a. The
+  // bound holds for points that were no farther apart than that; for all others it holds of that distance.
+  struct Meeting {
+    int a = 0, b = 0;
+    Vec3d of_a = Vec3d::Zero(), of_b = Vec3d::Zero();  // the centre, from those of the parts [m]
+    double radius = 0;
+  };
+  Meeting meeting(int a, int b, double within) const;  // between remember() and measure()
+  Meeting all_of(int a, int b) const;
+  Bound bound(const Meeting& meeting) const;
+  Bound bound(int a, int b) const { return bound(all_of(a, b)); }
   bool meets_box(int part, const Vec3<float>& low, const Vec3<float>& high) const {
     const auto p = std::size_t(part);
     for (int i = 0; i < 3; ++i)
@@ -50,9 +62,9 @@ class PartMotion {
   using Lanes = Eigen::Array4f;
   struct Part {
     int first = 0, count = 0;      // groups of four points
-    Vec3d centre = Vec3d::Zero();  // then, about the origin of then
+    Vec3d centre = Vec3d::Zero();  // then
     double radius = 0;             // of the points about it, at remember() [m]
-    Vec3d place = Vec3d::Zero();   // of the centre now, about the origin of now
+    Vec3d place = Vec3d::Zero();   // of the centre now
     Mat3<double> H = Mat3<double>::Zero();
     double remainder = 0, share = 1;  // ρ [m], σ
   };
@@ -61,14 +73,13 @@ class PartMotion {
     Eigen::Array<float, 4, 3> then, fit;  // X − C [m]; by which displacements are multiplied for H [1/m]
     Lanes share;                          // of each in the mean
   };
-  void load(const Group& group, const Mat3X<double>& x, Eigen::Array<float, 4, 3>& now) const;
+  static void load(const Group& group, const float* x, Eigen::Array<float, 4, 3>& now);
   void fit(Part& part);
 
   std::vector<Part> parts_;
   std::vector<Group> groups_;
-  Vec3d origin_ = Vec3d::Zero();
   double rounding_ = 0;                  // [m]
-  std::vector<float> low_[3], high_[3];  // boxes of the parts, about origin_ [m]
+  std::vector<float> low_[3], high_[3];  // boxes of the parts [m]
   std::vector<Eigen::Array<float, 4, 3>> now_;
 };
 

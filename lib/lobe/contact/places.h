@@ -17,7 +17,17 @@ class Places {
   virtual void of_points(const std::vector<int>& points, PointRows& x, PointRows& v) const = 0;
   virtual Vec3d of_vertex(Index vertex) const = 0;  // of the mesh [m]
   virtual Vec3d velocity_of_vertex(Index vertex) const = 0;
-  virtual void of_vertices(const std::vector<Index>& vertices, Mat3X<double>& x) const = 0;
+
+  // Stations are where the body was or would be, all of it.
+
+  // Makes one of where it will be `ahead` [s] from now, at the present velocities.
+  virtual void set_station(int station, double ahead) const = 0;
+  // How much nearer any two vertices may be than there, at most [m].
+  virtual double range_since(int station) const = 0;
+  virtual double range_of_speeds() const = 0;  // the same per time [m/s]
+  // Places of vertices there about another vertex; four numbers each, of which the last stays as it is [m].
+  virtual void of_vertices_there(int station, Index origin, const std::vector<Index>& vertices,
+                                 float* x) const = 0;
 };
 
 class ContactForces {

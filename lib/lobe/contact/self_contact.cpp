@@ -67,17 +67,6 @@ Eigen::Vector4d SelfContact::Inverse::weights(const Vec3d& x) const {
   return b;
 }
 
-Mat3<double> SelfContact::corners_now(const ContactSurface& surface, int triangle) const {
-  Mat3<double> x = Mat3<double>::Zero();
-  for (int c = 0; c < 3; ++c) {
-    const int number = surface.triangles()[std::size_t(triangle)].points[c];
-    const ContactSurface::Point& point = surface.points()[std::size_t(number)];
-    for (int i = 0; i < point.count; ++i)
-      x.col(c) += point.weights[i] * x_.col(place_of_vertex_[std::size_t(point.corners[i])]);
-  }
-  return x;
-}
-
 // Whether a point of a triangle is in a tetrahedron, or nearly so.
 bool SelfContact::is_close(const Places& now, const Mat3<double>& corners, int layer) {
   const Inverse& tet = inverse(now, layer);
@@ -100,25 +89,20 @@ double SelfContact::gap_beyond(const Mat34<double>& tet, int face, const Mat3<do
   return (n.transpose() * (outermost.colwise() - from) / length).minCoeff();
 }
 
-// Those of the pairs that are due. The plane that parted one last parts most of them still.
-void SelfContact::find_near_pairs(const At& at, const Candidate& candidate, const Mat3<double>& corners) {
+// The plane that parted a pair last parts most of them still.
+void SelfContact::find_near_pairs(const At& at, const CloseOnes& ones, const Mat3<double>& corners) {
   near_pairs_.clear();
   const Mat3<double> points = outermost(corners);
-  for (int i : suspects_of(candidate)) {
+  for (int i : close_of(ones)) {
     Pair& pair = pairs_[std::size_t(i)];
-    double& gap = gaps_[std::size_t(i)];
-    gap = std::numeric_limits<double>::infinity();
-    if (pair.due > at.moved) continue;
     Mat34<double> x;
     for (int c = 0; c < 4; ++c) x.col(c) = at.places.of_vertex(layers_[std::size_t(pair.layer)].corners[c]);
-    gap = gap_beyond(x, pair.face, points);
-    for (int face = 0; face < 4 && !(gap > near_); ++face) {
-      gap = gap_beyond(x, face, points);
-      if (gap > near_) pair.face = static_cast<std::uint8_t>(face);
+    bool is_parted = gap_beyond(x, pair.face, points) > near_;
+    for (int face = 0; face < 4 && !is_parted; ++face) {
+      is_parted = gap_beyond(x, face, points) > near_;
+      if (is_parted) pair.face = static_cast<std::uint8_t>(face);
     }
-    if (gap > near_) continue;
-    gap = std::numeric_limits<double>::infinity();
-    near_pairs_.push_back(i);
+    if (!is_parted) near_pairs_.push_back(i);
   }
 }
 
@@ -135,22 +119,16 @@ int SelfContact::find_tet(const At& at, const Candidate& candidate, const Vec3d&
       if (!tet.is_sound) break;
       b = tet.weights(x);
       if (b.minCoeff() < -1e-9) break;
-      for (int j : near_pairs_) gaps_[std::size_t(j)] = 0;  // of others nothing is known
-      gaps_[std::size_t(i)] = 0;
       return layer;
     }
-  int found = -1;
   for (int i : near_pairs_) {
     const Pair& pair = pairs_[std::size_t(i)];
     const Inverse& tet = inverse(at.places, pair.layer);
-    const Eigen::Vector4d weights = tet.weights(x);
-    const double gap = tet.is_sound ? tet.gap(weights) : 0;
-    gaps_[std::size_t(i)] = std::min(gaps_[std::size_t(i)], gap);
-    if (found >= 0 || !tet.is_sound || weights.minCoeff() < 0) continue;
-    found = pair.layer;
-    b = weights;
+    if (!tet.is_sound) continue;
+    b = tet.weights(x);
+    if (!(b.minCoeff() < 0)) return pair.layer;
   }
-  return found;
+  return -1;
 }
 
 // A point that is held and has come out still has the face that it has come through.
@@ -168,7 +146,6 @@ bool SelfContact::find_kept_face(const At& at, const Candidate& candidate, const
       touch.face = faces_[std::size_t(f)];
       touch.layer = number;
       touch.corner_weights = tet.weights(x);
-      gaps_[std::size_t(i)] = 0;
       return true;
     }
   }
@@ -204,20 +181,6 @@ bool SelfContact::find_touch(const At& at, const Candidate& candidate, const Vec
   touch.stiffness = a + c > 0 ? a * c / (a + c) / 2 : 0;
   touch.area = triangle.area / points_per_triangle;
   return true;
-}
-
-// Until its points may be inside: both sides may move.
-void SelfContact::put_off(Candidate& candidate, double moved) {
-  candidate.due = std::numeric_limits<double>::infinity();
-  for (int i : suspects_of(candidate)) {
-    Pair& pair = pairs_[std::size_t(i)];
-    const double gap = gaps_[std::size_t(i)];
-    if (gap <= near_)
-      pair.due = moved;
-    else if (std::isfinite(gap))
-      pair.due = moved + (gap - near_) / 2;
-    candidate.due = std::min(candidate.due, pair.due);
-  }
 }
 
 // ---- Forces

@@ -17,18 +17,16 @@
 // both sides past each other. Friction acts on the tetrahedron at the place of x_q, by −b_i f_t on its
 // corners.
 //
-// Cost. A search finds the pairs of a triangle and a tetrahedron that are near each other (self_search.cpp).
-// Which of them may have come so near that a point may be inside follows from the motion of parts of the body
-// (part_motion.h), every few steps. Those alone are looked at, each no sooner than the body has moved by half
-// of its gap; and there is no other search until one of the pairs that were not found may be that near.
+// Cost. Most of the time a step only asks how far vertices have moved since the body was last looked at.
+// self_search.cpp says what is looked at when.
 #pragma once
 
-#include <limits>
 #include <span>
 
 #include "lobe/contact/contact_law.h"
 #include "lobe/contact/contact_memory.h"
 #include "lobe/contact/contact_surface.h"
+#include "lobe/contact/gap_kernels.h"
 #include "lobe/contact/part_motion.h"
 #include "lobe/contact/places.h"
 #include "lobe/contact/quadrature.h"
@@ -42,23 +40,24 @@ class SelfContact {
 
   explicit SelfContact(double friction) : friction_(friction) {}
 
-  // ---- Search. `moved`: how far vertices have moved at most in all steps [m].
-
-  void rebuild(const ContactSurface& surface, const Model& model);  // of another surface
-  // Searches if pairs that are not known may have come near, by how far the body has moved or, if that is too
-  // far, by where its vertices are.
-  void keep_pairs(const ContactSurface& surface, const Places& now, double moved);
-  void forget() { knows_until_ = -std::numeric_limits<double>::infinity(); }
-
-  // ---- Forces
-
   struct At {
     const ContactSurface& surface;
     const ContactLaw& law;
     const Places& places;
-    double moved = 0;  // [m]
+    double moved = 0;  // how far vertices have moved at most in all steps [m]
     double since = 0;  // the last step [s]
   };
+
+  // ---- Search
+
+  static constexpr int stations = 2;  // of Places, that it sets
+
+  void rebuild(const ContactSurface& surface, const Model& model);  // of another surface
+  void keep_pairs(const At& at);                                    // before all that follows
+  void forget() { is_measured_ = false; }
+
+  // ---- Forces
+
   void add_forces(const At& at, ContactForces& f);
   double energy(const At& at);  // [J]
   // at_point(point of the surface, weight, K) as in tool_contact.h; at_vertex(of the mesh, weight, K).
@@ -84,24 +83,40 @@ class SelfContact {
     Vec3d normal, corner;
   };
   struct Pair {
-    int layer = 0;
-    int link = 0;           // in links_: of the triangle's part and the tetrahedron's
-    float gap = 0;          // of the points when it was searched, or less [m]
-    std::uint8_t face = 0;  // the plane of this face of the tetrahedron parted them last
-    double due = 0;         // how far the body must have moved for a point to be inside [m]
+    int candidate = 0, layer = 0;
+    int rank = 0;              // in ranked_
+    std::uint8_t face = 0;     // the plane of this face of the tetrahedron parted them last
+    bool was_watched = false;  // since the measurement before
+    bool is_held = false;      // a point of the triangle is held in it
+    float gap = 0;             // of the points when it was searched, or less [m]
   };
   struct Candidate {
-    int triangle = 0, part = 0;
-    int first = 0, count = 0;                            // in pairs_, by their gaps
-    double due = 0;                                      // the least of its suspects
-    float gap = std::numeric_limits<float>::infinity();  // the least, when it was searched [m]
-    int first_suspect = 0, suspects = 0;                 // in suspects_
+    int triangle = 0;
+    int first = 0, count = 0;  // in pairs_
+  };
+  struct CloseOnes {  // of a candidate, in close_
+    int candidate = 0, first = 0, count = 0;
   };
   struct Link {  // of two parts that were near each other when they were searched
-    int a, b;
+    PartMotion::Meeting meeting;
     PartMotion::Bound bound;
   };
-  struct Planes {  // of a tetrahedron's faces, n·x − offset > 0 outside, and its corners x, about origin_
+  // Places at a station: of vertices, then of points of the surface that are no vertices.
+  struct Placed {
+    struct Between {
+      Eigen::Vector4i of;  // places of vertices
+      Eigen::Vector4f weights;
+    };
+    std::vector<Index> vertices;
+    std::vector<Between> between;
+    std::vector<float> x;  // four numbers each, about vertices_[0]
+    void fit() { x.resize(4 * (vertices.size() + between.size())); }
+    void find_between();
+    Vec3d at(int place) const {
+      return Eigen::Map<const Vec3<float>>(x.data() + 4 * std::size_t(place)).cast<double>();
+    }
+  };
+  struct Planes {  // of a tetrahedron's faces, n·x − offset > 0 outside, and its corners x
     Eigen::Array4f n[3], offset, x[3];
   };
   struct Four {  // layers of a part, −1 if there is none, and their boxes
@@ -134,21 +149,40 @@ class SelfContact {
   void list_own_layers(const ContactSurface& surface);
   bool is_on_its_side(int triangle, const Layer& layer) const;
   void divide_into_parts(const ContactSurface& surface);
-  void search(const ContactSurface& surface, double moved);
+  void number_places(const ContactSurface& surface);
+  void measure(const At& at, double ahead);
+  bool find_room(const At& at, double ahead);
+  double room_for_others();
+  bool look(const At& at);
+  void choose_look_room(double speed, double since);
+  void search(const ContactSurface& surface);
   void find_boxes();
   static void find_planes(const Mat34<double>& x, Planes& planes);
   void link_parts();
   void find_pairs(const ContactSurface& surface);
   void find_pairs_of(const ContactSurface& surface, int triangle);
-  void take_candidates(const ContactSurface& surface, double moved);
-  double room_for_others();
-  void find_due(double moved);
-  std::span<const int> suspects_of(const Candidate& candidate) const {
-    return {suspects_.data() + candidate.first_suspect, std::size_t(candidate.suspects)};
+  void take_candidates(const ContactSurface& surface);
+  static void copy_lane(const PairBlock& from, std::size_t lane, PairBlock& to, std::size_t at);
+  void rank_pairs(const std::vector<PairBlock>& blocks);
+  void mark_held(const ContactSurface& surface);
+  void find_watched(const At& at);
+  std::size_t pairs_that_may_be_within(double gap) const;
+  bool is_within(float limit, std::size_t rank, bool turns);
+  void find_places(const At& at, int station, Placed& placed) const;
+  void find_gaps(const Placed& placed, std::vector<PairBlock>& blocks, std::size_t pairs) const;
+  void place_watched();
+  struct PairPlaces {
+    Mat3<double> triangle;
+    Mat34<double> tet;
+  };
+  PairPlaces places_in(const PairBlock& block, std::size_t lane) const;
+  static void set_normal(const PairPlaces& places, const Vec3d& way, PairBlock& block, std::size_t lane);
+  std::span<const int> close_of(const CloseOnes& ones) const {
+    return {close_.data() + ones.first, std::size_t(ones.count)};
   }
   int face_at(const Layer& layer, const Vec3d& rest) const;
   Mat3<double> corners_of(const At& at, int triangle) const;
-  Mat3<double> corners_now(const ContactSurface& surface, int triangle) const;  // by x_
+  Mat3<double> corners_placed(const ContactSurface& surface, int triangle) const;
   // Of the triangle between its outermost points, by its own corners.
   static Mat3<double> outermost(const Mat3<double>& corners) {
     const Vec3d centre = corners.rowwise().mean();
@@ -157,14 +191,13 @@ class SelfContact {
   const Inverse& inverse(const Places& now, int layer);
   bool is_close(const Places& now, const Mat3<double>& corners, int layer);
   static double gap_beyond(const Mat34<double>& tet, int face, const Mat3<double>& outermost);
-  void find_near_pairs(const At& at, const Candidate& candidate, const Mat3<double>& corners);
+  void find_near_pairs(const At& at, const CloseOnes& ones, const Mat3<double>& corners);
   template <class Visit>
   void visit_touches(const At& at, Visit&& visit);
   int find_tet(const At& at, const Candidate& candidate, const Vec3d& x, const Anchor* anchor,
                Eigen::Vector4d& b);
   bool find_kept_face(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch);
   bool find_touch(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch);
-  void put_off(Candidate& candidate, double moved);
   Vec3d speed_of(const At& at, const Touch& touch) const;
   Vec3d slip_of(const At& at, const Touch& touch, double pressure) const;
 
@@ -182,36 +215,45 @@ class SelfContact {
   PartMotion parts_;
   std::vector<int> part_of_triangle_, part_of_layer_;
   std::vector<int> first_of_part_, of_part_;  // layers
-  Mat3X<double> x_;                           // of vertices_, when they were measured [m]
-  Mat3X<double> rest_x_;                      // at rest [m]
+  std::vector<float> rest_x_;                 // of vertices_ at rest, as in Placed [m]
   std::vector<Eigen::Vector4i> places_of_;    // per layer: of its corners in that
   std::vector<Index> place_of_vertex_;        // −1: in no layer
 
   std::vector<Link> links_;
   std::vector<int> link_of_;  // per pair of parts: −1 if they were not near
-  std::vector<PartMotion::Bound> worst_of_part_;
   std::vector<Candidate> candidates_;
-  // Of what may touch before the next measurement: pairs, and their candidates.
-  std::vector<int> suspects_, watched_, last_suspects_;
   std::vector<Pair> pairs_;
-  std::vector<double> gaps_;     // scratch: per pair, of the points that were looked at
+  std::vector<int> ranked_;            // pairs, by their gaps when they were searched
+  std::vector<PairBlock> all_blocks_;  // in that order
+  GapKernels kernels_ = gap_kernels(chosen_instruction_set());
+
+  // Of what may touch before the next measurement, and before the next look: pairs.
+  std::vector<int> watched_, last_watched_, held_pairs_, close_;
+  std::vector<PairBlock> watched_blocks_, alone_;
+  std::vector<CloseOnes> close_ones_;
   std::vector<int> near_pairs_;  // scratch: of a candidate, that no plane is known to part
   std::vector<Inverse> inverses_;
   int pass_ = 0;       // of all touches
   double near_ = 0;    // pairs that are nearer are always looked at [m]
   double within_ = 0;  // pairs that were farther apart when they were searched are not known [m]
-  double often_ = 0;   // parts are measured when the body has moved by this [m]
-  double knows_until_ = -std::numeric_limits<double>::infinity();  // how far it may have moved before [m]
+  bool is_searched_ = false, is_measured_ = false;
+  double most_room_ = 0;             // of a measurement [m]
+  double room_ = 0, look_room_ = 0;  // by how much pairs may come nearer until the next one, and a look [m]
+  double next_look_room_ = 0;
+  double range_ = 0, moved_ = 0;  // since the look, when that was found; moved until then [m]
+  bool is_tuned_ = false;         // next_look_room_, since the last measurement
 
-  // Scratch of a search, about origin_.
-  Vec3d origin_ = Vec3d::Zero();
+  Placed placed_, watched_placed_;  // of vertices_; of what is watched
+  std::vector<int> place_of_point_, watched_place_of_, used_places_;
+
+  // Scratch of a search.
   std::vector<float> squares_;
   std::vector<Planes> face_planes_;  // per layer
   std::vector<Four> fours_;
   std::vector<int> first_four_;  // per part
   std::vector<int> stamp_of_vertex_, stamp_of_layer_;
   struct Found {
-    int triangle, layer, link;
+    int triangle, layer;
     float gap;  // or less [m]
     int face;
   };
@@ -226,22 +268,19 @@ void SelfContact::visit_touches(const At& at, Visit&& visit) {
   memory_.held().use(at.surface);
   AnchorReader anchors = memory_.anchors();
   Touch touch;
-  for (int number_of : watched_) {
-    Candidate& candidate = candidates_[std::size_t(number_of)];
-    if (candidate.due > at.moved) continue;
+  for (const CloseOnes& ones : close_ones_) {
+    const Candidate& candidate = candidates_[std::size_t(ones.candidate)];
     const Mat3<double> corners = corners_of(at, candidate.triangle);
-    find_near_pairs(at, candidate, corners);
-    if (!near_pairs_.empty() || memory_.held().any()) {
-      const FaceOwner& owner = at.surface.triangles()[std::size_t(candidate.triangle)].owner;
-      touch.candidate = &candidate;
-      visit_centroids(divisions, [&](int number, const Vec3d& weights) {
-        touch.number = number;
-        touch.weights = weights;
-        touch.anchor = anchors.find(owner, divisions, number);
-        if (find_touch(at, candidate, corners * weights, touch)) visit(touch);
-      });
-    }
-    put_off(candidate, at.moved);
+    find_near_pairs(at, ones, corners);
+    if (near_pairs_.empty() && !memory_.held().any()) continue;
+    const FaceOwner& owner = at.surface.triangles()[std::size_t(candidate.triangle)].owner;
+    touch.candidate = &candidate;
+    visit_centroids(divisions, [&](int number, const Vec3d& weights) {
+      touch.number = number;
+      touch.weights = weights;
+      touch.anchor = anchors.find(owner, divisions, number);
+      if (find_touch(at, candidate, corners * weights, touch)) visit(touch);
+    });
   }
 }
 
@@ -267,14 +306,14 @@ void SelfContact::visit_stiffness(const At& at, AtPoint&& at_point, AtVertex&& a
 template <class Triangle, class Tetrahedron>
 void SelfContact::visit_close(const At& at, Triangle&& triangle, Tetrahedron&& tetrahedron) {
   ++pass_;
-  for (int number : watched_) {
-    const Candidate& candidate = candidates_[std::size_t(number)];
-    if (candidate.due > at.moved) continue;
+  for (const CloseOnes& ones : close_ones_) {
+    const Candidate& candidate = candidates_[std::size_t(ones.candidate)];
     const Mat3<double> corners = corners_of(at, candidate.triangle);
     bool is_any_close = false;
-    for (int i : suspects_of(candidate)) {
+    find_near_pairs(at, ones, corners);
+    for (int i : near_pairs_) {
       const Pair& pair = pairs_[std::size_t(i)];
-      if (pair.due > at.moved || !is_close(at.places, corners, pair.layer)) continue;
+      if (!is_close(at.places, corners, pair.layer)) continue;
       is_any_close = true;
       tetrahedron(layers_[std::size_t(pair.layer)].corners);
     }

@@ -14,7 +14,8 @@ namespace lobe {
 namespace {
 
 constexpr int tets_per_part = 48, most_parts = 256;
-constexpr double first_within = 0.7;  // how far the first search goes, in mean edges
+// In mean edges: how far the first search goes, and how much nearer pairs may come between two measurements.
+constexpr double first_within = 0.7, most_room = 0.5;
 
 // Lists of what `visit(add)` gives by add(key, value), in order.
 template <class Visit>
@@ -31,6 +32,7 @@ void fill_lists(std::size_t keys, std::vector<int>& first, std::vector<int>& val
 
 void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   forget();
+  is_searched_ = false;
   const Elements& elements = model.elements;
   const auto vertices = std::size_t(elements.topology.vertex_count());
   const auto& triangles = surface.triangles();
@@ -75,13 +77,35 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   inverses_.assign(layers_.size(), {});
   near_ = 0.01 * surface.mean_edge();
   within_ = first_within * surface.mean_edge();
-  often_ = 0.1 * surface.mean_edge();
+  most_room_ = most_room * surface.mean_edge();
+  next_look_room_ = 0.2 * most_room_;
   vertices_.clear();
   for (const Layer& layer : layers_)
     vertices_.insert(vertices_.end(), layer.corners.begin(), layer.corners.end());
   sort_unique(vertices_);
-  rest_x_ = model.elements.points.view()(Eigen::all, vertices_);
   divide_into_parts(surface);
+  number_places(surface);
+  rest_x_.assign(placed_.x.size(), 0);
+  for (std::size_t i = 0; i < vertices_.size(); ++i)
+    Eigen::Map<Vec3<float>>(rest_x_.data() + 4 * i) =
+        (elements.points.col(vertices_[i]) - elements.points.col(vertices_[0])).cast<float>();
+}
+
+void SelfContact::number_places(const ContactSurface& surface) {
+  placed_.vertices = vertices_;
+  placed_.between.clear();
+  place_of_point_.clear();
+  for (const ContactSurface::Point& point : surface.points()) {
+    const auto place = [&](int corner) { return place_of_vertex_[std::size_t(point.corners[corner])]; };
+    if (point.count == 1) {
+      place_of_point_.push_back(place(0));
+      continue;
+    }
+    place_of_point_.push_back(static_cast<int>(vertices_.size() + placed_.between.size()));
+    placed_.between.push_back({{place(0), place(1), place(2), place(3)}, point.weights.cast<float>()});
+  }
+  placed_.fit();
+  watched_place_of_.assign(vertices_.size() + placed_.between.size(), -1);
 }
 
 void SelfContact::divide_into_parts(const ContactSurface& surface) {

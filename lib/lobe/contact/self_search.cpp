@@ -1,132 +1,344 @@
 // Which triangles of a surface may be in which tetrahedra of its boundary layer.
+//
+// A search lists the pairs that are near each other. That pairs which it does not list stay apart follows
+// from the motion of parts of the body (part_motion.h). From time to time the body is measured: its parts,
+// and the gaps of the pairs of the list (gap_kernels.h). Both are measured not where the body is, but where
+// it will be at its present velocities half of the time until the next measurement. At all times between the
+// two, no gap is smaller than there by more than the largest displacement of any two vertices relative to
+// each other. A bound of that is how far vertices have moved in all steps; if that does not suffice, it is
+// found in one pass over all vertices.
+//
+// Pairs whose gap is larger than all the way to the next measurement are left alone until then. The others
+// are watched: every few steps one looks at them in the same manner, with less way to the next look. Those
+// whose gap is smaller even than that are the ones in which each step seeks points of triangles.
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
+#include "lobe/contact/convex_gap.h"
 #include "lobe/contact/self_contact.h"
 #include "lobe/cut/distance.h"
 
 namespace lobe {
 namespace {
 
+enum Station { measured, looked };
+
 // Pairs that are farther from each other than within_ are not known. If a search was not the last, the next
 // goes that far, in mean edges, and about the body at rest: then a body that swings needs none after it.
 constexpr double next_within = 1;
-// A search is due when parts would have to be measured again after this share of the usual motion.
-constexpr double least_time = 0.3;
-constexpr double never = std::numeric_limits<double>::infinity();
+// A search is due when there is less room than this share of the most.
+constexpr double least_room_share = 0.3;
+// A station is where the body will be after this share of the room, or after so many steps.
+constexpr double share_ahead = 0.6, steps_ahead = 16;
 
 }  // namespace
 
 // ---- What may be near
 
-void SelfContact::keep_pairs(const ContactSurface& surface, const Places& now, double moved) {
-  if (moved <= knows_until_) return;
-  const bool knows = std::isfinite(knows_until_);
-  now.of_vertices(vertices_, x_);
-  double room = 0;
-  if (knows) {
-    parts_.measure(x_);
-    room = room_for_others();
+void SelfContact::keep_pairs(const At& at) {
+  if (vertices_.empty()) return;
+  if (is_measured_ && range_ + 2 * (at.moved - moved_) <= look_room_) return;
+  if (is_measured_) {
+    range_ = at.places.range_since(looked);
+    moved_ = at.moved;
+    if (range_ <= look_room_ || look(at)) return;
   }
-  if (knows && room < least_time * often_ && within_ < next_within * surface.mean_edge()) {
-    within_ = next_within * surface.mean_edge();
-    x_.swap(rest_x_);
-    search(surface, moved);
-    x_.swap(rest_x_);
-    parts_.measure(x_);
-    room = room_for_others();
-  }
-  if (room < least_time * often_) {
-    search(surface, moved);
-    room = (within_ - near_) / 2;
-  }
-  knows_until_ = moved + std::min(often_, room);
-  find_due(moved);
+  const double speed = at.places.range_of_speeds();
+  measure(at, speed > 0 ? std::min(steps_ahead * at.since, share_ahead * most_room_ / speed) : 0);
+  if (look(at)) return;
+  measure(at, 0);
+  look(at);
 }
 
-// By how much vertices may move until a pair that is not known may be near.
+// Where the body will be `ahead`. False: pairs that are not listed may be near.
+bool SelfContact::find_room(const At& at, double ahead) {
+  at.places.set_station(measured, ahead);
+  find_places(at, measured, placed_);
+  room_ = 0;
+  if (!is_searched_) return false;
+  parts_.measure(placed_.x.data());
+  room_ = std::min(most_room_, room_for_others());
+  return room_ >= least_room_share * most_room_;
+}
+
+void SelfContact::measure(const At& at, double ahead) {
+  close_.clear();
+  close_ones_.clear();
+  bool has_room = find_room(at, ahead);
+  if (!has_room && is_searched_ && within_ < next_within * at.surface.mean_edge()) {
+    within_ = next_within * at.surface.mean_edge();
+    placed_.x = rest_x_;
+    placed_.find_between();
+    search(at.surface);
+    has_room = find_room(at, ahead);
+  }
+  if (!has_room) {
+    search(at.surface);
+    is_searched_ = true;
+    room_ = std::min(most_room_, within_ - near_);
+  }
+  find_watched(at);
+  is_measured_ = true;
+  is_tuned_ = false;
+}
+
+// By how much pairs may come nearer until one that is not listed may be near.
 double SelfContact::room_for_others() {
   double least = within_;
   for (Link& link : links_) {
-    link.bound = parts_.bound(link.a, link.b);
+    link.bound = parts_.bound(link.meeting);
     least = std::min(least, link.bound.now(within_));
   }
   const int count = parts_.count();
-  const double far = near_ + 2 * often_;
+  const double far = near_ + most_room_;
   const auto square = static_cast<float>(far * far);
   for (int a = 0; a < count; ++a) {
     parts_.find_box_distances(a, squares_);
     for (int b = a + 1; b < count; ++b) {
-      if (squares_[std::size_t(b)] > square || link_of_[std::size_t(a * count + b)] >= 0) continue;
+      using Eight = Eigen::Array<float, 8, 1>;
+      while (b + 8 <= count && Eigen::Map<const Eight>(&squares_[std::size_t(b)]).minCoeff() > square) b += 8;
+      if (b == count || squares_[std::size_t(b)] > square || link_of_[std::size_t(a * count + b)] >= 0)
+        continue;
       least = std::min(
           least, std::max(std::sqrt(double(squares_[std::size_t(b)])), parts_.bound(a, b).now(within_)));
     }
   }
-  return (least - near_) / 2;
+  return least - near_;
 }
 
-// Of pairs that cannot be near before the next measurement: never. What touches or is held stays.
-void SelfContact::find_due(double moved) {
-  const double needed = near_ + 2 * (knows_until_ - moved);
-  worst_of_part_.assign(std::size_t(parts_.count()), {});
-  for (const Link& link : links_)
-    for (int part : {link.a, link.b}) {
-      PartMotion::Bound& worst = worst_of_part_[std::size_t(part)];
-      worst.share = std::min(worst.share, link.bound.share);
-      worst.approach = std::max(worst.approach, link.bound.approach);
+// ---- Gaps
+
+void SelfContact::find_places(const At& at, int station, Placed& placed) const {
+  at.places.of_vertices_there(station, vertices_[0], placed.vertices, placed.x.data());
+  placed.find_between();
+}
+
+void SelfContact::Placed::find_between() {
+  float* to = x.data() + 4 * vertices.size();
+  for (const Between& own : between) {
+    for (int d = 0; d < 3; ++d) {
+      to[d] = 0;
+      for (int c = 0; c < 4; ++c) to[d] += own.weights[c] * x[std::size_t(4 * own.of[c] + d)];
     }
-  watched_.clear();
-  suspects_.swap(last_suspects_);
-  suspects_.clear();
-  for (std::size_t c = 0; c < candidates_.size(); ++c) {
-    Candidate& candidate = candidates_[c];
-    const PartMotion::Bound& worst = worst_of_part_[std::size_t(candidate.part)];
-    const auto safe = static_cast<float>((needed + worst.approach) / worst.share);
-    if (candidate.suspects == 0 && candidate.gap > safe) continue;
-    const auto first = static_cast<int>(suspects_.size());
-    int i = candidate.first;
-    for (; i < candidate.first + candidate.count && pairs_[std::size_t(i)].gap <= safe; ++i) {
+    to += 4;
+  }
+}
+
+// The places of a pair in a block, and its normal along a way in the world.
+SelfContact::PairPlaces SelfContact::places_in(const PairBlock& block, std::size_t lane) const {
+  PairPlaces found;
+  for (int c = 0; c < 7; ++c) {
+    const Vec3d x = placed_.at(block.places[std::size_t(c)][lane]);
+    if (c < 3)
+      found.triangle.col(c) = x;
+    else
+      found.tet.col(c - 3) = x;
+  }
+  return found;
+}
+
+void SelfContact::set_normal(const PairPlaces& places, const Vec3d& way, PairBlock& block, std::size_t lane) {
+  const Vec3d normal = (places.tet.rightCols<3>().colwise() - places.tet.col(0)).transpose() * way;
+  const double length = normal.norm();
+  if (!(length > 0) || !std::isfinite(length)) return;
+  for (int d = 0; d < 3; ++d) block.normal[std::size_t(d)][lane] = static_cast<float>(normal[d] / length);
+}
+
+void SelfContact::find_gaps(const Placed& placed, std::vector<PairBlock>& blocks, std::size_t pairs) const {
+  const std::size_t width = PairBlock::width;
+  kernels_.find_gaps(placed.x.data(), 1 - 1.0F / divisions, blocks.data(), int((pairs + width - 1) / width));
+}
+
+// Which places those of watched pairs are, and numbers them anew in their blocks.
+void SelfContact::place_watched() {
+  Placed& own = watched_placed_;
+  own.vertices.clear();
+  own.between.clear();
+  std::vector<int> between;  // that are used, as places
+  const auto vertices = static_cast<int>(vertices_.size());
+  const auto use = [&](int vertex) {
+    int& place = watched_place_of_[std::size_t(vertex)];
+    if (place >= 0) return place;
+    place = static_cast<int>(own.vertices.size());
+    own.vertices.push_back(vertices_[std::size_t(vertex)]);
+    used_places_.push_back(vertex);
+    return place;
+  };
+  used_places_.clear();
+  for (std::size_t k = 0; k < watched_.size(); ++k)
+    for (std::size_t c = 0; c < 7; ++c) {
+      const int place = watched_blocks_[k / PairBlock::width].places[c][k % PairBlock::width];
+      if (place < vertices)
+        use(place);
+      else if (std::exchange(watched_place_of_[std::size_t(place)], 0) < 0)
+        between.push_back(place);
+    }
+  for (int place : between) {
+    Placed::Between corners = placed_.between[std::size_t(place - vertices)];
+    for (int& corner : corners.of) corner = use(corner);
+    own.between.push_back(corners);
+  }
+  for (std::size_t i = 0; i < between.size(); ++i)
+    watched_place_of_[std::size_t(between[i])] = static_cast<int>(own.vertices.size() + i);
+  own.fit();
+  for (std::size_t k = 0; k < watched_.size(); ++k)
+    for (std::size_t c = 0; c < 7; ++c) {
+      int& place = watched_blocks_[k / PairBlock::width].places[c][k % PairBlock::width];
+      place = watched_place_of_[std::size_t(place)];
+    }
+  for (const auto* list : {&used_places_, &between})
+    for (int place : *list) watched_place_of_[std::size_t(place)] = -1;
+}
+
+// Of which pairs a point is held. Anchors and candidates are both in the order of the surface.
+void SelfContact::mark_held(const ContactSurface& surface) {
+  for (int i : held_pairs_) pairs_[std::size_t(i)].is_held = false;
+  held_pairs_.clear();
+  auto candidate = candidates_.begin();
+  Index last = -1;
+  for (const Anchor& anchor : memory_.all_anchors()) {
+    const std::pair own(anchor.tet, anchor.code);
+    const auto owner = [&] {
+      const FaceOwner& found = surface.triangles()[std::size_t(candidate->triangle)].owner;
+      return std::pair(found.tet, found.code);
+    };
+    while (candidate != candidates_.end() && owner() < own) {
+      ++candidate;
+      last = -1;
+    }
+    if (candidate == candidates_.end()) return;
+    if (owner() != own || anchor.in == last) continue;
+    last = anchor.in;
+    for (int i = candidate->first; i < candidate->first + candidate->count; ++i) {
       Pair& pair = pairs_[std::size_t(i)];
-      const double gap = links_[std::size_t(pair.link)].bound.now(double(pair.gap));
-      if (gap > needed) {
-        if (pair.due > moved) pair.due = never;
-      } else if (pair.due == never) {
-        pair.due = moved + std::max(0.0, gap - near_) / 2;
-      }
-      if (pair.due != never) suspects_.push_back(i);
+      if (layers_[std::size_t(pair.layer)].tet != anchor.in || pair.is_held) continue;
+      pair.is_held = true;
+      held_pairs_.push_back(i);
     }
-    for (int k = candidate.first_suspect; k < candidate.first_suspect + candidate.suspects; ++k) {
-      const int last = last_suspects_[std::size_t(k)];
-      if (last < i) continue;
-      double& due = pairs_[std::size_t(last)].due;
-      if (due > moved) due = never;
-      if (due != never) suspects_.push_back(last);
-    }
-    candidate.first_suspect = first;
-    candidate.suspects = static_cast<int>(suspects_.size()) - first;
-    if (candidate.suspects == 0) continue;
-    candidate.due = never;
-    for (int k : suspects_of(candidate)) candidate.due = std::min(candidate.due, pairs_[std::size_t(k)].due);
-    std::sort(suspects_.begin() + first, suspects_.end(),
-              [&](int k, int l) { return pairs_[std::size_t(k)].layer < pairs_[std::size_t(l)].layer; });
-    watched_.push_back(static_cast<int>(c));
+  }
+}
+
+// Pairs that may be near before the next measurement, and those of which a point is held.
+void SelfContact::find_watched(const At& at) {
+  const double needed = near_ + room_ + parts_.rounding();
+  const std::size_t some = pairs_that_may_be_within(needed);
+  find_gaps(placed_, all_blocks_, some);
+  mark_held(at.surface);
+  for (int i : watched_) pairs_[std::size_t(i)].was_watched = true;
+  last_watched_.swap(watched_);
+  watched_.clear();
+  for (std::size_t k = 0; k < some; ++k) {
+    const int number = ranked_[k];
+    const Pair& pair = pairs_[std::size_t(number)];
+    if (!pair.is_held && is_within(static_cast<float>(needed), k, !pair.was_watched))
+      watched_.push_back(number);
+  }
+  for (int i : last_watched_) pairs_[std::size_t(i)].was_watched = false;
+  watched_.insert(watched_.end(), held_pairs_.begin(), held_pairs_.end());
+  std::sort(watched_.begin(), watched_.end(), [&](int i, int j) {
+    const Pair &a = pairs_[std::size_t(i)], &b = pairs_[std::size_t(j)];
+    return std::pair(a.candidate, a.layer) < std::pair(b.candidate, b.layer);
+  });
+  watched_blocks_.assign((watched_.size() + PairBlock::width - 1) / PairBlock::width, {});
+  for (std::size_t k = 0; k < watched_.size(); ++k) {
+    const auto rank = std::size_t(pairs_[std::size_t(watched_[k])].rank);
+    copy_lane(all_blocks_[rank / PairBlock::width], rank % PairBlock::width,
+              watched_blocks_[k / PairBlock::width], k % PairBlock::width);
+  }
+  place_watched();
+}
+
+// How many of the ranked pairs: by the motion of parts, the others are farther apart.
+std::size_t SelfContact::pairs_that_may_be_within(double gap) const {
+  double share = 1, approach = 0;
+  for (const Link& link : links_) {
+    share = std::min(share, link.bound.share);
+    approach = std::max(approach, link.bound.approach);
+  }
+  const auto safe = static_cast<float>((gap + approach) / share);
+  const auto end = std::partition_point(ranked_.begin(), ranked_.end(),
+                                        [&](int i) { return !(pairs_[std::size_t(i)].gap > safe); });
+  return std::size_t(end - ranked_.begin());
+}
+
+// Perhaps along a better normal.
+bool SelfContact::is_within(float limit, std::size_t rank, bool turns) {
+  PairBlock& block = all_blocks_[rank / PairBlock::width];
+  const std::size_t lane = rank % PairBlock::width;
+  if (block.gap[lane] > limit) return false;
+  if (!turns) return true;
+  const PairPlaces places = places_in(block, lane);
+  set_normal(places, shortest_way(places.tet, outermost(places.triangle)), block, lane);
+  alone_.assign(1, {});
+  copy_lane(block, lane, alone_.front(), 0);
+  find_gaps(placed_, alone_, 1);
+  return !(alone_.front().gap[0] > limit);
+}
+
+// Pairs that may be near before the next look. False: it needs a measurement.
+bool SelfContact::look(const At& at) {
+  const double speed = at.places.range_of_speeds();
+  const double left = room_ - at.places.range_since(measured);
+  look_room_ = std::min(next_look_room_, left / (1 + share_ahead));
+  if (!(look_room_ >= least_room_share * next_look_room_)) return false;
+  const double soon = steps_ahead * at.since;
+  const double ahead = speed > 0 ? std::min(soon, share_ahead * look_room_ / speed) : 0;
+  at.places.set_station(looked, ahead);
+  range_ = 1.001 * ahead * speed;
+  moved_ = at.moved;
+  find_places(at, looked, watched_placed_);
+  find_gaps(watched_placed_, watched_blocks_, watched_.size());
+  if (!is_tuned_) choose_look_room(speed, at.since);
+  is_tuned_ = true;
+  if (range_ <= next_look_room_) look_room_ = std::min(look_room_, next_look_room_);
+  mark_held(at.surface);
+  close_.clear();
+  close_ones_.clear();
+  const auto limit = static_cast<float>(near_ + look_room_ + parts_.rounding());
+  for (std::size_t k = 0; k < watched_.size(); ++k) {
+    const Pair& pair = pairs_[std::size_t(watched_[k])];
+    if (watched_blocks_[k / PairBlock::width].gap[k % PairBlock::width] > limit && !pair.is_held) continue;
+    if (close_ones_.empty() || close_ones_.back().candidate != pair.candidate)
+      close_ones_.push_back({pair.candidate, static_cast<int>(close_.size()), 0});
+    ++close_ones_.back().count;
+    close_.push_back(watched_[k]);
+  }
+  return true;
+}
+
+// That which makes looks and what each step seeks the least work, as pairs are now.
+void SelfContact::choose_look_room(double speed, double since) {
+  constexpr double look_per_pair = 8, look_at_least = 400, step_per_pair = 60;  // [ns]
+  const double look = look_at_least + look_per_pair * double(watched_.size());
+  double least = std::numeric_limits<double>::infinity();
+  for (double share : {0.02, 0.04, 0.07, 0.1}) {
+    const double room = share * most_room_ * 2;
+    const auto limit = static_cast<float>(near_ + room + parts_.rounding());
+    int close = 0;
+    for (std::size_t k = 0; k < watched_.size(); ++k)
+      close += !(watched_blocks_[k / PairBlock::width].gap[k % PairBlock::width] > limit);
+    const double steps = std::clamp((1 + share_ahead) * room / (speed * since), 1.0, 1e6);
+    const double cost = look / steps + step_per_pair * close;
+    if (!(cost < least)) continue;
+    least = cost;
+    next_look_room_ = room;
   }
 }
 
 // ---- Search
 
-void SelfContact::search(const ContactSurface& surface, double moved) {
-  parts_.remember(x_);
+void SelfContact::search(const ContactSurface& surface) {
+  parts_.remember(placed_.x.data());
   find_boxes();
   link_parts();
   find_pairs(surface);
-  take_candidates(surface, moved);
+  take_candidates(surface);
 }
 
 void SelfContact::find_boxes() {
-  origin_ = x_.cols() > 0 ? Vec3d(x_.col(0)) : Vec3d::Zero();
   face_planes_.resize(layers_.size());
   for (Four& four : fours_) {
     four.low[0] = four.low[1] = four.low[2] =
@@ -134,8 +346,8 @@ void SelfContact::find_boxes() {
     four.high[0] = four.high[1] = four.high[2] = -four.low[0];
     for (int k = 0; k < 4 && four.layers[k] >= 0; ++k) {
       const auto l = std::size_t(four.layers[k]);
-      Mat34<double> x = x_(Eigen::all, places_of_[l]);
-      x.colwise() -= origin_;
+      Mat34<double> x;
+      for (int c = 0; c < 4; ++c) x.col(c) = placed_.at(places_of_[l][c]);
       find_planes(x, face_planes_[l]);
       for (int axis = 0; axis < 3; ++axis) {
         four.low[axis][k] = face_planes_[l].x[axis].minCoeff();
@@ -145,7 +357,7 @@ void SelfContact::find_boxes() {
   }
 }
 
-// About origin_. A face that is flat parts nothing.
+// A face that is flat parts nothing.
 void SelfContact::find_planes(const Mat34<double>& x, Planes& planes) {
   for (int axis = 0; axis < 3; ++axis) planes.x[axis] = x.row(axis).transpose().cast<float>().array();
   for (int c = 0; c < 4; ++c) {
@@ -169,7 +381,7 @@ void SelfContact::link_parts() {
       if (b > a && squares_[std::size_t(b)] > square) continue;
       link_of_[std::size_t(a * count + b)] = link_of_[std::size_t(b * count + a)] =
           static_cast<int>(links_.size());
-      links_.push_back({a, b, {}});
+      links_.push_back({parts_.meeting(a, b, within_), {}});
     }
   }
 }
@@ -180,10 +392,17 @@ void SelfContact::find_pairs(const ContactSurface& surface) {
   for (std::size_t t = 0; t < surface.triangles().size(); ++t) find_pairs_of(surface, static_cast<int>(t));
 }
 
+Mat3<double> SelfContact::corners_placed(const ContactSurface& surface, int triangle) const {
+  Mat3<double> x;
+  for (int c = 0; c < 3; ++c)
+    x.col(c) = placed_.at(place_of_point_[std::size_t(surface.triangles()[std::size_t(triangle)].points[c])]);
+  return x;
+}
+
 void SelfContact::find_pairs_of(const ContactSurface& surface, int triangle) {
   for (int i = first_own_[std::size_t(triangle)]; i < first_own_[std::size_t(triangle) + 1]; ++i)
     stamp_of_layer_[std::size_t(own_[std::size_t(i)])] = triangle;
-  const Mat3<double> corners = outermost(corners_now(surface, triangle)).colwise() - origin_;
+  const Mat3<double> corners = outermost(corners_placed(surface, triangle));
   const Mat3<float> x = corners.cast<float>();
   const Vec3d across = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
   const double length = across.norm();
@@ -196,7 +415,7 @@ void SelfContact::find_pairs_of(const ContactSurface& surface, int triangle) {
     from[axis].setConstant(low[axis]);
     to[axis].setConstant(high[axis]);
   }
-  const auto look = [&](int layer, int link) {
+  const auto look_at = [&](int layer) {
     const Planes& planes = face_planes_[std::size_t(layer)];
     Eigen::Array4f beyond;  // each face
     for (int c = 0; c < 3; ++c) {
@@ -209,13 +428,12 @@ void SelfContact::find_pairs_of(const ContactSurface& surface, int triangle) {
     const Eigen::Array4f over =
         planes.x[0] * n[0] + planes.x[1] * n[1] + planes.x[2] * n[2] - n.dot(x.col(0));
     const float gap = std::max({most, over.minCoeff(), -over.maxCoeff()}) - rounding;
-    if (gap <= within) found_.push_back({triangle, layer, link, gap, face});
+    if (gap <= within) found_.push_back({triangle, layer, gap, face});
   };
   const std::size_t before = found_.size();
   const int count = parts_.count(), part = part_of_triangle_[std::size_t(triangle)];
   for (int b = 0; b < count; ++b) {
-    const int link = link_of_[std::size_t(part * count + b)];
-    if (link < 0 || !parts_.meets_box(b, low, high)) continue;
+    if (link_of_[std::size_t(part * count + b)] < 0 || !parts_.meets_box(b, low, high)) continue;
     for (int f = first_four_[std::size_t(b)]; f < first_four_[std::size_t(b) + 1]; ++f) {
       const Four& four = fours_[std::size_t(f)];
       Eigen::Array4f apart = (four.low[0] - to[0]).max(from[0] - four.high[0]);
@@ -224,41 +442,74 @@ void SelfContact::find_pairs_of(const ContactSurface& surface, int triangle) {
       if (apart.minCoeff() > 0) continue;
       for (int k = 0; k < 4; ++k)
         if (apart[k] <= 0 && stamp_of_layer_[std::size_t(four.layers[k])] != triangle)
-          look(four.layers[k], link);
+          look_at(four.layers[k]);
     }
   }
-  std::sort(found_.begin() + long(before), found_.end(), [](const Found& a, const Found& b) {
-    return std::pair(a.gap, a.layer) < std::pair(b.gap, b.layer);
-  });
+  std::sort(found_.begin() + long(before), found_.end(),
+            [](const Found& a, const Found& b) { return a.layer < b.layer; });
 }
 
-// Triangles of which a point is held are looked at in any case.
-void SelfContact::take_candidates(const ContactSurface& surface, double moved) {
+// Of what was found, the pairs that are no farther than that from each other along the way between their
+// centres, too.
+void SelfContact::take_candidates(const ContactSurface& surface) {
+  all_blocks_.assign((found_.size() + PairBlock::width - 1) / PairBlock::width, {});
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    PairBlock& block = all_blocks_[k / PairBlock::width];
+    const std::size_t lane = k % PairBlock::width;
+    const auto& points = surface.triangles()[std::size_t(found_[k].triangle)].points;
+    for (int c = 0; c < 3; ++c) block.places[std::size_t(c)][lane] = place_of_point_[std::size_t(points[c])];
+    for (int c = 0; c < 4; ++c)
+      block.places[std::size_t(3 + c)][lane] = places_of_[std::size_t(found_[k].layer)][c];
+    const PairPlaces places = places_in(block, lane);
+    set_normal(places, places.triangle.rowwise().mean() - places.tet.rowwise().mean(), block, lane);
+  }
+  find_gaps(placed_, all_blocks_, found_.size());
   candidates_.clear();
   pairs_.clear();
-  suspects_.clear();
-  auto anchor = memory_.all_anchors().begin();
-  bool is_held = false;
-  for (const Found& found : found_) {
-    if (candidates_.empty() || candidates_.back().triangle != found.triangle) {
-      candidates_.push_back({.triangle = found.triangle,
-                             .part = part_of_triangle_[std::size_t(found.triangle)],
-                             .first = static_cast<int>(pairs_.size())});
-      const FaceOwner& owner = surface.triangles()[std::size_t(found.triangle)].owner;
-      const std::pair own(owner.tet, owner.code);
-      while (anchor != memory_.all_anchors().end() && std::pair(anchor->tet, anchor->code) < own) ++anchor;
-      is_held = anchor != memory_.all_anchors().end() && std::pair(anchor->tet, anchor->code) == own;
-    }
-    pairs_.push_back(
-        {found.layer, found.link, found.gap, static_cast<std::uint8_t>(found.face), is_held ? moved : never});
-    Candidate& candidate = candidates_.back();
-    ++candidate.count;
-    candidate.gap = std::min(candidate.gap, found.gap);
-    if (!is_held) continue;
-    suspects_.push_back(static_cast<int>(pairs_.size()) - 1);
-    if (candidate.suspects++ == 0) candidate.first_suspect = static_cast<int>(suspects_.size()) - 1;
+  watched_.clear();
+  held_pairs_.clear();
+  std::vector<PairBlock> blocks;
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    const Found& found = found_[k];
+    PairBlock& block = all_blocks_[k / PairBlock::width];
+    const std::size_t lane = k % PairBlock::width;
+    const float gap = block.gap[lane] - static_cast<float>(parts_.rounding());
+    if (gap > static_cast<float>(within_)) continue;
+    if (!(gap > found.gap))  // the face parts them better
+      for (int d = 0; d < 3; ++d)
+        block.normal[std::size_t(d)][lane] = found.face == 0 ? 1.0F : found.face == d + 1 ? -1.0F : 0.0F;
+    if (candidates_.empty() || candidates_.back().triangle != found.triangle)
+      candidates_.push_back({.triangle = found.triangle, .first = static_cast<int>(pairs_.size())});
+    ++candidates_.back().count;
+    const std::size_t number = pairs_.size();
+    pairs_.push_back({.candidate = static_cast<int>(candidates_.size()) - 1,
+                      .layer = found.layer,
+                      .face = static_cast<std::uint8_t>(found.face),
+                      .gap = gap > found.gap ? gap : found.gap});
+    if (number % PairBlock::width == 0) blocks.emplace_back();
+    copy_lane(block, lane, blocks.back(), number % PairBlock::width);
   }
-  gaps_.resize(pairs_.size());
+  rank_pairs(blocks);
+}
+
+void SelfContact::copy_lane(const PairBlock& from, std::size_t lane, PairBlock& to, std::size_t at) {
+  for (std::size_t c = 0; c < 7; ++c) to.places[c][at] = from.places[c][lane];
+  for (std::size_t d = 0; d < 3; ++d) to.normal[d][at] = from.normal[d][lane];
+}
+
+void SelfContact::rank_pairs(const std::vector<PairBlock>& blocks) {
+  constexpr std::size_t width = PairBlock::width;
+  ranked_.resize(pairs_.size());
+  std::iota(ranked_.begin(), ranked_.end(), 0);
+  std::sort(ranked_.begin(), ranked_.end(), [&](int i, int j) {
+    return std::pair(pairs_[std::size_t(i)].gap, i) < std::pair(pairs_[std::size_t(j)].gap, j);
+  });
+  all_blocks_.assign(blocks.size(), {});
+  for (std::size_t k = 0; k < ranked_.size(); ++k) {
+    const auto i = std::size_t(ranked_[k]);
+    pairs_[i].rank = static_cast<int>(k);
+    copy_lane(blocks[i / width], i % width, all_blocks_[k / width], k % width);
+  }
 }
 
 }  // namespace lobe

@@ -32,8 +32,8 @@ class PaddedVectors {
   using Real = typename T::value_type;
   static constexpr int count = static_cast<int>(T::size());
 
-  static Eigen::Matrix<T, 3, 1> load(const Real* vectors,
-                                     const std::uint8_t* numbers) {  // one number per lane
+  template <class Number>
+  static Eigen::Matrix<T, 3, 1> load(const Real* vectors, const Number* numbers) {  // one per lane
     if constexpr (count % 4 != 0) {
       return {component(vectors, numbers, 0), component(vectors, numbers, 1), component(vectors, numbers, 2)};
     } else {
@@ -69,13 +69,14 @@ class PaddedVectors {
  private:
   using Register [[gnu::vector_size(sizeof(T))]] = Real;
 
-  static T component(const Real* vectors, const std::uint8_t* numbers, int d) {
+  template <class Number>
+  static T component(const Real* vectors, const Number* numbers, int d) {
     return T([&](auto lane) { return vectors[4 * numbers[lane] + d]; });
   }
 
   // Loads the vectors of the lanes 0, 4, 8 … into one register.
-  template <int groups, class R>
-  static void load_register(const Real* vectors, const std::uint8_t* numbers, R& r) {
+  template <int groups, class Number, class R>
+  static void load_register(const Real* vectors, const Number* numbers, R& r) {
     if constexpr (groups == 1) {
       std::memcpy(&r, vectors + 4 * numbers[0], sizeof r);
     } else {

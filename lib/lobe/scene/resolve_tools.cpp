@@ -34,9 +34,10 @@ void resolve_contact(Resolution& resolution) {
   }
   Setup& setup = resolution.result.setup;
   const bool may_be_touched = contact.is_on() || !setup.probes.empty();
-  if (may_be_touched)
-    resolution.warn(contact.is_on() ? "/contact" : "/tools",
-                    "contact is in development: docs/contact.md says what does not hold yet");
+  if (may_be_touched && scene.time.selective_mass > 1)
+    resolution.warn("/time/selective_mass",
+                    "contact is soft at first with selective masses, on a coarse mesh by a third: "
+                    "docs/contact.md");
   const Options used = options_of(setup);
   // To touch or to cut a condensed region costs milliseconds; one that can be expanded is first.
   const bool may_be_worked_on = may_be_touched || !setup.scalpels.empty();

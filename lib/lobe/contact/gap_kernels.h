@@ -1,0 +1,35 @@
+// The loops over all vertices and over many pairs by which self contact knows that nothing comes near,
+// compiled once per instruction set (gap_kernels.cpp). They take plain arrays and share no inline function
+// with the rest of the library, as region/wide_kernels.h says.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lobe/instruction_set.h"
+
+namespace lobe {
+
+// Pairs of a triangle and a tetrahedron, side by side. Between the two is a gap along n, which moves with the
+// tetrahedron as the normal of a plane in it would: with e_i its edges from its first corner,
+//   n = a_1 e_2 × e_3 + a_2 e_3 × e_1 + a_3 e_1 × e_2.
+struct alignas(64) PairBlock {
+  static constexpr int width = 16;
+  std::array<std::array<std::int32_t, width>, 7> places{};  // of the triangle's corners, the tetrahedron's
+  std::array<std::array<float, width>, 3> normal{};         // a
+  std::array<float, width> gap{};                           // [m]
+};
+
+struct GapKernels {
+  // Gaps from the triangles, each made smaller about its centre by `share`, to the tetrahedra; places: four
+  // numbers each, of which the last is not used [m]. If a normal is 0 or anything is not finite, NaN.
+  void (*find_gaps)(const float* places, float share, PairBlock* blocks, int count);
+  // Of #vertices columns u − from: the diagonal of their box. No two of them differ by more. It is fastest if
+  // both arrays begin at the same place of a line of the cache.
+  double (*float_range)(const float* u, const float* from, int vertices);
+  double (*double_range)(const double* u, const double* from, int vertices);
+};
+
+GapKernels gap_kernels(InstructionSet set);  // of an available set
+
+}  // namespace lobe

@@ -39,8 +39,8 @@ Checkpoint<Real> World<Real>::save() const {
   c.nodes = body_.regions.reduced().state(body_.motion);
   c.mass_degree = body_.inertia.degree();
   if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
-  c.pending = pending_;
-  c.transitions = transitions_;
+  c.pending = next_report_.conditions;
+  c.transitions = next_report_.transitions;
   c.touch_expansion = touch_expansion_;
   for (const auto& term : body_.terms) c.terms.push_back({term->name(), term->save()});
   return c;
@@ -97,8 +97,8 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   tools_.set_state(c.tools);
   if (blades_) blades_->set_state(c.blades);
   pieces_.set_state(c.pieces);
-  pending_ = c.pending;
-  transitions_ = c.transitions;
+  next_report_.conditions = c.pending;
+  next_report_.transitions = c.transitions;
   touch_expansion_ = c.touch_expansion;
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.release(body_.model, v);

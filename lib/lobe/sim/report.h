@@ -40,7 +40,8 @@ inline constexpr int phase_count = 4;
 inline constexpr const char* phase_names[phase_count] = {"forces", "integration", "time_step", "cutting"};
 
 // How often vertices of reduced regions were embedded or became full, and by what that changed energies:
-// what a lattice cannot follow is lost, and full tetrahedra count in place of cells (theory, section 18).
+// velocities that a lattice cannot follow are lost, and full tetrahedra count in place of cells (theory,
+// section 18).
 struct Transitions {
   int count = 0;
   double kinetic = 0, elastic = 0, loads = 0;  // [J]
@@ -48,6 +49,12 @@ struct Transitions {
   bool is_valid() const { return count >= 0 && std::isfinite(total()); }
   static constexpr auto fields =
       std::tuple(&Transitions::count, &Transitions::kinetic, &Transitions::elastic, &Transitions::loads);
+};
+
+struct NextReport {  // what edits have found since the last one
+  std::vector<Condition> conditions;
+  Transitions transitions;
+  bool in_transition = false;  // energies are compared around one
 };
 
 struct Report {

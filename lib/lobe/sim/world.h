@@ -179,7 +179,9 @@ class World {
   void refuse_precomputed(const std::vector<Index>& tets) const;
   void refuse_reduced(const std::vector<Index>& tets) const;
   void check_tets(const std::vector<Index>& tets) const;
-  void notice(Condition::Kind kind, const std::string& text) { pending_.push_back({kind, text, time()}); }
+  void notice(Condition::Kind kind, const std::string& text) {
+    next_report_.conditions.push_back({kind, text, time()});
+  }
 
   void begin_frame(double duration);
   void show_tools(double until);
@@ -232,9 +234,7 @@ class World {
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
   TouchExpansion touch_expansion_;
-  std::vector<Condition> pending_;  // found by edits; part of the next report, as these are
-  Transitions transitions_;
-  bool in_transition_ = false;
+  NextReport next_report_;
   Display<Real> display_;
 };
 

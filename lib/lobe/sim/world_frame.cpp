@@ -146,7 +146,7 @@ Report World<Real>::advance(double duration) {
   const PatchCount after = body_.regions.patch_count();
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
-  report.transitions = std::exchange(transitions_, {});
+  report.transitions = std::exchange(next_report_.transitions, {});
   lobe_assert(body_.motion.u.count() == elements().topology.vertex_count(), "a vertex has no displacement");
   if constexpr (is_debug_build)
     if (report.tets_removed > 0) validate(*this);
@@ -303,8 +303,9 @@ void World<Real>::play_tools(double duration, Report& report) {
   for (const BladeMove& move : work.cuts) incise(move, report);
   if (blades_) blades_->end_strokes();
   report.mass_added = body_.inertia.mass_of_floor();
-  report.conditions.insert(report.conditions.end(), pending_.begin(), pending_.end());
-  pending_.clear();
+  std::vector<Condition>& found = next_report_.conditions;
+  report.conditions.insert(report.conditions.end(), found.begin(), found.end());
+  found.clear();
 }
 
 // Computes a condensed interior or embedded vertices before a tool searches them. How far they have moved is

@@ -210,17 +210,24 @@ bool World<Real>::embed(const std::vector<Index>& also_pressed) {
 // the state when it begins.
 template <class Real>
 void World<Real>::as_transition(const std::function<void()>& change) {
-  if (in_transition_) return change();
-  in_transition_ = true;
-  const int count = transitions_.count;
+  if (next_report_.in_transition) return change();
+  struct InTransition {
+    explicit InTransition(bool& flag) : is_set(flag) { is_set = true; }
+    ~InTransition() { is_set = false; }
+    bool& is_set;
+  };
+  Transitions& transitions = next_report_.transitions;
+  const int count = transitions.count;
   const Energies before = body_.energies_without_terms();
-  change();
-  in_transition_ = false;
-  if (transitions_.count == count) return;
+  {
+    const InTransition until_changed(next_report_.in_transition);
+    change();
+  }
+  if (transitions.count == count) return;
   const Energies after = body_.energies_without_terms();
-  transitions_.kinetic += after.kinetic - before.kinetic;
-  transitions_.elastic += after.elastic() - before.elastic();
-  transitions_.loads += after.loads - before.loads;
+  transitions.kinetic += after.kinetic - before.kinetic;
+  transitions.elastic += after.elastic() - before.elastic();
+  transitions.loads += after.loads - before.loads;
 }
 
 template <class Real>
@@ -233,7 +240,7 @@ void World<Real>::embed_as(VertexRoles wanted) {
   region.embed(body_.model, std::move(wanted), limit_.highest_at_rest(), body_.inertia.masses(), body_.loads,
                body_.motion);
   release(vertices);
-  ++transitions_.count;
+  ++next_report_.transitions.count;
   body_.state_has_moved();
   ++body_.model.revisions.structure;
   tools_.state_was_replaced();

@@ -180,17 +180,21 @@ def main(write):
     faults, tables = [], 0
     for page in [ROOT / "README.md"] + sorted((ROOT / "docs").rglob("*.md")):
         text = page.read_text(encoding="utf-8")
-        for match in TABLE.finditer(text):
+
+        def made(match):
+            nonlocal tables
             tables += 1
             try:
-                made = TABLES[match[1]]()
+                table = TABLES[match[1]]()
             except FileNotFoundError as missing:
                 print(f"{page.name}: table {match[1]} waits for {Path(missing.filename).relative_to(ROOT)}")
-                continue
-            if made != match[2]:
-                faults.append(f"{page.name}: table {match[1]} is not that of the CSV; run tests/docs/claims.py . --write")
-                if write:
-                    text = text.replace(match[2], made)
+                return match[0]
+            if table == match[2]:
+                return match[0]
+            faults.append(f"{page.name}: table {match[1]} is not that of the CSV; run tests/docs/claims.py . --write")
+            return match[0][:match.start(2) - match.start()] + table + match[0][match.end(2) - match.start():]
+
+        text = TABLE.sub(made, text)
         if write:
             page.write_text(text, encoding="utf-8")
     for page, claim in CLAIMS:

@@ -199,6 +199,7 @@ def test_two_threads_cannot_use_one_world_and_others_run_meanwhile(scene):
         time.sleep(0.001)
     thread.join()
     assert reports[0].ok
+    assert reports[0].transitions.count == 0 and reports[0].transitions.total == 0
     assert refused and set(refused) == {"another thread is using this world"}
     assert world.advance(0.01).ok
 

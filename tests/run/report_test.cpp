@@ -167,6 +167,14 @@ TEST_CASE("the error of reduced regions is estimated, reported and warned of") {
   const Json corrected = report_in(folder.path / "corrected")["reduced"];
   CHECK(corrected["vertices_to_full"].get<int>() > 0);
   CHECK(corrected["worst_error"].get<double>() < seen["worst_error"].get<double>());
+  REQUIRE(corrected["transitions"].size() > 1);
+  for (const Json& of : corrected["transitions"]) {
+    CHECK(of["count"].get<int>() > 0);
+    const double total = of["total"].get<double>();
+    const double sum = of["kinetic"].get<double>() + of["elastic"].get<double>() + of["loads"].get<double>();
+    CHECK(std::abs(total - sum) <= 1e-12 * std::abs(total));
+  }
+  CHECK(corrected["transitions"].back()["elastic"] != 0);
   play(write_scene_files(folder), folder.path / "other");
   CHECK_FALSE(report_in(folder.path / "other").contains("reduced"));
   CHECK_FALSE(read_mesh(folder.path / "other/frame_0000.vtu").cell_data.contains("embedded"));

@@ -3,7 +3,7 @@
 string(REPLACE "," ";" OBJECTS "${OBJECTS}")
 foreach(object ${OBJECTS})
   execute_process(COMMAND ${NM} --defined-only ${object} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
-  if(NOT symbols MATCHES "(single|double)_[a-z_]*kernels")
+  if(NOT symbols MATCHES "(single|double|self)_[a-z_]*kernels")
     message(FATAL_ERROR "${object} does not hold the kernels")
   endif()
   if(symbols MATCHES "[^\n]* [WVwvu] [^\n]*")

@@ -38,8 +38,8 @@ class Fading {
   // is crushed so that it would be moved by more than a cell has nothing left.
   void begin(const Elements& elements, const Lattice& lattice, const Embedding& embedding,
              const StateColumns<Real>& state);
-  void forget_if_over(double time) {
-    if (share(time) == 0) slides_.clear(), at_full_.clear(), pulls_.clear();
+  void forget_if_over(double time) {  // and gives back the memory
+    if (any() && share(time) == 0) *this = Fading();
   }
   bool any() const { return !slides_.empty(); }
 

@@ -78,9 +78,9 @@ def test_the_stub_names_what_there_is():
     import ast
     import pathlib
 
-    stub = ast.parse((pathlib.Path(lobe.__file__).parent / "__init__.pyi").read_text())
+    interface = ast.parse((pathlib.Path(lobe.__file__).parent / "__init__.pyi").read_text())
     declared = {}
-    for node in stub.body:
+    for node in interface.body:
         if isinstance(node, ast.ClassDef):
             declared[node.name] = {m.name for m in node.body if isinstance(m, ast.FunctionDef)}
         elif isinstance(node, ast.FunctionDef):

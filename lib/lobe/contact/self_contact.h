@@ -18,7 +18,7 @@
 // corners.
 //
 // Cost. Most of the time a step only asks how far vertices have moved since the body was last looked at.
-// self_search.cpp says what is looked at when.
+// self_gaps.cpp says what is looked at when.
 #pragma once
 
 #include <span>

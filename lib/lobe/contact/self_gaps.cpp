@@ -1,12 +1,12 @@
 // Which triangles of a surface may be in which tetrahedra of its boundary layer.
 //
-// A search (self_search.cpp) lists the pairs that are near each other. That pairs which it does not list stay apart follows
-// from the motion of parts of the body (part_motion.h). From time to time the body is measured: its parts,
-// and the gaps of the pairs of the list (gap_kernels.h). Both are measured not where the body is, but where
-// it will be at its present velocities half of the time until the next measurement. At all times between the
-// two, no gap is smaller than there by more than the largest displacement of any two vertices relative to
-// each other. A bound of that is how far vertices have moved in all steps; if that does not suffice, it is
-// found in one pass over all vertices.
+// A search (self_search.cpp) lists the pairs that are near each other. That pairs which it does not list
+// stay apart follows from the motion of parts of the body (part_motion.h). From time to time the body is
+// measured: its parts, and the gaps of the pairs of the list (gap_kernels.h). Both are measured not where
+// the body is, but where it will be at its present velocities half of the time until the next measurement.
+// At all times between the two, no gap is smaller than there by more than the largest displacement of any
+// two vertices relative to each other. A bound of that is how far vertices have moved in all steps; if that
+// does not suffice, it is found in one pass over all vertices.
 //
 // Pairs whose gap is larger than all the way to the next measurement are left alone until then. The others
 // are watched: every few steps one looks at them in the same manner, with less way to the next look. Those

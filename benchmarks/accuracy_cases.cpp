@@ -46,6 +46,7 @@ Case liver(bool quick) {
 std::vector<Case> shipped_cases(const Options& options) {
   if (!options.meshes.empty())
     throw InputError("--mesh", "is a further mesh of a scene; name that by --scene");
+  if (!options.refine.empty()) throw InputError("--refine", "is a mesh of a scene; name that by --scene");
   const auto sizes = [&](const std::vector<int>& all, const std::vector<int>& quick) {
     if (!options.tets.empty()) return options.tets;
     return options.quick ? quick : all;
@@ -64,10 +65,14 @@ std::string name_of(const fs::path& file) {
   return name;
 }
 
-Case users_case(const fs::path& file, const std::vector<fs::path>& meshes) {
+Case users_case(const fs::path& file, const Options& options) {
   Case made{name_of(file), read_scene(file), {}};
   made.meshes.push_back(read_mesh(mesh_path(made.scene)).mesh);
-  for (const fs::path& mesh : meshes) made.meshes.push_back(read_mesh(mesh).mesh);
+  for (const fs::path& mesh : options.meshes) made.meshes.push_back(read_mesh(mesh).mesh);
+  if (options.refine.empty()) return made;
+  if (selects_by_number(made.scene))
+    throw InputError("--refine", "selectors by number or by count mean something else on another mesh");
+  made.refine = read_mesh(options.refine).mesh;
   return made;
 }
 
@@ -77,8 +82,10 @@ std::vector<Case> users_cases(const Options& options) {
                      "sizes the shipped beam and cylinder; give your scene further meshes by --mesh");
   if (options.scenes.size() > 1 && !options.meshes.empty())
     throw InputError("--mesh", "goes with one --scene only");
+  if (options.scenes.size() > 1 && !options.refine.empty())
+    throw InputError("--refine", "goes with one --scene only");
   std::vector<Case> cases;
-  for (const fs::path& file : options.scenes) cases.push_back(users_case(file, options.meshes));
+  for (const fs::path& file : options.scenes) cases.push_back(users_case(file, options));
   return cases;
 }
 

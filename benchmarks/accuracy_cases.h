@@ -14,6 +14,7 @@ struct Case {
   std::string name;  // of the scene's file; letters, digits, '_' and '-'
   Scene scene;
   std::vector<TetMesh> meshes;  // ascending in size
+  TetMesh refine = {};          // total errors are against its refinement; empty: the largest of the meshes
 };
 
 // The shipped scenes, or those of the options on their own meshes. Throws InputError.

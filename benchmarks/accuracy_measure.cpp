@@ -46,11 +46,10 @@ Setup setup_on(const Scene& scene, TetMesh mesh) {
   return setup;
 }
 
-// The scene on its largest mesh, refined once.
 Setup fine_setup(const Case& scene) {
-  const TetMesh& largest = scene.meshes.back();
-  RefinedMesh refined = refine(largest);
-  const Scene fine = prolongated(scene.scene, largest, refined);
+  const TetMesh& mesh = scene.refine.tet_count() > 0 ? scene.refine : scene.meshes.back();
+  RefinedMesh refined = refine(mesh);
+  const Scene fine = prolongated(scene.scene, mesh, refined);
   return reference_setup(setup_on(fine, std::move(refined.mesh)));
 }
 

@@ -23,6 +23,7 @@ struct Options {
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
   // accuracy, hybrid, realtime: of the one scene, beside its own; scalpel: beside the shipped liver
   std::vector<std::filesystem::path> meshes;
+  std::filesystem::path refine;  // accuracy, of one scene: the mesh to refine; empty: the largest
 };
 
 // A kernel whose result is not the reference's, so that it is not timed; a reference that did not run to its

@@ -48,6 +48,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "accuracy, hybrid, realtime: a further mesh of that scene; scalpel: a further organ; "
                  "haptic: a further liver")
       ->allow_extra_args(false);
+  app.add_option("--refine", options.refine,
+                 "accuracy: total errors are against this mesh of the scene, refined once, in place of the "
+                 "largest");
 }
 
 const Benchmark& benchmark_of(const Arguments& arguments) {
@@ -63,6 +66,8 @@ const Benchmark& benchmark_of(const Arguments& arguments) {
     throw lobe::InputError("bench " + arguments.name, "takes no --scene");
   if (!chosen->takes_meshes && !arguments.options.meshes.empty())
     throw lobe::InputError("bench " + arguments.name, "takes no --mesh");
+  if (arguments.name != "accuracy" && !arguments.options.refine.empty())
+    throw lobe::InputError("bench " + arguments.name, "takes no --refine");
   return *chosen;
 }
 

@@ -51,12 +51,12 @@ const char* type_of(std::string_view path) {
 
 }  // namespace
 
-Connection::Connection(asio::ip::tcp::socket socket, ClientId id, Shared& shared)
+Connection::Connection(TcpSocket socket, ClientId id, Shared& shared)
     : shared_(shared), id_(id), http_(std::in_place, std::move(socket)) {}
 
 void Connection::close() {
   beast::error_code ignored;
-  asio::ip::tcp::socket& socket = live_ ? live_->next_layer().socket() : http_->socket();
+  TcpSocket& socket = live_ ? live_->next_layer().socket() : http_->socket();
   socket.close(ignored);
 }
 
@@ -66,14 +66,14 @@ void Connection::read_request() {
   parser_->header_limit(largest_header);
   http_->expires_after(std::chrono::seconds(30));
   http::async_read(*http_, buffer_, *parser_,
-                   [self = shared_from_this()](beast::error_code error, std::size_t) {
+                   Moved([self = shared_from_this()](beast::error_code error, std::size_t) {
                      if (error) return self->end();
                      const Request request = self->parser_->release();
                      if (websocket::is_upgrade(request))
                        self->become_live(request);
                      else
                        self->answer(request);
-                   });
+                   }));
 }
 
 void Connection::answer(const Request& request) {
@@ -113,10 +113,10 @@ Connection::Response Connection::file(const Request& request) const {
 
 void Connection::respond(std::shared_ptr<Response> response) {
   http::async_write(*http_, *response,
-                    [self = shared_from_this(), response](beast::error_code error, std::size_t) {
+                    Moved([self = shared_from_this(), response](beast::error_code error, std::size_t) {
                       if (error || response->need_eof()) return self->end();
                       self->read_request();
-                    });
+                    }));
 }
 
 // Why this request may not become the WebSocket; empty: it may.
@@ -149,26 +149,27 @@ void Connection::become_live(const Request& request) {
   timeout.keep_alive_pings = true;
   live_->set_option(timeout);
   live_->read_message_max(shared_.options.largest_message);
-  live_->async_accept(request, [self = shared_from_this()](beast::error_code error) {
-    if (error) return self->end();
-    beast::error_code ignored;
-    self->live_->next_layer().socket().set_option(asio::ip::tcp::no_delay(true), ignored);
-    self->is_open_ = true;
-    self->shared_.on_client(self->id_, true);
-    self->shared_.service.opened(self->id_);
-    self->offer_frame();
-    self->read_message();
-  });
+  live_->async_accept(request, Ended([self = shared_from_this()](beast::error_code error) {
+                        if (error) return self->end();
+                        beast::error_code ignored;
+                        self->live_->next_layer().socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+                        self->is_open_ = true;
+                        self->shared_.on_client(self->id_, true);
+                        self->shared_.service.opened(self->id_);
+                        self->offer_frame();
+                        self->read_message();
+                      }));
 }
 
 void Connection::read_message() {
   buffer_.clear();
-  live_->async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-    if (error) return self->end();
-    const auto data = self->buffer_.cdata();
-    self->shared_.service.received(self->id_, {static_cast<const char*>(data.data()), data.size()});
-    self->read_message();
-  });
+  live_->async_read(
+      buffer_, Moved([self = shared_from_this()](beast::error_code error, std::size_t) {
+        if (error) return self->end();
+        const auto data = self->buffer_.cdata();
+        self->shared_.service.received(self->id_, {static_cast<const char*>(data.data()), data.size()});
+        self->read_message();
+      }));
 }
 
 void Connection::acknowledged() {
@@ -205,14 +206,15 @@ void Connection::write_next() {
   if (!is_text && frame_.empty()) {
     if (!closing_) return;
     is_writing_ = true;  // for good
-    return live_->async_close(*closing_, [self = shared_from_this()](beast::error_code) { self->close(); });
+    return live_->async_close(*closing_,
+                              Ended([self = shared_from_this()](beast::error_code) { self->close(); }));
   }
   is_writing_ = true;
   live_->text(is_text);
   live_->binary(!is_text);
   const std::string& next = is_text ? texts_.front() : frame_;
   live_->async_write(asio::buffer(next),
-                     [self = shared_from_this(), is_text](beast::error_code error, std::size_t) {
+                     Moved([self = shared_from_this(), is_text](beast::error_code error, std::size_t) {
                        self->is_writing_ = false;
                        if (error) return;  // the reading side ends it
                        if (is_text)
@@ -221,7 +223,7 @@ void Connection::write_next() {
                          self->frame_.clear();
                        self->write_next();
                        self->offer_frame();
-                     });
+                     }));
 }
 
 void Connection::end() {

@@ -2,16 +2,13 @@
 // the WebSocket.
 #pragma once
 
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "network.h"
 #include "server.h"
 
 namespace lobe::view {
@@ -26,7 +23,7 @@ struct Shared {
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(boost::asio::ip::tcp::socket socket, ClientId id, Shared& shared);
+  Connection(TcpSocket socket, ClientId id, Shared& shared);
 
   void start() { read_request(); }
   void close();  // at once, without a closing message
@@ -40,7 +37,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
-  using WebSocket = boost::beast::websocket::stream<boost::beast::tcp_stream>;
 
   void read_request();
   void answer(const Request& request);
@@ -56,7 +52,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   const ClientId id_;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
-  std::optional<boost::beast::tcp_stream> http_;  // until it becomes live
+  std::optional<TcpStream> http_;  // until it becomes live
   std::optional<WebSocket> live_;
   bool is_open_ = false;  // the service knows of it
   std::deque<std::string> texts_;

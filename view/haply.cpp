@@ -1,15 +1,10 @@
 #include "haply.h"
 
-#include <boost/asio/connect.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+
+#include "network.h"
 
 namespace lobe::view {
 
@@ -88,13 +83,11 @@ std::string haply_force(const std::string& device, const Vec3d& force) {
 // ---- The connection: all of it in one thread
 
 struct HaplyDevice::Client {
-  using Stream = beast::websocket::stream<tcp::socket>;
-
   HaplyDevice& device;
   const std::string host, port;
   asio::io_context context{1};
-  asio::steady_timer watch{context};  // no message came for too long, or it is time to connect again
-  std::optional<Stream> stream;
+  Timer watch{context};  // no message came for too long, or it is time to connect again
+  std::optional<WebSocket> stream;
   beast::flat_buffer buffer;
   std::string answer;
   HaplyMessage message;
@@ -121,7 +114,7 @@ void HaplyDevice::Client::watch_out(std::chrono::milliseconds patience) {
 void HaplyDevice::Client::lost() {
   if (stream) {
     Error ignored;
-    stream->next_layer().close(ignored);
+    stream->next_layer().socket().close(ignored);
   }
   if (ends) return;
   watch.expires_after(std::chrono::milliseconds(300));
@@ -133,22 +126,23 @@ void HaplyDevice::Client::lost() {
 // The service is on this machine, so neither the name nor the connection takes long.
 void HaplyDevice::Client::connect() {
   Error error;
-  const auto places = tcp::resolver(context).resolve(host, port, error);
+  const auto places = TcpResolver(context).resolve(host, port, error);
   stream.emplace(context);
-  if (!error) asio::connect(stream->next_layer(), places, error);
+  if (!error) asio::connect(stream->next_layer().socket(), places, error);
   if (error) return lost();
-  stream->next_layer().set_option(tcp::no_delay(true), error);
+  stream->next_layer().socket().set_option(tcp::no_delay(true), error);
   buffer.clear();
   watch_out(std::chrono::seconds(2));
-  stream->async_handshake(host + ":" + port, "/", [this](Error failed) { failed ? lost() : listen(); });
+  stream->async_handshake(host + ":" + port, "/",
+                          Ended([this](Error failed) { failed ? lost() : listen(); }));
 }
 
 void HaplyDevice::Client::listen() {
   watch_out(std::chrono::seconds(1));
-  stream->async_read(buffer, [this](Error error, std::size_t) {
-    if (error == asio::error::operation_aborted) return;
-    error ? lost() : heard();
-  });
+  stream->async_read(buffer, Moved([this](Error error, std::size_t) {
+                       if (error == asio::error::operation_aborted) return;
+                       error ? lost() : heard();
+                     }));
 }
 
 void HaplyDevice::Client::heard() {
@@ -161,10 +155,10 @@ void HaplyDevice::Client::heard() {
   }
   const auto force = device.forces_.latest();
   answer = haply_force(message.device, force ? *force : Vec3d(Vec3d::Zero()));
-  stream->async_write(asio::buffer(answer), [this](Error error, std::size_t) {
-    if (error == asio::error::operation_aborted) return;
-    error ? lost() : listen();
-  });
+  stream->async_write(asio::buffer(answer), Moved([this](Error error, std::size_t) {
+                        if (error == asio::error::operation_aborted) return;
+                        error ? lost() : listen();
+                      }));
 }
 
 HaplyDevice::HaplyDevice(const std::string& host, int port)

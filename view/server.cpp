@@ -1,8 +1,6 @@
 #include "server.h"
 
 #include <atomic>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/post.hpp>
 #include <map>
 
 #include "connection.h"
@@ -10,7 +8,6 @@
 
 namespace lobe::view {
 namespace asio = boost::asio;
-using asio::ip::tcp;
 
 struct Server::Parts {
   Parts(const ServerOptions& options, std::span<const PageFile> page, Service& service)
@@ -18,14 +15,14 @@ struct Server::Parts {
 
   Shared shared;
   asio::io_context context{1};
-  tcp::acceptor acceptor{context};
+  TcpAcceptor acceptor{context};
   std::map<ClientId, std::shared_ptr<Connection>> connections;
   ClientId next = 1;
   std::atomic<bool> is_woken = false;  // and has not looked yet
 
   void listen();
   void accept();
-  void greet(tcp::socket socket);
+  void greet(TcpSocket socket);
   std::shared_ptr<Connection> find(ClientId client) const {
     const auto found = connections.find(client);
     return found == connections.end() ? nullptr : found->second;
@@ -36,11 +33,10 @@ void Server::Parts::listen() {
   const ServerOptions& options = shared.options;
   const std::string place = options.host + ":" + std::to_string(options.port);
   boost::system::error_code error;
-  tcp::resolver resolver(context);
   const auto found =
-      resolver.resolve(options.host, std::to_string(options.port), tcp::resolver::passive, error);
+      TcpResolver(context).resolve(options.host, std::to_string(options.port), TcpResolver::passive, error);
   if (error || found.empty()) throw InputError(place, "no such address: " + error.message());
-  const tcp::endpoint endpoint = *found.begin();
+  const asio::ip::tcp::endpoint endpoint = *found.begin();
   acceptor.open(endpoint.protocol(), error);
   if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
   if (!error) acceptor.bind(endpoint, error);
@@ -52,7 +48,7 @@ void Server::Parts::listen() {
 }
 
 void Server::Parts::accept() {
-  acceptor.async_accept([this](boost::system::error_code error, tcp::socket socket) {
+  acceptor.async_accept([this](boost::system::error_code error, TcpSocket socket) {
     if (error == asio::error::operation_aborted) return;
     if (!error) greet(std::move(socket));
     accept();
@@ -60,7 +56,7 @@ void Server::Parts::accept() {
 }
 
 // A browser opens several connections for the files of one page.
-void Server::Parts::greet(tcp::socket socket) {
+void Server::Parts::greet(TcpSocket socket) {
   constexpr std::size_t connections_per_page = 8;
   if (connections.size() >= connections_per_page * shared.options.most_clients) return;  // which closes it
   const ClientId id = next++;

@@ -26,6 +26,17 @@ namespace CGAL {
 template <class Triangulation, class Corner, class Curve>
 void dump_c3t3(const Mesh_complex_3_in_triangulation_3<Triangulation, Corner, Curve>&, std::string) {}
 
+// Preferred to CGAL's own within make_mesh_3(), too: optimisers that refine() does not ask for, and that take
+// long to compile.
+template <class T, class Corner, class Curve, class Domain, class A, class B, class C, class D>
+void odt_optimize_mesh_3(Mesh_complex_3_in_triangulation_3<T, Corner, Curve>&, Domain&&, A&&, B&&, C&&, D&&) {
+}
+template <class T, class Corner, class Curve, class Domain, class A, class B, class C, class D>
+void lloyd_optimize_mesh_3(Mesh_complex_3_in_triangulation_3<T, Corner, Curve>&, Domain&&, A&&, B&&, C&&,
+                           D&&) {}
+template <class T, class Corner, class Curve, class A, class B>
+void exude_mesh_3(Mesh_complex_3_in_triangulation_3<T, Corner, Curve>&, A&&, B&&) {}
+
 }  // namespace CGAL
 
 namespace lobe::meshing {

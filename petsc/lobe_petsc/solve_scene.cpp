@@ -3,7 +3,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -11,14 +10,13 @@
 #include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe_petsc/clock.h"
 #include "lobe_petsc/resolve_part.h"
 
 namespace lobe::petsc {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double peak_memory() {  // of this process [byte]
   rusage usage{};

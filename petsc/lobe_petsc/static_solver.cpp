@@ -3,16 +3,13 @@
 #include <petscsnes.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "lobe/text.h"
+#include "lobe_petsc/clock.h"
 
 namespace lobe::petsc {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Sets an option of PETSc, unless the user has set it in PETSC_OPTIONS.
 void set_default(const char* name, const char* value) {

@@ -337,11 +337,33 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
   REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --mesh finer.vtu --quick -o quick") == 0);
   const std::string quick = bytes_of(folder.path / "quick" / "accuracy.csv");
   CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 36);
+  // Against the same refined mesh, total errors are the same.
+  REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --refine finer.vtu -o refined") == 0);
+  const auto coarse_rows = [&](const char* name) {
+    std::vector<std::vector<std::string>> found;
+    std::istringstream table(bytes_of(folder.path / name / "accuracy.csv"));
+    std::string row;
+    for (std::getline(table, row); std::getline(table, row);)
+      if (const auto cells = cells_of(row); cells[2] == "18") found.push_back(cells);
+    return found;
+  };
+  const auto all = coarse_rows("results"), refined = coarse_rows("refined");
+  REQUIRE(refined.size() == 36);
+  REQUIRE(all.size() == 36);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (int number : {5, 6}) CHECK(refined[i][std::size_t(number)] == all[i][std::size_t(number)]);
+  std::istringstream quick_table(quick);
+  std::getline(quick_table, line);
+  std::getline(quick_table, line);
+  CHECK(cells_of(line)[6] != refined[0][6]);  // whose own mesh is refined
   write_vtu(folder.path / "other.vtu", box_mesh({0.06, 0.02, 0.06}, 3, 1, 3));
   CHECK(lobe_bench("accuracy --scene 'my scene.json' --mesh other.vtu -o other") == 2);
   CHECK(bytes_of(folder.path / "err.txt").find("does not cover the same body") != errors.npos);
   CHECK(lobe_bench("accuracy --scene 'my scene.json' --tets 100 -o none") == 2);
   CHECK(lobe_bench("accuracy --mesh finer.vtu -o none") == 2);
+  CHECK(lobe_bench("accuracy --refine finer.vtu -o none") == 2);
+  CHECK(lobe_bench("accuracy --scene 'my scene.json' --refine missing.vtu -o none") == 2);
+  CHECK(lobe_bench("kernels --refine finer.vtu -o none") == 2);
   CHECK(lobe_bench("accuracy --scene missing.json -o none") == 2);
   CHECK(lobe_bench("kernels --scene 'my scene.json' -o none") == 2);
   CHECK_FALSE(std::filesystem::exists(folder.path / "none"));

@@ -4,15 +4,12 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "near.h"
+#include "network.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -47,7 +44,7 @@ class FakeService {
   ~FakeService() {
     ends = true;
     asio::io_context context;
-    asio::ip::tcp::socket knock(context);
+    TcpSocket knock(context);
     boost::system::error_code ignored;
     knock.connect({asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port)}, ignored);
     thread_.join();
@@ -62,12 +59,12 @@ class FakeService {
  private:
   void serve() {
     while (!ends) {
-      asio::ip::tcp::socket socket(context_);
+      TcpSocket socket(context_);
       acceptor_.accept(socket);
       if (ends) return;
       ++clients;
       boost::system::error_code error;
-      beast::websocket::stream<asio::ip::tcp::socket> stream(std::move(socket));
+      WebSocket stream(std::move(socket));
       stream.accept(error);
       stream.write(asio::buffer(nonsense), error);
       stream.write(asio::buffer(std::string("{")), error);
@@ -89,7 +86,7 @@ class FakeService {
   }
 
   asio::io_context context_;
-  asio::ip::tcp::acceptor acceptor_;
+  TcpAcceptor acceptor_;
   std::thread thread_;
 };
 

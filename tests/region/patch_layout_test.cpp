@@ -111,6 +111,47 @@ TEST_CASE("tetrahedra leave and come back in any order, and the layout stays who
   }
 }
 
+TEST_CASE("what gets other corners keeps its slot as long as its patch has numbers for them") {
+  const Elements elements(setup_of(irregular_box(5)));
+  Layout layout = layout_of(elements);
+  const Index vertices = elements.topology.vertex_count(), tets = elements.topology.tet_count();
+  layout.resize(vertices + 4 * tets, tets);
+  const auto corners_in = [&](Index slot) {
+    return layout.local_corners(slot / Layout::capacity, corners_of(elements, layout.id_of(slot)));
+  };
+  std::vector<Index> slots;
+  for (Index t = 0; t < tets; ++t) slots.push_back(layout.slot_of(t));
+
+  Items around_one;
+  const Index v = elements.topology.corners(tets / 2)[0];
+  for (Index t : elements.topology.around(v)) {
+    Layout::Corners corners = corners_of(elements, t);
+    std::replace(corners.begin(), corners.end(), v, vertices);
+    around_one.push_back({t, corners, elements.material_of[t]});
+  }
+  const auto places = layout.places()[v].size();
+  Layout split = layout;
+  CHECK(split.keep(around_one, corners_in).empty());
+  CHECK(split.places()[v].empty());
+  CHECK(split.places()[vertices].size() == places);
+
+  Items apart = all_tets(elements);  // each with corners that no other has
+  for (Layout::Item& item : apart)
+    for (std::size_t c = 0; c < 4; ++c) item.corners[c] = vertices + 4 * item.id + static_cast<Index>(c);
+  const Items others = layout.keep(apart, corners_in);
+  CHECK((others.size() > apart.size() / 2 && others.size() < apart.size()));
+  for (const Layout::Item& item : others) CHECK(layout.must_leave(item.id));
+  for (Index t = 0; t < tets; ++t) {
+    CHECK(layout.slot_of(t) == slots[std::size_t(t)]);
+    const Index p = slots[std::size_t(t)] / Layout::capacity;
+    CHECK(layout.patch(p).vertices <= patch_vertices);
+    const Layout::Corners corners =
+        layout.must_leave(t) ? corners_of(elements, t) : apart[std::size_t(t)].corners;
+    const auto local = layout.local_corners(p, corners);
+    for (std::size_t c = 0; c < 4; ++c) CHECK(layout.vertices(p)[local[c]] == corners[c]);
+  }
+}
+
 TEST_CASE("patches that were emptied are filled again") {
   const Elements elements(setup_of(irregular_box(5)));
   Layout layout = layout_of(elements);

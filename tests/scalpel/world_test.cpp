@@ -208,6 +208,32 @@ TEST_CASE("a blade through a bar at rest opens its cross section") {
   CHECK(world.elements().topology.pieces().size() == 2);
 }
 
+TEST_CASE("a cut body is evaluated in hardly more patches than one built afresh") {
+  constexpr int n = 12, frames = 20;
+  constexpr double frame = 1e-4;
+  Setup setup = setup_of(box_mesh(Vec3d::Constant(0.1), n, n, n));
+  std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
+  setup.materials = {{4e4, 1e4, 1000}};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (const double x = setup.mesh.points(0, v); x < 1e-9 || x > 0.1 - 1e-9) setup.prescribed.push_back({v});
+  const Vec3d normal = Vec3d(1, 0.21, 0.13).normalized(), along = normal.unitOrthogonal(),
+              edge = 0.1 * normal.cross(along), middle = Vec3d::Constant(0.05);
+  const Vec3d from = middle - 0.1 * along, to = middle + 0.1 * along;
+  setup.scalpels = {{"blade",
+                     0.1,
+                     {{frame / 2, from - edge}, {frame / 2 + frames * frame, to - edge}},
+                     {from + edge, to + edge}}};
+  World<float> world(setup);
+  for (int i = 0; i <= frames; ++i) world.advance(frame);
+  CHECK(world.elements().topology.tet_copy_count() > 500);
+  CompactMesh compacted;
+  World<float> fresh(world.current_setup(compacted));
+  fresh.advance(frame);
+  const Report cut = world.advance(frame), afresh = fresh.advance(frame);
+  CHECK(cut.steps == afresh.steps);
+  CHECK(double(cut.patches_evaluated) <= 1.12 * double(afresh.patches_evaluated));
+}
+
 TEST_CASE("the bits are the same on any number of threads") {
   const Setup setup = bar_and_blade();
   const Mat3X<float> one = after_run<float>(setup, 1, 18);

@@ -113,15 +113,39 @@ void PatchLayout<n>::use(Index vertex) {
 }
 
 template <int n>
-Index PatchLayout<n>::leave(Index id, const LocalCorners& corners) {
-  const Index slot = slot_of_[id], p = slot / capacity;
-  Patch& patch = patches_[p];
+void PatchLayout<n>::take_up(Index p, const Corners& corners) {
+  for (Index v : corners) {
+    const Index known = local_number(p, v), number = known >= 0 ? known : number_vertex(p, v);
+    ++uses_[p * patch_vertices + number];
+  }
+}
+
+template <int n>
+void PatchLayout<n>::let_go(Index p, const LocalCorners& corners) {
   for (std::uint8_t number : corners) {
     const Index place = p * patch_vertices + number;
     if (--uses_[place] > 0) continue;
     places_.erase_value(vertex_[place], place);
-    ++patch.free;
+    ++patches_[p].free;
   }
+}
+
+template <int n>
+bool PatchLayout<n>::renumber(const Item& item, const LocalCorners& before) {
+  const Index p = slot_of_[item.id] / capacity;
+  const Patch& patch = patches_[p];
+  if (patch.kind != item.kind || patch.vertices - patch.free + missing(p, item.corners) > patch_vertices)
+    return false;
+  take_up(p, item.corners);
+  let_go(p, before);
+  return true;
+}
+
+template <int n>
+Index PatchLayout<n>::leave(Index id, const LocalCorners& corners) {
+  const Index slot = slot_of_[id], p = slot / capacity;
+  Patch& patch = patches_[p];
+  let_go(p, corners);
   const Index last = p * capacity + --patch.items;
   id_of_[slot] = id_of_[last];
   slot_of_[id_of_[slot]] = slot;
@@ -215,10 +239,7 @@ Index PatchLayout<n>::number_vertex(Index p, Index vertex) {
 
 template <int n>
 void PatchLayout<n>::put(Index p, const Item& item) {
-  for (Index v : item.corners) {
-    const Index known = local_number(p, v), number = known >= 0 ? known : number_vertex(p, v);
-    ++uses_[p * patch_vertices + number];
-  }
+  take_up(p, item.corners);
   const Index slot = p * capacity + patches_[p].items++;
   id_of_[slot] = item.id;
   slot_of_[item.id] = slot;

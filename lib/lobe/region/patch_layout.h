@@ -1,7 +1,8 @@
 // Divides items of n vertices each (tetrahedra, edges) into patches, and numbers them and their vertices
 // within a patch. A patch has items of one kind that lie close together: consecutive ones along a Hilbert
 // curve through their barycentres, as many as have room. The last item of a patch takes the place of one that
-// leaves. An item that enters goes to a patch that has its vertices.
+// leaves. An item that enters goes to a patch that has its vertices. One that only gets other corners stays
+// while numbers last: a cut gives them to many, and batches of these would fill patches of their own.
 #pragma once
 
 #include <array>
@@ -62,6 +63,22 @@ class PatchLayout {
   // Makes room for the vertices and ids that are new.
   void resize(Index vertex_count, Index id_count);
   void enter(const std::vector<Item>& items, const Mat3X<double>& points);  // of the vertices [m]
+  // Items that are here and get other corners keep their slots if their patches have numbers for these.
+  // Returns the others, and those that are new. Call it before these leave.
+  template <class CornersIn>  // corners_in(slot): LocalCorners
+  std::vector<Item> keep(const std::vector<Item>& items, CornersIn&& corners_in) {
+    is_kept_.assign(slot_of_.size(), false);
+    std::vector<Item> others;
+    for (const Item& item : items) {
+      const Index slot = slot_of(item.id);
+      if (slot >= 0 && renumber(item, corners_in(slot)))
+        is_kept_[std::size_t(item.id)] = true;
+      else
+        others.push_back(item);
+    }
+    return others;
+  }
+  bool must_leave(Index id) const { return slot_of(id) >= 0 && !is_kept_[std::size_t(id)]; }
   // The slot that it leaves is that of the last item of its patch from now on, whose former slot is returned.
   // O(1).
   Index leave(Index id, const LocalCorners& corners);
@@ -74,6 +91,7 @@ class PatchLayout {
   void fill_new_patches(const std::vector<Item>& items, const Mat3X<double>& points);
   void list_places(Index first_patch);
   Index patch_for(const Item& item);
+  bool renumber(const Item& item, const LocalCorners& before);
   Index missing(Index p, const Corners& corners) const;
   bool has_room(Index p, std::uint16_t kind, Index new_vertices) const;
   Index append_patch(std::uint16_t kind);
@@ -81,6 +99,8 @@ class PatchLayout {
   Index local_number(Index p, Index vertex) const;  // −1 if it has none
   Index number_vertex(Index p, Index vertex);
   void use(Index vertex);
+  void take_up(Index p, const Corners& corners);
+  void let_go(Index p, const LocalCorners& corners);
   void put(Index p, const Item& item);
 
   std::vector<Patch> patches_;
@@ -92,6 +112,7 @@ class PatchLayout {
   std::vector<Index> id_of_, slot_of_;  // per slot; per id
   std::vector<Near> around_;            // scratch of patch_for()
   std::vector<Index> empty_;            // patches, some of which may have been filled again
+  std::vector<bool> is_kept_;           // per id, in the last edit
   Index open_ = -1;                     // patch that takes what fits nowhere else
   Index item_count_ = 0;
 };

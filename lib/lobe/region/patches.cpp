@@ -17,10 +17,11 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   const std::vector<Layout::Item> items = items_of(model, elements, enter);
   if (items.empty() && tet_count() == 0) return;  // without tetrahedra no memory is needed
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
+  const auto entering = layout_.keep(items, [this](Index slot) { return corners_in(slot); });
   for (Index t : leave)
-    if (layout_.slot_of(t) >= 0) remove(t);
+    if (layout_.must_leave(t)) remove(t);
   if (nodal_pressure_) nodes_.follow(elements, leave, enter);
-  layout_.enter(items, elements.points.padded());
+  layout_.enter(entering, elements.points.padded());
   const std::size_t patches = std::size_t(layout_.patch_count());
   resize_with_room(blocks_, patches * patch_blocks);
   if (fibres_) resize_with_room(fibre_blocks_, patches * patch_blocks);
@@ -53,12 +54,16 @@ void Patches<Real>::write(const Elements& elements, const Layout::Item& item) {
 }
 
 template <class Real>
-void Patches<Real>::remove(Index tet) {
-  const Index slot = layout_.slot_of(tet);
+PatchLayout<4>::LocalCorners Patches<Real>::corners_in(Index slot) const {
   const auto& corners = blocks_[slot / width].corners;
   const int lane = slot % width;
-  const Index last =
-      layout_.leave(tet, {corners[0][lane], corners[1][lane], corners[2][lane], corners[3][lane]});
+  return {corners[0][lane], corners[1][lane], corners[2][lane], corners[3][lane]};
+}
+
+template <class Real>
+void Patches<Real>::remove(Index tet) {
+  const Index slot = layout_.slot_of(tet);
+  const Index last = layout_.leave(tet, corners_in(slot));
   move(last, slot);
   clear(last);
 }

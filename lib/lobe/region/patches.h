@@ -55,6 +55,7 @@ class Patches {
   void find_slopes(const Mat3X<Real>& u);
   Stiffness smallest_of(const std::vector<Real>& ratios, const Mat3X<Real>& u);
 
+  Layout::LocalCorners corners_in(Index slot) const;
   void remove(Index tet);
   void write(const Elements& elements, const Layout::Item& item);
   void move(Index from, Index to);

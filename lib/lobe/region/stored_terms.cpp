@@ -61,14 +61,15 @@ void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index
                                const std::vector<Index>& enter, RegionModel model) {
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   std::vector<Index> changed;
+  const std::vector<Layout::Item> items = items_of(model, elements, enter);
+  const auto entering = layout_.keep(items, [this](Index slot) { return corners_[slot]; });
   for (Index t : leave) {
+    if (!layout_.must_leave(t)) continue;
     const Index slot = layout_.slot_of(t);
-    if (slot < 0) continue;
     changed.push_back(slot / Layout::capacity);
     corners_[slot] = corners_[layout_.leave(t, corners_[slot])];
   }
-  const std::vector<Layout::Item> items = items_of(model, elements, enter);
-  layout_.enter(items, elements.points.padded());
+  layout_.enter(entering, elements.points.padded());
   corners_.resize(std::size_t(layout_.patch_count()) * Layout::capacity);
   for (const Layout::Item& item : items) {
     const Index slot = layout_.slot_of(item.id), p = slot / Layout::capacity;

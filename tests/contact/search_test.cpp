@@ -408,3 +408,63 @@ TEST_CASE("every instruction set finds the same gaps and ranges") {
       }
   }
 }
+
+TEST_CASE("every instruction set finds the same points of triangles in tetrahedra") {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  constexpr int places = 60, width = PairBlock::width;
+  std::vector<double> x(4 * places);
+  for (double& number : x) number = uniform(random);
+  std::vector<PairBlock> blocks(20);
+  for (PairBlock& block : blocks)
+    for (auto& of_corner : block.places)
+      for (auto& place : of_corner) place = int(random() % places);
+  std::vector<Vec3d> points;
+  visit_centroids(3, [&](int, const Vec3d& weights) { points.push_back(weights); });
+  const auto found_by = [&](InstructionSet set) {
+    std::vector<InsideBlock> found(blocks.size());
+    gap_kernels(set).find_insides(x.data(), points.front().data(), int(points.size()), 0, blocks.data(),
+                                  found.data(), int(blocks.size()));
+    return found;
+  };
+  const std::vector<InsideBlock> found = found_by(InstructionSet::baseline);
+  int inside = 0, inverted = 0;
+  std::vector<std::vector<InsideBlock>> of_sets;
+  for (InstructionSet set : available_instruction_sets()) of_sets.push_back(found_by(set));
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (std::size_t lane = 0; lane < std::size_t(width); ++lane) {
+      const auto place = [&](std::size_t c) -> Vec3d {
+        return Eigen::Map<Vec3d>(&x[4 * std::size_t(blocks[b].places[c][lane])]);
+      };
+      Mat3<double> edges, corners;
+      for (int c = 0; c < 3; ++c) {
+        edges.col(c) = place(std::size_t(4 + c)) - place(3);
+        corners.col(c) = place(std::size_t(c)) - place(3);
+      }
+      const int bits = int(found[b].points[lane]);
+      if (edges.determinant() < -0.01) {
+        CHECK(bits == -1);
+        ++inverted;
+      }
+      if (edges.determinant() < 0.01) continue;
+      const Mat3<double> weights = edges.inverse() * corners;
+      for (int c = 0; c < 3; ++c)
+        for (int k = 0; k < 3; ++k)
+          CHECK(found[b].weights[std::size_t(c)][std::size_t(k)][lane] == near(weights(k, c), 1e-9, 1));
+      for (const auto& own : of_sets) {
+        CHECK(own[b].points[lane] == found[b].points[lane]);
+        for (std::size_t c = 0; c < 3; ++c)
+          for (std::size_t k = 0; k < 3; ++k)
+            CHECK(own[b].weights[c][k][lane] == found[b].weights[c][k][lane]);
+      }
+      for (std::size_t p = 0; p < points.size(); ++p) {
+        const Vec3d own = weights * points[p];
+        const double lowest = std::min(own.minCoeff(), 1 - own.sum());
+        if (std::abs(lowest) < 1e-9) continue;
+        CHECK((bits >> p & 1) == (lowest > 0 ? 1 : 0));
+        inside += lowest > 0 ? 1 : 0;
+      }
+    }
+  CHECK(inside > 10);
+  CHECK(inverted > 10);
+}

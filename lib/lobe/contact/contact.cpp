@@ -69,6 +69,14 @@ class Contact<Real>::Here final : public Places {
       sum += surface_point.weights[i] * velocity_of_vertex(surface_point.corners[i]);
     return sum;
   }
+  void of_vertices(const std::vector<Index>& vertices, const std::vector<int>& to, double* x,
+                   double* v) const override {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const std::size_t place = 4 * std::size_t(to[i]);
+      Eigen::Map<Vec3d>(x + place) = Here::of_vertex(vertices[i]);
+      if (v) Eigen::Map<Vec3d>(v + place) = Here::velocity_of_vertex(vertices[i]);
+    }
+  }
 
   void set_station(int station, double ahead) const override {
     Station& own = stations_->u[station];

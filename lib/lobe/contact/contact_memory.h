@@ -69,6 +69,7 @@ class ContactMemory {
     held_.begin();
   }
   void add(const Anchor& anchor) { next_.push_back(anchor); }
+  Anchor& add() { return next_.emplace_back(); }
   void end_step() {
     anchors_.swap(next_);
     held_.end_step();

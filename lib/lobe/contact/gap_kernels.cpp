@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "lobe/numerics/lane_mask.h"
 #include "lobe/numerics/simd.h"
 #include "lobe/types.h"
 
@@ -55,6 +56,45 @@ LOBE_FLATTEN void find_gaps(const float* places, float share, PairBlock* blocks,
       const auto outside = (x + y + z) * ((1 - share) / 3) + least(least(x, y), z) * share;
       const T gap = std::bit_cast<T>(outside - inside) / sqrt(dot(n, n));
       gap.copy_to(&block->gap[first], std::experimental::element_aligned);
+    }
+}
+
+LOBE_FLATTEN void find_insides(const double* places, const double* points, int point_count, double slack,
+                               const PairBlock* blocks, InsideBlock* insides, int block_count) {
+  using T = Pack<double>;
+  using Vector = Vec3<T>;
+  constexpr int count = static_cast<int>(T::size());
+  static_assert(PairBlock::width % count == 0);
+  for (int i = 0; i < block_count; ++i)
+    for (std::size_t first = 0; first < PairBlock::width; first += count) {
+      const auto place = [&](std::size_t c) {
+        return PaddedVectors<T>::load(places, &blocks[i].places[c][first]);
+      };
+      const auto store = [&](const T& value, InsideBlock::Row& row) {
+        value.copy_to(&row[first], std::experimental::element_aligned);
+      };
+      const Vector from = place(3), e1 = place(4) - from, e2 = place(5) - from, e3 = place(6) - from;
+      const Vector across[3] = {cross(e2, e3), cross(e3, e1), cross(e1, e2)};
+      const T six_volumes = dot(e1, across[0]), inverse = T(1) / six_volumes;
+      T b[3][3];  // of each corner
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Vector x = place(c) - from;
+        for (std::size_t k = 0; k < 3; ++k) {
+          b[c][k] = dot(x, across[k]) * inverse;
+          store(b[c][k], insides[i].weights[c][k]);
+        }
+      }
+      T inside = T(0);
+      for (int p = 0; p < point_count; ++p) {
+        const double* w = points + 3 * p;
+        T own[3];
+        for (int k = 0; k < 3; ++k) own[k] = T(w[0]) * b[0][k] + T(w[1]) * b[1][k] + T(w[2]) * b[2][k];
+        const auto lanes = [](const T& value) { return std::bit_cast<Register<double>>(value); };
+        const auto lowest = least(least(lanes(own[0]), lanes(own[1])),
+                                  least(lanes(own[2]), lanes(T(1) - (own[0] + own[1] + own[2]))));
+        inside += pick(is_less(T(-slack), std::bit_cast<T>(lowest)), T(double(1 << p)), T(0));
+      }
+      store(pick(is_less(T(0), six_volumes), inside, T(-1)), insides[i].points);
     }
 }
 
@@ -110,6 +150,6 @@ double double_range(const double* u, const double* from, int vertices) { return 
 
 }  // namespace
 
-extern const GapKernels self_gap_kernels{find_gaps, float_range, double_range};
+extern const GapKernels self_gap_kernels{find_gaps, find_insides, float_range, double_range};
 
 }  // namespace lobe::LOBE_KERNELS

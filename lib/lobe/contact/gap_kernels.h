@@ -20,10 +20,21 @@ struct alignas(64) PairBlock {
   std::array<float, width> gap{};                           // [m]
 };
 
+// Of the pairs of a PairBlock: the barycentric coordinates 1, 2 and 3 in the tetrahedron of each corner of
+// the triangle, and which of the triangle's points are in the tetrahedron.
+struct alignas(64) InsideBlock {
+  using Row = std::array<double, PairBlock::width>;
+  std::array<std::array<Row, 3>, 3> weights{};  // weights[corner][i − 1]
+  Row points{};  // bit i: point i, as a number; −1 if the tetrahedron is inverted
+};
+
 struct GapKernels {
   // Gaps from the triangles, each made smaller about its centre by `share`, to the tetrahedra; places: four
   // numbers each, of which the last is not used [m]. If a normal is 0 or anything is not finite, NaN.
   void (*find_gaps)(const float* places, float share, PairBlock* blocks, int count);
+  // Places as before. Points: three weights each. One is inside if no coordinate is below −slack.
+  void (*find_insides)(const double* places, const double* points, int point_count, double slack,
+                       const PairBlock* blocks, InsideBlock* insides, int count);
   // Of #vertices columns u − from: the diagonal of their box. No two of them differ by more. It is fastest if
   // both arrays begin at the same place of a line of the cache.
   double (*float_range)(const float* u, const float* from, int vertices);

@@ -18,23 +18,65 @@ constexpr double just_behind = 1e-12;
 
 // ---- Where the two overlap
 
-// The face of the boundary that is nearest at rest to a point of a tetrahedron, of those that it lies behind;
-// −1: none.
-int SelfContact::face_at(const Layer& layer, const Vec3d& rest) const {
+const std::array<Vec3d, SelfContact::points_per_triangle>& SelfContact::point_weights() {
+  static const auto weights = [] {
+    std::array<Vec3d, points_per_triangle> found;
+    visit_centroids(divisions, [&](int number, const Vec3d& own) { found[std::size_t(number)] = own; });
+    return found;
+  }();
+  return weights;
+}
+
+// The face of the boundary that is nearest at rest to a point of a tetrahedron, of those that it lies behind,
+// and the square of the distance; −1: none.
+int SelfContact::face_at(const Layer& layer, const Vec3d& rest, double& square) const {
   int nearest = -1;
-  double least = std::numeric_limits<double>::infinity();
+  square = std::numeric_limits<double>::infinity();
   for (int i = layer.first; i < layer.first + layer.count; ++i) {
     const int f = faces_[std::size_t(i)];
     const Plane& plane = planes_[std::size_t(f)];
     const double g = plane.normal.dot(rest - plane.corner);
-    if (g > just_behind || g * g >= least) continue;  // it is no nearer than its plane
+    if (g > just_behind || g * g >= square) continue;  // it is no nearer than its plane
     const Mat3<double>& X = rest_[std::size_t(f)];
-    const double square = (rest - nearest_on_triangle(rest, X.col(0), X.col(1), X.col(2))).squaredNorm();
-    if (square >= least) continue;
-    least = square;
+    const double own = (rest - nearest_on_triangle(rest, X.col(0), X.col(1), X.col(2))).squaredNorm();
+    if (own >= square) continue;
+    square = own;
     nearest = f;
   }
   return nearest;
+}
+
+// Within how far of there no other face is nearer. If a point moves by δ, so does no distance change by more
+// than δ; a face that it is in front of by g is none for it until it has moved by g.
+double SelfContact::room_about(const Layer& layer, const Vec3d& rest, int nearest, double square) const {
+  const double least = std::sqrt(square);
+  double room = std::numeric_limits<double>::infinity();
+  for (int i = layer.first; i < layer.first + layer.count; ++i) {
+    const int f = faces_[std::size_t(i)];
+    if (f == nearest) continue;
+    const Plane& plane = planes_[std::size_t(f)];
+    const Ball& ball = balls_[std::size_t(f)];
+    const double g = plane.normal.dot(rest - plane.corner);
+    const auto room_at = [&](double distance) { return std::max((distance - least) / 2, g - just_behind); };
+    if (room_at(std::max(std::abs(g), (rest - ball.centre).norm() - ball.radius)) >= room) continue;
+    const Mat3<double>& X = rest_[std::size_t(f)];
+    room = std::min(room, room_at((rest - nearest_on_triangle(rest, X.col(0), X.col(1), X.col(2))).norm()));
+  }
+  return 0.999 * room;
+}
+
+// The same face as face_at() finds, which is not asked for where it cannot have changed.
+int SelfContact::nearest_face(int point, int layer, const Vec3d& rest) {
+  NearestFace& known = nearest_[std::size_t(point)];
+  if (known.layer == layer && (rest - known.rest).squaredNorm() < known.room * known.room) {
+    const Plane& plane = planes_[std::size_t(known.face)];
+    if (plane.normal.dot(rest - plane.corner) <= just_behind) return known.face;
+  }
+  double square;
+  const Layer& own = layers_[std::size_t(layer)];
+  const int face = face_at(own, rest, square);
+  known = {layer, face, rest, face < 0 ? 0 : room_about(own, rest, face, square)};
+  return face;
 }
 
 Mat3<double> SelfContact::corners_of(const At& at, int triangle) const {
@@ -106,78 +148,124 @@ void SelfContact::find_near_pairs(const At& at, const CloseOnes& ones, const Mat
   }
 }
 
-// The first of the candidate's tetrahedra that a point is in, and its barycentric coordinates there; −1:
-// none. The one that it was in last is tried before, and is the only one but where the point is on a face.
-int SelfContact::find_tet(const At& at, const Candidate& candidate, const Vec3d& x, const Anchor* anchor,
-                          Eigen::Vector4d& b) {
-  const int end = candidate.first + candidate.count;
-  if (anchor)
-    for (int i = candidate.first; i < end; ++i) {
-      const int layer = pairs_[std::size_t(i)].layer;
-      if (layers_[std::size_t(layer)].tet != anchor->in) continue;
-      const Inverse& tet = inverse(at.places, layer);
-      if (!tet.is_sound) break;
-      b = tet.weights(x);
-      if (b.minCoeff() < -1e-9) break;
-      return layer;
+void SelfContact::find_insides(const At& at, bool with_speeds) {
+  at.places.of_vertices(close_vertices_, close_places_, now_.data(), with_speeds ? speeds_.data() : nullptr);
+  for (int place : close_between_) {
+    const Placed::Between& own =
+        watched_placed_.between[std::size_t(place) - watched_placed_.vertices.size()];
+    for (std::vector<double>* rows : {&now_, &speeds_}) {
+      Eigen::Map<Vec3d> sum(rows->data() + 4 * std::size_t(place));
+      sum.setZero();
+      for (int c = 0; c < 4; ++c)
+        sum += own.weights[c] * Eigen::Map<const Vec3d>(rows->data() + 4 * std::size_t(own.of[c]));
     }
-  for (int i : near_pairs_) {
-    const Pair& pair = pairs_[std::size_t(i)];
-    const Inverse& tet = inverse(at.places, pair.layer);
-    if (!tet.is_sound) continue;
-    b = tet.weights(x);
-    if (!(b.minCoeff() < 0)) return pair.layer;
   }
-  return -1;
+  constexpr double slack = 1e-9;
+  kernels_.find_insides(now_.data(), point_weights().front().data(), points_per_triangle, slack,
+                        close_blocks_.data(), insides_.data(), static_cast<int>(close_blocks_.size()));
+}
+
+Eigen::Vector4d SelfContact::weights_in(int pair, const Vec3d& weights) const {
+  const InsideBlock& block = insides_[std::size_t(pair) / PairBlock::width];
+  const std::size_t lane = std::size_t(pair) % PairBlock::width;
+  Eigen::Vector4d b = Eigen::Vector4d::Zero();
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t k = 0; k < 3; ++k)
+      b[Eigen::Index(k) + 1] += weights[Eigen::Index(c)] * block.weights[c][k][lane];
+  b[0] = 1 - (b[1] + b[2] + b[3]);
+  return b;
+}
+
+auto SelfContact::face_now(const At& at, int face, bool with_speeds) -> FaceNow& {
+  FaceNow& now = faces_now_[std::size_t(face)];
+  if (now.pass == pass_) return now;
+  now.pass = pass_;
+  const Eigen::Vector3i& points = at.surface.triangles()[std::size_t(face)].points;
+  const Mat3<double> y = corners_of(at, face);
+  now.corner = y.col(0);
+  const Vec3d e = y.col(1) - y.col(0), g = y.col(2) - y.col(0), n = e.cross(g);
+  const double square = n.squaredNorm();
+  now.is_sound = square > 0;
+  if (!now.is_sound) return now;
+  now.normal = n / std::sqrt(square);
+  now.to_weights[0] = g.cross(n) / square;
+  now.to_weights[1] = n.cross(e) / square;
+  if (with_speeds)
+    for (int c = 0; c < 3; ++c) now.speeds.col(c) = at.places.velocity_of_point(points[c]);
+  return now;
+}
+
+// The first of the candidate's tetrahedra that a point is in, and its barycentric coordinates there. The one
+// that it was in last is tried before, and is the only one but where the point is on a face.
+bool SelfContact::find_pair(const CloseOnes& ones, Touch& touch) const {
+  const auto take = [&](int pair) {
+    touch.pair = pair;
+    touch.layer = pairs_[std::size_t(close_[std::size_t(pair)])].layer;
+    touch.corner_weights = weights_in(pair, touch.weights);
+  };
+  const auto is_in = [&](int pair) { return insides_of(pair) > 0 && insides_of(pair) >> touch.number & 1; };
+  const int end = ones.first + ones.count;
+  if (touch.anchor)
+    for (int i = ones.first; i < end; ++i) {
+      if (pairs_[std::size_t(close_[std::size_t(i)])].tet != touch.anchor->in) continue;
+      if (!is_in(i)) break;
+      take(i);
+      return true;
+    }
+  for (int i = ones.first; i < end; ++i) {
+    if (!is_in(i)) continue;
+    take(i);
+    if (!(touch.corner_weights.minCoeff() < 0)) return true;
+  }
+  return false;
 }
 
 // A point that is held and has come out still has the face that it has come through.
-bool SelfContact::find_kept_face(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch) {
+bool SelfContact::find_kept_face(const At& at, const CloseOnes& ones, Touch& touch) const {
   const auto& triangles = at.surface.triangles();
-  for (int i = candidate.first; i < candidate.first + candidate.count; ++i) {
-    const int number = pairs_[std::size_t(i)].layer;
-    const Layer& layer = layers_[std::size_t(number)];
-    if (layer.tet != touch.anchor->in) continue;
-    const Inverse& tet = inverse(at.places, number);
-    if (!tet.is_sound) return false;
+  for (int i = ones.first; i < ones.first + ones.count; ++i) {
+    const Pair& pair = pairs_[std::size_t(close_[std::size_t(i)])];
+    if (pair.tet != touch.anchor->in) continue;
+    const Layer& layer = layers_[std::size_t(pair.layer)];
+    if (insides_of(i) < 0) return false;
     for (int f = layer.first; f < layer.first + layer.count; ++f) {
       const FaceOwner& owner = triangles[std::size_t(faces_[std::size_t(f)])].owner;
       if (owner.tet != touch.anchor->face_tet || owner.code != touch.anchor->face_code) continue;
       touch.face = faces_[std::size_t(f)];
-      touch.layer = number;
-      touch.corner_weights = tet.weights(x);
+      touch.pair = i;
+      touch.layer = pair.layer;
+      touch.corner_weights = weights_in(i, touch.weights);
       return true;
     }
   }
   return false;
 }
 
-bool SelfContact::find_touch(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch) {
-  const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(candidate.triangle)];
+bool SelfContact::find_touch(const At& at, const CloseOnes& ones, const Vec3d& x, bool with_speeds,
+                             Touch& touch) {
+  const int number = touch.candidate->triangle;
+  const ContactSurface::Triangle& triangle = at.surface.triangles()[std::size_t(number)];
   touch.held = memory_.held().any() ? memory_.held().at(triangle.points, touch.weights) : 0;
-  touch.layer = find_tet(at, candidate, x, touch.anchor, touch.corner_weights);
-  const bool is_in = touch.layer >= 0;
+  const bool is_in = find_pair(ones, touch);
   if (is_in) {
-    const Layer& layer = layers_[std::size_t(touch.layer)];
-    touch.face = face_at(layer, layer.rest * touch.corner_weights);
+    const Vec3d rest = layers_[std::size_t(touch.layer)].rest * touch.corner_weights;
+    touch.face = nearest_face(points_per_triangle * number + touch.number, touch.layer, rest);
     if (touch.face < 0) return false;
-  } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, candidate, x, touch))) {
+  } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, ones, touch))) {
     return false;
   }
-  const Mat3<double> y = corners_of(at, touch.face);
-  const Vec3d n = (y.col(1) - y.col(0)).cross(y.col(2) - y.col(0));
-  const double square = n.squaredNorm();
-  if (!(square > 0)) return false;
-  touch.normal = n / std::sqrt(square);
-  touch.depth = -touch.normal.dot(x - y.col(0));
+  FaceNow& now = face_now(at, touch.face, with_speeds);
+  if (!now.is_sound) return false;
+  touch.now = &now;
+  const Vec3d way = x - now.corner;
+  touch.depth = -now.normal.dot(way);
   if (!(touch.depth + touch.held > 0)) return false;
-  const Vec3d foot = x + touch.depth * touch.normal;
-  touch.face_weights[1] = (y.col(2) - y.col(0)).cross(foot - y.col(0)).dot(n) / -square;
-  touch.face_weights[2] = (y.col(1) - y.col(0)).cross(foot - y.col(0)).dot(n) / square;
+  touch.face_weights[1] = now.to_weights[0].dot(way);
+  touch.face_weights[2] = now.to_weights[1].dot(way);
   touch.face_weights[0] = 1 - touch.face_weights[1] - touch.face_weights[2];
   constexpr double farthest_beside = -0.5;  // it has slid off
   if (!is_in && touch.face_weights.minCoeff() < farthest_beside) return false;
-  const double a = at.surface.self_stiffness(candidate.triangle), c = at.surface.self_stiffness(touch.face);
+  const double a = at.surface.self_stiffness(number), c = at.surface.self_stiffness(touch.face);
   touch.stiffness = a + c > 0 ? a * c / (a + c) / 2 : 0;
   touch.area = triangle.area / points_per_triangle;
   return true;
@@ -185,65 +273,122 @@ bool SelfContact::find_touch(const At& at, const Candidate& candidate, const Vec
 
 // ---- Forces
 
-Vec3d SelfContact::speed_of(const At& at, const Touch& touch) const {
-  const auto& points = at.surface.triangles()[std::size_t(touch.candidate->triangle)].points;
-  Vec3d speed = Vec3d::Zero();
-  for (int c = 0; c < 3; ++c) speed += touch.weights[c] * at.places.velocity_of_point(points[c]);
-  return speed;
-}
-
-// ξ, which has followed where the point slides [m].
-Vec3d SelfContact::slip_of(const At& at, const Touch& touch, double pressure) const {
+// ξ, which has followed where the point slides past the tetrahedron at a speed [m].
+Vec3d SelfContact::slip_of(const At& at, const Touch& touch, const Vec3d& speed, double pressure) const {
   if (!touch.anchor) return Vec3d::Zero();
-  Vec3d speed = speed_of(at, touch);
-  const Eigen::Vector4i& corners = layers_[std::size_t(touch.layer)].corners;
-  for (int c = 0; c < 4; ++c) speed -= touch.corner_weights[c] * at.places.velocity_of_vertex(corners[c]);
   Vec3d slip = touch.anchor->at + at.since * speed;
-  slip -= touch.normal * touch.normal.dot(slip);
-  const double force = touch.stiffness / 2 * slip.norm(), most = friction_ * pressure;
-  return force > most ? Vec3d(slip * most / force) : slip;
+  slip -= touch.now->normal * touch.now->normal.dot(slip);
+  const double k = touch.stiffness / 2, most = friction_ * pressure, square = slip.squaredNorm();
+  return k * k * square > most * most ? Vec3d(slip * (most / (k * std::sqrt(square)))) : slip;
 }
 
+// Of the corners of a pair, from those of places.
+template <int count>
+Eigen::Matrix<double, 3, count> SelfContact::rows_at(const std::vector<double>& rows, int pair,
+                                                     int first) const {
+  Eigen::Matrix<double, 3, count> found;
+  for (int c = 0; c < count; ++c)
+    found.col(c) = Eigen::Map<const Vec3d>(&rows[4 * std::size_t(place_at(pair, std::size_t(first + c)))]);
+  return found;
+}
+
+template <int count>
+void SelfContact::add_at(int pair, int first, const Eigen::Matrix<double, 3, count>& forces) {
+  for (int c = 0; c < count; ++c)
+    Eigen::Map<Vec3d>(&forces_[4 * std::size_t(place_at(pair, std::size_t(first + c)))]) += forces.col(c);
+}
+
+// Sums of forces on triangles, tetrahedra and faces, which go to vertices at the end.
 void SelfContact::add_forces(const At& at, ContactForces& f) {
   const auto& triangles = at.surface.triangles();
-  visit_touches(at, [&](const Touch& touch) {
+  const bool with_speeds = friction_ > 0 || at.law.damping > 0;
+  pressed_faces_.clear();
+  int pair = -1;  // the last
+  Mat3<double> speeds, on_triangle;
+  Mat34<double> tet_speeds, on_tet;
+  const auto end_pair = [&] {
+    if (pair < 0) return;
+    add_at<3>(pair, 0, on_triangle);
+    if (friction_ > 0) add_at<4>(pair, 3, on_tet);
+  };
+  const auto begin_pair = [&](int next) {
+    if (next == pair) return;
+    end_pair();
+    pair = next;
+    on_triangle.setZero();
+    on_tet.setZero();
+    if (with_speeds) speeds = rows_at<3>(speeds_, pair, 0);
+    if (friction_ > 0) tet_speeds = rows_at<4>(speeds_, pair, 3);
+  };
+  visit_touches(at, with_speeds, [&](const Touch& touch) {
     const ContactSurface::Triangle& triangle = triangles[std::size_t(touch.candidate->triangle)];
-    const ContactSurface::Triangle& face = triangles[std::size_t(touch.face)];
-    const Layer& layer = layers_[std::size_t(touch.layer)];
+    FaceNow& now = *touch.now;
+    begin_pair(touch.pair);
     double pressure = at.law.pressure(touch.depth, touch.held, touch.stiffness);
+    Vec3d speed = Vec3d::Zero(), slip = Vec3d::Zero();
+    if (with_speeds) speed = speeds * touch.weights;
     if (at.law.damping > 0) {
-      Vec3d speed = speed_of(at, touch);
-      for (int c = 0; c < 3; ++c)
-        speed -= touch.face_weights[c] * at.places.velocity_of_point(face.points[c]);
-      pressure = std::max(0.0, pressure - at.law.damping * touch.stiffness * touch.normal.dot(speed));
+      const Vec3d approach = speed - now.speeds * touch.face_weights;
+      pressure = std::max(0.0, pressure - at.law.damping * touch.stiffness * now.normal.dot(approach));
     }
-    const Vec3d slip = friction_ > 0 ? slip_of(at, touch, pressure) : Vec3d::Zero();
-    const Vec3d pushed = touch.area * pressure * touch.normal;
-    const Vec3d rubbed = -touch.area * touch.stiffness / 2 * slip;
-    for (int c = 0; c < 3; ++c) {
-      f.add_to_point(triangle.points[c], touch.weights[c] * (pushed + rubbed));
-      f.add_to_point(face.points[c], -touch.face_weights[c] * pushed);
+    const Vec3d pushed = touch.area * pressure * now.normal;
+    Vec3d force = pushed;
+    if (friction_ > 0) {
+      slip = slip_of(at, touch, speed - tet_speeds * touch.corner_weights, pressure);
+      const Vec3d rubbed = -touch.area * touch.stiffness / 2 * slip;
+      force += rubbed;
+      on_tet -= rubbed * touch.corner_weights.transpose();
     }
-    if (friction_ > 0)
-      for (int c = 0; c < 4; ++c) f.add_to_vertex(layer.corners[c], -touch.corner_weights[c] * rubbed);
-    memory_.add({.tet = triangle.owner.tet,
-                 .code = triangle.owner.code,
-                 .divisions = divisions,
-                 .number = touch.number,
-                 .at = slip,
-                 .face_tet = face.owner.tet,
-                 .face_code = face.owner.code,
-                 .in = layer.tet});
+    on_triangle += force * touch.weights.transpose();
+    if (now.pressed != pass_) {
+      now.pressed = pass_;
+      pressed_faces_.push_back(touch.face);
+      now.forces.setZero();
+    }
+    now.forces -= pushed * touch.face_weights.transpose();
+    const FaceOwner& face = triangles[std::size_t(touch.face)].owner;
+    Anchor& anchor = memory_.add();
+    anchor.tet = triangle.owner.tet;
+    anchor.code = triangle.owner.code;
+    anchor.divisions = divisions;
+    anchor.number = touch.number;
+    anchor.at = slip;
+    anchor.face_tet = face.tet;
+    anchor.face_code = face.code;
+    anchor.in = layers_[std::size_t(touch.layer)].tet;
     if (at.law.hold > 0)
       memory_.held().add(touch.candidate->triangle, triangle.points, touch.weights,
                          touch.area * touch.stiffness, touch.depth);
   });
+  end_pair();
   memory_.held().end(at.surface, at.law, at.since);
+  give_forces(at, f);
+}
+
+void SelfContact::give_forces(const At& at, ContactForces& f) {
+  if (pressed_faces_.empty()) return;
+  for (int place : close_between_) {
+    const Placed::Between& own =
+        watched_placed_.between[std::size_t(place) - watched_placed_.vertices.size()];
+    Eigen::Map<Vec3d> force(&forces_[4 * std::size_t(place)]);
+    for (int c = 0; c < 4; ++c)
+      Eigen::Map<Vec3d>(&forces_[4 * std::size_t(own.of[c])]) += own.weights[c] * force;
+    force.setZero();
+  }
+  for (std::size_t i = 0; i < close_places_.size(); ++i) {
+    Eigen::Map<Vec3d> force(&forces_[4 * std::size_t(close_places_[i])]);
+    f.add_to_vertex(close_vertices_[i], force);
+    force.setZero();
+  }
+  for (int face : pressed_faces_) {
+    const Eigen::Vector3i& points = at.surface.triangles()[std::size_t(face)].points;
+    for (int c = 0; c < 3; ++c) f.add_to_point(points[c], faces_now_[std::size_t(face)].forces.col(c));
+  }
 }
 
 double SelfContact::energy(const At& at) {
   double sum = 0;
-  visit_touches(at, [&](const Touch& touch) {
+  visit_touches(at, false, [&](const Touch& touch) {
     sum += touch.area * at.law.energy(touch.depth, touch.held, touch.stiffness);
     if (touch.anchor) sum += touch.area * touch.stiffness / 4 * touch.anchor->at.squaredNorm();
   });

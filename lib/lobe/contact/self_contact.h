@@ -21,6 +21,9 @@
 // self_gaps.cpp says what is looked at when.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <span>
 
 #include "lobe/contact/contact_law.h"
@@ -84,11 +87,13 @@ class SelfContact {
   };
   struct Pair {
     int candidate = 0, layer = 0;
-    int rank = 0;              // in ranked_
-    std::uint8_t face = 0;     // the plane of this face of the tetrahedron parted them last
-    bool was_watched = false;  // since the measurement before
-    bool is_held = false;      // a point of the triangle is held in it
-    float gap = 0;             // of the points when it was searched, or less [m]
+    Index tet = -1;         // of the layer
+    int rank = 0;           // in ranked_
+    int watched = -1;       // in watched_, if it is
+    std::uint8_t face = 0;  // the plane of this face of the tetrahedron parted them last
+    bool is_held = false;   // a point of the triangle is held in it
+    int turned = -100;      // the last measurement since which it was watched
+    float gap = 0;          // of the points when it was searched, or less [m]
   };
   struct Candidate {
     int triangle = 0;
@@ -105,7 +110,7 @@ class SelfContact {
   struct Placed {
     struct Between {
       Eigen::Vector4i of;  // places of vertices
-      Eigen::Vector4f weights;
+      Eigen::Vector4d weights;
     };
     std::vector<Index> vertices;
     std::vector<Between> between;
@@ -123,14 +128,29 @@ class SelfContact {
     Eigen::Vector4i layers;
     Eigen::Array4f low[3], high[3];
   };
+  struct FaceNow {                // of a triangle of the surface, where it is first asked for in a pass
+    int pass = -1, pressed = -1;  // the last with it; the last with forces on it
+    bool is_sound = false;
+    Vec3d normal, corner;
+    Vec3d to_weights[2];  // barycentric coordinates 1 and 2 of x in its plane: these · (x − corner)
+    Mat3<double> speeds;  // of its corners, if they are asked for [m/s]
+    Mat3<double> forces;  // on them [N]
+  };
+  struct NearestFace {  // of a point of a triangle where it was at rest
+    int layer = -1, face = -1;
+    Vec3d rest = Vec3d::Zero();
+    double room = 0;  // no other is nearer if it is within that of there [m]
+  };
   struct Touch {
     const Candidate* candidate = nullptr;
     const Anchor* anchor = nullptr;  // or none
     int number = 0;                  // of the point
     Vec3d weights = Vec3d::Zero();
+    int pair = 0;   // in close_
+    int layer = 0;  // behind the face
     int face = 0;   // of the surface
-    int layer = 0;  // behind it
-    Vec3d face_weights = Vec3d::Zero(), normal = Vec3d::Zero();
+    FaceNow* now = nullptr;
+    Vec3d face_weights = Vec3d::Zero();
     Eigen::Vector4d corner_weights = Eigen::Vector4d::Zero();
     double depth = 0, held = 0, stiffness = 0, area = 0;
   };
@@ -144,6 +164,7 @@ class SelfContact {
     double gap(const Eigen::Vector4d& weights) const { return (-weights.cwiseProduct(heights)).maxCoeff(); }
   };
 
+  static const std::array<Vec3d, points_per_triangle>& point_weights();
   void find_faces(Layer& layer);
   std::vector<int> vertices_around(const ContactSurface& surface, int triangle);
   void list_own_layers(const ContactSurface& surface);
@@ -154,6 +175,8 @@ class SelfContact {
   bool find_room(const At& at, double ahead);
   double room_for_others();
   bool look(const At& at);
+  void clear_close();
+  void take_close(int pair, std::size_t watched);
   void choose_look_room(double speed, double since);
   void search(const ContactSurface& surface);
   void find_boxes();
@@ -164,10 +187,13 @@ class SelfContact {
   void take_candidates(const ContactSurface& surface);
   static void copy_lane(const PairBlock& from, std::size_t lane, PairBlock& to, std::size_t at);
   void rank_pairs(const std::vector<PairBlock>& blocks);
-  void mark_held(const ContactSurface& surface);
-  void find_watched(const At& at);
+  void mark_held();
+  void find_watched();
   std::size_t pairs_that_may_be_within(double gap) const;
-  bool is_within(float limit, std::size_t rank, bool turns);
+  template <class Visit>
+  static void visit_within(const std::vector<PairBlock>& blocks, float limit, std::size_t some,
+                           Visit&& visit);
+  void turn_normals(float limit, std::size_t some);
   void find_places(const At& at, int station, Placed& placed) const;
   void find_gaps(const Placed& placed, std::vector<PairBlock>& blocks, std::size_t pairs) const;
   void place_watched();
@@ -180,7 +206,9 @@ class SelfContact {
   std::span<const int> close_of(const CloseOnes& ones) const {
     return {close_.data() + ones.first, std::size_t(ones.count)};
   }
-  int face_at(const Layer& layer, const Vec3d& rest) const;
+  int face_at(const Layer& layer, const Vec3d& rest, double& square) const;
+  int nearest_face(int point, int layer, const Vec3d& rest);
+  double room_about(const Layer& layer, const Vec3d& rest, int nearest, double square) const;
   Mat3<double> corners_of(const At& at, int triangle) const;
   Mat3<double> corners_placed(const ContactSurface& surface, int triangle) const;
   // Of the triangle between its outermost points, by its own corners.
@@ -192,14 +220,27 @@ class SelfContact {
   bool is_close(const Places& now, const Mat3<double>& corners, int layer);
   static double gap_beyond(const Mat34<double>& tet, int face, const Mat3<double>& outermost);
   void find_near_pairs(const At& at, const CloseOnes& ones, const Mat3<double>& corners);
+  void find_insides(const At& at, bool with_speeds);
+  int place_at(int pair, std::size_t corner) const {
+    return close_blocks_[std::size_t(pair) / PairBlock::width]
+        .places[corner][std::size_t(pair) % PairBlock::width];
+  }
+  int insides_of(int pair) const {  // bits of points
+    return int(insides_[std::size_t(pair) / PairBlock::width].points[std::size_t(pair) % PairBlock::width]);
+  }
+  Eigen::Vector4d weights_in(int pair, const Vec3d& weights) const;  // barycentric coordinates
+  FaceNow& face_now(const At& at, int face, bool with_speeds);
   template <class Visit>
-  void visit_touches(const At& at, Visit&& visit);
-  int find_tet(const At& at, const Candidate& candidate, const Vec3d& x, const Anchor* anchor,
-               Eigen::Vector4d& b);
-  bool find_kept_face(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch);
-  bool find_touch(const At& at, const Candidate& candidate, const Vec3d& x, Touch& touch);
-  Vec3d speed_of(const At& at, const Touch& touch) const;
-  Vec3d slip_of(const At& at, const Touch& touch, double pressure) const;
+  void visit_touches(const At& at, bool with_speeds, Visit&& visit);
+  bool find_pair(const CloseOnes& ones, Touch& touch) const;
+  bool find_kept_face(const At& at, const CloseOnes& ones, Touch& touch) const;
+  bool find_touch(const At& at, const CloseOnes& ones, const Vec3d& x, bool with_speeds, Touch& touch);
+  template <int count>
+  Eigen::Matrix<double, 3, count> rows_at(const std::vector<double>& rows, int pair, int first) const;
+  template <int count>
+  void add_at(int pair, int first, const Eigen::Matrix<double, 3, count>& forces);
+  void give_forces(const At& at, ContactForces& f);
+  Vec3d slip_of(const At& at, const Touch& touch, const Vec3d& speed, double pressure) const;
 
   double friction_;
   std::vector<Layer> layers_;
@@ -223,17 +264,36 @@ class SelfContact {
   std::vector<int> link_of_;  // per pair of parts: −1 if they were not near
   std::vector<Candidate> candidates_;
   std::vector<Pair> pairs_;
+  std::vector<FaceOwner> owners_;      // of the candidates' triangles
   std::vector<int> ranked_;            // pairs, by their gaps when they were searched
   std::vector<PairBlock> all_blocks_;  // in that order
   GapKernels kernels_ = gap_kernels(chosen_instruction_set());
 
   // Of what may touch before the next measurement, and before the next look: pairs.
-  std::vector<int> watched_, last_watched_, held_pairs_, close_;
-  std::vector<PairBlock> watched_blocks_, alone_;
+  std::vector<int> watched_, held_pairs_, close_;
+  std::vector<PairBlock> watched_blocks_, turned_blocks_;
+  std::vector<std::size_t> turned_;        // ranks
+  std::vector<std::uint64_t> is_watched_;  // a bit per pair
+  int measurement_ = 0;                    // its number
   std::vector<CloseOnes> close_ones_;
+  std::vector<PairBlock> close_blocks_;  // of close_, with places as in watched_placed_
+  std::vector<InsideBlock> insides_;
+  std::vector<int> close_places_, close_between_, is_close_place_;
+  std::vector<Index> close_vertices_;
+  // Of those places, four numbers each.
+  std::vector<double> now_, speeds_, forces_;  // [m], [m/s], [N]
+  std::vector<FaceNow> faces_now_;             // per triangle of the surface
+  std::vector<int> pressed_faces_;
+  std::vector<NearestFace> nearest_;  // per point
+  struct Ball {
+    Vec3d centre;
+    double radius;
+  };
+  std::vector<Ball> balls_;      // around each triangle at rest
   std::vector<int> near_pairs_;  // scratch: of a candidate, that no plane is known to part
   std::vector<Inverse> inverses_;
   int pass_ = 0;       // of all touches
+  int look_ = 0;       // number of the look
   double near_ = 0;    // pairs that are nearer are always looked at [m]
   double within_ = 0;  // pairs that were farther apart when they were searched are not known [m]
   bool is_searched_ = false, is_measured_ = false;
@@ -263,31 +323,38 @@ class SelfContact {
 };
 
 template <class Visit>
-void SelfContact::visit_touches(const At& at, Visit&& visit) {
+void SelfContact::visit_touches(const At& at, bool with_speeds, Visit&& visit) {
   ++pass_;
   memory_.held().use(at.surface);
+  if (close_.empty()) return;
+  find_insides(at, with_speeds);
+  const bool is_any_held = memory_.held().any();
   AnchorReader anchors = memory_.anchors();
   Touch touch;
   for (const CloseOnes& ones : close_ones_) {
-    const Candidate& candidate = candidates_[std::size_t(ones.candidate)];
-    const Mat3<double> corners = corners_of(at, candidate.triangle);
-    find_near_pairs(at, ones, corners);
-    if (near_pairs_.empty() && !memory_.held().any()) continue;
-    const FaceOwner& owner = at.surface.triangles()[std::size_t(candidate.triangle)].owner;
-    touch.candidate = &candidate;
-    visit_centroids(divisions, [&](int number, const Vec3d& weights) {
-      touch.number = number;
-      touch.weights = weights;
-      touch.anchor = anchors.find(owner, divisions, number);
-      if (find_touch(at, candidate, corners * weights, touch)) visit(touch);
-    });
+    int inside = 0;
+    for (int i = ones.first; i < ones.first + ones.count; ++i) inside |= std::max(0, insides_of(i));
+    if (inside == 0 && !is_any_held) continue;
+    touch.candidate = &candidates_[std::size_t(ones.candidate)];
+    const FaceOwner& owner = at.surface.triangles()[std::size_t(touch.candidate->triangle)].owner;
+    Mat3<double> corners;
+    for (std::size_t c = 0; c < 3; ++c)
+      corners.col(Eigen::Index(c)) = Eigen::Map<const Vec3d>(&now_[4 * std::size_t(place_at(ones.first, c))]);
+    for (unsigned int left = is_any_held ? (1U << points_per_triangle) - 1 : unsigned(inside); left != 0;
+         left &= left - 1) {
+      touch.number = std::countr_zero(left);
+      touch.anchor = anchors.find(owner, divisions, touch.number);
+      if ((inside >> touch.number & 1) == 0 && !touch.anchor) continue;
+      touch.weights = point_weights()[std::size_t(touch.number)];
+      if (find_touch(at, ones, corners * touch.weights, with_speeds, touch)) visit(touch);
+    }
   }
 }
 
 template <class AtPoint, class AtVertex>
 void SelfContact::visit_stiffness(const At& at, AtPoint&& at_point, AtVertex&& at_vertex) {
-  visit_touches(at, [&](const Touch& touch) {
-    const Mat3<double> along = touch.normal * touch.normal.transpose();
+  visit_touches(at, false, [&](const Touch& touch) {
+    const Mat3<double> along = touch.now->normal * touch.now->normal.transpose();
     const double k = touch.area * touch.stiffness;
     Mat3<double> K = k * along;
     const auto& triangles = at.surface.triangles();

@@ -12,6 +12,7 @@
 // are watched: every few steps one looks at them in the same manner, with less way to the next look. Those
 // whose gap is smaller even than that are the ones in which each step seeks points of triangles.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -63,8 +64,7 @@ bool SelfContact::find_room(const At& at, double ahead) {
 }
 
 void SelfContact::measure(const At& at, double ahead) {
-  close_.clear();
-  close_ones_.clear();
+  clear_close();
   bool has_room = find_room(at, ahead);
   if (!has_room && is_searched_ && within_ < next_within * at.surface.mean_edge()) {
     within_ = next_within * at.surface.mean_edge();
@@ -78,7 +78,7 @@ void SelfContact::measure(const At& at, double ahead) {
     is_searched_ = true;
     room_ = std::min(most_room_, within_ - near_);
   }
-  find_watched(at);
+  find_watched();
   is_measured_ = true;
   is_tuned_ = false;
 }
@@ -119,7 +119,8 @@ void SelfContact::Placed::find_between() {
   for (const Between& own : between) {
     for (int d = 0; d < 3; ++d) {
       to[d] = 0;
-      for (int c = 0; c < 4; ++c) to[d] += own.weights[c] * x[std::size_t(4 * own.of[c] + d)];
+      for (int c = 0; c < 4; ++c)
+        to[d] += static_cast<float>(own.weights[c]) * x[std::size_t(4 * own.of[c] + d)];
     }
     to += 4;
   }
@@ -182,6 +183,8 @@ void SelfContact::place_watched() {
   for (std::size_t i = 0; i < between.size(); ++i)
     watched_place_of_[std::size_t(between[i])] = static_cast<int>(own.vertices.size() + i);
   own.fit();
+  is_close_place_.assign(own.x.size() / 4, -1);
+  for (std::vector<double>* rows : {&now_, &speeds_, &forces_}) rows->assign(own.x.size(), 0);
   for (std::size_t k = 0; k < watched_.size(); ++k)
     for (std::size_t c = 0; c < 7; ++c) {
       int& place = watched_blocks_[k / PairBlock::width].places[c][k % PairBlock::width];
@@ -192,61 +195,98 @@ void SelfContact::place_watched() {
 }
 
 // Of which pairs a point is held. Anchors and candidates are both in the order of the surface.
-void SelfContact::mark_held(const ContactSurface& surface) {
+void SelfContact::mark_held() {
   for (int i : held_pairs_) pairs_[std::size_t(i)].is_held = false;
   held_pairs_.clear();
-  auto candidate = candidates_.begin();
+  std::size_t candidate = 0;
   Index last = -1;
   for (const Anchor& anchor : memory_.all_anchors()) {
     const std::pair own(anchor.tet, anchor.code);
-    const auto owner = [&] {
-      const FaceOwner& found = surface.triangles()[std::size_t(candidate->triangle)].owner;
-      return std::pair(found.tet, found.code);
-    };
-    while (candidate != candidates_.end() && owner() < own) {
+    const auto owner = [&] { return std::pair(owners_[candidate].tet, owners_[candidate].code); };
+    while (candidate != owners_.size() && owner() < own) {
       ++candidate;
       last = -1;
     }
-    if (candidate == candidates_.end()) return;
+    if (candidate == owners_.size()) return;
     if (owner() != own || anchor.in == last) continue;
     last = anchor.in;
-    for (int i = candidate->first; i < candidate->first + candidate->count; ++i) {
+    const Candidate& its = candidates_[candidate];
+    for (int i = its.first; i < its.first + its.count; ++i) {
       Pair& pair = pairs_[std::size_t(i)];
-      if (layers_[std::size_t(pair.layer)].tet != anchor.in || pair.is_held) continue;
+      if (pair.tet != anchor.in || pair.is_held) continue;
       pair.is_held = true;
       held_pairs_.push_back(i);
     }
   }
 }
 
-// Pairs that may be near before the next measurement, and those of which a point is held.
-void SelfContact::find_watched(const At& at) {
+// Pairs that may be near before the next measurement, and those of which a point is held; in the order of
+// pairs_.
+void SelfContact::find_watched() {
   const double needed = near_ + room_ + parts_.rounding();
   const std::size_t some = pairs_that_may_be_within(needed);
   find_gaps(placed_, all_blocks_, some);
-  mark_held(at.surface);
-  for (int i : watched_) pairs_[std::size_t(i)].was_watched = true;
-  last_watched_.swap(watched_);
-  watched_.clear();
-  for (std::size_t k = 0; k < some; ++k) {
-    const int number = ranked_[k];
-    const Pair& pair = pairs_[std::size_t(number)];
-    if (!pair.is_held && is_within(static_cast<float>(needed), k, !pair.was_watched))
-      watched_.push_back(number);
-  }
-  for (int i : last_watched_) pairs_[std::size_t(i)].was_watched = false;
-  watched_.insert(watched_.end(), held_pairs_.begin(), held_pairs_.end());
-  std::sort(watched_.begin(), watched_.end(), [&](int i, int j) {
-    const Pair &a = pairs_[std::size_t(i)], &b = pairs_[std::size_t(j)];
-    return std::pair(a.candidate, a.layer) < std::pair(b.candidate, b.layer);
+  turn_normals(static_cast<float>(needed), some);
+  mark_held();
+  const auto watch = [&](int pair) {
+    is_watched_[std::size_t(pair) / 64] |= std::uint64_t(1) << std::size_t(pair) % 64;
+  };
+  is_watched_.assign((pairs_.size() + 63) / 64, 0);
+  visit_within(all_blocks_, static_cast<float>(needed), some, [&](std::size_t rank) {
+    pairs_[std::size_t(ranked_[rank])].turned = measurement_;
+    watch(ranked_[rank]);
   });
+  for (int i : held_pairs_) watch(i);
+  watched_.clear();
+  for (std::size_t word = 0; word < is_watched_.size(); ++word)
+    for (std::uint64_t left = is_watched_[word]; left != 0; left &= left - 1)
+      watched_.push_back(static_cast<int>(64 * word) + std::countr_zero(left));
   watched_blocks_.assign((watched_.size() + PairBlock::width - 1) / PairBlock::width, {});
   for (std::size_t k = 0; k < watched_.size(); ++k) {
-    const auto rank = std::size_t(pairs_[std::size_t(watched_[k])].rank);
+    Pair& pair = pairs_[std::size_t(watched_[k])];
+    pair.watched = static_cast<int>(k);
+    const auto rank = std::size_t(pair.rank);
     copy_lane(all_blocks_[rank / PairBlock::width], rank % PairBlock::width,
               watched_blocks_[k / PairBlock::width], k % PairBlock::width);
   }
   place_watched();
+}
+
+// visit(number) of those of the first pairs of blocks whose gaps are not larger.
+template <class Visit>
+void SelfContact::visit_within(const std::vector<PairBlock>& blocks, float limit, std::size_t some,
+                               Visit&& visit) {
+  constexpr std::size_t width = PairBlock::width;
+  for (std::size_t first = 0; first < some; first += width) {
+    const PairBlock& block = blocks[first / width];
+    unsigned int within = 0;
+    for (std::size_t lane = 0; lane < width; ++lane) within |= unsigned(!(block.gap[lane] > limit)) << lane;
+    if (some - first < width) within &= (1U << (some - first)) - 1;
+    for (; within != 0; within &= within - 1) visit(first + std::size_t(std::countr_zero(within)));
+  }
+}
+
+// Of pairs that come to be watched: along a better one their gap may be larger.
+void SelfContact::turn_normals(float limit, std::size_t some) {
+  constexpr std::size_t width = PairBlock::width;
+  constexpr int turned_at_most_every = 8;  // measurements
+  ++measurement_;
+  turned_.clear();
+  turned_blocks_.clear();
+  visit_within(all_blocks_, limit, some, [&](std::size_t rank) {
+    Pair& pair = pairs_[std::size_t(ranked_[rank])];
+    if (measurement_ - pair.turned < turned_at_most_every) return;
+    PairBlock& block = all_blocks_[rank / width];
+    const std::size_t lane = rank % width;
+    const PairPlaces places = places_in(block, lane);
+    set_normal(places, shortest_way(places.tet, outermost(places.triangle)), block, lane);
+    if (turned_.size() % width == 0) turned_blocks_.emplace_back();
+    copy_lane(block, lane, turned_blocks_.back(), turned_.size() % width);
+    turned_.push_back(rank);
+  });
+  find_gaps(placed_, turned_blocks_, turned_.size());
+  for (std::size_t k = 0; k < turned_.size(); ++k)
+    all_blocks_[turned_[k] / width].gap[turned_[k] % width] = turned_blocks_[k / width].gap[k % width];
 }
 
 // How many of the ranked pairs: by the motion of parts, the others are farther apart.
@@ -260,20 +300,6 @@ std::size_t SelfContact::pairs_that_may_be_within(double gap) const {
   const auto end = std::partition_point(ranked_.begin(), ranked_.end(),
                                         [&](int i) { return !(pairs_[std::size_t(i)].gap > safe); });
   return std::size_t(end - ranked_.begin());
-}
-
-// Perhaps along a better normal.
-bool SelfContact::is_within(float limit, std::size_t rank, bool turns) {
-  PairBlock& block = all_blocks_[rank / PairBlock::width];
-  const std::size_t lane = rank % PairBlock::width;
-  if (block.gap[lane] > limit) return false;
-  if (!turns) return true;
-  const PairPlaces places = places_in(block, lane);
-  set_normal(places, shortest_way(places.tet, outermost(places.triangle)), block, lane);
-  alone_.assign(1, {});
-  copy_lane(block, lane, alone_.front(), 0);
-  find_gaps(placed_, alone_, 1);
-  return !(alone_.front().gap[0] > limit);
 }
 
 // Pairs that may be near before the next look. False: it needs a measurement.
@@ -292,24 +318,61 @@ bool SelfContact::look(const At& at) {
   if (!is_tuned_) choose_look_room(speed, at.since);
   is_tuned_ = true;
   if (range_ <= next_look_room_) look_room_ = std::min(look_room_, next_look_room_);
-  mark_held(at.surface);
+  mark_held();
+  clear_close();
+  const auto limit = static_cast<float>(near_ + look_room_ + parts_.rounding());
+  for (int i : held_pairs_) {
+    const auto k = std::size_t(pairs_[std::size_t(i)].watched);
+    watched_blocks_[k / PairBlock::width].gap[k % PairBlock::width] = 0;  // they are always close
+  }
+  visit_within(watched_blocks_, limit, watched_.size(), [&](std::size_t k) {
+    const int candidate = pairs_[std::size_t(watched_[k])].candidate;
+    if (close_ones_.empty() || close_ones_.back().candidate != candidate)
+      close_ones_.push_back({candidate, static_cast<int>(close_.size()), 0});
+    ++close_ones_.back().count;
+    take_close(watched_[k], k);
+  });
+  insides_.resize(close_blocks_.size());
+  return true;
+}
+
+void SelfContact::clear_close() {
   close_.clear();
   close_ones_.clear();
-  const auto limit = static_cast<float>(near_ + look_room_ + parts_.rounding());
-  for (std::size_t k = 0; k < watched_.size(); ++k) {
-    const Pair& pair = pairs_[std::size_t(watched_[k])];
-    if (watched_blocks_[k / PairBlock::width].gap[k % PairBlock::width] > limit && !pair.is_held) continue;
-    if (close_ones_.empty() || close_ones_.back().candidate != pair.candidate)
-      close_ones_.push_back({pair.candidate, static_cast<int>(close_.size()), 0});
-    ++close_ones_.back().count;
-    close_.push_back(watched_[k]);
-  }
-  return true;
+  close_blocks_.clear();
+  close_places_.clear();
+  close_vertices_.clear();
+  close_between_.clear();
+  ++look_;
+}
+
+void SelfContact::take_close(int pair, std::size_t watched) {
+  constexpr std::size_t width = PairBlock::width;
+  const PairBlock& from = watched_blocks_[watched / width];
+  if (close_.size() % width == 0) close_blocks_.emplace_back();
+  copy_lane(from, watched % width, close_blocks_.back(), close_.size() % width);
+  close_.push_back(pair);
+  const auto is_new = [&](int place) {
+    return std::exchange(is_close_place_[std::size_t(place)], look_) != look_;
+  };
+  const auto take_vertex = [&](int place) {
+    if (!is_new(place)) return;
+    close_places_.push_back(place);
+    close_vertices_.push_back(watched_placed_.vertices[std::size_t(place)]);
+  };
+  const auto vertices = static_cast<int>(watched_placed_.vertices.size());
+  const auto take = [&](int place) {
+    if (place < vertices) return take_vertex(place);
+    if (!is_new(place)) return;
+    close_between_.push_back(place);
+    for (int corner : watched_placed_.between[std::size_t(place - vertices)].of) take_vertex(corner);
+  };
+  for (std::size_t c = 0; c < 7; ++c) take(from.places[c][watched % width]);
 }
 
 // That which makes looks and what each step seeks the least work, as pairs are now.
 void SelfContact::choose_look_room(double speed, double since) {
-  constexpr double look_per_pair = 8, look_at_least = 400, step_per_pair = 60;  // [ns]
+  constexpr double look_per_pair = 8, look_at_least = 400, step_per_pair = 20;  // [ns]
   const double look = look_at_least + look_per_pair * double(watched_.size());
   double least = std::numeric_limits<double>::infinity();
   for (double share : {0.02, 0.04, 0.07, 0.1}) {

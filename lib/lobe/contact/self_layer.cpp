@@ -38,6 +38,7 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   const auto& triangles = surface.triangles();
   planes_.clear();
   rest_.clear();
+  balls_.clear();
   for (const ContactSurface::Triangle& triangle : triangles) {
     Mat3<double> X = Mat3<double>::Zero();
     for (int c = 0; c < 3; ++c) {
@@ -48,6 +49,8 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
     const Vec3d n = (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0));
     planes_.push_back({n.norm() > 0 ? Vec3d(n.normalized()) : Vec3d::Zero(), X.col(0)});
     rest_.push_back(X);
+    const Vec3d centre = X.rowwise().mean();
+    balls_.push_back({centre, (X.colwise() - centre).colwise().norm().maxCoeff()});
   }
   fill_lists(surface.points().size(), first_around_, around_, [&](auto&& add) {
     for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -75,6 +78,8 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   stamp_of_layer_.assign(layers_.size(), -1);
   list_own_layers(surface);
   inverses_.assign(layers_.size(), {});
+  faces_now_.assign(triangles.size(), {});
+  nearest_.assign(triangles.size() * points_per_triangle, {});
   near_ = 0.01 * surface.mean_edge();
   within_ = first_within * surface.mean_edge();
   most_room_ = most_room * surface.mean_edge();
@@ -102,7 +107,7 @@ void SelfContact::number_places(const ContactSurface& surface) {
       continue;
     }
     place_of_point_.push_back(static_cast<int>(vertices_.size() + placed_.between.size()));
-    placed_.between.push_back({{place(0), place(1), place(2), place(3)}, point.weights.cast<float>()});
+    placed_.between.push_back({{place(0), place(1), place(2), place(3)}, point.weights});
   }
   placed_.fit();
   watched_place_of_.assign(vertices_.size() + placed_.between.size(), -1);

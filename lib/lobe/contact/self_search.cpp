@@ -162,11 +162,15 @@ void SelfContact::take_candidates(const ContactSurface& surface) {
     const std::size_t number = pairs_.size();
     pairs_.push_back({.candidate = static_cast<int>(candidates_.size()) - 1,
                       .layer = found.layer,
+                      .tet = layers_[std::size_t(found.layer)].tet,
                       .face = static_cast<std::uint8_t>(found.face),
                       .gap = gap > found.gap ? gap : found.gap});
     if (number % PairBlock::width == 0) blocks.emplace_back();
     copy_lane(block, lane, blocks.back(), number % PairBlock::width);
   }
+  owners_.clear();
+  for (const Candidate& candidate : candidates_)
+    owners_.push_back(surface.triangles()[std::size_t(candidate.triangle)].owner);
   rank_pairs(blocks);
 }
 

@@ -150,6 +150,36 @@ class ByForce {
   std::vector<std::set<Index>> own_;
 };
 
+// Places between −1 and 1, four numbers each, and pairs of a triangle and a tetrahedron of such corners.
+template <class Number>
+struct RandomPairs {
+  RandomPairs(unsigned seed, int places, std::size_t block_count)
+      : x(std::size_t(4 * places)), blocks(block_count) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<Number> uniform(-1, 1);
+    for (Number& number : x) number = uniform(random);
+    for (PairBlock& block : blocks)
+      for (std::size_t lane = 0; lane < PairBlock::width; ++lane)
+        for (auto& of_corner : block.places) of_corner[lane] = int(random() % unsigned(places));
+  }
+  Mat3<double> triangle(const PairBlock& block, std::size_t lane) const { return corners<3>(block, lane, 0); }
+  Mat34<double> tet(const PairBlock& block, std::size_t lane) const { return corners<4>(block, lane, 3); }
+
+  std::vector<Number> x;
+  std::vector<PairBlock> blocks;
+
+ private:
+  template <int count>
+  Eigen::Matrix<double, 3, count> corners(const PairBlock& block, std::size_t lane, std::size_t first) const {
+    Eigen::Matrix<double, 3, count> found;
+    for (std::size_t c = 0; c < count; ++c)
+      found.col(Eigen::Index(c)) =
+          Eigen::Map<const Vec3<Number>>(&x[4 * std::size_t(block.places[first + c][lane])])
+              .template cast<double>();
+    return found;
+  }
+};
+
 }  // namespace
 
 TEST_CASE("whatever a fast body does, it finds all of itself that it touches") {
@@ -352,35 +382,23 @@ TEST_CASE("the way from a tetrahedron to a triangle that it does not meet is the
 }
 
 TEST_CASE("every instruction set finds the same gaps and ranges") {
-  std::mt19937 random(8);
-  std::uniform_real_distribution<float> uniform(-1, 1);
-  constexpr int places = 50, width = PairBlock::width;
-  std::vector<float> x(4 * places);
-  for (float& number : x) number = uniform(random);
-  const auto place = [&](int i) -> Vec3d {
-    return Eigen::Map<Vec3<float>>(&x[4 * std::size_t(i)]).cast<double>();
-  };
-  std::vector<PairBlock> blocks(2);
+  RandomPairs<float> pairs(8, 50, 2);
+  const std::vector<float>& x = pairs.x;
+  std::vector<PairBlock>& blocks = pairs.blocks;
   for (PairBlock& block : blocks)
-    for (int lane = 0; lane < width; ++lane) {
-      const auto l = std::size_t(lane);
-      for (auto& of_corner : block.places) of_corner[l] = int(random() % places);
-      Mat34<double> tet;
-      Mat3<double> triangle;
-      for (int c = 0; c < 3; ++c) triangle.col(c) = place(block.places[std::size_t(c)][l]);
-      for (int c = 0; c < 4; ++c) tet.col(c) = place(block.places[std::size_t(3 + c)][l]);
-      const Vec3d a = (tet.rightCols<3>().colwise() - tet.col(0)).transpose() * shortest_way(tet, triangle);
+    for (std::size_t l = 0; l < PairBlock::width; ++l) {
+      const Mat34<double> tet = pairs.tet(block, l);
+      const Vec3d a = (tet.rightCols<3>().colwise() - tet.col(0)).transpose() *
+                      shortest_way(tet, pairs.triangle(block, l));
       for (int d = 0; d < 3; ++d) block.normal[std::size_t(d)][l] = float(a[d]);
     }
   std::vector<PairBlock> of_baseline = blocks;
   gap_kernels(InstructionSet::baseline).find_gaps(x.data(), 1, of_baseline.data(), 2);
   int apart = 0;
   for (const PairBlock& block : of_baseline)
-    for (std::size_t l = 0; l < std::size_t(width); ++l) {
-      Mat34<double> tet;
-      Mat3<double> triangle;
-      for (int c = 0; c < 3; ++c) triangle.col(c) = place(block.places[std::size_t(c)][l]);
-      for (int c = 0; c < 4; ++c) tet.col(c) = place(block.places[std::size_t(3 + c)][l]);
+    for (std::size_t l = 0; l < PairBlock::width; ++l) {
+      const Mat34<double> tet = pairs.tet(block, l);
+      const Mat3<double> triangle = pairs.triangle(block, l);
       const Mat3<double> edges = tet.rightCols<3>().colwise() - tet.col(0);
       if (!(edges.determinant() > 0.01) || sampled_distance(tet, triangle) < 0.05) continue;
       ++apart;
@@ -410,15 +428,9 @@ TEST_CASE("every instruction set finds the same gaps and ranges") {
 }
 
 TEST_CASE("every instruction set finds the same points of triangles in tetrahedra") {
-  std::mt19937 random(9);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  constexpr int places = 60, width = PairBlock::width;
-  std::vector<double> x(4 * places);
-  for (double& number : x) number = uniform(random);
-  std::vector<PairBlock> blocks(20);
-  for (PairBlock& block : blocks)
-    for (auto& of_corner : block.places)
-      for (auto& place : of_corner) place = int(random() % places);
+  const RandomPairs<double> pairs(9, 60, 20);
+  const std::vector<double>& x = pairs.x;
+  const std::vector<PairBlock>& blocks = pairs.blocks;
   std::vector<Vec3d> points;
   visit_centroids(3, [&](int, const Vec3d& weights) { points.push_back(weights); });
   const auto found_by = [&](InstructionSet set) {
@@ -432,15 +444,10 @@ TEST_CASE("every instruction set finds the same points of triangles in tetrahedr
   std::vector<std::vector<InsideBlock>> of_sets;
   for (InstructionSet set : available_instruction_sets()) of_sets.push_back(found_by(set));
   for (std::size_t b = 0; b < blocks.size(); ++b)
-    for (std::size_t lane = 0; lane < std::size_t(width); ++lane) {
-      const auto place = [&](std::size_t c) -> Vec3d {
-        return Eigen::Map<Vec3d>(&x[4 * std::size_t(blocks[b].places[c][lane])]);
-      };
-      Mat3<double> edges, corners;
-      for (int c = 0; c < 3; ++c) {
-        edges.col(c) = place(std::size_t(4 + c)) - place(3);
-        corners.col(c) = place(std::size_t(c)) - place(3);
-      }
+    for (std::size_t lane = 0; lane < PairBlock::width; ++lane) {
+      const Mat34<double> tet = pairs.tet(blocks[b], lane);
+      const Mat3<double> edges = tet.rightCols<3>().colwise() - tet.col(0),
+                         corners = pairs.triangle(blocks[b], lane).colwise() - tet.col(0);
       const int bits = int(found[b].points[lane]);
       if (edges.determinant() < -0.01) {
         CHECK(bits == -1);

@@ -153,12 +153,8 @@ void SelfContact::find_insides(const At& at, bool with_speeds) {
   for (int place : close_between_) {
     const Placed::Between& own =
         watched_placed_.between[std::size_t(place) - watched_placed_.vertices.size()];
-    for (std::vector<double>* rows : {&now_, &speeds_}) {
-      Eigen::Map<Vec3d> sum(rows->data() + 4 * std::size_t(place));
-      sum.setZero();
-      for (int c = 0; c < 4; ++c)
-        sum += own.weights[c] * Eigen::Map<const Vec3d>(rows->data() + 4 * std::size_t(own.of[c]));
-    }
+    own.find(now_.data(), &now_[4 * std::size_t(place)]);
+    if (with_speeds) own.find(speeds_.data(), &speeds_[4 * std::size_t(place)]);
   }
   constexpr double slack = 1e-9;
   kernels_.find_insides(now_.data(), point_weights().front().data(), points_per_triangle, slack,
@@ -298,9 +294,26 @@ void SelfContact::add_at(int pair, int first, const Eigen::Matrix<double, 3, cou
     Eigen::Map<Vec3d>(&forces_[4 * std::size_t(place_at(pair, std::size_t(first + c)))]) += forces.col(c);
 }
 
+void SelfContact::remember(const At& at, const Touch& touch, const Vec3d& slip) {
+  const auto& triangles = at.surface.triangles();
+  const ContactSurface::Triangle& triangle = triangles[std::size_t(touch.candidate->triangle)];
+  const FaceOwner& face = triangles[std::size_t(touch.face)].owner;
+  Anchor& anchor = memory_.add();
+  anchor.tet = triangle.owner.tet;
+  anchor.code = triangle.owner.code;
+  anchor.divisions = divisions;
+  anchor.number = touch.number;
+  anchor.at = slip;
+  anchor.face_tet = face.tet;
+  anchor.face_code = face.code;
+  anchor.in = layers_[std::size_t(touch.layer)].tet;
+  if (at.law.hold > 0)
+    memory_.held().add(touch.candidate->triangle, triangle.points, touch.weights,
+                       touch.area * touch.stiffness, touch.depth);
+}
+
 // Sums of forces on triangles, tetrahedra and faces, which go to vertices at the end.
 void SelfContact::add_forces(const At& at, ContactForces& f) {
-  const auto& triangles = at.surface.triangles();
   const bool with_speeds = friction_ > 0 || at.law.damping > 0;
   pressed_faces_.clear();
   int pair = -1;  // the last
@@ -321,7 +334,6 @@ void SelfContact::add_forces(const At& at, ContactForces& f) {
     if (friction_ > 0) tet_speeds = rows_at<4>(speeds_, pair, 3);
   };
   visit_touches(at, with_speeds, [&](const Touch& touch) {
-    const ContactSurface::Triangle& triangle = triangles[std::size_t(touch.candidate->triangle)];
     FaceNow& now = *touch.now;
     begin_pair(touch.pair);
     double pressure = at.law.pressure(touch.depth, touch.held, touch.stiffness);
@@ -346,19 +358,7 @@ void SelfContact::add_forces(const At& at, ContactForces& f) {
       now.forces.setZero();
     }
     now.forces -= pushed * touch.face_weights.transpose();
-    const FaceOwner& face = triangles[std::size_t(touch.face)].owner;
-    Anchor& anchor = memory_.add();
-    anchor.tet = triangle.owner.tet;
-    anchor.code = triangle.owner.code;
-    anchor.divisions = divisions;
-    anchor.number = touch.number;
-    anchor.at = slip;
-    anchor.face_tet = face.tet;
-    anchor.face_code = face.code;
-    anchor.in = layers_[std::size_t(touch.layer)].tet;
-    if (at.law.hold > 0)
-      memory_.held().add(touch.candidate->triangle, triangle.points, touch.weights,
-                         touch.area * touch.stiffness, touch.depth);
+    remember(at, touch, slip);
   });
   end_pair();
   memory_.held().end(at.surface, at.law, at.since);

@@ -85,6 +85,10 @@ class SelfContact {
   struct Plane {  // of a triangle at rest
     Vec3d normal, corner;
   };
+  struct Ball {  // around one
+    Vec3d centre;
+    double radius;
+  };
   struct Pair {
     int candidate = 0, layer = 0;
     Index tet = -1;         // of the layer
@@ -111,6 +115,13 @@ class SelfContact {
     struct Between {
       Eigen::Vector4i of;  // places of vertices
       Eigen::Vector4d weights;
+      template <class Number>  // four numbers per place, of which the last stays as it is
+      void find(const Number* rows, Number* own) const {
+        for (int d = 0; d < 3; ++d) {
+          own[d] = 0;
+          for (int c = 0; c < 4; ++c) own[d] += Number(weights[c]) * rows[std::size_t(4 * of[c] + d)];
+        }
+      }
     };
     std::vector<Index> vertices;
     std::vector<Between> between;
@@ -165,6 +176,7 @@ class SelfContact {
   };
 
   static const std::array<Vec3d, points_per_triangle>& point_weights();
+  void place_at_rest(const ContactSurface& surface, const Elements& elements);
   void find_faces(Layer& layer);
   std::vector<int> vertices_around(const ContactSurface& surface, int triangle);
   void list_own_layers(const ContactSurface& surface);
@@ -239,6 +251,7 @@ class SelfContact {
   Eigen::Matrix<double, 3, count> rows_at(const std::vector<double>& rows, int pair, int first) const;
   template <int count>
   void add_at(int pair, int first, const Eigen::Matrix<double, 3, count>& forces);
+  void remember(const At& at, const Touch& touch, const Vec3d& slip);
   void give_forces(const At& at, ContactForces& f);
   Vec3d slip_of(const At& at, const Touch& touch, const Vec3d& speed, double pressure) const;
 
@@ -285,12 +298,8 @@ class SelfContact {
   std::vector<FaceNow> faces_now_;             // per triangle of the surface
   std::vector<int> pressed_faces_;
   std::vector<NearestFace> nearest_;  // per point
-  struct Ball {
-    Vec3d centre;
-    double radius;
-  };
-  std::vector<Ball> balls_;      // around each triangle at rest
-  std::vector<int> near_pairs_;  // scratch: of a candidate, that no plane is known to part
+  std::vector<Ball> balls_;           // around each triangle at rest
+  std::vector<int> near_pairs_;       // scratch: of a candidate, that no plane is known to part
   std::vector<Inverse> inverses_;
   int pass_ = 0;       // of all touches
   int look_ = 0;       // number of the look

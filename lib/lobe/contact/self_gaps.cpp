@@ -117,11 +117,7 @@ void SelfContact::find_places(const At& at, int station, Placed& placed) const {
 void SelfContact::Placed::find_between() {
   float* to = x.data() + 4 * vertices.size();
   for (const Between& own : between) {
-    for (int d = 0; d < 3; ++d) {
-      to[d] = 0;
-      for (int c = 0; c < 4; ++c)
-        to[d] += static_cast<float>(own.weights[c]) * x[std::size_t(4 * own.of[c] + d)];
-    }
+    own.find(x.data(), to);
     to += 4;
   }
 }

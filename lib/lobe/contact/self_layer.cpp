@@ -30,16 +30,11 @@ void fill_lists(std::size_t keys, std::vector<int>& first, std::vector<int>& val
 
 }  // namespace
 
-void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
-  forget();
-  is_searched_ = false;
-  const Elements& elements = model.elements;
-  const auto vertices = std::size_t(elements.topology.vertex_count());
-  const auto& triangles = surface.triangles();
+void SelfContact::place_at_rest(const ContactSurface& surface, const Elements& elements) {
   planes_.clear();
   rest_.clear();
   balls_.clear();
-  for (const ContactSurface::Triangle& triangle : triangles) {
+  for (const ContactSurface::Triangle& triangle : surface.triangles()) {
     Mat3<double> X = Mat3<double>::Zero();
     for (int c = 0; c < 3; ++c) {
       const ContactSurface::Point& point = surface.points()[std::size_t(triangle.points[c])];
@@ -52,6 +47,15 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
     const Vec3d centre = X.rowwise().mean();
     balls_.push_back({centre, (X.colwise() - centre).colwise().norm().maxCoeff()});
   }
+}
+
+void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
+  forget();
+  is_searched_ = false;
+  const Elements& elements = model.elements;
+  const auto vertices = std::size_t(elements.topology.vertex_count());
+  const auto& triangles = surface.triangles();
+  place_at_rest(surface, elements);
   fill_lists(surface.points().size(), first_around_, around_, [&](auto&& add) {
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (int p : triangles[t].points) add(std::size_t(p), static_cast<int>(t));

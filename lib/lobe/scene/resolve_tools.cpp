@@ -36,7 +36,7 @@ void resolve_contact(Resolution& resolution) {
   const bool may_be_touched = contact.is_on() || !setup.probes.empty();
   if (may_be_touched && scene.time.selective_mass > 1)
     resolution.warn("/time/selective_mass",
-                    "contact is soft at first with selective masses, on a coarse mesh by a third: "
+                    "contact is soft at first with selective masses, on a coarse mesh by more than half: "
                     "docs/contact.md");
   const Options used = options_of(setup);
   // To touch or to cut a condensed region costs milliseconds; one that can be expanded is first.

@@ -83,6 +83,43 @@ void check_waiting(Grains& grains, int stroke) {
 
 }  // namespace
 
+TEST_CASE("a step is two edges long where a blade sweeps a plane, and shorter where it turns") {
+  const TetMesh mesh = irregular_box(5, 0.02);
+  const MappedBody body(mesh, false);
+  const double edge = body.blades.grains.mean_edge();
+  const BladePose from{{0, 0, -0.1}, {0, 0, 0.1}};
+  const auto steps_to = [&](const Vec3d& of_tip, const Vec3d& of_heel) {
+    return body.blades.steps({0, 0, 0.1, from, {from.tip + edge * of_tip, from.heel + edge * of_heel}});
+  };
+  const Vec3d along(1, 0, 0);
+  CHECK(steps_to(Vec3d::Zero(), Vec3d::Zero()) == 1);
+  CHECK(steps_to(1.9 * along, 1.9 * along) == 1);
+  CHECK(steps_to(9 * along, 9 * along) == 5);
+  CHECK(steps_to(0.9 * along, -0.9 * along) == 4);  // about its middle
+  CHECK(steps_to(5.9 * along, 4 * along) == 4);
+}
+
+TEST_CASE("a straight stroke does the same in steps of two edges as in short ones") {
+  const TetMesh mesh = irregular_box(5, 0.02);
+  const auto cut = [&](int steps) {
+    MappedBody body(mesh, false);
+    double area = 0;
+    for (int k = 0; k < steps; ++k) {
+      const auto pose = [&](int i) {
+        const Vec3d at = body.F * Vec3d(-0.02 + 0.14 * i / steps, 0.05, 0.047),
+                    edge = body.F * Vec3d(0.01, 0.1, 0.02);
+        return BladePose{at - edge, at + edge};
+      };
+      area += body.cut({0, 0, 0.1, pose(k), pose(k + 1)}).area;
+    }
+    return std::pair(area, body.blades.grains.count());
+  };
+  const auto [area, grains] = cut(4);
+  const auto [area_in_short, grains_in_short] = cut(16);
+  CHECK(area == test::near(area_in_short, 1e-9));
+  CHECK(grains == grains_in_short);
+}
+
 TEST_CASE("a step that looks at what it may reach does what one does that looks at everything") {
   const TetMesh mesh = irregular_box(5, 0.02);
   MappedBody near(mesh, false), all(mesh, true);

@@ -44,8 +44,10 @@ Eigen::AlignedBox3d box_around(std::span<const PlacedTets::PlacedGrain> of_tet) 
 }  // namespace
 
 int Blades::steps(const BladeMove& move) const {
-  const double way = std::max((move.to.tip - move.from.tip).norm(), (move.to.heel - move.from.heel).norm());
-  return static_cast<int>(std::clamp(std::ceil(way / (grains.mean_edge() / 2)), 1.0, 1000.0));
+  const Vec3d of_tip = move.to.tip - move.from.tip, of_heel = move.to.heel - move.from.heel;
+  const double way = std::max(of_tip.norm(), of_heel.norm()), turn = (of_heel - of_tip).norm();
+  return static_cast<int>(
+      std::clamp(std::ceil(std::max(way / 2, 2 * turn) / grains.mean_edge()), 1.0, 1000.0));
 }
 
 BladePose Blades::start_of(const BladeMove& move, const BodyNow& body) const {

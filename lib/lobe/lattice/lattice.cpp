@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "lobe/error.h"
+#include "lobe/sort_unique.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -108,6 +109,7 @@ class Maker {
     const PartsAround around(elements_.topology, lattice_.part_of_sample);
     make_nodes(around);
     place_vertices(around);
+    find_cut_ends();
     return std::move(lattice_);
   }
 
@@ -119,6 +121,7 @@ class Maker {
   double distance(Index part, const Vec3d& X) const;
   void make_nodes(const PartsAround& around);
   void place_vertices(const PartsAround& around);
+  void find_cut_ends();
 
   const Elements& elements_;
   Lattice lattice_;
@@ -277,6 +280,39 @@ void Maker::place_vertices(const PartsAround& around) {
       nearest = away;
     }
   }
+}
+
+void Maker::find_cut_ends() {
+  const Topology& topology = elements_.topology;
+  std::vector<std::pair<Index, Index>> sides;  // vertex of the mesh at the start, vertex that was there
+  const auto add = [&](Index origin, Index v) {
+    if (lattice_.part_of_vertex[std::size_t(v)] >= 0) sides.emplace_back(origin, v);
+  };
+  for (Index v = topology.vertex_count() - topology.copy_count(); v < topology.vertex_count(); ++v) {
+    add(topology.origin(v), topology.origin(v));
+    add(topology.origin(v), v);
+  }
+  sort_unique(sides);
+
+  std::vector<std::uint8_t> is_common(std::size_t(lattice_.node_count()), 0);
+  std::vector<Index> nodes;
+  for (auto first = sides.begin(); first != sides.end();) {
+    const auto last =
+        std::find_if(first, sides.end(), [&](const auto& s) { return s.first != first->first; });
+    nodes.clear();
+    for (; first != last; ++first) {
+      const Lattice::Part& part =
+          lattice_.parts[std::size_t(lattice_.part_of_vertex[std::size_t(first->second)])];
+      nodes.insert(nodes.end(), part.nodes.begin(), part.nodes.end());
+    }
+    std::sort(nodes.begin(), nodes.end());
+    for (auto n = std::adjacent_find(nodes.begin(), nodes.end()); n != nodes.end();
+         n = std::adjacent_find(n + 1, nodes.end()))
+      is_common[std::size_t(*n)] = 1;
+  }
+  for (Lattice::Part& part : lattice_.parts)
+    part.has_cut_end = std::any_of(part.nodes.begin(), part.nodes.end(),
+                                   [&](Index n) { return is_common[std::size_t(n)] != 0; });
 }
 
 }  // namespace

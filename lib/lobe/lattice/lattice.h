@@ -36,6 +36,7 @@ struct Lattice {
     Eigen::Vector3i cell = Eigen::Vector3i::Zero();
     std::uint16_t material = 0;
     std::array<Index, 8> nodes{};
+    bool has_cut_end = false;  // both sides of a cut follow one of its nodes, on which it could not open
   };
 
   LatticeFrame frame;

@@ -95,10 +95,14 @@ void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double o
                                 std::vector<double>& mass, Loads<Real>& loads, Motion<Real>& motion) {
   const Elements& elements = model.elements;
   const Embedding former = std::move(embedding_);
-  const MovingMasses before = in_motion_before(elements, former, wanted, mass, motion);
   const Mat3X<Real> faded_before = notes_lost_ ? fading(motion) : Mat3X<Real>();
   const bool is_anew = is_outdated_;
-  if (is_anew) make_lattice_anew(elements, motion.nodes);
+  if (is_anew) {
+    make_lattice_anew(elements, motion.nodes);
+    for (Index v : vertices_)
+      if (is_at_cut_end(v)) wanted.is_embedded[std::size_t(v)] = 0;
+  }
+  const MovingMasses before = in_motion_before(elements, former, wanted, mass, motion);
   is_outdated_ = misses_tets_ = false;
   embedding_ = lobe::embed(elements, lattice_, whole_, std::move(wanted));
   omega_ = omega;

@@ -1,6 +1,7 @@
 // The reduced regions of a body: non-linear tetrahedra whose vertices mostly follow the nodes of a lattice
 // (embedding.h), so that a step evaluates cells in place of tetrahedra. Vertices move by themselves where
-// they are held, shared with another region, next to such, or in a zone that is full for a while (zones.h).
+// they are held, shared with another region, next to such, where a cut ends, or in a zone that is full for a
+// while (zones.h).
 // In single precision a step costs some 30 ns per cell and 20 ns per embedded corner of full tetrahedra. The
 // forces of full tetrahedra come on top.
 // Forces conserve linear and angular momentum, and a rotation costs no energy.
@@ -64,10 +65,10 @@ class LatticeRegion {
   bool has_roles(const VertexRoles& wanted) const { return is_up_to_date() && wanted == embedding_.roles; }
   // Whether its forces and energies are those of its tetrahedra: false from follow() to embed().
   bool is_up_to_date() const { return !is_outdated_ && !misses_tets_; }
-  // Embeds these vertices and no others. Displacements and velocities of vertices() must be up to date, and
-  // masses and loads those of their tetrahedra: the nodes take them over from embedded vertices. Momentum is
-  // conserved. What the nodes cannot make of the displacements fades from then on (fading.h). `omega`: the
-  // highest frequency of the full body at rest [rad/s].
+  // Embeds these vertices and no others, and not where a cut ends. Displacements and velocities of vertices()
+  // must be up to date, and masses and loads those of their tetrahedra: the nodes take them over from
+  // embedded vertices. Momentum is conserved. What the nodes cannot make of the displacements fades from
+  // then on (fading.h). `omega`: the highest frequency of the full body at rest [rad/s].
   void embed(const Model& model, VertexRoles wanted, double omega,
              std::vector<double>& mass,  // per vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
@@ -191,6 +192,7 @@ class LatticeRegion {
   void list_vertices(const Topology& topology);
   void ask_again_where_rough(const Elements& elements, const Motion<Real>& motion);
   void find_inner(const Model& model);
+  bool is_at_cut_end(Index v) const;
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
   MovingMasses in_motion_before(const Elements& elements, const Embedding& former, const VertexRoles& wanted,
                                 const std::vector<double>& mass, const Motion<Real>& motion) const;

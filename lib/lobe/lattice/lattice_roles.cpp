@@ -47,9 +47,18 @@ VertexRoles LatticeRegion<Real>::roles(const Model& model, double time, bool may
   Flags may(std::size_t(model.elements.topology.vertex_count()), 0);
   if (any() && may_embed) {
     if (inner_.size() != may.size()) find_inner(model);
-    for (Index v : vertices_) may[std::size_t(v)] = inner_[std::size_t(v)] && !zones_.is_full(v, time);
+    for (Index v : vertices_)
+      may[std::size_t(v)] =
+          inner_[std::size_t(v)] && !zones_.is_full(v, time) && (is_outdated_ || !is_at_cut_end(v));
   }
   return roles(model, std::move(may));
+}
+
+template <class Real>
+bool LatticeRegion<Real>::is_at_cut_end(Index v) const {
+  if (v >= static_cast<Index>(lattice_.part_of_vertex.size())) return false;
+  const Index part = lattice_.part_of_vertex[std::size_t(v)];
+  return part >= 0 && lattice_.parts[std::size_t(part)].has_cut_end;
 }
 
 template <class Real>

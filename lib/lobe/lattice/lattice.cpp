@@ -282,6 +282,7 @@ void Maker::place_vertices(const PartsAround& around) {
   }
 }
 
+// A node is common to both sides of a cut if a vertex and a copy of it follow it.
 void Maker::find_cut_ends() {
   const Topology& topology = elements_.topology;
   std::vector<std::pair<Index, Index>> sides;  // vertex of the mesh at the start, vertex that was there

@@ -99,6 +99,7 @@ void LatticeRegion<Real>::embed(const Model& model, VertexRoles wanted, double o
   const bool is_anew = is_outdated_;
   if (is_anew) {
     make_lattice_anew(elements, motion.nodes);
+    inner_.clear();  // where cuts end in it was not known before
     for (Index v : vertices_)
       if (is_at_cut_end(v)) wanted.is_embedded[std::size_t(v)] = 0;
   }

@@ -213,8 +213,8 @@ class LatticeRegion {
   bool notes_lost_ = false;   // displacements
   Mat3X<Real> lost_;
   FullZones zones_;
-  // Per vertex: no other region has it, nor is it next to one that boundary conditions hold; empty: not
-  // known.
+  // Per vertex: no other region has it, nor is it next to one that boundary conditions hold, nor does a cut
+  // end there; empty: not known.
   Flags inner_;
   Lattice lattice_;
   WholeLattice whole_;

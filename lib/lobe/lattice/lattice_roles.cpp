@@ -47,9 +47,7 @@ VertexRoles LatticeRegion<Real>::roles(const Model& model, double time, bool may
   Flags may(std::size_t(model.elements.topology.vertex_count()), 0);
   if (any() && may_embed) {
     if (inner_.size() != may.size()) find_inner(model);
-    for (Index v : vertices_)
-      may[std::size_t(v)] =
-          inner_[std::size_t(v)] && !zones_.is_full(v, time) && (is_outdated_ || !is_at_cut_end(v));
+    for (Index v : vertices_) may[std::size_t(v)] = inner_[std::size_t(v)] && !zones_.is_full(v, time);
   }
   return roles(model, std::move(may));
 }
@@ -67,8 +65,8 @@ void LatticeRegion<Real>::find_inner(const Model& model) {
   inner_.assign(std::size_t(topology.vertex_count()), 0);
   for (Index v : vertices_) {
     const auto around = topology.around(v);
-    inner_[std::size_t(v)] =
-        !around.empty() && std::all_of(around.begin(), around.end(), [&](Index t) { return has(t); });
+    inner_[std::size_t(v)] = !around.empty() && (is_outdated_ || !is_at_cut_end(v)) &&
+                             std::all_of(around.begin(), around.end(), [&](Index t) { return has(t); });
   }
   for (const HeldVertices::Held& item : model.held.all()) {
     if (item.holder != HeldVertices::boundary) continue;  // what tools hold is in a zone (zones.h)

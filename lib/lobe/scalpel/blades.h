@@ -35,8 +35,8 @@ class Blades {
 
   // The edge from which a move goes on. The tissue may have carried it along.
   BladePose start_of(const BladeMove& move, const BodyNow& body) const;
-  // The number of steps of a move. What a blade sweeps without turning is flat, however long. So a step goes
-  // as far as two edges, and while it does both ends of the blade move alike within half an edge.
+  // The number of steps of a move. What a blade sweeps without turning is flat, however far it goes. So a
+  // step goes as far as two edges, but displacements of the blade's ends differ by half an edge at most.
   int steps(const BladeMove& move) const;
   // Performs one step. The caller then divides the tetrahedra that were opened. Does nothing while 32 other
   // strokes go on.

@@ -137,7 +137,7 @@ void LatticeRegion<Real>::ask_again_where_rough(const Elements& elements, const 
   zones_.ask(due, elements.topology.vertex_count(), motion.time + FullZones::linger);
 }
 
-// Two sides of a cut must have no node in common: those that are left are half a cell away from what is cut.
+// Two sides of a cut must have no node in common: those that are left are 0.75 cells away from what is cut.
 template <class Real>
 std::vector<Index> LatticeRegion<Real>::in_the_way(const Elements& elements,
                                                    const std::vector<Index>& tets) const {

@@ -376,20 +376,24 @@ void bench_scalpel(const Options& options) {
               "most mass", "median");
   std::ostringstream limits;
   limits << "mesh,cut_step,planes,worst_limit,median_limit,most_added,median_added\n" << std::setprecision(4);
-  for (const double cut_step : {0.75, 0.0}) {
-    const LimitRow r = measure_limit("liver_10k", liver, cut_step, options.quick ? 2 : 12);
-    std::printf("%-11s %8.2f %6d %8.3f %8.3f %10.5f %10.5f\n", r.mesh.c_str(), r.cut_step, r.planes, r.worst,
-                r.median, r.most_added, r.median_added);
-    limits << r.mesh << ',' << r.cut_step << ',' << r.planes << ',' << r.worst << ',' << r.median << ','
-           << r.most_added << ',' << r.median_added << '\n';
-  }
+  const std::pair<std::string, Setup> livers[] = {
+      {"liver_10k", liver},
+      {"liver_2k", organ_setup(read_mesh(std::string(LOBE_DATA_DIR) + "/meshes/liver_2k.vtu").mesh)}};
+  for (const auto& [name, setup] : livers)
+    for (const double cut_step : {0.75, 0.0}) {
+      const LimitRow r = measure_limit(name, setup, cut_step, options.quick ? 2 : 12);
+      std::printf("%-11s %8.2f %6d %8.3f %8.3f %10.5f %10.5f\n", r.mesh.c_str(), r.cut_step, r.planes,
+                  r.worst, r.median, r.most_added, r.median_added);
+      limits << r.mesh << ',' << r.cut_step << ',' << r.planes << ',' << r.worst << ',' << r.median << ','
+             << r.most_added << ',' << r.median_added << '\n';
+    }
   io::write_file(options.output / "scalpel_limit.csv", limits.str());
 
   std::printf("\n%8s %8s %8s %10s %10s %12s\n", "cell mm", "tets", "grains", "whole m", "cut m",
               "conforming m");
   std::ostringstream beams;
   beams << "cell_mm,tets,grains,whole_m,cut_m,conforming_m\n" << std::setprecision(6);
-  for (int n = 1; n <= (options.quick ? 1 : 3); ++n) {
+  for (int n = 1; n <= (options.quick ? 1 : 5); ++n) {
     const BeamRow r = measure_beam(n);
     std::printf("%8.2f %8d %8d %10.6f %10.6f %12.6f\n", r.cell_mm, r.tets, r.grains, r.whole, r.cut,
                 r.conforming);

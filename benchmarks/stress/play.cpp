@@ -57,6 +57,7 @@ class Player {
   void compare();
   void measure();
   std::string judge();
+  std::string judge_blades() const;
 
   double energy() { return world_.energies().total(); }
   double farthest() {
@@ -189,6 +190,19 @@ void Player<Real>::measure() {
     verdict_.momentum_drift = std::max(verdict_.momentum_drift, (momentum() - momentum_).norm() / scale);
 }
 
+// What blades must have left; empty: they have.
+template <class Real>
+std::string Player<Real>::judge_blades() const {
+  const Topology& topology = world_.elements().topology;
+  if (topology.tet_copy_count() == 0) return "the blades cut nothing";
+  double volume = 0;
+  for (Index t = 0; t < topology.tet_count(); ++t) volume += world_.elements().volume(t);
+  const double whole = total_volume(plan_.setup.mesh);
+  return topology.alive_count() == topology.tet_count() && std::abs(volume - whole) < 1e-9 * whole
+             ? ""
+             : "the blades lost tissue";
+}
+
 template <class Real>
 std::string Player<Real>::judge() {
   if (plan_.must == Must::be_flagged)
@@ -198,6 +212,8 @@ std::string Player<Real>::judge() {
   if (!ok_) return plan_.must == Must::report && !reported_.empty() ? "" : "stopped: " + reported_;
   const double drift_per_step = verdict_.in_double ? 1e-13 : 1e-6;
   if (verdict_.momentum_drift > drift_per_step * double(verdict_.steps)) return "momentum drifts";
+  if (!plan_.setup.scalpels.empty())
+    if (const std::string why = judge_blades(); !why.empty()) return why;
   switch (plan_.must) {
     case Must::recover:
       if (!(verdict_.last_ratio > 0.5)) return "a tetrahedron stays inverted or crushed";

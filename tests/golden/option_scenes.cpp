@@ -146,13 +146,43 @@ void add_edits(std::vector<GoldenRun>& runs) {
       });
 }
 
-void add_implicit(std::vector<GoldenRun>& runs) {
-  Setup setup = box_with_tools(RegionModel::tensor_mass);
+void add_implicit_run(std::vector<GoldenRun>& runs, const std::string& name, Setup setup) {
   setup.integrator = Integrator::generalised_alpha;
   setup.implicit_step = 0.01;
-  runs.push_back({"implicit, double", [setup](int threads) {
+  runs.push_back({name + ", double", [setup](int threads) {
                     return play_golden<double>(setup, threads, frames, frame, nothing);
                   }});
+}
+
+void add_implicit(std::vector<GoldenRun>& runs) {
+  add_implicit_run(runs, "implicit", box_with_tools(RegionModel::tensor_mass));
+}
+
+// A blade falls through both halves, which a grasp pulls; then a cautery burns through its cut.
+Setup box_with_blade(RegionModel model) {
+  Setup setup = box_with_tools(model);
+  for (PathPoint& row : setup.cauteries[0].path) row.time += 0.1;
+  setup.scalpels.push_back({"blade",
+                            0.1,
+                            {{0.1, {-0.01, 0.021, 0.06}}, {0.2, {-0.01, 0.024, 0.012}}},
+                            {{0.06, 0.023, 0.062}, {0.06, 0.027, 0.008}}});
+  return setup;
+}
+
+void add_blades(std::vector<GoldenRun>& runs) {
+  Setup setup = box_with_blade(RegionModel::tensor_mass);
+  add_golden(runs, "blade through a tensor-mass half", setup, frames, frame, nothing);
+  add_implicit_run(runs, "blade, implicit", setup);
+  setup.selective_mass = 5;
+  add_golden(runs, "blade, selective masses", setup, frames, frame, nothing);
+  setup.scalpels[0].along_faces = true;
+  add_golden(runs, "blade along faces, selective masses", setup, frames, frame, nothing);
+  setup = box_with_blade(RegionModel::precomputed);
+  add_golden(runs, "blade through a precomputed half", setup, frames, frame, nothing);
+  setup.expandable = true;
+  add_golden(runs, "blade through a precomputed half that is expanded", setup, frames, frame, nothing);
+  setup = averaged(box_with_blade(RegionModel::nonlinear));
+  add_golden(runs, "blade, nodal pressure", setup, frames, frame, nothing);
 }
 
 }  // namespace
@@ -164,6 +194,7 @@ std::vector<GoldenRun> option_scenes() {
   add_inertia(runs);
   add_edits(runs);
   add_implicit(runs);
+  add_blades(runs);
   return runs;
 }
 

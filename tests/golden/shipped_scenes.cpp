@@ -42,8 +42,9 @@ Digests play_scene(const Scene& scene, const Resolved& resolved, int threads) {
 
 std::vector<GoldenRun> shipped_scenes() {
   std::vector<GoldenRun> runs;
-  for (const std::string name : {"accuracy_beam", "accuracy_cylinder", "accuracy_liver", "liver_resection",
-                                 "liver_declared", "liver_undeclared", "liver_palpation", "liver_pick_up"})
+  for (const std::string name :
+       {"accuracy_beam", "accuracy_cylinder", "accuracy_liver", "liver_resection", "liver_declared",
+        "liver_undeclared", "liver_palpation", "liver_pick_up", "liver_incision"})
     runs.push_back({name, [name](int threads) {
                       const Scene scene =
                           read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"));

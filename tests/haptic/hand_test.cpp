@@ -42,6 +42,34 @@ TEST_CASE("a hand that presses a block feels it, and no tool is anywhere else th
   CHECK(replays(loop.session, loop.setup));
 }
 
+TEST_CASE(
+    "a hand that leads a blade feels the work of the cut against its way, and without work hardly "
+    "anything") {
+  for (const double fracture_energy : {0.0, 20.0}) {
+    Setup setup = block();
+    setup.materials[0].fracture_energy = fracture_energy;
+    VirtualLoop loop(setup, press(0.03, 0.1), 1.0 / 120);
+    const Vec3d tip = top + Vec3d(0, -0.05, 0.004), heel = top + Vec3d(0, 0.05, 0.004);
+    loop.controller.send(bring_tool(1, tip, BringScalpel{"", {tip, heel}}));
+    loop.controller.send(turn_on(Kind::turn_on, true, 1));
+    double highest = 0, across = 0;
+    loop.run(0.5, [&](const HapticState& state) {
+      CHECK(state.force.allFinite());
+      highest = std::max(highest, state.force.z());
+      across = std::max(across, std::hypot(state.force.x(), state.force.y()));
+    });
+    CHECK(loop.session.world().elements().topology.tet_copy_count() > 10);
+    if (fracture_energy == 0) {
+      CHECK(highest < 0.02);  // the coupling damps the device by 0.125 N s/m
+    } else {
+      CHECK(highest > 0.5 * 20 * 0.05);  // of what a straight cut as wide as the block takes
+      CHECK(highest < 3 * 20 * 0.05);
+      CHECK(across < 0.2 * highest);
+    }
+    CHECK(replays(loop.session, loop.setup));
+  }
+}
+
 TEST_CASE("letting go ends the force without a jump") {
   VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
   loop.take_hold();

@@ -45,10 +45,12 @@ void check_that_it_stays_exact(const Setup& setup) {
   }
   CHECK(condensed_copies(world) > 30);
   validate(world);
+  check_connections(world);
   std::vector<Index> burnt, others;
   for (Index t = 0; t < world.elements().topology.tet_count(); t += 9) burnt.push_back(t);
   world.remove_tets(burnt);
   validate(world);
+  check_connections(world);
   CHECK(compare_with_rebuilt(world).largest() < 1e-9);
   for (Index t = 1; t < world.elements().topology.tet_count(); t += 5)
     if (world.elements().topology.alive(t)) others.push_back(t);

@@ -10,6 +10,7 @@
 #include "knife.h"
 #include "lobe/io/mesh_io.h"
 #include "near.h"
+#include "rebuilt.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -17,6 +18,8 @@ using namespace lobe::test;
 namespace {
 
 TetMesh cube(int n = 8) { return box_mesh(Vec3d::Constant(0.1), n, n, n); }
+
+Rebuilt rebuilt_of(const Knife& knife) { return {knife.grains, knife.elements.topology}; }
 
 // Of all that holds whatever was cut.
 void check_invariants(const Knife& knife, const TetMesh& mesh) {
@@ -40,7 +43,7 @@ void check_invariants(const Knife& knife, const TetMesh& mesh) {
   for (const double share : filled) CHECK(std::abs(share - 1) < 1e-12);
   CHECK(sum == near(total_volume(mesh), 1e-12));
 
-  const Rebuilt rebuilt(knife);
+  const Rebuilt rebuilt = rebuilt_of(knife);
   CHECK(rebuilt.faults == 0);
   CHECK(rebuilt.odd_edges == 0);
   CHECK(rebuilt.same_vertices);
@@ -52,42 +55,10 @@ void check_invariants(const Knife& knife, const TetMesh& mesh) {
 
 void check_pieces(const Knife& knife, const TetMesh& mesh, Index pieces) {
   check_invariants(knife, mesh);
-  CHECK(Rebuilt(knife).pieces == pieces);
+  CHECK(rebuilt_of(knife).pieces == pieces);
 }
 
 const Vec3d middle = Vec3d::Constant(0.05);
-
-// Whether grains that lie well on both sides of a surface hang together; distance(X) from it, with a sign
-// [m].
-template <class Distance>
-bool has_bridge(const Knife& knife, Distance&& distance) {
-  const Grains& grains = knife.grains;
-  const double far = 0.5 * grains.mean_edge();
-  std::vector<char> is_found(std::size_t(grains.count()), 0);
-  for (Index first = 0; first < grains.count(); ++first) {
-    if (is_found[std::size_t(first)]) continue;
-    std::vector<Index> part{first};
-    is_found[std::size_t(first)] = 1;
-    bool above = false, below = false;
-    for (std::size_t at = 0; at < part.size(); ++at) {
-      double low = 1, high = -1;
-      for (Index p : grains[part[at]].points) {
-        const double off = distance(grains.point(p));
-        low = std::min(low, off);
-        high = std::max(high, off);
-      }
-      above = above || low > far;
-      below = below || high < -far;
-      for (int f = 0; f < 4; ++f)
-        if (const Index other = grains.neighbour(part[at], f); other >= 0 && !is_found[std::size_t(other)]) {
-          is_found[std::size_t(other)] = 1;
-          part.push_back(other);
-        }
-    }
-    if (above && below) return true;
-  }
-  return false;
-}
 
 // A full stroke along a plane or a wave with a curvature times edge up to 1, whose rows often meet vertices,
 // edges and diagonals exactly. Whether it leaves no bridge, and as many pieces of the simulation as of the
@@ -116,8 +87,8 @@ bool is_parted(int trial, const TetMesh& mesh) {
   const auto distance = [&](const Vec3d& X) {
     return n.dot(X - through) - height * std::sin(wave * along.dot(X - through));
   };
-  if (has_bridge(knife, distance)) return false;
-  const Rebuilt rebuilt(knife);
+  if (has_bridge(knife.grains, distance)) return false;
+  const Rebuilt rebuilt = rebuilt_of(knife);
   return rebuilt.faults == 0 && rebuilt.odd_edges == 0 &&
          rebuilt.pieces == Index(knife.elements.topology.pieces().size());
 }
@@ -170,7 +141,9 @@ TEST_CASE("half a cut leaves one piece, and its other half the second") {
   CHECK(half.area > 0.003);
 }
 
-TEST_CASE("planes that cross leave eight pieces, on vertices and aslant") {
+TEST_CASE(
+    "planes that cross leave eight pieces, on vertices and aslant, and each edge of their surface is between "
+    "two triangles") {
   const TetMesh mesh = cube();
   Knife straight(mesh), slanted(mesh);
   for (const Vec3d& normal : {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)})
@@ -179,6 +152,7 @@ TEST_CASE("planes that cross leave eight pieces, on vertices and aslant") {
   for (const Vec3d& normal : {Vec3d(1, 0.2, 0), Vec3d(0.1, 1, 0), Vec3d(0, 0.3, 1)})
     slanted.plane(normal, middle, 3);
   check_pieces(slanted, mesh, 8);
+  for (const Knife* knife : {&straight, &slanted}) CHECK(rebuilt_of(*knife).edges_not_between_two == 0);
 }
 
 TEST_CASE("a cylinder that is cut out is a piece") {
@@ -220,7 +194,7 @@ TEST_CASE("wavy cuts leave no bridge") {
     Knife knife(mesh);
     knife.plane(normal, middle + Vec3d(0, 0.02 * (uniform(random) - 0.5), 0), 20 + int(60 * uniform(random)),
                 1, 0.2, height, wave);
-    CHECK(Rebuilt(knife).pieces == 2);
+    CHECK(rebuilt_of(knife).pieces == 2);
   }
 }
 
@@ -418,9 +392,9 @@ TEST_CASE("the shipped liver is cut by crossing waves without a bridge") {
   Knife knife(mesh);
   const Vec3d centre = mesh.points.rowwise().mean();
   knife.plane({1, 0.2, 0.1}, centre, 60, 1, 0.3, 0.004, 60);
-  const Index first = Rebuilt(knife).pieces;
+  const Index first = rebuilt_of(knife).pieces;
   CHECK(first >= 2);
   knife.plane({0.1, 1, 0.3}, centre, 60, 1, 0.3, 0.004, 60);
   check_invariants(knife, mesh);
-  CHECK(Rebuilt(knife).pieces > first);
+  CHECK(rebuilt_of(knife).pieces > first);
 }

@@ -206,19 +206,41 @@ TEST_CASE("a blade that leaps through the body in one frame cuts all that lies b
   CHECK(world.elements().topology.pieces().size() == 2);
 }
 
+// The tetrahedra between x = 0.06 and 0.07 are inverted, and lie where those beside them are stretched and
+// crushed: the blade meets all three layers before the first step.
 TEST_CASE("a blade through inverted and crushed tetrahedra cuts them as they are at rest") {
   Setup setup = bar_at_rest();
   setup.guard_below = 0.3;
+  setup.scalpels[0].path = {{0, {0.0713, -0.02, 0.05}}, {1e-3, {0.0717, -0.02, -0.03}}};
+  setup.scalpels[0].heels = {{0.0713, 0.05, 0.05}, {0.0717, 0.05, -0.03}};
   World<double> world(setup);
   State<double> state = world.state();
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (std::abs(setup.mesh.points(0, v) - 0.06) < 1e-9) state.u(0, v) = 0.013;  // beyond the next vertices
   world.set_state(state);
-  for (int i = 0; i < 6; ++i) world.advance(1.0 / 30);
+  const auto is_inverted = [&](Index t) {
+    const Eigen::Vector4i corners = setup.mesh.tets.col(t);
+    const Mat34<double> x =
+        setup.mesh.points(Eigen::all, corners) + Mat3X<double>(state.u(Eigen::all, corners));
+    return (x.rightCols<3>().colwise() - x.col(0)).determinant() < 0;
+  };
+  CHECK(world.advance(1e-3).cut_area > 2.5 * 9e-4);  // three layers
   validate(world);
+  CHECK(compare_with_rebuilt(world).largest() < 1e-12);
+  const Topology& topology = world.elements().topology;
+  Index inverted = 0, right_way_round = 0;  // of those that are cut
   double volume = 0;
-  for (Index t = 0; t < world.elements().topology.tet_count(); ++t) volume += world.elements().volume(t);
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    volume += world.elements().volume(t);
+    if (world.elements().share_of(t) == 1) continue;
+    ++(is_inverted(topology.parent(t)) ? inverted : right_way_round);
+  }
+  CHECK(inverted >= 45);
+  CHECK(right_way_round >= 90);
   CHECK(volume == near(1.08e-4, 1e-12));
+  world.advance(1.0 / 30);
+  validate(world);
+  CHECK(world.state().u.allFinite());
 }
 
 TEST_CASE("a path whose times do not increase is refused") {

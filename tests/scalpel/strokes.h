@@ -7,6 +7,7 @@
 
 #include "knife.h"
 #include "lobe/sim/world.h"
+#include "rebuilt.h"
 
 namespace lobe::test {
 
@@ -34,6 +35,23 @@ inline std::vector<Incision> incisions_of(const TetMesh& mesh, int strokes) {
     }
   }
   return made;
+}
+
+// What is connected in a cut world, against what its grains alone give.
+template <class Real>
+void check_connections(const World<Real>& world) {
+  REQUIRE(world.grains());
+  const Topology& topology = world.elements().topology;
+  const Rebuilt rebuilt(*world.grains(), topology);
+  CHECK(rebuilt.faults == 0);
+  CHECK(rebuilt.odd_edges == 0);
+  CHECK(rebuilt.joined_alike);
+  CHECK(rebuilt.pieces == Index(topology.pieces().size()));
+  if (topology.alive_count() < topology.tet_count())
+    return;  // what a burnt tetrahedron joined, it still does
+  CHECK(rebuilt.same_vertices);
+  CHECK(rebuilt.same_tets);
+  CHECK(rebuilt.tets == topology.tet_count());
 }
 
 template <class Real>

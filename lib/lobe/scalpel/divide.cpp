@@ -122,7 +122,10 @@ TetDivision Grains::divide(const Topology& topology, const std::vector<Index>& o
   Division division(*this, topology, opened, parted_, {scratch_, place_scratch_, vertex_scratch_}, is_whole_);
   TetDivision result = division.find();
   for (const TetDivision::Part& part : result.parts)
-    while (of_element_.vertex_count() <= part.tet) of_element_.add_vertex();
+    if (of_element_.vertex_count() <= part.tet) {
+      of_element_.add_vertex();
+      parent_of_copy_.push_back(parent_of(part.of));
+    }
   for (const auto& [grain, element] : division.moved_grains()) {
     Grain& moved = grains_[std::size_t(grain)];
     of_element_.erase_value(moved.element, grain);

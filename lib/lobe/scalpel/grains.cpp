@@ -38,6 +38,7 @@ Grains::Grains(const Elements& elements) {
   is_whole_.reserve(lengths.size() + lengths.size() / 4);
   is_whole_.assign(lengths.size(), topology.stars_are_whole());
   of_element_ = VertexLists<Index>(std::vector<Index>(grain_of.size(), 1));
+  divided_.assign(grain_of.size(), 1);
   const std::size_t points = lengths.size() + lengths.size() / 4;  // memory that nobody touches costs nothing
   points_.reserve(points);
   for (Index v = 0; v < topology.vertex_count(); ++v) points_.push_back(elements.points.col(v));
@@ -209,6 +210,7 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   for (Index p : near_b.points)
     if (p != point) around_.append(p, other);
   of_element_.append(near_b.element, other);
+  ++divided_[std::size_t(parent(other))];
   changed_.push_back(grain);
   changed_.push_back(other);
 }
@@ -386,7 +388,8 @@ std::size_t Grains::bytes() const {
   return grains_.size() * (sizeof(Grain) + sizeof other_sides_[0]) + points_.size() * sizeof(Vec3d) +
          shortest_.size() * sizeof(double) + on_.size() * sizeof(std::uint32_t) +
          grains_.size() * (sizeof scratch_[0] + sizeof place_scratch_[0]) +
-         (around_.items().size() + of_element_.items().size()) * sizeof(Index);
+         (around_.items().size() + of_element_.items().size() + divided_.size() + parent_of_copy_.size()) *
+             sizeof(Index);
 }
 
 }  // namespace lobe

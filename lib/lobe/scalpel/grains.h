@@ -58,6 +58,10 @@ class Grains {
   const Vec3d& point(Index p) const { return points_[std::size_t(p)]; }  // at rest [m]
   std::span<const Index> around(Index point) const { return around_[point]; }
   std::span<const Index> of(Index element) const { return of_element_[element]; }
+  // The tetrahedron of the start that a grain is part of, and into how many grains that has been divided,
+  // those that are burnt included.
+  Index parent(Index grain) const { return parent_of((*this)[grain].element); }
+  Index divided(Index parent) const { return divided_[std::size_t(parent)]; }
   bool is_open(Index grain, int face) const { return grains_[std::size_t(grain)].open >> face & 1; }
   bool was_boundary(Index grain, int face) const { return grains_[std::size_t(grain)].boundary >> face & 1; }
   // The grain that it is connected to across a face; −1: the face is open, or on the boundary.
@@ -127,6 +131,10 @@ class Grains {
 
   void link(Index code, Index other);
   void unlink(Index grain);
+  Index parent_of(Index element) const {
+    const auto copy = element - static_cast<Index>(divided_.size());
+    return copy < 0 ? element : parent_of_copy_[std::size_t(copy)];
+  }
   void link_halves(const std::vector<Index>& star, Index halves, Index a, Index point);
   bool hangs_together(Index point);
   std::vector<std::vector<Index>> parts_around(Index point);
@@ -139,6 +147,8 @@ class Grains {
   std::vector<std::uint32_t> on_;
   VertexLists<Index> around_;      // of points
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
+  std::vector<Index> divided_;     // per tetrahedron of the start: grains
+  std::vector<Index> parent_of_copy_;
   double mean_edge_ = 0, mean_volume_ = 0, longest_shortest_ = 0;
   std::array<std::vector<Index>, most_strokes> waiting_;
   std::vector<Index> changed_;

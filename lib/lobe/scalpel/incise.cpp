@@ -214,9 +214,28 @@ void Step::find_crossed() {
   std::sort(marks_.begin(), marks_.end(), [](const Mark& a, const Mark& b) { return a.edge < b.edge; });
 }
 
+// Marks of a tetrahedron of the start that would be divided into too many grains do not count.
 void Step::refuse_too_many() {
+  // More grains by 0, 1, … marks on the edges of one: of two, on edges that may not meet; of three, on a line
+  // of edges; of four, on a ring. More than four have three on a face, of which the last is dropped.
+  constexpr std::array<Index, 7> added{0, 1, 3, 4, 5, 5, 5};
+  constexpr Index most_at_once = 6;           // by a step, into which one becomes
+  std::vector<std::pair<Index, Index>> more;  // tetrahedra of the start, grains that one of theirs adds
+  for (const Near& near : near_)
+    if (const Index parent = grains_.parent(near.grain);
+        near.marks > 0 && most_at_once * grains_.divided(parent) > most_grains)
+      more.push_back({parent, added[std::size_t(near.marks)]});
+  if (more.empty()) return;
+  std::sort(more.begin(), more.end());
+  std::vector<Index> full;  // ascending
+  for (std::size_t i = 0; i < more.size();) {
+    const Index parent = more[i].first;
+    Index grains = grains_.divided(parent);
+    for (; i < more.size() && more[i].first == parent; ++i) grains += more[i].second;
+    if (grains > most_grains) full.push_back(parent);
+  }
   for (const Near& near : near_) {
-    if (near.marks == 0 || static_cast<Index>(grains_.of(grains_[near.grain].element).size()) < most_grains)
+    if (near.marks == 0 || !std::binary_search(full.begin(), full.end(), grains_.parent(near.grain)))
       continue;
     for (const auto& edge : edge_corners)
       if (Mark* mark = mark_of(near, edge[0], edge[1])) {

@@ -82,7 +82,7 @@ struct Incised {
   std::vector<Face> faces;
   Index crumbs = 0;           // that would have been cut off
   Vec3d way = Vec3d::Zero();  // of the edge through the tissue, its mean [m]
-  Index refused = 0;          // edges that were not bisected, of tetrahedra with the most grains already
+  Index refused = 0;          // edges that were not bisected, of tetrahedra that would have too many grains
 };
 
 // Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all
@@ -91,7 +91,7 @@ struct Incised {
 // the last sheet is near.
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
-inline constexpr Index most_grains = 256;   // of a tetrahedron
+inline constexpr Index most_grains = 256;   // of a tetrahedron of the start
 inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens
 
 }  // namespace lobe

@@ -109,8 +109,9 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
       break;
     }
     if (incised->refused > 0)
-      notice(Condition::Kind::scalpel, std::to_string(incised->refused) + " edges were not cut: there are " +
-                                           std::to_string(most_grains) + " grains in a tetrahedron already");
+      notice(Condition::Kind::scalpel, std::to_string(incised->refused) +
+                                           " edges were not cut: a tetrahedron has at most " +
+                                           std::to_string(most_grains) + " grains");
     crumbs += incised->crumbs;
     if (incised->incision.empty()) {
       tools_.cut_by(move.tool, {}, incised->way, step.to.tip);

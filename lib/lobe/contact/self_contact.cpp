@@ -46,6 +46,24 @@ int SelfContact::face_at(const Layer& layer, const Vec3d& rest, double& square) 
   return nearest;
 }
 
+// Of cut faces that are equally near, as on a common edge, the one that it is farthest beyond or behind tells.
+bool SelfContact::is_filled(const Layer& layer, const Vec3d& rest) const {
+  constexpr double equally = 1e-9;
+  double least = std::numeric_limits<double>::infinity(), height = 0;  // square; over the plane
+  for (int i = layer.first_lip; i < layer.first_lip + layer.lips; ++i) {
+    const auto f = std::size_t(lips_[std::size_t(i)]);
+    const Mat3<double>& X = rest_[f];
+    const double square = (rest - nearest_on_triangle(rest, X.col(0), X.col(1), X.col(2))).squaredNorm(),
+                 own = planes_[f].normal.dot(rest - planes_[f].corner);
+    if (square < (1 - equally) * least ||
+        (square <= (1 + equally) * least && std::abs(own) > std::abs(height))) {
+      least = square;
+      height = own;
+    }
+  }
+  return height <= just_behind;
+}
+
 // Within how far of there no other face is nearer. If a point moves by δ, so does no distance change by more
 // than δ; a face that it is in front of by g is none for it until it has moved by g.
 double SelfContact::room_about(const Layer& layer, const Vec3d& rest, int nearest, double square) const {
@@ -199,7 +217,11 @@ bool SelfContact::find_pair(const CloseOnes& ones, Touch& touch) const {
     touch.layer = pairs_[std::size_t(close_[std::size_t(pair)])].layer;
     touch.corner_weights = weights_in(pair, touch.weights);
   };
-  const auto is_in = [&](int pair) { return insides_of(pair) > 0 && insides_of(pair) >> touch.number & 1; };
+  const auto is_in = [&](int pair) {
+    if (insides_of(pair) <= 0 || !(insides_of(pair) >> touch.number & 1)) return false;
+    const Layer& layer = layers_[std::size_t(pairs_[std::size_t(close_[std::size_t(pair)])].layer)];
+    return layer.lips == 0 || is_filled(layer, layer.rest * weights_in(pair, touch.weights));
+  };
   const int end = ones.first + ones.count;
   if (touch.anchor)
     for (int i = ones.first; i < end; ++i) {

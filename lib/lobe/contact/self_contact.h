@@ -12,6 +12,8 @@
 //
 // A triangle may touch a tetrahedron that has a vertex of it or of its neighbours only where that lies in
 // front of it at rest: across a slit or a fold. What lies behind it, its own side, cannot be where it is.
+// Copies of a tetrahedron that a blade has divided have the shape of the whole. A point in one touches it only
+// where it is filled at rest: behind the nearest of its own cut faces.
 //
 // Friction follows Coulomb's law, with a spring per point. The length ξ of the spring grows by the sliding of
 // both sides past each other. Friction acts on the tetrahedron at the place of x_q, by −b_i f_t on its
@@ -79,8 +81,9 @@ class SelfContact {
   struct Layer {  // a tetrahedron with a corner on the boundary
     Index tet = -1;
     Eigen::Vector4i corners;
-    Mat34<double> rest;        // its corners [m]
-    int first = 0, count = 0;  // in faces_: triangles of the surface that may be nearest to a point in it
+    Mat34<double> rest;           // its corners [m]
+    int first = 0, count = 0;     // in faces_: triangles of the surface that may be nearest to a point in it
+    int first_lip = 0, lips = 0;  // in lips_: its cut faces, if it is filled in part
   };
   struct Plane {  // of a triangle at rest
     Vec3d normal, corner;
@@ -178,9 +181,13 @@ class SelfContact {
   static const std::array<Vec3d, points_per_triangle>& point_weights();
   void place_at_rest(const ContactSurface& surface, const Elements& elements);
   void find_faces(Layer& layer);
+  int layer_of(Index tet) const;
+  void find_lips(const ContactSurface& surface, const Elements& elements);
+  Vec3d middle_of_filled(const Layer& layer) const;
+  bool is_filled(const Layer& layer, const Vec3d& rest) const;
   std::vector<int> vertices_around(const ContactSurface& surface, int triangle);
   void list_own_layers(const ContactSurface& surface);
-  bool is_on_its_side(int triangle, const Layer& layer) const;
+  bool is_on_its_side(const ContactSurface& surface, int triangle, const Layer& layer) const;
   void divide_into_parts(const ContactSurface& surface);
   void number_places(const ContactSurface& surface);
   void measure(const At& at, double ahead);
@@ -260,7 +267,7 @@ class SelfContact {
   std::vector<Index> vertices_;                   // of the layers
   std::vector<Plane> planes_;                     // per triangle of the surface
   std::vector<Mat3<double>> rest_;                // their corners [m]
-  std::vector<int> faces_;                        // of the layers
+  std::vector<int> faces_, lips_;                 // of the layers
   std::vector<int> first_around_, around_;        // triangles around each point of the surface
   std::vector<int> first_of_vertex_, of_vertex_;  // and around each vertex of the mesh
   std::vector<int> first_own_, own_;              // per triangle: tetrahedra that it never touches

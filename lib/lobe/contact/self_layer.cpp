@@ -78,6 +78,7 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
     layers_.push_back({t, elements.topology.corners(t), elements.corner_points(t)});
     find_faces(layers_.back());
   }
+  find_lips(surface, elements);
   stamp_of_vertex_.assign(vertices, -1);
   stamp_of_layer_.assign(layers_.size(), -1);
   list_own_layers(surface);
@@ -98,6 +99,28 @@ void SelfContact::rebuild(const ContactSurface& surface, const Model& model) {
   for (std::size_t i = 0; i < vertices_.size(); ++i)
     Eigen::Map<Vec3<float>>(rest_x_.data() + 4 * i) =
         (elements.points.col(vertices_[i]) - elements.points.col(vertices_[0])).cast<float>();
+}
+
+// Of the layer that a tetrahedron is; it has a corner on the boundary.
+int SelfContact::layer_of(Index tet) const {
+  return static_cast<int>(
+      std::lower_bound(layers_.begin(), layers_.end(), tet,
+                       [](const Layer& layer, Index number) { return layer.tet < number; }) -
+      layers_.begin());
+}
+
+void SelfContact::find_lips(const ContactSurface& surface, const Elements& elements) {
+  const auto& triangles = surface.triangles();
+  std::vector<int> first;
+  fill_lists(layers_.size(), first, lips_, [&](auto&& add) {
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      if (const Index tet = triangles[t].owner.tet; triangles[t].is_cut && elements.share_of(tet) < 1)
+        add(std::size_t(layer_of(tet)), static_cast<int>(t));
+  });
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    layers_[l].first_lip = first[l];
+    layers_[l].lips = first[l + 1] - first[l];
+  }
 }
 
 void SelfContact::number_places(const ContactSurface& surface) {
@@ -135,9 +158,7 @@ void SelfContact::divide_into_parts(const ContactSurface& surface) {
     for (int place : places_of_[l]) points[std::size_t(part_of_layer_[l])].push_back(place);
   part_of_triangle_.clear();
   for (const ContactSurface::Triangle& triangle : surface.triangles()) {
-    const auto owner = std::lower_bound(layers_.begin(), layers_.end(), triangle.owner.tet,
-                                        [](const Layer& layer, Index tet) { return layer.tet < tet; });
-    const int part = part_of_layer_[std::size_t(owner - layers_.begin())];
+    const int part = part_of_layer_[std::size_t(layer_of(triangle.owner.tet))];
     part_of_triangle_.push_back(part);
     for (int p : triangle.points) {
       const ContactSurface::Point& point = surface.points()[std::size_t(p)];
@@ -233,17 +254,30 @@ void SelfContact::list_own_layers(const ContactSurface& surface) {
     for (int v : vertices_around(surface, t))
       for (int i = first_with[std::size_t(v)]; i < first_with[std::size_t(v) + 1]; ++i) {
         const auto l = std::size_t(with[std::size_t(i)]);
-        if (std::exchange(stamp_of_layer_[l], t) != t && is_on_its_side(t, layers_[l]))
+        if (std::exchange(stamp_of_layer_[l], t) != t && is_on_its_side(surface, t, layers_[l]))
           own_.push_back(with[std::size_t(i)]);
       }
     first_own_.push_back(static_cast<int>(own_.size()));
   }
 }
 
-bool SelfContact::is_on_its_side(int triangle, const Layer& layer) const {
+// Nearly: of one that is filled in part, a place behind its cut faces.
+Vec3d SelfContact::middle_of_filled(const Layer& layer) const {
+  if (layer.lips == 0) return layer.rest.rowwise().mean();
+  const double behind = 0.2 * (layer.rest.col(1) - layer.rest.col(0)).norm();
+  Vec3d sum = Vec3d::Zero();
+  for (int i = layer.first_lip; i < layer.first_lip + layer.lips; ++i) {
+    const auto f = std::size_t(lips_[std::size_t(i)]);
+    sum += balls_[f].centre - behind * planes_[f].normal;
+  }
+  return sum / layer.lips;
+}
+
+bool SelfContact::is_on_its_side(const ContactSurface& surface, int triangle, const Layer& layer) const {
+  if (surface.triangles()[std::size_t(triangle)].owner.tet == layer.tet) return true;
   const Plane& plane = planes_[std::size_t(triangle)];
-  const Vec3d centre = layer.rest.rowwise().mean();
-  return plane.normal.dot(centre - plane.corner) < 0.05 * (layer.rest.col(1) - layer.rest.col(0)).norm();
+  return plane.normal.dot(middle_of_filled(layer) - plane.corner) <
+         0.05 * (layer.rest.col(1) - layer.rest.col(0)).norm();
 }
 
 }  // namespace lobe

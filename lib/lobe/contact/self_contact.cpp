@@ -46,7 +46,7 @@ int SelfContact::face_at(const Layer& layer, const Vec3d& rest, double& square) 
   return nearest;
 }
 
-// Of cut faces that are equally near, as on a common edge, the one that it is farthest beyond or behind tells.
+// Of cut faces that are equally near, as on a common edge, the one counts whose plane it is farthest from.
 bool SelfContact::is_filled(const Layer& layer, const Vec3d& rest) const {
   constexpr double equally = 1e-9;
   double least = std::numeric_limits<double>::infinity(), height = 0;  // square; over the plane

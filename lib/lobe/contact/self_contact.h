@@ -12,8 +12,8 @@
 //
 // A triangle may touch a tetrahedron that has a vertex of it or of its neighbours only where that lies in
 // front of it at rest: across a slit or a fold. What lies behind it, its own side, cannot be where it is.
-// Copies of a tetrahedron that a blade has divided have the shape of the whole. A point in one touches it only
-// where it is filled at rest: behind the nearest of its own cut faces.
+// Copies of a tetrahedron that a blade has divided have the shape of the whole. A point in one touches it
+// only where it is filled at rest: behind the nearest of its own cut faces.
 //
 // Friction follows Coulomb's law, with a spring per point. The length ξ of the spring grows by the sliding of
 // both sides past each other. Friction acts on the tetrahedron at the place of x_q, by −b_i f_t on its

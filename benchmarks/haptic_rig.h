@@ -73,13 +73,9 @@ struct FeltFrame {
   Mat3<double> blocked = Mat3<double>::Zero(), patch = blocked, K = blocked;  // [N/m]
 };
 
-// What is to be done beside leading the tool, at the start of a frame.
-using AlsoDo = std::function<void(World<float>&, double from, double to)>;
-
 // The forces on a tool that holds `vertices` along a path, frame by frame.
 inline std::vector<FeltFrame> feel(const Setup& setup, const std::vector<Index>& vertices,
-                                   const HandPath& path, double frame, bool finds_stiffness,
-                                   const AlsoDo& also = {}) {
+                                   const HandPath& path, double frame, bool finds_stiffness) {
   World<float> world(setup);
   const ToolId tool = world.tools().next_id();
   world.apply(TakeHold{"hand", vertices});
@@ -91,7 +87,6 @@ inline std::vector<FeltFrame> feel(const Setup& setup, const std::vector<Index>&
   const int count = static_cast<int>(std::ceil(path.duration() / frame));
   for (int i = 0; i < count; ++i) {
     const Vec3d from = path.at(i * frame), to = path.at((i + 1) * frame);
-    if (also) also(world, i * frame, (i + 1) * frame);
     world.apply(Lead{tool, {centre + to}});
     world.advance(frame);
     FeltFrame felt{.end = (i + 1) * frame, .position = 0.5 * (from + to)};

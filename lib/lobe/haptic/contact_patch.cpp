@@ -61,7 +61,6 @@ void ContactPatch::gather(const Model& model, std::span<const Index> contact,
   }
   std::sort(tets_.begin(), tets_.end());
   tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
-  is_empty_ = tets_.empty();
   for (Index t : tets_) add_tet(model, t, displacement);
 }
 

@@ -31,8 +31,7 @@ class ContactPatch {
   void gather(const Model& model, std::span<const Index> contact,
               const std::function<Vec3d(Index)>& displacement, const ContactPatchLimits& limits);
 
-  Index free_count() const { return free_; }   // vertices
-  bool is_empty() const { return is_empty_; }  // of tetrahedra
+  Index free_count() const { return free_; }  // vertices
 
   // Of the contact, nothing else moving: K_rr [N/m].
   Mat3<double> blocked() const;
@@ -48,7 +47,6 @@ class ContactPatch {
   std::vector<Index> vertices_;  // with a place other than none
   std::vector<Index> tets_;
   Index free_ = 0;
-  bool is_empty_ = true;
 };
 
 // Symmetric, with eigenvalues from 0 to `highest` [N/m].

@@ -156,7 +156,6 @@ Vec3d Servo::wanted_force(double dt) {
   settle(device, dt);
   state_.orientation = state_.device.orientation;
   state_.engagement = model_.is_engaged ? model_.engagement : 0;
-  state_.model_age = since_model_;
   const bool is_stale = since_model_ > options_.stale_frames * model_.frame;
   state_.stale += is_stale && model_.is_engaged;
   const double fading = dt / options_.fade;

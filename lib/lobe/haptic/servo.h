@@ -48,7 +48,6 @@ struct HapticState {
   Vec3d torque = Vec3d::Zero();  // [N m]
   double coupling = 0;           // [N/m]
   double energy = 0;             // of the passivity observer [J]
-  double model_age = 0;          // [s]
   std::uint64_t interventions =
       0;                        // ticks in which the passivity controller added damping or lowered the force
   std::uint64_t stale = 0;      // ticks on a model that was too old

@@ -20,7 +20,7 @@ TEST_CASE(
       CHECK((std::isfinite(number(row, figure)) && number(row, figure) > 0));
   }
   const std::vector<Record> limits = results.rows("scalpel_limit");
-  CHECK(limits.size() == 2);
+  CHECK(limits.size() == 4);  // two livers, with the floor and without
   CHECK(number(limits[0], "worst_limit") > 0.7);
   CHECK(number(limits[0], "most_added") < 0.01);
   const std::vector<Record> beams = results.rows("scalpel_beam");

@@ -216,11 +216,11 @@ void Step::find_crossed() {
 
 // Marks of a tetrahedron of the start that would be divided into too many grains do not count.
 void Step::refuse_too_many() {
-  // More grains by 0, 1, … marks on the edges of one: of two, on edges that may not meet; of three, on a line
-  // of edges; of four, on a ring. More than four have three on a face, of which the last is dropped.
+  // How many grains a grain with 0, 1, … marks adds at most: two marks on edges that do not meet, three on a
+  // line of edges, four on a ring. Of more than four, three are on one face, whose last one is dropped.
   constexpr std::array<Index, 7> added{0, 1, 3, 4, 5, 5, 5};
-  constexpr Index most_at_once = 6;           // by a step, into which one becomes
-  std::vector<std::pair<Index, Index>> more;  // tetrahedra of the start, grains that one of theirs adds
+  constexpr Index most_at_once = 6;           // grains that a step makes of one
+  std::vector<std::pair<Index, Index>> more;  // a tetrahedron of the start, grains added
   for (const Near& near : near_)
     if (const Index parent = grains_.parent(near.grain);
         near.marks > 0 && most_at_once * grains_.divided(parent) > most_grains)

@@ -53,9 +53,6 @@ void ask_for(Setup& setup, Option option) {
     case Option::mass_scaling:
       setup.mass_scaling = 0.01;
       break;
-    case Option::scalpel:
-      setup.scalpels.push_back({"blade", 0.1, {{0, {0, 0, 0}}}, {{0, 0, 1}}});
-      break;
     case Option::implicit:
       setup.integrator = Integrator::generalised_alpha;
       break;

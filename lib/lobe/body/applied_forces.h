@@ -28,7 +28,6 @@ class AppliedForces : public ForceTerm<Real> {
   // Sets where the points are at the end of the next frame, 3 × #springs [m]. They move there at constant
   // speed.
   void move(const Mat3X<double>& points);
-  bool has_springs() const { return !springs_.empty(); }
   const std::vector<VertexLoad>& forces() const { return forces_; }
 
   std::string name() const override { return "applied forces"; }

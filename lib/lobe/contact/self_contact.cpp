@@ -8,14 +8,6 @@
 
 namespace lobe {
 
-namespace {
-
-// A point on a face is behind it, whatever rounding says: to take another face for it would be to take it for
-// deep [m].
-constexpr double just_behind = 1e-12;
-
-}  // namespace
-
 // ---- Where the two overlap
 
 const std::array<Vec3d, SelfContact::points_per_triangle>& SelfContact::point_weights() {
@@ -27,74 +19,14 @@ const std::array<Vec3d, SelfContact::points_per_triangle>& SelfContact::point_we
   return weights;
 }
 
-// The face of the boundary that is nearest at rest to a point of a tetrahedron, of those that it lies behind,
-// and the square of the distance; −1: none.
-int SelfContact::face_at(const Layer& layer, const Vec3d& rest, double& square) const {
-  int nearest = -1;
-  square = std::numeric_limits<double>::infinity();
-  for (int i = layer.first; i < layer.first + layer.count; ++i) {
-    const int f = faces_[std::size_t(i)];
-    const Plane& plane = planes_[std::size_t(f)];
-    const double g = plane.normal.dot(rest - plane.corner);
-    if (g > just_behind || g * g >= square) continue;  // it is no nearer than its plane
-    const Mat3<double>& X = rest_[std::size_t(f)];
-    const double own = (rest - nearest_on_triangle(rest, X.col(0), X.col(1), X.col(2))).squaredNorm();
-    if (own >= square) continue;
-    square = own;
-    nearest = f;
-  }
-  return nearest;
-}
-
-// Of cut faces that are equally near, as on a common edge, the one counts whose plane it is farthest from.
-bool SelfContact::is_filled(const Layer& layer, const Vec3d& rest) const {
-  constexpr double equally = 1e-9;
-  double least = std::numeric_limits<double>::infinity(), height = 0;  // square; over the plane
-  for (int i = layer.first_lip; i < layer.first_lip + layer.lips; ++i) {
-    const auto f = std::size_t(lips_[std::size_t(i)]);
-    const Mat3<double>& X = rest_[f];
-    const double square = (rest - nearest_on_triangle(rest, X.col(0), X.col(1), X.col(2))).squaredNorm(),
-                 own = planes_[f].normal.dot(rest - planes_[f].corner);
-    if (square < (1 - equally) * least ||
-        (square <= (1 + equally) * least && std::abs(own) > std::abs(height))) {
-      least = square;
-      height = own;
-    }
-  }
-  return height <= just_behind;
-}
-
-// Within how far of there no other face is nearer. If a point moves by δ, so does no distance change by more
-// than δ; a face that it is in front of by g is none for it until it has moved by g.
-double SelfContact::room_about(const Layer& layer, const Vec3d& rest, int nearest, double square) const {
-  const double least = std::sqrt(square);
-  double room = std::numeric_limits<double>::infinity();
-  for (int i = layer.first; i < layer.first + layer.count; ++i) {
-    const int f = faces_[std::size_t(i)];
-    if (f == nearest) continue;
-    const Plane& plane = planes_[std::size_t(f)];
-    const Ball& ball = balls_[std::size_t(f)];
-    const double g = plane.normal.dot(rest - plane.corner);
-    const auto room_at = [&](double distance) { return std::max((distance - least) / 2, g - just_behind); };
-    if (room_at(std::max(std::abs(g), (rest - ball.centre).norm() - ball.radius)) >= room) continue;
-    const Mat3<double>& X = rest_[std::size_t(f)];
-    room = std::min(room, room_at((rest - nearest_on_triangle(rest, X.col(0), X.col(1), X.col(2))).norm()));
-  }
-  return 0.999 * room;
-}
-
-// The same face as face_at() finds, which is not asked for where it cannot have changed.
+// The same face as the boundary layer finds, which is not asked for where it cannot have changed.
 int SelfContact::nearest_face(int point, int layer, const Vec3d& rest) {
-  NearestFace& known = nearest_[std::size_t(point)];
-  if (known.layer == layer && (rest - known.rest).squaredNorm() < known.room * known.room) {
-    const Plane& plane = planes_[std::size_t(known.face)];
-    if (plane.normal.dot(rest - plane.corner) <= just_behind) return known.face;
-  }
-  double square;
-  const Layer& own = layers_[std::size_t(layer)];
-  const int face = face_at(own, rest, square);
-  known = {layer, face, rest, face < 0 ? 0 : room_about(own, rest, face, square)};
-  return face;
+  KnownFace& known = known_faces_[std::size_t(point)];
+  const bool is_known = known.layer == layer &&
+                        (rest - known.rest).squaredNorm() < known.nearest.room * known.nearest.room &&
+                        boundary_.is_behind(known.nearest.face, rest);
+  if (!is_known) known = {layer, rest, boundary_.nearest_face(layer_at(layer), rest)};
+  return known.nearest.face;
 }
 
 Mat3<double> SelfContact::corners_of(const At& at, int triangle) const {
@@ -108,7 +40,7 @@ auto SelfContact::inverse(const Places& now, int layer) -> const Inverse& {
   Inverse& inverse_of = inverses_[std::size_t(layer)];
   if (inverse_of.pass == pass_) return inverse_of;
   inverse_of.pass = pass_;
-  const Eigen::Vector4i& v = layers_[std::size_t(layer)].corners;
+  const Eigen::Vector4i& v = layer_at(layer).corners;
   inverse_of.origin = now.of_vertex(v[0]);
   Mat3<double> edges;
   for (int c = 0; c < 3; ++c) edges.col(c) = now.of_vertex(v[c + 1]) - inverse_of.origin;
@@ -131,7 +63,7 @@ Eigen::Vector4d SelfContact::Inverse::weights(const Vec3d& x) const {
 bool SelfContact::is_close(const Places& now, const Mat3<double>& corners, int layer) {
   const Inverse& tet = inverse(now, layer);
   Mat34<double> x;
-  for (int c = 0; c < 4; ++c) x.col(c) = now.of_vertex(layers_[std::size_t(layer)].corners[c]);
+  for (int c = 0; c < 4; ++c) x.col(c) = now.of_vertex(layer_at(layer).corners[c]);
   bool is_any = false;
   visit_centroids(divisions, [&](int, const Vec3d& weights) {
     const Vec3d point = corners * weights;
@@ -156,7 +88,7 @@ void SelfContact::find_near_pairs(const At& at, const CloseOnes& ones, const Mat
   for (int i : close_of(ones)) {
     Pair& pair = pairs_[std::size_t(i)];
     Mat34<double> x;
-    for (int c = 0; c < 4; ++c) x.col(c) = at.places.of_vertex(layers_[std::size_t(pair.layer)].corners[c]);
+    for (int c = 0; c < 4; ++c) x.col(c) = at.places.of_vertex(layer_at(pair.layer).corners[c]);
     bool is_parted = gap_beyond(x, pair.face, points) > near_;
     for (int face = 0; face < 4 && !is_parted; ++face) {
       is_parted = gap_beyond(x, face, points) > near_;
@@ -219,8 +151,8 @@ bool SelfContact::find_pair(const CloseOnes& ones, Touch& touch) const {
   };
   const auto is_in = [&](int pair) {
     if (insides_of(pair) <= 0 || !(insides_of(pair) >> touch.number & 1)) return false;
-    const Layer& layer = layers_[std::size_t(pairs_[std::size_t(close_[std::size_t(pair)])].layer)];
-    return layer.lips == 0 || is_filled(layer, layer.rest * weights_in(pair, touch.weights));
+    const BoundaryLayer::Tet& layer = layer_at(pairs_[std::size_t(close_[std::size_t(pair)])].layer);
+    return layer.lips == 0 || boundary_.is_filled(layer, layer.rest * weights_in(pair, touch.weights));
   };
   const int end = ones.first + ones.count;
   if (touch.anchor)
@@ -244,12 +176,12 @@ bool SelfContact::find_kept_face(const At& at, const CloseOnes& ones, Touch& tou
   for (int i = ones.first; i < ones.first + ones.count; ++i) {
     const Pair& pair = pairs_[std::size_t(close_[std::size_t(i)])];
     if (pair.tet != touch.anchor->in) continue;
-    const Layer& layer = layers_[std::size_t(pair.layer)];
+    const BoundaryLayer::Tet& layer = layer_at(pair.layer);
     if (insides_of(i) < 0) return false;
-    for (int f = layer.first; f < layer.first + layer.count; ++f) {
-      const FaceOwner& owner = triangles[std::size_t(faces_[std::size_t(f)])].owner;
+    for (int f : boundary_.faces_of(layer)) {
+      const FaceOwner& owner = triangles[std::size_t(f)].owner;
       if (owner.tet != touch.anchor->face_tet || owner.code != touch.anchor->face_code) continue;
-      touch.face = faces_[std::size_t(f)];
+      touch.face = f;
       touch.pair = i;
       touch.layer = pair.layer;
       touch.corner_weights = weights_in(i, touch.weights);
@@ -266,7 +198,7 @@ bool SelfContact::find_touch(const At& at, const CloseOnes& ones, const Vec3d& x
   touch.held = memory_.held().any() ? memory_.held().at(triangle.points, touch.weights) : 0;
   const bool is_in = find_pair(ones, touch);
   if (is_in) {
-    const Vec3d rest = layers_[std::size_t(touch.layer)].rest * touch.corner_weights;
+    const Vec3d rest = layer_at(touch.layer).rest * touch.corner_weights;
     touch.face = nearest_face(points_per_triangle * number + touch.number, touch.layer, rest);
     if (touch.face < 0) return false;
   } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, ones, touch))) {
@@ -328,7 +260,7 @@ void SelfContact::remember(const At& at, const Touch& touch, const Vec3d& slip) 
   anchor.at = slip;
   anchor.face_tet = face.tet;
   anchor.face_code = face.code;
-  anchor.in = layers_[std::size_t(touch.layer)].tet;
+  anchor.in = layer_at(touch.layer).tet;
   if (at.law.hold > 0)
     memory_.held().add(touch.candidate->triangle, triangle.points, touch.weights,
                        touch.area * touch.stiffness, touch.depth);

@@ -28,6 +28,7 @@
 #include <bit>
 #include <span>
 
+#include "lobe/contact/boundary_layer.h"
 #include "lobe/contact/contact_law.h"
 #include "lobe/contact/contact_memory.h"
 #include "lobe/contact/contact_surface.h"
@@ -78,20 +79,6 @@ class SelfContact {
   ContactMemory& memory() { return memory_; }
 
  private:
-  struct Layer {  // a tetrahedron with a corner on the boundary
-    Index tet = -1;
-    Eigen::Vector4i corners;
-    Mat34<double> rest;           // its corners [m]
-    int first = 0, count = 0;     // in faces_: triangles of the surface that may be nearest to a point in it
-    int first_lip = 0, lips = 0;  // in lips_: its cut faces, if it is filled in part
-  };
-  struct Plane {  // of a triangle at rest
-    Vec3d normal, corner;
-  };
-  struct Ball {  // around one
-    Vec3d centre;
-    double radius;
-  };
   struct Pair {
     int candidate = 0, layer = 0;
     Index tet = -1;         // of the layer
@@ -150,10 +137,10 @@ class SelfContact {
     Mat3<double> speeds;  // of its corners, if they are asked for [m/s]
     Mat3<double> forces;  // on them [N]
   };
-  struct NearestFace {  // of a point of a triangle where it was at rest
-    int layer = -1, face = -1;
-    Vec3d rest = Vec3d::Zero();
-    double room = 0;  // no other is nearer if it is within that of there [m]
+  struct KnownFace {  // nearest to a point of a triangle where it was at rest
+    int layer = -1;
+    Vec3d rest = Vec3d::Zero();  // [m]
+    BoundaryLayer::Nearest nearest;
   };
   struct Touch {
     const Candidate* candidate = nullptr;
@@ -179,15 +166,7 @@ class SelfContact {
   };
 
   static const std::array<Vec3d, points_per_triangle>& point_weights();
-  void place_at_rest(const ContactSurface& surface, const Elements& elements);
-  void find_faces(Layer& layer);
-  int layer_of(Index tet) const;
-  void find_lips(const ContactSurface& surface, const Elements& elements);
-  Vec3d middle_of_filled(const Layer& layer) const;
-  bool is_filled(const Layer& layer, const Vec3d& rest) const;
-  std::vector<int> vertices_around(const ContactSurface& surface, int triangle);
-  void list_own_layers(const ContactSurface& surface);
-  bool is_on_its_side(const ContactSurface& surface, int triangle, const Layer& layer) const;
+  const BoundaryLayer::Tet& layer_at(int layer) const { return boundary_.tets()[std::size_t(layer)]; }
   void divide_into_parts(const ContactSurface& surface);
   void number_places(const ContactSurface& surface);
   void measure(const At& at, double ahead);
@@ -225,9 +204,7 @@ class SelfContact {
   std::span<const int> close_of(const CloseOnes& ones) const {
     return {close_.data() + ones.first, std::size_t(ones.count)};
   }
-  int face_at(const Layer& layer, const Vec3d& rest, double& square) const;
   int nearest_face(int point, int layer, const Vec3d& rest);
-  double room_about(const Layer& layer, const Vec3d& rest, int nearest, double square) const;
   Mat3<double> corners_of(const At& at, int triangle) const;
   Mat3<double> corners_placed(const ContactSurface& surface, int triangle) const;
   // Of the triangle between its outermost points, by its own corners.
@@ -263,14 +240,8 @@ class SelfContact {
   Vec3d slip_of(const At& at, const Touch& touch, const Vec3d& speed, double pressure) const;
 
   double friction_;
-  std::vector<Layer> layers_;
-  std::vector<Index> vertices_;                   // of the layers
-  std::vector<Plane> planes_;                     // per triangle of the surface
-  std::vector<Mat3<double>> rest_;                // their corners [m]
-  std::vector<int> faces_, lips_;                 // of the layers
-  std::vector<int> first_around_, around_;        // triangles around each point of the surface
-  std::vector<int> first_of_vertex_, of_vertex_;  // and around each vertex of the mesh
-  std::vector<int> first_own_, own_;              // per triangle: tetrahedra that it never touches
+  BoundaryLayer boundary_;
+  std::vector<Index> vertices_;  // of its tetrahedra
 
   // Parts: of near tetrahedra with what triangles they own.
   PartMotion parts_;
@@ -304,9 +275,8 @@ class SelfContact {
   std::vector<double> now_, speeds_, forces_;  // [m], [m/s], [N]
   std::vector<FaceNow> faces_now_;             // per triangle of the surface
   std::vector<int> pressed_faces_;
-  std::vector<NearestFace> nearest_;  // per point
-  std::vector<Ball> balls_;           // around each triangle at rest
-  std::vector<int> near_pairs_;       // scratch: of a candidate, that no plane is known to part
+  std::vector<KnownFace> known_faces_;  // per point
+  std::vector<int> near_pairs_;         // scratch: of a candidate, that no plane is known to part
   std::vector<Inverse> inverses_;
   int pass_ = 0;       // of all touches
   int look_ = 0;       // number of the look
@@ -327,7 +297,7 @@ class SelfContact {
   std::vector<Planes> face_planes_;  // per layer
   std::vector<Four> fours_;
   std::vector<int> first_four_;  // per part
-  std::vector<int> stamp_of_vertex_, stamp_of_layer_;
+  std::vector<int> stamp_of_layer_;
   struct Found {
     int triangle, layer;
     float gap;  // or less [m]
@@ -381,8 +351,7 @@ void SelfContact::visit_stiffness(const At& at, AtPoint&& at_point, AtVertex&& a
     for (int c = 0; c < 3; ++c)
       at_point(triangles[std::size_t(touch.candidate->triangle)].points[c], touch.weights[c], K);
     if (friction_ == 0) return;
-    for (int c = 0; c < 4; ++c)
-      at_vertex(layers_[std::size_t(touch.layer)].corners[c], touch.corner_weights[c], across);
+    for (int c = 0; c < 4; ++c) at_vertex(layer_at(touch.layer).corners[c], touch.corner_weights[c], across);
   });
 }
 
@@ -398,7 +367,7 @@ void SelfContact::visit_close(const At& at, Triangle&& triangle, Tetrahedron&& t
       const Pair& pair = pairs_[std::size_t(i)];
       if (!is_close(at.places, corners, pair.layer)) continue;
       is_any_close = true;
-      tetrahedron(layers_[std::size_t(pair.layer)].corners);
+      tetrahedron(layer_at(pair.layer).corners);
     }
     if (is_any_close) triangle(candidate.triangle);
   }

@@ -17,7 +17,7 @@ void SelfContact::search(const ContactSurface& surface) {
 }
 
 void SelfContact::find_boxes() {
-  face_planes_.resize(layers_.size());
+  face_planes_.resize(boundary_.tets().size());
   for (Four& four : fours_) {
     four.low[0] = four.low[1] = four.low[2] =
         Eigen::Array4f::Constant(std::numeric_limits<float>::infinity());
@@ -78,8 +78,7 @@ Mat3<double> SelfContact::corners_placed(const ContactSurface& surface, int tria
 }
 
 void SelfContact::find_pairs_of(const ContactSurface& surface, int triangle) {
-  for (int i = first_own_[std::size_t(triangle)]; i < first_own_[std::size_t(triangle) + 1]; ++i)
-    stamp_of_layer_[std::size_t(own_[std::size_t(i)])] = triangle;
+  for (int layer : boundary_.own_of(triangle)) stamp_of_layer_[std::size_t(layer)] = triangle;
   const Mat3<double> corners = outermost(corners_placed(surface, triangle));
   const Mat3<float> x = corners.cast<float>();
   const Vec3d across = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
@@ -162,7 +161,7 @@ void SelfContact::take_candidates(const ContactSurface& surface) {
     const std::size_t number = pairs_.size();
     pairs_.push_back({.candidate = static_cast<int>(candidates_.size()) - 1,
                       .layer = found.layer,
-                      .tet = layers_[std::size_t(found.layer)].tet,
+                      .tet = layer_at(found.layer).tet,
                       .face = static_cast<std::uint8_t>(found.face),
                       .gap = gap > found.gap ? gap : found.gap});
     if (number % PairBlock::width == 0) blocks.emplace_back();

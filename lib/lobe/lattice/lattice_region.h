@@ -196,7 +196,6 @@ class LatticeRegion {
   void make_lattice_anew(const Elements& elements, Nodes<Real>& nodes);
   MovingMasses in_motion_before(const Elements& elements, const Embedding& former, const VertexRoles& wanted,
                                 const std::vector<double>& mass, const Motion<Real>& motion) const;
-  Vec3d lattice_displacement(const Elements& elements, Index v, const Mat3X<Real>& q) const;
   void note_lost(const Elements& elements, const Mat3X<Real>& faded_before, const Motion<Real>& motion);
   Mat3<double> rotation_of(Index part, const Mat3X<Real>& q) const;
   void build(const Elements& elements);

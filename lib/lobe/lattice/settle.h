@@ -22,7 +22,6 @@ void settle(const Elements& elements, const Lattice& lattice, const Embedding& e
 class MovingMasses {
  public:
   void add(double mass, const Vec3d& x, const Vec3d& v) { own_.push_back({mass, x, v}); }  // [kg], [m], [m/s]
-  std::size_t count() const { return own_.size(); }
 
   struct Momentum {
     Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();  // [N s], about the origin [N m s]

@@ -132,7 +132,7 @@ void TwoGrid::find_stiffness(const Elements& elements) {
         if (n >= m) blocks.at(n, m) += shape.volume * hooke_block<double>(of_n, of_m, lambda, law.mu);
   }
   stiffness_ = blocks.lower_triangle();
-  if (node_count() == 0) return;
+  if (lattice_.node_count() == 0) return;
   factor_ = make_supernodal();
   factor_->analyse(stiffness_);
 }

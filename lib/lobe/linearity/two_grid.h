@@ -29,7 +29,6 @@ class TwoGrid {
 
   void clear_held(Mat3X<double>& x) const;  // makes its held components zero
 
-  Index node_count() const { return lattice_.node_count(); }
   Index vertex_count() const { return static_cast<Index>(mass_.size()); }  // of the mesh it was made for
   const std::vector<double>& mass() const { return mass_; }                // per vertex [kg]
 

@@ -43,9 +43,6 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
                        [](const Material& material) { return material.law == MaterialLaw::neo_hookean; });
     case Option::automatic:
       return place_if(scene.auto_regions.has_value(), "/regions/auto");
-    case Option::scalpel:
-      return places_in(scene.tools, "/tools", "type",
-                       [](const Tool& tool) { return tool.type == ScalpelSetup::type; });
     case Option::stored:
       return place_if(scene.evaluator == Evaluator::stored, "/evaluator");
     case Option::sleep:

@@ -77,8 +77,6 @@ const char* name(Option option) {
       return "\"mass_scaling\"";
     case Option::force_terms:
       return "a probe, a force term or springs";
-    case Option::scalpel:
-      return "\"type\": \"scalpel\"";
     case Option::implicit:
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:
@@ -108,7 +106,6 @@ Options options_of(const Setup& setup) {
   used.add(Option::selective_mass, setup.selective_mass > 1);
   used.add(Option::mass_scaling, setup.mass_scaling > 0);
   used.add(Option::force_terms, !setup.probes.empty() || setup.contact.is_on());
-  used.add(Option::scalpel, !setup.scalpels.empty());
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;
 }

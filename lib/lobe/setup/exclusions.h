@@ -29,7 +29,6 @@ enum class Option : std::uint8_t {
   selective_mass,
   mass_scaling,
   force_terms,  // World::add(), springs
-  scalpel,
   implicit,
   single_precision,
   static_solution

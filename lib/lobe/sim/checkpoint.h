@@ -85,7 +85,6 @@ class CheckpointRing {
   void clear() { entries_.clear(); }
   std::size_t size() const { return entries_.size(); }
   std::size_t bytes() const;
-  double earliest() const { return entries_.empty() ? 0 : entries_.front().checkpoint.state.time; }  // [s]
 
  private:
   std::size_t most_;

@@ -27,9 +27,7 @@ void World<Real>::perform(const SetRegion& command) {
 
 template <class Real>
 void World<Real>::refuse_precomputed(const std::vector<Index>& tets) const {
-  Options used = options_of(setup_);
-  used.add(Option::scalpel, blades_ != nullptr);
-  refuse_excluded(Option::precomputed, used, "region");
+  refuse_excluded(Option::precomputed, options_of(setup_), "region");
   Elements changed = elements();
   for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
   refuse_unsupported(changed, held());

@@ -7,8 +7,7 @@
 
 namespace lobe {
 
-void BringScalpel::check(Index, const Options& used) const {
-  refuse_excluded(Option::scalpel, used, "scalpel");
+void BringScalpel::check(Index, const Options&) const {
   if (!pose.tip.allFinite() || !pose.heel.allFinite() || pose.tip == pose.heel ||
       !(snap >= least_snap && snap <= most_snap))
     throw InputError("scalpel",

@@ -50,16 +50,8 @@ struct MappedBody {
 
   // All steps of a move.
   std::vector<Incised> cut_whole(const BladeMove& move) {
-    const int steps = blades.steps(move);
     std::vector<Incised> all;
-    BladeMove step = move;
-    for (int i = 1; i <= steps; ++i) {
-      const double share = double(i) / steps;
-      step.to = {move.from.tip + share * (move.to.tip - move.from.tip),
-                 move.from.heel + share * (move.to.heel - move.from.heel)};
-      all.push_back(cut(step));
-      step.from = step.to;
-    }
+    for (const BladeMove& step : blades.steps(move)) all.push_back(cut(step));
     return all;
   }
 
@@ -107,7 +99,8 @@ TEST_CASE("a step is two edges long where a blade sweeps a plane, and shorter wh
   const double edge = body.blades.grains.mean_edge();
   const BladePose from{{0, 0, -0.1}, {0, 0, 0.1}};
   const auto steps_to = [&](const Vec3d& of_tip, const Vec3d& of_heel) {
-    return body.blades.steps({0, 0, 0.1, from, {from.tip + edge * of_tip, from.heel + edge * of_heel}});
+    return body.blades.steps({0, 0, 0.1, from, {from.tip + edge * of_tip, from.heel + edge * of_heel}})
+        .size();
   };
   const Vec3d along(1, 0, 0);
   CHECK(steps_to(Vec3d::Zero(), Vec3d::Zero()) == 1);
@@ -244,6 +237,43 @@ TEST_CASE("full strokes of blades, in frames and their steps, part ordered cubes
     const int n = 4 + int(trial % 3);
     CHECK(
         is_parted(trial, trial % 10 == 9 ? organs[trial / 10 % 3] : box_mesh(Vec3d::Constant(0.1), n, n, n)));
+  }
+}
+
+// Each goes on while others divide the tetrahedra that it has cut half.
+TEST_CASE("blades that cross each other on their way, two or three at once, part the body all the same") {
+  for (unsigned trial = 0; trial < 60; ++trial) {
+    CAPTURE(trial);
+    std::mt19937 random(trial);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const int n = 4 + int(trial % 4), frames = 4 + int(trial % 7) * 3, blades = 2 + int(trial % 2);
+    MappedBody body(trial % 3 == 0 ? box_mesh(Vec3d::Constant(0.1), n, n, n) : irregular_box(n, 0.1 / n),
+                    false);
+    const Vec3d middle = Vec3d::Constant(0.05);
+    std::array<Vec3d, 3> normals, ways;  // of the sheets, and along them
+    for (int tool = 0; tool < blades; ++tool) {
+      Vec3d& normal = normals[std::size_t(tool)];
+      for (int d = 0; d < 3; ++d) normal[d] = (d == tool) + 0.2 * uniform(random);
+      normal.normalize();
+      ways[std::size_t(tool)] = normal.unitOrthogonal();
+    }
+    const auto pose = [&](int tool, int i) {
+      const Vec3d &normal = normals[std::size_t(tool)], &way = ways[std::size_t(tool)];
+      const Vec3d at = middle + 0.2 * (2.0 * i / frames - 1) * way, edge = 0.2 * normal.cross(way);
+      return BladePose{body.F * (at - edge), body.F * (at + edge)};
+    };
+    for (int i = 0; i < frames; ++i)
+      for (int tool = 0; tool < blades; ++tool)
+        body.cut_whole({tool, 0, 0.1, pose(tool, i), pose(tool, i + 1)});
+    const Grains& grains = body.blades.grains;
+    for (int tool = 0; tool < blades; ++tool)
+      CHECK_FALSE(
+          has_bridge(grains, [&](const Vec3d& X) { return normals[std::size_t(tool)].dot(X - middle); }));
+    const Rebuilt rebuilt(grains, body.elements.topology);
+    CHECK(rebuilt.faults == 0);
+    CHECK(rebuilt.odd_edges == 0);
+    CHECK(rebuilt.pieces == Index(body.elements.topology.pieces().size()));
+    CHECK(rebuilt.pieces >= 1 << blades);
   }
 }
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
+
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -43,11 +46,20 @@ Eigen::AlignedBox3d box_around(std::span<const PlacedTets::PlacedGrain> of_tet) 
 
 }  // namespace
 
-int Blades::steps(const BladeMove& move) const {
+std::vector<BladeMove> Blades::steps(const BladeMove& move) const {
   const Vec3d of_tip = move.to.tip - move.from.tip, of_heel = move.to.heel - move.from.heel;
   const double way = std::max(of_tip.norm(), of_heel.norm()), turn = (of_heel - of_tip).norm();
-  return static_cast<int>(
-      std::clamp(std::ceil(std::max(way / 2, 2 * turn) / grains.mean_edge()), 1.0, 1000.0));
+  const int count =
+      static_cast<int>(std::clamp(std::ceil(std::max(way / 2, 2 * turn) / grains.mean_edge()), 1.0, 1000.0));
+  std::vector<BladeMove> steps(std::size_t(count), move);
+  BladePose from = move.from;
+  for (int i = 0; i < count; ++i) {
+    const double share = double(i + 1) / count;
+    BladeMove& step = steps[std::size_t(i)];
+    step.from = from;
+    from = step.to = {move.from.tip + share * of_tip, move.from.heel + share * of_heel};
+  }
+  return steps;
 }
 
 BladePose Blades::start_of(const BladeMove& move, const BodyNow& body) const {
@@ -64,6 +76,7 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   if (!stroke) return std::nullopt;
   stroke->goes_on = true;
   const std::vector<Row>& rows = stroke->rows;
+  Incised caught_up = catch_up(*stroke, step, body);
   const std::vector<Vec3d> from = places_of(rows.back(), body);
   Row now = places_at(step.to, *stroke, rows.back().size());
   std::vector<Vec3d> there;
@@ -71,7 +84,7 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   for (const BladePoint& station : now) there.push_back(station.place);
   double way = 0;  // beyond that of the tissue
   for (std::size_t i = 0; i < there.size(); ++i) way = std::max(way, (there[i] - from[i]).norm());
-  if (way < least_way * grains.mean_edge()) return Incised{};
+  if (way < least_way * grains.mean_edge()) return caught_up;
   SweptSheets swept;
   swept.begin_with(rows.size() - 1, [&](std::size_t i) { return places_of(rows[i], body); });
   swept.add(from);
@@ -84,9 +97,58 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
     find_in_body(now, tets);
     incised = incise(grains, blade, swept, tets);
   }
+  stroke->points_seen = grains.point_count();
+  incised.follow(std::move(caught_up));
   incised.way = way_of(now, rows.back(), there, from);
   keep(std::move(now), rows.size() > 1 ? swept.row(rows.size() - 2) : std::vector<Vec3d>{}, *stroke);
   return incised;
+}
+
+// Of a tetrahedron that a blade has cut half, the sheet says where it was cut only at the edges that it has
+// crossed. If another stroke has divided the rest since, new edges cross the sheet behind the blade: they are
+// cut now, and what has come between faces that wait is opened.
+Incised Blades::catch_up(Stroke& stroke, const BladeMove& step, const BodyNow& body) {
+  const Index since = std::exchange(stroke.points_seen, grains.point_count());
+  if (since == grains.point_count()) return {};
+  std::vector<Index> divided, tets;
+  for (Index p = since; p < grains.point_count(); ++p)
+    divided.insert(divided.end(), grains.around(p).begin(), grains.around(p).end());
+  sort_unique(divided);
+  find_stations_again(stroke, divided);
+  if (stroke.rows.size() < 2) return {};
+  SweptSheets swept;
+  Eigen::AlignedBox3d box;
+  for (const Row& row : stroke.rows) {
+    std::vector<Vec3d> places = places_of(row, body);
+    for (const Vec3d& p : places) box.extend(p);
+    swept.add(std::move(places));
+  }
+  for (Index grain : divided) tets.push_back(grains[grain].element);
+  sort_unique(tets);
+  std::erase_if(tets, [&](Index t) {
+    if (!body.corners) return false;
+    const Mat34<double> x = body.corners(t);
+    return !box.intersects({x.rowwise().minCoeff(), x.rowwise().maxCoeff()});
+  });
+  Blade blade{stroke.bit, step.snap, step.along_faces, false, stroke.begun};
+  blade.since = since;
+  Incised incised = incise(grains, blade, swept, PlacedTets(grains, tets, body.placement, body.corners));
+  incised.caught_up = std::exchange(incised.incision, {});
+  stroke.points_seen = grains.point_count();
+  return incised;
+}
+
+// A station stays where it is in the material. The grain that it was in may have been divided.
+void Blades::find_stations_again(Stroke& stroke, const std::vector<Index>& divided) const {
+  for (Row& row : stroke.rows)
+    for (BladePoint& station : row) {
+      if (station.grain < 0 || !std::binary_search(divided.begin(), divided.end(), station.grain) ||
+          is_in(grains, station.grain, station.rest))
+        continue;
+      const auto in = std::find_if(divided.begin(), divided.end(),
+                                   [&](Index grain) { return is_in(grains, grain, station.rest); });
+      if (in != divided.end()) station.grain = *in;
+    }
 }
 
 Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
@@ -100,6 +162,7 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   stroke.tool = step.tool;
   stroke.number = step.stroke;
   stroke.begun = begun_++;
+  stroke.points_seen = grains.point_count();
   while (taken >> stroke.bit & 1) ++stroke.bit;
   const double length = (step.from.heel - step.from.tip).norm();
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
@@ -250,7 +313,7 @@ bool Blades::fits(const State& state, const Grains* grains) {
   };
   for (const Stroke& stroke : state.strokes) {
     if (stroke.bit < 0 || stroke.bit >= Grains::most_strokes || stroke.rows.empty() || stroke.begun < 0 ||
-        stroke.begun >= state.begun)
+        stroke.begun >= state.begun || stroke.points_seen < 0 || stroke.points_seen > grains->point_count())
       return false;
     for (const Row& row : stroke.rows)
       if (row.size() < 2 || row.size() != stroke.rows.front().size() ||

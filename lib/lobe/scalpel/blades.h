@@ -35,9 +35,9 @@ class Blades {
 
   // The edge from which a move goes on. The tissue may have carried it along.
   BladePose start_of(const BladeMove& move, const BodyNow& body) const;
-  // The number of steps of a move. What a blade sweeps without turning is flat, however far it goes. So a
-  // step goes as far as two edges, but displacements of the blade's ends differ by half an edge at most.
-  int steps(const BladeMove& move) const;
+  // The steps of a move. What a blade sweeps without turning is flat, however far it goes. So a step goes as
+  // far as two edges, but displacements of the blade's ends differ by half an edge at most.
+  std::vector<BladeMove> steps(const BladeMove& move) const;
   // Performs one step. The caller then divides the tetrahedra that were opened. Does nothing while 32 other
   // strokes go on.
   std::optional<Incised> cut(const BladeMove& step, const BodyNow& body);
@@ -55,12 +55,13 @@ class Blades {
   using Row = std::vector<BladePoint>;
   struct Stroke {
     int tool = 0, number = 0, bit = 0, rows_made = 0;
-    Index begun = 0;  // how many of the body began before
+    Index begun = 0;        // how many of the body began before
+    Index points_seen = 0;  // of the grains, after its last step
     bool goes_on = true;
     std::vector<Row> rows;  // the last few that the edge has left behind, the present one last
     static constexpr auto fields =
         std::tuple(&Stroke::tool, &Stroke::number, &Stroke::bit, &Stroke::rows_made, &Stroke::begun,
-                   &Stroke::goes_on, &Stroke::rows);
+                   &Stroke::points_seen, &Stroke::goes_on, &Stroke::rows);
   };
   struct State {  // with the grains, all that a later step depends on
     std::vector<std::uint32_t> on;
@@ -74,6 +75,8 @@ class Blades {
 
  private:
   Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
+  Incised catch_up(Stroke& stroke, const BladeMove& step, const BodyNow& body);
+  void find_stations_again(Stroke& stroke, const std::vector<Index>& divided) const;
   std::vector<Index> tets_near(const SweptSheets& swept, const Blade& blade, const BodyNow& body) const;
   Row places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const;
   void find_in_body(Row& row, const PlacedTets& tets) const;

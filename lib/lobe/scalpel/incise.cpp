@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 
 #include "lobe/scalpel/crumbs.h"
 #include "lobe/sort_unique.h"
@@ -19,7 +20,9 @@ class Step {
         sheet_(swept.last()),
         swept_(swept),
         last_(blade.looks_back ? swept.before_last() : nullptr),
-        tets_(tets) {}
+        tets_(tets) {
+    if (catches_up()) all_ = swept.all();
+  }
   Incised cut();
 
  private:
@@ -49,15 +52,20 @@ class Step {
   };
 
   Vec3d place(Index grain, const Vec3d& X) const { return tets_.of(grains_[grain].element)(X); }
+  bool catches_up() const { return blade_.since >= 0; }
+  bool is_new(Index point) const { return point >= blade_.since; }
   bool is_on(const Point& point) const { return point.was_on || point.is_on; }
   bool are_apart(const Point& a, const Point& b) const {  // not on one side of the sheets
-    return a.side == 0 || a.side != b.side || (last_ && (a.last_side == 0 || a.last_side != b.last_side));
+    return catches_up() || a.side == 0 || a.side != b.side ||
+           (last_ && (a.last_side == 0 || a.last_side != b.last_side));
   }
   Mark* mark_of(const Edge& edge);
   Mark* mark_of(const Near& near, int a, int b);
   bool is_near_grain(Index grain) const;
   bool is_crossed(Index a, Index b);
   std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
+  bool may_be_cut(Index grain, const Mat34<double>& x, double reach) const;
+  double distance_of(const Point& point, double within) const;
 
   void find_near();
   void put_on();
@@ -77,7 +85,8 @@ class Step {
   const Blade blade_;
   const Sheet& sheet_;
   const SweptSheets& swept_;
-  const Sheet* last_;  // none: there is no need of it
+  const Sheet* last_;              // none: there is no need of it
+  std::vector<const Sheet*> all_;  // where it catches up
   const PlacedTets& tets_;
   std::vector<Point> points_;  // of grains near the sheet
   std::vector<Near> near_;     // by their grains
@@ -106,8 +115,30 @@ bool Step::is_near_grain(Index grain) const {
 }
 
 std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
+  for (const Sheet* sheet : all_)
+    if (const std::optional<double> share = sheet->crossing(p, q)) return share;
+  if (catches_up()) return {};
   const std::optional<double> share = sheet_.crossing(p, q);
   return share || !last_ ? share : last_->crossing(p, q);
+}
+
+bool Step::may_be_cut(Index grain, const Mat34<double>& x, double reach) const {
+  const Eigen::Vector4i& points = grains_[grain].points;
+  if (catches_up()) return std::any_of(points.begin(), points.end(), [&](Index p) { return is_new(p); });
+  return sheet_.may_reach(x, reach) || (last_ && last_->may_reach(x, reach));
+}
+
+// From the sheets that put points on; infinite where it is above `within` [m].
+double Step::distance_of(const Point& point, double within) const {
+  const auto distance_from = [&](const Sheet& sheet) {
+    const bool is_far =
+        sheet.beyond(point.x) >= within || sheet.box().squaredExteriorDistance(point.x) >= within * within;
+    return is_far ? std::numeric_limits<double>::infinity() : sheet.distance(point.x, within);
+  };
+  if (!catches_up()) return distance_from(sheet_);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Sheet* sheet : all_) least = std::min(least, distance_from(*sheet));
+  return least;
 }
 
 void Step::find_near() {
@@ -120,8 +151,7 @@ void Step::find_near() {
   for (const PlacedTets::Placed& placed : tets_)
     for (Index at = placed.begin; at < placed.end; ++at) {
       const auto& [grain, x] = tets_.grains()[std::size_t(at)];
-      if (placed.is_whole || sheet_.may_reach(x, reach) || (last_ && last_->may_reach(x, reach)))
-        found.push_back({grain, at});
+      if (placed.is_whole || may_be_cut(grain, x, reach)) found.push_back({grain, at});
     }
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.grain < b.grain; });
   near_.reserve(found.size());
@@ -154,10 +184,8 @@ void Step::put_on() {
   bool is_any_on = false;
   for (Point& point : points_) {
     const double within = blade_.snap * grains_.shortest_edge(point.number);
-    if (point.was_on || sheet_.beyond(point.x) >= within ||
-        sheet_.box().squaredExteriorDistance(point.x) >= within * within)
-      continue;
-    point.distance = sheet_.distance(point.x, within);
+    if (point.was_on || !is_new(point.number)) continue;
+    point.distance = distance_of(point, within);
     point.is_on = point.distance < within;
     is_any_on = is_any_on || point.is_on;
   }
@@ -208,7 +236,8 @@ void Step::find_crossed() {
           near.points[std::size_t(edge[0])], near.points[std::size_t(edge[1])],
           [&](Index i, Index j) { return points_[std::size_t(i)].number < points_[std::size_t(j)].number; });
       const Point &p = points_[std::size_t(a)], &q = points_[std::size_t(b)];
-      if (!is_on(p) && !is_on(q) && are_apart(p, q)) near.marks += is_crossed(a, b);
+      if (!is_on(p) && !is_on(q) && (is_new(p.number) || is_new(q.number)) && are_apart(p, q))
+        near.marks += is_crossed(a, b);
     }
   }
   std::sort(marks_.begin(), marks_.end(), [](const Mark& a, const Mark& b) { return a.edge < b.edge; });
@@ -364,34 +393,13 @@ Incised Step::cut() {
 
 }  // namespace
 
-PlacedTets::PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find,
-                       const CornerPlaces& corners)
-    : find_(std::move(find)) {
-  placed_.reserve(tets.size());
-  grains_.reserve(2 * tets.size());
-  for (Index t : tets) {
-    const auto begin = static_cast<Index>(grains_.size());
-    const std::span<const Index> of_tet = grains.of(t);
-    Placed& placed =
-        placed_.emplace_back(Placed{t, begin, begin + static_cast<Index>(of_tet.size()), false, {}});
-    placed.is_whole = of_tet.size() == 1 && grains[of_tet[0]].share == 1;
-    if (placed.is_whole && corners) {
-      grains_.push_back({of_tet[0], corners(t)});
-      continue;
-    }
-    const Placement& placement = of(placed);
-    for (Index grain : of_tet) {
-      const Eigen::Vector4i& points = grains[grain].points;
-      Mat34<double>& x = grains_.emplace_back(PlacedGrain{grain, {}}).x;
-      for (int k = 0; k < 4; ++k) x.col(k) = placement(grains.point(points[k]));
-    }
-  }
-}
-
-Placement PlacedTets::of(Index tet) const {
-  const auto at = std::lower_bound(placed_.begin(), placed_.end(), tet,
-                                   [](const Placed& placed, Index t) { return placed.tet < t; });
-  return at != placed_.end() && at->tet == tet ? of(*at) : find_(tet);
+void Incised::follow(Incised&& before) {
+  caught_up = std::move(before.caught_up);
+  opened.insert(opened.end(), before.opened.begin(), before.opened.end());
+  faces.insert(faces.end(), before.faces.begin(), before.faces.end());
+  area += before.area;
+  crumbs += before.crumbs;
+  refused += before.refused;
 }
 
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets) {

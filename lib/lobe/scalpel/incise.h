@@ -1,7 +1,7 @@
 // Performs one step of a blade through grains: finds the edges that it crosses and the faces that it opens.
 #pragma once
 
-#include "lobe/scalpel/grains.h"
+#include "lobe/scalpel/placed_tets.h"
 
 namespace lobe {
 
@@ -14,6 +14,9 @@ struct Blade {
   // of the end of that sheet. The last sheet finds the edges in between.
   bool looks_back = false;
   Index number = -1;  // the stroke's, of all strokes of the body
+  // −1: all edges near the last sheet may be cut. Otherwise only those of points from this number on are, by
+  // any of the sheets: of points that others have made since the last step.
+  Index since = -1;
 
   // The distance from the sheet within which grains may have to be divided [m]: there are the points that it
   // takes, and the edges that it crosses.
@@ -23,54 +26,8 @@ struct Blade {
   }
 };
 
-// Where the tetrahedra of the simulation are: an affine map of each.
-struct Placement {
-  Vec3d start, image;     // of corner 0, at rest and now [m]
-  Mat3<double> gradient;  // F
-  Vec3d operator()(const Vec3d& X) const { return image + gradient * (X - start); }
-};
-using Placements = std::function<Placement(Index element)>;
-using CornerPlaces = std::function<Mat34<double>(Index element)>;  // where they are now [m]
-
-// Tetrahedra in ascending order, each with where its grains are.
-class PlacedTets {
- public:
-  // Of tetrahedra that nothing has divided only the corners are asked for; without `corners`, the map.
-  PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find,
-             const CornerPlaces& corners = {});
-
-  struct Placed {
-    Index tet;
-    Index begin, end;  // of its grains
-    bool is_whole;
-    mutable std::optional<Placement> placement;  // found when it is asked for
-  };
-  struct PlacedGrain {
-    Index grain;
-    Mat34<double> x;  // of its points [m]
-  };
-  auto begin() const { return placed_.begin(); }
-  auto end() const { return placed_.end(); }
-  std::size_t size() const { return placed_.size(); }
-  const Placed& operator[](std::size_t i) const { return placed_[i]; }
-  const Placement& of(const Placed& placed) const {
-    if (!placed.placement) placed.placement = find_(placed.tet);
-    return *placed.placement;
-  }
-  Placement of(Index tet) const;  // of any
-  // As they were when these were placed.
-  std::span<const PlacedGrain> grains() const { return grains_; }
-  std::span<const PlacedGrain> grains_of(const Placed& tet) const {
-    return {grains_.data() + tet.begin, grains_.data() + tet.end};
-  }
-
- private:
-  std::vector<Placed> placed_;
-  std::vector<PlacedGrain> grains_;
-  Placements find_;
-};
-
 struct Incised {
+  Incision caught_up;  // comes before the other: of edges that other strokes have made behind the blade
   Incision incision;
   std::vector<Index> opened;  // the tetrahedra beside the faces that were opened
   double area = 0;            // of these faces, at rest [m²]
@@ -83,6 +40,8 @@ struct Incised {
   Index crumbs = 0;           // that would have been cut off
   Vec3d way = Vec3d::Zero();  // of the edge through the tissue, its mean [m]
   Index refused = 0;          // edges that were not bisected, of tetrahedra that would have too many grains
+  // Adds what was made up before.
+  void follow(Incised&& before);
 };
 
 // Cuts where the last sheet meets these tetrahedra: all that are within reach of it. Faces open where all

@@ -151,6 +151,12 @@ const Sheet& SweptSheets::sheet(std::size_t i) const {
   return *sheet;
 }
 
+std::vector<const Sheet*> SweptSheets::all() const {
+  std::vector<const Sheet*> sheets;
+  for (std::size_t i = rows_.size() - 1; i-- > 0;) sheets.push_back(&sheet(i));
+  return sheets;
+}
+
 bool SweptSheets::is_near(const Vec3d& p, double within) const {
   for (std::size_t i = rows_.size() - 1; i-- > 0;)
     if (box_of(i).squaredExteriorDistance(p) < within * within && sheet(i).distance(p, within) < within)

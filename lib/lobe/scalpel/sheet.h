@@ -119,6 +119,7 @@ class SweptSheets {
   }
   const Sheet& last() const { return sheet(rows_.size() - 2); }
   const Sheet* before_last() const { return rows_.size() > 2 ? &sheet(rows_.size() - 3) : nullptr; }
+  std::vector<const Sheet*> all() const;                                     // the last one first
   Eigen::AlignedBox3d last_box() const { return box_of(rows_.size() - 2); }  // around the last sheet [m]
   // Whether a point is nearer than that to any of them [m].
   bool is_near(const Vec3d& p, double within) const;

@@ -12,7 +12,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 20,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 21,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -51,6 +51,13 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   if (c.setup != journal_.setup)
     throw InputError("checkpoint", "is of another scene, mesh or version of them");
   check(c.state);
+  for (const auto& entry : c.terms) {
+    const bool is_own = entry.name == Contact<Real>::term_name || entry.name == AppliedForces<Real>().name();
+    const auto is_it = [&](const auto& term) { return term->name() == entry.name; };
+    if (!is_own && std::none_of(body_.terms.begin(), body_.terms.end(), is_it))
+      throw InputError("checkpoint",
+                       "has a force term \"" + entry.name + "\", which the world has not: add it");
+  }
   if (c.history != journal_.edits) {  // removed tetrahedra do not come back
     World fresh(initial_setup(), body_.parallel.threads());
     for (const Command& command : c.history) {
@@ -68,8 +75,8 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   take(c);
 }
 
-// Force terms that an application has added belong to it, and must exist. A term that is not in the
-// checkpoint keeps its state.
+// Force terms that an application has added belong to it. A term that is not in the checkpoint keeps its
+// state.
 template <class Real>
 void World<Real>::load_terms(const Checkpoint<Real>& c) {
   const AppliedForces<Real> none;

@@ -5,7 +5,6 @@
 
 #include "lobe/error.h"
 #include "lobe/scalpel/grain_cells.h"
-#include "lobe/setup/exclusions.h"
 #include "lobe/sim/hinges.h"
 #include "lobe/sim/world.h"
 
@@ -34,7 +33,6 @@ void divide_grains(const Incision& incision, Grains& grains) {
 template <class Real>
 Blades& World<Real>::blades() {
   if (!blades_) {
-    refuse_excluded(Option::scalpel, options_of(setup_), "scalpel");
     prepare_blades();
     blades_ = std::move(prepared_);
     begin_floor();
@@ -93,17 +91,11 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
   BladeMove whole = move;
   whole.from = blades().start_of(move, body_now());
   expand_ahead(whole);
-  const int steps = blades_->steps(whole);
   Index crumbs = 0;
   std::vector<Incision> incisions;
   std::vector<Index> opened;
-  BladeMove step = whole;
-  for (int i = 1; i <= steps; ++i) {
-    const double share = double(i) / steps;
-    step.to = {whole.from.tip + share * (whole.to.tip - whole.from.tip),
-               whole.from.heel + share * (whole.to.heel - whole.from.heel)};
+  for (const BladeMove& step : blades_->steps(whole)) {
     const std::optional<Incised> incised = blades_->cut(step, body_now());
-    step.from = step.to;
     if (!incised) {
       notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
       break;
@@ -113,11 +105,8 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
                                            " edges were not cut: a tetrahedron has at most " +
                                            std::to_string(most_grains) + " grains");
     crumbs += incised->crumbs;
-    if (incised->incision.empty()) {
-      tools_.cut_by(move.tool, {}, incised->way, step.to.tip);
-      continue;
-    }
-    incisions.push_back(incised->incision);
+    for (const Incision* made : {&incised->caught_up, &incised->incision})
+      if (!made->empty()) incisions.push_back(*made);
     opened.insert(opened.end(), incised->opened.begin(), incised->opened.end());
     report.cut_area += incised->area;
     tools_.cut_by(move.tool, work_of(*incised), incised->way, step.to.tip);

@@ -1,0 +1,60 @@
+// Where the grains of some tetrahedra are now.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lobe/scalpel/grains.h"
+
+namespace lobe {
+
+// Where the tetrahedra of the simulation are: an affine map of each.
+struct Placement {
+  Vec3d start, image;     // of corner 0, at rest and now [m]
+  Mat3<double> gradient;  // F
+  Vec3d operator()(const Vec3d& X) const { return image + gradient * (X - start); }
+};
+using Placements = std::function<Placement(Index element)>;
+using CornerPlaces = std::function<Mat34<double>(Index element)>;  // where they are now [m]
+
+// Tetrahedra in ascending order, each with where its grains are.
+class PlacedTets {
+ public:
+  // Of tetrahedra that nothing has divided only the corners are asked for; without `corners`, the map.
+  PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find,
+             const CornerPlaces& corners = {});
+
+  struct Placed {
+    Index tet;
+    Index begin, end;  // of its grains
+    bool is_whole;
+    mutable std::optional<Placement> placement;  // found when it is asked for
+  };
+  struct PlacedGrain {
+    Index grain;
+    Mat34<double> x;  // of its points [m]
+  };
+  auto begin() const { return placed_.begin(); }
+  auto end() const { return placed_.end(); }
+  std::size_t size() const { return placed_.size(); }
+  const Placed& operator[](std::size_t i) const { return placed_[i]; }
+  const Placement& of(const Placed& placed) const {
+    if (!placed.placement) placed.placement = find_(placed.tet);
+    return *placed.placement;
+  }
+  Placement of(Index tet) const;  // of any
+  // As they were when these were placed.
+  std::span<const PlacedGrain> grains() const { return grains_; }
+  std::span<const PlacedGrain> grains_of(const Placed& tet) const {
+    return {grains_.data() + tet.begin, grains_.data() + tet.end};
+  }
+
+ private:
+  std::vector<Placed> placed_;
+  std::vector<PlacedGrain> grains_;
+  Placements find_;
+};
+
+}  // namespace lobe

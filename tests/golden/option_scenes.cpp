@@ -1,5 +1,7 @@
 #include "condense/half_linear.h"
+#include "fibre_support.h"
 #include "golden/golden.h"
+#include "lattice/lattice_worlds.h"
 #include "linearity/liver.h"
 #include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/watch.h"
@@ -185,6 +187,49 @@ void add_blades(std::vector<GoldenRun>& runs) {
   add_golden(runs, "blade, nodal pressure", setup, frames, frame, nothing);
 }
 
+// The box with another law in both halves, which the same tools pull, cut and burn.
+void add_laws(std::vector<GoldenRun>& runs) {
+  Setup setup = box_with_blade(RegionModel::nonlinear);
+  for (auto& material : setup.materials) material.law = MaterialLaw::neo_hookean;
+  add_golden(runs, "neo-Hookean", setup, frames, frame, nothing);
+  setup = box_with_blade(RegionModel::tensor_mass);
+  std::fill(setup.materials.begin(), setup.materials.end(), fibrous());
+  setup.mesh.fibres = fibrous_setup(setup.mesh).mesh.fibres;
+  add_golden(runs, "fibres, tensor-mass half", setup, frames, frame, nothing);
+}
+
+// A reduced bar that is pulled, cut by a blade and burnt.
+void add_reduced(std::vector<GoldenRun>& runs) {
+  Setup setup = pulled_bar();
+  add_golden(runs, "reduced", setup, frames, frame, nothing);
+  setup.cauteries.push_back({"cautery", 0.006, {{0.2, {0.12, 0, 0.05}}, {0.3, {0.12, 0.03, 0.05}}}});
+  setup.scalpels.push_back({"blade",
+                            0.1,
+                            {{0.1, {0.081, -0.01, 0.06}}, {0.2, {0.081, -0.01, 0.015}}},
+                            {{0.082, 0.05, 0.06}, {0.082, 0.05, 0.015}}});
+  add_golden(runs, "reduced, blade and cautery", setup, frames, frame, nothing);
+}
+
+// Forces and springs that are set and moved while it runs, and a grasp that turns.
+void add_applied(std::vector<GoldenRun>& runs) {
+  Setup setup = box_of(RegionModel::tensor_mass);
+  add_grasp(setup);
+  const double half = std::sqrt(0.5);
+  setup.grasps[0].path[1].orientation = {half, 0, 0, half};
+  add_golden(runs, "a grasp that turns", setup, frames, frame, nothing);
+  setup = box_of(RegionModel::tensor_mass);
+  const Index end = setup.mesh.vertex_count() - 1;
+  const Vec3d at = setup.mesh.points.col(end);
+  add_golden(runs, "forces and springs", setup, frames, frame, [=](auto& world) {
+    return [&world, at, end](int i) {
+      if (i == 2) world.apply(SetForces{{{end, {0.05, 0, 0.02}}, {end - 3, {0, 0.03, 0}}}});
+      if (i == 5) world.apply(SetSprings{{{end, 20, at}}});
+      if (i > 5 && i < 12) world.apply(MoveSprings{at + 0.002 * (i - 5) * Vec3d(0, 1, 1)});
+      if (i == 15) world.apply(SetForces{});
+    };
+  });
+}
+
 }  // namespace
 
 std::vector<GoldenRun> option_scenes() {
@@ -195,6 +240,9 @@ std::vector<GoldenRun> option_scenes() {
   add_edits(runs);
   add_implicit(runs);
   add_blades(runs);
+  add_laws(runs);
+  add_reduced(runs);
+  add_applied(runs);
   return runs;
 }
 

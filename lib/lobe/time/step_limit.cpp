@@ -75,10 +75,13 @@ double StepLimit<Real>::at_end(Body& body) {
   return keep(body);
 }
 
+// When it is found again does not depend on when a tool was brought: what hands did has the same bits when it
+// is played as a scene, which has the tool from the start.
 template <class Real>
 bool StepLimit<Real>::holds(const Body& body) const {
   const Revisions& now = body.model.revisions;
-  return !body.sleep.is_on() && body.motion.time - frame_limit_.time < interval * (1 - 1e-9) &&
+  const auto number_of = [](double time) { return std::floor(time / interval + 1e-6); };
+  return !body.sleep.is_on() && number_of(body.motion.time) == number_of(frame_limit_.time) &&
          frame_limit_at_.structure == now.structure && frame_limit_at_.inertia == now.inertia &&
          frame_limit_at_.replaced == now.replaced;
 }

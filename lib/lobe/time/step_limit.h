@@ -27,9 +27,9 @@ class StepLimit {
   double find(Body& body);
   // The same from scratch, as a restored world computes it, so that both get the same bits.
   void find_anew(Body& body);
-  // ---- For frames. The limit is found again after `interval` of simulated time, about a frame of 60 Hz,
-  // because a pass over all tetrahedra costs as much as two or three steps. In between the last limit is
-  // used, while nothing is edited and nothing sleeps.
+  // ---- For frames. The limit is found once in each `interval` of simulated time, counted from 0: about a
+  // frame of 60 Hz, as a pass over all tetrahedra costs as much as two or three steps. In between the last
+  // one is used, while nothing is edited and nothing sleeps.
   static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? frame_limit_.limit : keep(body); }
@@ -61,8 +61,9 @@ class StepLimit {
   void restart_for_degree(Body& body);
 
   // Follows an edit; call it before the elements do. What a tetrahedron adds to the stiffness at its corners
-  // is removed with it, or moves to the copy of a vertex. Three cases need a pass over everything: nodal
-  // pressure, a pre-computed region, and the removal of the tetrahedron of the smallest volume ratio.
+  // is removed with it, or moves to the copy of a vertex. A pass over everything is needed with
+  // nodal pressure, a pre-computed or reduced region or a force term, and where the tetrahedron of the
+  // smallest volume ratio is removed.
   // `shares_before`: one for each of edit.shares, 0 of a new copy.
   void follow(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
   // Follows a change of the model of a tetrahedron, which change() performs.

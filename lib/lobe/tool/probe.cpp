@@ -32,7 +32,10 @@ ToolShape Probe::shape() const {
     case RigidShape::Kind::plane:
       return {};
     case RigidShape::Kind::jaws:
-      return {.radius = tip.size[0] / 2, .blade = tip.size[2] * Vec3d::UnitZ(), .jaw = tip.size};
+      return {.radius = tip.size[0] / 2,
+              .blade = tip.size[2] * Vec3d::UnitZ(),
+              .opening = opening_now(),
+              .jaw = tip.size};
     case RigidShape::Kind::box:
     case RigidShape::Kind::mesh:
       break;
@@ -78,7 +81,7 @@ std::vector<ProbeSetup> Probe::paths() const {
 }
 
 void Probe::append_bodies(double from, double to, std::vector<ToolBody>& bodies) const {
-  if (path.empty() || path.front().time > to || goes() < from) return;
+  if (path.empty() || path.front().time > to - just_before || goes() < from) return;
   const std::vector<PathPoint>& rows = path.recent();
   auto first = after(rows, from), last = after(rows, to);
   if (first != rows.begin()) --first;

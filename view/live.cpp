@@ -204,7 +204,7 @@ class LiveOf final : public Live {
                       {"force", array(hand.force)},
                       {"radius", hand.shape.radius},
                       {"blade", array(hand.shape.blade)}});
-      add_jaws(hand.shape.jaw, hand.pose.opening.value_or(hand.shape.opening), list.back());
+      add_jaws(hand.shape.jaw, hand.shape.opening, list.back());
     }
     int number = -1;  // of the scene's own, which no hand leads
     for (const ToolSnapshot& tool : picture.tools) {

@@ -48,9 +48,11 @@ void read(const Json& json, const std::string& place, std::string& value) {
   value = json.get<std::string>();
 }
 
-void read(const Json& json, const std::string& place, Vec3d& value) {
-  if (!json.is_array() || json.size() != 3) throw InputError(place, "must be three numbers");
-  for (int k = 0; k < 3; ++k)
+template <int count>
+void read(const Json& json, const std::string& place, Eigen::Matrix<double, count, 1>& value) {
+  if (!json.is_array() || json.size() != count)
+    throw InputError(place, count == 3 ? "must be three numbers" : "must be four numbers");
+  for (int k = 0; k < count; ++k)
     value[k] = number_in(json[std::size_t(k)], place + "/" + std::to_string(k), largest_number);
 }
 

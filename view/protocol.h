@@ -130,6 +130,25 @@ struct Touch {
   static constexpr auto fields =
       std::tuple(Field{"hand", &Touch::hand}, Field{"at", &Touch::at}, Field{"radius", &Touch::radius});
 };
+// A hand brings two jaws, open. They lie along z from the point `at`, above and below the plane y = 0.
+struct Jaws {
+  int hand = 0;
+  Vec3d at = Vec3d::Zero();                    // [m]
+  Eigen::Vector4d orientation = {0, 0, 0, 1};  // unit quaternion x, y, z, w
+  Vec3d size = Vec3d::Zero();                  // width, thickness and length of each [m]
+  double opening = 0;                          // how far they are apart [m]
+  static constexpr const char* name = "jaws";
+  static constexpr auto fields =
+      std::tuple(Field{"hand", &Jaws::hand}, Field{"at", &Jaws::at}, Field{"orientation", &Jaws::orientation},
+                 Field{"size", &Jaws::size}, Field{"opening", &Jaws::opening});
+};
+// A hand closes its jaws until they press on what is between them, or opens them.
+struct Close {
+  int hand = 0;
+  bool on = false;
+  static constexpr const char* name = "close";
+  static constexpr auto fields = std::tuple(Field{"hand", &Close::hand}, Field{"on", &Close::on});
+};
 // A hand moves what it holds: the place where it took hold, or the tip of a tool.
 struct Lead {
   int hand = 0;
@@ -266,9 +285,9 @@ struct Save {
   static constexpr auto fields = std::tuple(Field{"to", &Save::to});
 };
 
-using Any = std::variant<Seen, Take, Burn, Cut, Touch, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show,
-                         Skin, Control, HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend,
-                         PaintAll, Stroke, Undo, Propose, Apply, Save>;
+using Any = std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo, Pause, Step, Speed, Restart,
+                         Back, Show, Skin, Control, HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial,
+                         Mend, PaintAll, Stroke, Undo, Propose, Apply, Save>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

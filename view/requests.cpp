@@ -27,10 +27,12 @@ const RegionModel* model_of(const std::string& word) {
   return nullptr;
 }
 
-void check_radius(double radius) {
+void check_length(double length, const char* place) {
   constexpr double largest = 1;  // [m]
-  if (!(radius > 0) || radius > largest) throw InputError("/radius", "must be above 0 and at most 1 m");
+  if (!(length > 0) || length > largest) throw InputError(place, "must be above 0 and at most 1 m");
 }
+
+void check_radius(double radius) { check_length(radius, "/radius"); }
 
 }  // namespace
 
@@ -72,6 +74,18 @@ void Viewer::perform(ClientId, const request::Touch& what) {
   probe.shape = RigidShape::sphere(what.radius);
   probe.pose.position = what.at;
   send(bring_tool(static_cast<HandNumber>(what.hand), what.at, probe));
+}
+
+void Viewer::perform(ClientId, const request::Jaws& what) {
+  for (int k = 0; k < 3; ++k) check_length(what.size[k], "/size");
+  check_length(what.opening, "/opening");
+  constexpr double rough = 0.6;  // friction of jaws, whose faces are toothed
+  BringProbe jaws{"", RigidShape::jaws(what.size), {what.at, what.orientation, what.opening}, rough};
+  send(bring_tool(static_cast<HandNumber>(what.hand), what.at, jaws));
+}
+
+void Viewer::perform(ClientId, const request::Close& what) {
+  send({.kind = Kind::turn_on, .on = what.on, .hand = static_cast<HandNumber>(what.hand)});
 }
 
 void Viewer::perform(ClientId, const request::Lead& what) {

@@ -46,36 +46,44 @@ Vec3d forces_of_presses(const Shipped& palpation) {
   return most;
 }
 
+// The part of the body that lies left of the cut, which falls.
+struct FallenPiece {
+  double mass = 0;    // [kg]
+  double height = 0;  // of its centre [m]
+};
+
+FallenPiece fallen_piece(World<float>& world) {
+  FallenPiece piece;
+  const Elements& elements = world.elements();
+  const auto u = world.displacements();
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    if (!elements.topology.alive(t)) continue;
+    const Eigen::Vector4i corners = elements.topology.corners(t);
+    const Mat34<double> X = elements.points.view()(Eigen::all, corners);
+    if (X.row(0).mean() < 0.012) continue;
+    const double own = 1000 * std::abs((X.rightCols<3>().colwise() - X.col(0)).determinant()) / 6;
+    piece.mass += own;
+    for (int c = 0; c < 4; ++c) piece.height += own * (X(2, c) + double(u(2, corners[c]))) / 4;
+  }
+  piece.height /= piece.mass;
+  return piece;
+}
+
 struct PickedUp {
   double rise = 0;            // of the piece's middle since the jaws closed [m]
   double lift = 0, grip = 0;  // means while the jaws rise steadily [N]
   double weight = 0;          // of the piece [N]
 };
 
-// What fell is what lies left of the cut.
 PickedUp pick_up(const Shipped& shipped) {
   PickedUp result;
-  double before = 0, after = 0;
+  double before = 0;
   int frames = 0;
   shipped.play([&](World<float>& world) {
-    const Elements& elements = world.elements();
-    const auto u = world.displacements();
-    double mass = 0, moment = 0;
-    for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-      if (!elements.topology.alive(t)) continue;
-      const Eigen::Vector4i corners = elements.topology.corners(t);
-      const Mat34<double> X = elements.points.view()(Eigen::all, corners);
-      if (X.row(0).mean() < 0.012) continue;
-      const double own = 1000 * std::abs((X.rightCols<3>().colwise() - X.col(0)).determinant()) / 6;
-      double height = 0;
-      for (int c = 0; c < 4; ++c) height += (X(2, c) + double(u(2, corners[c]))) / 4;
-      mass += own;
-      moment += own * height;
-    }
-    after = moment / mass;
-    if (world.time() < 1.7) before = after;
-    result.rise = after - before;
-    result.weight = 9.81 * mass;
+    const FallenPiece piece = fallen_piece(world);
+    if (world.time() < 1.7) before = piece.height;
+    result.rise = piece.height - before;
+    result.weight = 9.81 * piece.mass;
     if (world.time() < 2.1 || world.time() > 2.29) return;
     const Probe& jaws = world.tools().lists().probes.front();
     result.lift += jaws.force.z();
@@ -109,6 +117,37 @@ TEST_CASE("two jaws pick up the lobe that was cut off and fell, by friction") {
   CHECK(piece.rise > 0.06);  // the jaws rise by 0.07 m
   CHECK(piece.lift == near(piece.weight + drag, 0.03));
   CHECK(2 * 0.6 * piece.grip > piece.lift);  // Coulomb's bound, of both jaws
+}
+
+// As the page's jaws do: brought open, led down, closed, and led up.
+TEST_CASE("a hand picks up the lobe with jaws that close until they feel it") {
+  Shipped shipped("liver_pick_up");
+  const ProbeSetup jaws = shipped.setup.probes.front();
+  shipped.setup.probes.clear();
+  shipped.scene.time.duration = 5.5;
+  ToolPose pose{{0.046, 0, 0.10}, {1, 0, 0, 0}, 0.1};
+  ToolId id = 0;
+  double before = 0, rise = 0, grip = 0;
+  shipped.play([&](World<float>& world) {
+    const double time = world.time();
+    if (time < 1.2) return;
+    if (id == 0) {
+      id = world.tools().next_id();
+      world.apply(BringProbe{jaws.name, jaws.shape, pose, jaws.friction});
+    }
+    const double down = 0.098 * std::clamp((time - 1.2) / 0.3, 0.0, 1.0),
+                 up = 0.07 * std::clamp((time - 4.5) / 0.6, 0.0, 1.0);
+    world.apply(Lead{id, {{0.046, 0, 0.10 - down + up}, pose.orientation}});
+    if (time > 1.59 && time < 1.61) world.apply(SwitchTool{id, true});
+    grip = std::max(grip, world.tools().lists().probes.front().grip);
+    const double height = fallen_piece(world).height;
+    if (time < 4.5) before = height;
+    rise = height - before;
+  });
+  CAPTURE(grip);
+  CHECK(grip > most_grip);
+  CHECK(grip < 1.3 * most_grip);
+  CHECK(rise > 0.06);  // of 0.07 m
 }
 
 TEST_CASE("jaws that close less hold too little of the lobe, and slip off") {

@@ -36,6 +36,34 @@ TEST_CASE("a hand takes hold, leads and lets go; what it holds follows it") {
   CHECK(replays(session, setup, 2));
 }
 
+TEST_CASE("jaws keep the orientation with which a hand has brought them, and turn with the hand") {
+  Session<float> session(block());
+  Controller mouse = session.connect("mouse");
+  const Eigen::Quaterniond from_above(Eigen::AngleAxisd(std::acos(-1.0), Vec3d::UnitX())),
+      turned(Eigen::AngleAxisd(0.4, Vec3d::UnitZ()));
+  const Vec3d beside = top + Vec3d(0, 0, 0.1);
+  BringProbe jaws{"", RigidShape::jaws({0.02, 0.004, 0.03}), {beside, from_above.coeffs(), 0.08}, 0.5};
+  REQUIRE(mouse.send(bring_tool(1, beside, jaws)));
+  step(session, 5);
+  const auto pose = [&] { return session.status()->hands.at(0).pose; };
+  const auto angle_to = [&](const Eigen::Quaterniond& wanted) {
+    return wanted.angularDistance(Eigen::Quaterniond(pose().orientation));
+  };
+  CHECK(angle_to(from_above) < 1e-12);
+  mouse.send(lead_to(beside + lift));
+  step(session, 120);
+  CHECK((pose().position - beside - lift).norm() < 1e-6);
+  CHECK(angle_to(from_above) < 1e-12);
+  HandCommand turn = lead_to(beside + lift);
+  turn.orientation = turned.coeffs();
+  mouse.send(turn);
+  step(session, 120);
+  CHECK(angle_to(turned * from_above) < 1e-6);
+  const Probe& probe = session.world().tools().lists().probes.front();
+  CHECK((turned * from_above).angularDistance(Eigen::Quaterniond(probe.path.back().orientation)) < 1e-6);
+  CHECK(session.status()->hands[0].shape.opening == 0.08);
+}
+
 TEST_CASE("a ray takes hold where it meets the body as it is now, and says so where it misses") {
   const Setup setup = block();
   SessionOptions options;

@@ -50,6 +50,28 @@ await page.mouse.up();
 await page.keyboard.press('g');
 check(await until(page, () => lobe.instruments.shown.size === 1), 'and is taken away');
 
+// ---- Jaws: they straddle the organ's end, close there, and hold it until they are let go
+
+await page.keyboard.press('j');
+await drag(page, {x: at.x - 60, y: at.y}, 0, 0);
+check(
+  await until(page, () => [...lobe.instruments.shown.values()].some(item => item.isOpen)),
+  'jaws come',
+);
+check(
+  await until(page, () => [...lobe.instruments.shown.values()].some(item => item.isOpen && item.force.length() > 0.05)),
+  'they close on the organ, and feel it',
+);
+await page.screenshot({path: path.join(out, 'jaws.png')});
+await page.keyboard.press('h');
+await page.mouse.up();
+check(await until(page, () => lobe.hands.held.size === 2), 'they stay where they are');
+await drag(page, {x: at.x - 60, y: at.y + 4}, 0, 10);
+check(await until(page, () => lobe.hands.held.size === 1 && lobe.hands.active?.kind === 'jaws'), 'are taken up again');
+await page.mouse.up();
+await page.keyboard.press('g');
+check(await until(page, () => lobe.instruments.shown.size === 1), 'and open when they are let go');
+
 // ---- Colours
 
 for (const [quantity, word] of [

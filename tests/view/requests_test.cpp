@@ -45,6 +45,8 @@ TEST_CASE("what is wrong with a request is named") {
   CHECK(fault(R"({"do": "lead", "hand": 1, "to": [0, 0]})") == "/to: must be three numbers");
   CHECK(fault(R"({"do": "lead", "hand": 1, "to": [0, 0, 1e300]})") == "/to/2: is out of range");
   CHECK(fault(R"({"do": "lead", "hand": 1, "to": [0, 0, null]})") == "/to/2: must be a number");
+  CHECK(fault(R"({"do": "jaws", "hand": 1, "at": [0, 0, 0], "orientation": [0, 0, 1]})") ==
+        "/orientation: must be four numbers");
   CHECK(fault(R"({"do": "pause", "on": 1})") == "/on: must be true or false");
   CHECK(fault(R"({"do": "save", "to": 1})") == "/to: must be a text of at most 100 bytes");
   CHECK(fault(R"({"do": "restart", "now": true})") == "/now: is no field of restart");

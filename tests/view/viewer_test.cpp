@@ -271,6 +271,48 @@ TEST_CASE("a page presses a probe on the body and feels it; its scene is played 
   CHECK(played(viewed.folder.path / "pressed.json") == recording.commands.back().digest);
 }
 
+TEST_CASE("a page grips the body between jaws and pulls; its scene is played to the same bits") {
+  Viewed viewed;
+  viewed.viewer->opened(1);
+  const auto bring = [&](double opening, const Json& orientation) {
+    viewed.ask(1, {{"do", "jaws"},
+                   {"hand", 1},
+                   {"at", {0.03, 0.03, 0.1}},
+                   {"orientation", orientation},
+                   {"size", {0.04, 0.004, 0.04}},
+                   {"opening", opening}});
+  };
+  bring(0, {1, 0, 0, 0});     // is refused: their opening must be above 0
+  bring(0.07, {1, 0, 0, 1});  // and so is this, which is no unit quaternion
+  REQUIRE(viewed.comes_to(
+      1, [](const Json& status, const Json&) { return status["time"].get<double>() > 0.05; }));
+  REQUIRE(viewed.holds(1, 0));
+  bring(0.07, {1, 0, 0, 0});  // from above
+  REQUIRE(viewed.holds(1, 1));
+  viewed.lead(1, 1, 0.03, 0.03, 0.075);
+  const auto comes_to = [&](auto&& condition) {
+    return viewed.comes_to(1, [&](const Json&, const Json& tools) { return condition(tools[0]); });
+  };
+  REQUIRE(comes_to([](const Json& jaws) { return jaws["position"][2].get<double>() < 0.0751; }));
+  REQUIRE(comes_to([](const Json& jaws) {
+    return !jaws["on"] && jaws["jaw"] == Json{0.04, 0.004, 0.04} && jaws["orientation"] == Json{1, 0, 0, 0} &&
+           std::abs(jaws["opening"].get<double>() - 0.07) < 1e-9 && jaws["force"] == Json{0, 0, 0};
+  }));
+  viewed.ask(1, {{"do", "close"}, {"hand", 1}, {"on", true}});
+  REQUIRE(comes_to([](const Json& jaws) { return jaws["on"] && jaws["opening"].get<double>() < 0.056; }));
+  viewed.lead(1, 1, 0.03, 0.03, 0.08);
+  REQUIRE(comes_to([](const Json& jaws) { return jaws["force"][2].get<double>() < -0.5; }));
+  viewed.ask(1, {{"do", "close"}, {"hand", 1}, {"on", false}});
+  REQUIRE(comes_to([](const Json& jaws) {
+    return jaws["opening"].get<double>() > 0.0699 && jaws["force"] == Json{0, 0, 0};
+  }));
+  viewed.pause(1);
+  viewed.ask(1, {{"do", "export"}, {"to", "gripped"}});
+  viewed.viewer->write_recording(viewed.folder.path / "gripped.lobe");
+  const Recording recording = read_recording(viewed.folder.path / "gripped.lobe");
+  CHECK(played(viewed.folder.path / "gripped.json") == recording.commands.back().digest);
+}
+
 TEST_CASE("what was painted, simulated and held, is saved and played to the same bits") {
   Viewed viewed;
   viewed.viewer->opened(1);

@@ -4,7 +4,10 @@ import * as THREE from './third_party/three-0.187.0/three.module.js';
 const grasp = {kind: 'grasp', radius: 0.012},
   cauteryRadius = 0.0055, // [m]
   blade = {depth: 0.02, above: 0.03}, // of the tip below where it begins, of the heel towards the viewer [m]
-  probe = {radius: 0.007, press: 0.006}, // of its tip; how far that is pressed in [m]
+  probe = {radius: 0.01, press: 0.006}, // of its tip; how far that is pressed in [m]
+  // Width, thickness and length of each; how far they are apart, how far they reach behind the point that was
+  // clicked, from how far they come, and from how near to where they are led they close [m].
+  jaws = {size: [0.03, 0.014, 0.05], opening: 0.1, depth: 0.035, from: 0.05, there: 0.003},
   betweenPoses = 7; // [ms]
 
 export class Hands {
@@ -14,7 +17,7 @@ export class Hands {
     this.ask = ask;
     this.kind = 'grasp';
     this.may = false; // this page controls
-    this.held = new Map(); // hands that were left where they are: number → point
+    this.held = new Map(); // hands that were left where they are: number → {kind, point}
     this.active = null; // {hand, kind, point, offset}
     this.camera = null; // 'turn' or 'shift'
     this.onFirst = () => {};
@@ -51,7 +54,9 @@ export class Hands {
           ? blade.depth / 5
           : this.kind === 'probe'
             ? probe.radius
-            : grasp.radius;
+            : this.kind === 'jaws'
+              ? jaws.opening / 2
+              : grasp.radius;
   }
 
   down(event) {
@@ -79,6 +84,7 @@ export class Hands {
     this.stage.canvas.classList.add('holding');
     if (this.kind === 'scalpel') this.bringBlade(hand);
     else if (this.kind === 'probe') this.bringProbe(hand, hit);
+    else if (this.kind === 'jaws') this.bringJaws(hand, hit);
     else if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
     else
       this.ask({
@@ -108,6 +114,34 @@ export class Hands {
     this.lead();
   }
 
+  // They come open from the viewer's side, one above the other, and reach behind the point.
+  bringJaws(hand, hit) {
+    this.showRing(null, null);
+    const forward = this.stage.forward(),
+      above = this.stage.above(),
+      axes = new THREE.Matrix4().makeBasis(new THREE.Vector3().crossVectors(above, forward), above, forward);
+    this.active.point.copy(hit.point).addScaledVector(forward, jaws.depth - jaws.size[2]);
+    this.ask({
+      do: 'jaws',
+      hand,
+      at: this.active.point.clone().addScaledVector(forward, -jaws.from).toArray(),
+      orientation: new THREE.Quaternion().setFromRotationMatrix(axes).toArray(),
+      size: jaws.size,
+      opening: jaws.opening,
+    });
+    this.lead();
+  }
+
+  /** Jaws close where they have been led to. */
+  follow(tools) {
+    const {kind, hand, point, closes} = this.active ?? {};
+    if (kind !== 'jaws' || closes) return;
+    const tool = tools.find(tool => tool.hand === hand && tool.jaw);
+    if (!tool || point.distanceTo(new THREE.Vector3(...tool.position)) > jaws.there) return;
+    this.active.closes = true;
+    this.ask({do: 'close', hand, on: true});
+  }
+
   freeHand() {
     for (let hand = 0; hand < 8; ++hand) if (!this.held.has(hand)) return hand;
     return -1;
@@ -115,11 +149,11 @@ export class Hands {
 
   /** A hand that was left holding, under the pointer. */
   takeHeld(event) {
-    for (const [hand, point] of this.held) {
+    for (const [hand, {kind, point}] of this.held) {
       const at = this.stage.project(point);
       if (!at || Math.hypot(at.x - event.offsetX, at.y - event.offsetY) > 24) continue;
       this.held.delete(hand);
-      this.active = {hand, kind: 'grasp', point: point.clone()};
+      this.active = {hand, kind, point: point.clone(), closes: true};
       this.stage.canvas.classList.add('holding');
       return true;
     }
@@ -187,14 +221,15 @@ export class Hands {
       this.active = null;
       return;
     }
-    if (event.shiftKey && this.active.kind === 'grasp') this.keep();
+    if (event.shiftKey && holds(this.active)) this.keep();
     else this.letGo();
   }
 
   /** The hand goes on holding where it is. */
   keep() {
-    if (this.active?.kind !== 'grasp') return;
-    this.held.set(this.active.hand, this.active.point);
+    if (!holds(this.active)) return;
+    const {hand, kind, point} = this.active;
+    this.held.set(hand, {kind, point});
     this.active = null;
     this.stage.canvas.classList.remove('holding');
   }
@@ -237,6 +272,9 @@ export class Hands {
     this.stage.invalidate();
   }
 }
+
+/** Whether a hand may be left as it is: its instrument has hold of the organ. */
+const holds = active => active?.kind === 'grasp' || (active?.kind === 'jaws' && active.closes);
 
 function makeRing() {
   const ring = new THREE.Mesh(

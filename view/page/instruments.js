@@ -65,7 +65,7 @@ export class Instruments {
       rest = new THREE.Quaternion();
     if (!tool.jaw) rest.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
     const body = tool.jaw
-      ? jaws(...tool.jaw)
+      ? jaws(tool.jaw, tool.hand === undefined ? new THREE.Vector3(0, 0, -1) : fromTool(shaft, tool))
       : tool.type === 'cautery'
         ? cautery(tool.radius || 0.005)
         : tool.type === 'scalpel'
@@ -144,6 +144,9 @@ export class Instruments {
   }
 }
 
+/** A direction in the axes of a tool. */
+const fromTool = (direction, tool) =>
+  direction.clone().applyQuaternion(new THREE.Quaternion(...tool.orientation).invert());
 const partOf = (geometry, looks) => {
   const mesh = new THREE.Mesh(geometry);
   mesh.userData.looks = looks;
@@ -228,20 +231,19 @@ function probe(radius, length) {
 }
 
 // Two blocks that start at the origin and lead along z, one above and one below the plane y = 0. They open in
-// parallel, and hang on a bar at the end of the shaft, which is on the other side of the origin.
-function jaws(width, thickness, length) {
+// parallel, and hang on a bar at the end of the shaft, which leads to where the surgeon stands.
+function jaws([width, thickness, length], surgeon) {
   const group = new THREE.Group(),
+    handle = new THREE.Group(),
     both = [-1, 1].map(() => partOf(new THREE.BoxGeometry(width, thickness, length), steel)),
     bar = partOf(new THREE.BoxGeometry(0.4 * width, 1, 0.12 * length), dark),
     r = 0.14 * width;
   for (const part of [...both, bar]) part.castShadow = true;
   bar.position.z = -0.06 * length;
-  group.add(
-    ...both,
-    bar,
-    shaftOf(r, -0.9 * length, -0.12 * length, steel),
-    shaftOf(1.4 * r, -11 * length, -0.9 * length, dark),
-  );
+  handle.position.z = -0.12 * length;
+  handle.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), surgeon);
+  handle.add(shaftOf(r, 0, 0.8 * length, steel), shaftOf(1.4 * r, 0.8 * length, 11 * length, dark));
+  group.add(...both, bar, handle);
   group.userData.open = opening => {
     both.forEach((jaw, k) => jaw.position.set(0, (k === 0 ? -0.5 : 0.5) * (opening + thickness), length / 2));
     bar.scale.y = opening + 2 * thickness;

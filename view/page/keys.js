@@ -6,6 +6,7 @@ export function listenToKeys(page) {
     c: press('tool-cautery'),
     x: press('tool-scalpel'),
     p: press('tool-probe'),
+    j: press('tool-jaws'),
     e: press('tool-paint'),
     ' ': press('pause'),
     '.': press('single'),

@@ -93,7 +93,10 @@ class Page {
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
     if (frame.materials) this.organ.setMaterials(frame.materials);
-    if (frame.tools) this.instruments.update(frame.tools);
+    if (frame.tools) {
+      this.instruments.update(frame.tools);
+      this.hands.follow(frame.tools);
+    }
     if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
     this.frames = (this.frames ?? 0) + 1;
     this.connection.shown(frame, this.stage.slow);
@@ -253,6 +256,7 @@ class Page {
     click('tool-cautery', () => this.take('cautery'));
     click('tool-scalpel', () => this.take('scalpel'));
     click('tool-probe', () => this.take('probe'));
+    click('tool-jaws', () => this.take('jaws'));
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
     click('single', () => this.ask({do: 'step'}));
@@ -286,6 +290,7 @@ class Page {
       ['tool-cautery', 'cautery'],
       ['tool-scalpel', 'scalpel'],
       ['tool-probe', 'probe'],
+      ['tool-jaws', 'jaws'],
       ['tool-paint', 'paint'],
     ])
       element(id).setAttribute('aria-checked', String(name === tool));

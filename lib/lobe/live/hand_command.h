@@ -19,9 +19,9 @@ struct HandCommand {
     take_at_ray,
     take_at_point,  // holds what lies within `radius` of `position`
     bring,          // the tool that `tool` says, off; `position` is that of the hand, usually of the tip
-    lead,           // moves the hand to `position`, turned by `orientation` since it took hold
-    turn_on,        // or off, as `on` says: a cautery burns, a scalpel cuts
-    let_go,         // a grasp lets go; a tool that the hand has brought is removed
+    lead,     // moves the hand to `position`, turned by `orientation` since it took hold or brought its tool
+    turn_on,  // or off, as `on` says: a cautery burns, a scalpel cuts, jaws close
+    let_go,   // a grasp lets go; a tool that the hand has brought is removed
     // Edits the body by `body_edit`: RemoveTets, SetRegion, SetForces and others, but neither commands of
     // tools nor Advance.
     edit,

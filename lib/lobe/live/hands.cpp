@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "lobe/error.h"
@@ -30,9 +31,10 @@ void check(const HandCommand& command) {
            "its direction must be three finite numbers, not all 0");
 }
 
-// The pose of a tool whose centre is at `arm` from where the hand took hold, and turns with the hand.
-ToolPose of_tool(const ToolPose& hand, const Vec3d& arm) {
-  return {hand.position + Eigen::Quaterniond(hand.orientation) * arm, hand.orientation};
+// The pose of a tool whose centre was at `arm` from where the hand took hold, and which was turned by `turn`.
+ToolPose of_tool(const ToolPose& hand, const Vec3d& arm, const Eigen::Vector4d& turn) {
+  const Eigen::Quaterniond turned(hand.orientation);
+  return {hand.position + turned * arm, (turned * Eigen::Quaterniond(turn)).coeffs()};
 }
 
 }  // namespace
@@ -83,6 +85,7 @@ void Hands<Real>::bring(int controller, const HandCommand& command) {
       [&](auto brought) {
         brought.name = name_of(controller, command.hand);
         apply_(brought);
+        if constexpr (std::is_same_v<decltype(brought), BringProbe>) hand.turn = brought.pose.orientation;
       },
       *command.tool);
   hand.tool = tool;
@@ -192,7 +195,7 @@ void Hands<Real>::before_frame(double duration) {
     if (hand.tool == 0 || !hand.is_leading) continue;
     const bool moves = hand.is_placed ? hand.filter.step_without_lag(duration, limits_)
                                       : hand.filter.step(duration, limits_);
-    if (moves) apply_(Lead{hand.tool, of_tool(hand.filter.pose(), hand.arm)});
+    if (moves) apply_(Lead{hand.tool, of_tool(hand.filter.pose(), hand.arm, hand.turn)});
   }
 }
 
@@ -278,7 +281,7 @@ void Hands<Real>::tell(std::vector<HandStatus>& hands) const {
       }
     });
     status.vertices = hand.vertices;
-    status.pose = hand.filter.pose();
+    status.pose = of_tool(hand.filter.pose(), Vec3d::Zero(), hand.turn);
     hands.push_back(status);
   }
 }

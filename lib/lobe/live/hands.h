@@ -50,11 +50,12 @@ class Hands {
   struct Hand {
     int controller = 0;
     HandNumber number = 0;
-    ToolId tool = 0;            // 0: empty
-    bool is_placed = false;     // poses act at once, without lag
-    bool is_leading = false;    // poses move the tool; a grasp first takes hold
-    Vec3d arm = Vec3d::Zero();  // from where it took hold to the centre of what it holds [m]
-    Index vertices = 0;         // that it holds
+    ToolId tool = 0;                   // 0: empty
+    bool is_placed = false;            // poses act at once, without lag
+    bool is_leading = false;           // poses move the tool; a grasp first takes hold
+    Vec3d arm = Vec3d::Zero();         // from where it took hold to the centre of what it holds [m]
+    Eigen::Vector4d turn{0, 0, 0, 1};  // of a probe when it was brought: a quaternion x, y, z, w
+    Index vertices = 0;                // that it holds
     PoseFilter filter = {};
   };
 

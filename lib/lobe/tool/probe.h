@@ -22,7 +22,7 @@ struct BringProbe {
 };
 
 inline constexpr double jaw_speed = 0.02;  // at which hands close and open jaws [m/s]
-inline constexpr double most_grip = 2;     // at which hands stop to close them [N]
+inline constexpr double most_grip = 6;     // at which hands stop to close them [N]
 
 struct Probe {
   using Path = ProbeSetup;
@@ -61,7 +61,7 @@ struct Probe {
   bool has_gone() const { return release; }
   void turn_on(bool on) { closes = on; }
   bool is_on() const { return closes; }
-  ToolShape shape() const;
+  ToolShape shape() const;  // as it is now
   void begin_frame(double time, double end);
   std::vector<ProbeSetup> paths() const;
   void add_work(double, double, ToolWork&) const {}
@@ -76,6 +76,7 @@ struct Probe {
 
  private:
   double goes() const;
+  double opening_now() const { return path.empty() ? pose.opening.value_or(0) : path.back().opening; }
   double next_opening(const PathPoint& from, double duration) const;
 };
 

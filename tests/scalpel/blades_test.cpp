@@ -277,6 +277,28 @@ TEST_CASE("blades that cross each other on their way, two or three at once, part
   }
 }
 
+TEST_CASE("a blade that goes a little farther than all around cuts a plug out") {
+  for (unsigned trial = 0; trial < 48; ++trial) {
+    CAPTURE(trial);
+    const int n = 4 + int(trial % 3), frames = 20 + 9 * int(trial % 4);
+    const double beyond = 0.2 + 0.25 * double(trial / 12);  // all around [rad]
+    CAPTURE(beyond);
+    MappedBody body(irregular_box(n, 0.1 / n), false);
+    const Vec3d middle(0.05, 0.05, 0.05);
+    const double r = 0.028 + 0.002 * (trial % 5), start = 0.7 * trial;
+    const auto pose = [&](int i) {
+      const double angle = start + (2 * std::acos(-1.0) + beyond) * i / frames;
+      const Vec3d at = middle + r * Vec3d(std::cos(angle), std::sin(angle), 0), edge(0, 0, 0.08);
+      return BladePose{body.F * (at - edge), body.F * (at + edge)};
+    };
+    for (int i = 0; i < frames; ++i) body.cut_whole({0, 0, 0.1, pose(i), pose(i + 1)});
+    const Rebuilt rebuilt(body.blades.grains, body.elements.topology);
+    CHECK(rebuilt.pieces >= 2);
+    CHECK_FALSE(
+        has_bridge(body.blades.grains, [&](const Vec3d& X) { return (X - middle).head<2>().norm() - r; }));
+  }
+}
+
 TEST_CASE(
     "a blade that retraces its path fifty times divides and opens nothing after the first, crumbs "
     "included") {

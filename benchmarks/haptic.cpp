@@ -1,5 +1,5 @@
-// lobe bench haptic: forces between frames against the same body in frames of 1 ms, and how punctual a loop
-// at 1 kHz is beside a simulation, and an empty one without it.
+// lobe bench haptic: what is felt between frames (haptic_predictions.cpp), and how punctual a loop at 1 kHz is
+// beside a simulation, and an empty one without it.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -10,9 +10,9 @@
 
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/empty_loop.h"
+#include "benchmarks/haptic_body.h"
 #include "benchmarks/haptic_rig.h"
 #include "benchmarks/machine.h"
-#include "benchmarks/secant.h"
 #include "benchmarks/timing.h"
 #include "lobe/haptic/devices.h"
 #include "lobe/haptic/haptic_hand.h"
@@ -21,23 +21,12 @@
 #include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/refine.h"
-#include "lobe/solve/tangent.h"
 
 namespace lobe::bench {
 namespace {
 
-const Vec3d tip{0.082, -0.045, 0.035};                    // of the left lobe [m]
-const Vec3d inwards = Vec3d(-1, 0.5, -0.6).normalized();  // there
-const Vec3d along = inwards.cross(Vec3d::UnitZ()).normalized();
-
-struct Body {
-  std::string mesh;
-  Setup setup;
-  std::vector<Index> contact;
-};
-
-Body liver(const std::string& name, const TetMesh& mesh) {
-  Body body;
+HapticBody liver(const std::string& name, const TetMesh& mesh) {
+  HapticBody body;
   body.mesh = name;
   Setup& setup = body.setup;
   setup.mesh = mesh;
@@ -51,88 +40,6 @@ Body liver(const std::string& name, const TetMesh& mesh) {
     if ((mesh.points.col(v) - tip).norm() < 0.02) body.contact.push_back(v);
   }
   return body;
-}
-
-// ---- Predictions
-
-struct ErrorRow {
-  std::string mesh;
-  double frame_hz = 0, force_hz = 0, speed = 0, peak = 0;
-  std::string method;
-  PredictionError error;
-};
-
-// Of the body at rest with everything yielding: way d.
-Mat3<double> static_stiffness(const Body& body) {
-  World<double> world(body.setup);
-  HeldVertices held = world.held();
-  for (Index v : body.contact) held.hold({v, 1, Vec3d::Zero(), Vec3d::Zero()});
-  const Unknowns unknowns = free_components(world.elements(), held);
-  Tangent tangent(world.elements(), unknowns);
-  const Mat3X<double> u = world.displacements();
-  tangent.update(u);
-  const auto factor = tangent.make_factor(make_ldlt);
-  bool damped = false;
-  tangent.factorise(*factor, damped);
-  Mat3<double> K = Mat3<double>::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    Mat3X<double> w = Mat3X<double>::Zero(3, u.cols());
-    for (Index v : body.contact) w(axis, v) = 1;
-    const Mat3X<double> moved =
-        w + unknowns.scatter(tangent.solve(*factor, Eigen::VectorXd::Zero(unknowns.count), u, w));
-    constexpr double h = 1e-6;
-    const Mat3X<double> change = energy_and_forces(world.elements(), h * moved).forces -
-                                 energy_and_forces(world.elements(), -h * moved).forces;
-    for (Index v : body.contact) K.col(axis) -= change.col(v) / (2 * h);
-  }
-  return clamped(K, 1e9);
-}
-
-// Way a: from nothing, by what motions and forces say.
-std::vector<Mat3<double>> by_secant_alone(const std::vector<FeltFrame>& frames) {
-  std::vector<Mat3<double>> all;
-  Mat3<double> K = Mat3<double>::Zero();
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (i > 0)
-      K += secant_correction(K, frames[i].position - frames[i - 1].position,
-                             frames[i].force - frames[i - 1].force, 5e-5);
-    K = clamped(K, highest_eigenvalue(frames[i].blocked));
-    all.push_back(K);
-  }
-  return all;
-}
-
-void compare(const Body& body, const Mat3<double>& of_body, double frame, double tick, double delay,
-             double speed, std::vector<ErrorRow>& rows) {
-  const HandPath path = press_and_pull(inwards, along, 0.01, speed);
-  const auto frames = feel(body.setup, body.contact, path, frame, true);
-  const auto reference = feel(body.setup, body.contact, path, 1e-3, false);
-  const auto secants = by_secant_alone(frames);
-  const auto add = [&](const char* method, const Predict& predict) {
-    const PredictionError error = error_of(frames, reference, delay, tick, predict);
-    rows.push_back({body.mesh, 1 / frame, 1 / tick, speed, error.peak, method, error});
-    std::printf("%-12s %6.0f %6.0f %7.2f %7.2f  %-20s %8.1f %8.1f %8.1f\n", body.mesh.c_str(), 1 / frame,
-                1 / tick, speed, error.peak, method, 100 * error.rms, 100 * error.highest, 100 * error.jump);
-  };
-  add("constant", constant(frames));
-  add("linear in time", linear_in_time(frames));
-  add("linear in position", linear_in_position(frames, path));
-  add("K: secant (a)", by_stiffness(frames, path, [&](std::size_t k) { return secants[k]; }));
-  add("K: blocked (b)", by_stiffness(frames, path, [&](std::size_t k) { return frames[k].blocked; }));
-  add("K: patch (c)", by_stiffness(frames, path, [&](std::size_t k) { return frames[k].patch; }));
-  add("K: whole body (d)", by_stiffness(frames, path, [&](std::size_t) { return of_body; }));
-  add("K: c fitted", by_stiffness(frames, path, [&](std::size_t k) { return frames[k].K; }));
-  add("the servo", by_servo(frames, path, tick));
-  std::fflush(stdout);
-}
-
-std::string csv(const std::vector<ErrorRow>& rows) {
-  std::ostringstream out;
-  out << "mesh,frame_hz,force_hz,speed,peak_N,method,rms,max,jump\n" << std::setprecision(4);
-  for (const ErrorRow& r : rows)
-    out << r.mesh << ',' << r.frame_hz << ',' << r.force_hz << ',' << r.speed << ',' << r.peak << ','
-        << r.method << ',' << r.error.rms << ',' << r.error.highest << ',' << r.error.jump << '\n';
-  return out.str();
 }
 
 // ---- The clock
@@ -190,7 +97,8 @@ void print(const LoopRow& row) {
   std::fflush(stdout);
 }
 
-LoopRow time_loop(const Body& body, double frame, int priority, double seconds, std::string& histograms) {
+LoopRow time_loop(const HapticBody& body, double frame, int priority, double seconds,
+                  std::string& histograms) {
   Session<float> session(body.setup, {.frame = frame});
   Controller controller = session.connect("hand");
   const HandPath path = press_and_pull(inwards, along, 0.01, 0.05);
@@ -274,12 +182,12 @@ plot for [mode in 'direct extrapolated'] for [thread in 'fifo ordinary'] 'haptic
 unset multiplot
 )gp";
 
-void time_loops(const Options& options, const std::vector<Body>& bodies) {
+void time_loops(const Options& options, const std::vector<HapticBody>& bodies) {
   std::printf("\n%-12s %-13s %-9s %6s %8s %8s  %5s %6s %7s %7s  %5s %5s %6s  %s\n", "mesh", "mode", "thread",
               "s", "frame ms", "x real", "p50", "p99", "p99.9", "max us", "p50", "p99", "max us", "missed");
   std::vector<LoopRow> rows;
   std::string histograms = "mesh,mode,thread,us,late,compute\n";
-  for (const Body& body : bodies) {
+  for (const HapticBody& body : bodies) {
     const HapticTrial trial = try_direct<float>(body.setup);
     std::printf("%s: a frame of 1 ms takes %.2f ms, p99 %.2f: %s\n", body.mesh.c_str(), 1e3 * trial.p50,
                 1e3 * trial.p99, trial.is_direct ? "direct" : "extrapolated");
@@ -295,35 +203,19 @@ void time_loops(const Options& options, const std::vector<Body>& bodies) {
   io::write_file(options.output / "haptic.gp", haptic_plot);
 }
 
-void compare_predictions(const Options& options, const std::vector<Body>& bodies) {
-  std::printf("\n%-12s %6s %6s %7s %7s  %-20s %8s %8s %8s\n", "mesh", "frame", "force", "speed", "peak N",
-              "between frames", "rms %", "max %", "jump %");
-  std::vector<ErrorRow> rows;
-  for (const Body& body : bodies) {
-    if (options.quick && body.mesh != "liver_2k") continue;
-    const Mat3<double> of_body = static_stiffness(body);
-    for (double speed : {0.02, 0.05, 0.1, 0.2}) {
-      if (options.quick && speed != 0.1) continue;
-      compare(body, of_body, 1.0 / 120, 1e-3, 2e-3, speed, rows);
-      compare(body, of_body, 1.0 / 20, 2e-3, 0, speed, rows);
-    }
-  }
-  io::write_file(options.output / "haptic.csv", csv(rows));
-}
-
 }  // namespace
 
 void bench_haptic(const Options& options) {
   begin_results(options.output, "haptic");
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
-  std::vector<Body> bodies{liver("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh),
-                           liver("liver_10k", read_mesh(meshes / "liver_10k.vtu").mesh)};
+  std::vector<HapticBody> bodies{liver("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh),
+                                 liver("liver_10k", read_mesh(meshes / "liver_10k.vtu").mesh)};
   if (!options.loop) compare_predictions(options, bodies);
   if (options.quick) bodies.resize(1);
   if (!options.quick)
     bodies.push_back(liver("liver_82k", refine(read_mesh(meshes / "liver_10k.vtu").mesh).mesh));
   for (const std::filesystem::path& mesh : options.meshes) {
-    Body body = liver(mesh.stem().string(), read_mesh(mesh).mesh);
+    HapticBody body = liver(mesh.stem().string(), read_mesh(mesh).mesh);
     bodies.push_back(body);
     body.mesh += "_reduced";
     std::fill(body.setup.region_of.begin(), body.setup.region_of.end(), RegionModel::reduced);

@@ -71,6 +71,8 @@ struct FeltFrame {
   Vec3d force = Vec3d::Zero();     // on the tool, mean of the frame [N]
   Vec3d rate = Vec3d::Zero();      // of the force, beside K [N/s]
   Mat3<double> blocked = Mat3<double>::Zero(), patch = blocked, K = blocked;  // [N/m]
+  bool is_bilateral = true;       // false: the tool only pushes, along the normal
+  Vec3d normal = Vec3d::UnitZ();  // then
 };
 
 // The forces on a tool that holds `vertices` along a path, frame by frame.
@@ -117,7 +119,7 @@ inline Vec3d force_of(const std::vector<FeltFrame>& frames, double time) {
 }
 
 struct PredictionError {
-  double rms = 0, highest = 0;  // shares of the highest force
+  double rms = 0, highest = 0;  // shares of the highest force; rms while either force is not 0
   double jump = 0;              // the largest between two ticks, beyond that of the reference; same share
   double peak = 0;              // the highest force [N]
 };
@@ -131,6 +133,7 @@ inline PredictionError error_of(const std::vector<FeltFrame>& frames, const std:
   PredictionError error;
   double squares = 0;
   int count = 0;
+  bool is_first = true;
   Vec3d before = Vec3d::Zero(), exact_before = Vec3d::Zero();
   for (const FeltFrame& felt : reference) error.peak = std::max(error.peak, felt.force.norm());
   for (int i = 0;; ++i) {
@@ -141,12 +144,14 @@ inline PredictionError error_of(const std::vector<FeltFrame>& frames, const std:
     if (known < 2) continue;
     const Vec3d exact = force_of(reference, time);
     const double off = (predicted - exact).norm();
+    const bool is_free = exact.isZero(0) && predicted.isZero(0);
     squares += off * off;
     error.highest = std::max(error.highest, off);
-    if (count > 0) error.jump = std::max(error.jump, (predicted - before - (exact - exact_before)).norm());
+    if (!is_first) error.jump = std::max(error.jump, (predicted - before - (exact - exact_before)).norm());
     before = predicted;
     exact_before = exact;
-    ++count;
+    is_first = false;
+    count += !is_free;
   }
   error.rms = std::sqrt(squares / count) / error.peak;
   error.highest /= error.peak;
@@ -192,6 +197,29 @@ inline Predict by_stiffness(const std::vector<FeltFrame>& frames, const HandPath
   };
 }
 
+// Of frame k. The tool's end of the frame is not known here.
+inline LocalModel model_of(const FeltFrame& felt, double frame) {
+  return {.is_engaged = true,
+          .engagement = 1,
+          .is_bilateral = felt.is_bilateral,
+          .frame = frame,
+          .time = felt.end,
+          .tool_at_end = felt.position,
+          .position = felt.position,
+          .force = felt.force,
+          .rate = felt.rate,
+          .K = felt.K,
+          .normal = felt.normal};
+}
+
+// The local model as it stands, without its rate and without blending.
+inline Predict by_local_model(const std::vector<FeltFrame>& frames, const HandPath& path) {
+  return [&](std::size_t k, double time) -> Vec3d {
+    if (k == 0) return Vec3d::Zero();
+    return force_at(model_of(frames[k - 1], frames.front().end), path.at(time));
+  };
+}
+
 // The servo itself on a device that is as stiff as need be: with blending, as the hand feels it.
 inline Predict by_servo(const std::vector<FeltFrame>& frames, const HandPath& path, double tick) {
   const DeviceLimits rigid{.force = 1e6, .torque = 1, .slew = 1e9, .stiffness = 1e7, .damping = 1e9};
@@ -200,13 +228,8 @@ inline Predict by_servo(const std::vector<FeltFrame>& frames, const HandPath& pa
   return [&frames, &path, tick, frame, servo](std::size_t k, double time) -> Vec3d {
     LocalModel model{.frame = frame};
     if (k > 0) {
-      const FeltFrame& last = frames[k - 1];
-      model = {.is_engaged = true, .engagement = 1, .frame = frame, .time = last.end};
+      model = model_of(frames[k - 1], frame);
       model.tool_at_end = path.at(time);
-      model.position = last.position;
-      model.force = last.force;
-      model.K = last.K;
-      model.rate = last.rate;
     }
     const DeviceState device{.position = path.at(time)};
     return servo->tick(&device, model, tick).force;

@@ -11,19 +11,19 @@
 namespace lobe::validation {
 namespace {
 
-constexpr double side = 15, length = 80, modulus = 3000, traction = -30;
+constexpr double side = 15, bar = 80, modulus = 3000, traction = -30;
 
 // Displacement of the centre of the end; `share` of λ's pressure is averaged at nodes.
 Vec3d end_displacement(double poisson, int cells, double share = 0) {
   const LamePair lame = lame_from_young(modulus, poisson);
-  Setup setup = body_of(box_mesh({side, side, length}, cells, cells, 4 * cells),
+  Setup setup = body_of(box_mesh({side, side, bar}, cells, cells, 4 * cells),
                         {lame.lambda, lame.mu, 1, share}, RegionModel::nonlinear);
   prescribe(setup, vertices_where(setup.mesh, [](const Vec3d& X) { return X.z() == 0; }),
             [](const Vec3d&) { return Vec3d::Zero(); });
   load_faces(
-      setup, [](const Vec3d& X) { return X.z() == length; },
+      setup, [](const Vec3d& X) { return X.z() == bar; },
       [](const Vec3d&) { return Vec3d(0, traction, 0); });
-  const Vec3d centre(side / 2, side / 2, length);
+  const Vec3d centre(side / 2, side / 2, bar);
   const Index v =
       vertices_where(setup.mesh, [&](const Vec3d& X) { return (X - centre).norm() < 1e-9; }).front();
   return equilibrium(setup).col(v);

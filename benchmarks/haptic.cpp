@@ -1,5 +1,5 @@
-// lobe bench haptic: what is felt between frames (haptic_predictions.cpp), and how punctual a loop at 1 kHz is
-// beside a simulation, and an empty one without it.
+// lobe bench haptic: what is felt between frames (haptic_predictions.cpp), and how punctual a loop at 1 kHz
+// is beside a simulation, and an empty one without it.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>

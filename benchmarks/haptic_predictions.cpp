@@ -1,5 +1,5 @@
-// lobe bench haptic: forces between frames against the same body in frames of 1 ms, of a tool that holds and of
-// one that only touches.
+// lobe bench haptic: forces between frames against the same body in frames of 1 ms, of a tool that holds and
+// of one that only touches.
 #include <cstdio>
 #include <iomanip>
 #include <sstream>

@@ -158,6 +158,21 @@ TEST_CASE("motion in one direction says how stiff the others are, and what K doe
   CHECK(stiffness.rate().norm() == 0);
 }
 
+TEST_CASE("before any motion the stiffness of a contact is the share of the patch that is expected") {
+  const Setup setup = held_block(5);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  const auto after_rest = [&](double expected) {
+    ContactStiffness stiffness({.has_helper = false});
+    for (int i = 0; i < 2; ++i)
+      stiffness.after_frame(world.body().model, contact, displacement_of(world), Vec3d::Zero(), Vec3d::Zero(),
+                            1.0 / 120, expected);
+    return stiffness.K();
+  };
+  REQUIRE(after_rest(1).norm() > 0);
+  CHECK((after_rest(0.25) - 0.25 * after_rest(1)).norm() < 1e-9 * after_rest(1).norm());
+}
+
 TEST_CASE("with a helper the stiffness of a contact is what it is without, a little later") {
   const Setup setup = held_block(5);
   World<double> world(setup);

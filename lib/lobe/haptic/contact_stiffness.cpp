@@ -81,14 +81,14 @@ void ContactStiffness::learn(const Vec3d& way, const Vec3d& force_change, double
   changes_ = kept * changes_ - force_change * way.transpose();
 }
 
-// The least squares of the header, with a little weight on the patch as it is: without motion that is what is
-// known.
-Mat3<double> ContactStiffness::fitted() const {
+// The least squares of the header, with a little weight on the share of the patch that is expected: without
+// motion that is what is known.
+Mat3<double> ContactStiffness::fitted(double expected) const {
   const double noise = settings_.noise * settings_.noise;
   const double least = 1e-2 * noise * of_patch_.squaredNorm() / 3;
   const double known = (of_patch_ * ways_ * of_patch_).trace() + least;
-  if (known == 0) return of_patch_;
-  const double says = (of_patch_ * changes_).trace() + least;
+  if (known == 0) return expected * of_patch_;
+  const double says = (of_patch_ * changes_).trace() + expected * least;
   const double scale = std::clamp(says / known, settings_.softest, settings_.stiffest);
   const double weight = settings_.prior * ways_.trace() / 3 + noise;
   const Mat3<double> both = ways_ + weight * Mat3<double>::Identity();
@@ -98,7 +98,7 @@ Mat3<double> ContactStiffness::fitted() const {
 
 void ContactStiffness::after_frame(const Model& model, std::span<const Index> contact,
                                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position,
-                                   const Vec3d& force, double duration) {
+                                   const Vec3d& force, double duration, double expected) {
   take_result();
   since_patch_ += duration;
   if (contact.empty()) return forget();
@@ -110,8 +110,8 @@ void ContactStiffness::after_frame(const Model& model, std::span<const Index> co
   }
   const Vec3d way = position - last_position_, force_change = force - last_force_;
   if (has_last_) learn(way, force_change, duration);
-  K_ = is_bound_ ? clamped(fitted(), highest_)
-                 : clamped_to(fitted(), of_patch_, settings_.softest, settings_.stiffest);
+  const Mat3<double> fit = fitted(expected);
+  K_ = is_bound_ ? clamped(fit, highest_) : clamped_to(fit, of_patch_, settings_.softest, settings_.stiffest);
   rate_ = has_last_ ? Vec3d((force_change + K_ * way) / duration) : Vec3d(Vec3d::Zero());
   last_position_ = position;
   last_force_ = force;

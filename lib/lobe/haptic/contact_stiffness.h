@@ -38,10 +38,10 @@ class ContactStiffness {
   void forget();  // another contact
   // Call it after a frame of `duration` in which a tool that touches `contact` was at `position` and felt the
   // mean force `force`. It makes a new contact patch if one is due, or if the mesh or the contact has
-  // changed.
+  // changed. `expected`: the share of the patch that K is before any motion has said how stiff it is.
   void after_frame(const Model& model, std::span<const Index> contact,
                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position, const Vec3d& force,
-                   double duration);
+                   double duration, double expected = 1);
   const Mat3<double>& K() const { return K_; }  // symmetric, eigenvalues from 0 to those of `blocked` [N/m]
   const Vec3d& rate() const { return rate_; }   // r [N/s]
 
@@ -52,7 +52,7 @@ class ContactStiffness {
               const std::function<Vec3d(Index)>& displacement, double duration);
   void take_result();
   void learn(const Vec3d& way, const Vec3d& force_change, double duration);
-  Mat3<double> fitted() const;
+  Mat3<double> fitted(double expected) const;
   void help();
 
   const Settings settings_;

@@ -67,6 +67,10 @@ void HapticHand<Real>::before_frame(Hands<Real>& hands, World<Real>&, double) {
 namespace {
 
 constexpr double least_push = 1e-3;  // with which a tool is said to touch [N]
+// Of a tool that only touches, the share of the patch that counts before a motion has said how stiff it is.
+// All vertices near its tip are taken to move with it, but at first it touches few: the whole patch, three to
+// six times too stiff, would give a blow.
+constexpr double first_share = 0.25;
 
 // Of any kind of tool: what the body does to it in the mean of the last frame.
 struct Felt {
@@ -138,7 +142,8 @@ void HapticHand<Real>::feel(World<Real>& world, ToolId tool, double duration) {
   }
   const auto u = world.displacements();
   const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
-  stiffness_.after_frame(world.body().model, contact, displacement, model_.position, model_.force, duration);
+  stiffness_.after_frame(world.body().model, contact, displacement, model_.position, model_.force, duration,
+                         felt.only_pushes ? first_share : 1);
   model_.K = stiffness_.K();
   model_.rate = stiffness_.rate();
 }

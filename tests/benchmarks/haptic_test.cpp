@@ -28,16 +28,22 @@ TEST_CASE("the secant takes up what the last motion says, and nothing across it"
 TEST_CASE(
     "lobe bench haptic writes an error per prediction, and the times of each loop with their histograms") {
   const BenchResults results("haptic", "--quick");
-  std::map<std::string, double> at_20_hz;
+  std::map<std::string, double> at_20_hz, jump_of_touch;
   for (const Record& row : results.rows("haptic")) {
     CHECK((std::isfinite(number(row, "rms")) && number(row, "rms") > 0));
     CHECK(number(row, "rms") <= number(row, "max"));
-    if (number(row, "frame_hz") == 20) at_20_hz[row.at("method")] = number(row, "rms");
+    const bool holds = row.at("contact") == "hold";
+    CHECK((holds || row.at("contact") == "touch"));
+    if (holds && number(row, "frame_hz") == 20) at_20_hz[row.at("method")] = number(row, "rms");
+    if (!holds && number(row, "frame_hz") == 120) jump_of_touch[row.at("method")] = number(row, "jump");
   }
   REQUIRE(at_20_hz.size() == 9);
   // What the paper's group found in 1999.
   CHECK(at_20_hz["constant"] > at_20_hz["linear in time"]);
   CHECK(at_20_hz["linear in time"] > at_20_hz["linear in position"]);
+  REQUIRE(jump_of_touch.size() == 5);
+  CHECK(jump_of_touch["the servo"] < 0.5 * jump_of_touch["constant"]);
+  CHECK(jump_of_touch["the servo"] < 0.5 * jump_of_touch["linear in time"]);
   const auto loops = results.rows("haptic_loop");
   REQUIRE(loops.size() >= 3);
   int empty = 0;

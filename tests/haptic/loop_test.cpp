@@ -8,6 +8,12 @@
 #include "lobe/haptic/devices.h"
 #include "near.h"
 
+#if defined(__linux__)
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 using namespace lobe;
 using namespace lobe::test;
 
@@ -72,6 +78,68 @@ TEST_CASE("an ordinary thread is what one gets by asking for it, without a warni
   loop.forget_times();
   CHECK(loop.times().lateness.total() == 0);
 }
+
+#if defined(__linux__)
+namespace {
+
+// Of a loop in a process of an ordinary user who may neither have a priority nor lock memory: one line each.
+// "-" if this process cannot become one.
+std::string warnings_without_permission() {
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    const rlimit nothing{0, 0};
+    std::string said;
+    if (setrlimit(RLIMIT_RTPRIO, &nothing) != 0 || setrlimit(RLIMIT_MEMLOCK, &nothing) != 0 ||
+        (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0)) {
+      said = "-";
+    } else {
+      SimulatedHand hand({}, [](double) -> Vec3d { return Vec3d::Zero(); });
+      HapticLink link;
+      HapticLoop loop(hand, link);
+      loop.start();
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      loop.stop();
+      for (const std::string& warning : loop.warnings()) said += warning + '\n';
+      said += loop.is_real_time() ? "real time\n" : "ordinary\n";
+      said += loop.times().compute.total() > 0 ? "ticks\n" : "stands still\n";
+    }
+    const auto written = write(ends[1], said.data(), said.size());
+    _exit(written == static_cast<ssize_t>(said.size()) ? 0 : 1);
+  }
+  close(ends[1]);
+  std::string said;
+  char part[512];
+  for (ssize_t size = 0; (size = read(ends[0], part, sizeof part)) > 0;)
+    said.append(part, static_cast<std::size_t>(size));
+  close(ends[0]);
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  REQUIRE(status == 0);
+  return said;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "without permission the loop runs as an ordinary thread, and says what comes of it and what to do") {
+  const std::string said = warnings_without_permission();
+  if (said == "-") {
+    MESSAGE("this process cannot give up its permissions");
+    return;
+  }
+  CAPTURE(said);
+  const auto says = [&](const char* text) { return said.find(text) != std::string::npos; };
+  CHECK(says("the haptic loop is an ordinary thread (SCHED_FIFO: "));
+  CHECK(says("some ticks in a thousand come milliseconds late, and stiff contacts may vibrate"));
+  CHECK(says("allow rtprio 50 in /etc/security/limits.conf"));
+  CHECK(says("the memory of the haptic loop is not locked (mlockall: "));
+  CHECK(says("a tick may wait for the disk; allow memlock unlimited in /etc/security/limits.conf"));
+  CHECK(says("\nordinary\nticks\n"));
+}
+#endif
 
 TEST_CASE("quantiles of a histogram") {
   Histogram histogram;

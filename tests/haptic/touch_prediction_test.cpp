@@ -1,0 +1,81 @@
+// Forces between frames on a sphere that only touches, against the same body in frames of 1 ms.
+#include <doctest/doctest.h>
+
+#include "benchmarks/haptic_touch.h"
+#include "haptic/standing_block.h"
+#include "support.h"
+#include "world_support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+using namespace lobe::bench;
+
+namespace {
+
+struct Felt {
+  HandPath path;
+  std::vector<FeltFrame> frames, reference;
+};
+
+Felt felt_at(double speed) {
+  const Setup setup = standing_block();
+  const Sphere sphere = sphere_before(setup, {0.025, 0.025, 0.04}, downwards, approach);
+  Felt felt{
+      .path = touch_and_slide(downwards, sideways, approach, 0.008, speed), .frames = {}, .reference = {}};
+  felt.frames = feel_touch(setup, sphere, felt.path, 1.0 / 120);
+  felt.reference = feel_touch(setup, sphere, felt.path, 1e-3);
+  return felt;
+}
+
+}  // namespace
+
+TEST_CASE("a sphere is brought so that it meets the body after a gap, and feels nothing before and after") {
+  const Felt felt = felt_at(0.05);
+  double met = 0;
+  for (const FeltFrame& frame : felt.reference) {
+    CHECK_FALSE(frame.is_bilateral);
+    const double way = frame.position.dot(downwards);
+    if (way < 0.9 * approach) CHECK(frame.force.isZero(0));
+    if (met == 0 && !frame.force.isZero(0)) met = way;
+    if (!frame.force.isZero(0)) CHECK(frame.force.dot(downwards) < 0);  // it is pushed out
+  }
+  CHECK(met == doctest::Approx(approach).epsilon(0.1));
+  CHECK(felt.reference.back().force.isZero(0));
+}
+
+TEST_CASE("a probe: between frames of 1/120 s the force is near that of frames of 1 ms") {
+  for (double speed : {0.02, 0.05, 0.1}) {
+    CAPTURE(speed);
+    const Felt felt = felt_at(speed);
+    const auto error = [&](const Predict& predict) {
+      return error_of(felt.frames, felt.reference, 2e-3, 1e-3, predict);
+    };
+    const PredictionError held = error(constant(felt.frames)), line = error(linear_in_time(felt.frames)),
+                          servo = error(by_servo(felt.frames, felt.path, 1e-3));
+    MESSAGE("rms % constant " << 100 * held.rms << ", time " << 100 * line.rms << ", servo "
+                              << 100 * servo.rms << "; max % " << 100 * held.highest << ", "
+                              << 100 * line.highest << ", " << 100 * servo.highest << "; jump % "
+                              << 100 * held.jump << ", " << 100 * line.jump << ", " << 100 * servo.jump
+                              << "; peak " << servo.peak << " N");
+    CHECK(servo.peak > 1);
+    CHECK(servo.rms <= 0.02);
+    CHECK(servo.highest <= 0.08);
+    CHECK(servo.jump <= 0.02);
+    CHECK(servo.rms <= 0.5 * held.rms);
+  }
+}
+
+// The patch is several times stiffer than what a sphere touches at first. Until a motion has said so, it
+// counts as a quarter; the whole of it would give a blow at the first touch.
+TEST_CASE("the first frame of a touch does not overshoot what comes") {
+  const Felt felt = felt_at(0.1);
+  std::size_t first = 0;
+  while (felt.frames[first].force.isZero(0)) ++first;
+  const FeltFrame& touch = felt.frames[first];
+  for (double after = 2e-3; after < 2e-3 + 1.0 / 120; after += 1e-3) {
+    const double time = touch.end + after;
+    const Vec3d predicted = force_at(model_of(touch, 1.0 / 120), felt.path.at(time));
+    CHECK(predicted.norm() > 0);
+    CHECK(predicted.norm() <= 1.5 * force_of(felt.reference, time).norm());
+  }
+}

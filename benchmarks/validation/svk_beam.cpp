@@ -21,8 +21,7 @@ Vec3d end_displacement(double poisson, int cells, double share = 0) {
   prescribe(setup, vertices_where(setup.mesh, [](const Vec3d& X) { return X.z() == 0; }),
             [](const Vec3d&) { return Vec3d::Zero(); });
   load_faces(
-      setup, [](const Vec3d& X) { return X.z() == bar; },
-      [](const Vec3d&) { return Vec3d(0, traction, 0); });
+      setup, [](const Vec3d& X) { return X.z() == bar; }, [](const Vec3d&) { return Vec3d(0, traction, 0); });
   const Vec3d centre(side / 2, side / 2, bar);
   const Index v =
       vertices_where(setup.mesh, [&](const Vec3d& X) { return (X - centre).norm() < 1e-9; }).front();

@@ -36,6 +36,18 @@ DiagonalStiffness stiffness_at_rest(const Elements& elements, const std::vector<
   return K;
 }
 
+// Vertices that follow a lattice have given their masses to its nodes. What is pressed moves by itself, with
+// the mass of its tetrahedra.
+double mass_of(const BodyView& now, Index v) {
+  const double own = now.mass[std::size_t(v)];
+  const Elements& elements = now.model.elements;
+  const auto around = elements.topology.around(v);
+  const bool is_embedded = own == 0 && std::any_of(around.begin(), around.end(), [&](Index t) {
+                             return elements.region_of[std::size_t(t)] == RegionModel::reduced;
+                           });
+  return is_embedded ? lumped_mass(elements, v) : own;
+}
+
 double largest_of(const Eigen::Matrix<double, 6, 1>& K) {
   Mat3<double> block;
   block << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5];
@@ -127,7 +139,7 @@ void ContactSurface::find_stiffness(const BodyView& now) {
   const auto kappa_of = [&](Index v) {
     double& known = kappa[std::size_t(v)];
     if (known >= 0) return known;
-    const double full = filled * square * now.mass[std::size_t(v)];
+    const double full = filled * square * mass_of(now, v);
     const double room = full - ratio * largest_of(K.col(v));
     known = area[std::size_t(v)] > 0 ? std::max(least_room * full, room) / area[std::size_t(v)] : 0;
     return known;

@@ -6,7 +6,7 @@
 namespace lobe {
 
 struct HapticTrial {
-  bool is_direct = false;   // frames of 1 ms fit: the simulation itself answers the hand
+  bool is_direct = false;   // frames of 1 ms fit, and no region is reduced: the simulation answers the hand
   double p50 = 0, p99 = 0;  // time that a frame of 1 ms takes, of the clock [s]
   int frames = 0;           // that were tried
 };

@@ -9,7 +9,6 @@
 #include <tuple>
 
 #include "lobe/error.h"
-#include "lobe/sort_unique.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -282,28 +281,24 @@ void Maker::place_vertices(const PartsAround& around) {
   }
 }
 
-// A node is common to both sides of a cut if a vertex and a copy of it follow it.
+// A node is common to both sides of a cut, or of a slit that the mesh had at the start, if two vertices follow
+// it that are at the same place at rest.
 void Maker::find_cut_ends() {
-  const Topology& topology = elements_.topology;
-  std::vector<std::pair<Index, Index>> sides;  // vertex of the mesh at the start, vertex that was there
-  const auto add = [&](Index origin, Index v) {
-    if (lattice_.part_of_vertex[std::size_t(v)] >= 0) sides.emplace_back(origin, v);
-  };
-  for (Index v = topology.vertex_count() - topology.copy_count(); v < topology.vertex_count(); ++v) {
-    add(topology.origin(v), topology.origin(v));
-    add(topology.origin(v), v);
-  }
-  sort_unique(sides);
+  const auto& X = elements_.points;
+  std::vector<Index> sorted;
+  for (Index v = 0; v < elements_.topology.vertex_count(); ++v)
+    if (lattice_.part_of_vertex[std::size_t(v)] >= 0) sorted.push_back(v);
+  const auto place_of = [&](Index v) { return std::tuple(X(0, v), X(1, v), X(2, v), v); };
+  std::sort(sorted.begin(), sorted.end(), [&](Index a, Index b) { return place_of(a) < place_of(b); });
 
   std::vector<std::uint8_t> is_common(std::size_t(lattice_.node_count()), 0);
   std::vector<Index> nodes;
-  for (auto first = sides.begin(); first != sides.end();) {
-    const auto last =
-        std::find_if(first, sides.end(), [&](const auto& s) { return s.first != first->first; });
+  for (auto first = sorted.begin(); first != sorted.end();) {
+    const auto last = std::find_if(first, sorted.end(), [&](Index v) { return X.col(v) != X.col(*first); });
     nodes.clear();
+    if (last == first + 1) ++first;  // alone
     for (; first != last; ++first) {
-      const Lattice::Part& part =
-          lattice_.parts[std::size_t(lattice_.part_of_vertex[std::size_t(first->second)])];
+      const Lattice::Part& part = lattice_.parts[std::size_t(lattice_.part_of_vertex[std::size_t(*first)])];
       nodes.insert(nodes.end(), part.nodes.begin(), part.nodes.end());
     }
     std::sort(nodes.begin(), nodes.end());

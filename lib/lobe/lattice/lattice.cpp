@@ -281,8 +281,8 @@ void Maker::place_vertices(const PartsAround& around) {
   }
 }
 
-// A node is common to both sides of a cut, or of a slit that the mesh had at the start, if two vertices follow
-// it that are at the same place at rest.
+// A node is common to both sides of a cut, or of a slit that the mesh had at the start, if two vertices that
+// are at the same place at rest follow it.
 void Maker::find_cut_ends() {
   const auto& X = elements_.points;
   std::vector<Index> sorted;

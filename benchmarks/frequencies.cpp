@@ -42,7 +42,8 @@ class Linearised {
         if (3 * row + r >= 3 * column + c) entries_.emplace_back(3 * row + r, 3 * column + c, block(r, c));
   }
   void add_tets(const Elements& elements, const std::vector<Index>& tets, const Sums& terms);
-  Eigen::VectorXd lowest_frequencies() const;  // [rad/s]
+  // [rad/s]. Throws InputError if the stiffness is singular to rounding, for this reason.
+  Eigen::VectorXd lowest_frequencies(const std::string& reason) const;
 
  private:
   std::vector<double> mass_;  // [kg]
@@ -66,7 +67,7 @@ void Linearised::add_tets(const Elements& elements, const std::vector<Index>& te
 }
 
 // By iteration of a subspace with K⁻¹ M.
-Eigen::VectorXd Linearised::lowest_frequencies() const {
+Eigen::VectorXd Linearised::lowest_frequencies(const std::string& reason) const {
   constexpr int iterations = 12;
   const auto n = Eigen::Index(3 * mass_.size()), block = Eigen::Index(frequency_count + 8);
   Sparse K(n, n);
@@ -76,8 +77,7 @@ Eigen::VectorXd Linearised::lowest_frequencies() const {
   const auto factor = make_ldlt();
   factor->analyse(K);
   if (!factor->factorise(K))
-    throw InputError("frequencies",
-                     "the stiffness is singular to rounding: nothing holds the body, or a part of it hardly");
+    throw InputError("frequencies", "the stiffness is singular to rounding: " + reason);
   Eigen::MatrixXd X(n, block);
   for (Eigen::Index j = 0; j < block; ++j)
     for (Eigen::Index i = 0; i < n; ++i) X(i, j) = std::sin(1.7 * double(i * (j + 1)) + double(j));
@@ -111,7 +111,7 @@ Eigen::VectorXd full_frequencies(const Setup& setup) {
   std::vector<Index> all;
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) all.push_back(t);
   body.add_tets(elements, all, terms);
-  return body.lowest_frequencies();
+  return body.lowest_frequencies("nothing holds the body, or a part of it hardly");
 }
 
 struct Reduced {
@@ -171,7 +171,8 @@ Eigen::VectorXd reduced_frequencies(const Elements& elements, const std::vector<
                      cell.fluctuation(n, m) * Mat3<double>::Identity());
       }
   }
-  return body.lowest_frequencies();
+  // They have no cell, and vertices of full tetrahedra follow several of them at once.
+  return body.lowest_frequencies("some nodes of the lattice can move without any vertex");
 }
 
 struct FrequencyRow {

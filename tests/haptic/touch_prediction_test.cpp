@@ -12,15 +12,15 @@ using namespace lobe::bench;
 
 namespace {
 
-struct Felt {
+struct FeltPath {
   HandPath path;
   std::vector<FeltFrame> frames, reference;
 };
 
-Felt felt_at(double speed) {
+FeltPath felt_at(double speed) {
   const Setup setup = standing_block();
   const Sphere sphere = sphere_before(setup, {0.025, 0.025, 0.04}, downwards, approach);
-  Felt felt{
+  FeltPath felt{
       .path = touch_and_slide(downwards, sideways, approach, 0.008, speed), .frames = {}, .reference = {}};
   felt.frames = feel_touch(setup, sphere, felt.path, 1.0 / 120);
   felt.reference = feel_touch(setup, sphere, felt.path, 1e-3);
@@ -30,7 +30,7 @@ Felt felt_at(double speed) {
 }  // namespace
 
 TEST_CASE("a sphere is brought so that it meets the body after a gap, and feels nothing before and after") {
-  const Felt felt = felt_at(0.05);
+  const FeltPath felt = felt_at(0.05);
   double met = 0;
   for (const FeltFrame& frame : felt.reference) {
     CHECK_FALSE(frame.is_bilateral);
@@ -46,7 +46,7 @@ TEST_CASE("a sphere is brought so that it meets the body after a gap, and feels 
 TEST_CASE("a probe: between frames of 1/120 s the force is near that of frames of 1 ms") {
   for (double speed : {0.02, 0.05, 0.1}) {
     CAPTURE(speed);
-    const Felt felt = felt_at(speed);
+    const FeltPath felt = felt_at(speed);
     const auto error = [&](const Predict& predict) {
       return error_of(felt.frames, felt.reference, 2e-3, 1e-3, predict);
     };
@@ -68,7 +68,7 @@ TEST_CASE("a probe: between frames of 1/120 s the force is near that of frames o
 // The patch is several times stiffer than what a sphere touches at first. Until a motion has said so, it
 // counts as a quarter; the whole of it would give a blow at the first touch.
 TEST_CASE("the first frame of a touch does not overshoot what comes") {
-  const Felt felt = felt_at(0.1);
+  const FeltPath felt = felt_at(0.1);
   std::size_t first = 0;
   while (felt.frames[first].force.isZero(0)) ++first;
   const FeltFrame& touch = felt.frames[first];

@@ -3,6 +3,7 @@
 
 #include "benchmarks/haptic_touch.h"
 #include "haptic/standing_block.h"
+#include "near.h"
 #include "support.h"
 #include "world_support.h"
 
@@ -39,7 +40,7 @@ TEST_CASE("a sphere is brought so that it meets the body after a gap, and feels 
     if (met == 0 && !frame.force.isZero(0)) met = way;
     if (!frame.force.isZero(0)) CHECK(frame.force.dot(downwards) < 0);  // it is pushed out
   }
-  CHECK(met == doctest::Approx(approach).epsilon(0.1));
+  CHECK(met == near(approach, 0.1));
   CHECK(felt.reference.back().force.isZero(0));
 }
 

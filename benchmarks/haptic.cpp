@@ -192,7 +192,7 @@ void time_loops(const Options& options, const std::vector<HapticBody>& bodies) {
     std::printf("%s: a frame of 1 ms takes %.2f ms, p99 %.2f: %s\n", body.mesh.c_str(), 1e3 * trial.p50,
                 1e3 * trial.p99, trial.is_direct ? "direct" : "extrapolated");
     const double frame = trial.is_direct ? direct_frame : 1.0 / 120;
-    const double seconds = options.quick ? 2 : 20;
+    const double seconds = options.quick ? 2 : 60;
     rows.push_back(time_empty(50, seconds));
     rows.push_back(time_loop(body, frame, 50, seconds, histograms));
     rows.push_back(time_loop(body, frame, 0, seconds, histograms));

@@ -21,7 +21,8 @@ class Step {
         swept_(swept),
         last_(blade.looks_back ? swept.before_last() : nullptr),
         tets_(tets) {
-    if (catches_up()) all_ = swept.all();
+    sheets_ = catches_up() ? swept.all() : std::vector<const Sheet*>{&sheet_};
+    if (last_) sheets_.push_back(last_);
   }
   Incised cut();
 
@@ -85,8 +86,8 @@ class Step {
   const Blade blade_;
   const Sheet& sheet_;
   const SweptSheets& swept_;
-  const Sheet* last_;              // none: there is no need of it
-  std::vector<const Sheet*> all_;  // where it catches up
+  const Sheet* last_;                 // none: there is no need of it
+  std::vector<const Sheet*> sheets_;  // that cut edges
   const PlacedTets& tets_;
   std::vector<Point> points_;  // of grains near the sheet
   std::vector<Near> near_;     // by their grains
@@ -115,29 +116,25 @@ bool Step::is_near_grain(Index grain) const {
 }
 
 std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
-  for (const Sheet* sheet : all_)
+  for (const Sheet* sheet : sheets_)
     if (const std::optional<double> share = sheet->crossing(p, q)) return share;
-  if (catches_up()) return {};
-  const std::optional<double> share = sheet_.crossing(p, q);
-  return share || !last_ ? share : last_->crossing(p, q);
+  return {};
 }
 
 bool Step::may_be_cut(Index grain, const Mat34<double>& x, double reach) const {
   const Eigen::Vector4i& points = grains_[grain].points;
   if (catches_up()) return std::any_of(points.begin(), points.end(), [&](Index p) { return is_new(p); });
-  return sheet_.may_reach(x, reach) || (last_ && last_->may_reach(x, reach));
+  return std::any_of(sheets_.begin(), sheets_.end(),
+                     [&](const Sheet* sheet) { return sheet->may_reach(x, reach); });
 }
 
-// From the sheets that put points on; infinite where it is above `within` [m].
+// From the sheets that take points, of which the last one comes first; infinite where it is above `within` [m].
 double Step::distance_of(const Point& point, double within) const {
-  const auto distance_from = [&](const Sheet& sheet) {
-    const bool is_far =
-        sheet.beyond(point.x) >= within || sheet.box().squaredExteriorDistance(point.x) >= within * within;
-    return is_far ? std::numeric_limits<double>::infinity() : sheet.distance(point.x, within);
-  };
-  if (!catches_up()) return distance_from(sheet_);
   double least = std::numeric_limits<double>::infinity();
-  for (const Sheet* sheet : all_) least = std::min(least, distance_from(*sheet));
+  for (std::size_t i = 0; i < (catches_up() ? sheets_.size() : 1); ++i)
+    if (const Sheet& sheet = *sheets_[i];
+        sheet.beyond(point.x) < within && sheet.box().squaredExteriorDistance(point.x) < within * within)
+      least = std::min(least, sheet.distance(point.x, within));
   return least;
 }
 

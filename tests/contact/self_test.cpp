@@ -4,6 +4,7 @@
 #include <map>
 
 #include "contact/frame.h"
+#include "joined_meshes.h"
 #include "lobe/contact/contact.h"
 #include "near.h"
 #include "support.h"
@@ -13,16 +14,6 @@ using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-TetMesh joined(const TetMesh& a, const TetMesh& b) {
-  TetMesh both = a;
-  both.points.conservativeResize(3, a.vertex_count() + b.vertex_count());
-  both.points.rightCols(b.vertex_count()) = b.points;
-  both.tets.conservativeResize(4, a.tet_count() + b.tet_count());
-  both.tets.rightCols(b.tet_count()) = b.tets.array() + a.vertex_count();
-  both.labels.insert(both.labels.end(), b.labels.begin(), b.labels.end());
-  return both;
-}
 
 TetMesh block(const Vec3d& size, int n, const Vec3d& at) {
   TetMesh mesh = box_mesh(size, n, n, n);

@@ -141,17 +141,7 @@ TEST_CASE("over presses and releases no energy comes out, whatever the frames") 
     CAPTURE(frame);
     VirtualLoop loop(block(), press(0.006, 0.1), frame);
     loop.take_hold();
-    double given = 0, stored = 0;
-    Vec3d at = Vec3d::Zero();
-    bool is_first = true;
-    Vec3d force = Vec3d::Zero();
-    loop.run(1.0, [&](const HapticState& state) {
-      if (!is_first) given += force.dot(state.device.position - at);  // to the hand
-      is_first = false;
-      stored = std::max(stored, -given);
-      at = state.device.position;
-      force = state.force;
-    });
+    const auto [given, stored] = loop.energy_over(1.0);
     MESSAGE("energy given to the hand " << 100 * given / stored << " % of the " << 1e3 * stored
                                         << " mJ stored; interventions "
                                         << loop.servo().state().interventions);

@@ -51,16 +51,7 @@ TEST_CASE("over presses with a probe hardly any energy comes out") {
     const bench::Sphere sphere = bench::sphere_before(loop.setup, {0.025, 0.025, 0.04}, downwards, approach);
     loop.controller.send(bring_tool(
         1, sphere.start, BringProbe{"", RigidShape::sphere(sphere.radius), {.position = sphere.start}, 0}));
-    double given = 0, stored = 0;
-    Vec3d at = Vec3d::Zero(), force = Vec3d::Zero();
-    bool is_first = true;
-    loop.run(1.3, [&](const HapticState& state) {
-      if (!is_first) given += force.dot(state.device.position - at);  // to the hand
-      is_first = false;
-      stored = std::max(stored, -given);
-      at = state.device.position;
-      force = state.force;
-    });
+    const auto [given, stored] = loop.energy_over(1.3);
     MESSAGE("energy given to the hand " << 100 * given / stored << " % of the " << 1e3 * stored
                                         << " mJ stored");
     CHECK(stored > 1e-3);

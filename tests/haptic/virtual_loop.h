@@ -2,7 +2,9 @@
 // length, and the loop ticks in between, all on one thread.
 #pragma once
 
+#include <algorithm>
 #include <deque>
+#include <optional>
 
 #include "benchmarks/haptic_rig.h"
 #include "live/hands_support.h"
@@ -54,6 +56,19 @@ class VirtualLoop {
     const HapticState& of;
   };
   Seen servo() const { return {last_}; }
+  struct Energy {
+    double given = 0, stored = 0;  // to the hand; the most that it has given before [J]
+  };
+  Energy energy_over(double seconds) {
+    Energy energy;
+    std::optional<HapticState> before;
+    run(seconds, [&](const HapticState& state) {
+      if (before) energy.given += before->force.dot(state.device.position - before->device.position);
+      energy.stored = std::max(energy.stored, -energy.given);
+      before = state;
+    });
+    return energy;
+  }
   const Vec3d& hand_position() const { return position_; }
   bool tool_has_moved() {
     const auto hands = session.status()->hands;

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "folder.h"
+#include "joined_meshes.h"
 #include "lattice_worlds.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/validate.h"
@@ -13,23 +14,13 @@ using namespace lobe::test;
 
 namespace {
 
-TetMesh both(const TetMesh& a, const TetMesh& b) {
-  TetMesh all = a;
-  all.points.conservativeResize(3, a.vertex_count() + b.vertex_count());
-  all.points.rightCols(b.vertex_count()) = b.points;
-  all.tets.conservativeResize(4, a.tet_count() + b.tet_count());
-  all.tets.rightCols(b.tet_count()) = b.tets.array() + a.vertex_count();
-  all.labels.insert(all.labels.end(), b.labels.begin(), b.labels.end());
-  return all;
-}
-
 constexpr double length = 0.1, gap = 0.02;  // [m]
 
 // Two bars in line, the meshes of which do not match; the ends that face each other are `gap` apart.
 Setup two_bars(RegionModel model, bool self = true) {
   TetMesh other = box_mesh({length, 0.036, 0.044}, 10, 4, 5);
   other.points.colwise() += Vec3d(length + gap, 0.003, -0.002);
-  Setup setup = setup_of(both(bar(10, 4, false).mesh, other), model);
+  Setup setup = setup_of(joined(bar(10, 4, false).mesh, other), model);
   setup.lattice_cell = 0.02;
   setup.volume_penalty = 1e5;
   setup.contact.self = self;

@@ -59,7 +59,9 @@ check(
   'jaws come',
 );
 check(
-  await until(page, () => [...lobe.instruments.shown.values()].some(item => item.isOpen && item.force.length() > 0.05)),
+  await until(page, () =>
+    [...lobe.instruments.shown.values()].some(item => item.isOpen && item.force.length() > 0.05),
+  ),
   'they close on the organ, and feel it',
 );
 await page.screenshot({path: path.join(out, 'jaws.png')});
@@ -67,7 +69,10 @@ await page.keyboard.press('h');
 await page.mouse.up();
 check(await until(page, () => lobe.hands.held.size === 2), 'they stay where they are');
 await drag(page, {x: at.x - 60, y: at.y + 4}, 0, 10);
-check(await until(page, () => lobe.hands.held.size === 1 && lobe.hands.active?.kind === 'jaws'), 'are taken up again');
+check(
+  await until(page, () => lobe.hands.held.size === 1 && lobe.hands.active?.kind === 'jaws'),
+  'are taken up again',
+);
 await page.mouse.up();
 await page.keyboard.press('g');
 check(await until(page, () => lobe.instruments.shown.size === 1), 'and open when they are let go');

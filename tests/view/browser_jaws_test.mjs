@@ -65,7 +65,10 @@ check(lifted.height - gripped.height > 0.02, `the lobe is lifted by ${lifted.hei
 await page.mouse.up();
 await page.waitForTimeout(1500);
 const fallen = await lobe();
-check(fallen.height < lifted.height - 0.02, `and falls by ${lifted.height - fallen.height} m when it is let go`);
+check(
+  fallen.height < lifted.height - 0.02,
+  `and falls by ${lifted.height - fallen.height} m when it is let go`,
+);
 check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
 await browser.close();
 await server.kill();

@@ -16,7 +16,7 @@ export function showHelp() {
   const rows = [
     ['Left drag on the organ', 'pull it; with the cautery, burn along; with the scalpel, cut; with the probe, press; with the jaws, grip; with the brush, paint'],
     ['Wheel while pulling, cutting or pressing', 'nearer and farther, deeper'],
-    ['Jaws', 'close where they have come to rest, and grip until you let go; one jaw above the other, as you look'],
+    ['Jaws', 'one above the other, as you look: close where they come to rest, grip until you let go'],
     ['Shift while letting go, or H', 'this instrument stays where it is: take a second one; drag it later'],
     ['Double click, or Esc', 'all instruments let go'],
     ['Right drag · wheel · middle drag', 'turn · zoom · shift the camera; Home: as at the start'],

@@ -128,7 +128,7 @@ bool Step::may_be_cut(Index grain, const Mat34<double>& x, double reach) const {
                      [&](const Sheet* sheet) { return sheet->may_reach(x, reach); });
 }
 
-// From the sheets that take points, of which the last one comes first; infinite where it is above `within` [m].
+// From the sheets that take points; infinite where it is above `within` [m]. The last sheet is the first.
 double Step::distance_of(const Point& point, double within) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < (catches_up() ? sheets_.size() : 1); ++i)

@@ -41,7 +41,7 @@ class OwnSprings : public ForceTerm<double> {
              (s.point - at.model.elements.points.col(s.vertex) - at.u.col(s.vertex)).squaredNorm();
     return sum;
   }
-  std::vector<Index> touched() const override {
+  std::vector<Index> acts_on(const Model&) const override {
     std::vector<Index> vertices;
     for (const Spring& s : springs_) vertices.push_back(s.vertex);
     return vertices;

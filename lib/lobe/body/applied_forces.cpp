@@ -99,7 +99,7 @@ double AppliedForces<Real>::energy(const At& at) const {
 }
 
 template <class Real>
-std::vector<Index> AppliedForces<Real>::touched() const {
+std::vector<Index> AppliedForces<Real>::acts_on(const Model&) const {
   std::vector<Index> vertices;
   for (const VertexLoad& load : forces_) vertices.push_back(load.vertex);
   for (const Spring& spring : springs_) vertices.push_back(spring.vertex);

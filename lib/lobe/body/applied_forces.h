@@ -30,11 +30,12 @@ class AppliedForces : public ForceTerm<Real> {
   void move(const Mat3X<double>& points);
   const std::vector<VertexLoad>& forces() const { return forces_; }
 
-  std::string name() const override { return "applied forces"; }
+  static constexpr const char* term_name = "applied forces";
+  std::string name() const override { return term_name; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
   void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
   double energy(const At& at) const override;
-  std::vector<Index> touched() const override;
+  std::vector<Index> acts_on(const Model& model) const override;
   void begin_frame(double time, double duration) override;
   void follow(const Topology& topology, const MeshEdit& edit) override;
   std::string save() const override;

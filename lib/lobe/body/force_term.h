@@ -46,8 +46,15 @@ class ForceTerm {
   // Without it the steps would be too long.
   virtual void add_diagonal_stiffness(const At&, DiagonalStiffness&) const {}
   virtual double energy(const At&) const { return 0; }  // [J]
-  // Vertices on which it may act in this frame. They do not sleep through it.
-  virtual std::vector<Index> touched() const = 0;
+  // Vertices on which it may act in this frame. In a reduced region they do not follow the lattice, which has
+  // no forces of terms.
+  virtual std::vector<Index> acts_on(const Model& model) const = 0;
+  // Those of them on which it may act although they rest. They do not sleep through the frame. A drag, which
+  // acts only on what moves, has none.
+  virtual std::vector<Index> wakes(const Model& model) const { return acts_on(model); }
+  // Adds the damping that each vertex feels, the largest of −∂f_v/∂v_v over all directions [kg/s]; there is an
+  // entry for each vertex. Without it the steps would be too long, since the force is taken half a step late.
+  virtual void add_diagonal_damping(const At&, std::vector<double>&) const {}
   virtual void begin_frame(double /*time*/, double /*duration*/) {}  // [s]
   virtual void follow(const Topology&, const MeshEdit&) {}           // of the mesh
 

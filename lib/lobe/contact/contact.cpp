@@ -137,7 +137,7 @@ bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
   return there(time) != before;
 }
 
-// Searched with room for the whole frame, so that touched() is known before its steps.
+// Searched with room for the whole frame, so that acts_on() is known before its steps.
 template <class Real>
 void Contact<Real>::see_body(const BodyView& now, const At& at) {
   if (surface_.is_outdated(now)) {

@@ -35,7 +35,7 @@ class Contact : public ForceTerm<Real> {
   void add_forces(const At& at, Mat3X<Real>& f) override;
   void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
   double energy(const At& at) const override;
-  std::vector<Index> touched() const override { return touched_; }
+  std::vector<Index> acts_on(const Model&) const override { return touched_; }
 
   bool needs_body() const override { return true; }
   bool see_tools(std::span<const ToolBody> bodies, double time) override;

@@ -21,6 +21,12 @@ struct FibreModuli {
 
   bool any() const { return coupling != 0 || shear != 0 || stretch != 0; }
   FibreModuli times(const T& V) const { return {V * coupling, V * shear, V * stretch}; }
+  FibreModuli& operator+=(const FibreModuli& other) {
+    coupling += other.coupling;
+    shear += other.shear;
+    stretch += other.stretch;
+    return *this;
+  }
   template <class U>
   FibreModuli<U> as() const {
     return {U(coupling), U(shear), U(stretch)};

@@ -28,6 +28,12 @@ struct Terms {
     return svk >= other.svk && volume >= other.volume && pressure >= other.pressure && guard >= other.guard &&
            fibre >= other.fibre && neo_hookean >= other.neo_hookean;
   }
+  // Without those that any solid may have, whose moduli are 0 where it has not.
+  constexpr Terms solid() const {
+    Terms own = *this;
+    own.volume = own.pressure = own.guard = false;
+    return own;
+  }
 };
 
 template <class T>

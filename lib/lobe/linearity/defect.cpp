@@ -57,25 +57,12 @@ MeanDefects::MeanDefects(const Elements& elements, const Zones& zones)
 }
 
 void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone) {
+  const MeanMaterial& mean = mean_[std::size_t(zone)] =
+      mean_material(elements, zones.tets[std::size_t(zone)]);
   std::map<Index, Vec3d> weights;
-  double volume = 0, lambda = 0, mu = 0, nodal_lambda = 0, neo_hookean = 0;
-  FibreModuli<double> fibre;
-  Mat3<double> structure = Mat3<double>::Zero();  // ∫ a⊗a where there are fibres
   for (Index t : zones.tets[std::size_t(zone)]) {
     if (!elements.topology.alive(t)) continue;
     const Shape s = elements.shape_of(t);
-    const Elastic& e = elements.elastic_of(t);
-    volume += s.volume;
-    lambda += s.volume * e.lambda;
-    mu += s.volume * e.mu;
-    nodal_lambda += s.volume * e.nodal_lambda();
-    if (e.law == MaterialLaw::neo_hookean) neo_hookean += s.volume;
-    if (e.fibre.any()) {
-      fibre.coupling += s.volume * e.fibre.coupling;
-      fibre.shear += s.volume * e.fibre.shear;
-      fibre.stretch += s.volume * e.fibre.stretch;
-      structure += s.volume * elements.fibre_of(t) * elements.fibre_of(t).transpose();
-    }
     for (int c = 0; c < 4; ++c) {
       const auto [at, is_new] = weights.try_emplace(elements.topology.tets()(c, t), Vec3d::Zero());
       at->second += s.volume * s.gradients.col(c);
@@ -83,17 +70,9 @@ void MeanDefects::find(const Elements& elements, const Zones& zones, Index zone)
   }
   std::vector<Weight>& list = weights_[std::size_t(zone)];
   list.clear();
-  const double size = std::cbrt(volume);
+  const double size = std::cbrt(mean.volume);
   for (const auto& [vertex, gradient] : weights)  // those of vertices within the zone vanish
-    if (gradient.norm() > 1e-9 * size * size) list.push_back({vertex, gradient / volume});
-  Mean& mean = mean_[std::size_t(zone)];
-  mean.volume = volume;
-  mean.material.lambda = lambda / volume;
-  mean.material.mu = mu / volume;
-  mean.material.nodal_pressure = nodal_lambda > 0 ? nodal_lambda / lambda : 0;
-  mean.material.law = neo_hookean > volume / 2 ? MaterialLaw::neo_hookean : MaterialLaw::svk;
-  mean.material.fibre = fibre.times(1 / volume);
-  if (fibre.any()) mean.direction = symmetric_eigen(structure).vectors.col(2);
+    if (gradient.norm() > 1e-9 * size * size) list.push_back({vertex, gradient / mean.volume});
 }
 
 Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
@@ -103,7 +82,7 @@ Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
 }
 
 // If the gradient is the same everywhere, the nodal pressures are those of its strain: χλ θ.
-Law<double> MeanDefects::law(const Mean& mean, const Mat3<double>& H) const {
+Law<double> MeanDefects::law(const MeanMaterial& mean, const Mat3<double>& H) const {
   Law<double> law = nonlinear_law(mean.material, volume_penalty_, guard_below_,
                                   mean.material.nodal_lambda() * strain_trace(H));
   law.direction = mean.direction;
@@ -111,7 +90,7 @@ Law<double> MeanDefects::law(const Mean& mean, const Mat3<double>& H) const {
 }
 
 Column MeanDefects::at(Index zone, const Column& gradient, bool is_linear) const {
-  const Mean& mean = mean_[std::size_t(zone)];
+  const MeanMaterial& mean = mean_[std::size_t(zone)];
   if (mean.volume == 0) return Column::Zero();
   const Mat3<double> H = is_linear ? nonlinear_gradient(matrix(gradient)) : matrix(gradient);
   Law<double> linear = linear_law(mean.material);
@@ -121,7 +100,7 @@ Column MeanDefects::at(Index zone, const Column& gradient, bool is_linear) const
 
 Column MeanDefects::beyond_tangent(Index zone, const Column& gradient, const Column& about,
                                    bool is_linear) const {
-  const Mean& mean = mean_[std::size_t(zone)];
+  const MeanMaterial& mean = mean_[std::size_t(zone)];
   if (mean.volume == 0) return Column::Zero();
   const auto stress_at = [&](const Column& g) {
     const Mat3<double> H = matrix(g);

@@ -5,6 +5,7 @@
 // gives the non-linear state that the linear one stands for.
 #pragma once
 
+#include "lobe/fem/mean_material.h"
 #include "lobe/linearity/zones.h"
 
 namespace lobe {
@@ -48,14 +49,9 @@ class MeanDefects {
     Vec3d gradient;  // of its shape function, averaged over the zone [1/m]
   };
   std::vector<std::vector<Weight>> weights_;  // per zone
-  struct Mean {
-    double volume = 0;
-    Elastic material;
-    Vec3d direction = Vec3d::Zero();  // that most of the fibres have
-  };
-  Law<double> law(const Mean& mean, const Mat3<double>& H) const;
+  Law<double> law(const MeanMaterial& mean, const Mat3<double>& H) const;
 
-  std::vector<Mean> mean_;
+  std::vector<MeanMaterial> mean_;
   double volume_penalty_, guard_below_;
 };
 

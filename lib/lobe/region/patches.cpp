@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "lobe/assert.h"
+#include "lobe/region/compiled_terms.h"
+
 namespace lobe {
 
 template <class Real>
@@ -13,6 +16,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   for (const Elastic& elastic : elements.materials) {
     laws_.push_back(nonlinear_law(elastic, elements.volume_penalty, elements.guard_below));
     laws_.back().terms.pressure = nodal_pressure_;
+    lobe_assert(is_covered(laws_.back().terms), "no kernel is compiled for the law of a material");
   }
   const std::vector<Layout::Item> items = items_of(model, elements, enter);
   if (items.empty() && tet_count() == 0) return;  // without tetrahedra no memory is needed

@@ -1,6 +1,7 @@
 // Compiled once per instruction set, LOBE_KERNELS, which is the namespace that everything here is in.
 #include "lobe/region/wide_kernels.h"
 
+#include "lobe/region/compiled_terms.h"
 #include "lobe/region/element_lanes.h"
 
 namespace lobe::LOBE_KERNELS {
@@ -68,30 +69,11 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
-constexpr bool are_of_one_solid(const Terms& a, const Terms& b) {
-  return a.svk == b.svk && a.fibre == b.fibre && a.neo_hookean == b.neo_hookean;
-}
-
-// The sums of terms for which forces are compiled. A patch takes the first one that is of its solid and
-// includes all its terms. Terms that its law does not have get the modulus 0.
-constexpr Terms compiled_terms[] = {{.svk = true},
-                                    {.svk = true, .volume = true},
-                                    {.svk = false, .volume = true},
-                                    {.svk = true, .pressure = true},
-                                    {.svk = true, .fibre = true},
-                                    {.svk = true, .volume = true, .fibre = true},
-                                    {.svk = true, .volume = true, .pressure = true, .fibre = true},
-                                    {.svk = false, .neo_hookean = true},
-                                    {.svk = false, .volume = true, .neo_hookean = true},
-                                    {.svk = true, .volume = true, .pressure = true}};
-
 template <class Real, std::size_t i = 0>
 Real add_forces(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f) {
   constexpr Terms terms = compiled_terms[i];
   if constexpr (i + 1 < std::size(compiled_terms))
-    if (const Terms& of_law = patch.law.terms;
-        !are_of_one_solid(terms, of_law) || !terms.includes(with_guard(of_law, false)))
-      return add_forces<Real, i + 1>(patch, guarding, f);
+    if (!covers(terms, patch.law.terms)) return add_forces<Real, i + 1>(patch, guarding, f);
   Real* sums = &f->xyz0[0];
   if (guarding == Guarding::off) return add_forces_of<Real, terms, Guarding::off>(patch, sums);
   if (guarding == Guarding::asked) return add_forces_of<Real, terms, Guarding::asked>(patch, sums);
@@ -128,9 +110,8 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
       const T ratio = T(1) + volume_change(e.H);
       smallest = min(ratio, smallest);  // where() of libstdc++ is wrong with clang and AVX-512
       Law<T> law = law_of<solid>(patch, b, first);
-      law.terms.svk = solid.svk;
-      law.terms.fibre = solid.fibre;
-      law.terms.neo_hookean = solid.neo_hookean;
+      law.terms = solid;
+      law.terms.volume = patch.law.terms.volume;
       law.terms.guard = patch.law.terms.guard && any_of(ratio < law.guard_threshold);
       Mat34<T> entries;
       for (int c = 0; c < 4; ++c) {

@@ -1,12 +1,13 @@
 #include "lobe/sim/checkpoint.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
-#include "lobe/contact/contact.h"
 #include "lobe/error.h"
 #include "lobe/io/scanner.h"
 #include "lobe/sim/enum_sizes.h"
+#include "lobe/sim/kinds_of_terms.h"
 
 namespace lobe {
 namespace {
@@ -52,9 +53,8 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     throw InputError("checkpoint", "is of another scene, mesh or version of them");
   check(c.state);
   for (const auto& entry : c.terms) {
-    const bool is_own = entry.name == Contact<Real>::term_name || entry.name == AppliedForces<Real>().name();
     const auto is_it = [&](const auto& term) { return term->name() == entry.name; };
-    if (!is_own && std::none_of(body_.terms.begin(), body_.terms.end(), is_it))
+    if (!find_kind_of_term<Real>(entry.name) && std::none_of(body_.terms.begin(), body_.terms.end(), is_it))
       throw InputError("checkpoint",
                        "has a force term \"" + entry.name + "\", which the world has not: add it");
   }
@@ -75,20 +75,24 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   take(c);
 }
 
-// Force terms that an application has added belong to it. A term that is not in the checkpoint keeps its
-// state.
+// The terms are in the order of the checkpoint, in which their forces are added. Terms that an application
+// has added belong to it. Those that are not in the checkpoint come last and keep their state.
 template <class Real>
 void World<Real>::load_terms(const Checkpoint<Real>& c) {
-  const AppliedForces<Real> none;
-  std::erase_if(body_.terms, [](const auto& term) { return term->name() == Contact<Real>::term_name; });
-  if (!body_.terms.empty()) applied().load(none.save(), 0);
+  auto former = std::exchange(body_.terms, {});
+  std::erase_if(former, [](const auto& term) { return find_kind_of_term<Real>(term->name()) != nullptr; });
   for (const auto& entry : c.terms) {
-    if (entry.name == none.name()) applied();
-    if (entry.name == Contact<Real>::term_name) start_contact();
-    const auto known = std::find_if(body_.terms.begin(), body_.terms.end(),
+    const auto added = std::find_if(former.begin(), former.end(),
                                     [&](const auto& term) { return term->name() == entry.name; });
-    if (known != body_.terms.end()) (*known)->load(entry.saved, elements().topology.vertex_count());
+    if (added == former.end()) {
+      own_term(entry.name);
+    } else {
+      body_.terms.push_back(std::move(*added));
+      former.erase(added);
+    }
+    body_.terms.back()->load(entry.saved, elements().topology.vertex_count());
   }
+  std::move(former.begin(), former.end(), std::back_inserter(body_.terms));
   show_tools(time());
 }
 
@@ -206,10 +210,8 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
               (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
   fits = fits && is_known(0) && body_.regions.reduced().fits(c.nodes, elements());
   for (Index piece : piece_of) fits = fits && is_known(piece);
-  for (const auto& term : c.terms) {
-    if (AppliedForces<Real> trial; term.name == trial.name()) trial.load(term.saved, vertices);
-    if (Contact<Real> trial; term.name == trial.name()) trial.load(term.saved, vertices);
-  }
+  for (const auto& term : c.terms)
+    if (const auto* kind = find_kind_of_term<Real>(term.name)) kind->make(setup_)->load(term.saved, vertices);
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
   for (const HeldVertices::Held& item : c.held.all())
     fits = fits && item.vertex >= 0 && item.vertex < vertices &&

@@ -215,12 +215,12 @@ class World {
   void take_nodes(const Checkpoint<Real>& checkpoint);
   void load_terms(const Checkpoint<Real>& checkpoint);
 
+  ForceTerm<Real>& own_term(std::string_view name);
   AppliedForces<Real>& applied();
-  void start_contact();
   void show_body_to(ForceTerm<Real>& term);
   bool follow_touch(const std::vector<Index>& touched);
-  void terms_have_changed(const std::vector<Index>& touched_before);
-  void report_lost_forces(const std::vector<Index>& touched);
+  void terms_have_changed(const std::vector<Index>& woken_before);
+  void report_lost_forces(const std::vector<Index>& vertices);
 
   Setup setup_;  // loads, gravity, damping …; without the mesh and its materials
   Journal journal_;

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "lobe/contact/contact.h"
 #include "lobe/error.h"
 #include "lobe/setup/exclusions.h"
+#include "lobe/sim/kinds_of_terms.h"
 #include "lobe/sim/world.h"
 #include "lobe/sort_unique.h"
 
@@ -32,30 +32,26 @@ void World<Real>::perform(const Hold& command) {
 
 // ---- Forces
 
-// The term exists from the first call on.
+// A term of a kind that the world makes by itself. It exists from the first call on.
 template <class Real>
-AppliedForces<Real>& World<Real>::applied() {
+ForceTerm<Real>& World<Real>::own_term(std::string_view name) {
   for (const auto& term : body_.terms)
-    if (auto* present = dynamic_cast<AppliedForces<Real>*>(term.get())) return *present;
-  auto added = std::make_shared<AppliedForces<Real>>();
-  body_.terms.push_back(added);
-  return *added;
+    if (term->name() == name) return *term;
+  limit_.forget();
+  return *body_.terms.emplace_back(find_kind_of_term<Real>(name)->make(setup_));
 }
 
-// Adds the contact term as soon as a tool has a body.
 template <class Real>
-void World<Real>::start_contact() {
-  const auto is_contact = [](const auto& term) { return term->name() == Contact<Real>::term_name; };
-  if (std::any_of(body_.terms.begin(), body_.terms.end(), is_contact)) return;
-  body_.terms.push_back(std::make_shared<Contact<Real>>(setup_.contact, setup_.damping));
-  limit_.forget();
+AppliedForces<Real>& World<Real>::applied() {
+  return static_cast<AppliedForces<Real>&>(own_term(AppliedForces<Real>::term_name));
 }
 
 // Shows force terms the tools that exist until a time.
 template <class Real>
 void World<Real>::show_tools(double until) {
   const std::vector<ToolBody>& bodies = tools_.bodies(time(), until);
-  if (!bodies.empty() || setup_.contact.is_on()) start_contact();
+  for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>())
+    if (kind.is_needed(setup_, bodies)) own_term(kind.name);
   bool others = false;
   for (const auto& term : body_.terms) others = term->see_tools(bodies, time()) || others;
   if (others) limit_.forget();
@@ -68,9 +64,8 @@ void World<Real>::show_body() {
     if (!term.needs_body()) continue;
     show_body_to(term);
     if (!body_.sleep.any() && !body_.regions.any_condensed()) continue;
-    const std::vector<Index> touched = term.touched();
-    if (body_.sleep.any()) body_.sleep.wake(touched, body_);  // vertices that may be touched do not sleep
-    if (body_.regions.any_condensed() && follow_touch(touched)) show_body_to(term);
+    if (body_.sleep.any()) body_.sleep.wake(term.wakes(body_.model), body_);
+    if (body_.regions.any_condensed() && follow_touch(term.acts_on(body_.model))) show_body_to(term);
   }
 }
 
@@ -121,7 +116,8 @@ void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
   refuse_excluded(Option::force_terms, options_of(setup_), "force term");
   const bool is_known = std::any_of(body_.terms.begin(), body_.terms.end(),
                                     [&](const auto& present) { return present->name() == term->name(); });
-  if (is_known) throw InputError("force term", "there is one of the name \"" + term->name() + "\" already");
+  if (is_known || find_kind_of_term<Real>(term->name()))
+    throw InputError("force term", "there is one of the name \"" + term->name() + "\" already");
   body_.terms.push_back(std::move(term));
   terms_have_changed({});
 }
@@ -130,7 +126,7 @@ template <class Real>
 void World<Real>::perform(const SetForces& command) {
   AppliedForces<Real>().set(command.forces,
                             elements().topology.vertex_count());  // throws before anything changes
-  const std::vector<Index> before = body_.touched_by_terms();
+  const std::vector<Index> before = body_.woken_by_terms();
   synchronise_velocities();
   applied().set(command.forces, elements().topology.vertex_count());
   terms_have_changed(before);
@@ -141,29 +137,28 @@ void World<Real>::perform(const SetSprings& command) {
   refuse_excluded(Option::force_terms, options_of(setup_), "springs");
   AppliedForces<Real>().set(command.springs,
                             elements().topology.vertex_count());  // throws before anything changes
-  const std::vector<Index> before = body_.touched_by_terms();
+  const std::vector<Index> before = body_.woken_by_terms();
   synchronise_velocities();
   applied().set(command.springs, elements().topology.vertex_count());
   terms_have_changed(before);
 }
 
-// Wakes the vertices on which the terms act now or acted before. The step limit changes with their stiffness.
+// Wakes the vertices that the terms wake now or woke before. The step limit changes with their stiffness.
 template <class Real>
-void World<Real>::terms_have_changed(const std::vector<Index>& touched_before) {
-  const std::vector<Index> now = body_.touched_by_terms();
-  body_.sleep.wake(touched_before, body_);
-  body_.sleep.wake(now, body_);
+void World<Real>::terms_have_changed(const std::vector<Index>& woken_before) {
+  body_.sleep.wake(woken_before, body_);
+  body_.sleep.wake(body_.woken_by_terms(), body_);
   limit_.forget();
   ++body_.model.revisions.structure;
-  report_lost_forces(now);
+  report_lost_forces(body_.acted_on_by_terms());
   embed();
 }
 
 // Reports forces on the interior of a condensed region. It follows its interface, so they have no effect.
 template <class Real>
-void World<Real>::report_lost_forces(const std::vector<Index>& touched) {
+void World<Real>::report_lost_forces(const std::vector<Index>& vertices) {
   if (body_.regions.is_expanded()) return;
-  for (Index v : touched)
+  for (Index v : vertices)
     if (body_.regions.is_interior(v))
       return notice(
           Condition::Kind::lost_force,

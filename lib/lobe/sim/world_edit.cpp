@@ -190,7 +190,7 @@ void World<Real>::follow(RegionEdit edit) {
   ++body_.model.revisions.structure;
   if (body_.regions.any_condensed()) limit_.forget();
   body_.sleep.wake(edit.vertices, body_);
-  if (!body_.terms.empty()) report_lost_forces(body_.touched_by_terms());
+  if (!body_.terms.empty()) report_lost_forces(body_.acted_on_by_terms());
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
   embed();
 }

@@ -170,7 +170,7 @@ void World<Real>::set_expanded(bool is_expanded) {
     release(vertices);
   }
   body_.sleep.wake_all(time());
-  if (!body_.terms.empty()) report_lost_forces(body_.touched_by_terms());
+  if (!body_.terms.empty()) report_lost_forces(body_.acted_on_by_terms());
   limit_.restart(body_);
   ++body_.model.revisions.structure;
 }
@@ -187,9 +187,9 @@ bool World<Real>::embed(const std::vector<Index>& also_pressed) {
   sight.damping = body_.damping;
   sight.pressed = also_pressed;
   for (const auto& term : body_.terms) {
-    const std::vector<Index> touched = term->touched();
+    const std::vector<Index> vertices = term->acts_on(body_.model);
     std::vector<Index>& list = term->needs_body() ? sight.pressed : sight.loaded;
-    list.insert(list.end(), touched.begin(), touched.end());
+    list.insert(list.end(), vertices.begin(), vertices.end());
   }
   for (const HeldVertices::Held& item : held().all())
     if (item.holder != HeldVertices::boundary) sight.held.push_back(item.vertex);

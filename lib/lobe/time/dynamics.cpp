@@ -4,6 +4,19 @@
 #include <utility>
 
 namespace lobe {
+namespace {
+
+template <class Terms, class Vertices>
+std::vector<Index> of_all(const Terms& terms, Vertices&& vertices_of) {
+  std::vector<Index> all;
+  for (const auto& term : terms) {
+    const std::vector<Index> vertices = vertices_of(term);
+    all.insert(all.end(), vertices.begin(), vertices.end());
+  }
+  return all;
+}
+
+}  // namespace
 
 template <class Real>
 Dynamics<Real>::Dynamics(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
@@ -71,13 +84,13 @@ Energies Dynamics<Real>::energies_without_terms() {
 }
 
 template <class Real>
-std::vector<Index> Dynamics<Real>::touched_by_terms() const {
-  std::vector<Index> vertices;
-  for (const auto& term : terms) {
-    const std::vector<Index> touched = term->touched();
-    vertices.insert(vertices.end(), touched.begin(), touched.end());
-  }
-  return vertices;
+std::vector<Index> Dynamics<Real>::acted_on_by_terms() const {
+  return of_all(terms, [&](const auto& term) { return term->acts_on(model); });
+}
+
+template <class Real>
+std::vector<Index> Dynamics<Real>::woken_by_terms() const {
+  return of_all(terms, [&](const auto& term) { return term->wakes(model); });
 }
 
 template <class Real>

@@ -55,8 +55,9 @@ struct Dynamics {
   typename ForceTerm<Real>::At here() const {
     return {model, motion.u.padded(), motion.v.padded(), motion.time};
   }
-  // Vertices on which force terms act.
-  std::vector<Index> touched_by_terms() const;
+  // Vertices on which force terms act, and those that they wake.
+  std::vector<Index> acted_on_by_terms() const;
+  std::vector<Index> woken_by_terms() const;
 
   // Call it after the state was changed by other means than a step.
   void state_was_replaced();

@@ -127,7 +127,7 @@ void Sleep::keep_forces(Dynamics<Real>& body, const Square& square) {
   found_at_ = now(body);
 }
 
-// The vertices whose forces may change: those that are awake, driven or touched by force terms, the
+// The vertices whose forces may change: those that are awake, driven or woken by force terms, the
 // interface of condensed regions, and their neighbours by patches. Patches that sleep keep their sums from
 // here on.
 template <class Real>
@@ -139,7 +139,7 @@ std::vector<std::uint8_t> Sleep::find_evaluated(Dynamics<Real>& body) {
   body.regions.visit_patches(
       [&](const auto& layout, const auto& sums) { sums.mark_awake(layout, evaluated); });
   for (const HeldVertices::Held& item : body.inertia.driven()) evaluated[item.vertex] = 1;
-  for (Index v : body.touched_by_terms()) evaluated[v] = 1;
+  for (Index v : body.woken_by_terms()) evaluated[v] = 1;
   if (body.regions.any_condensed())
     for (Index t = 0; t < body.model.elements.topology.tet_count(); ++t)
       if (body.regions.is_condensed(t))

@@ -150,6 +150,7 @@ class StepLimit {
   Index limiting_vertex_ = -1;
   double node_omega_ = 0;  // a bound of the frequencies of nodes [rad/s]
   std::vector<double> node_squares_;
+  double damping_rate_ = 0;  // by force terms [1/s]
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;
   FrameLimit frame_limit_;

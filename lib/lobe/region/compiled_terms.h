@@ -1,0 +1,34 @@
+// The sums of terms of a law for which wide kernels are compiled. A law with other terms needs an entry.
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+
+#include "lobe/fem/law.h"
+
+namespace lobe {
+
+// A patch takes the first entry that covers its law.
+inline constexpr Terms compiled_terms[] = {{.svk = true},
+                                           {.svk = true, .volume = true},
+                                           {.svk = false, .volume = true},
+                                           {.svk = true, .pressure = true},
+                                           {.svk = true, .fibre = true},
+                                           {.svk = true, .volume = true, .fibre = true},
+                                           {.svk = true, .volume = true, .pressure = true, .fibre = true},
+                                           {.svk = false, .neo_hookean = true},
+                                           {.svk = false, .volume = true, .neo_hookean = true},
+                                           {.svk = true, .volume = true, .pressure = true}};
+
+// Whether a kernel for these terms can evaluate the law: it is one of the same solid, with at least its other
+// terms. What the law does not have gets the modulus 0. The guard may be in every kernel.
+constexpr bool covers(const Terms& compiled, Terms of_law) {
+  of_law.guard = false;
+  return compiled.solid() == of_law.solid() && compiled.includes(of_law);
+}
+inline bool is_covered(const Terms& of_law) {
+  return std::any_of(std::begin(compiled_terms), std::end(compiled_terms),
+                     [&](const Terms& compiled) { return covers(compiled, of_law); });
+}
+
+}  // namespace lobe

@@ -1,0 +1,40 @@
+#include "lobe/sim/kinds_of_terms.h"
+
+#include <algorithm>
+
+#include "lobe/body/applied_forces.h"
+#include "lobe/contact/contact.h"
+
+namespace lobe {
+
+template <class Real>
+std::span<const KindOfTerm<Real>> kinds_of_terms() {
+  using Term = std::shared_ptr<ForceTerm<Real>>;
+  static constexpr KindOfTerm<Real> kinds[] = {
+      {AppliedForces<Real>::term_name,
+       [](const Setup&) -> Term { return std::make_shared<AppliedForces<Real>>(); },
+       [](const Setup&, std::span<const ToolBody>) { return false; }},
+      {Contact<Real>::term_name,
+       [](const Setup& setup) -> Term {
+         return std::make_shared<Contact<Real>>(setup.contact, setup.damping);
+       },
+       [](const Setup& setup, std::span<const ToolBody> tools) {
+         return !tools.empty() || setup.contact.is_on();
+       }}};
+  return kinds;
+}
+
+template <class Real>
+const KindOfTerm<Real>* find_kind_of_term(std::string_view name) {
+  const std::span<const KindOfTerm<Real>> kinds = kinds_of_terms<Real>();
+  const auto found = std::find_if(kinds.begin(), kinds.end(),
+                                  [&](const KindOfTerm<Real>& kind) { return kind.name == name; });
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+template std::span<const KindOfTerm<float>> kinds_of_terms();
+template std::span<const KindOfTerm<double>> kinds_of_terms();
+template const KindOfTerm<float>* find_kind_of_term(std::string_view);
+template const KindOfTerm<double>* find_kind_of_term(std::string_view);
+
+}  // namespace lobe

@@ -1,0 +1,28 @@
+// The kinds of force terms that a World makes by itself, in one table. A term of a new kind needs an entry
+// here, and World needs no change. Terms of other kinds come by World::add().
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "lobe/body/force_term.h"
+#include "lobe/setup/setup.h"
+
+namespace lobe {
+
+template <class Real>
+struct KindOfTerm {
+  std::string_view name;  // of its terms; a world has at most one of each kind
+  std::shared_ptr<ForceTerm<Real>> (*make)(const Setup& setup);
+  // Whether a world with this setup and these tools in the next frame needs one. Without need, a command or a
+  // checkpoint may still ask for one.
+  bool (*is_needed)(const Setup& setup, std::span<const ToolBody> tools);
+};
+
+template <class Real>
+std::span<const KindOfTerm<Real>> kinds_of_terms();
+template <class Real>
+const KindOfTerm<Real>* find_kind_of_term(std::string_view name);  // null: there is none of this name
+
+}  // namespace lobe

@@ -1,0 +1,36 @@
+#include "lobe/region/compiled_terms.h"
+
+#include <doctest/doctest.h>
+
+#include "lobe/fem/elements.h"
+
+using namespace lobe;
+
+namespace {
+
+Terms terms_of(MaterialLaw law, bool fibre, double volume_penalty, double guard_below, double pressure) {
+  Elastic elastic;
+  elastic.law = law;
+  if (fibre) elastic.fibre.stretch = 1e4;
+  return nonlinear_law(elastic, volume_penalty, guard_below, pressure).terms;
+}
+
+}  // namespace
+
+TEST_CASE("a kernel is compiled for the law of every material that a scene can have") {
+  for (double volume : {0.0, 1e5})
+    for (double guard : {0.0, 0.2}) {
+      for (bool fibre : {false, true})
+        for (double pressure : {0.0, 10.0})
+          CHECK(is_covered(terms_of(MaterialLaw::svk, fibre, volume, guard, pressure)));
+      CHECK(is_covered(terms_of(MaterialLaw::neo_hookean, false, volume, guard, 0)));
+    }
+}
+
+TEST_CASE("a law of other terms is not covered") {
+  CHECK_FALSE(is_covered(terms_of(MaterialLaw::neo_hookean, true, 0, 0, 0)));
+  CHECK_FALSE(is_covered({.svk = true, .neo_hookean = true}));
+  CHECK_FALSE(covers({.svk = true}, {.svk = true, .volume = true}));
+  CHECK(covers({.svk = true, .volume = true}, {.svk = true, .guard = true}));
+  CHECK_FALSE(covers({.svk = true, .fibre = true}, {.svk = true}));
+}

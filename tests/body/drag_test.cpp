@@ -1,5 +1,5 @@
-// A force term that damps: the drag of a fluid around the body, f_v = −c m_v v_v. It acts on every vertex that
-// moves, and wakes none.
+// A force term that damps: the drag of a fluid around the body, f_v = −c m_v v_v. It acts on all vertices and
+// wakes none.
 #include <doctest/doctest.h>
 
 #include <algorithm>

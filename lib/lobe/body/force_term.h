@@ -52,8 +52,8 @@ class ForceTerm {
   // Those of them on which it may act although they rest. They do not sleep through the frame. A drag, which
   // acts only on what moves, has none.
   virtual std::vector<Index> wakes(const Model& model) const { return acts_on(model); }
-  // Adds the damping that each vertex feels, the largest of −∂f_v/∂v_v over all directions [kg/s]; there is an
-  // entry for each vertex. Without it the steps would be too long, since the force is taken half a step late.
+  // Adds the damping that each vertex feels, the largest of −∂f_v/∂v_v over all directions [kg/s], to its
+  // entry. Without it the steps would be too long, since the force is taken half a step late.
   virtual void add_diagonal_damping(const At&, std::vector<double>&) const {}
   virtual void begin_frame(double /*time*/, double /*duration*/) {}  // [s]
   virtual void follow(const Topology&, const MeshEdit&) {}           // of the mesh

@@ -142,9 +142,8 @@ bool Grains::can_bisect(const std::vector<Incision::Bisection>& edges) const {
 }
 
 bool Grains::can_open(const std::vector<Index>& faces) const {
-  return std::all_of(faces.begin(), faces.end(), [&](Index code) {
-    return code >= 0 && code / 4 < count() && !of((*this)[code / 4].element).empty();  // not removed
-  });
+  return std::all_of(faces.begin(), faces.end(),
+                     [&](Index code) { return code >= 0 && code / 4 < count() && other_side(code) >= 0; });
 }
 
 bool Grains::fills(Index vertex, const Elements& elements) const {

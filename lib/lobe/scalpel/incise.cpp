@@ -1,11 +1,10 @@
 #include "lobe/scalpel/incise.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
-#include "lobe/scalpel/crumbs.h"
-#include "lobe/sort_unique.h"
+#include "lobe/error.h"
+#include "lobe/scalpel/opened_faces.h"
 
 namespace lobe {
 namespace {
@@ -52,7 +51,6 @@ class Step {
     bool counts = true;
   };
 
-  Vec3d place(Index grain, const Vec3d& X) const { return tets_.of(grains_[grain].element)(X); }
   bool catches_up() const { return blade_.since >= 0; }
   bool is_new(Index point) const { return point >= blade_.since; }
   bool is_on(const Point& point) const { return point.was_on || point.is_on; }
@@ -62,9 +60,7 @@ class Step {
   }
   Mark* mark_of(const Edge& edge);
   Mark* mark_of(const Near& near, int a, int b);
-  bool is_near_grain(Index grain) const;
   bool is_crossed(Index a, Index b);
-  std::optional<double> crossing(const Vec3d& p, const Vec3d& q) const;
   bool may_be_cut(Index grain, const Mat34<double>& x, double reach) const;
   double distance_of(const Point& point, double within) const;
 
@@ -74,13 +70,7 @@ class Step {
   void find_crossed();
   void refuse_too_many();
   void drop_third_marks();
-  std::vector<Index> grains_with_closed_faces() const;
-  std::vector<Index> faces_on(const std::vector<Index>& closed) const;
-  std::vector<Index> faces_between_sides() const;
-  bool is_near(Index grain, const Eigen::Vector3i& points) const;
-  Vec3d middle_of_face(Index code) const;
-  Vec3d middle_of(Index grain) const;
-  void open(std::vector<Index> faces);
+  std::vector<Index> near_grains() const;
 
   Grains& grains_;
   const Blade blade_;
@@ -107,18 +97,6 @@ Step::Mark* Step::mark_of(const Near& near, int a, int b) {
   const Point &p = points_[std::size_t(near.points[std::size_t(a)])],
               &q = points_[std::size_t(near.points[std::size_t(b)])];
   return are_apart(p, q) ? mark_of(std::minmax(p.number, q.number)) : nullptr;
-}
-
-bool Step::is_near_grain(Index grain) const {
-  const auto at = std::lower_bound(near_.begin(), near_.end(), grain,
-                                   [](const Near& near_grain, Index g) { return near_grain.grain < g; });
-  return at != near_.end() && at->grain == grain;
-}
-
-std::optional<double> Step::crossing(const Vec3d& p, const Vec3d& q) const {
-  for (const Sheet* sheet : sheets_)
-    if (const std::optional<double> share = sheet->crossing(p, q)) return share;
-  return {};
 }
 
 bool Step::may_be_cut(Index grain, const Mat34<double>& x, double reach) const {
@@ -218,7 +196,7 @@ bool Step::is_crossed(Index a, Index b) {
   Point &p = points_[std::size_t(a)], &q = points_[std::size_t(b)];
   for (Index edge = p.first_edge; edge >= 0; edge = edges_[std::size_t(edge)].next)
     if (edges_[std::size_t(edge)].other == b) return edges_[std::size_t(edge)].share.has_value();
-  const std::optional<double> share = crossing(p.x, q.x);
+  const std::optional<double> share = first_crossing(sheets_, p.x, q.x);
   edges_.push_back({b, p.first_edge, share});
   p.first_edge = static_cast<Index>(edges_.size()) - 1;
   if (share) marks_.push_back({{p.number, q.number}, std::clamp(*share, least, 1 - least)});
@@ -287,89 +265,17 @@ void Step::drop_third_marks() {
   }
 }
 
-// Whether the middle of a face is near what was swept; of a face that has waited, near the last sheet.
-bool Step::is_near(Index grain, const Eigen::Vector3i& points) const {
-  Eigen::Vector3i sorted = points;  // both sides find the same sum
-  std::sort(sorted.begin(), sorted.end());
-  const Vec3d middle =
-      place(grain, (grains_.point(sorted[0]) + grains_.point(sorted[1]) + grains_.point(sorted[2])) / 3);
-  const double within = open_within * grains_.mean_edge();
-  const bool is_new = std::any_of(sorted.begin(), sorted.end(), [&](Index p) {
-    return std::binary_search(new_on_.begin(), new_on_.end(), p);
-  });
-  return is_new ? swept_.is_near(middle, within) : sheet_.distance(middle, within) < within;
-}
-
-// Grains, ascending, beside closed faces on the stroke's sheet: those around its new points, and those that
-// wait.
-std::vector<Index> Step::grains_with_closed_faces() const {
-  std::vector<Index> closed = grains_.waiting(blade_.stroke);
-  for (Index p : new_on_)
-    for (Index grain : grains_.around(p))
-      if (grains_.has_closed_face_on(grain, blade_.stroke)) closed.push_back(grain);
-  sort_unique(closed);
-  return closed;
-}
-
-// Closed faces on the stroke's sheet, each from the side of the lower number.
-std::vector<Index> Step::faces_on(const std::vector<Index>& closed) const {
-  std::vector<Index> faces;
-  for (Index grain : closed) {
-    const Eigen::Vector4i& p = grains_[grain].points;
-    for (int f = 0; f < 4; ++f) {
-      if (grains_.neighbour(grain, f) < grain || !grains_.is_closed_on(grain, f, blade_.stroke)) continue;
-      const int* c = face_corners[f];
-      if (is_near(grain, {p[c[0]], p[c[1]], p[c[2]]})) faces.push_back(4 * grain + f);
-    }
-  }
-  return faces;
-}
-
-Vec3d Step::middle_of(Index grain) const {
-  const Eigen::Vector4i& p = grains_[grain].points;
-  return place(grain,
-               (grains_.point(p[0]) + grains_.point(p[1]) + grains_.point(p[2]) + grains_.point(p[3])) / 4);
-}
-
-// Closed faces of which the sheet passes between the middles of both sides: who goes from one side of the
-// sheet to the other, from middle to middle, comes through one of them.
-std::vector<Index> Step::faces_between_sides() const {
-  std::vector<Index> faces;
-  for (const Near& near : near_)
-    for (int f = 0; f < 4; ++f) {
-      const Index grain = near.grain, other = grains_.neighbour(grain, f);
-      if (other < 0 || (other < grain && is_near_grain(other))) continue;
-      const auto [first, second] = std::minmax(grain, other);
-      if (crossing(middle_of(first), middle_of(second))) faces.push_back(4 * grain + f);
-    }
-  return faces;
-}
-
-Vec3d Step::middle_of_face(Index code) const {
-  const Grains::Grain& data = grains_[code / 4];
-  const int* c = face_corners[code % 4];
-  return place(code / 4, (grains_.point(data.points[c[0]]) + grains_.point(data.points[c[1]]) +
-                          grains_.point(data.points[c[2]])) /
-                             3);
-}
-
-void Step::open(std::vector<Index> faces) {
-  result_.crumbs = keep_crumbs(grains_, faces);
-  for (Index code : faces) {
-    const Index neighbour = grains_.other_side(code);
-    result_.faces.push_back({grains_[code / 4].element, grains_[neighbour / 4].element, grains_.area(code),
-                             middle_of_face(code)});
-    result_.area += result_.faces.back().area;
-  }
-  result_.opened = grains_.open(faces, blade_.number);
-  result_.incision.opened = std::move(faces);
+std::vector<Index> Step::near_grains() const {
+  std::vector<Index> grains;
+  for (const Near& near : near_) grains.push_back(near.grain);
+  return grains;
 }
 
 Incised Step::cut() {
   result_.incision.stroke = blade_.number;
   find_near();
   if (blade_.along_faces) {
-    open(faces_between_sides());
+    open_between_sides(grains_, tets_, sheets_, near_grains(), result_);
     return std::move(result_);
   }
   put_on();
@@ -381,10 +287,7 @@ Incised Step::cut() {
   for (std::size_t i = 0; i < result_.incision.bisections.size(); ++i)
     new_on_.push_back(grains_.point_count() + static_cast<Index>(i));
   grains_.bisect(result_.incision.bisections, 1u << blade_.stroke);
-  std::vector<Index> closed = grains_with_closed_faces();
-  open(faces_on(closed));
-  std::erase_if(closed, [&](Index grain) { return !grains_.has_closed_face_on(grain, blade_.stroke); });
-  grains_.waiting(blade_.stroke) = std::move(closed);
+  open_on_sheets(grains_, tets_, swept_, blade_.stroke, new_on_, result_);
   return std::move(result_);
 }
 
@@ -397,6 +300,13 @@ void Incised::follow(Incised&& before) {
   area += before.area;
   crumbs += before.crumbs;
   refused += before.refused;
+}
+
+void divide_again(const Incision& incision, Grains& grains) {
+  if (!grains.can_bisect(incision.bisections))
+    throw InputError("incision", "names a point that there is not, or divides an edge at its end");
+  grains.bisect(incision.bisections);
+  if (!grains.can_open(incision.opened)) throw InputError("incision", "opens a face that there is not");
 }
 
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets) {

@@ -50,7 +50,10 @@ struct Incised {
 // the last sheet is near.
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
-inline constexpr Index most_grains = 256;   // of a tetrahedron of the start
-inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens
+// Divides grains as a step has done, after which faces can be opened as it has. Throws InputError for an
+// incision that does not fit the grains.
+void divide_again(const Incision& incision, Grains& grains);
+
+inline constexpr Index most_grains = 256;  // of a tetrahedron of the start
 
 }  // namespace lobe

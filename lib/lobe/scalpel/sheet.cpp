@@ -136,6 +136,12 @@ std::optional<double> Sheet::crossing(const Vec3d& p, const Vec3d& q) const {
   return count % 2 == 1 ? first : std::nullopt;
 }
 
+std::optional<double> first_crossing(std::span<const Sheet* const> sheets, const Vec3d& p, const Vec3d& q) {
+  for (const Sheet* sheet : sheets)
+    if (const std::optional<double> share = sheet->crossing(p, q)) return share;
+  return {};
+}
+
 const Eigen::AlignedBox3d& SweptSheets::row_box(std::size_t i) const {
   if (boxes_.size() < rows_.size()) boxes_.resize(rows_.size());
   Eigen::AlignedBox3d& box = boxes_[i];

@@ -99,6 +99,9 @@ class Sheet {
   Eigen::AlignedBox3d box_;
 };
 
+// Where the first of the sheets that crosses the edge from p to q does so.
+std::optional<double> first_crossing(std::span<const Sheet* const> sheets, const Vec3d& p, const Vec3d& q);
+
 // What a stroke has swept last: sheets between rows of points, one after the other. Rows and sheets are made
 // when they are asked for. Most of the time nothing is near any but the last.
 class SweptSheets {

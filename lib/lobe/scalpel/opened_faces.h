@@ -1,0 +1,25 @@
+// Finds the faces of grains that a step of a blade opens, and opens them.
+#pragma once
+
+#include <span>
+
+#include "lobe/scalpel/incise.h"
+
+namespace lobe {
+
+inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens
+
+// Opens the closed faces that lie on the sheets of a stroke that goes on, near what it has swept last. Others
+// wait. `new_on`: the points that the last sheet has taken, ascending.
+void open_on_sheets(Grains& grains, const PlacedTets& tets, const SweptSheets& swept, int stroke,
+                    const std::vector<Index>& new_on, Incised& incised);
+
+// Opens the closed faces that have a sheet between the middles of the grains on both sides: who goes from one
+// side of the sheet to the other, from middle to middle, comes through one of them. `near`: ascending.
+void open_between_sides(Grains& grains, const PlacedTets& tets, std::span<const Sheet* const> sheets,
+                        const std::vector<Index>& near, Incised& incised);
+
+// Opens these faces.
+void open_faces(Grains& grains, const PlacedTets& tets, std::vector<Index> faces, Incised& incised);
+
+}  // namespace lobe

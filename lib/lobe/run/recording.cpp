@@ -15,7 +15,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 9, "recording of a world"};
+constexpr io::Format format{"loberec ", 10, "recording of a world"};
 
 // Whether a command only says what tools do in the next frame. Such a command does not change the state.
 bool is_about_tools(const Command& command) {
@@ -106,6 +106,7 @@ CommandRecorder<Real>::CommandRecorder(World<Real>& world) : world_(world) {
 template <class Real>
 void CommandRecorder<Real>::apply(const Command& command) {
   world_.apply(command);
+  if (const auto* frame = std::get_if<Advance>(&command)) return record_frame(frame->duration);
   const bool is_same = is_about_tools(command) && !recording_.commands.empty();
   recording_.commands.push_back({command, is_same ? recording_.commands.back().digest : digest(world_)});
 }
@@ -113,8 +114,13 @@ void CommandRecorder<Real>::apply(const Command& command) {
 template <class Real>
 Report CommandRecorder<Real>::advance(double duration) {
   Report report = world_.advance(duration);
-  recording_.commands.push_back({Advance{duration}, digest(world_)});
+  record_frame(duration);
   return report;
+}
+
+template <class Real>
+void CommandRecorder<Real>::record_frame(double duration) {
+  recording_.commands.push_back({Advance{duration, world_.cuts()}, digest(world_)});
 }
 
 template <class Real>

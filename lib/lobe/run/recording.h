@@ -1,6 +1,7 @@
 // A recording lists the commands that a world was given, with a digest of the state after each. A replay on a
 // world of the same setup must give the same bits, on any number of threads. Going back to an earlier state
-// is an entry too; what was done before stays in the recording.
+// is an entry too; what was done before stays in the recording. A frame has what blades have cut in it, and a
+// replay cuts the same without asking where they are.
 #pragma once
 
 #include <cstdint>
@@ -56,6 +57,8 @@ class CommandRecorder {
   const Recording& recording() const { return recording_; }
 
  private:
+  void record_frame(double duration);
+
   World<Real>& world_;
   Recording recording_;
 };

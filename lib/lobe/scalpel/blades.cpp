@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "lobe/scalpel/opened_faces.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -51,11 +52,16 @@ std::vector<BladeMove> Blades::steps(const BladeMove& move) const {
   const double way = std::max(of_tip.norm(), of_heel.norm()), turn = (of_heel - of_tip).norm();
   const int count =
       static_cast<int>(std::clamp(std::ceil(std::max(way / 2, 2 * turn) / grains.mean_edge()), 1.0, 1000.0));
-  std::vector<BladeMove> steps(std::size_t(count), move);
+  return steps(move, std::size_t(count));
+}
+
+std::vector<BladeMove> Blades::steps(const BladeMove& move, std::size_t count) {
+  const Vec3d of_tip = move.to.tip - move.from.tip, of_heel = move.to.heel - move.from.heel;
+  std::vector<BladeMove> steps(count, move);
   BladePose from = move.from;
-  for (int i = 0; i < count; ++i) {
-    const double share = double(i + 1) / count;
-    BladeMove& step = steps[std::size_t(i)];
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = double(i + 1) / double(count);
+    BladeMove& step = steps[i];
     step.from = from;
     from = step.to = {move.from.tip + share * of_tip, move.from.heel + share * of_heel};
   }
@@ -101,6 +107,24 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   incised.follow(std::move(caught_up));
   incised.way = way_of(now, rows.back(), there, from);
   keep(std::move(now), rows.size() > 1 ? swept.row(rows.size() - 2) : std::vector<Vec3d>{}, *stroke);
+  return incised;
+}
+
+Incised Blades::repeat(const BladeCut::Step& step, const BodyNow& body) {
+  const auto again = [&](const Incision& incision) {
+    divide_again(incision, grains);
+    Incised incised;
+    incised.incision = incision;
+    open_faces(grains, PlacedTets(grains, {}, body.placement), incision.opened, incised);
+    begun_ = std::max(begun_, incision.stroke + 1);
+    return incised;
+  };
+  Incised caught_up = again(step.caught_up), incised = again(step.incision);
+  caught_up.caught_up = std::exchange(caught_up.incision, {});
+  incised.follow(std::move(caught_up));
+  incised.way = step.way;
+  incised.crumbs = step.crumbs;
+  incised.refused = step.refused;
   return incised;
 }
 

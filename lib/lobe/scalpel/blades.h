@@ -22,6 +22,24 @@ struct BladeMove {
   bool along_faces = false;
 };
 
+// What a move has cut, step by step. A recording has it, so that a replay need not find it again.
+struct BladeCut {
+  struct Step {
+    Incision caught_up, incision;
+    Vec3d way = Vec3d::Zero();  // Incised has the rest
+    Index crumbs = 0, refused = 0;
+    bool is_valid() const { return way.allFinite(); }
+    bool operator==(const Step&) const = default;
+    static constexpr auto fields =
+        std::tuple(&Step::caught_up, &Step::incision, &Step::way, &Step::crumbs, &Step::refused);
+  };
+  BladePose from;           // where the edge was at the start; the tissue may have carried it there
+  std::vector<Step> steps;  // none: the blade waited
+  bool is_valid() const { return from.tip.allFinite() && from.heel.allFinite(); }
+  bool operator==(const BladeCut&) const = default;
+  static constexpr auto fields = std::tuple(&BladeCut::from, &BladeCut::steps);
+};
+
 class Blades {
  public:
   explicit Blades(const Elements& elements) : grains(elements) {}
@@ -38,9 +56,13 @@ class Blades {
   // The steps of a move. What a blade sweeps without turning is flat, however far it goes. So a step goes as
   // far as two edges, but displacements of the blade's ends differ by half an edge at most.
   std::vector<BladeMove> steps(const BladeMove& move) const;
+  static std::vector<BladeMove> steps(const BladeMove& move, std::size_t count);
   // Performs one step. The caller then divides the tetrahedra that were opened. Does nothing while 32 other
   // strokes go on.
   std::optional<Incised> cut(const BladeMove& step, const BodyNow& body);
+  // Repeats what a step has done to the grains. Strokes do not go on: a blade that cuts afterwards begins a
+  // new one. Throws InputError for what does not fit the grains.
+  Incised repeat(const BladeCut::Step& step, const BodyNow& body);
   // Ends the strokes that did not go on since the last call.
   void end_strokes();
 

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "lobe/sim/display.h"
 #include "lobe/sim/history.h"
@@ -43,6 +44,8 @@ class World {
   //   left behind.
   // - Throws InputError for a duration that is not positive and finite, and nothing else.
   Report advance(double duration);  // [s], > 0
+  // What blades have cut in the last frame, move by move.
+  const std::vector<BladeCut>& cuts() const { return cuts_; }
   // One step of dt [s] without tools, cuts and checks. False if an implicit step was not solved; then nothing
   // has moved.
   bool step(double dt);
@@ -116,7 +119,7 @@ class World {
   Setup current_setup(CompactMesh& compacted) const;
 
  private:
-  void perform(const Advance& command) { advance(command.duration); }
+  void perform(const Advance& command);
   void perform(const RemoveTets& command) { remove_tets(command.tets); }
   void perform(const SetRegion& command);
   void perform(const Expand&);
@@ -148,6 +151,7 @@ class World {
   bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
   typename Blades::BodyNow body_now();
   void incise(const BladeMove& move, Report& report);
+  const BladeCut* decided_cut() const;
   void expand_ahead(const BladeMove& move);
   MeshEdit divide(const std::vector<Index>& opened);
   void hold_what_is_filled(const MeshEdit& edit);
@@ -231,6 +235,8 @@ class World {
   Tools tools_;
   std::unique_ptr<Blades> blades_;                  // none until a blade cuts
   std::unique_ptr<Blades> prepared_;                // what they will be then, while the mesh is as it is now
+  std::vector<BladeCut> cuts_;                      // of the present frame, so far
+  std::span<const BladeCut> decided_;               // of this frame: blades repeat these
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
   TouchExpansion touch_expansion_;

@@ -138,6 +138,7 @@ Report World<Real>::advance(double duration) {
   Report report;
   const PatchCount before = body_.regions.patch_count();
   const double end = time() + duration, shortest = 1e-9 * duration;
+  cuts_.clear();
   begin_frame(duration);
   while (report.ok && time() < end - shortest) {
     const double next = tools_.next_grasp_change(time() + shortest);

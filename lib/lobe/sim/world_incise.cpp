@@ -5,8 +5,8 @@
 
 #include "lobe/error.h"
 #include "lobe/scalpel/grain_cells.h"
+#include "lobe/sim/checkpoint.h"
 #include "lobe/sim/hinges.h"
-#include "lobe/sim/world.h"
 
 namespace lobe {
 namespace {
@@ -18,14 +18,6 @@ bool is_held_by_one(const HeldVertices& held, const std::array<Index, 3>& vertic
     holders[i] = held.holder_of(vertices[i]);
   }
   return holders[0] == holders[1] && holders[1] == holders[2];
-}
-
-// Divides grains, after which faces can be opened.
-void divide_grains(const Incision& incision, Grains& grains) {
-  if (!grains.can_bisect(incision.bisections))
-    throw InputError("incision", "names a point that there is not, or divides an edge at its end");
-  grains.bisect(incision.bisections);
-  if (!grains.can_open(incision.opened)) throw InputError("incision", "opens a face that there is not");
 }
 
 }  // namespace
@@ -84,22 +76,53 @@ Blades::BodyNow World<Real>::body_now() {
   return {placement, tets_in, corners};
 }
 
+// A frame of a recording. If its cuts do not fit the grains, the world goes back to its start.
+template <class Real>
+void World<Real>::perform(const Advance& command) {
+  if (command.cuts.empty()) {
+    advance(command.duration);
+    return;
+  }
+  const Checkpoint<Real> start = save();
+  decided_ = command.cuts;
+  try {
+    advance(command.duration);
+    if (cuts_.size() != decided_.size()) throw InputError("frame", "has cuts of more blades than move in it");
+  } catch (const InputError&) {
+    decided_ = {};
+    journal_.edits.push_back(Superseded{});  // so that the grains are made again
+    restore(start);
+    throw;
+  }
+  decided_ = {};
+}
+
+// What the next move has cut in a frame that is repeated. Null: the blade decides.
+template <class Real>
+const BladeCut* World<Real>::decided_cut() const {
+  if (decided_.empty()) return nullptr;
+  if (cuts_.size() == decided_.size()) throw InputError("frame", "has cuts of fewer blades than move in it");
+  return &decided_[cuts_.size()];
+}
+
 // Grains are cut step by step. Tetrahedra are divided once, after the last step: until then a tetrahedron is
 // where its parts will be, and a step asks only where the tissue is.
 template <class Real>
 void World<Real>::incise(const BladeMove& move, Report& report) {
+  blades();  // the first move makes them
+  const BladeCut* decided = decided_cut();
   BladeMove whole = move;
-  whole.from = blades().start_of(move, body_now());
+  whole.from = decided ? decided->from : blades_->start_of(move, body_now());
   expand_ahead(whole);
+  const auto steps = decided ? Blades::steps(whole, decided->steps.size()) : blades_->steps(whole);
+  BladeCut cut{whole.from, {}};
   Index crumbs = 0;
   std::vector<Incision> incisions;
   std::vector<Index> opened;
-  for (const BladeMove& step : blades_->steps(whole)) {
-    const std::optional<Incised> incised = blades_->cut(step, body_now());
-    if (!incised) {
-      notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
-      break;
-    }
+  for (const BladeMove& step : steps) {
+    std::optional<Incised> incised = decided ? blades_->repeat(decided->steps[cut.steps.size()], body_now())
+                                             : blades_->cut(step, body_now());
+    if (!incised) break;
     if (incised->refused > 0)
       notice(Condition::Kind::scalpel, std::to_string(incised->refused) +
                                            " edges were not cut: a tetrahedron has at most " +
@@ -110,7 +133,11 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
     opened.insert(opened.end(), incised->opened.begin(), incised->opened.end());
     report.cut_area += incised->area;
     tools_.cut_by(move.tool, work_of(*incised), incised->way, step.to.tip);
+    cut.steps.push_back({std::move(incised->caught_up), std::move(incised->incision), incised->way,
+                         incised->crumbs, incised->refused});
   }
+  if (cut.steps.empty()) notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
+  cuts_.push_back(std::move(cut));
   if (!incisions.empty()) {
     journal_.edits.push_back(Incise{std::move(incisions)});
     const MeshEdit edit = divide(opened);
@@ -229,7 +256,7 @@ MeshEdit World<Real>::repeat_incisions(const Incise& command) {
   Grains& grains = blades().grains;
   std::vector<Index> opened;
   for (const Incision& incision : command.incisions) {
-    divide_grains(incision, grains);
+    divide_again(incision, grains);
     const std::vector<Index> beside = grains.open(incision.opened, incision.stroke);
     opened.insert(opened.end(), beside.begin(), beside.end());
   }
@@ -242,7 +269,7 @@ template <class Real>
 void World<Real>::perform(const Incise& command) {
   Grains trial = blades().grains;
   for (const Incision& incision : command.incisions) {
-    divide_grains(incision, trial);
+    divide_again(incision, trial);
     trial.open(incision.opened, incision.stroke);
   }
   settle(repeat_incisions(command));

@@ -1,0 +1,247 @@
+// Recordings have what blades have cut. A replay cuts the same, wherever it takes the blades to be.
+#include <doctest/doctest.h>
+
+#include <random>
+#include <type_traits>
+
+#include "folder.h"
+#include "lobe/error.h"
+#include "lobe/io/scanner.h"
+#include "lobe/io/sealed_file.h"
+#include "lobe/run/recording.h"
+#include "lobe/sim/validate.h"
+#include "near.h"
+#include "strokes.h"
+#include "world_support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+constexpr double frame = 1.0 / 60;  // [s]
+
+// A block of 5 cm that stands on z = 0 and sinks by its weight.
+Setup sinking_block(RegionModel model = RegionModel::nonlinear) {
+  Setup setup = setup_of(irregular_box(5));
+  setup.materials = {{1.2e4, 3e3, 1000}};
+  setup.gravity = {0, 0, -9.81};
+  setup.damping = 15;
+  setup.expandable = model == RegionModel::precomputed;
+  setup.region_of.assign(setup.region_of.size(), model);
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
+  return setup;
+}
+
+// Two blades in hands come down through the block, one after the other, so that their cuts cross.
+Recording two_strokes(const Setup& setup) {
+  World<float> world(setup);
+  CommandRecorder<float> recorded(world);
+  for (const Vec3d& along : {Vec3d(0.003, 0.08, 0), Vec3d(0.08, -0.004, 0.002)}) {
+    const Vec3d tip = Vec3d(0.0237, 0.0263, 0.06) - along / 2;
+    const ToolId blade = world.tools().next_id();
+    recorded.apply(BringScalpel{"blade", {tip, tip + along}});
+    recorded.apply(SwitchTool{blade, true});
+    for (int i = 1; i <= 8; ++i) {
+      recorded.apply(Lead{blade, {tip - Vec3d(0, 0.0005 * i, 0.006 * i)}});
+      REQUIRE(recorded.advance(frame).ok);
+    }
+    recorded.apply(LetGo{blade});
+  }
+  REQUIRE(recorded.advance(frame).ok);
+  REQUIRE(world.elements().topology.tet_copy_count() > 50);
+  return recorded.recording();
+}
+
+template <class T, class Recorded>
+T* part(Recorded& recorded) {
+  auto* command = std::get_if<Command>(&recorded.command);
+  return command ? std::get_if<std::remove_const_t<T>>(command) : nullptr;
+}
+
+std::vector<Advance*> frames_with_cuts(Recording& recording) {
+  std::vector<Advance*> frames;
+  for (RecordedCommand& recorded : recording.commands)
+    if (auto* advance = part<Advance>(recorded); advance && !advance->cuts.empty()) frames.push_back(advance);
+  return frames;
+}
+
+// Takes all blades elsewhere.
+Recording displaced(Recording recording, const Vec3d& by) {
+  for (RecordedCommand& recorded : recording.commands)
+    if (auto* lead = part<Lead>(recorded)) lead->target.position += by;
+  return recording;
+}
+
+Recording without_cuts(Recording recording) {
+  for (Advance* advance : frames_with_cuts(recording)) advance->cuts.clear();
+  return recording;
+}
+
+void check_that_it_replays(const Recording& recording, const Setup& setup, int threads = 1) {
+  World<float> world(setup, threads);
+  const ReplayResult replayed = replay(recording, world);
+  CHECK(replayed.same);
+  CHECK(replayed.commands == recording.commands.size());
+  validate(world);
+}
+
+// The first frame of a recording in which a blade has divided edges and opened faces, as a place in its list.
+std::size_t first_cut(const Recording& recording) {
+  for (std::size_t i = 0; i < recording.commands.size(); ++i) {
+    const Advance* advance = part<const Advance>(recording.commands[i]);
+    if (!advance || advance->cuts.empty()) continue;
+    const Incision& incision = advance->cuts[0].steps.back().incision;
+    if (!incision.bisections.empty() && !incision.opened.empty()) return i;
+  }
+  FAIL("nothing was cut");
+  return 0;
+}
+
+World<float> world_before(std::size_t entry, Recording recording, const Setup& setup) {
+  World<float> world(setup);
+  recording.commands.resize(entry);
+  REQUIRE(replay(recording, world).same);
+  return world;
+}
+
+void check_the_rest(World<float>& world, const Recording& recording, std::size_t from) {
+  for (std::size_t i = from; i < recording.commands.size(); ++i) {
+    world.apply(std::get<Command>(recording.commands[i].command));
+    REQUIRE(digest(world) == recording.commands[i].digest);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a replay cuts what was recorded, also where its blades are far from the body") {
+  const Setup setup = sinking_block();
+  const Recording recording = two_strokes(setup);
+  for (const int threads : {1, 2}) check_that_it_replays(recording, setup, threads);
+  for (const Vec3d& by : {Vec3d(0.004, 0, 0), Vec3d(1, 0, 0)}) {
+    const Recording elsewhere = displaced(recording, by);
+    check_that_it_replays(elsewhere, setup);
+    World<float> world(setup);  // there the blades would cut something else, or nothing
+    CHECK_FALSE(replay(without_cuts(elsewhere), world).same);
+  }
+}
+
+TEST_CASE("blades decide in a replay as they did in the recorded run, where it has no cuts") {
+  const Setup setup = sinking_block();
+  check_that_it_replays(without_cuts(two_strokes(setup)), setup);
+}
+
+TEST_CASE("what was cut in a region of any model is replayed") {
+  for (const RegionModel model : {RegionModel::tensor_mass, RegionModel::precomputed}) {
+    const Setup setup = sinking_block(model);
+    check_that_it_replays(displaced(two_strokes(setup), {1, 0, 0}), setup);
+  }
+  Setup along_faces = sinking_block();
+  along_faces.scalpels = {{"blade",
+                           0.1,
+                           {{0.01, {0.0237, -0.02, 0.06}}, {0.15, {0.0263, -0.02, 0.01}}},
+                           {{0.0237, 0.07, 0.06}, {0.0263, 0.07, 0.01}},
+                           true}};
+  World<float> world(along_faces);
+  CommandRecorder<float> recorded(world);
+  for (int i = 0; i < 12; ++i) recorded.advance(frame);
+  CHECK(world.elements().topology.copy_count() > 10);
+  check_that_it_replays(recorded.recording(), along_faces);
+}
+
+TEST_CASE("a recording's file has the cuts, and one of the version before them is refused") {
+  const Setup setup = sinking_block();
+  const Folder folder;
+  write_recording(folder.path / "strokes", displaced(two_strokes(setup), {1, 0, 0}));
+  check_that_it_replays(read_recording(folder.path / "strokes"), setup);
+  const std::string contents(io::unseal("strokes", io::read_file(folder.path / "strokes"),
+                                        {"loberec ", 10, "recording of a world"}));
+  CHECK_THROWS_WITH_AS(
+      parse_recording("strokes", io::seal({"loberec ", 9, "recording of a world"}, contents)),
+      "strokes: is the recording of a world in version 9; this program knows version 10", InputError);
+}
+
+TEST_CASE("cuts that do not fit are refused by their name, and the world is as before the frame") {
+  const Setup setup = sinking_block();
+  const Recording recording = two_strokes(setup);
+  const std::size_t at = first_cut(recording);
+  World<float> world = world_before(at, recording, setup);
+  const Advance good = *part<const Advance>(recording.commands[at]);
+  std::vector<std::pair<Advance, const char*>> bad(
+      5, {good, "incision: names a point that there is not, or divides an edge at its end"});
+  const auto incision = [&](std::size_t i) -> Incision& {
+    return bad[i].first.cuts[0].steps.back().incision;
+  };
+  incision(0).bisections.push_back({0, 1000000, 0.5});
+  incision(1).bisections.back().share = 1;
+  incision(2).opened.push_back(-4);
+  bad[2].second = "incision: opens a face that there is not";
+  incision(3).opened.back() = 4 * 1000000;
+  bad[3].second = bad[2].second;
+  bad[4].first.cuts.push_back(good.cuts[0]);
+  bad[4].second = "frame: has cuts of more blades than move in it";
+  for (const auto& [advance, message] : bad) {
+    CHECK_THROWS_WITH_AS(world.apply(advance), message, InputError);
+    CHECK(digest(world) == recording.commands[at - 1].digest);
+    validate(world);
+  }
+  check_the_rest(world, recording, at);
+}
+
+TEST_CASE("a frame with cuts of one blade is refused where two move") {
+  const Setup setup = sinking_block();
+  World<float> world(setup);
+  Advance advance{frame};
+  for (const double x : {0.0137, 0.0337}) {
+    const ToolId blade = world.tools().next_id();
+    world.apply(BringScalpel{"blade", {{x, -0.02, 0.06}, {x, 0.07, 0.06}}});
+    world.apply(SwitchTool{blade, true});
+    world.apply(Lead{blade, {{x, -0.02, 0.03}}});
+  }
+  World<float> cut(setup);
+  cut.restore(world.save());
+  cut.advance(frame);
+  REQUIRE(cut.cuts().size() == 2);
+  advance.cuts = {cut.cuts()[0]};
+  CHECK_THROWS_WITH_AS(world.apply(advance), "frame: has cuts of fewer blades than move in it", InputError);
+  advance.cuts = cut.cuts();
+  world.apply(advance);
+  CHECK(same_bits(world, cut));
+}
+
+TEST_CASE("whatever a recording says of its cuts, it is played or refused, and nothing is lost") {
+  const Setup setup = sinking_block();
+  const Recording recording = two_strokes(setup);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto number = [&](Index below) { return Index(uniform(random) * below) - 1; };
+  int refused = 0, played = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Recording changed = recording;
+    for (RecordedCommand& recorded : changed.commands)
+      if (auto* advance = part<Advance>(recorded))
+        for (BladeCut& cut : advance->cuts)
+          for (BladeCut::Step& step : cut.steps) {
+            for (Incision::Bisection& edge : step.incision.bisections)
+              if (uniform(random) < 0.001) edge = {number(300), number(300), 1.01 * uniform(random)};
+            for (Index& code : step.incision.opened)
+              if (uniform(random) < 0.001) code = number(4000);
+          }
+    World<float> world(setup);
+    try {
+      for (const RecordedCommand& recorded : changed.commands)
+        world.apply(std::get<Command>(recorded.command));
+      ++played;
+    } catch (const InputError&) {
+      ++refused;
+    }
+    validate(world);
+    double volume = 0;
+    for (Index t = 0; t < world.elements().topology.tet_count(); ++t) volume += world.elements().volume(t);
+    CHECK(volume == near(total_volume(setup.mesh), 1e-9));
+    CHECK(world.state().u.allFinite());
+  }
+  CHECK(refused > 5);
+  CHECK(played > 5);
+}

@@ -31,7 +31,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.state = {body_.motion.u.view(), body_.motion.v.view(), time(), body_.motion.velocity_lag};
   c.held = held();
   c.tools = tools_.state();
-  if (blades_) c.blades = blades_->state();
+  c.blades = scalpels_.state();
   c.pieces = pieces_.state();
   c.sleep = body_.sleep.state();
   c.unravelling = unravelling_.state();
@@ -106,7 +106,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   body_.model.held = c.held;
   take_nodes(c);
   tools_.set_state(c.tools);
-  if (blades_) blades_->set_state(c.blades);
+  scalpels_.set_state(c.blades);
   pieces_.set_state(c.pieces);
   next_report_.conditions = c.pending;
   next_report_.transitions = c.transitions;

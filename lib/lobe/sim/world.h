@@ -13,11 +13,11 @@
 #pragma once
 
 #include <functional>
-#include <span>
 
 #include "lobe/sim/display.h"
 #include "lobe/sim/history.h"
 #include "lobe/sim/pieces.h"
+#include "lobe/sim/scalpels.h"
 #include "lobe/time/implicit_dynamics.h"
 #include "lobe/time/step_limit.h"
 #include "lobe/time/unravelling.h"
@@ -45,7 +45,7 @@ class World {
   // - Throws InputError for a duration that is not positive and finite, and nothing else.
   Report advance(double duration);  // [s], > 0
   // What blades have cut in the last frame, move by move.
-  const std::vector<BladeCut>& cuts() const { return cuts_; }
+  const std::vector<BladeCut>& cuts() const { return scalpels_.cuts(); }
   // One step of dt [s] without tools, cuts and checks. False if an implicit step was not solved; then nothing
   // has moved.
   bool step(double dt);
@@ -77,7 +77,7 @@ class World {
   // Whether a tangle is being unravelled: its crushed tetrahedra are linear until they have come back.
   bool is_unravelling() const { return unravelling_.is_on(); }
   const Tools& tools() const { return tools_; }
-  const Grains* grains() const { return blades_ ? &blades_->grains : nullptr; }  // null: no blade has cut
+  const Grains* grains() const { return scalpels_.grains(); }  // null: no blade has cut
   const HeldVertices& held() const { return body_.model.held; }
   // The body of the world, for benchmarks and watches. Do not change it through this reference.
   Dynamics<Real>& body() { return body_; }
@@ -146,18 +146,13 @@ class World {
   void perform(const EndCondensing&);
   void perform(const Superseded& command) { journal_.edits.push_back(command); }
 
-  Blades& blades();
   void prepare_blades();
+  void start_blades();
   bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
   typename Blades::BodyNow body_now();
   void incise(const BladeMove& move, Report& report);
-  const BladeCut* decided_cut() const;
   void expand_ahead(const BladeMove& move);
   MeshEdit divide(const std::vector<Index>& opened);
-  void hold_what_is_filled(const MeshEdit& edit);
-  bool lies_on_held_boundary(Index v) const;
-  CutWork work_of(const Incised& incised) const;
-  void share_loads(const MeshEdit& edit);
   void begin_floor();
   void follow_with_surface(const MeshEdit& edit);
   MeshEdit cut(const std::vector<Index>& tets);
@@ -233,10 +228,7 @@ class World {
   Unravelling unravelling_;
   Pieces pieces_;
   Tools tools_;
-  std::unique_ptr<Blades> blades_;                  // none until a blade cuts
-  std::unique_ptr<Blades> prepared_;                // what they will be then, while the mesh is as it is now
-  std::vector<BladeCut> cuts_;                      // of the present frame, so far
-  std::span<const BladeCut> decided_;               // of this frame: blades repeat these
+  Scalpels scalpels_;
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when a condensed interior was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
   TouchExpansion touch_expansion_;

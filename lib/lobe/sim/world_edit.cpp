@@ -92,7 +92,7 @@ MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
   state();
   MeshEdit edit = body_.model.elements.topology.remove(tets);
   if (edit.empty()) return edit;
-  if (blades_) blades_->grains.forget(edit.removed);
+  scalpels_.forget(edit.removed);
   follow(edit);
   journal_.edits.push_back(RemoveTets{edit.removed});
   return edit;
@@ -102,7 +102,7 @@ template <class Real>
 void World<Real>::follow(const MeshEdit& edit) {
   Elements& elements = body_.model.elements;
   Motion<Real>& motion = body_.motion;
-  prepared_.reset();
+  scalpels_.forget_prepared();
   const Index before = motion.u.count();
   const std::vector<double> shares_before = shares_of(elements, edit);
   elements.follow(edit);
@@ -117,8 +117,10 @@ void World<Real>::follow(const MeshEdit& edit) {
     body_.model.held.split(split.vertex, split.copy);
     body_.inertia.copy(split.vertex, split.copy);
   }
-  if (!edit.shares.empty()) hold_what_is_filled(edit);
-  if (!edit.shares.empty()) share_loads(edit);
+  if (!edit.shares.empty()) {
+    scalpels_.hold_what_is_filled(edit, body_.model);
+    scalpels_.share_loads(edit, elements, body_.loads.dead_loads());
+  }
   limit_.follow(body_, edit, shares_before);
   follow_with_surface(edit);
   display_.tell(elements.topology, edit);

@@ -138,7 +138,7 @@ Report World<Real>::advance(double duration) {
   Report report;
   const PatchCount before = body_.regions.patch_count();
   const double end = time() + duration, shortest = 1e-9 * duration;
-  cuts_.clear();
+  scalpels_.begin_frame();
   begin_frame(duration);
   while (report.ok && time() < end - shortest) {
     const double next = tools_.next_grasp_change(time() + shortest);
@@ -291,7 +291,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   const auto position = [&](Index v) -> Vec3d { return elements().points.col(v) + displacement(v); };
   const auto exists = [&](Index v) {
     return v < elements().topology.vertex_count() && !elements().topology.around(v).empty() &&
-           !(blades_ && !blades_->grains.fills(v, elements()));
+           !(grains() && !grains()->fills(v, elements()));
   };
   HeldVertices now = held();
   if (tools_.update_grasps(time(), now, displacement, position, exists)) {
@@ -302,7 +302,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   const ToolWork work = tools_.work(time(), time() + duration);
   for (const SweptVolume& volume : work.burnt) report.tets_removed += remove_tets(meeting(volume));
   for (const BladeMove& move : work.cuts) incise(move, report);
-  if (blades_) blades_->end_strokes();
+  scalpels_.end_strokes();
   report.mass_added = body_.inertia.mass_of_floor();
   std::vector<Condition>& found = next_report_.conditions;
   report.conditions.insert(report.conditions.end(), found.begin(), found.end());

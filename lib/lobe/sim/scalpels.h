@@ -1,0 +1,87 @@
+// The blades of a world: the grains into which they have cut its body, and what they cut in the present frame.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "lobe/body/model.h"
+#include "lobe/scalpel/blades.h"
+#include "lobe/tool/tool_pose.h"
+
+namespace lobe {
+
+class Scalpels {
+ public:
+  const Grains* grains() const { return blades_ ? &blades_->grains : nullptr; }  // null: no blade has cut
+  Grains* grains() { return blades_ ? &blades_->grains : nullptr; }
+
+  // Makes the grains ahead of the first cut, because it takes longer than a frame. False if they are there
+  // already.
+  bool prepare(const Elements& elements);
+  void forget_prepared() { prepared_.reset(); }  // the mesh is no longer what it was
+  void start() { blades_ = std::move(prepared_); }
+
+  // ---- Cuts of a frame
+
+  void begin_frame() { cuts_.clear(); }
+  // Ends the strokes that did not go on in this frame.
+  void end_strokes() {
+    if (blades_) blades_->end_strokes();
+  }
+  // What blades have cut in this frame so far, move by move.
+  const std::vector<BladeCut>& cuts() const { return cuts_; }
+  // From now on moves repeat these cuts, wherever the blades are. Empty: blades cut where they are.
+  void repeat(std::span<const BladeCut> cuts) { repeated_ = cuts; }
+  bool has_repeated_all() const { return cuts_.size() == repeated_.size(); }
+
+  // The move from where its edge really starts: tissue may have carried it along. Throws InputError if there is
+  // no cut left to repeat.
+  BladeMove whole(const BladeMove& move, const Blades::BodyNow& body) const;
+  struct Step {
+    Incised incised;            // without its incisions, which are in cuts()
+    Vec3d tip = Vec3d::Zero();  // of the blade, at its end [m]
+  };
+  // Performs a whole move. It cuts grains only: a tetrahedron is where its parts will be until it is divided.
+  // No step: the blade waits, because 32 others cut.
+  std::vector<Step> cut(const BladeMove& whole, const Blades::BodyNow& body);
+
+  // ---- Edits
+
+  // Throws InputError if the incisions do not fit the grains.
+  void check(const std::vector<Incision>& incisions) const;
+  // Makes incisions again. Returns the tetrahedra beside the faces that were opened.
+  std::vector<Index> open(const std::vector<Incision>& incisions);
+  // The parts of tetrahedra beside faces that were opened.
+  auto parts_of(const Topology& topology, const std::vector<Index>& opened) {
+    return blades_->grains.divide(topology, opened);
+  }
+  void forget(const std::vector<Index>& removed) {
+    if (blades_) blades_->grains.forget(removed);
+  }
+  // Of a vertex and its copy only one that lies in the tissue stays held. The other is only a corner of
+  // tetrahedra whose part lies elsewhere.
+  void hold_what_is_filled(const MeshEdit& edit, Model& model) const;
+  // Divides the load on a face among its parts.
+  void share_loads(const MeshEdit& edit, const Elements& elements, DeadLoads& loads) const;
+
+  // ---- Checkpoints
+
+  Blades::State state() const { return blades_ ? blades_->state() : Blades::State{}; }
+  void set_state(const Blades::State& state) {
+    if (blades_) blades_->set_state(state);
+  }
+
+ private:
+  bool lies_on_held_boundary(Index v, const Model& model) const;
+
+  std::unique_ptr<Blades> blades_;      // none until a blade cuts
+  std::unique_ptr<Blades> prepared_;    // what they will be then, while the mesh is as it is now
+  std::vector<BladeCut> cuts_;          // of the present frame, so far
+  std::span<const BladeCut> repeated_;  // of the present frame
+};
+
+// The work that opened the faces of a step.
+CutWork work_of(const Incised& incised, const Elements& elements);
+
+}  // namespace lobe

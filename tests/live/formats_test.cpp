@@ -1,5 +1,5 @@
-// What checkpoints, recordings and saved sessions hold, beside the number of their format. A change of a field
-// of any struct in them must come with a new number, or old files would be read as something else.
+// What checkpoints, recordings and saved sessions hold, beside the number of their format. If a field of a
+// struct in them changes, the format needs a new number, or old files would be read as something else.
 #include <doctest/doctest.h>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The blades of a world: the grains into which they have cut its body, and what they cut in the present frame.
+// The blades of a world: the grains into which they have cut its body, and what they cut in this frame.
 #pragma once
 
 #include <memory>
@@ -35,8 +35,8 @@ class Scalpels {
   void repeat(std::span<const BladeCut> cuts) { repeated_ = cuts; }
   bool has_repeated_all() const { return cuts_.size() == repeated_.size(); }
 
-  // The move from where its edge really starts: tissue may have carried it along. Throws InputError if there is
-  // no cut left to repeat.
+  // The move from where its edge really starts, since tissue may have carried it along. Throws InputError if
+  // there is no cut left to repeat.
   BladeMove whole(const BladeMove& move, const Blades::BodyNow& body) const;
   struct Step {
     Incised incised;            // without its incisions, which are in cuts()

@@ -80,14 +80,15 @@ void TetGroups::add_copy(Index tet, Index copy) {
 }
 
 Eigen::AlignedBox3d TetGroups::as_double(const TetBox& box) {
-  return {Vec3d(box.low[0], box.low[1], box.low[2]), Vec3d(box.high[0], box.high[1], box.high[2])};
+  const auto& s = box.sides;
+  return {Vec3d(s[0], s[1], s[2]), Vec3d(-s[4], -s[5], -s[6])};
 }
 
 TetGroups::TetBox TetGroups::rounded(const Eigen::AlignedBox3d& box) {
-  TetBox result;
-  for (int d = 0; d < 3; ++d) {
-    result.low[d] = static_cast<float>(box.min()[d]);
-    result.high[d] = static_cast<float>(box.max()[d]);
+  TetBox result{};
+  for (std::size_t d = 0; d < 3; ++d) {
+    result.sides[d] = static_cast<float>(box.min()[Eigen::Index(d)]);
+    result.sides[4 + d] = -static_cast<float>(box.max()[Eigen::Index(d)]);
   }
   return result;
 }
@@ -141,11 +142,12 @@ void TetGroups::search(const Body<Real>& body, const Leaf& leaf, const SweptVolu
   const double around = path_ - leaf.path + single_bits * farthest;
   const Eigen::AlignedBox3d within = widened(leaf.box, around).intersection(widened(volume.box, around));
   const TetBox near = rounded(widened(within, single_bits * farthest));
+  std::array<float, 8> most;
+  for (std::size_t i = 0; i < 8; ++i) most[i] = -near.sides[(i + 4) % 8];
   const auto look_at = [&](Index t, const TetBox& box) {
-    int sides_within = 0;  // counted: branches would be slower
-    for (int d = 0; d < 3; ++d)
-      sides_within += int(box.low[d] <= near.high[d]) + int(box.high[d] >= near.low[d]);
-    if (sides_within < 6 || !body.topology.alive(t)) return;
+    int sides_within = 0;
+    for (std::size_t i = 0; i < 8; ++i) sides_within += int(box.sides[i] <= most[i]);
+    if (sides_within < 8 || !body.topology.alive(t)) return;
     if (volume.may_meet && !volume.may_meet(widened(as_double(box), around))) return;
     const Mat34<double> x = body.corners(t);
     if (box_around(x).intersects(volume.box) && (!volume.meets || volume.meets(x))) meeting.push_back(t);

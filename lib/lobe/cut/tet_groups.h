@@ -31,8 +31,10 @@ class TetGroups {
                              const SweptVolume& volume);
 
  private:
-  struct TetBox {  // [m]; in single precision, for which reaches() allows
-    std::array<float, 3> low, high;
+  // In single precision, for which search() allows: the low corner, 0, minus the high one, 0 [m]. Two boxes
+  // meet if eight numbers are at most eight others, which a processor compares at once.
+  struct TetBox {
+    alignas(16) std::array<float, 8> sides;
   };
   struct Leaf {
     Index begin, end;         // of order_

@@ -20,6 +20,7 @@ class Knife {
   void set_along_faces(bool along_faces) { along_faces_ = along_faces; }
 
   void begin() {
+    ++begun_;
     stroke_ = (stroke_ + 1) % Grains::most_strokes;
     grains.forget_stroke(stroke_);
     swept_.clear();
@@ -35,7 +36,7 @@ class Knife {
       const Vec3d start = elements.points.col(elements.topology.corners(t)[0]);
       return Placement{start, start, Mat3<double>::Identity()};
     };
-    const Incised incised = incise(grains, {stroke_, snap_, along_faces_}, swept_,
+    const Incised incised = incise(grains, {stroke_, snap_, along_faces_, false, begun_ - 1}, swept_,
                                    PlacedTets(grains, near(swept_.last()), at_rest));
     area += incised.area;
     crumbs += incised.crumbs;
@@ -85,6 +86,7 @@ class Knife {
   Index whole_;
   std::vector<Index> all_;
   int stroke_ = -1;
+  Index begun_ = 0;  // strokes
   Index opened_ = 0;
   SweptSheets swept_;
   bool is_under_way_ = false;

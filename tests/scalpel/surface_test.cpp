@@ -42,13 +42,15 @@ struct Strokes {
 using Marked = std::tuple<Index, std::uint32_t, std::array<Index, 3>, RegionModel, int>;
 
 std::vector<Index> points_of_vertices(const Surface& surface, const SurfaceCells& cells) {
-  std::vector<Index> points(std::size_t(surface.mesh().vertex_count()), -1);
-  for (Index p = 0; p < cells.point_count(); ++p)
-    for (const bool cut : {false, true})
-      if (const Index v = surface.vertex_of(p, cut); v >= 0) {
-        points[std::size_t(v)] = p;
-        CHECK(bool(surface.mesh().vertex_cut[std::size_t(v)]) == cut);
-      }
+  const SurfaceMesh& mesh = surface.mesh();
+  std::vector<Index> points(std::size_t(mesh.vertex_count()), -1);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (Index v : mesh.triangles[t]) {
+      points[std::size_t(v)] = surface.point_of(v);
+      CHECK(surface.vertex_of(surface.point_of(v), mesh.cut[t], cells.stroke_of(Index(mesh.owner[t].code))) ==
+            v);
+      CHECK(mesh.vertex_cut[std::size_t(v)] == mesh.cut[t]);
+    }
   CHECK(std::count(points.begin(), points.end(), -1) == 0);
   return points;
 }
@@ -237,6 +239,41 @@ TEST_CASE("lips are sharp: normals of the skin and of a plane cut are those of t
   }
   CHECK(lips > 10);
   CHECK(faces > 40);
+}
+
+TEST_CASE("where two plane cuts cross, each of their normals is that of its plane") {
+  const TetMesh block = box_mesh({0.04, 0.04, 0.04}, 4, 4, 4);
+  World<double> world(setup_of(block));
+  world.surface();
+  Knife knife(block, 1e-6);  // no point moves onto the planes
+  const Vec3d across[] = {Vec3d(1, 0.2, 0.1).normalized(), Vec3d(-0.3, 1, 0.2).normalized()};
+  const Vec3d middle(0.021, 0.019, 0.02);
+  for (const Vec3d& n : across) {
+    const Vec3d along = n.unitOrthogonal(), edge = n.cross(along);
+    knife.begin();
+    const auto row = [&](double x) {
+      return std::vector<Vec3d>{middle + x * along - 0.1 * edge, middle + x * along + 0.1 * edge};
+    };
+    for (const double x : {-0.1, 0.0}) world.apply(Incise{{knife.sweep(row(x), row(x + 0.1)).incision}});
+  }
+  CHECK(world.elements().topology.pieces().size() == 4);
+  check_against_fresh_surface(world);
+  const SurfaceMesh& mesh = world.surface().mesh();
+  const Mat3X<double> X = at_rest(world);
+  Mat3X<double> normals;
+  update_normals(mesh, X, normals);
+  std::map<Index, std::set<int>> planes_at;  // per point
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    if (!mesh.vertex_cut[std::size_t(v)]) continue;
+    const double first = std::abs(across[0].dot(normals.col(v))),
+                 second = std::abs(across[1].dot(normals.col(v)));
+    CHECK(std::max(first, second) == near(1, 1e-12));
+    planes_at[world.surface().point_of(v)].insert(first > second ? 0 : 1);
+  }
+  const auto creased =
+      std::count_if(planes_at.begin(), planes_at.end(), [](const auto& at) { return at.second.size() == 2; });
+  CHECK(creased > 4 * 4);
+  CHECK(std::size_t(creased) < planes_at.size() / 2);
 }
 
 TEST_CASE("a reader that takes over the changed slots alone has the same surface, and a step changes few") {

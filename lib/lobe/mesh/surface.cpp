@@ -24,9 +24,11 @@ void Surface::clear(const SurfaceCells& cells) {
   uses_.clear();
   point_of_.clear();
   within_of_.clear();
+  next_of_.clear();
+  kind_of_.clear();
   faces_.clear();
   triangle_of_.assign(4 * std::size_t(cells.count()), -1);
-  vertex_of_.assign(std::size_t(cells.point_count()), {-1, -1});
+  first_of_.assign(std::size_t(cells.point_count()), -1);
 }
 
 void Surface::rebuild(const Topology& topology, std::span<const RegionModel> region_of) {
@@ -37,7 +39,7 @@ void Surface::rebuild(const SurfaceCells& cells, std::span<const RegionModel> re
   clear(cells);
   for (Index code : cells.outer_faces()) {
     faces_.push_back(face_of(code, cells.cell(code / 4)));
-    faces_.back().cut = cells.is_cut(code, true);
+    faces_.back().kind = kind_of(cells, code, true);
   }
   for (Face& face : faces_) place(cells, face, region_of[face.owner.tet]);
   mesh_.changed_triangles.restart(mesh_.revision);
@@ -62,7 +64,7 @@ void Surface::follow(const SurfaceCells& cells, std::vector<Index> changed,
   sort_unique(changed);
   begin_revision();
   triangle_of_.resize(4 * std::size_t(cells.count()), -1);
-  vertex_of_.resize(std::size_t(cells.point_count()), {-1, -1});
+  first_of_.resize(std::size_t(cells.point_count()), -1);
   faces_.clear();
   for (Index cell : changed) find_changed(cells, cell);
 
@@ -104,8 +106,22 @@ Index Surface::triangle_of(const FaceOwner& face) const {
   return triangle < 0 || mesh_.owner[triangle] != face ? -1 : triangle;
 }
 
-Index Surface::vertex_of(Index point, bool cut) const {
-  return point < 0 || std::size_t(point) >= vertex_of_.size() ? -1 : vertex_of_[point][cut];
+Index Surface::vertex_of(Index point, bool cut, Index stroke) const {
+  if (point < 0 || std::size_t(point) >= first_of_.size()) return -1;
+  Index vertex = first_of_[point];
+  while (vertex >= 0 && kind_of_[vertex] != (cut ? stroke : skin)) vertex = next_of_[vertex];
+  return vertex;
+}
+
+// Where the number of a vertex is, or will be, in the list of those of its point.
+Index& Surface::vertex_in_list(Index point, Kind kind) {
+  Index* vertex = &first_of_[point];
+  while (*vertex >= 0 && kind_of_[*vertex] != kind) vertex = &next_of_[*vertex];
+  return *vertex;
+}
+
+Surface::Kind Surface::kind_of(const SurfaceCells& cells, Index code, bool was_cut) {
+  return cells.is_cut(code, was_cut) ? cells.stroke_of(code) : skin;
 }
 
 void Surface::begin_revision() {
@@ -131,7 +147,7 @@ void Surface::drop(Index code) {
 Surface::Face Surface::face_of(Index code, const SurfaceCells::Cell& cell) const {
   const int* c = face_corners[code % 4];
   const auto of_owner = std::uint32_t(of_tets_ ? code % 4 : code);
-  return {{cell.tet, of_owner}, code, -1, 1, {cell.points[c[0]], cell.points[c[1]], cell.points[c[2]]}};
+  return {{cell.tet, of_owner}, code, -1, burnt, {cell.points[c[0]], cell.points[c[1]], cell.points[c[2]]}};
 }
 
 // Drops the faces of a cell that are not outer any more, and adds those to faces_ which the edit has opened,
@@ -145,7 +161,7 @@ void Surface::find_changed(const SurfaceCells& cells, Index cell) {
     }
     Face face = face_of(code, found_cell);
     face.triangle = triangle_of_[std::size_t(code)];
-    face.cut = cells.is_cut(code, face.triangle < 0 || mesh_.cut[face.triangle]);
+    face.kind = kind_of(cells, code, face.triangle < 0 || mesh_.cut[face.triangle]);
     if (face.triangle >= 0) {
       if (stays(face)) continue;
       release(face.triangle);
@@ -158,14 +174,14 @@ bool Surface::stays(const Face& face) const {
   const Eigen::Vector3i& old = mesh_.triangles[face.triangle];
   for (int i = 0; i < 3; ++i)
     if (point_of_[old[i]] != face.points[i]) return false;
-  return mesh_.cut[face.triangle] == face.cut && mesh_.owner[face.triangle] == face.owner;
+  return kind_of_[old[0]] == face.kind && mesh_.owner[face.triangle] == face.owner;
 }
 
 // Vertices that are still used keep their slots. So these are marked before any slot is given away.
 void Surface::keep_vertices() {
   for (Face& face : faces_)
     for (int i = 0; i < 3; ++i) {
-      face.vertices[i] = vertex_of_[face.points[i]][face.cut];
+      face.vertices[i] = vertex_in_list(face.points[i], face.kind);
       if (face.vertices[i] >= 0) ++uses_[face.vertices[i]];
     }
 }
@@ -173,24 +189,28 @@ void Surface::keep_vertices() {
 void Surface::forget_unused() {
   std::erase_if(unused_, [&](Index vertex) { return uses_[vertex] > 0; });
   std::sort(unused_.begin(), unused_.end(), std::greater<>());
-  for (Index vertex : unused_) vertex_of_[point_of_[vertex]][mesh_.vertex_cut[vertex]] = -1;
+  for (Index vertex : unused_) vertex_in_list(point_of_[vertex], kind_of_[vertex]) = next_of_[vertex];
 }
 
-Index Surface::vertex_for(const SurfaceCells& cells, Index point, std::uint8_t cut) {
-  Index& vertex = vertex_of_[point][cut];
-  if (vertex >= 0) return vertex;
+Index Surface::vertex_for(const SurfaceCells& cells, Index point, Kind kind) {
+  if (const Index known = vertex_in_list(point, kind); known >= 0) return known;
+  Index vertex = mesh_.vertex_count();
   if (!unused_.empty()) {
     vertex = taken_from(unused_);
   } else {
-    vertex = mesh_.vertex_count();
     mesh_.mesh_vertex.emplace_back();
     mesh_.vertex_cut.emplace_back();
     point_of_.emplace_back();
     within_of_.push_back(-1);
+    next_of_.emplace_back();
+    kind_of_.emplace_back();
     uses_.push_back(0);
   }
+  vertex_in_list(point, kind) = vertex;
+  next_of_[vertex] = -1;
+  kind_of_[vertex] = kind;
   point_of_[vertex] = point;
-  mesh_.vertex_cut[vertex] = cut;
+  mesh_.vertex_cut[vertex] = kind != skin;
   put(vertex, cells.place(point));
   mesh_.changed_vertices.record(vertex);
   return vertex;
@@ -228,8 +248,7 @@ void Surface::find_places_anew(const SurfaceCells& cells, std::span<const Index>
       corners_.insert(corners_.end(), found_cell.points.begin(), found_cell.points.end());
   sort_unique(corners_);
   for (Index point : corners_)
-    for (Index vertex : vertex_of_[point]) {
-      if (vertex < 0) continue;
+    for (Index vertex = first_of_[point]; vertex >= 0; vertex = next_of_[vertex]) {
       put(vertex, cells.place(point));
       mesh_.changed_vertices.record(vertex);
     }
@@ -238,7 +257,7 @@ void Surface::find_places_anew(const SurfaceCells& cells, std::span<const Index>
 void Surface::place(const SurfaceCells& cells, Face& face, RegionModel region) {
   for (int i = 0; i < 3; ++i) {
     if (face.vertices[i] >= 0) continue;
-    face.vertices[i] = vertex_for(cells, face.points[i], face.cut);
+    face.vertices[i] = vertex_for(cells, face.points[i], face.kind);
     ++uses_[face.vertices[i]];
   }
   if (face.triangle < 0 && !free_triangles_.empty()) face.triangle = taken_from(free_triangles_);
@@ -252,7 +271,7 @@ void Surface::place(const SurfaceCells& cells, Face& face, RegionModel region) {
   mesh_.triangles[face.triangle] = face.vertices;
   mesh_.owner[face.triangle] = face.owner;
   mesh_.region[face.triangle] = region;
-  mesh_.cut[face.triangle] = face.cut;
+  mesh_.cut[face.triangle] = face.kind != skin;
   triangle_of_[std::size_t(face.code)] = face.triangle;
   mesh_.changed_triangles.record(face.triangle);
 }
@@ -280,13 +299,15 @@ void Surface::move_vertex(const SurfaceCells& cells, Index to) {
   take_out(to);
   if (to != last) {
     const Index point = point_of_[last];
+    vertex_in_list(point, kind_of_[last]) = to;
+    next_of_[to] = next_of_[last];
+    kind_of_[to] = kind_of_[last];
     point_of_[to] = point;
     mesh_.mesh_vertex[to] = mesh_.mesh_vertex[last];
     mesh_.vertex_cut[to] = mesh_.vertex_cut[last];
     uses_[to] = uses_[last];
     within_of_[to] = within_of_[last];
     if (within_of_[to] >= 0) mesh_.within[within_of_[to]].vertex = to;
-    vertex_of_[point][mesh_.vertex_cut[to]] = to;
     mesh_.changed_vertices.record(to);
     for (Index cell : cells.around(point))
       for (Index code = 4 * cell; code < 4 * cell + 4; ++code) {
@@ -301,6 +322,8 @@ void Surface::move_vertex(const SurfaceCells& cells, Index to) {
   mesh_.vertex_cut.pop_back();
   point_of_.pop_back();
   within_of_.pop_back();
+  next_of_.pop_back();
+  kind_of_.pop_back();
   uses_.pop_back();
 }
 

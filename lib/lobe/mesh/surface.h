@@ -1,6 +1,6 @@
 // The boundary of the body, for drawing and contact: faces of tetrahedra, or of the grains that a blade has
-// made of them (scalpel/grain_cells.h). Where a cut meets the outer surface there is a crease: a point with
-// both kinds of faces around it is two vertices, one on either side, so that each has a separate normal.
+// made of them (scalpel/grain_cells.h). Where a cut meets the outer surface or another stroke's cut there is
+// a crease: a point with several kinds of faces around it is a vertex of each, with a normal of its own.
 //
 // Arrays have no gaps, so that one call can draw an index buffer. New entries take the slots of removed ones.
 // If more are removed than added, the last entries move into the gaps. All others keep their slots. So an
@@ -87,22 +87,28 @@ class Surface {
 
   // Where a face is in the arrays of mesh(); −1: nowhere.
   Index triangle_of(const FaceOwner& face) const;
-  // The vertex of the surface on one side of a point of the cells; −1: none.
-  Index vertex_of(Index point, bool cut) const;
+  // The vertex of the surface that a point of the cells is on the skin, or on the cut of a stroke. Stroke −1:
+  // on what no blade has cut. −1: it is none.
+  Index vertex_of(Index point, bool cut, Index stroke = -1) const;
+  Index point_of(Index vertex) const { return point_of_[vertex]; }
 
  private:
+  using Kind = Index;  // of a face: skin, burnt, or the stroke of a blade that has opened it
+  static constexpr Kind burnt = -1, skin = -2;
   // A face that is new, or whose corners are.
   struct Face {
     FaceOwner owner;
     Index code = -1;      // 4 × cell + face
     Index triangle = -1;  // its slot
-    std::uint8_t cut = 1;
+    Kind kind = burnt;
     Eigen::Vector3i points;
     Eigen::Vector3i vertices = Eigen::Vector3i::Constant(-1);
   };
   Face face_of(Index code, const SurfaceCells::Cell& cell) const;
   Index code_of(const FaceOwner& owner) const;
 
+  static Kind kind_of(const SurfaceCells& cells, Index code, bool was_cut);
+  Index& vertex_in_list(Index point, Kind kind);
   void clear(const SurfaceCells& cells);
   void begin_revision();
   void release(Index triangle);
@@ -111,7 +117,7 @@ class Surface {
   bool stays(const Face& face) const;
   void keep_vertices();
   void forget_unused();
-  Index vertex_for(const SurfaceCells& cells, Index point, std::uint8_t cut);
+  Index vertex_for(const SurfaceCells& cells, Index point, Kind kind);
   void put(Index vertex, const SurfacePlace& place);
   void take_out(Index vertex);
   void find_places_anew(const SurfaceCells& cells, std::span<const Index> changed);
@@ -122,11 +128,13 @@ class Surface {
 
   SurfaceMesh mesh_;
   bool of_tets_ = true;
-  std::vector<Index> point_of_;                  // per vertex: of the cells
-  std::vector<Index> within_of_;                 // per vertex: its place in mesh_.within, −1: none
-  std::vector<Index> uses_;                      // per vertex: corners of triangles
-  std::vector<Index> triangle_of_;               // per cell, four faces
-  std::vector<std::array<Index, 2>> vertex_of_;  // per point: on the skin, on cut faces
+  std::vector<Index> point_of_;     // per vertex: of the cells
+  std::vector<Index> within_of_;    // per vertex: its place in mesh_.within, −1: none
+  std::vector<Index> uses_;         // per vertex: corners of triangles
+  std::vector<Index> triangle_of_;  // per cell, four faces
+  std::vector<Index> first_of_;     // per point: the first of its vertices
+  std::vector<Index> next_of_;      // per vertex: another one of its point; −1: the last
+  std::vector<Kind> kind_of_;       // per vertex: of the faces around it
 
   // Scratch of an edit.
   std::vector<Face> faces_;

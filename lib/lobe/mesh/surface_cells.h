@@ -34,6 +34,7 @@ class SurfaceCells {
   virtual void append_cells_of(Index tet, std::vector<Index>& cells) const = 0;
   // Whether an outer face was inside at the start; `was_cut` is what was known of it, true for a new one.
   virtual bool is_cut(Index code, bool was_cut) const = 0;
+  virtual Index stroke_of(Index) const { return -1; }  // of a blade that has opened the face; −1: none has
   virtual SurfacePlace place(Index point) const = 0;
   virtual bool are_tets() const { return false; }  // the cells are the tetrahedra, the points the vertices
 };

@@ -203,7 +203,7 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   near_b.boundary &= std::uint8_t(~(1 << at_b));
   for (Grain* half : {&near_a, &near_b})
     if (half->open == 0) half->stroke = -1;
-  link(4 * other + at_a, other_side(4 * grain + at_a));
+  link(4 * other + at_a, side(4 * grain + at_a));
   link(4 * grain + at_a, 4 * other + at_b);
   around_.erase_value(b, grain);
   for (Index p : near_b.points)
@@ -262,9 +262,9 @@ void Grains::link_halves(const std::vector<Index>& star, Index halves, Index a, 
     const Eigen::Vector4i& points = (*this)[grain].points;
     for (int f = 0; f < 4; ++f) {
       if (points[f] == a || points[f] == point) continue;
-      const Index code = other_side(4 * grain + f), other = code < 0 ? -1 : scratch_[std::size_t(code / 4)];
+      const Index code = side(4 * grain + f);
       other_sides_[std::size_t(scratch_[std::size_t(grain)])][std::size_t(f)] =
-          other < 0 ? -1 : 4 * other + code % 4;
+          code < 0 ? code : 4 * scratch_[std::size_t(code / 4)] + code % 4;
     }
   }
   for (Index grain : star) scratch_[std::size_t(grain)] = -1;
@@ -272,6 +272,7 @@ void Grains::link_halves(const std::vector<Index>& star, Index halves, Index a, 
 
 std::vector<Index> Grains::open(const std::vector<Index>& faces, Index stroke) {
   const auto number = static_cast<std::int16_t>(std::clamp(stroke, Index(-1), most_numbered));
+  const Index opened = -2 - std::clamp(stroke, Index(-1), std::numeric_limits<Index>::max() - 2);
   std::vector<Index> points, elements;
   for (Index code : faces) {
     const Index grain = code / 4, other = other_side(code);
@@ -287,8 +288,7 @@ std::vector<Index> Grains::open(const std::vector<Index>& faces, Index stroke) {
     changed_.push_back(other / 4);
     grains_[std::size_t(other / 4)].open |= std::uint8_t(1 << other % 4);
     grains_[std::size_t(other / 4)].stroke = number;
-    other_sides_[std::size_t(other / 4)][std::size_t(other % 4)] = -1;
-    link(code, -1);
+    for (Index face : {code, other}) link(face, opened);
   }
   sort_unique(points);
   for (Index p : points) split_if_apart(p);

@@ -9,6 +9,7 @@
 // each connected part has its own copy of the point.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -92,11 +93,11 @@ class Grains {
     return point_scratch_;
   }
 
-  double volume(Index grain) const;     // at rest [m³]
-  double area(Index code) const;        // of a face 4 × grain + face, at rest [m²]
-  Index other_side(Index code) const {  // the same face of its neighbour; −1: none
-    return other_sides_[std::size_t(code / 4)][std::size_t(code % 4)];
-  }
+  double volume(Index grain) const;  // at rest [m³]
+  double area(Index code) const;     // of a face 4 × grain + face, at rest [m²]
+  Index other_side(Index code) const { return std::max(side(code), -1); }  // of its neighbour; −1: none
+  // The stroke that has opened a face; −1: none has.
+  Index stroke_of(Index code) const { return side(code) < -1 ? -2 - side(code) : -1; }
   // The filled part of a face of a tetrahedron that was on the boundary at the start: three times its share
   // of the area, times the barycentric coordinates of its middle. Ones if the face is whole.
   Vec3d boundary_share_of(Index element, int face, const Elements& elements) const;
@@ -129,6 +130,7 @@ class Grains {
   void split_if_apart(Index point);
   void wait_with(const std::vector<Index>& halves, std::uint32_t strokes);
 
+  Index side(Index code) const { return other_sides_[std::size_t(code / 4)][std::size_t(code % 4)]; }
   void link(Index code, Index other);
   void unlink(Index grain);
   Index parent_of(Index element) const {
@@ -140,8 +142,9 @@ class Grains {
   std::vector<std::vector<Index>> parts_around(Index point);
 
   std::vector<Grain> grains_;
-  std::vector<std::array<Index, 4>>
-      other_sides_;  // per face: the same face of the neighbour, 4 × grain + face
+  // Per face: the same face of the neighbour, 4 × grain + face; −1: there is none; below: −2 − the stroke
+  // that has opened it.
+  std::vector<std::array<Index, 4>> other_sides_;
   std::vector<Vec3d> points_;
   std::vector<double> shortest_;
   std::vector<std::uint32_t> on_;

@@ -188,7 +188,9 @@ void validate_surface(const Surface& surface, const SurfaceCells& cells, const E
     check(mesh.region[slot] == elements.region_of[std::size_t(cell.tet)], "surface: a triangle's region");
     for (int k = 0; k < 3; ++k) {
       const Index vertex = mesh.triangles[slot][k], point = cell.points[face_corners[code % 4][k]];
-      check(surface.vertex_of(point, mesh.cut[slot]) == vertex, "surface: a triangle's corners");
+      check(surface.vertex_of(point, mesh.cut[slot], cells.stroke_of(code)) == vertex,
+            "surface: a triangle's corners");
+      check(surface.point_of(vertex) == point, "surface: a vertex's point");
       const SurfacePlace place = cells.place(point);
       if (place.vertex >= 0)
         check(mesh.mesh_vertex[std::size_t(vertex)] == place.vertex, "surface: a vertex of the mesh");

@@ -8,8 +8,8 @@
 #include "benchmarks/haptic_rig.h"
 #include "benchmarks/haptic_touch.h"
 #include "benchmarks/secant.h"
+#include "benchmarks/static_stiffness.h"
 #include "lobe/io/atomic_file.h"
-#include "lobe/solve/tangent.h"
 
 namespace lobe::bench {
 namespace {
@@ -20,32 +20,6 @@ struct ErrorRow {
   std::string method;
   PredictionError error;
 };
-
-// Of the body at rest with everything yielding: way d.
-Mat3<double> static_stiffness(const HapticBody& body) {
-  World<double> world(body.setup);
-  HeldVertices held = world.held();
-  for (Index v : body.contact) held.hold({v, 1, Vec3d::Zero(), Vec3d::Zero()});
-  const Unknowns unknowns = free_components(world.elements(), held);
-  Tangent tangent(world.elements(), unknowns);
-  const Mat3X<double> u = world.displacements();
-  tangent.update(u);
-  const auto factor = tangent.make_factor(make_ldlt);
-  bool damped = false;
-  tangent.factorise(*factor, damped);
-  Mat3<double> K = Mat3<double>::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    Mat3X<double> w = Mat3X<double>::Zero(3, u.cols());
-    for (Index v : body.contact) w(axis, v) = 1;
-    const Mat3X<double> moved =
-        w + unknowns.scatter(tangent.solve(*factor, Eigen::VectorXd::Zero(unknowns.count), u, w));
-    constexpr double h = 1e-6;
-    const Mat3X<double> change = energy_and_forces(world.elements(), h * moved).forces -
-                                 energy_and_forces(world.elements(), -h * moved).forces;
-    for (Index v : body.contact) K.col(axis) -= change.col(v) / (2 * h);
-  }
-  return clamped(K, 1e9);
-}
 
 // Way a: from nothing, by what motions and forces say.
 std::vector<Mat3<double>> by_secant_alone(const std::vector<FeltFrame>& frames) {
@@ -128,7 +102,8 @@ void compare_predictions(const Options& options, const std::vector<HapticBody>& 
   std::vector<ErrorRow> rows;
   for (const HapticBody& body : bodies) {
     if (options.quick && body.mesh != "liver_2k") continue;
-    const Mat3<double> of_body = static_stiffness(body);
+    World<double> at_rest(body.setup);
+    const Mat3<double> of_body = clamped(static_stiffness(at_rest, body.contact), 1e9);
     for (double speed : {0.02, 0.05, 0.1, 0.2}) {
       if (options.quick && speed != 0.1) continue;
       const auto compared = [&](const char* contact, double frame, double tick, double delay) -> Comparison {

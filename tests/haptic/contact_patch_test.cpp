@@ -2,11 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include <array>
-
+#include "benchmarks/static_stiffness.h"
 #include "lobe/haptic/contact_stiffness.h"
 #include "lobe/numerics/symmetric_eigen.h"
-#include "lobe/solve/tangent.h"
 #include "near.h"
 #include "support.h"
 #include "world_support.h"
@@ -31,37 +29,6 @@ std::vector<Index> top_of(const Setup& setup, double radius) {
   return contact;
 }
 
-// Of the whole body: the force on the contact when it is moved by a unit, all else in balance.
-Mat3<double> static_stiffness(World<double>& world, const std::vector<Index>& contact) {
-  HeldVertices held = world.held();
-  for (Index v : contact) held.hold({v, 1, Vec3d::Zero(), Vec3d::Zero()});
-  const Unknowns unknowns = free_components(world.elements(), held);
-  Tangent tangent(world.elements(), unknowns);
-  const Mat3X<double> u = world.displacements();
-  tangent.update(u);
-  const auto factor = tangent.make_factor(make_ldlt);
-  bool damped = false;
-  REQUIRE(tangent.factorise(*factor, damped));
-  std::array<Mat3X<double>, 3> moved;
-  for (int axis = 0; axis < 3; ++axis) {
-    Mat3X<double> w = Mat3X<double>::Zero(3, u.cols());
-    for (Index v : contact) w(axis, v) = 1;
-    const Eigen::VectorXd x = tangent.solve(*factor, Eigen::VectorXd::Zero(unknowns.count), u, w);
-    moved[std::size_t(axis)] = w + unknowns.scatter(x);
-  }
-  // As a quadratic form, in which what is off in the solution is squared.
-  Mat3<double> K;
-  for (int axis = 0; axis < 3; ++axis) {
-    constexpr double h = 1e-7;
-    const Mat3X<double> way = h * moved[std::size_t(axis)];
-    const Mat3X<double> forces = energy_and_forces(world.elements(), u + way).forces -
-                                 energy_and_forces(world.elements(), u - way).forces;
-    for (int other = 0; other < 3; ++other)
-      K(other, axis) = -(moved[std::size_t(other)].array() * forces.array()).sum() / (2 * h);
-  }
-  return K;
-}
-
 std::function<Vec3d(Index)> displacement_of(World<double>& world) {
   return [u = Mat3X<double>(world.displacements())](Index v) -> Vec3d { return u.col(v); };
 }
@@ -75,7 +42,7 @@ TEST_CASE("a patch of everything has the stiffness of the body in balance") {
   REQUIRE(contact.size() >= 4);
   ContactPatch patch;
   patch.gather(world.body().model, contact, displacement_of(world), {.reach = 1, .most_free = 100000});
-  const Mat3<double> exact = static_stiffness(world, contact);
+  const Mat3<double> exact = bench::static_stiffness(world, contact);
   CHECK((patch.condense() - exact).norm() < 1e-6 * exact.norm());
 }
 
@@ -171,6 +138,47 @@ TEST_CASE("before any motion the stiffness of a contact is the share of the patc
   };
   REQUIRE(after_rest(1).norm() > 0);
   CHECK((after_rest(0.25) - 0.25 * after_rest(1)).norm() < 1e-9 * after_rest(1).norm());
+}
+
+TEST_CASE("a tool that is about to touch expects its share of the patch, and learns from where it begins") {
+  const Setup setup = held_block(5);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  ContactStiffness stiffness({.has_helper = false});
+  const auto before_touch = [&](double expected) {
+    stiffness.before_touch(world.body().model, contact, displacement_of(world), 1.0 / 120, expected);
+  };
+  before_touch(1);
+  const Mat3<double> patch = stiffness.K();
+  REQUIRE(patch.norm() > 0);
+  before_touch(0.25);
+  CHECK((stiffness.K() - 0.25 * patch).norm() < 1e-12 * patch.norm());
+  CHECK(stiffness.rate().norm() == 0);
+  const Vec3d begins(0.01, 0.02, 0.03), way(0, 0, -5e-4);
+  stiffness.begin_at(begins);
+  stiffness.after_frame(world.body().model, contact, displacement_of(world), begins + way, -0.4 * patch * way,
+                        1.0 / 120, 0.25);
+  CHECK((stiffness.K() - 0.4 * patch).norm() < 1e-3 * patch.norm());
+}
+
+TEST_CASE("of a tool that only pushes, the rate is what its stiffness along the normal does not explain") {
+  const Setup setup = held_block(5);
+  World<double> world(setup);
+  const std::vector<Index> contact = top_of(setup, 0.012);
+  ContactStiffness stiffness({.has_helper = false});
+  constexpr double frame = 1.0 / 120;
+  const Vec3d way(3e-4, 1e-4, -5e-4), change(0.01, -0.02, 0.05), normal = Vec3d(0.1, 0.2, 1).normalized();
+  Vec3d position = Vec3d::Zero(), force = Vec3d::Zero();
+  for (int i = 0; i < 2; ++i) {
+    stiffness.after_frame(world.body().model, contact, displacement_of(world), position, force, frame);
+    position += way;
+    force += change;
+  }
+  const Mat3<double>& K = stiffness.K();
+  const Vec3d explained = -normal.dot(K * normal) * normal.dot(way) * normal;
+  CHECK((stiffness.rate_of_push(normal) - (change - explained) / frame).norm() <
+        1e-9 * change.norm() / frame);
+  CHECK((stiffness.rate() - (change + K * way) / frame).norm() < 1e-9 * change.norm() / frame);
 }
 
 TEST_CASE("with a helper the stiffness of a contact is what it is without, a little later") {

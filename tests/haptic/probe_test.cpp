@@ -37,9 +37,9 @@ TEST_CASE("a probe pushes and is pushed back; in the air, before and after, it f
   }
 }
 
-// At 20 Hz far more comes out (docs/haptics.md, Passivity).
-TEST_CASE("over presses with a probe hardly any energy comes out") {
-  for (double frame : {1e-3, 1.0 / 120}) {
+// At 20 Hz some comes out (docs/haptics.md, Passivity).
+TEST_CASE("over presses with a probe no energy comes out") {
+  for (double frame : {1e-3, 1.0 / 120, 1.0 / 20}) {
     CAPTURE(frame);
     const bench::HandPath path{{{Vec3d::Zero(), 0, 0.2},
                                 {(approach + 0.008) * downwards, 0.1},
@@ -53,9 +53,10 @@ TEST_CASE("over presses with a probe hardly any energy comes out") {
         1, sphere.start, BringProbe{"", RigidShape::sphere(sphere.radius), {.position = sphere.start}, 0}));
     const auto [given, stored] = loop.energy_over(1.3);
     MESSAGE("energy given to the hand " << 100 * given / stored << " % of the " << 1e3 * stored
-                                        << " mJ stored");
+                                        << " mJ stored, " << loop.servo().state().interventions
+                                        << " interventions");
     CHECK(stored > 1e-3);
-    CHECK(given <= (frame == 1e-3 ? 0.0 : 0.07 * stored));
-    CHECK(loop.servo().state().interventions == 0);
+    CHECK(given <= (frame > 0.01 ? 0.2 * stored : 0.0));
+    if (frame < 0.01) CHECK(loop.servo().state().interventions == 0);
   }
 }

@@ -36,6 +36,7 @@ void ContactStiffness::forget() {
   is_outdated_ = true;  // what the helper may be at
   K_ = of_patch_ = ways_ = changes_ = Mat3<double>::Zero();
   rate_.setZero();
+  way_.setZero();
 }
 
 void ContactStiffness::take_result() {
@@ -96,26 +97,58 @@ Mat3<double> ContactStiffness::fitted(double expected) const {
   return 0.5 * (K + K.transpose());
 }
 
+void ContactStiffness::gather_if_due(const Model& model, std::span<const Index> contact,
+                                     const std::function<Vec3d(Index)>& displacement, double duration) {
+  take_result();
+  since_patch_ += duration;
+  const bool is_due = !has_patch_ || structure_ != model.revisions.structure ||
+                      contact.size() != contact_size_ || since_patch_ >= settings_.every;
+  if (!is_due || work_.load(std::memory_order_acquire) != Work::none) return;
+  contact_size_ = contact.size();
+  gather(model, contact, displacement, duration);
+}
+
+void ContactStiffness::before_touch(const Model& model, std::span<const Index> contact,
+                                    const std::function<Vec3d(Index)>& displacement, double duration,
+                                    double expected) {
+  gather_if_due(model, contact, displacement, duration);
+  ways_.setZero();
+  changes_.setZero();
+  K_ = clamped(expected * of_patch_, highest_);
+  rate_.setZero();
+  way_.setZero();
+  has_last_ = false;
+}
+
+void ContactStiffness::begin_at(const Vec3d& position) {
+  last_position_ = position;
+  last_force_.setZero();
+  has_last_ = true;
+}
+
 void ContactStiffness::after_frame(const Model& model, std::span<const Index> contact,
                                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position,
                                    const Vec3d& force, double duration, double expected) {
-  take_result();
-  since_patch_ += duration;
-  if (contact.empty()) return forget();
-  const bool is_due = !has_patch_ || structure_ != model.revisions.structure ||
-                      contact.size() != contact_size_ || since_patch_ >= settings_.every;
-  if (is_due && work_.load(std::memory_order_acquire) == Work::none) {
-    contact_size_ = contact.size();
-    gather(model, contact, displacement, duration);
+  if (contact.empty()) {
+    take_result();
+    return forget();
   }
+  gather_if_due(model, contact, displacement, duration);
   const Vec3d way = position - last_position_, force_change = force - last_force_;
   if (has_last_) learn(way, force_change, duration);
   const Mat3<double> fit = fitted(expected);
   K_ = is_bound_ ? clamped(fit, highest_) : clamped_to(fit, of_patch_, settings_.softest, settings_.stiffest);
+  way_ = has_last_ ? way : Vec3d(Vec3d::Zero());
+  duration_ = duration;
   rate_ = has_last_ ? Vec3d((force_change + K_ * way) / duration) : Vec3d(Vec3d::Zero());
   last_position_ = position;
   last_force_ = force;
   has_last_ = true;
+}
+
+Vec3d ContactStiffness::rate_of_push(const Vec3d& normal) const {
+  const double along = normal.dot(K_ * normal) * normal.dot(way_);
+  return rate_ - (K_ * way_ - along * normal) / duration_;
 }
 
 }  // namespace lobe

@@ -36,6 +36,12 @@ class ContactStiffness {
   ContactStiffness& operator=(const ContactStiffness&) = delete;
 
   void forget();  // another contact
+  // Call it after a frame of `duration` in which a tool felt nothing, but is about to touch `contact`: K
+  // becomes `expected` times the patch.
+  void before_touch(const Model& model, std::span<const Index> contact,
+                    const std::function<Vec3d(Index)>& displacement, double duration, double expected);
+  // The tool felt nothing yet at `position`: the next frame says how stiff the contact is.
+  void begin_at(const Vec3d& position);
   // Call it after a frame of `duration` in which a tool that touches `contact` was at `position` and felt the
   // mean force `force`. It makes a new contact patch if one is due, or if the mesh or the contact has
   // changed. `expected`: the share of the patch that K is before any motion has said how stiff it is.
@@ -44,12 +50,16 @@ class ContactStiffness {
                    double duration, double expected = 1);
   const Mat3<double>& K() const { return K_; }  // symmetric, eigenvalues from 0 to those of `blocked` [N/m]
   const Vec3d& rate() const { return rate_; }   // r [N/s]
+  // r of a tool that only pushes, of whose motion and stiffness only the parts along the normal count [N/s].
+  Vec3d rate_of_push(const Vec3d& normal) const;
 
  private:
   enum class Work : std::uint8_t { none, wanted, done, end };
 
   void gather(const Model& model, std::span<const Index> contact,
               const std::function<Vec3d(Index)>& displacement, double duration);
+  void gather_if_due(const Model& model, std::span<const Index> contact,
+                     const std::function<Vec3d(Index)>& displacement, double duration);
   void take_result();
   void learn(const Vec3d& way, const Vec3d& force_change, double duration);
   Mat3<double> fitted(double expected) const;
@@ -61,6 +71,8 @@ class ContactStiffness {
   Mat3<double> K_ = Mat3<double>::Zero(), of_patch_ = Mat3<double>::Zero();
   Mat3<double> ways_ = Mat3<double>::Zero(), changes_ = Mat3<double>::Zero();  // Σ d dᵀ, −Σ Δf dᵀ
   Vec3d rate_ = Vec3d::Zero();
+  Vec3d way_ = Vec3d::Zero();  // of the last frame since the one before [m]
+  double duration_ = 1;        // of it [s]
   double highest_ = 0, since_patch_ = 0;
   std::uint64_t structure_ = 0;
   std::size_t contact_size_ = 0;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "lobe/error.h"
+#include "lobe/haptic/approach.h"
 
 namespace lobe {
 
@@ -77,6 +78,7 @@ struct Felt {
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
   bool only_pushes = false;  // it holds nothing
   double radius = 0;         // of its tip [m]
+  const RigidShape* probe = nullptr;
 };
 template <class Real>
 Felt felt_by(const World<Real>& world, ToolId id) {
@@ -90,6 +92,7 @@ Felt felt_by(const World<Real>& world, ToolId id) {
       felt.torque = -tool.torque;
     }
     if constexpr (requires { tool.grip; }) felt.only_pushes = tool.grip == 0;
+    if constexpr (requires { tool.shape_of_tip; }) felt.probe = &tool.shape_of_tip;
     felt.radius = tool.shape().radius;
   });
   return felt;
@@ -125,27 +128,61 @@ std::vector<Index> near_tip(World<Real>& world, const Vec3d& tip, double radius)
 
 }  // namespace
 
+// Where a tool that feels nothing will begin to touch, if that is so near that it may be before the next
+// frame is known. From there the model is a plane as stiff as is expected, so that the hand feels it at once.
 template <class Real>
-void HapticHand<Real>::feel(World<Real>& world, ToolId tool, double duration) {
+void HapticHand<Real>::look_ahead(World<Real>& world, const RigidShape& shape, const ToolPose& pose) {
+  constexpr double frames_ahead = 3, at_least = 1e-3;  // [m]
+  const double reach = std::max(at_least, frames_ahead * (pose.position - before_).norm());
+  const auto found = approach_of(world, shape, pose, reach);
+  if (!found) return;
+  touch_ = pose.position - found->gap * found->normal;
+  model_.normal = found->normal;
+  model_.position = *touch_;
+}
+
+// In the frame in which it begins, a tool touches for a part of the time. Of contact whose force grows in
+// proportion to the depth, the mean force of the frame is that at a place of its own:
+//   D²/(2 W) deep,   D the depth at the end, W ≥ D the way of the frame.
+// If it has touched all the time, that is its mean place, D − W/2 deep.
+template <class Real>
+void HapticHand<Real>::place_first_touch(const Vec3d& at_end) {
+  constexpr double least_depth = 2e-4;  // that says how stiff the contact is [m]
+  const auto depth_of = [&](const Vec3d& x) { return -model_.normal.dot(x - *touch_); };
+  const double end = depth_of(at_end), way = end - depth_of(before_);
+  if (!(end > 0)) return;
+  const double depth = way > end ? end * end / (2 * way) : end - way / 2;
+  model_.position -= (depth - depth_of(model_.position)) * model_.normal;
+  if (depth >= least_depth) stiffness_.begin_at(model_.position + depth * model_.normal);
+}
+
+template <class Real>
+void HapticHand<Real>::feel(World<Real>& world, ToolId tool, const ToolPose& pose, double duration) {
   const Felt felt = felt_by(world, tool);
+  const bool is_felt = felt.force.norm() > least_push;
   model_.force = felt.force;
   model_.torque = felt.torque;
   model_.is_bilateral = !felt.only_pushes;
   std::vector<Index> contact;
-  if (!felt.only_pushes) {
-    contact = held_by(world, tool);
-    if (contact.empty() && felt.force.norm() > least_push)
-      contact = near_tip(world, model_.tool_at_end, 1.5 * felt.radius);
-  } else if (felt.force.norm() > least_push) {
+  if (!felt.only_pushes) contact = held_by(world, tool);
+  if (felt.only_pushes && is_felt) {
+    if (touch_) place_first_touch(pose.position);
     model_.normal = felt.force.normalized();
-    contact = near_tip(world, model_.tool_at_end, 1.5 * felt.radius);
   }
+  touch_.reset();
+  if (contact.empty() && is_felt) contact = near_tip(world, pose.position, 1.5 * felt.radius);
+  if (felt.only_pushes && !is_felt && felt.probe) look_ahead(world, *felt.probe, pose);
   const auto u = world.displacements();
   const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
-  stiffness_.after_frame(world.body().model, contact, displacement, model_.position, model_.force, duration,
-                         felt.only_pushes ? first_share : 1);
+  const double expected = felt.only_pushes ? first_share : 1;
+  if (touch_)
+    stiffness_.before_touch(world.body().model, near_tip(world, *touch_, 1.5 * felt.radius), displacement,
+                            duration, expected);
+  else
+    stiffness_.after_frame(world.body().model, contact, displacement, model_.position, model_.force, duration,
+                           expected);
   model_.K = stiffness_.K();
-  model_.rate = stiffness_.rate();
+  model_.rate = felt.only_pushes ? stiffness_.rate_of_push(model_.normal) : stiffness_.rate();
 }
 
 template <class Real>
@@ -154,6 +191,7 @@ void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, doubl
   const bool is_same = led_tool.tool != 0 && led_tool.tool == tool_;
   if (!is_same) {
     stiffness_.forget();
+    touch_.reset();
     tool_ = led_tool.tool;
     engagement_ += led_tool.tool != 0;
     model_ = {.engagement = engagement_};
@@ -165,7 +203,7 @@ void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, doubl
   if (led_tool.tool != 0) {
     model_.tool_at_end = led_tool.pose.position;
     model_.position = 0.5 * (before_ + led_tool.pose.position);
-    feel(world, led_tool.tool, duration);
+    feel(world, led_tool.tool, led_tool.pose, duration);
   }
   if (LocalModel* shared = link_.model.writable()) {
     *shared = model_;

@@ -39,7 +39,9 @@ class HapticHand final : public SessionHook<Real> {
  private:
   void press_buttons(Hands<Real>& hands, const HapticState& state);
   void tell_troubles(Hands<Real>& hands, const HapticState& state);
-  void feel(World<Real>& world, ToolId tool, double duration);
+  void feel(World<Real>& world, ToolId tool, const ToolPose& pose, double duration);
+  void look_ahead(World<Real>& world, const RigidShape& shape, const ToolPose& pose);
+  void place_first_touch(const Vec3d& at_end);
 
   Session<Real>& session_;
   HapticLink& link_;
@@ -51,6 +53,7 @@ class HapticHand final : public SessionHook<Real> {
   ToolId tool_ = 0;
   std::uint32_t engagement_ = 0;
   Vec3d before_ = Vec3d::Zero();  // where the tool was at the start of the frame [m]
+  std::optional<Vec3d> touch_;    // where a tool that feels nothing will begin to touch [m]
   bool is_pressed_ = false;
   HapticState last_;  // that was told of
 };

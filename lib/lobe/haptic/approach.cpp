@@ -1,0 +1,47 @@
+#include "lobe/haptic/approach.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/contact/quadrature.h"
+#include "lobe/contact/signed_distance.h"
+#include "lobe/contact/touch_points.h"
+
+namespace lobe {
+
+template <class Real>
+std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, const ToolPose& pose,
+                                    double reach) {
+  if (shape.kind == RigidShape::Kind::jaws || shape.kind == RigidShape::Kind::mesh) return std::nullopt;
+  const SignedDistance distance(shape);
+  const Mat3<double> to_tool =
+      Eigen::Quaterniond(pose.orientation).normalized().toRotationMatrix().transpose();
+  const SurfaceMesh& surface = world.surface().mesh();
+  Mat3X<Real> now;
+  update_positions(surface, world.elements().points.view(), world.displacements(), now);
+  const Mat3X<double> x = to_tool * (now.template cast<double>().colwise() - pose.position);
+  std::optional<Approach> nearest;
+  for (const Eigen::Vector3i& corners : surface.triangles) {
+    const Mat3<double> y = x(Eigen::all, corners);
+    const Vec3d centre = y.rowwise().mean();
+    const double radius = (y.colwise() - centre).colwise().norm().maxCoeff();
+    const double least = nearest ? nearest->gap : reach;
+    if (centre.norm() - radius > distance.reach() + least) continue;
+    const double longest =
+        std::max({(y.col(1) - y.col(0)).norm(), (y.col(2) - y.col(1)).norm(), (y.col(0) - y.col(2)).norm()});
+    const int n =
+        std::clamp(static_cast<int>(std::ceil(longest / (distance.fineness() / 2))), 2, most_divisions);
+    visit_centroids(n, [&](int, const Vec3d& weights) {
+      const Distance found = distance.at(y * weights);
+      if (found.value > (nearest ? nearest->gap : reach)) return;
+      nearest = {.normal = -(to_tool.transpose() * found.gradient), .gap = found.value};
+    });
+  }
+  return nearest;
+}
+
+template std::optional<Approach> approach_of(World<float>&, const RigidShape&, const ToolPose&, double);
+template std::optional<Approach> approach_of(World<double>&, const RigidShape&, const ToolPose&, double);
+
+}  // namespace lobe

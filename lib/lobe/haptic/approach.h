@@ -1,0 +1,26 @@
+// Where a tool that feels nothing will touch the body if it goes on.
+#pragma once
+
+#include <optional>
+
+#include "lobe/sim/world.h"
+
+namespace lobe {
+
+struct Approach {
+  Vec3d normal = Vec3d::UnitZ();  // of the body's surface there, outwards
+  double gap = 0;                 // how far the tool has to go against it, negative inside [m]
+};
+
+// None: nothing of the body is within `reach` [m]. Looks at the points of the surface at which contact is
+// evaluated. Of jaws and meshes nothing is known. O(triangles of the surface).
+template <class Real>
+std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, const ToolPose& pose,
+                                    double reach);
+
+extern template std::optional<Approach> approach_of(World<float>&, const RigidShape&, const ToolPose&,
+                                                    double);
+extern template std::optional<Approach> approach_of(World<double>&, const RigidShape&, const ToolPose&,
+                                                    double);
+
+}  // namespace lobe

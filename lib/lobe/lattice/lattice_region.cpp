@@ -26,23 +26,25 @@ void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edi
   inner_.clear();
   zones_.forget_around();
   all_.follow(elements, edit, RegionModel::reduced);
-  member_.resize(std::size_t(elements.topology.tet_count()), 0);
+  member_.resize(std::size_t(elements.topology.tet_count()), Membership::outside);
   for (Index t : edit.left) {
-    if (!member_[std::size_t(t)]) continue;
-    member_[std::size_t(t)] = 0;
+    const bool was_inside = has(t), is_elsewhere = elements.topology.alive(t) && !enters(t),
+               is_freed = is_elsewhere && elements.is_in(RegionModel::nonlinear, t);
+    Membership& own = member_[std::size_t(t)];
+    if (own != Membership::outside) own = is_freed ? Membership::freed : Membership::outside;
+    if (!was_inside) continue;
     --tet_count_;
     misses_tets_ = true;
-    const bool is_elsewhere = elements.topology.alive(t) && !enters(t);
     if (!is_elsewhere) is_outdated_ = true;
     if (!is_outdated_) take_out(elements, t, lattice_, whole_);
   }
   for (Index t : edit.entered) {
-    if (!enters(t) || member_[std::size_t(t)]) continue;
-    member_[std::size_t(t)] = 1;
+    if (!enters(t) || has(t)) continue;
+    member_[std::size_t(t)] = Membership::inside;
     ++tet_count_;
     is_outdated_ = true;
   }
-  zone_mass_.follow(elements, edit.vertices, [&](Index t) { return has(t); });
+  zone_mass_.follow(elements, edit.vertices, [&](Index t) { return membership(t) != Membership::outside; });
   for (Index v : edit.vertices)
     if (zone_mass_.may_raise(v)) vertices_.push_back(v);
   sort_unique(vertices_);
@@ -56,7 +58,7 @@ void LatticeRegion<Real>::list_vertices(const Topology& topology) {
   std::vector<std::uint8_t> is_vertex(std::size_t(topology.vertex_count()), 0);
   for (Index v : vertices_) is_vertex[std::size_t(v)] = 1;
   for (Index t = 0; t < topology.tet_count(); ++t)
-    if (member_[std::size_t(t)])
+    if (has(t))
       for (Index v : topology.corners(t)) is_vertex[std::size_t(v)] = 1;
   vertices_.clear();
   for (Index v = 0; v < topology.vertex_count(); ++v)
@@ -202,7 +204,8 @@ void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Mot
 
 template <class Real>
 typename LatticeRegion<Real>::State LatticeRegion<Real>::state(const Motion<Real>& motion) const {
-  return {motion.nodes.u, motion.nodes.v, embedding_.roles.is_embedded, zones_.state(), fading_.state()};
+  return {motion.nodes.u, motion.nodes.v,  embedding_.roles.is_embedded,
+          zones_.state(), fading_.state(), zone_mass_.asked()};
 }
 
 template <class Real>
@@ -214,7 +217,8 @@ bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) con
   };
   bool fits = state.u.cols() == lattice_.node_count() &&
               state.is_embedded.size() == embedding_.roles.is_embedded.size() &&
-              std::max(state.zones.until.size(), state.zones.asked_until.size()) <= std::size_t(vertices) &&
+              std::max({state.zones.until.size(), state.zones.asked_until.size(), state.asked_mass.size()}) <=
+                  std::size_t(vertices) &&
               are_vertices(state.zones.held) && are_vertices(state.zones.touched);
   fits = fits && are_vertices(state.fading.vertices) &&
          std::all_of(state.fading.vertices.begin(), state.fading.vertices.end(), [&](Index v) {
@@ -223,10 +227,21 @@ bool LatticeRegion<Real>::fits(const State& state, const Elements& elements) con
   for (std::size_t v = 0; fits && v < state.is_embedded.size(); ++v) {
     if (!state.is_embedded[v]) continue;
     const auto around = elements.topology.around(static_cast<Index>(v));
-    fits = std::all_of(around.begin(), around.end(), [&](Index t) { return member_[std::size_t(t)] != 0; }) &&
-           !around.empty();
+    fits = std::all_of(around.begin(), around.end(), [&](Index t) { return has(t); }) && !around.empty();
   }
   return fits;
+}
+
+template <class Real>
+std::vector<Index> LatticeRegion<Real>::set_asked_mass(const std::vector<double>& asked) {
+  std::vector<Index> changed;
+  const std::vector<double>& former = zone_mass_.asked();
+  const auto value = [](const std::vector<double>& of, std::size_t v) { return v < of.size() ? of[v] : 0; };
+  for (std::size_t v = 0; v < std::max(former.size(), asked.size()); ++v)
+    if (value(former, v) != value(asked, v) && !embeds(static_cast<Index>(v)))
+      changed.push_back(static_cast<Index>(v));
+  zone_mass_.set_asked(asked);
+  return changed;
 }
 
 // ---- A step

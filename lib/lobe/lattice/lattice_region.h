@@ -7,6 +7,8 @@
 // Forces conserve linear and angular momentum, and a rotation costs no energy.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "lobe/body/loads.h"
@@ -29,7 +31,7 @@ class LatticeRegion {
       : cell_(cell), evaluator_(evaluator), all_(evaluator), full_(evaluator) {}
 
   Index tet_count() const { return tet_count_; }
-  bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[std::size_t(tet)]; }
+  bool has(Index tet) const { return membership(tet) == Membership::inside; }
   bool any() const { return tet_count_ > 0; }
   bool embeds(Index v) const { return embedding_.embeds(v); }
   bool any_embedded() const { return !embedding_.vertices.empty(); }
@@ -73,11 +75,17 @@ class LatticeRegion {
              std::vector<double>& mass,  // per vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
   // Of a vertex that moves by itself, as it is now [kg].
-  double least_mass(Index v) const { return any_embedded() ? zone_mass_.least(v, omega_) : 0; }
+  double least_mass(Index v) const {
+    return any_embedded() ? std::max(zone_mass_.least(v, omega_), zone_mass_.asked(v)) : 0;
+  }
   // After masses were computed from tetrahedra: what is next to full tetrahedra has more (zone_mass.h).
   void raise_masses(const std::vector<Index>& vertices, std::vector<double>& mass) {
     if (any_embedded()) zone_mass_.raise(embedding_, omega_, vertices, mass);
   }
+  // Whether a vertex may have more mass than its tetrahedra, and at least this much from the next
+  // raise_masses() or embed() on [kg].
+  bool may_raise(Index v) const { return any_embedded() && !embeds(v) && zone_mass_.may_raise(v); }
+  void ask_mass(Index v, double mass) { zone_mass_.ask(v, mass); }
   // After World::set_state(): fits displacements and velocities of the nodes to those of the embedded
   // vertices, by least squares. The rest of the displacements fades.
   void settle_all(const Elements& elements, double omega, Motion<Real>& motion);
@@ -87,13 +95,20 @@ class LatticeRegion {
     std::vector<std::uint8_t> is_embedded;
     FullZones::State zones;
     typename Fading<Real>::State fading;
-    bool is_valid() const { return u.allFinite() && v.allFinite() && u.cols() == v.cols(); }
-    static constexpr auto fields =
-        std::tuple(&State::u, &State::v, &State::is_embedded, &State::zones, &State::fading);
+    std::vector<double> asked_mass;  // per vertex: of strained tissue [kg], or empty
+    bool is_valid() const {
+      return u.allFinite() && v.allFinite() && u.cols() == v.cols() &&
+             std::all_of(asked_mass.begin(), asked_mass.end(),
+                         [](double m) { return m >= 0 && std::isfinite(m); });
+    }
+    static constexpr auto fields = std::tuple(&State::u, &State::v, &State::is_embedded, &State::zones,
+                                              &State::fading, &State::asked_mass);
   };
   State state(const Motion<Real>& motion) const;
   bool fits(const State& state, const Elements& elements) const;
   void set_zones(const FullZones::State& zones) { zones_.set_state(zones); }
+  // Returns the vertices that move by themselves whose masses this changes.
+  std::vector<Index> set_asked_mass(const std::vector<double>& asked);
   void set_fading(const Elements& elements, const typename Fading<Real>::State& state) {
     fading_.set_state(elements, lattice_, embedding_, state);
   }
@@ -185,6 +200,10 @@ class LatticeRegion {
   };
 
   using Flags = std::vector<std::uint8_t>;
+  enum class Membership : std::uint8_t { outside, inside, freed };  // freed: non-linear now
+  Membership membership(Index tet) const {
+    return tet < static_cast<Index>(member_.size()) ? member_[std::size_t(tet)] : Membership::outside;
+  }
 
   NonlinearRegion<Real>& full() { return any_embedded() ? full_ : all_; }
   Flags within(const Elements& elements, const std::vector<Index>& tets, double distance) const;
@@ -204,7 +223,7 @@ class LatticeRegion {
 
   double cell_;
   Evaluator evaluator_;
-  std::vector<std::uint8_t> member_;  // per tetrahedron
+  std::vector<Membership> member_;  // per tetrahedron
   Index tet_count_ = 0;
   std::vector<Index> vertices_;
   bool is_outdated_ = false;  // the lattice

@@ -146,7 +146,7 @@ std::vector<Index> LatticeRegion<Real>::in_the_way(const Elements& elements,
   const auto add = [&](double distance) {
     const Flags is_near = within(elements, tets, distance * lattice_.frame.edge);
     for (Index t = 0; t < static_cast<Index>(member_.size()); ++t)
-      if (member_[std::size_t(t)] && is_near[std::size_t(t)]) found.push_back(t);
+      if (has(t) && is_near[std::size_t(t)]) found.push_back(t);
   };
   if (any()) add(least);
   if (found.empty()) return found;

@@ -26,7 +26,8 @@ void ZoneMass::raise(const Embedding& embedding, double omega, const std::vector
   for (Index v : vertices) {
     double& own = mass[std::size_t(v)];
     const bool gains = !embedding.vertices.empty() && !embedding.embeds(v) && own > 0;
-    const double raised = std::max(own, gains ? least(v, omega) : 0);
+    if (!gains && asked(v) > 0) ask(v, 0);
+    const double raised = gains ? std::max({own, asked(v), least(v, omega)}) : own;
     added_[std::size_t(v)] = raised - own;
     own = raised;
   }

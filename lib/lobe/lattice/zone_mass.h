@@ -4,8 +4,10 @@
 //
 //   m_v ≥ R² λ_max(K_vv)/ω*².
 //
-// These vertices are around tools: they follow what pulls at them and hardly swing. While nothing is embedded
-// all masses are what they are. The mass has no weight.
+// These vertices are around tools: they follow what pulls at them and hardly swing. So are those of tissue
+// that a cut has taken out of the region, where slivers would halve the step. A vertex whose tissue is
+// strained so that steps would be shorter gets mass, too, by ask(). While nothing is embedded all masses are
+// what they are. The mass has no weight.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +21,9 @@ namespace lobe {
 class ZoneMass {
  public:
   static constexpr double ratio = 1.15;  // R
+  // Of strained tissue: a vertex with a frequency, squared, that is so many times ω*² gets mass, and has ω*²
+  // over `spare` then, so that it seldom gets more.
+  static constexpr double strained = 1.02, spare = 1.3;
 
   // After an edit: vertices of these tetrahedra and no others may get mass. `owns(tet)`.
   template <class Owns>
@@ -38,6 +43,14 @@ class ZoneMass {
   double least(Index v, double omega) const {  // [kg]
     return omega > 0 ? ratio * ratio / (omega * omega) * stiffness_[std::size_t(v)] : 0;
   }
+  // At least this mass from the next raise() on, until the vertex is embedded or nothing is [kg].
+  void ask(Index v, double mass) {
+    if (asked_.size() < stiffness_.size()) asked_.resize(stiffness_.size(), 0);
+    asked_[std::size_t(v)] = mass;
+  }
+  double asked(Index v) const { return v < static_cast<Index>(asked_.size()) ? asked_[std::size_t(v)] : 0; }
+  const std::vector<double>& asked() const { return asked_; }  // part of a checkpoint
+  void set_asked(const std::vector<double>& asked) { asked_ = asked; }
   // Raises masses of those of the vertices that are not embedded [kg].
   void raise(const Embedding& embedding, double omega, const std::vector<Index>& vertices,
              std::vector<double>& mass);
@@ -66,7 +79,7 @@ class ZoneMass {
   }
   static double stiffness_of(const Elements& elements, Index v);
 
-  std::vector<double> stiffness_, added_;  // per vertex
+  std::vector<double> stiffness_, added_, asked_;  // per vertex
 };
 
 }  // namespace lobe

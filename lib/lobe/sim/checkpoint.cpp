@@ -126,8 +126,12 @@ void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   if (!region.any()) return;
   region.set_zones(c.nodes.zones);
   region.holds_have_changed();
+  const std::vector<Index> weighed = region.set_asked_mass(c.nodes.asked_mass);
   VertexRoles roles = region.roles(body_.model, c.nodes.is_embedded);
-  if (!region.has_roles(roles)) embed_as(std::move(roles));
+  if (region.has_roles(roles))
+    update(weighed);
+  else
+    embed_as(std::move(roles));
   body_.motion.nodes.u = c.nodes.u;
   body_.motion.nodes.v = c.nodes.v;
   region.set_fading(elements(), c.nodes.fading);

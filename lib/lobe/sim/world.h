@@ -166,6 +166,7 @@ class World {
   void release(const std::vector<Index>& vertices);
   void move_mass();
   bool embed(const std::vector<Index>& also_pressed = {});
+  bool slow_strained();
   void embed_as(VertexRoles wanted);
   void as_transition(const std::function<void()>& change);
   void free_ahead(const std::vector<Index>& tets);

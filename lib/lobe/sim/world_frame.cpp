@@ -183,6 +183,7 @@ void World<Real>::prepare_frame(double duration, Report& report) {
   {
     const Timed timed(report, Phase::time_step);
     report.time_step_limit = limit_.for_frame(body_);
+    if (slow_strained()) report.time_step_limit = limit_.for_frame(body_);
     report.limiting_vertex = limit_.limiting_vertex();
   }
   const double ratio = limit_.volume_ratio();

@@ -251,6 +251,31 @@ void World<Real>::free_ahead(const std::vector<Index>& tets) {
   if (!found.empty()) change_region(found, RegionModel::nonlinear);
 }
 
+// While a lattice moves the rest, vertices of tissue that is strained so that steps would be shorter than at
+// rest get mass. Each keeps its momentum. Returns whether any got some.
+template <class Real>
+bool World<Real>::slow_strained() {
+  LatticeRegion<Real>& region = body_.regions.reduced();
+  if (!region.any_embedded()) return false;
+  limit_.find(body_);
+  const double highest = limit_.highest_at_rest() * limit_.highest_at_rest(),
+               least = ZoneMass::strained * highest;
+  std::vector<Index> slowed;
+  for (Index v : region.vertices()) {
+    if (!region.may_raise(v) || held().holds(v)) continue;
+    const double square = limit_.limiting_square(body_, v, least);
+    if (!(square > least)) continue;
+    const double more = ZoneMass::spare * square / highest, mass = body_.inertia.mass()[std::size_t(v)];
+    const double energy = 0.5 * mass * double(body_.motion.v.col(v).squaredNorm());
+    next_report_.transitions.kinetic += energy / more - energy;
+    region.ask_mass(v, more * mass);
+    body_.motion.v.col(v) /= Real(more);
+    slowed.push_back(v);
+  }
+  if (!slowed.empty()) update(slowed);
+  return !slowed.empty();
+}
+
 template <class Real>
 void World<Real>::perform(const KeepFull& command) {
   body_.regions.reduced().keep_full(elements(), command.vertices, time(), command.duration);

@@ -98,29 +98,6 @@ TEST_CASE("all is full while the body is quick in comparison with how far it has
   CHECK_FALSE(is_full(7, 0, 0, 0));
 }
 
-TEST_CASE("a tool that takes hold of a body that has moved makes all full only if that is quick, and soon") {
-  const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
-  const Index far = vertex_at(elements, 0.08), near = vertex_at(elements, 0);
-  FullZones zones;
-  const auto is_full = [&](double time, double displacement, double speed) {
-    zones.look(elements, 0.01, time, {{near}, {}, {}, displacement, speed, 0});
-    return zones.is_full(far, time);
-  };
-  zones.look(elements, 0.01, 0, {{}, {}, {}, 0.001, 0, 0});
-  CHECK_FALSE(is_full(1, 0, 0));
-  CHECK_FALSE(is_full(1.05, 0.0003, 0.007));
-  CHECK(is_full(1.1, 0.0004, 0.01));
-  CHECK_FALSE(is_full(1.15, 0.0005, 0.007));
-  CHECK_FALSE(is_full(1.3, 0.0005, 0.01));  // it has held it for a while
-  FullZones restored;
-  restored.set_state(zones.state());
-  restored.look(elements, 0.01, 1.24, {{near}, {}, {}, 0.0005, 0.01, 0});
-  CHECK(restored.is_full(far, 1.24));
-  restored.look(elements, 0.01, 2, {{}, {}, {}, 0.0005, 0, 0});  // lets go
-  CHECK(restored.is_full(far, 2.04));
-  CHECK_FALSE(restored.is_full(far, 2.06));
-}
-
 TEST_CASE("what is to be full is so until the next multiple of a tenth of a second, and no longer") {
   const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
   const Index count = elements.topology.vertex_count();

@@ -21,15 +21,10 @@ double highest_rate(double damping) {
 void FullZones::look(const Elements& elements, double cell, double time, const Sight& sight) {
   const auto keep_full = [&](double while_) { state_.all_until = std::max(state_.all_until, time + while_); };
   state_.largest = std::max(state_.largest, sight.displacement);
-  const auto holds_all = [](const std::vector<Index>& own, const std::vector<Index>& other) {
-    return std::includes(own.begin(), own.end(), other.begin(), other.end());
-  };
-  const bool holds_others = sight.held != state_.held, lets_go = !holds_all(sight.held, state_.held),
-             takes = !holds_all(state_.held, sight.held);
-  if (takes) state_.taken = state_.largest > 0 ? time : lowest;
   const bool is_quick = sight.speed > highest_rate(sight.damping) * state_.largest;
-  if (is_quick && (sight.held.empty() || time < state_.taken + start)) keep_full(quick);
-  if (lets_go || (takes && state_.largest == 0)) keep_full(burst);
+  if (is_quick && sight.held.empty()) keep_full(quick);
+  const bool holds_others = sight.held != state_.held;
+  if (holds_others) keep_full(burst);
   state_.held = sight.held;
   if (time < state_.all_until - just_before) state_.asked_until.clear();
   std::vector<Index> touched = sight.held;

@@ -1,5 +1,5 @@
 // Where reduced regions are full for a while: around what takes hold of them, and everywhere just after
-// something has let go or taken hold of it at rest, and while the body moves quickly (theory, section 18).
+// something has taken hold or let go, and while the body moves quickly (theory, section 18).
 #pragma once
 
 #include <cmath>
@@ -14,10 +14,8 @@ namespace lobe {
 class FullZones {
  public:
   static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
-  static constexpr double burst = 0.05;   // all are full after something has let go [s], or has taken hold of
-                                          // a body that nothing has moved yet,
-  static constexpr double quick = 0.03;   // and after the body was quick [s] while nothing holds it, or while
-  static constexpr double start = 0.25;   // what holds it has held it for less than this [s]
+  static constexpr double burst = 0.05;   // all are full after something has taken hold or let go [s]
+  static constexpr double quick = 0.03;   // and after the body was quick [s]
   // How far around what is touched, and around what contact may press, they are full, in cells; its
   // neighbours always are.
   static constexpr double reach = 0.4, reach_of_press = 1.2;
@@ -35,17 +33,15 @@ class FullZones {
     std::vector<double> until;         // per vertex: when it was last to be full [s]; empty: none ever was
     std::vector<double> asked_until;   // the same, by ask()
     double all_until = lowest;         // all vertices [s]
-    double taken = lowest;             // when something last took hold [s]
     double largest = 0;                // √Σ m |u|² so far [√kg m]
     bool is_valid() const {
       for (const std::vector<double>* values : {&until, &asked_until})
         for (double t : *values)
           if (std::isnan(t)) return false;
-      return !std::isnan(all_until) && !std::isnan(taken) && largest >= 0;
+      return !std::isnan(all_until) && largest >= 0;
     }
-    static constexpr auto fields =
-        std::tuple(&State::held, &State::touched, &State::until, &State::asked_until, &State::all_until,
-                   &State::taken, &State::largest);
+    static constexpr auto fields = std::tuple(&State::held, &State::touched, &State::until,
+                                              &State::asked_until, &State::all_until, &State::largest);
   };
 
   struct Sight {                 // of a moment

@@ -136,7 +136,8 @@ void HapticHand<Real>::look_ahead(World<Real>& world, const RigidShape& shape, c
   const double reach = std::max(at_least, frames_ahead * (pose.position - before_).norm());
   const auto found = approach_of(world, shape, pose, reach);
   if (!found) return;
-  touch_ = pose.position - found->gap * found->normal;
+  const double gap = std::max(0.0, found->gap);  // it feels nothing where it is
+  touch_ = pose.position - gap * found->normal;
   model_.normal = found->normal;
   model_.position = *touch_;
 }

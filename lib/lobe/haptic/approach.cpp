@@ -23,15 +23,16 @@ std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape,
   const Mat3X<double> x = to_tool * (now.template cast<double>().colwise() - pose.position);
   std::optional<Approach> nearest;
   for (const Eigen::Vector3i& corners : surface.triangles) {
-    const Mat3<double> y = x(Eigen::all, corners);
-    const Vec3d centre = y.rowwise().mean();
-    const double radius = (y.colwise() - centre).colwise().norm().maxCoeff();
-    const double least = nearest ? nearest->gap : reach;
-    if (centre.norm() - radius > distance.reach() + least) continue;
-    const double longest =
-        std::max({(y.col(1) - y.col(0)).norm(), (y.col(2) - y.col(1)).norm(), (y.col(0) - y.col(2)).norm()});
-    const int n =
-        std::clamp(static_cast<int>(std::ceil(longest / (distance.fineness() / 2))), 2, most_divisions);
+    const Vec3d a = x.col(corners[0]), b = x.col(corners[1]), c = x.col(corners[2]);
+    const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    const double least = distance.reach() + std::max(0.0, nearest ? nearest->gap : reach);
+    // No point of it is farther from a corner than its longest edge, and (p + q)² ≤ 2 p² + 2 q².
+    if (std::min({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()}) > 2 * (least * least + longest))
+      continue;
+    Mat3<double> y;
+    y << a, b, c;
+    const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(longest) / (distance.fineness() / 2))), 2,
+                             most_divisions);
     visit_centroids(n, [&](int, const Vec3d& weights) {
       const Distance found = distance.at(y * weights);
       if (found.value > (nearest ? nearest->gap : reach)) return;

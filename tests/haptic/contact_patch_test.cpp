@@ -33,6 +33,25 @@ std::function<Vec3d(Index)> displacement_of(World<double>& world) {
   return [u = Mat3X<double>(world.displacements())](Index v) -> Vec3d { return u.col(v); };
 }
 
+// A tool on the top of a block at rest, and how stiff it finds it.
+struct TouchedBlock {
+  static constexpr double frame = 1.0 / 120;  // [s]
+  Setup setup = held_block(5);
+  World<double> world{setup};
+  std::vector<Index> contact = top_of(setup, 0.012);
+  ContactStiffness stiffness{{.has_helper = false}};
+  Vec3d position = Vec3d::Zero(), force = Vec3d::Zero();
+
+  // A frame in which the tool goes this way and its force changes so.
+  void move(const Vec3d& way, const Vec3d& change, double expected = 1) {
+    position += way;
+    force += change;
+    stiffness.after_frame(world.body().model, contact, displacement_of(world), position, force, frame,
+                          expected);
+  }
+  void rest(double expected = 1) { move(Vec3d::Zero(), Vec3d::Zero(), expected); }
+};
+
 }  // namespace
 
 TEST_CASE("a patch of everything has the stiffness of the body in balance") {
@@ -91,33 +110,24 @@ TEST_CASE("a patch has no more vertices than are asked for, and the same ones ea
 }
 
 TEST_CASE("motion in one direction says how stiff the others are, and what K does not explain is the rate") {
-  const Setup setup = held_block(5);
-  World<double> world(setup);
-  const std::vector<Index> contact = top_of(setup, 0.012);
-  ContactStiffness stiffness({.has_helper = false});
-  constexpr double frame = 1.0 / 120;
-  Vec3d position = Vec3d::Zero(), force = Vec3d::Zero();
-  const auto move = [&](const Vec3d& way, const Vec3d& change) {
-    position += way;
-    force += change;
-    stiffness.after_frame(world.body().model, contact, displacement_of(world), position, force, frame);
-  };
-  move(Vec3d::Zero(), Vec3d::Zero());
+  TouchedBlock block;
+  ContactStiffness& stiffness = block.stiffness;
+  block.rest();
   const Mat3<double> patch = stiffness.K();
   REQUIRE(patch.norm() > 0);
   const Vec3d way = 5e-4 * Vec3d(1, 2, -2).normalized(), across = 5e-4 * Vec3d(2, -1, 0).normalized();
-  for (int i = 0; i < 10; ++i) move(way, -0.3 * patch * way);
+  for (int i = 0; i < 10; ++i) block.move(way, -0.3 * patch * way);
   CHECK((stiffness.K() - 0.3 * patch).norm() < 1e-4 * patch.norm());
-  CHECK(stiffness.rate().norm() * frame < 1e-4 * (patch * way).norm());
-  move(Vec3d::Zero(), {0.01, 0, 0});
-  CHECK((stiffness.rate() - Vec3d(0.01, 0, 0) / frame).norm() < 1e-9);
+  CHECK(stiffness.rate().norm() * block.frame < 1e-4 * (patch * way).norm());
+  block.move(Vec3d::Zero(), {0.01, 0, 0});
+  CHECK((stiffness.rate() - Vec3d(0.01, 0, 0) / block.frame).norm() < 1e-9);
   CHECK((stiffness.K() - 0.3 * patch).norm() < 1e-4 * patch.norm());  // rest says nothing of K
   // A body that is stiffer across: all frames count, those before less.
   const Vec3d y = patch * across.normalized();
   const Mat3<double> K = 0.3 * patch + 0.3 / y.dot(across.normalized()) * y * y.transpose();
   for (int i = 0; i < 20; ++i) {
-    move(across, -K * across);
-    move(-0.5 * way, 0.5 * K * way);
+    block.move(across, -K * across);
+    block.move(-0.5 * way, 0.5 * K * way);
   }
   CHECK(((stiffness.K() - K) * across).norm() < 0.15 * (K * across).norm());
   CHECK(((stiffness.K() - K) * way).norm() < 0.15 * (K * way).norm());
@@ -126,27 +136,21 @@ TEST_CASE("motion in one direction says how stiff the others are, and what K doe
 }
 
 TEST_CASE("before any motion the stiffness of a contact is the share of the patch that is expected") {
-  const Setup setup = held_block(5);
-  World<double> world(setup);
-  const std::vector<Index> contact = top_of(setup, 0.012);
   const auto after_rest = [&](double expected) {
-    ContactStiffness stiffness({.has_helper = false});
-    for (int i = 0; i < 2; ++i)
-      stiffness.after_frame(world.body().model, contact, displacement_of(world), Vec3d::Zero(), Vec3d::Zero(),
-                            1.0 / 120, expected);
-    return stiffness.K();
+    TouchedBlock block;
+    for (int i = 0; i < 2; ++i) block.rest(expected);
+    return block.stiffness.K();
   };
   REQUIRE(after_rest(1).norm() > 0);
   CHECK((after_rest(0.25) - 0.25 * after_rest(1)).norm() < 1e-9 * after_rest(1).norm());
 }
 
 TEST_CASE("a tool that is about to touch expects its share of the patch, and learns from where it begins") {
-  const Setup setup = held_block(5);
-  World<double> world(setup);
-  const std::vector<Index> contact = top_of(setup, 0.012);
-  ContactStiffness stiffness({.has_helper = false});
+  TouchedBlock block;
+  ContactStiffness& stiffness = block.stiffness;
   const auto before_touch = [&](double expected) {
-    stiffness.before_touch(world.body().model, contact, displacement_of(world), 1.0 / 120, expected);
+    stiffness.before_touch(block.world.body().model, block.contact, displacement_of(block.world), block.frame,
+                           expected);
   };
   before_touch(1);
   const Mat3<double> patch = stiffness.K();
@@ -154,26 +158,20 @@ TEST_CASE("a tool that is about to touch expects its share of the patch, and lea
   before_touch(0.25);
   CHECK((stiffness.K() - 0.25 * patch).norm() < 1e-12 * patch.norm());
   CHECK(stiffness.rate().norm() == 0);
-  const Vec3d begins(0.01, 0.02, 0.03), way(0, 0, -5e-4);
-  stiffness.begin_at(begins);
-  stiffness.after_frame(world.body().model, contact, displacement_of(world), begins + way, -0.4 * patch * way,
-                        1.0 / 120, 0.25);
+  const Vec3d way(0, 0, -5e-4);
+  block.position = {0.01, 0.02, 0.03};
+  stiffness.begin_at(block.position);
+  block.move(way, -0.4 * patch * way, 0.25);
   CHECK((stiffness.K() - 0.4 * patch).norm() < 1e-3 * patch.norm());
 }
 
 TEST_CASE("of a tool that only pushes, the rate is what its stiffness along the normal does not explain") {
-  const Setup setup = held_block(5);
-  World<double> world(setup);
-  const std::vector<Index> contact = top_of(setup, 0.012);
-  ContactStiffness stiffness({.has_helper = false});
-  constexpr double frame = 1.0 / 120;
+  TouchedBlock block;
+  const ContactStiffness& stiffness = block.stiffness;
+  const double frame = block.frame;
   const Vec3d way(3e-4, 1e-4, -5e-4), change(0.01, -0.02, 0.05), normal = Vec3d(0.1, 0.2, 1).normalized();
-  Vec3d position = Vec3d::Zero(), force = Vec3d::Zero();
-  for (int i = 0; i < 2; ++i) {
-    stiffness.after_frame(world.body().model, contact, displacement_of(world), position, force, frame);
-    position += way;
-    force += change;
-  }
+  block.rest();
+  block.move(way, change);
   const Mat3<double>& K = stiffness.K();
   const Vec3d explained = -normal.dot(K * normal) * normal.dot(way) * normal;
   CHECK((stiffness.rate_of_push(normal) - (change - explained) / frame).norm() <

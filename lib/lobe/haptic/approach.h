@@ -13,7 +13,7 @@ struct Approach {
 };
 
 // None: nothing of the body is within `reach` [m]. Looks at the points of the surface at which contact is
-// evaluated. Of jaws and meshes nothing is known. Some 0.1 ms for 1,900 triangles.
+// evaluated. Of jaws and meshes nothing is known.
 template <class Real>
 std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, const ToolPose& pose,
                                     double reach);

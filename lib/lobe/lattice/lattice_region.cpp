@@ -203,6 +203,27 @@ void LatticeRegion<Real>::settle_all(const Elements& elements, double omega, Mot
 }
 
 template <class Real>
+typename LatticeRegion<Real>::Slowed LatticeRegion<Real>::slow_strained(
+    const std::vector<double>& mass, const std::function<double(Index, double)>& square,
+    Motion<Real>& motion) {
+  Slowed slowed;
+  if (!any_embedded()) return slowed;
+  const double highest = omega_ * omega_, least = ZoneMass::strained * highest;
+  for (Index v : vertices_) {
+    if (embeds(v) || !zone_mass_.may_raise(v)) continue;
+    const double own = square(v, least);
+    if (!(own > least)) continue;
+    const double more = ZoneMass::spare * own / highest, before = mass[std::size_t(v)];
+    const double energy = 0.5 * before * double(motion.v.col(v).squaredNorm());
+    slowed.kinetic += energy / more - energy;
+    zone_mass_.ask(v, more * before);
+    motion.v.col(v) /= Real(more);
+    slowed.vertices.push_back(v);
+  }
+  return slowed;
+}
+
+template <class Real>
 typename LatticeRegion<Real>::State LatticeRegion<Real>::state(const Motion<Real>& motion) const {
   return {motion.nodes.u, motion.nodes.v,  embedding_.roles.is_embedded,
           zones_.state(), fading_.state(), zone_mass_.asked()};

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "lobe/body/loads.h"
@@ -82,10 +83,15 @@ class LatticeRegion {
   void raise_masses(const std::vector<Index>& vertices, std::vector<double>& mass) {
     if (any_embedded()) zone_mass_.raise(embedding_, omega_, vertices, mass);
   }
-  // Whether a vertex may have more mass than its tetrahedra, and at least this much from the next
-  // raise_masses() or embed() on [kg].
-  bool may_raise(Index v) const { return any_embedded() && !embeds(v) && zone_mass_.may_raise(v); }
-  void ask_mass(Index v, double mass) { zone_mass_.ask(v, mass); }
+  // While a lattice moves the rest: vertices that are strained so that steps would be shorter than at rest
+  // have more mass from the next raise_masses() on. Each keeps its momentum. square(vertex, least) is the
+  // square of the frequency by which a vertex limits the step, or 0 below `least` or if it is held [1/s²].
+  struct Slowed {
+    std::vector<Index> vertices;
+    double kinetic = 0;  // by what this has changed their energy [J]
+  };
+  Slowed slow_strained(const std::vector<double>& mass, const std::function<double(Index, double)>& square,
+                       Motion<Real>& motion);
   // After World::set_state(): fits displacements and velocities of the nodes to those of the embedded
   // vertices, by least squares. The rest of the displacements fades.
   void settle_all(const Elements& elements, double omega, Motion<Real>& motion);

@@ -251,29 +251,16 @@ void World<Real>::free_ahead(const std::vector<Index>& tets) {
   if (!found.empty()) change_region(found, RegionModel::nonlinear);
 }
 
-// While a lattice moves the rest, vertices of tissue that is strained so that steps would be shorter than at
-// rest get mass. Each keeps its momentum. Returns whether any got some.
+// Returns whether a vertex got mass.
 template <class Real>
 bool World<Real>::slow_strained() {
-  LatticeRegion<Real>& region = body_.regions.reduced();
-  if (!region.any_embedded()) return false;
-  limit_.find(body_);
-  const double highest = limit_.highest_at_rest() * limit_.highest_at_rest(),
-               least = ZoneMass::strained * highest;
-  std::vector<Index> slowed;
-  for (Index v : region.vertices()) {
-    if (!region.may_raise(v) || held().holds(v)) continue;
-    const double square = limit_.limiting_square(body_, v, least);
-    if (!(square > least)) continue;
-    const double more = ZoneMass::spare * square / highest, mass = body_.inertia.mass()[std::size_t(v)];
-    const double energy = 0.5 * mass * double(body_.motion.v.col(v).squaredNorm());
-    next_report_.transitions.kinetic += energy / more - energy;
-    region.ask_mass(v, more * mass);
-    body_.motion.v.col(v) /= Real(more);
-    slowed.push_back(v);
-  }
-  if (!slowed.empty()) update(slowed);
-  return !slowed.empty();
+  const auto square = [&](Index v, double least) {
+    return held().holds(v) ? 0 : limit_.limiting_square(body_, v, least);
+  };
+  const auto slowed = body_.regions.reduced().slow_strained(body_.inertia.mass(), square, body_.motion);
+  next_report_.transitions.kinetic += slowed.kinetic;
+  if (!slowed.vertices.empty()) update(slowed.vertices);
+  return !slowed.vertices.empty();
 }
 
 template <class Real>

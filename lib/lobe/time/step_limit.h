@@ -84,10 +84,11 @@ class StepLimit {
   double bounded_square(Index v) const {  // ω_v² or a bound of it [1/s²]
     return frequencies_.bounded_square(v) / ratios_.square(v);
   }
-  // The same times the square of its ratio [1/s²], by which a vertex limits the step; 0 where its bound is
-  // not above `least`. Call find() before.
+  // The same times the square of its ratio [1/s²], by which a vertex limits the step. 0 where its bound is
+  // not above `least`, and everywhere if the limit was found at an earlier state.
   double limiting_square(const Body& body, Index v, double least) const {
-    return frequencies_.bounded_square(v) > least ? exact_square(body, v) * ratios_.square(v) : 0;
+    const bool may_be = is_known(body) && frequencies_.bounded_square(v) > least;
+    return may_be ? exact_square(body, v) * ratios_.square(v) : 0;
   }
   double exact_square(const Body& body, Index v) const {
     return frequencies_.exact_square(v, body.inertia.inverse_mass(v));

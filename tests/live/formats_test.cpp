@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "folder.h"
-#include "lobe/io/fields.h"
-#include "lobe/io/scanner.h"
+#include "lobe/file/fields.h"
+#include "lobe/file/scanner.h"
 #include "lobe/live/timeline.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"

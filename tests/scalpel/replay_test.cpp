@@ -6,8 +6,8 @@
 
 #include "folder.h"
 #include "lobe/error.h"
-#include "lobe/io/scanner.h"
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/scanner.h"
+#include "lobe/file/sealed_file.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/validate.h"
 #include "near.h"

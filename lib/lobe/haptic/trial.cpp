@@ -60,7 +60,7 @@ HapticTrial try_direct(const Setup& setup, int threads, int frames) {
   trial.p50 = times[times.size() / 2];
   trial.p99 = times[std::min(times.size() - 1, times.size() * 99 / 100)];
   // Waves that are shorter than a lattice's cells stay in what is full, and the force would chatter.
-  const bool is_reduced = world.body().regions.reduced().any();
+  const bool is_reduced = world.body().regions.any_reduced();
   trial.is_direct = !is_reduced && trial.p99 < direct_share * direct_frame;
   return trial;
 }

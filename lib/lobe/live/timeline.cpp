@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 #include "lobe/sim/enum_sizes.h"
 
 namespace lobe {

@@ -215,7 +215,7 @@ void World<Real>::advance_to(double end, Report& report) {
     step = duration / steps;
     const bool done = run_steps(steps, step, attempt == 0, report);
     std::vector<Index> unseen;
-    if (done && !body_.terms.empty()) unseen = body_.regions.reduced().pressed_unseen(body_.motion);
+    if (done && !body_.terms.empty()) unseen = body_.regions.pressed_unseen(body_.motion);
     double limit_after = std::numeric_limits<double>::infinity();
     if (done && !implicit_) {
       const Timed timed(report, Phase::time_step);
@@ -310,12 +310,11 @@ void World<Real>::play_tools(double duration, Report& report) {
   found.clear();
 }
 
-// Computes a condensed interior or embedded vertices before a tool searches them. How far they have moved is
-// not known.
+// Computes where vertices are that follow others, before a tool searches them. How far they have moved is not
+// known.
 template <class Real>
 void World<Real>::see_interior() {
-  const bool is_condensed = body_.regions.any_condensed() && !body_.regions.is_expanded();
-  if ((!is_condensed && !body_.regions.reduced().any_embedded()) || seen_ == body_.model.revisions) return;
+  if (!body_.regions.any_following() || seen_ == body_.model.revisions) return;
   tools_.state_was_replaced();
   state();
   seen_ = body_.model.revisions;

@@ -125,7 +125,7 @@ template <class Real>
 void World<Real>::expand_ahead(const BladeMove& move) {
   const Regions<Real>& regions = body_.regions;
   const bool may_expand = setup_.expandable && !regions.is_expanded() && regions.any_condensed();
-  if (!may_expand && !regions.reduced().any()) return;
+  if (!may_expand && !regions.any_reduced()) return;
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * grains()->mean_edge());

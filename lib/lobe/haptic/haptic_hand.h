@@ -42,6 +42,7 @@ class HapticHand final : public SessionHook<Real> {
   void feel(World<Real>& world, ToolId tool, const ToolPose& pose, double duration);
   void look_ahead(World<Real>& world, const RigidShape& shape, const ToolPose& pose);
   void place_first_touch(const Vec3d& at_end);
+  double depth_to_come(const Vec3d& at_end) const;
 
   Session<Real>& session_;
   HapticLink& link_;

@@ -71,8 +71,8 @@ namespace {
 constexpr double least_push = 1e-3;  // with which a tool is said to touch [N]
 // Of a tool that only touches, the share of the patch that counts before a motion has said how stiff it is.
 // All vertices near its tip are taken to move with it, but at first it touches few: the whole patch, three to
-// six times too stiff, would give a blow. A fast press comes to it within a frame. A slow one does not come as
-// deep, and is less stiff: of a round tip, as Hertz says.
+// six times too stiff, would give a blow. A fast press comes to it within a frame. A slow one does not come
+// as deep, and is less stiff: of a round tip, as Hertz says.
 constexpr double first_share = 0.25;
 
 // Of any kind of tool: what the body does to it in the mean of the last frame.
@@ -80,6 +80,7 @@ struct Felt {
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
   bool only_pushes = false;  // it holds nothing
   double radius = 0;         // of its tip [m]
+  double opening = 0;        // of jaws [m]
   const RigidShape* probe = nullptr;
 };
 template <class Real>
@@ -95,7 +96,9 @@ Felt felt_by(const World<Real>& world, ToolId id) {
     }
     if constexpr (requires { tool.grip; }) felt.only_pushes = tool.grip == 0;
     if constexpr (requires { tool.shape_of_tip; }) felt.probe = &tool.shape_of_tip;
-    felt.radius = tool.shape().radius;
+    const ToolShape shape = tool.shape();
+    felt.radius = shape.radius;
+    felt.opening = shape.opening;
   });
   return felt;
 }
@@ -152,10 +155,11 @@ std::vector<Index> near_tip(World<Real>& world, const Vec3d& tip, double radius)
 // Where a tool that feels nothing will begin to touch, if that is so near that it may be before the next
 // frame is known. From there the model is a plane as stiff as is expected, so that the hand feels it at once.
 template <class Real>
-void HapticHand<Real>::look_ahead(World<Real>& world, const RigidShape& shape, const ToolPose& pose) {
+void HapticHand<Real>::look_ahead(World<Real>& world, const RigidShape& shape, double opening,
+                                  const ToolPose& pose) {
   constexpr double frames_ahead = 3, at_least = 1e-3;  // [m]
   const double reach = std::max(at_least, frames_ahead * (pose.position - before_).norm());
-  const auto found = approach_of(world, shape, pose, reach);
+  const auto found = approach_of(world, shape, opening, pose, reach);
   if (!found) return;
   const double gap = std::max(0.0, found->gap);  // it feels nothing where it is
   touch_ = pose.position - gap * found->normal;
@@ -199,7 +203,7 @@ void HapticHand<Real>::feel(World<Real>& world, ToolId tool, const ToolPose& pos
     if (touch_) depth = depth_to_come(pose.position);
   }
   touch_.reset();
-  if (felt.only_pushes && !is_felt && felt.probe) look_ahead(world, *felt.probe, pose);
+  if (felt.only_pushes && !is_felt && felt.probe) look_ahead(world, *felt.probe, felt.opening, pose);
   if (touch_) depth = depth_to_come(pose.position);
   std::vector<Index> contact;
   if (!felt.only_pushes) contact = held_by(world, tool);

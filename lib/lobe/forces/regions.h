@@ -128,7 +128,7 @@ class Regions {
   }
 
   // Nodes, which move as vertices do.
-  bool any_moving() const { return reduced_.any_moving(); }
+  bool any_moving_nodes() const { return reduced_.any_moving(); }
   const std::vector<MovingVertex<Real>>& moving_nodes() const { return reduced_.moving(); }
   Fastest<Real> push(double kick, double dt, double damping, Motion<Real>& motion, Parallel& parallel) const {
     return reduced_.push(Real(kick), Real(dt), Real(damping), motion, parallel);

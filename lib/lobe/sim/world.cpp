@@ -121,7 +121,7 @@ void World<Real>::move(double dt) {
   motion.velocity_lag = dt / 2;
   limit_.count_step();
   move_driven(dt);
-  const bool any_moving = !body_.inertia.moving().empty() || body_.regions.any_moving();
+  const bool any_moving = !body_.inertia.moving().empty() || body_.regions.any_moving_nodes();
   if (any_moving || motion.speeds.driven > 0) ++body_.model.revisions.displacements;
   const double farthest = (motion.speeds.fastest + motion.speeds.driven) * dt;
   tools_.moved(farthest, std::numeric_limits<Real>::epsilon());

@@ -126,7 +126,7 @@ void Dynamics<Real>::push(double kick, double dt) {
   Fastest<Real> fastest =
       central_difference(motion.forces.padded(), inertia.moving(), Real(kick), Real(dt), Real(damping),
                          motion.u.padded(), motion.v.padded(), motion.reversals, parallel);
-  if (regions.any_moving()) {
+  if (regions.any_moving_nodes()) {
     const Fastest<Real> nodes = regions.push(kick, dt, damping, motion, parallel);
     fastest = {std::max(fastest.all, nodes.all), std::max(fastest.reversing, nodes.reversing)};
   }

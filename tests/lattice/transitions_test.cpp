@@ -73,8 +73,8 @@ class HiddenSpring : public ForceTerm<double> {
   std::optional<Vec3d> anchor_;
 };
 
-// The frame in which the bar's end is let go, with a spring at it that is too stiff for steps of `step`; 0: no
-// spring.
+// The frame in which the bar's end is let go, with a spring at it that is too stiff for steps of `step`; 0:
+// no spring.
 Report let_go(const Setup& setup, double step) {
   World<double> world(setup);
   const double time = setup.grasps.front().path.back().time;

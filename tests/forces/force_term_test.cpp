@@ -126,3 +126,29 @@ TEST_CASE("the state of a term that is added is part of checkpoints") {
                        InputError);
   CHECK(without.time() == 0);
 }
+
+TEST_CASE(
+    "a checkpoint whose state of an added term does not load leaves the world and the term as they were") {
+  const Setup setup = half_linear(RegionModel::tensor_mass);
+  World<double> world(setup);
+  const auto term = std::make_shared<OwnSprings>(some_springs(setup));
+  world.add(term);
+  const Checkpoint<double> start = world.save();
+  for (int i = 0; i < 5; ++i) world.advance(frame_length);
+  world.remove_tets({0, 1});
+  const Mat3X<double> u = world.state().u;
+  const double time = world.time();
+  const long long evaluations = term->evaluations;
+  for (Checkpoint<double> damaged : {start, world.save()}) {
+    REQUIRE(damaged.terms.size() == 1);
+    damaged.terms[0].saved = "no number";
+    CHECK_THROWS_AS(world.restore(damaged), std::invalid_argument);
+    CHECK(world.state().u == u);
+    CHECK(world.time() == time);
+    CHECK_FALSE(world.elements().topology.alive(0));
+    CHECK(term->evaluations == evaluations);
+  }
+  world.restore(start);
+  CHECK(world.time() == 0);
+  CHECK(world.elements().topology.alive(0));
+}

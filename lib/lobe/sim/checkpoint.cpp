@@ -6,6 +6,7 @@
 
 #include "lobe/error.h"
 #include "lobe/file/scanner.h"
+#include "lobe/sim/check_command.h"
 #include "lobe/sim/enum_sizes.h"
 #include "lobe/sim/kinds_of_terms.h"
 
@@ -18,6 +19,29 @@ constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad
                                                         : "state of a world in double precision"};
 
 [[noreturn]] void refuse() { throw InputError("checkpoint", "does not fit the scene that it names"); }
+
+// Tries the saved states of terms that an application has added. They keep their own. Throws InputError, as
+// the terms do.
+template <class Real>
+void try_added_terms(const std::vector<std::shared_ptr<ForceTerm<Real>>>& terms, const Checkpoint<Real>& c,
+                     Index vertices) {
+  for (const auto& entry : c.terms) {
+    if (find_kind_of_term<Real>(entry.name)) continue;
+    const auto term = std::find_if(terms.begin(), terms.end(),
+                                   [&](const auto& each) { return each->name() == entry.name; });
+    if (term == terms.end())
+      throw InputError("checkpoint",
+                       "has a force term \"" + entry.name + "\", which the world has not: add it");
+    const std::string former = (*term)->save();
+    try {
+      (*term)->load(entry.saved, static_cast<Index>(c.state.u.cols()));
+    } catch (...) {
+      (*term)->load(former, vertices);
+      throw;
+    }
+    (*term)->load(former, vertices);
+  }
+}
 
 }  // namespace
 
@@ -52,12 +76,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   if (c.setup != journal_.setup)
     throw InputError("checkpoint", "is of another scene, mesh or version of them");
   check(c.state);
-  for (const auto& entry : c.terms) {
-    const auto is_it = [&](const auto& term) { return term->name() == entry.name; };
-    if (!find_kind_of_term<Real>(entry.name) && std::none_of(body_.terms.begin(), body_.terms.end(), is_it))
-      throw InputError("checkpoint",
-                       "has a force term \"" + entry.name + "\", which the world has not: add it");
-  }
+  try_added_terms(body_.terms, c, elements().topology.vertex_count());
   if (c.history != journal_.edits) {  // removed tetrahedra do not come back
     World fresh(initial_setup(), body_.parallel.threads());
     for (const Command& command : c.history) {
@@ -156,18 +175,10 @@ Setup World<Real>::initial_setup() const {
 // Checks that a command of a history can be applied now. The history of a damaged file may have any commands.
 template <class Real>
 void World<Real>::check_repeats(const Command& command) const {
-  const Index vertices = elements().topology.vertex_count();
-  const Regions<Real>& regions = body_.regions;
-  bool fits = !std::holds_alternative<Advance>(command) && !std::holds_alternative<Relinearise>(command) &&
-              !std::holds_alternative<SetMassDegree>(command) && !std::holds_alternative<KeepFull>(command);
-  if (const auto* hold = std::get_if<Hold>(&command))
-    for (const HeldVertices::Held& item : hold->held.all()) fits = fits && item.vertex < vertices;
-  if (const auto* begin = std::get_if<BeginCondensing>(&command))
-    fits = fits && !regions.is_condensing() && regions.any_condensed() &&
-           (!begin->about || begin->about->size() == std::size_t(3 * vertices));
-  if (std::holds_alternative<EndCondensing>(command))  // the region may be cut away while it is condensed
-    fits = fits && regions.is_condensing();
-  if (!fits) refuse();
+  if (std::holds_alternative<Advance>(command) || std::holds_alternative<Relinearise>(command) ||
+      std::holds_alternative<SetMassDegree>(command) || std::holds_alternative<KeepFull>(command))
+    refuse();
+  check_command(body_, command);
 }
 
 // Repeats a command without its consequences, which are in the history as well.

@@ -63,7 +63,7 @@ std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, const Blades::
 
 // Tries them on a copy.
 void Scalpels::check(const std::vector<Incision>& incisions) const {
-  Grains trial = blades_->grains;
+  Grains trial = (blades_ ? blades_ : prepared_)->grains;
   open_again(incisions, trial);
 }
 

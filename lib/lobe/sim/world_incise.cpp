@@ -181,7 +181,7 @@ MeshEdit World<Real>::repeat_incisions(const Incise& command) {
 // An invalid command changes nothing.
 template <class Real>
 void World<Real>::perform(const Incise& command) {
-  start_blades();
+  prepare_blades();
   scalpels_.check(command.incisions);
   settle(repeat_incisions(command));
 }

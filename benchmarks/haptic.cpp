@@ -26,19 +26,9 @@ namespace lobe::bench {
 namespace {
 
 HapticBody liver(const std::string& name, const TetMesh& mesh) {
-  HapticBody body;
-  body.mesh = name;
-  Setup& setup = body.setup;
-  setup.mesh = mesh;
-  setup.materials = {{4e4, 1e4, 1000}};
-  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
-  setup.damping = 20;
-  for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    if (mesh.points(0, v) < -0.02 && mesh.points(1, v) > 0.015)
-      setup.prescribed.push_back({v, Vec3d::Zero()});
-    if ((mesh.points.col(v) - tip).norm() < 0.02) body.contact.push_back(v);
-  }
+  HapticBody body{.mesh = name, .setup = held_liver(mesh), .contact = {}};
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if ((mesh.points.col(v) - left_tip).norm() < 0.02) body.contact.push_back(v);
   return body;
 }
 
@@ -106,7 +96,8 @@ LoopRow time_loop(const HapticBody& body, double frame, int priority, double sec
   SimulatedHand device({}, [=](double time) { return path.at(std::fmod(time, whole)); });
   HapticLink link;
   HapticHand<float> hand(session, link, {.controller = controller.number()});
-  controller.send({.kind = HandCommand::Kind::take_at_point, .hand = 1, .position = tip, .radius = 0.02});
+  controller.send(
+      {.kind = HandCommand::Kind::take_at_point, .hand = 1, .position = left_tip, .radius = 0.02});
   HapticLoop loop(device, link, {.priority = priority});
   session.start();
   const Load load(true);

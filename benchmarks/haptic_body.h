@@ -5,12 +5,11 @@
 #include <vector>
 
 #include "benchmarks/benchmarks.h"
-#include "lobe/setup/setup.h"
+#include "benchmarks/held_liver.h"
 
 namespace lobe::bench {
 
-inline const Vec3d tip{0.082, -0.045, 0.035};                    // of the left lobe [m]
-inline const Vec3d inwards = Vec3d(-1, 0.5, -0.6).normalized();  // there
+inline const Vec3d inwards = Vec3d(-1, 0.5, -0.6).normalized();  // at the tip of the left lobe
 inline const Vec3d along = inwards.cross(Vec3d::UnitZ()).normalized();
 
 struct HapticBody {

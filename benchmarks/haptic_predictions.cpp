@@ -76,7 +76,7 @@ void compare_holding(Comparison of, const Mat3<double>& of_body) {
 void compare_touching(Comparison of) {
   constexpr double gap = 0.004, depth = 0.009;  // [m]
   const HandPath path = touch_and_slide(inwards, along, gap, depth, of.speed);
-  const Sphere sphere = sphere_before(of.body.setup, tip, inwards, gap);
+  const Sphere sphere = sphere_before(of.body.setup, left_tip, inwards, gap);
   of.frames = feel_touch(of.body.setup, sphere, path, of.frame);
   of.reference = feel_touch(of.body.setup, sphere, path, 1e-3);
   of.add_simple(path);

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "benchmarks/benchmarks.h"
+#include "benchmarks/held_liver.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/random_session.h"
 #include "benchmarks/timing.h"
@@ -32,28 +33,13 @@ struct LiveRow {
   double answer_p50_ms = 0, answer_p95_ms = 0;      // from a command to the picture that knows of it
 };
 
-Setup held_liver(const TetMesh& mesh) {
-  Setup setup;
-  setup.mesh = mesh;
-  setup.materials = {{4e4, 1e4, 1000}};
-  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
-  setup.damping = 20;
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if (mesh.points(0, v) < -0.02 && mesh.points(1, v) > 0.015)
-      setup.prescribed.push_back({v, Vec3d::Zero()});
-  return setup;
-}
-
-const Vec3d lobe_tip{0.082, -0.045, 0.035};  // of the left lobe [m]
-
 // Holds the tip of the left lobe and leads it round and round; a pose every other frame, as from a mouse.
 void drag(Controller& hand, int frame) {
-  if (frame == 0) hand.send({.kind = Kind::take_at_point, .hand = 1, .position = lobe_tip, .radius = 0.02});
+  if (frame == 0) hand.send({.kind = Kind::take_at_point, .hand = 1, .position = left_tip, .radius = 0.02});
   if (frame % 2 != 0) return;
   const double angle = 0.05 * frame;
   const Vec3d offset(0.01 * std::cos(angle) - 0.01, 0.01 * std::sin(angle), 0.01 * (1 - std::cos(angle)));
-  hand.send({.kind = Kind::lead, .hand = 1, .position = lobe_tip + offset});
+  hand.send({.kind = Kind::lead, .hand = 1, .position = left_tip + offset});
 }
 
 double timed_us(const std::function<void()>& work) {

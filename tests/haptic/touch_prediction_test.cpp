@@ -32,20 +32,11 @@ FeltPath felt_at(double speed) {
   return felt_along(touch_and_slide(downwards, sideways, approach, 0.008, speed), setup, sphere);
 }
 
-// That of `lobe bench haptic`, held at its right.
 FeltPath felt_on_liver(double speed) {
-  Setup setup;
-  setup.mesh = read_mesh(std::filesystem::path(LOBE_DATA_DIR) / "meshes" / "liver_2k.vtu").mesh;
-  const TetMesh& mesh = setup.mesh;
-  setup.materials = {{4e4, 1e4, 1000}};
-  setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
-  setup.damping = 20;
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if (mesh.points(0, v) < -0.02 && mesh.points(1, v) > 0.015)
-      setup.prescribed.push_back({v, Vec3d::Zero()});
-  const Sphere sphere = sphere_before(setup, bench::tip, bench::inwards, approach);
-  return felt_along(touch_and_slide(bench::inwards, bench::along, approach, 0.009, speed), setup, sphere);
+  const auto path = std::filesystem::path(LOBE_DATA_DIR) / "meshes" / "liver_2k.vtu";
+  const Setup setup = held_liver(read_mesh(path).mesh);
+  const Sphere sphere = sphere_before(setup, left_tip, inwards, approach);
+  return felt_along(touch_and_slide(inwards, bench::along, approach, 0.009, speed), setup, sphere);
 }
 
 }  // namespace

@@ -156,10 +156,10 @@ TEST_CASE("a recording's file has the cuts, and one of the version before them i
   write_recording(folder.path / "strokes", displaced(two_strokes(setup), {1, 0, 0}));
   check_that_it_replays(read_recording(folder.path / "strokes"), setup);
   const std::string contents(io::unseal("strokes", io::read_file(folder.path / "strokes"),
-                                        {"loberec ", 10, "recording of a world"}));
+                                        {"loberec ", 11, "recording of a world"}));
   CHECK_THROWS_WITH_AS(
-      parse_recording("strokes", io::seal({"loberec ", 9, "recording of a world"}, contents)),
-      "strokes: is the recording of a world in version 9; this program knows version 10", InputError);
+      parse_recording("strokes", io::seal({"loberec ", 10, "recording of a world"}, contents)),
+      "strokes: is the recording of a world in version 10; this program knows version 11", InputError);
 }
 
 TEST_CASE("cuts that do not fit are refused by their name, and the world is as before the frame") {

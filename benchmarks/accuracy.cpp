@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "benchmarks/machine.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 
 namespace lobe::bench {
 namespace {

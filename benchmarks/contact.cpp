@@ -13,7 +13,7 @@
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
 #include "lobe/contact/contact.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/numerics/lanczos.h"
 #include "lobe/sim/world.h"

@@ -12,7 +12,7 @@
 #include "benchmarks/kernel_cases.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/sim/rebuild.h"
 
 namespace lobe::bench {

@@ -9,7 +9,7 @@
 
 #include "lobe/error.h"
 #include "lobe/fem/hooke.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/lattice/embedding.h"
 #include "lobe/numerics/sparse_factor.h"

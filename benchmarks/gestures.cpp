@@ -9,7 +9,7 @@
 #include "benchmarks/accuracy_models.h"
 #include "benchmarks/timing.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/reduced_watch.h"
@@ -140,7 +140,7 @@ class Player {
       mass_watch_.emplace(world_, making.tolerance);
       mass_watch_->look(world_);
     }
-    if (world_.body().regions.reduced().any()) {
+    if (world_.body().regions.any_reduced()) {
       reduced_watch_.emplace(world_, ReducedOptions{making.tolerance, making.correct});
       reduced_watch_->look(world_);
     }

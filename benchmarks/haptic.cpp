@@ -14,11 +14,11 @@
 #include "benchmarks/haptic_rig.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/haptic/devices.h"
 #include "lobe/haptic/haptic_hand.h"
 #include "lobe/haptic/loop.h"
 #include "lobe/haptic/trial.h"
-#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/refine.h"
 

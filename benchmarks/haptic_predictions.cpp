@@ -9,7 +9,7 @@
 #include "benchmarks/haptic_touch.h"
 #include "benchmarks/secant.h"
 #include "benchmarks/static_stiffness.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 
 namespace lobe::bench {
 namespace {

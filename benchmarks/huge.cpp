@@ -11,7 +11,7 @@
 #include "benchmarks/machine.h"
 #include "console.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
 

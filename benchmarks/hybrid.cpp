@@ -16,7 +16,7 @@
 #include "lobe/condense/interface_size.h"
 #include "lobe/condense/narrow_interface.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"

@@ -10,7 +10,7 @@
 #include "benchmarks/machine.h"
 #include "benchmarks/roofline.h"
 #include "benchmarks/timing.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 
 namespace lobe::bench {
 namespace {

@@ -12,7 +12,7 @@
 #include "benchmarks/machine.h"
 #include "benchmarks/random_session.h"
 #include "benchmarks/timing.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/live/session.h"
 #include "lobe/mesh/refine.h"

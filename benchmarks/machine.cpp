@@ -1,5 +1,5 @@
 #include "benchmarks/machine.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 
 #include <unistd.h>
 

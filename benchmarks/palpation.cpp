@@ -9,7 +9,7 @@
 
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/machine.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"

@@ -13,7 +13,7 @@
 #include "benchmarks/accuracy_play.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/resting.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/resolve.h"

@@ -7,7 +7,7 @@
 
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"

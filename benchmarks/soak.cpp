@@ -8,7 +8,7 @@
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/machine.h"
 #include "benchmarks/stress/plan.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"

@@ -7,7 +7,7 @@
 #include "benchmarks/machine.h"
 #include "benchmarks/stress/play.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/text.h"
 
 namespace lobe::bench {

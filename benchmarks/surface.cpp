@@ -9,7 +9,7 @@
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
 #include "lobe/fem/body.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/refine.h"
 #include "lobe/mesh/surface.h"

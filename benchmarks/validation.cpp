@@ -6,7 +6,7 @@
 #include "benchmarks/timing.h"
 #include "benchmarks/validation/cases.h"
 #include "benchmarks/validation/table.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 
 namespace lobe::bench {
 

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
+#include "lobe/file/atomic_file.h"
 #include "lobe/haptic/haptic_hand.h"
-#include "lobe/io/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/live/session_scene.h"
 #include "lobe/run/recording.h"

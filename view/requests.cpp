@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/live/session_scene.h"
 #include "lobe/scene/write_scene.h"

@@ -7,7 +7,8 @@
 //   region/       tensor-mass and non-linear regions that share vertices
 //   condense/     pre-computed linear regions, condensed to what they share with others
 //   lattice/      reduced regions: a lattice moves most of their vertices
-//   body/         all regions of a body, its state, its loads, forces from outside
+//   body/         a body, its state, its loads
+//   forces/       what acts on a body: its regions, forces from outside
 //   cut/          tetrahedra that an instrument touches
 //   scalpel/      blades that divide tetrahedra into grains
 //   tool/         grasps, cauteries, scalpels and probes, on paths or moved by hand
@@ -18,6 +19,7 @@
 //   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
+//   file/         files written whole or not at all, and lobe's own binary format
 //   diagnostics/  strain, stress, volume, differences between results
 //   snapshot/     snapshots of a running simulation, for other threads
 //   skin/         a fine textured surface that the tetrahedra carry

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "console.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 
 namespace lobe::program {
 

@@ -6,7 +6,7 @@
 
 #include "bench.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lobe/diagnostics/fields.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe_petsc/clock.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 
 namespace lobe::fuzz {
 

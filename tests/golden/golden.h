@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 #include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 

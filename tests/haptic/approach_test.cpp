@@ -24,19 +24,19 @@ TEST_CASE("a tool before a flat face knows how far it has to go, and against whi
   World<double> world(flat_block());
   constexpr double radius = 0.008, gap = 0.003;
   const ToolPose before{.position = {0.025, 0.024, height + radius + gap}};
-  const auto ball = approach_of(world, RigidShape::sphere(radius), before, 0.01);
+  const auto ball = approach_of(world, RigidShape::sphere(radius), 0, before, 0.01);
   REQUIRE(ball);
   // Contact is looked for at points. None of the face is farther from one than a third of the radius.
   CHECK(ball->gap >= gap - 1e-12);
   CHECK(ball->gap < gap + radius / 18);
   CHECK(ball->normal.z() > 0.94);
   // A box meets the face all over, and a capsule that lies on its side along a line.
-  const auto box = approach_of(world, RigidShape::box({0.01, 0.02, 2 * radius}), before, 0.01);
+  const auto box = approach_of(world, RigidShape::box({0.01, 0.02, 2 * radius}), 0, before, 0.01);
   REQUIRE(box);
   CHECK(box->gap == near(gap, 1e-9));
   CHECK((box->normal - Vec3d::UnitZ()).norm() < 1e-9);
   const Eigen::Quaterniond lying(Eigen::AngleAxisd(EIGEN_PI / 2, Vec3d::UnitX()));
-  const auto capsule = approach_of(world, RigidShape::capsule(radius, 0.01),
+  const auto capsule = approach_of(world, RigidShape::capsule(radius, 0.01), 0,
                                    {.position = before.position, .orientation = lying.coeffs()}, 0.01);
   REQUIRE(capsule);
   CHECK(capsule->gap >= gap - 1e-12);
@@ -47,7 +47,7 @@ TEST_CASE("a tool that is in the body already has a gap below 0; far from it the
   World<float> world(flat_block());
   constexpr double radius = 0.008;
   const auto at = [&](double above, double reach) {
-    return approach_of(world, RigidShape::sphere(radius), {.position = {0.025, 0.024, height + above}},
+    return approach_of(world, RigidShape::sphere(radius), 0, {.position = {0.025, 0.024, height + above}},
                        reach);
   };
   const auto inside = at(radius - 0.001, 0.01);
@@ -58,8 +58,26 @@ TEST_CASE("a tool that is in the body already has a gap below 0; far from it the
   CHECK(at(radius + 0.009, 0.01));
 }
 
-TEST_CASE("of jaws nothing is known before they touch") {
+TEST_CASE("jaws meet a face with their tips, or what is between them with the nearer jaw") {
   World<double> world(flat_block());
+  const Vec3d size(0.01, 0.004, 0.02);  // they go from their position upwards along z
+  const auto above =
+      approach_of(world, RigidShape::jaws(size), 0.01, {.position = {0.025, 0.024, height + 0.003}}, 0.01);
+  REQUIRE(above);
+  CHECK(above->gap == near(0.003, 1e-9));
+  CHECK((above->normal - Vec3d::UnitZ()).norm() < 1e-9);
+  // Around the block, whose faces are at 0 and 0.05: 2 mm before the one and 5 mm behind the other.
+  const auto around = approach_of(world, RigidShape::jaws(size), 0.057,
+                                  {.position = {0.025, 0.025 + 0.0015, height - 0.02}}, 0.01);
+  REQUIRE(around);
+  CHECK(around->gap == near(0.002, 1e-9));
+  CHECK((around->normal + Vec3d::UnitY()).norm() < 1e-9);
   CHECK_FALSE(
-      approach_of(world, RigidShape::jaws({0.01, 0.01, 0.02}), {.position = {0.025, 0.025, height}}, 1));
+      approach_of(world, RigidShape::jaws(size), 0.08, {.position = {0.025, 0.025, height - 0.02}}, 0.01));
+}
+
+TEST_CASE("of a tool that is a mesh nothing is known before it touches") {
+  World<double> world(flat_block());
+  RigidShape shape{.kind = RigidShape::Kind::mesh};
+  CHECK_FALSE(approach_of(world, shape, 0, {.position = {0.025, 0.025, height}}, 1));
 }

@@ -47,7 +47,7 @@ struct TouchedBlock {
     position += way;
     force += change;
     stiffness.after_frame(world.body().model, contact, displacement_of(world), position, force, frame,
-                          expected);
+                          {.share = expected});
   }
   void rest(double expected = 1) { move(Vec3d::Zero(), Vec3d::Zero(), expected); }
 };
@@ -150,7 +150,7 @@ TEST_CASE("a tool that is about to touch expects its share of the patch, and lea
   ContactStiffness& stiffness = block.stiffness;
   const auto before_touch = [&](double expected) {
     stiffness.before_touch(block.world.body().model, block.contact, displacement_of(block.world), block.frame,
-                           expected);
+                           {.share = expected});
   };
   before_touch(1);
   const Mat3<double> patch = stiffness.K();
@@ -163,6 +163,23 @@ TEST_CASE("a tool that is about to touch expects its share of the patch, and lea
   stiffness.begin_at(block.position);
   block.move(way, -0.4 * patch * way, 0.25);
   CHECK((stiffness.K() - 0.4 * patch).norm() < 1e-3 * patch.norm());
+}
+
+TEST_CASE(
+    "what is expected of a touch is no stiffer along the normal than asked, and no softer than a patch") {
+  TouchedBlock block;
+  const Vec3d normal = Vec3d(0.3, -0.2, 1).normalized();
+  const auto along_normal = [&](double share, double most) {
+    block.stiffness.before_touch(block.world.body().model, block.contact, displacement_of(block.world),
+                                 block.frame, {.share = share, .most = most, .normal = normal});
+    return normal.dot(block.stiffness.K() * normal);
+  };
+  const double patch = along_normal(1, 1e9);
+  REQUIRE(patch > 0);
+  CHECK(along_normal(0.25, 0.2 * patch) == near(0.2 * patch, 1e-9));
+  CHECK(along_normal(0.25, 0.3 * patch) == near(0.25 * patch, 1e-9));
+  const double softest = ContactStiffness::Settings{}.softest;
+  CHECK(along_normal(0.25, 0) == near(softest * patch, 1e-9));
 }
 
 TEST_CASE("of a tool that only pushes, the rate is what its stiffness along the normal does not explain") {

@@ -7,9 +7,17 @@ using namespace lobe;
 using namespace lobe::test;
 
 TEST_CASE("a probe pushes and is pushed back; in the air, before and after, it feels nothing") {
-  for (double frame : {1e-3, 1.0 / 120}) {
+  constexpr double radius = 0.008, gap = 0.004;
+  struct Tool {
+    RigidShape shape;
+    double above;  // the face that it touches with [m]
+  };
+  // Jaws go upwards from their position, shut.
+  const Tool ball{RigidShape::sphere(radius), radius}, jaws{RigidShape::jaws({0.012, 0.006, 0.02}), 0};
+  for (const auto& [tool, frame] :
+       {std::pair(ball, 1e-3), {ball, 1.0 / 120}, {jaws, 1e-3}, {jaws, 1.0 / 120}}) {
+    CAPTURE(tool.above);
     CAPTURE(frame);
-    constexpr double radius = 0.008, gap = 0.004;
     const bench::HandPath path{{{Vec3d::Zero(), 0, 0.3},
                                 {{0, 0, -0.010}, 0.05},
                                 {Vec3d::Zero(), 0, 0.2},
@@ -17,9 +25,8 @@ TEST_CASE("a probe pushes and is pushed back; in the air, before and after, it f
                                 {Vec3d::Zero(), 0, 0.3}}};
     VirtualLoop loop(
         block(), [path](double time) -> Vec3d { return path.at(time); }, frame);
-    const Vec3d tip = top + Vec3d(0, 0, radius + gap);
-    loop.controller.send(
-        bring_tool(1, tip, BringProbe{"", RigidShape::sphere(radius), {.position = tip}, 0.1}));
+    const Vec3d tip = top + Vec3d(0, 0, tool.above + gap);
+    loop.controller.send(bring_tool(1, tip, BringProbe{"", tool.shape, {.position = tip}, 0.1}));
     double highest = 0, lowest = 0;
     Vec3d before = Vec3d::Zero();
     loop.run(0.3, [&](const HapticState& state) { CHECK(state.force.norm() < 0.02); });

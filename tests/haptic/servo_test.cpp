@@ -87,6 +87,24 @@ TEST_CASE("a new model is blended in: the force has no jump, and ends where the 
   CHECK(most == near(before / 4, 0.01));  // evenly over 4 ms
 }
 
+TEST_CASE(
+    "a small difference to a new model is gone sooner: the force changes at the least rate of blending") {
+  const ServoOptions options{.blend_rate = 5, .highest_damping = 0};
+  Servo servo({.slew = 1e9, .stiffness = 1e9, .damping = 1e6}, options);
+  const DeviceState still = at(Vec3d::Zero());
+  LocalModel model = spring(1, {0.7, 0, 0});
+  for (int i = 0; i < 60; ++i, model.time += 1e-6) servo.tick(&still, model, tick);
+  for (double change : {0.012, -0.004}) {
+    const double before = servo.state().force.x();
+    model.time += 1;
+    model.force.x() += change;
+    for (int i = 1; i <= 4; ++i) {
+      const double way = std::min(std::abs(change), i * options.blend_rate * tick);
+      CHECK(servo.tick(&still, model, tick).force.x() == near(before + std::copysign(way, change), 1e-5));
+    }
+  }
+}
+
 TEST_CASE("the force of a model changes at its rate, from the middle of its frame on, for two frames") {
   LocalModel model = spring(1, {0.2, 0, 0});
   model.frame = 0.01;

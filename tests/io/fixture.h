@@ -12,7 +12,7 @@
 
 #include "folder.h"
 #include "lobe/error.h"
-#include "lobe/io/scanner.h"
+#include "lobe/file/scanner.h"
 #include "lobe/mesh/generators.h"
 
 #define CHECK_CONTAINS(text, part)                   \

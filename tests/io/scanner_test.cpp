@@ -1,4 +1,4 @@
-#include "lobe/io/scanner.h"
+#include "lobe/file/scanner.h"
 
 #include <clocale>
 #include <cmath>

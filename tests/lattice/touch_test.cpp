@@ -64,9 +64,9 @@ TEST_CASE("forces that are set on vertices of a lattice change its momentum by e
   REQUIRE(world.body().regions.reduced().any_embedded());
   const Vec3d force(0.1, -0.2, 0.3);
   Index v = 0;
-  while (!world.body().regions.is_embedded(v)) ++v;
+  while (!world.body().regions.reduced().embeds(v)) ++v;
   world.apply(SetForces{{{v, force}}});
-  CHECK_FALSE(world.body().regions.is_embedded(v));
+  CHECK_FALSE(world.body().regions.reduced().embeds(v));
   CHECK(world.forces().rowwise().sum().isApprox(force, 1e-12));
   for (int i = 0; i < 10; ++i) {
     const Report report = world.advance(0.01);

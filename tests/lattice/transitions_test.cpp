@@ -3,9 +3,12 @@
 
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "lattice_worlds.h"
+#include "lobe/forces/force_term.h"
 #include "lobe/sim/checkpoint.h"
+#include "near.h"
 #include "world_support.h"
 
 using namespace lobe;
@@ -48,6 +51,39 @@ Transitions check_reported(World<double>& world, Act&& act) {
   CHECK(std::abs(found.loads - (after.loads - before.loads)) < 1e-12 * scale);
   CHECK(std::abs(found.total() - (after.total() - before.total())) < 1e-12 * scale);
   return found;
+}
+
+// A spring at a vertex from a time on, to where the vertex then is. The step limit is not told of it.
+class HiddenSpring : public ForceTerm<double> {
+ public:
+  HiddenSpring(Index vertex, double stiffness, double begin)
+      : vertex_(vertex), stiffness_(stiffness), begin_(begin) {}
+  std::string name() const override { return "hidden spring"; }
+  void add_forces(const At& at, Mat3X<double>& f) override {
+    if (at.time < begin_ - 1e-9) return;
+    if (!anchor_) anchor_ = at.u.col(vertex_);
+    f.col(vertex_) -= stiffness_ * (at.u.col(vertex_) - *anchor_);
+  }
+  std::vector<Index> acts_on(const Model&) const override { return {vertex_}; }
+
+ private:
+  Index vertex_;
+  double stiffness_;  // [N/m]
+  double begin_;      // [s]
+  std::optional<Vec3d> anchor_;
+};
+
+// The frame in which the bar's end is let go, with a spring at it that is too stiff for steps of `step`; 0:
+// no spring.
+Report let_go(const Setup& setup, double step) {
+  World<double> world(setup);
+  const double time = setup.grasps.front().path.back().time;
+  const Index vertex = vertices_near(setup.mesh, {0.16, 0.02, 0.02}, 0.006).front();
+  const double mass = World<double>(all_nonlinear(setup)).body().inertia.mass()[std::size_t(vertex)];
+  const double stiffness = step > 0 ? mass * std::pow(2 / step, 2) : 0;
+  world.add(std::make_shared<HiddenSpring>(vertex, stiffness, time));
+  for (int i = 0; i < 25; ++i) REQUIRE(world.advance(time / 25).ok);
+  return world.advance(0.01);
 }
 
 }  // namespace
@@ -130,6 +166,24 @@ TEST_CASE("a body that is taken hold of is full at once, and the report of that 
   CHECK(count >= 3);
   CHECK(sum > 0);
   CHECK(sum < 0.2 * largest);
+}
+
+TEST_CASE(
+    "a frame that seems to swing has 1.15 times the steps in its second try if the lattice gives back") {
+  for (RegionModel model : {RegionModel::reduced, RegionModel::nonlinear}) {
+    CAPTURE(model);
+    const Setup setup = pulled_bar(model);
+    const Report plain = let_go(setup, 0);
+    REQUIRE(plain.ok);
+    REQUIRE(plain.reruns == 0);
+    CHECK((plain.transitions.count > 0) == (model == RegionModel::reduced));
+    const Report swung = let_go(setup, plain.time_step);
+    CHECK(swung.ok);
+    CHECK(swung.reruns == 1);
+    const double steps = std::round(0.01 / plain.time_step);
+    const double more = model == RegionModel::reduced ? std::ceil(1.15 * steps) : 2 * steps;
+    CHECK(0.01 / swung.time_step == near(more, 1e-12));
+  }
 }
 
 TEST_CASE("a body without reduced regions has no transitions") {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "folder.h"
-#include "lobe/io/fields.h"
-#include "lobe/io/scanner.h"
+#include "lobe/file/fields.h"
+#include "lobe/file/scanner.h"
 #include "lobe/live/timeline.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
@@ -105,9 +105,9 @@ TEST_CASE("a file of another layout has another format number") {
   const auto file = folder.path / "file";
   World<float> world(setup_of(irregular_box(2)));
   write_checkpoint(file, world.save());
-  check<Checkpoint<float>>(file, {22, 5221885323754936979u});
+  check<Checkpoint<float>>(file, {23, 5221885323754936979u});
   write_recording(file, {});
-  check<Recording>(file, {10, 7279426834481914232u});
+  check<Recording>(file, {11, 7279426834481914232u});
   write_session(file, SavedSession<float>{world.save(), {}});
-  check<SavedSession<float>>(file, {3, 4980488901405455950u});
+  check<SavedSession<float>>(file, {4, 4980488901405455950u});
 }

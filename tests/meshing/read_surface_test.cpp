@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lobe/io/scanner.h"
+#include "lobe/file/scanner.h"
 #include "lobe_mesh/diagnose.h"
 #include "meshing/shapes.h"
 #include "near.h"

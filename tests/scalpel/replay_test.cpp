@@ -2,37 +2,21 @@
 #include <doctest/doctest.h>
 
 #include <random>
-#include <type_traits>
 
 #include "folder.h"
 #include "lobe/error.h"
-#include "lobe/io/scanner.h"
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/scanner.h"
+#include "lobe/file/sealed_file.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/validate.h"
 #include "near.h"
-#include "strokes.h"
+#include "recorded_strokes.h"
 #include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
 
 namespace {
-
-constexpr double frame = 1.0 / 60;  // [s]
-
-// A block of 5 cm that stands on z = 0 and sinks by its weight.
-Setup sinking_block(RegionModel model = RegionModel::nonlinear) {
-  Setup setup = setup_of(irregular_box(5));
-  setup.materials = {{1.2e4, 3e3, 1000}};
-  setup.gravity = {0, 0, -9.81};
-  setup.damping = 15;
-  setup.expandable = model == RegionModel::precomputed;
-  setup.region_of.assign(setup.region_of.size(), model);
-  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
-    if (setup.mesh.points(2, v) < 0.003) setup.prescribed.push_back({v, Vec3d::Zero()});
-  return setup;
-}
 
 // Two blades in hands come down through the block, one after the other, so that their cuts cross.
 Recording two_strokes(const Setup& setup) {
@@ -52,31 +36,6 @@ Recording two_strokes(const Setup& setup) {
   REQUIRE(recorded.advance(frame).ok);
   REQUIRE(world.elements().topology.tet_copy_count() > 50);
   return recorded.recording();
-}
-
-template <class T, class Recorded>
-T* part(Recorded& recorded) {
-  auto* command = std::get_if<Command>(&recorded.command);
-  return command ? std::get_if<std::remove_const_t<T>>(command) : nullptr;
-}
-
-std::vector<Advance*> frames_with_cuts(Recording& recording) {
-  std::vector<Advance*> frames;
-  for (RecordedCommand& recorded : recording.commands)
-    if (auto* advance = part<Advance>(recorded); advance && !advance->cuts.empty()) frames.push_back(advance);
-  return frames;
-}
-
-// Takes all blades elsewhere.
-Recording displaced(Recording recording, const Vec3d& by) {
-  for (RecordedCommand& recorded : recording.commands)
-    if (auto* lead = part<Lead>(recorded)) lead->target.position += by;
-  return recording;
-}
-
-Recording without_cuts(Recording recording) {
-  for (Advance* advance : frames_with_cuts(recording)) advance->cuts.clear();
-  return recording;
 }
 
 void check_that_it_replays(const Recording& recording, const Setup& setup, int threads = 1) {

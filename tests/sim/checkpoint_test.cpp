@@ -8,8 +8,8 @@
 #include "fibre_support.h"
 #include "folder.h"
 #include "lobe/error.h"
-#include "lobe/io/scanner.h"
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/scanner.h"
+#include "lobe/file/sealed_file.h"
 #include "near.h"
 #include "support.h"
 #include "world_support.h"
@@ -210,7 +210,7 @@ TEST_CASE("a checkpoint with a right checksum over wrong contents gives a checkp
   CHECK_THROWS_WITH_AS(
       parse_checkpoint<float>("state",
                               io::seal({"lobestaf", 19, "state of a world in single precision"}, contents)),
-      "state: is the state of a world in single precision in version 19; this program knows version 22",
+      "state: is the state of a world in single precision in version 19; this program knows version 23",
       InputError);
   int refused = 0;
   for (std::size_t at = 0; at < contents.size(); ++at)

@@ -1,4 +1,4 @@
-#include "lobe/time/integrator.h"
+#include "lobe/body/integrator.h"
 
 #include <doctest/doctest.h>
 

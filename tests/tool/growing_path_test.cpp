@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "lobe/io/fields.h"
+#include "lobe/file/fields.h"
 
 using namespace lobe;
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "lobe/body/integrator.h"
 #include "lobe/mesh/vertex_columns.h"
-#include "lobe/time/integrator.h"
 
 namespace lobe {
 

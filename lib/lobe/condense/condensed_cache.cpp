@@ -5,7 +5,7 @@
 #include <span>
 
 #include "lobe/error.h"
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 
 namespace lobe {
 namespace {

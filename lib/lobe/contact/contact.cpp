@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lobe/contact/body_places.h"
-#include "lobe/io/fields.h"
+#include "lobe/file/fields.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {

@@ -18,7 +18,7 @@
 
 #include <algorithm>
 
-#include "lobe/body/force_term.h"
+#include "lobe/forces/force_term.h"
 
 namespace lobe {
 

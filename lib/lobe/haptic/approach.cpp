@@ -11,9 +11,9 @@
 namespace lobe {
 
 template <class Real>
-std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, const ToolPose& pose,
-                                    double reach) {
-  if (shape.kind == RigidShape::Kind::jaws || shape.kind == RigidShape::Kind::mesh) return std::nullopt;
+std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, double opening,
+                                    const ToolPose& pose, double reach) {
+  if (shape.kind == RigidShape::Kind::mesh) return std::nullopt;
   const SignedDistance distance(shape);
   const Mat3<double> to_tool =
       Eigen::Quaterniond(pose.orientation).normalized().toRotationMatrix().transpose();
@@ -25,7 +25,7 @@ std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape,
   for (const Eigen::Vector3i& corners : surface.triangles) {
     const Vec3d a = x.col(corners[0]), b = x.col(corners[1]), c = x.col(corners[2]);
     const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-    const double least = distance.reach() + std::max(0.0, nearest ? nearest->gap : reach);
+    const double least = distance.reach() + opening / 2 + std::max(0.0, nearest ? nearest->gap : reach);
     // No point of it is farther from a corner than its longest edge, and (p + q)² ≤ 2 p² + 2 q².
     if (std::min({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()}) > 2 * (least * least + longest))
       continue;
@@ -34,7 +34,7 @@ std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape,
     const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(longest) / (distance.fineness() / 2))), 2,
                              most_divisions);
     visit_centroids(n, [&](int, const Vec3d& weights) {
-      const Distance found = distance.at(y * weights);
+      const Distance found = distance.at(y * weights, opening);
       if (found.value > (nearest ? nearest->gap : reach)) return;
       nearest = {.normal = -(to_tool.transpose() * found.gradient), .gap = found.value};
     });
@@ -42,7 +42,9 @@ std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape,
   return nearest;
 }
 
-template std::optional<Approach> approach_of(World<float>&, const RigidShape&, const ToolPose&, double);
-template std::optional<Approach> approach_of(World<double>&, const RigidShape&, const ToolPose&, double);
+template std::optional<Approach> approach_of(World<float>&, const RigidShape&, double, const ToolPose&,
+                                             double);
+template std::optional<Approach> approach_of(World<double>&, const RigidShape&, double, const ToolPose&,
+                                             double);
 
 }  // namespace lobe

@@ -13,14 +13,15 @@ struct Approach {
 };
 
 // None: nothing of the body is within `reach` [m]. Looks at the points of the surface at which contact is
-// evaluated. Of jaws and meshes nothing is known.
+// evaluated. `opening`: of jaws, which are taken to stay as far open [m]. Of meshes nothing is known: the
+// distance to one is exact only within two cells of its grid.
 template <class Real>
-std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, const ToolPose& pose,
-                                    double reach);
+std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, double opening,
+                                    const ToolPose& pose, double reach);
 
-extern template std::optional<Approach> approach_of(World<float>&, const RigidShape&, const ToolPose&,
+extern template std::optional<Approach> approach_of(World<float>&, const RigidShape&, double, const ToolPose&,
                                                     double);
-extern template std::optional<Approach> approach_of(World<double>&, const RigidShape&, const ToolPose&,
-                                                    double);
+extern template std::optional<Approach> approach_of(World<double>&, const RigidShape&, double,
+                                                    const ToolPose&, double);
 
 }  // namespace lobe

@@ -84,12 +84,12 @@ void ContactStiffness::learn(const Vec3d& way, const Vec3d& force_change, double
 
 // The least squares of the header, with a little weight on the share of the patch that is expected: without
 // motion that is what is known.
-Mat3<double> ContactStiffness::fitted(double expected) const {
+Mat3<double> ContactStiffness::fitted(double expected_share) const {
   const double noise = settings_.noise * settings_.noise;
   const double least = 1e-2 * noise * of_patch_.squaredNorm() / 3;
   const double known = (of_patch_ * ways_ * of_patch_).trace() + least;
-  if (known == 0) return expected * of_patch_;
-  const double says = (of_patch_ * changes_).trace() + expected * least;
+  if (known == 0) return expected_share * of_patch_;
+  const double says = (of_patch_ * changes_).trace() + expected_share * least;
   const double scale = std::clamp(says / known, settings_.softest, settings_.stiffest);
   const double weight = settings_.prior * ways_.trace() / 3 + noise;
   const Mat3<double> both = ways_ + weight * Mat3<double>::Identity();
@@ -110,11 +110,11 @@ void ContactStiffness::gather_if_due(const Model& model, std::span<const Index> 
 
 void ContactStiffness::before_touch(const Model& model, std::span<const Index> contact,
                                     const std::function<Vec3d(Index)>& displacement, double duration,
-                                    double expected) {
+                                    const ExpectedStiffness& expected) {
   gather_if_due(model, contact, displacement, duration);
   ways_.setZero();
   changes_.setZero();
-  K_ = clamped(expected * of_patch_, highest_);
+  K_ = clamped(std::max(settings_.softest, expected.share_of(of_patch_)) * of_patch_, highest_);
   rate_.setZero();
   way_.setZero();
   has_last_ = false;
@@ -128,7 +128,7 @@ void ContactStiffness::begin_at(const Vec3d& position) {
 
 void ContactStiffness::after_frame(const Model& model, std::span<const Index> contact,
                                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position,
-                                   const Vec3d& force, double duration, double expected) {
+                                   const Vec3d& force, double duration, const ExpectedStiffness& expected) {
   if (contact.empty()) {
     take_result();
     return forget();
@@ -136,7 +136,7 @@ void ContactStiffness::after_frame(const Model& model, std::span<const Index> co
   gather_if_due(model, contact, displacement, duration);
   const Vec3d way = position - last_position_, force_change = force - last_force_;
   if (has_last_) learn(way, force_change, duration);
-  const Mat3<double> fit = fitted(expected);
+  const Mat3<double> fit = fitted(std::max(settings_.softest, expected.share_of(of_patch_)));
   K_ = is_bound_ ? clamped(fit, highest_) : clamped_to(fit, of_patch_, settings_.softest, settings_.stiffest);
   way_ = has_last_ ? way : Vec3d(Vec3d::Zero());
   duration_ = duration;

@@ -11,11 +11,24 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <thread>
 
 #include "lobe/haptic/contact_patch.h"
 
 namespace lobe {
+
+// Of K before any motion has said how stiff the contact is: a share of the patch, but no more than `most`
+// along `normal`, and no less than the softest share.
+struct ExpectedStiffness {
+  double share = 1, most = std::numeric_limits<double>::infinity();  // 1, [N/m]
+  Vec3d normal = Vec3d::UnitZ();
+
+  double share_of(const Mat3<double>& patch) const {
+    const double along = normal.dot(patch * normal);
+    return share * along > most ? most / along : share;
+  }
+};
 
 class ContactStiffness {
  public:
@@ -37,17 +50,18 @@ class ContactStiffness {
 
   void forget();  // another contact
   // Call it after a frame of `duration` in which a tool felt nothing, but is about to touch `contact`: K
-  // becomes `expected` times the patch.
+  // becomes what is expected.
   void before_touch(const Model& model, std::span<const Index> contact,
-                    const std::function<Vec3d(Index)>& displacement, double duration, double expected);
+                    const std::function<Vec3d(Index)>& displacement, double duration,
+                    const ExpectedStiffness& expected);
   // The tool felt nothing yet at `position`: the next frame says how stiff the contact is.
   void begin_at(const Vec3d& position);
   // Call it after a frame of `duration` in which a tool that touches `contact` was at `position` and felt the
   // mean force `force`. It makes a new contact patch if one is due, or if the mesh or the contact has
-  // changed. `expected`: the share of the patch that K is before any motion has said how stiff it is.
+  // changed.
   void after_frame(const Model& model, std::span<const Index> contact,
                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position, const Vec3d& force,
-                   double duration, double expected = 1);
+                   double duration, const ExpectedStiffness& expected = {});
   const Mat3<double>& K() const { return K_; }  // symmetric, eigenvalues from 0 to those of `blocked` [N/m]
   const Vec3d& rate() const { return rate_; }   // r [N/s]
   // r of a tool that only pushes, of whose motion and stiffness only the parts along the normal count [N/s].
@@ -62,7 +76,7 @@ class ContactStiffness {
                      const std::function<Vec3d(Index)>& displacement, double duration);
   void take_result();
   void learn(const Vec3d& way, const Vec3d& force_change, double duration);
-  Mat3<double> fitted(double expected) const;
+  Mat3<double> fitted(double expected_share) const;
   void help();
 
   const Settings settings_;

@@ -1,6 +1,7 @@
 #include "lobe/haptic/haptic_hand.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "lobe/error.h"
@@ -70,7 +71,8 @@ namespace {
 constexpr double least_push = 1e-3;  // with which a tool is said to touch [N]
 // Of a tool that only touches, the share of the patch that counts before a motion has said how stiff it is.
 // All vertices near its tip are taken to move with it, but at first it touches few: the whole patch, three to
-// six times too stiff, would give a blow.
+// six times too stiff, would give a blow. A fast press comes to it within a frame. A slow one does not come
+// as deep, and is less stiff: of a round tip, as Hertz says.
 constexpr double first_share = 0.25;
 
 // Of any kind of tool: what the body does to it in the mean of the last frame.
@@ -78,6 +80,7 @@ struct Felt {
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
   bool only_pushes = false;  // it holds nothing
   double radius = 0;         // of its tip [m]
+  double opening = 0;        // of jaws [m]
   const RigidShape* probe = nullptr;
 };
 template <class Real>
@@ -93,7 +96,9 @@ Felt felt_by(const World<Real>& world, ToolId id) {
     }
     if constexpr (requires { tool.grip; }) felt.only_pushes = tool.grip == 0;
     if constexpr (requires { tool.shape_of_tip; }) felt.probe = &tool.shape_of_tip;
-    felt.radius = tool.shape().radius;
+    const ToolShape shape = tool.shape();
+    felt.radius = shape.radius;
+    felt.opening = shape.opening;
   });
   return felt;
 }
@@ -104,6 +109,25 @@ std::vector<Index> held_by(const World<Real>& world, ToolId tool) {
   for (const HeldVertices::Held& item : world.held().all())
     if (item.holder == tool) vertices.push_back(item.vertex);
   return vertices;
+}
+
+// dF/dδ of Hertz' force 4/3 E* √(R δ³), E* = E/(1 − ν²), of a sphere on a half-space [N/m].
+double hertz_stiffness(const Elastic& elastic, double radius, double depth) {
+  const double lambda = elastic.lambda, mu = elastic.mu;
+  return 8 * mu * (lambda + mu) / (lambda + 2 * mu) * std::sqrt(radius * depth);
+}
+
+template <class Real>
+ExpectedStiffness expected_of(const World<Real>& world, const Felt& felt, const Vec3d& normal,
+                              std::span<const Index> contact, std::optional<double> depth) {
+  ExpectedStiffness expected{.share = felt.only_pushes ? first_share : 1, .normal = normal};
+  using Shape = RigidShape::Kind;
+  if (!depth || !felt.probe || contact.empty()) return expected;
+  if (felt.probe->kind != Shape::sphere && felt.probe->kind != Shape::capsule) return expected;
+  const auto around = world.elements().topology.around(contact.front());
+  if (!around.empty())
+    expected.most = hertz_stiffness(world.elements().elastic_of(around.front()), felt.radius, *depth);
+  return expected;
 }
 
 // Vertices of the surface within a radius of a point; where there are none, the nearest.
@@ -131,10 +155,11 @@ std::vector<Index> near_tip(World<Real>& world, const Vec3d& tip, double radius)
 // Where a tool that feels nothing will begin to touch, if that is so near that it may be before the next
 // frame is known. From there the model is a plane as stiff as is expected, so that the hand feels it at once.
 template <class Real>
-void HapticHand<Real>::look_ahead(World<Real>& world, const RigidShape& shape, const ToolPose& pose) {
+void HapticHand<Real>::look_ahead(World<Real>& world, const RigidShape& shape, double opening,
+                                  const ToolPose& pose) {
   constexpr double frames_ahead = 3, at_least = 1e-3;  // [m]
   const double reach = std::max(at_least, frames_ahead * (pose.position - before_).norm());
-  const auto found = approach_of(world, shape, pose, reach);
+  const auto found = approach_of(world, shape, opening, pose, reach);
   if (!found) return;
   const double gap = std::max(0.0, found->gap);  // it feels nothing where it is
   touch_ = pose.position - gap * found->normal;
@@ -157,6 +182,13 @@ void HapticHand<Real>::place_first_touch(const Vec3d& at_end) {
   if (depth >= least_depth) stiffness_.begin_at(model_.position + depth * model_.normal);
 }
 
+// At the end of the next frame, if the tool goes on [m].
+template <class Real>
+double HapticHand<Real>::depth_to_come(const Vec3d& at_end) const {
+  const double way = std::abs(model_.normal.dot(at_end - before_));
+  return std::max(way, way - model_.normal.dot(at_end - *touch_));
+}
+
 template <class Real>
 void HapticHand<Real>::feel(World<Real>& world, ToolId tool, const ToolPose& pose, double duration) {
   const Felt felt = felt_by(world, tool);
@@ -164,21 +196,24 @@ void HapticHand<Real>::feel(World<Real>& world, ToolId tool, const ToolPose& pos
   model_.force = felt.force;
   model_.torque = felt.torque;
   model_.is_bilateral = !felt.only_pushes;
-  std::vector<Index> contact;
-  if (!felt.only_pushes) contact = held_by(world, tool);
+  std::optional<double> depth;
   if (felt.only_pushes && is_felt) {
     if (touch_) place_first_touch(pose.position);
     model_.normal = felt.force.normalized();
+    if (touch_) depth = depth_to_come(pose.position);
   }
   touch_.reset();
-  if (contact.empty() && is_felt) contact = near_tip(world, pose.position, 1.5 * felt.radius);
-  if (felt.only_pushes && !is_felt && felt.probe) look_ahead(world, *felt.probe, pose);
+  if (felt.only_pushes && !is_felt && felt.probe) look_ahead(world, *felt.probe, felt.opening, pose);
+  if (touch_) depth = depth_to_come(pose.position);
+  std::vector<Index> contact;
+  if (!felt.only_pushes) contact = held_by(world, tool);
+  if (contact.empty() && (is_felt || touch_))
+    contact = near_tip(world, touch_ ? *touch_ : pose.position, 1.5 * felt.radius);
   const auto u = world.displacements();
   const auto displacement = [&](Index v) -> Vec3d { return u.col(v).template cast<double>(); };
-  const double expected = felt.only_pushes ? first_share : 1;
+  const ExpectedStiffness expected = expected_of(world, felt, model_.normal, contact, depth);
   if (touch_)
-    stiffness_.before_touch(world.body().model, near_tip(world, *touch_, 1.5 * felt.radius), displacement,
-                            duration, expected);
+    stiffness_.before_touch(world.body().model, contact, displacement, duration, expected);
   else
     stiffness_.after_frame(world.body().model, contact, displacement, model_.position, model_.force, duration,
                            expected);

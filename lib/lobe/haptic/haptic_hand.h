@@ -40,8 +40,9 @@ class HapticHand final : public SessionHook<Real> {
   void press_buttons(Hands<Real>& hands, const HapticState& state);
   void tell_troubles(Hands<Real>& hands, const HapticState& state);
   void feel(World<Real>& world, ToolId tool, const ToolPose& pose, double duration);
-  void look_ahead(World<Real>& world, const RigidShape& shape, const ToolPose& pose);
+  void look_ahead(World<Real>& world, const RigidShape& shape, double opening, const ToolPose& pose);
   void place_first_touch(const Vec3d& at_end);
+  double depth_to_come(const Vec3d& at_end) const;
 
   Session<Real>& session_;
   HapticLink& link_;

@@ -22,9 +22,9 @@ const ServoOptions& checked(const ServoOptions& options) {
   expect(is_above_0(options.bound_share), "haptic coupling", "must be a share of the bound above 0");
   expect(options.coupling_damping >= 0 && options.coupling_damping <= 0.25, "haptic coupling damping",
          "must be a share from 0 to a quarter of the device's");
-  expect(options.longest_blend >= 0 && options.stale_frames >= 1 && is_above_0(options.fade) &&
-             options.settling_frames >= 0,
-         "haptic blending", "takes no negative times, and models last a frame at least");
+  expect(options.longest_blend >= 0 && is_above_0(options.blend_rate) && options.stale_frames >= 1 &&
+             is_above_0(options.fade) && options.settling_frames >= 0,
+         "haptic blending", "takes no negative times, a rate above 0, and models last a frame at least");
   expect(options.highest_damping >= 0 && options.passivity_deadband >= 0 &&
              options.most_active >= options.passivity_deadband,
          "haptic passivity controller", "must not have negative damping or energy");
@@ -101,6 +101,8 @@ void Servo::take_model(const LocalModel& model, double dt) {
   }
   const Vec3d is = model.is_engaged ? force_at(aged(model, dt), proxy_) : Vec3d::Zero();
   offset_ = was + blended_ - is;
+  const double shortest = options_.workspace.force_gain * offset_.norm() / options_.blend_rate;
+  blend_ = std::min({model.frame, options_.longest_blend, shortest});
   model_ = model;
   since_model_ = dt;
 }
@@ -144,8 +146,7 @@ void Servo::limit_activity(double storable, double dt) {
 }
 
 Vec3d Servo::wanted_force(double dt) {
-  const double blend = std::min(model_.frame, options_.longest_blend);
-  const double left = blend > 0 ? std::max(0.0, 1 - since_model_ / blend) : 0;
+  const double left = blend_ > 0 ? std::max(0.0, 1 - since_model_ / blend_) : 0;
   blended_ = left * offset_;
   const Vec3d device = tool_of(state_.device.position + lead() * state_.device.velocity);
   const Proxy proxy = model_.is_engaged

@@ -27,6 +27,7 @@ struct ServoOptions {
   double bound_share = 0.8;        // of the stiffness of the coupling, in Colgate's bound
   double coupling_damping = 0.25;  // share of the device's; at most a quarter
   double longest_blend = 4e-3;     // [s]
+  double blend_rate = 5;           // at least, on the hand: small differences take less time [N/s]
   double stale_frames = 3;         // a model that is older fades
   double fade = 0.05;              // to nothing [s]
   double settling_frames = 6;  // time constant of the tool's way from the device to where it is in balance
@@ -85,6 +86,7 @@ class Servo {
   Vec3d clutch_ = Vec3d::Zero();    // added to where the device is, so that tools are taken up where they are
   Vec3d offset_ = Vec3d::Zero();    // between the force before the last model came and its own [N]
   Vec3d blended_ = Vec3d::Zero();   // what is left of it [N]
+  double blend_ = 0;                // how long it lasts [s]
   Vec3d proxy_ = Vec3d::Zero();     // where the tool would be in balance [m]
   Vec3d settled_ = Vec3d::Zero();   // of the way from the device to there, what the tool has gone [m]
   Vec3d unloaded_ = Vec3d::Zero();  // where the tool was in balance when it felt nothing last [m]

@@ -7,14 +7,15 @@ namespace lobe {
 
 struct HapticTrial {
   bool is_direct = false;   // frames of 1 ms fit, and no region is reduced: the simulation answers the hand
-  double p50 = 0, p99 = 0;  // time that a frame of 1 ms takes, of the clock [s]
+  double p50 = 0, p99 = 0;  // time that a frame of 1 ms and the look take, of the clock [s]
   int frames = 0;           // that were tried
 };
 
 inline constexpr double direct_frame = 1e-3;  // [s]
 inline constexpr double direct_share = 0.7;   // of it, that p99 of a frame may take
 
-// Pulls at the surface for `frames` frames of 1 ms, in a world of its own. Throws InputError for a setup that
+// Pulls at the surface for `frames` frames of 1 ms, in a world of its own, and looks after each where a probe
+// there would touch, as a hand with a probe does. Throws InputError for a setup that
 // no world can be built from.
 template <class Real>
 HapticTrial try_direct(const Setup& setup, int threads = 1, int frames = 400);

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lobe/io/scanner.h"
+#include "lobe/file/scanner.h"
 
 namespace lobe::io {
 

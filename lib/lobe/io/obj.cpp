@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "lobe/error.h"
-#include "lobe/io/scanner.h"
+#include "lobe/file/scanner.h"
 #include "lobe/io/surface_io.h"
 
 namespace lobe {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lobe/file/scanner.h"
 #include "lobe/io/mesh_io.h"
-#include "lobe/io/scanner.h"
 
 namespace lobe::io {
 

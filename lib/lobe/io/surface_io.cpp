@@ -5,8 +5,8 @@
 #include <bit>
 
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
-#include "lobe/io/scanner.h"
+#include "lobe/file/atomic_file.h"
+#include "lobe/file/scanner.h"
 #include "lobe/io/vtk_xml_write.h"
 #include "lobe/text.h"
 

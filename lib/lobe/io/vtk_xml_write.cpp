@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/text.h"
 
 namespace lobe::io {

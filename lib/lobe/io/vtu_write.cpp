@@ -1,6 +1,6 @@
 // VTU and PVD files out.
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/vtk_xml_write.h"
 #include "lobe/text.h"
 

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
+#include "lobe/file/scanner.h"
 #include "lobe/io/mesh_io.h"
-#include "lobe/io/scanner.h"
 #include "lobe/text.h"
 
 namespace lobe {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 #include "lobe/sim/enum_sizes.h"
 
 namespace lobe {
@@ -10,7 +10,7 @@ namespace {
 
 template <class Real>
 constexpr io::Format format{
-    std::is_same_v<Real, float> ? "lobesesf" : "lobesesd", 3,
+    std::is_same_v<Real, float> ? "lobesesf" : "lobesesd", 4,
     std::is_same_v<Real, float> ? "saved session in single precision" : "saved session in double precision"};
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 
 namespace lobe {
 

@@ -6,7 +6,7 @@
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/diagnostics/grain_frame.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/text.h"
 
 namespace lobe {

@@ -8,8 +8,8 @@
 #include <type_traits>
 
 #include "lobe/error.h"
-#include "lobe/io/scanner.h"
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/scanner.h"
+#include "lobe/file/sealed_file.h"
 #include "lobe/sim/enum_sizes.h"
 
 namespace lobe {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/run/frame_writer.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/report_json.h"

@@ -6,7 +6,7 @@
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/solve/static_solver.h"
 
 namespace lobe {

@@ -26,7 +26,7 @@ template <class Real>
 class LinearityResults {
  public:
   LinearityResults(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
-    if (!scene.auto_regions || scene.corrects_masses() || world.body().regions.reduced().any()) return;
+    if (!scene.auto_regions || scene.corrects_masses() || world.body().regions.any_reduced()) return;
     tolerance_ = scene.auto_regions->tolerance;
     corrects_ = scene.auto_regions->correct;
     std::vector<std::vector<Index>> grasps;
@@ -82,7 +82,7 @@ template <class Real>
 class MassResults {
  public:
   MassResults(World<Real>& world, const Scene& scene) {
-    if (!scene.corrects_masses() || world.body().regions.reduced().any()) return;
+    if (!scene.corrects_masses() || world.body().regions.any_reduced()) return;
     tolerance_ = scene.auto_regions->tolerance;
     watch_.emplace(world, tolerance_);
   }
@@ -129,7 +129,7 @@ class ReducedResults {
   ReducedResults(const World<Real>& world, const Scene& scene)
       : tolerance_(scene.reduced_tolerance().value_or(ReducedOptions{}.tolerance)),
         corrects_(scene.reduced_tolerance().has_value()) {
-    if (world.body().regions.reduced().any()) watch_.emplace(world, ReducedOptions{tolerance_, corrects_});
+    if (world.body().regions.any_reduced()) watch_.emplace(world, ReducedOptions{tolerance_, corrects_});
   }
 
   void look(World<Real>& world, CommandRecorder<Real>* recorded) {

@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "lobe/error.h"
 #include "lobe/scalpel/opened_faces.h"
 #include "lobe/sort_unique.h"
 
@@ -141,50 +140,6 @@ Incised Blades::advance(Stroke& stroke, const BladeMove& step, const BodyNow& bo
   return incised;
 }
 
-Incised Blades::repeat(const BladeMove& move, const BladeCut& made, std::size_t number, const BodyNow& body) {
-  const BladeCut::Step& step = made.steps[number];
-  Stroke* stroke = stroke_of(move);
-  if (!stroke) throw InputError("frame", "has cuts of a blade that waits");
-  if (stroke->rows.empty()) {
-    Row row = first_row(move, *stroke);
-    put_at(made.begun, row);
-    stroke->rows = {std::move(row)};
-  }
-  follow_divided(*stroke);
-  Incised caught_up = repeat(step.caught_up, step.taken_before, *stroke, move, body);
-  Row now = places_at(move.to, *stroke, stroke->rows.back().size());
-  if (step.row) put_at(step.row->stations, now);
-  Incised incised = repeat(step.incision, step.taken, *stroke, move, body);
-  stroke->points_seen = grains.point_count();
-  if (step.row) keep(std::move(now), step.row->is_new, *stroke);
-  incised.follow(std::move(caught_up));
-  incised.way = step.way;
-  incised.crumbs = step.crumbs;
-  incised.refused = step.refused;
-  return incised;
-}
-
-Incised Blades::repeat(const Incision& incision, const std::vector<Index>& taken, const Stroke& stroke,
-                       const BladeMove& move, const BodyNow& body) {
-  Incised incised;
-  if (incision.stroke < 0 && incision.empty() && taken.empty()) return incised;  // the step made none
-  if (incision.stroke != stroke.begun) throw InputError("incision", "is of another stroke");
-  if (!std::all_of(taken.begin(), taken.end(), [&](Index p) { return p >= 0 && p < grains.point_count(); }))
-    throw InputError("incision", "takes a point that there is not");
-  for (Index p : taken) grains.put_on(p, stroke.bit);
-  std::vector<Index> new_on = taken;
-  for (std::size_t i = 0; i < incision.bisections.size(); ++i)
-    new_on.push_back(grains.point_count() + static_cast<Index>(i));
-  divide_again(incision, grains, 1u << stroke.bit);
-  incised.incision.stroke = incision.stroke;
-  const PlacedTets tets(grains, {}, body.placement);
-  if (move.along_faces)
-    open_faces(grains, tets, incision.opened, incised);
-  else
-    open_again(grains, tets, stroke.bit, new_on, incision.opened, incised);
-  return incised;
-}
-
 // Of a tetrahedron that a blade has cut half, the sheet says where it was cut only at the edges that it has
 // crossed. If another stroke has divided the rest since, new edges cross the sheet behind the blade: they are
 // cut now, and what has come between faces that wait is opened.
@@ -262,20 +217,6 @@ Blades::Row Blades::first_row(const BladeMove& step, Stroke& stroke) const {
   const double length = (step.from.heel - step.from.tip).norm();
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
   return places_at(step.from, stroke, count);
-}
-
-// Puts points of an edge where they were found in the body.
-void Blades::put_at(const std::vector<BladeCut::Station>& stations, Row& row) const {
-  const auto is_there = [&](const BladeCut::Station& s) {
-    return s.at >= 0 && std::size_t(s.at) < row.size() && s.grain >= 0 && s.grain < grains.count();
-  };
-  if (!std::all_of(stations.begin(), stations.end(), is_there) ||
-      !std::all_of(row.begin(), row.end(), [](const BladePoint& point) { return point.place.allFinite(); }))
-    throw InputError("frame", "has a blade's edge in grains that there are not");
-  for (const BladeCut::Station& s : stations) {
-    row[std::size_t(s.at)].grain = s.grain;
-    row[std::size_t(s.at)].rest = s.rest;
-  }
 }
 
 // The mean of those stations that are in the body, or were; of all where it has leapt through it.

@@ -51,9 +51,8 @@ struct Incised {
 // the last sheet is near.
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
-// Divides grains as a step has done, after which faces can be opened as it has. Throws InputError for an
-// incision that does not fit the grains.
-// `strokes`: as bits, on whose sheets the new points lie.
+// Divides grains as a step has done, after which faces can be opened as it has. The new points lie on the
+// sheets of `strokes`, as bits. Throws InputError for an incision that does not fit the grains.
 void divide_again(const Incision& incision, Grains& grains, std::uint32_t strokes = 0);
 
 inline constexpr Index most_grains = 256;  // of a tetrahedron of the start

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lobe/error.h"
-#include "lobe/io/scanner.h"
+#include "lobe/file/scanner.h"
 #include "lobe/sim/enum_sizes.h"
 #include "lobe/sim/kinds_of_terms.h"
 
@@ -37,7 +37,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.unravelling = unravelling_.state();
   c.ratios = limit_.ratios();
   c.limit = limit_.frame_limit();
-  c.nodes = body_.regions.reduced().state(body_.motion);
+  c.nodes = body_.regions.state(body_.motion);
   c.mass_degree = body_.inertia.degree();
   if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
   c.pending = next_report_.conditions;
@@ -122,19 +122,15 @@ void World<Real>::take(const Checkpoint<Real>& c) {
 
 template <class Real>
 void World<Real>::take_nodes(const Checkpoint<Real>& c) {
-  LatticeRegion<Real>& region = body_.regions.reduced();
-  if (!region.any()) return;
-  region.set_zones(c.nodes.zones);
-  region.holds_have_changed();
-  const std::vector<Index> weighed = region.set_asked_mass(c.nodes.asked_mass);
-  VertexRoles roles = region.roles(body_.model, c.nodes.is_embedded);
-  if (region.has_roles(roles))
+  Regions<Real>& regions = body_.regions;
+  if (!regions.any_reduced()) return;
+  std::vector<Index> weighed;
+  VertexRoles roles = regions.begin_restoring(body_.model, c.nodes, weighed);
+  if (regions.has_roles(roles))
     update(weighed);
   else
     embed_as(std::move(roles));
-  body_.motion.nodes.u = c.nodes.u;
-  body_.motion.nodes.v = c.nodes.v;
-  region.set_fading(elements(), c.nodes.fading);
+  regions.end_restoring(elements(), c.nodes, body_.motion);
   body_.motion.u.view() = c.state.u;
   body_.motion.v.view() = c.state.v;
   body_.state_was_replaced();
@@ -212,7 +208,7 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
               c.sleep.still_since.size() == c.sleep.asleep.size() &&
               c.ratios.of_vertex.size() == std::size_t(vertices) &&
               (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
-  fits = fits && is_known(0) && body_.regions.reduced().fits(c.nodes, elements());
+  fits = fits && is_known(0) && body_.regions.fits(c.nodes, elements());
   for (Index piece : piece_of) fits = fits && is_known(piece);
   for (const auto& term : c.terms)
     if (const auto* kind = find_kind_of_term<Real>(term.name)) kind->make(setup_)->load(term.saved, vertices);

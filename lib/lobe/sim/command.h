@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "lobe/body/applied_forces.h"
+#include "lobe/forces/applied_forces.h"
 #include "lobe/tool/tools.h"
 
 namespace lobe {

@@ -1,7 +1,7 @@
 // How many values the enumerations have that checkpoints and recordings keep.
 #pragma once
 
-#include "lobe/io/fields.h"
+#include "lobe/file/fields.h"
 #include "lobe/sim/report.h"
 #include "lobe/tool/tools.h"
 

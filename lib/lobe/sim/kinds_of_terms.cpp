@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "lobe/body/applied_forces.h"
 #include "lobe/contact/contact.h"
+#include "lobe/forces/applied_forces.h"
 
 namespace lobe {
 

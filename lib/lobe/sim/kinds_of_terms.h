@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "lobe/body/force_term.h"
+#include "lobe/forces/force_term.h"
 #include "lobe/setup/setup.h"
 
 namespace lobe {

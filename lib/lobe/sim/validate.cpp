@@ -142,10 +142,10 @@ void validate_masses(const Dynamics<Real>& body) {
     for (const Index v : body.regions.shared()) carries[std::size_t(v)] = 1;
   for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
     const double vertex_mass = mass[std::size_t(v)];
-    const bool follows = (is_condensed && body.regions.is_interior(v)) || body.regions.is_embedded(v);
-    const double lumped = follows ? 0
-                                  : std::max({lumped_mass(elements, v), body.inertia.floor().at(elements, v),
-                                              body.regions.reduced().least_mass(v)});
+    const double lumped = body.regions.follows(v)
+                              ? 0
+                              : std::max({lumped_mass(elements, v), body.inertia.floor().at(elements, v),
+                                          body.regions.least_mass(v)});
     check(
         carries[std::size_t(v)] ? std::isfinite(vertex_mass) && vertex_mass >= lumped : vertex_mass == lumped,
         "inertia: a vertex's mass");

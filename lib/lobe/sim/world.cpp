@@ -121,7 +121,7 @@ void World<Real>::move(double dt) {
   motion.velocity_lag = dt / 2;
   limit_.count_step();
   move_driven(dt);
-  const bool any_moving = !body_.inertia.moving().empty() || body_.regions.reduced().any_moving();
+  const bool any_moving = !body_.inertia.moving().empty() || body_.regions.any_moving_nodes();
   if (any_moving || motion.speeds.driven > 0) ++body_.model.revisions.displacements;
   const double farthest = (motion.speeds.fastest + motion.speeds.driven) * dt;
   tools_.moved(farthest, std::numeric_limits<Real>::epsilon());
@@ -237,7 +237,7 @@ void World<Real>::set_state(const State<Real>& state) {
   motion.v.view() = state.v;
   motion.time = state.time;
   motion.velocity_lag = implicit_ ? 0 : state.velocity_lag;
-  body_.regions.reduced().settle_all(elements(), limit_.highest_at_rest(), motion);
+  body_.regions.settle(elements(), limit_.highest_at_rest(), motion);
   body_.state_was_replaced();
   body_.sleep.wake_all(state.time);
   limit_.restart(body_);

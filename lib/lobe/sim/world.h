@@ -57,7 +57,7 @@ class World {
   // search for loose pieces, which is O(#tets) where a local search does not decide. Throws InputError for
   // what cannot be done, and then has changed nothing.
   void apply(const Command& command);
-  // Adds a force on the body (body/force_term.h). Explicit integrator only. Its name()
+  // Adds a force on the body (forces/force_term.h). Explicit integrator only. Its name()
   // must differ from those of all other terms.
   void add(std::shared_ptr<ForceTerm<Real>> term);
   // Removes tetrahedra that are still there; returns how many went. Setup::loose_pieces says what becomes of
@@ -168,7 +168,7 @@ class World {
   void move_mass();
   bool embed(const std::vector<Index>& also_pressed = {});
   bool slow_strained();
-  void embed_as(VertexRoles wanted);
+  void embed_as(VertexRoles roles);
   void as_transition(const std::function<void()>& change);
   void free_ahead(const std::vector<Index>& tets);
   void set_expanded(bool is_expanded);

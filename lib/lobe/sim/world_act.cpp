@@ -24,7 +24,7 @@ void World<Real>::perform(const Hold& command) {
     if (body_.regions.any_condensed()) journal_.edits.push_back(command);
     follow(std::move(edit));
   };
-  if (body_.regions.reduced().any())
+  if (body_.regions.any_reduced())
     as_transition(change);
   else
     change();

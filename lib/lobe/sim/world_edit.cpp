@@ -160,7 +160,7 @@ void World<Real>::freeze(const std::vector<Index>& piece) {
     body_.model.held.hold({v, HeldVertices::boundary, u, u});
   }
   release(vertices);
-  body_.regions.reduced().holds_have_changed();
+  body_.regions.holds_have_changed();
   embed();
 }
 
@@ -229,7 +229,7 @@ void World<Real>::update(const std::vector<Index>& vertices) {
   body_.sleep.extend(topology.vertex_count(), time());
   limit_.extend(topology.vertex_count());
   weigh(vertices);
-  body_.regions.reduced().raise_masses(vertices, body_.inertia.masses());
+  body_.regions.raise_masses(vertices, body_.inertia.masses());
   for (Index v : vertices)
     if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
   release(vertices);

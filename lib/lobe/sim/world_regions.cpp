@@ -1,6 +1,7 @@
 // Regions of a World: tetrahedra that change their model; pre-computed regions that are condensed from
 // scratch, relinearised, and non-linear for a while (theory, section 14).
 #include <algorithm>
+#include <optional>
 
 #include "lobe/condense/supports.h"
 #include "lobe/error.h"
@@ -37,7 +38,7 @@ void World<Real>::refuse_precomputed(const std::vector<Index>& tets) const {
 template <class Real>
 void World<Real>::refuse_reduced(const std::vector<Index>& tets) const {
   refuse_excluded(Option::reduced, options_of(setup_), "region");
-  if (body_.regions.reduced().lattice().frame.edge > 0) return;
+  if (body_.regions.has_lattice()) return;
   Elements changed = elements();
   for (Index t : tets) changed.region_of[t] = RegionModel::reduced;
   choose_lattice(changed, setup_.lattice_cell);
@@ -181,8 +182,8 @@ void World<Real>::set_expanded(bool is_expanded) {
 // Before the frequency of the full body is known, no vertex is embedded. True if something has changed.
 template <class Real>
 bool World<Real>::embed(const std::vector<Index>& also_pressed) {
-  LatticeRegion<Real>& region = body_.regions.reduced();
-  if (!region.any() && !region.any_embedded()) return false;
+  Regions<Real>& regions = body_.regions;
+  if (!regions.any_reduced() && !regions.any_embedded()) return false;
   FullZones::Sight sight;
   sight.damping = body_.damping;
   sight.pressed = also_pressed;
@@ -194,13 +195,13 @@ bool World<Real>::embed(const std::vector<Index>& also_pressed) {
   for (const HeldVertices::Held& item : held().all())
     if (item.holder != HeldVertices::boundary) sight.held.push_back(item.vertex);
   for (std::vector<Index>* list : {&sight.held, &sight.loaded, &sight.pressed}) sort_unique(*list);
-  region.look(elements(), body_.motion, body_.inertia.mass(), std::move(sight));
-  VertexRoles wanted = region.roles(body_.model, time(), limit_.highest_at_rest() > 0);
-  if (region.has_roles(wanted)) return false;
-  if (region.is_up_to_date())
-    as_transition([&] { embed_as(std::move(wanted)); });
+  std::optional<VertexRoles> roles = regions.new_roles(body_.model, body_.motion, body_.inertia.mass(),
+                                                       std::move(sight), limit_.highest_at_rest() > 0);
+  if (!roles) return false;
+  if (regions.are_up_to_date())
+    as_transition([&] { embed_as(std::move(*roles)); });
   else  // energies would be those of what an edit has taken, too
-    embed_as(std::move(wanted));
+    embed_as(std::move(*roles));
   return true;
 }
 
@@ -229,14 +230,13 @@ void World<Real>::as_transition(const std::function<void()>& change) {
 }
 
 template <class Real>
-void World<Real>::embed_as(VertexRoles wanted) {
-  LatticeRegion<Real>& region = body_.regions.reduced();
+void World<Real>::embed_as(VertexRoles roles) {
   state();
   limit_.forget_nodes();
-  const std::vector<Index> vertices = region.vertices();
+  const std::vector<Index> vertices = body_.regions.reduced_vertices();
   weigh(vertices);
-  region.embed(body_.model, std::move(wanted), limit_.highest_at_rest(), body_.inertia.masses(), body_.loads,
-               body_.motion);
+  body_.regions.embed(body_.model, std::move(roles), limit_.highest_at_rest(), body_.inertia.masses(),
+                      body_.loads, body_.motion);
   release(vertices);
   ++next_report_.transitions.count;
   body_.state_has_moved();
@@ -247,7 +247,7 @@ void World<Real>::embed_as(VertexRoles wanted) {
 // Reduced tetrahedra that will be cut, and those near them, become non-linear.
 template <class Real>
 void World<Real>::free_ahead(const std::vector<Index>& tets) {
-  const std::vector<Index> found = body_.regions.reduced().in_the_way(elements(), tets);
+  const std::vector<Index> found = body_.regions.in_the_way(elements(), tets);
   if (!found.empty()) change_region(found, RegionModel::nonlinear);
 }
 
@@ -257,7 +257,7 @@ bool World<Real>::slow_strained() {
   const auto square = [&](Index v, double least) {
     return held().holds(v) ? 0 : limit_.limiting_square(body_, v, least);
   };
-  const auto slowed = body_.regions.reduced().slow_strained(body_.inertia.mass(), square, body_.motion);
+  const auto slowed = body_.regions.slow_strained(body_.inertia.mass(), square, body_.motion);
   next_report_.transitions.kinetic += slowed.kinetic;
   if (!slowed.vertices.empty()) update(slowed.vertices);
   return !slowed.vertices.empty();
@@ -265,7 +265,7 @@ bool World<Real>::slow_strained() {
 
 template <class Real>
 void World<Real>::perform(const KeepFull& command) {
-  body_.regions.reduced().keep_full(elements(), command.vertices, time(), command.duration);
+  body_.regions.keep_full(elements(), command.vertices, time(), command.duration);
 }
 
 // ---- Inertia

@@ -48,7 +48,7 @@ void Dynamics<Real>::recover(typename Regions<Real>::Interior wanted) {
 
 template <class Real>
 void Dynamics<Real>::recover_embedded() {
-  if (regions.reduced().any_embedded()) recover(Regions<Real>::Interior::all);
+  if (regions.any_embedded()) recover(Regions<Real>::Interior::all);
 }
 
 template <class Real>
@@ -76,7 +76,7 @@ Energies Dynamics<Real>::energies_without_terms() {
   if (inertia.is_selective()) prepare_inertia();
   const ElasticEnergy elastic = regions.energy(model.elements, motion);
   Energies e;
-  e.kinetic = inertia.kinetic_energy(motion, parallel) + regions.reduced().kinetic_energy(motion.nodes);
+  e.kinetic = inertia.kinetic_energy(motion, parallel) + regions.kinetic_energy(motion);
   e.elastic_linear = elastic.linear;
   e.elastic_nonlinear = elastic.nonlinear;
   e.loads = elastic.condensed_loads - loads.work(motion.u.padded());
@@ -126,8 +126,8 @@ void Dynamics<Real>::push(double kick, double dt) {
   Fastest<Real> fastest =
       central_difference(motion.forces.padded(), inertia.moving(), Real(kick), Real(dt), Real(damping),
                          motion.u.padded(), motion.v.padded(), motion.reversals, parallel);
-  if (regions.reduced().any_moving()) {
-    const Fastest<Real> nodes = regions.reduced().push(Real(kick), Real(dt), Real(damping), motion, parallel);
+  if (regions.any_moving_nodes()) {
+    const Fastest<Real> nodes = regions.push(kick, dt, damping, motion, parallel);
     fastest = {std::max(fastest.all, nodes.all), std::max(fastest.reversing, nodes.reversing)};
   }
   motion.speeds.fastest = std::sqrt(double(fastest.all));

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "lobe/body/force_term.h"
+#include "lobe/forces/force_term.h"
 #include "lobe/time/inertia.h"
 #include "lobe/time/sleep.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "lobe/body/loads.h"
-#include "lobe/body/regions.h"
+#include "lobe/forces/regions.h"
 #include "lobe/sort_unique.h"
 #include "lobe/time/mass_floor.h"
 #include "lobe/time/mass_scaling.h"

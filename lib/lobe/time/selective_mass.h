@@ -10,10 +10,10 @@
 #include <functional>
 #include <vector>
 
+#include "lobe/body/integrator.h"
 #include "lobe/fem/elements.h"
 #include "lobe/parallel.h"
 #include "lobe/setup/boundary_conditions.h"
-#include "lobe/time/integrator.h"
 
 namespace lobe {
 

@@ -45,7 +45,7 @@ void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
     const auto found = body.regions.add_diagonal_stiffness(body.motion.u.padded(), K, body.parallel);
     volume_ratio_ = found.smallest_volume_ratio;
     volume_ratio_tet_ = found.smallest_tet;
-    auto nodes = body.regions.reduced().highest_frequency(body.motion, K, ratios_.most);
+    auto nodes = body.regions.highest_frequency(body.motion, K, ratios_.most);
     node_omega_ = nodes.omega;
     node_squares_ = std::move(nodes.squares);
     if (nodes.smallest.volume_ratio < volume_ratio_) {
@@ -164,7 +164,7 @@ HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettin
 template <class Real>
 HighestFrequency StepLimit<Real>::search_with_nodes(Body& body, const LanczosSettings& settings) {
   Motion<Real>& motion = body.motion;
-  const std::vector<MovingVertex<Real>>& nodes = body.regions.reduced().moving();
+  const std::vector<MovingVertex<Real>>& nodes = body.regions.moving_nodes();
   std::vector<Index> vertices;
   std::vector<double> inverse_mass, squares;
   for (Index v = 0; v < motion.u.count(); ++v) {
@@ -280,8 +280,7 @@ void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit,
                              const std::vector<double>& shares_before) {
   const Elements& elements = body.model.elements;
   const bool is_local =
-      !body.regions.any_condensed() && !body.regions.reduced().any() &&
-      !any_nodal_pressure(elements.materials) && body.terms.empty() &&
+      body.regions.are_all_of_tets() && !any_nodal_pressure(elements.materials) && body.terms.empty() &&
       std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
   known_ = is_known(body) && is_local ? Known::followed : Known::nothing;
   if (known_ == Known::nothing) return;

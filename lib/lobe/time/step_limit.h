@@ -166,9 +166,7 @@ class StepLimit {
 template <class Real>
 template <class Change>
 void StepLimit<Real>::follow_region(const Body& body, Index tet, Change&& change) {
-  if (body.regions.any_condensed() || body.regions.reduced().any() ||
-      any_nodal_pressure(body.model.elements.materials))
-    forget();
+  if (!body.regions.are_all_of_tets() || any_nodal_pressure(body.model.elements.materials)) forget();
   if (!is_known(body)) {
     forget();
     return change();

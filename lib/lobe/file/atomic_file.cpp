@@ -1,4 +1,4 @@
-#include "lobe/io/atomic_file.h"
+#include "lobe/file/atomic_file.h"
 
 #include <unistd.h>
 

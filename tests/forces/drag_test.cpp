@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "lattice/lattice_worlds.h"
-#include "lobe/body/force_term.h"
+#include "lobe/forces/force_term.h"
 #include "near.h"
 #include "support.h"
 #include "world_support.h"

@@ -3,7 +3,7 @@
 //   f = f_v + k (p − x_v),  W = −f_v · u_v + k |p − x_v|²/2
 #pragma once
 
-#include "lobe/body/force_term.h"
+#include "lobe/forces/force_term.h"
 #include "lobe/setup/setup.h"
 
 namespace lobe {

@@ -1,4 +1,4 @@
-#include "lobe/body/regions.h"
+#include "lobe/forces/regions.h"
 
 #include "lobe/numerics/supernodal_factor.h"
 
@@ -42,6 +42,32 @@ void Regions<Real>::begin_condensing(const Elements& elements, double due, const
     precomputed_.begin_relinearising(
         elements, Eigen::Map<const Mat3X<double>>(about.data(), 3, Eigen::Index(about.size() / 3)));
   condensing_due_ = due;
+}
+
+template <class Real>
+std::optional<VertexRoles> Regions<Real>::new_roles(const Model& model, const Motion<Real>& motion,
+                                                    const std::vector<double>& mass, FullZones::Sight sight,
+                                                    bool may_embed) {
+  if (!any_reduced() && !any_embedded()) return std::nullopt;
+  reduced_.look(model.elements, motion, mass, std::move(sight));
+  VertexRoles roles = reduced_.roles(model, motion.time, may_embed);
+  return reduced_.has_roles(roles) ? std::nullopt : std::optional(std::move(roles));
+}
+
+template <class Real>
+VertexRoles Regions<Real>::begin_restoring(const Model& model, const State& state,
+                                           std::vector<Index>& weighed) {
+  reduced_.set_zones(state.zones);
+  reduced_.holds_have_changed();
+  weighed = reduced_.set_asked_mass(state.asked_mass);
+  return reduced_.roles(model, state.is_embedded);
+}
+
+template <class Real>
+void Regions<Real>::end_restoring(const Elements& elements, const State& state, Motion<Real>& motion) {
+  motion.nodes.u = state.u;
+  motion.nodes.v = state.v;
+  reduced_.set_fading(elements, state.fading);
 }
 
 template <class Real>
@@ -114,7 +140,7 @@ ElasticEnergy Regions<Real>::energy(const Elements& elements, const StateColumns
     e.condensed_loads = condensed.loads;
     e.linear += condensed.elastic;
   }
-  if (reduced_.any()) {
+  if (any_reduced()) {
     e.nonlinear += reduced_.elastic_energy(u, state.nodes);
     e.condensed_loads += reduced_.energy_of_loads(state.nodes);
   }

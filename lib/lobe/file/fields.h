@@ -10,7 +10,7 @@
 #include <tuple>
 #include <variant>
 
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 
 namespace lobe::io {
 

@@ -1,5 +1,5 @@
-// A force term of an application's own, which it adds to a world (body/force_term.h).
-#include "lobe/body/force_term.h"
+// A force term of an application's own, which it adds to a world (forces/force_term.h).
+#include "lobe/forces/force_term.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
-#include "lobe/io/sealed_file.h"
+#include "lobe/file/sealed_file.h"
 
-#include "lobe/io/atomic_file.h"
-#include "lobe/io/scanner.h"
+#include "lobe/file/atomic_file.h"
+#include "lobe/file/scanner.h"
 
 namespace lobe::io {
 namespace {

@@ -1,4 +1,4 @@
-#include "lobe/body/applied_forces.h"
+#include "lobe/forces/applied_forces.h"
 
 #include <doctest/doctest.h>
 

@@ -1,10 +1,10 @@
-#include "lobe/body/applied_forces.h"
+#include "lobe/forces/applied_forces.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "lobe/error.h"
-#include "lobe/io/fields.h"
+#include "lobe/file/fields.h"
 
 namespace lobe {
 namespace {

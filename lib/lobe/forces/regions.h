@@ -1,7 +1,11 @@
 // All regions of a body: tensor-mass, non-linear, reduced and pre-computed ones, which share vertices at
-// their interfaces. Only this class knows which tetrahedra are condensed and whether they are expanded, that
-// is, non-linear for a while.
+// their interfaces. Whoever moves the body asks this class, and no region by itself. Only this class knows
+// which tetrahedra are condensed, whether they are expanded, that is, non-linear for a while, and which
+// vertices follow a lattice.
 #pragma once
+
+#include <optional>
+#include <utility>
 
 #include "lobe/body/loads.h"
 #include "lobe/body/model.h"
@@ -70,22 +74,97 @@ class Regions {
   bool any_condensed() const { return precomputed_.tet_count() > 0; }  // tetrahedra, expanded or not
   bool is_condensed(Index tet) const { return precomputed_.has(tet); }
   bool is_interior(Index vertex) const { return any_condensed() && precomputed_.is_interior(vertex); }
+  // Some vertices have no mass and follow others: an interior its interface, embedded ones their nodes.
+  bool any_following() const { return (any_condensed() && !is_expanded_) || any_embedded(); }
+  bool follows(Index vertex) const {
+    return (!is_expanded_ && is_interior(vertex)) || reduced_.embeds(vertex);
+  }
+  // Whether the stiffness that a tetrahedron adds to its corners depends on it alone.
+  bool are_all_of_tets() const { return !any_condensed() && !any_reduced(); }
   // Whether the model of a tetrahedron moves by itself: all but those that are condensed now.
   bool is_dynamic(const Elements& elements, Index tet) const {
     return is_expanded_ || elements.region_of[std::size_t(tet)] != RegionModel::precomputed;
   }
   const CondensingLog& condensing() const { return precomputed_.condensing(); }
 
-  // Vertices of reduced regions that follow the nodes of a lattice. place_embedded() comes before forces are
-  // added, with velocities if force terms read them. collect() comes after all other forces.
+  // ---- Reduced regions, whose embedded vertices follow the nodes of a lattice
+
+  bool any_reduced() const { return reduced_.any(); }  // tetrahedra
+  bool any_embedded() const { return reduced_.any_embedded(); }
+  bool has_lattice() const { return reduced_.lattice().frame.edge > 0; }
+  // For what judges or draws them.
   LatticeRegion<Real>& reduced() { return reduced_; }
   const LatticeRegion<Real>& reduced() const { return reduced_; }
-  bool is_embedded(Index vertex) const { return reduced_.embeds(vertex); }
+
+  // What vertices are to do at this time, if that is not what they do (LatticeRegion::look, roles).
+  std::optional<VertexRoles> new_roles(const Model& model, const Motion<Real>& motion,
+                                       const std::vector<double>& mass, FullZones::Sight sight,
+                                       bool may_embed);
+  // Whether energies are those of the tetrahedra that there are: false between an edit and embed().
+  bool are_up_to_date() const { return reduced_.is_up_to_date(); }
+  void embed(const Model& model, VertexRoles roles, double omega, std::vector<double>& mass,
+             Loads<Real>& loads, Motion<Real>& motion) {
+    reduced_.embed(model, std::move(roles), omega, mass, loads, motion);
+  }
+  const std::vector<Index>& reduced_vertices() const { return reduced_.vertices(); }
+  void holds_have_changed() { reduced_.holds_have_changed(); }
+  // Tetrahedra that must leave their region before these are cut.
+  std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const {
+    return reduced_.in_the_way(elements, tets);
+  }
+  // These vertices move by themselves for that long [s] (LatticeRegion::keep_full).
+  void keep_full(const Elements& elements, const std::vector<Index>& vertices, double time, double duration) {
+    reduced_.keep_full(elements, vertices, time, duration);
+  }
+  // Masses that regions ask for, besides those of their tetrahedra [kg].
+  void raise_masses(const std::vector<Index>& vertices, std::vector<double>& mass) {
+    reduced_.raise_masses(vertices, mass);
+  }
+  double least_mass(Index vertex) const { return reduced_.least_mass(vertex); }
+  typename LatticeRegion<Real>::Slowed slow_strained(const std::vector<double>& mass,
+                                                     const std::function<double(Index, double)>& square,
+                                                     Motion<Real>& motion) {
+    return reduced_.slow_strained(mass, square, motion);
+  }
+
+  // Nodes, which move as vertices do.
+  bool any_moving_nodes() const { return reduced_.any_moving(); }
+  const std::vector<MovingVertex<Real>>& moving_nodes() const { return reduced_.moving(); }
+  Fastest<Real> push(double kick, double dt, double damping, Motion<Real>& motion, Parallel& parallel) const {
+    return reduced_.push(Real(kick), Real(dt), Real(damping), motion, parallel);
+  }
+  typename LatticeRegion<Real>::Frequency highest_frequency(const StateColumns<Real>& state,
+                                                            const DiagonalStiffness& K, double ratio) const {
+    return reduced_.highest_frequency(state, K, ratio);
+  }
+  double kinetic_energy(const StateColumns<Real>& state) const {  // of what follows [J]
+    return reduced_.kinetic_energy(state.nodes);
+  }
+  // Vertices on which a force term acted in the last step to no effect.
+  std::vector<Index> pressed_unseen(const Motion<Real>& motion) const {
+    return reduced_.pressed_unseen(motion);
+  }
+  // After displacements and velocities of all vertices were set: those of nodes follow from them.
+  void settle(const Elements& elements, double omega, Motion<Real>& motion) {
+    reduced_.settle_all(elements, omega, motion);
+  }
+
+  using State = typename LatticeRegion<Real>::State;  // part of a checkpoint
+  State state(const Motion<Real>& motion) const { return reduced_.state(motion); }
+  bool fits(const State& state, const Elements& elements) const { return reduced_.fits(state, elements); }
+  // What comes before and after vertices have the roles of the state, which begin_restoring() returns. It
+  // finds the vertices, too, whose masses must be computed anew.
+  VertexRoles begin_restoring(const Model& model, const State& state, std::vector<Index>& weighed);
+  bool has_roles(const VertexRoles& roles) const { return reduced_.has_roles(roles); }
+  void end_restoring(const Elements& elements, const State& state, Motion<Real>& motion);
+
+  // place_embedded() comes before forces are added, with velocities if force terms read them. collect() comes
+  // after all other forces.
   void place_embedded(bool velocities, Motion<Real>& motion, Parallel& parallel) const {
-    if (reduced_.any_embedded()) reduced_.place(velocities, motion, parallel);
+    if (any_embedded()) reduced_.place(velocities, motion, parallel);
   }
   void collect(double missing_share, Motion<Real>& motion, Parallel& parallel) {
-    if (reduced_.any_embedded()) reduced_.collect(missing_share, motion, parallel);
+    if (any_embedded()) reduced_.collect(missing_share, motion, parallel);
   }
 
   // ---- Forces and energies. `missing_share`: share of the dead loads that does not act yet.

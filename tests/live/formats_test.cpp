@@ -105,9 +105,9 @@ TEST_CASE("a file of another layout has another format number") {
   const auto file = folder.path / "file";
   World<float> world(setup_of(irregular_box(2)));
   write_checkpoint(file, world.save());
-  check<Checkpoint<float>>(file, {22, 5221885323754936979u});
+  check<Checkpoint<float>>(file, {23, 9634131502553439065u});
   write_recording(file, {});
-  check<Recording>(file, {10, 7279426834481914232u});
+  check<Recording>(file, {11, 17288874152434981170u});
   write_session(file, SavedSession<float>{world.save(), {}});
-  check<SavedSession<float>>(file, {3, 4980488901405455950u});
+  check<SavedSession<float>>(file, {4, 7781280319386154826u});
 }

@@ -23,6 +23,13 @@ Vec3d off_line(int row, std::size_t station) {
   return {part(n * 0.8191725133961645), part(n * 0.6710436067037893), part(n * 0.5497004779019703)};
 }
 
+std::vector<BladeCut::Station> stations_of(const Blades::Row& row) {
+  std::vector<BladeCut::Station> stations;
+  for (std::size_t i = 0; i < row.size(); ++i)
+    if (row[i].grain >= 0) stations.push_back({static_cast<Index>(i), row[i].grain, row[i].rest});
+  return stations;
+}
+
 bool is_in(const Grains& grains, Index grain, const Vec3d& X) {
   constexpr double rounding = 1e-9;
   const Eigen::Vector4i& p = grains[grain].points;
@@ -77,14 +84,35 @@ BladePose Blades::start_of(const BladeMove& move, const BodyNow& body) const {
   return move.from;
 }
 
-std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
-  Stroke* stroke = stroke_of(step, body);
+std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body, BladeCut* made) {
+  Stroke* stroke = stroke_of(step);
   if (!stroke) return std::nullopt;
-  stroke->goes_on = true;
-  const std::vector<Row>& rows = stroke->rows;
-  Incised caught_up = catch_up(*stroke, step, body);
+  if (stroke->rows.empty()) {
+    Row row = first_row(step, *stroke);
+    std::vector<Vec3d> places;
+    for (const BladePoint& station : row) places.push_back(station.place);
+    const Sheet edge(places, places);
+    const auto is_at_edge = [&](const auto& x) { return edge.may_reach(x, 0); };
+    const std::vector<Index> near = body.tets_in({edge.box(), is_at_edge, is_at_edge});
+    find_in_body(row, PlacedTets(grains, near, body.placement, body.corners));
+    if (made) made->begun = stations_of(row);
+    stroke->rows = {std::move(row)};
+  }
+  std::optional<BladeCut::Row> row;
+  Incised incised = advance(*stroke, step, body, row);
+  if (made)
+    made->steps.push_back({std::move(incised.caught_up), std::move(incised.incision),
+                           std::move(incised.taken_before), std::move(incised.taken), std::move(row),
+                           incised.way, incised.crumbs, incised.refused});
+  return incised;
+}
+
+Incised Blades::advance(Stroke& stroke, const BladeMove& step, const BodyNow& body,
+                        std::optional<BladeCut::Row>& made) {
+  const std::vector<Row>& rows = stroke.rows;
+  Incised caught_up = catch_up(stroke, step, body);
   const std::vector<Vec3d> from = places_of(rows.back(), body);
-  Row now = places_at(step.to, *stroke, rows.back().size());
+  Row now = places_at(step.to, stroke, rows.back().size());
   std::vector<Vec3d> there;
   there.reserve(now.size());
   for (const BladePoint& station : now) there.push_back(station.place);
@@ -95,36 +123,20 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   swept.begin_with(rows.size() - 1, [&](std::size_t i) { return places_of(rows[i], body); });
   swept.add(from);
   swept.add(there);
-  const Blade blade{stroke->bit, step.snap, step.along_faces, has_moved_since(rows.back(), from),
-                    stroke->begun};
+  const Blade blade{stroke.bit, step.snap, step.along_faces, has_moved_since(rows.back(), from),
+                    stroke.begun};
   const PlacedTets tets(grains, tets_near(swept, blade, body), body.placement, body.corners);
   Incised incised;
   if (tets.size() > 0 || !grains.waiting(blade.stroke).empty()) {
     find_in_body(now, tets);
     incised = incise(grains, blade, swept, tets);
   }
-  stroke->points_seen = grains.point_count();
+  stroke.points_seen = grains.point_count();
   incised.follow(std::move(caught_up));
   incised.way = way_of(now, rows.back(), there, from);
-  keep(std::move(now), rows.size() > 1 ? swept.row(rows.size() - 2) : std::vector<Vec3d>{}, *stroke);
-  return incised;
-}
-
-Incised Blades::repeat(const BladeCut::Step& step, const BodyNow& body) {
-  const auto again = [&](const Incision& incision) {
-    divide_again(incision, grains);
-    Incised incised;
-    incised.incision = incision;
-    open_faces(grains, PlacedTets(grains, {}, body.placement), incision.opened, incised);
-    begun_ = std::max(begun_, incision.stroke + 1);
-    return incised;
-  };
-  Incised caught_up = again(step.caught_up), incised = again(step.incision);
-  caught_up.caught_up = std::exchange(caught_up.incision, {});
-  incised.follow(std::move(caught_up));
-  incised.way = step.way;
-  incised.crumbs = step.crumbs;
-  incised.refused = step.refused;
+  made = {is_new_beside(now, rows.size() > 1 ? swept.row(rows.size() - 2) : std::vector<Vec3d>{}),
+          stations_of(now)};
+  keep(std::move(now), made->is_new, stroke);
   return incised;
 }
 
@@ -132,14 +144,10 @@ Incised Blades::repeat(const BladeCut::Step& step, const BodyNow& body) {
 // crossed. If another stroke has divided the rest since, new edges cross the sheet behind the blade: they are
 // cut now, and what has come between faces that wait is opened.
 Incised Blades::catch_up(Stroke& stroke, const BladeMove& step, const BodyNow& body) {
-  const Index since = std::exchange(stroke.points_seen, grains.point_count());
-  if (since == grains.point_count()) return {};
-  std::vector<Index> divided, tets;
-  for (Index p = since; p < grains.point_count(); ++p)
-    divided.insert(divided.end(), grains.around(p).begin(), grains.around(p).end());
-  sort_unique(divided);
-  find_stations_again(stroke, divided);
-  if (stroke.rows.size() < 2) return {};
+  const Index since = stroke.points_seen;
+  const std::vector<Index> divided = follow_divided(stroke);
+  if (since == grains.point_count() || stroke.rows.size() < 2) return {};
+  std::vector<Index> tets;
   SweptSheets swept;
   Eigen::AlignedBox3d box;
   for (const Row& row : stroke.rows) {
@@ -158,8 +166,19 @@ Incised Blades::catch_up(Stroke& stroke, const BladeMove& step, const BodyNow& b
   blade.since = since;
   Incised incised = incise(grains, blade, swept, PlacedTets(grains, tets, body.placement, body.corners));
   incised.caught_up = std::exchange(incised.incision, {});
+  incised.taken_before = std::exchange(incised.taken, {});
   stroke.points_seen = grains.point_count();
   return incised;
+}
+
+// Grains around the points that others have made since the stroke's last step, ascending.
+std::vector<Index> Blades::follow_divided(Stroke& stroke) const {
+  std::vector<Index> divided;
+  for (Index p = std::exchange(stroke.points_seen, grains.point_count()); p < grains.point_count(); ++p)
+    divided.insert(divided.end(), grains.around(p).begin(), grains.around(p).end());
+  sort_unique(divided);
+  if (!divided.empty()) find_stations_again(stroke, divided);
+  return divided;
 }
 
 // A station stays where it is in the material. The grain that it was in may have been divided.
@@ -175,11 +194,14 @@ void Blades::find_stations_again(Stroke& stroke, const std::vector<Index>& divid
     }
 }
 
-Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
+// It goes on. One that begins has no row yet.
+Blades::Stroke* Blades::stroke_of(const BladeMove& step) {
   std::uint32_t taken = 0;
   for (Stroke& stroke : strokes_) {
-    if (stroke.tool == step.tool && stroke.number == step.stroke) return &stroke;
     taken |= 1u << stroke.bit;
+    if (stroke.tool != step.tool || stroke.number != step.stroke) continue;
+    stroke.goes_on = true;
+    return &stroke;
   }
   if (taken == ~0u) return nullptr;
   Stroke& stroke = strokes_.emplace_back();
@@ -188,17 +210,13 @@ Blades::Stroke* Blades::stroke_of(const BladeMove& step, const BodyNow& body) {
   stroke.begun = begun_++;
   stroke.points_seen = grains.point_count();
   while (taken >> stroke.bit & 1) ++stroke.bit;
+  return &stroke;
+}
+
+Blades::Row Blades::first_row(const BladeMove& step, Stroke& stroke) const {
   const double length = (step.from.heel - step.from.tip).norm();
   const auto count = std::size_t(std::clamp(std::ceil(length / (grains.mean_edge() / 2)), 1.0, 63.0)) + 1;
-  Row row = places_at(step.from, stroke, count);
-  std::vector<Vec3d> places;
-  for (const BladePoint& station : row) places.push_back(station.place);
-  const Sheet edge(places, places);
-  const auto is_at_edge = [&](const auto& x) { return edge.may_reach(x, 0); };
-  const std::vector<Index> near = body.tets_in({edge.box(), is_at_edge, is_at_edge});
-  find_in_body(row, PlacedTets(grains, near, body.placement, body.corners));
-  stroke.rows = {std::move(row)};
-  return &stroke;
+  return places_at(step.from, stroke, count);
 }
 
 // The mean of those stations that are in the body, or were; of all where it has leapt through it.
@@ -314,13 +332,17 @@ std::vector<Vec3d> Blades::places_of(const Row& row, const BodyNow& body) const 
 }
 
 // Rows that would stand nearer to each other than a quarter of an edge tell nothing more of what was swept.
-void Blades::keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const {
+bool Blades::is_new_beside(const Row& row, const std::vector<Vec3d>& before) const {
   double apart = 0;
   for (std::size_t i = 0; i < before.size(); ++i) apart = std::max(apart, (row[i].place - before[i]).norm());
-  if (!before.empty() && apart < grains.mean_edge() / 4)
-    stroke.rows.back() = std::move(row);
-  else
+  return before.empty() || !(apart < grains.mean_edge() / 4);
+}
+
+void Blades::keep(Row row, bool is_new, Stroke& stroke) {
+  if (is_new)
     stroke.rows.push_back(std::move(row));
+  else
+    stroke.rows.back() = std::move(row);
   if (stroke.rows.size() > most_rows) stroke.rows.erase(stroke.rows.begin());
 }
 

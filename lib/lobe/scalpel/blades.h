@@ -3,6 +3,8 @@
 // these places. So tissue that moves across a blade is cut, and tissue that moves along with it is not.
 #pragma once
 
+#include <optional>
+
 #include "lobe/cut/cautery.h"
 #include "lobe/scalpel/incise.h"
 
@@ -22,22 +24,53 @@ struct BladeMove {
   bool along_faces = false;
 };
 
-// What a move has cut, step by step. A recording has it, so that a replay need not find it again.
+// What is done ahead of a blade, before it cuts.
+struct BladeAhead {
+  bool expands = false;      // pre-computed regions
+  std::vector<Index> freed;  // reduced tetrahedra that become non-linear
+  bool operator==(const BladeAhead&) const = default;
+  static constexpr auto fields = std::tuple(&BladeAhead::expands, &BladeAhead::freed);
+};
+
+struct BladeStation {  // a point of the edge that lies in the body
+  Index at = 0, grain = 0;
+  Vec3d rest = Vec3d::Zero();  // in the grain [m]
+  bool is_valid() const { return rest.allFinite(); }
+  bool operator==(const BladeStation&) const = default;
+  static constexpr auto fields = std::tuple(&BladeStation::at, &BladeStation::grain, &BladeStation::rest);
+};
+struct BladeRow {       // the edge at the end of a step
+  bool is_new = false;  // false: it takes the place of the row before
+  std::vector<BladeStation> stations;
+  bool operator==(const BladeRow&) const = default;
+  static constexpr auto fields = std::tuple(&BladeRow::is_new, &BladeRow::stations);
+};
+
+// What a move has cut, step by step, and what the blade knows of the body afterwards. A recording has it, so
+// that a replay need not find it again, and that the blade can go on from there.
 struct BladeCut {
+  using Station = BladeStation;
+  using Row = BladeRow;
   struct Step {
     Incision caught_up, incision;
-    Vec3d way = Vec3d::Zero();  // Incised has the rest
+    std::vector<Index> taken_before, taken;  // points that the sheet took, in either
+    std::optional<Row> row;                  // none: the blade has not moved
+    Vec3d way = Vec3d::Zero();               // Incised has the rest
     Index crumbs = 0, refused = 0;
     bool is_valid() const { return way.allFinite(); }
     bool operator==(const Step&) const = default;
     static constexpr auto fields =
-        std::tuple(&Step::caught_up, &Step::incision, &Step::way, &Step::crumbs, &Step::refused);
+        std::tuple(&Step::caught_up, &Step::incision, &Step::taken_before, &Step::taken, &Step::row,
+                   &Step::way, &Step::crumbs, &Step::refused);
   };
-  BladePose from;           // where the edge was at the start; the tissue may have carried it there
-  std::vector<Step> steps;  // none: the blade waited
+  BladePose from;              // where the edge was at the start; the tissue may have carried it there
+  std::vector<Station> begun;  // of the edge there, if a stroke begins
+  std::vector<Step> steps;     // none: the blade waited
+  BladeAhead ahead;
   bool is_valid() const { return from.tip.allFinite() && from.heel.allFinite(); }
   bool operator==(const BladeCut&) const = default;
-  static constexpr auto fields = std::tuple(&BladeCut::from, &BladeCut::steps);
+  static constexpr auto fields =
+      std::tuple(&BladeCut::from, &BladeCut::begun, &BladeCut::steps, &BladeCut::ahead);
 };
 
 class Blades {
@@ -58,11 +91,11 @@ class Blades {
   std::vector<BladeMove> steps(const BladeMove& move) const;
   static std::vector<BladeMove> steps(const BladeMove& move, std::size_t count);
   // Performs one step. The caller then divides the tetrahedra that were opened. Does nothing while 32 other
-  // strokes go on.
-  std::optional<Incised> cut(const BladeMove& step, const BodyNow& body);
-  // Repeats what a step has done to the grains. Strokes do not go on: a blade that cuts afterwards begins a
-  // new one. Throws InputError for what does not fit the grains.
-  Incised repeat(const BladeCut::Step& step, const BodyNow& body);
+  // strokes go on. If it is to be listed in `made`, its incisions are there only.
+  std::optional<Incised> cut(const BladeMove& step, const BodyNow& body, BladeCut* made = nullptr);
+  // Repeats what the step of this number in `made` has done. The stroke goes on from there. Throws InputError
+  // for what does not fit the grains.
+  Incised repeat(const BladeMove& step, const BladeCut& made, std::size_t number, const BodyNow& body);
   // Ends the strokes that did not go on since the last call.
   void end_strokes();
 
@@ -96,8 +129,15 @@ class Blades {
   static bool fits(const State& state, const Grains* grains);  // null: there are none
 
  private:
-  Stroke* stroke_of(const BladeMove& step, const BodyNow& body);
+  Stroke* stroke_of(const BladeMove& step);
+  Row first_row(const BladeMove& step, Stroke& stroke) const;
+  Incised advance(Stroke& stroke, const BladeMove& step, const BodyNow& body,
+                  std::optional<BladeCut::Row>& made);
   Incised catch_up(Stroke& stroke, const BladeMove& step, const BodyNow& body);
+  Incised repeat(const Incision& incision, const std::vector<Index>& taken, const Stroke& stroke,
+                 const BladeMove& step, const BodyNow& body);
+  void put_at(const std::vector<BladeCut::Station>& stations, Row& row) const;
+  std::vector<Index> follow_divided(Stroke& stroke) const;
   void find_stations_again(Stroke& stroke, const std::vector<Index>& divided) const;
   std::vector<Index> tets_near(const SweptSheets& swept, const Blade& blade, const BodyNow& body) const;
   Row places_at(const BladePose& pose, Stroke& stroke, std::size_t count) const;
@@ -106,7 +146,8 @@ class Blades {
                       const std::vector<Vec3d>& from);
   std::vector<Vec3d> places_of(const Row& row, const BodyNow& body) const;
   static bool has_moved_since(const Row& row, const std::vector<Vec3d>& places);
-  void keep(Row row, const std::vector<Vec3d>& before, Stroke& stroke) const;
+  bool is_new_beside(const Row& row, const std::vector<Vec3d>& before) const;
+  static void keep(Row row, bool is_new, Stroke& stroke);
 
   std::vector<Stroke> strokes_;
   Index begun_ = 0;

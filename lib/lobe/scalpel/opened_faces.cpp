@@ -57,6 +57,11 @@ std::vector<Index> grains_with_closed_faces(Grains& grains, int stroke, const st
   return closed;
 }
 
+void let_wait(Grains& grains, int stroke, std::vector<Index> closed) {
+  std::erase_if(closed, [&](Index grain) { return !grains.has_closed_face_on(grain, stroke); });
+  grains.waiting(stroke) = std::move(closed);
+}
+
 }  // namespace
 
 void open_faces(Grains& grains, const PlacedTets& tets, std::vector<Index> faces, Incised& incised) {
@@ -84,8 +89,14 @@ void open_on_sheets(Grains& grains, const PlacedTets& tets, const SweptSheets& s
     }
   }
   open_all_but_crumbs(grains, tets, std::move(faces), incised);
-  std::erase_if(closed, [&](Index grain) { return !grains.has_closed_face_on(grain, stroke); });
-  grains.waiting(stroke) = std::move(closed);
+  let_wait(grains, stroke, std::move(closed));
+}
+
+void open_again(Grains& grains, const PlacedTets& tets, int stroke, const std::vector<Index>& new_on,
+                std::vector<Index> faces, Incised& incised) {
+  std::vector<Index> closed = grains_with_closed_faces(grains, stroke, new_on);
+  open_faces(grains, tets, std::move(faces), incised);
+  let_wait(grains, stroke, std::move(closed));
 }
 
 void open_between_sides(Grains& grains, const PlacedTets& tets, std::span<const Sheet* const> sheets,

@@ -44,20 +44,19 @@ BladeMove Scalpels::whole(const BladeMove& move, const Blades::BodyNow& body) co
   return whole;
 }
 
-std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, const Blades::BodyNow& body) {
+std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, BladeAhead ahead,
+                                          const Blades::BodyNow& body) {
   const BladeCut* again = repeated_.empty() ? nullptr : &repeated_[cuts_.size()];
   const auto moves = again ? Blades::steps(whole, again->steps.size()) : blades_->steps(whole);
-  BladeCut cut{whole.from, {}};
+  BladeCut cut{whole.from, {}, {}, std::move(ahead)};
   std::vector<Step> steps;
   for (const BladeMove& move : moves) {
     std::optional<Incised> incised =
-        again ? blades_->repeat(again->steps[steps.size()], body) : blades_->cut(move, body);
+        again ? blades_->repeat(move, *again, steps.size(), body) : blades_->cut(move, body, &cut);
     if (!incised) break;
-    cut.steps.push_back({std::move(incised->caught_up), std::move(incised->incision), incised->way,
-                         incised->crumbs, incised->refused});
     steps.push_back({std::move(*incised), move.to.tip});
   }
-  cuts_.push_back(std::move(cut));
+  cuts_.push_back(again ? *again : std::move(cut));
   return steps;
 }
 

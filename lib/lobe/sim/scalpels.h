@@ -42,9 +42,11 @@ class Scalpels {
     Incised incised;            // without its incisions, which are in cuts()
     Vec3d tip = Vec3d::Zero();  // of the blade, at its end [m]
   };
+  // What is to be done ahead of this move again; null: it is to be found.
+  const BladeAhead* ahead() const { return repeated_.empty() ? nullptr : &repeated_[cuts_.size()].ahead; }
   // Performs a whole move. It cuts grains only: a tetrahedron is where its parts will be until it is divided.
   // No step: the blade waits, because 32 others cut.
-  std::vector<Step> cut(const BladeMove& whole, const Blades::BodyNow& body);
+  std::vector<Step> cut(const BladeMove& whole, BladeAhead ahead, const Blades::BodyNow& body);
 
   // ---- Edits
 

@@ -151,7 +151,8 @@ class World {
   bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
   typename Blades::BodyNow body_now();
   void incise(const BladeMove& move, Report& report);
-  void expand_ahead(const BladeMove& move);
+  BladeAhead ahead_of(const BladeMove& move);
+  void make_way(const BladeAhead& ahead);
   MeshEdit divide(const std::vector<Index>& opened);
   void begin_floor();
   void follow_with_surface(const MeshEdit& edit);

@@ -87,10 +87,12 @@ template <class Real>
 void World<Real>::incise(const BladeMove& move, Report& report) {
   start_blades();
   const BladeMove whole = scalpels_.whole(move, body_now());
-  expand_ahead(whole);
+  const BladeAhead* again = scalpels_.ahead();
+  BladeAhead ahead = again ? *again : ahead_of(whole);
+  make_way(ahead);
   Index crumbs = 0;
   std::vector<Index> opened;
-  const std::vector<Scalpels::Step> steps = scalpels_.cut(whole, body_now());
+  const std::vector<Scalpels::Step> steps = scalpels_.cut(whole, std::move(ahead), body_now());
   for (const Scalpels::Step& step : steps) {
     const Incised& incised = step.incised;
     if (incised.refused > 0)
@@ -122,17 +124,24 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
 // To edit a condensed region costs milliseconds per tetrahedron. So an expandable one is expanded before a
 // blade reaches it. Reduced tetrahedra near the blade become non-linear.
 template <class Real>
-void World<Real>::expand_ahead(const BladeMove& move) {
+BladeAhead World<Real>::ahead_of(const BladeMove& move) {
   const Regions<Real>& regions = body_.regions;
   const bool may_expand = setup_.expandable && !regions.is_expanded() && regions.any_condensed();
-  if (!may_expand && !regions.any_reduced()) return;
+  if (!may_expand && !regions.any_reduced()) return {};
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * grains()->mean_edge());
   const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}, {}});
-  if (may_expand && std::any_of(near.begin(), near.end(), [&](Index t) { return regions.is_condensed(t); }))
-    perform(Expand{});
-  free_ahead(near);
+  const auto is_condensed = [&](Index t) { return regions.is_condensed(t); };
+  return {may_expand && std::any_of(near.begin(), near.end(), is_condensed),
+          regions.in_the_way(elements(), near)};
+}
+
+template <class Real>
+void World<Real>::make_way(const BladeAhead& ahead) {
+  check_tets(ahead.freed);
+  if (ahead.expands) perform(Expand{});
+  if (!ahead.freed.empty()) change_region(ahead.freed, RegionModel::nonlinear);
 }
 
 // Divides these tetrahedra where faces next to them were opened.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr RegionModel models[] = {RegionModel::tensor_mass, RegionModel::precomputed, RegionModel::nonlinear,
                                   RegionModel::reduced};
-constexpr const char* region_names[] = {"tensor-mass", "pre-computed", "non-linear", "reduced"};
+static_assert(std::size(models) == region_model_names.size());
 
 }  // namespace
 
@@ -76,7 +76,7 @@ void Painting::add_regions(Scene& scene) const {
   for (const RegionModel model : models) {
     Selector where = labelled([&](std::size_t t) { return now_.region_of[t] == model; });
     if (std::get<SelectLabel>(where.value).labels.empty()) continue;
-    Region region{.name = region_names[std::size_t(model)], .model = model, .where = {}, .pointer = {}};
+    Region region{.name = name(model), .model = model, .where = {}, .pointer = {}};
     if (model == RegionModel::precomputed) region.frame = now_.frame;
     if (model == RegionModel::reduced) region.cell = cell_;
     region.where = std::move(where);

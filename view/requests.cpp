@@ -1,6 +1,7 @@
 // How the viewer answers requests.
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "lobe/error.h"
@@ -15,16 +16,10 @@ namespace {
 
 using Kind = HandCommand::Kind;
 
-constexpr std::array<std::pair<const char*, RegionModel>, 4> names_of_models = {
-    {{"tensor-mass", RegionModel::tensor_mass},
-     {"precomputed", RegionModel::precomputed},
-     {"nonlinear", RegionModel::nonlinear},
-     {"reduced", RegionModel::reduced}}};
-
-const RegionModel* model_of(const std::string& word) {
-  for (const auto& [name, model] : names_of_models)
-    if (word == name) return &model;
-  return nullptr;
+std::optional<RegionModel> model_of(const std::string& word) {
+  for (std::size_t i = 0; i < region_model_names.size(); ++i)
+    if (word == region_model_names[i]) return RegionModel(i);
+  return std::nullopt;
 }
 
 void check_length(double length, const char* place) {
@@ -189,7 +184,7 @@ void Viewer::set_painting(bool on) {
 
 void Viewer::perform(ClientId, const request::Paint& what) {
   check_radius(what.radius);
-  if (const RegionModel* model = model_of(what.as))
+  if (const std::optional<RegionModel> model = model_of(what.as))
     painting().paint(what.at, what.radius, *model);
   else if (what.as == "held" || what.as == "free")
     painting().hold(what.at, what.radius, what.as == "held");
@@ -210,7 +205,7 @@ void Viewer::perform(ClientId, const request::NewMaterial& what) {
 }
 
 void Viewer::perform(ClientId, const request::Mend& what) {
-  const RegionModel* model = model_of(what.as);
+  const std::optional<RegionModel> model = model_of(what.as);
   if (what.as == "turning") {
     if (!painting().can_turn()) throw InputError("/as", "only one pre-computed part can turn by itself");
     painting().set_frame(RegionFrame::corotated);
@@ -225,7 +220,7 @@ void Viewer::perform(ClientId, const request::Mend& what) {
 }
 
 void Viewer::perform(ClientId, const request::PaintAll& what) {
-  const RegionModel* model = model_of(what.as);
+  const std::optional<RegionModel> model = model_of(what.as);
   if (!model) throw InputError("/as", "choose one of the models: only they can fill everything");
   painting().paint_all(*model);
   repainted();

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""What the pages promise of themselves: short paragraphs, a true table of folders, one glossary, figures with commands;
-and comments that are not too wide.
+"""What the pages promise of themselves: short paragraphs, a true table of folders, one glossary, figures with
+commands; comments that are not too wide; and folders that do not need each other.
 
 pages.py ROOT
 """
+import graphlib
 import re
 import sys
 from pathlib import Path
@@ -151,6 +152,21 @@ def list_of_folders(root):
         yield f"lobe.h: {name}/ is " + ("not in the list of folders" if name in there else "listed, but not there")
 
 
+def cycle_of_folders(root):
+    """No folder of the library needs itself by way of others."""
+    library = root / "lib" / "lobe"
+    needs = {}
+    for file in sorted(library.glob("*/**/*")):
+        if file.suffix in (".h", ".cpp"):
+            folder = file.relative_to(library).parts[0]
+            included = re.findall(r'#include "lobe/(\w+)/', file.read_text(encoding="utf-8"))
+            needs.setdefault(folder, set()).update(set(included) - {folder})
+    try:
+        graphlib.TopologicalSorter(needs).prepare()
+    except graphlib.CycleError as error:
+        yield "lib/lobe: folders that need each other: " + " ← ".join(error.args[1])
+
+
 def makes(root, command, picture):
     """Whether a command exists that can make a picture: of ./dev, an example or a benchmark."""
     words = command.split()
@@ -198,7 +214,8 @@ def wide_comments(root):
                 yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
 
 
-CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary, list_of_folders, figures, wide_comments)
+CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary, list_of_folders,
+          cycle_of_folders, figures, wide_comments)
 
 
 def main(root):

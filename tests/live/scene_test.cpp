@@ -109,6 +109,27 @@ TEST_CASE_TEMPLATE("what hands did, written as a scene and read again, is played
   CHECK(same_bits(world, session.world()));
 }
 
+TEST_CASE("reduced regions that were chosen automatically stay reduced in the scene of a session") {
+  std::string text = beam;
+  const auto begin = text.find("[{\"model\""), end = text.find("],\n  \"boundary\"");
+  text.replace(begin, end + 1 - begin, R"({"auto": {"reduced": true, "correct": true, "tolerance": 0.03}})");
+  const Played played(text);
+  Setup setup = played.resolved.setup;
+  setup.region_of.assign(setup.region_of.size(), RegionModel::reduced);  // whether it pays or not
+  Session<float> session(setup);
+  act(session);
+  const Scene kept = session_scene(played.scene, setup, session);
+  CHECK(kept.reduced_tolerance() == 0.03);
+  const Folder other;
+  const Scene again = read_scene(other.write("kept.json", to_json(kept)));
+  const Resolved resolved = resolve(again, read_mesh(mesh_path(again)).mesh);
+  CHECK(resolved.setup.region_of == setup.region_of);
+  World<float> world(resolved.setup);
+  const Frames frames = frames_of(again.time);
+  for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
+  CHECK(same_bits(world, session.world()));
+}
+
 TEST_CASE("a hand parts the beam with a scalpel, without loss, and its scene is played to the same bits") {
   std::string text = beam;
   text.erase(text.find("\"tools\""), text.find("\"time\"") - text.find("\"tools\""));

@@ -48,7 +48,7 @@ void check_series(const Json& report, std::size_t entries) {
     CHECK(number(series[i], "/time") == near(simulated * double(i) / double(entries - 1), 1e-12, simulated));
     CHECK(number(series[i], "/volume") > 0);
     double sum = 0, largest = 1e-12;  // [J]: at the start all are 0
-    for (const char* part : {"kinetic", "elastic_linear", "elastic_nonlinear", "loads"}) {
+    for (const char* part : {"kinetic", "elastic_linear", "elastic_nonlinear", "loads", "applied"}) {
       const Json& energy = series[i]["energy"][part];
       REQUIRE(energy.is_number());
       sum += energy.get<double>();
@@ -178,6 +178,20 @@ TEST_CASE("the error of reduced regions is estimated, reported and warned of") {
   play(write_scene_files(folder), folder.path / "other");
   CHECK_FALSE(report_in(folder.path / "other").contains("reduced"));
   CHECK_FALSE(read_mesh(folder.path / "other/frame_0000.vtu").cell_data.contains("embedded"));
+}
+
+TEST_CASE("the series tells the energy of a probe that presses") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["tools"] = Json::array({{{"type", "probe"},
+                                 {"shape", {{"sphere", {{"radius", 0.005}}}}},
+                                 {"path", {{0, 0.07, 0.01, 0.03}, {0.2, 0.07, 0.01, 0.02}}}}});
+  play(write_scene_files(folder, scene), folder.path / "out");
+  const Json report = report_in(folder.path / "out");
+  check_series(report, 16);
+  const Json& series = report["series"];
+  CHECK(number(series.front(), "/energy/applied") == 0);  // it has not come yet
+  CHECK(number(series.back(), "/energy/applied") > 0);
 }
 
 TEST_CASE("the report tells what was skipped") {

@@ -103,16 +103,15 @@ void Contact<Real>::visit_self(const At& at, Visit&& visit) const {
 // ---- A frame
 
 template <class Real>
-std::vector<int> Contact<Real>::there(double time) const {
-  std::vector<int> tools;
+void Contact<Real>::find_there(double time, std::vector<int>& tools) const {
+  tools.clear();
   for (const ToolContact& contact : tools_)
     if (contact.is_there(time)) tools.push_back(contact.tool());
-  return tools;
 }
 
 template <class Real>
 bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
-  const std::vector<int> before = there(time);
+  find_there(time, there_before_);
   std::erase_if(tools_, [&](const ToolContact& contact) {
     return !contact.is_obstacle() && std::none_of(bodies.begin(), bodies.end(),
                                                   [&](const ToolBody& body) { return contact.is_of(body); });
@@ -134,7 +133,8 @@ bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
   on_tools_.clear();
   for (const ToolContact& tool : tools_)
     if (!tool.is_obstacle()) on_tools_.push_back({.tool = tool.tool()});
-  return there(time) != before;
+  find_there(time, there_);
+  return there_ != there_before_;
 }
 
 // Searched with room for the whole frame, so that acts_on() is known before its steps.

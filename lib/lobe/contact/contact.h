@@ -63,7 +63,7 @@ class Contact : public ForceTerm<Real> {
             .hold = 0.5 * body_damping_,
             .deepest = deepest_contact * surface_.mean_edge() / surface_.softening()};
   }
-  std::vector<int> there(double time) const;  // the tools that exist at a time
+  void find_there(double time, std::vector<int>& tools) const;  // which exist at a time
   template <class Visit>
   void visit_memories(Visit&& visit);  // visit(memory) of the body on itself, then of each tool
   void forget_all() const;             // forgets all lists of what may touch
@@ -90,6 +90,7 @@ class Contact : public ForceTerm<Real> {
   std::vector<OfTool> waiting_;
   std::vector<OnTool> on_tools_;
   std::vector<Index> touched_;                // that may be in this frame
+  std::vector<int> there_, there_before_;     // tools, when see_tools() was called last
   double frame_end_ = 0;                      // [s]
   double body_moved_ = 0;                     // by at most that in all steps [m]
   double last_step_ = 0, step_at_start_ = 0;  // [s]; the last before steps began

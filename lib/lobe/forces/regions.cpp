@@ -1,5 +1,6 @@
 #include "lobe/forces/regions.h"
 
+#include "lobe/condense/supports.h"
 #include "lobe/numerics/supernodal_factor.h"
 
 namespace lobe {
@@ -11,6 +12,22 @@ Regions<Real>::Regions(const Setup& setup, const CondensingLog::Progress& conden
       precomputed_(CondensedCache(setup.condensed_cache, condensing), make_supernodal),
       reduced_(setup.lattice_cell, setup.evaluator),
       expandable_(setup.expandable) {}
+
+template <class Real>
+void Regions<Real>::refuse(RegionModel model, const std::vector<Index>& tets, const Model& body,
+                           double lattice_cell) const {
+  const bool is_precomputed = model == RegionModel::precomputed;
+  const bool needs_lattice = model == RegionModel::reduced && !(reduced_.lattice().frame.edge > 0);
+  if (!is_precomputed && !needs_lattice) return;
+  Elements changed = body.elements;
+  for (Index t : tets) changed.region_of[std::size_t(t)] = model;
+  if (is_precomputed) {
+    refuse_unsupported(changed, body.held);
+    PrecomputedRegion<Real>::refuse_large(changed, body.held);
+  } else {
+    choose_lattice(changed, lattice_cell);
+  }
+}
 
 template <class Real>
 void Regions<Real>::follow(const Elements& elements, const RegionEdit& edit) {
@@ -48,7 +65,6 @@ template <class Real>
 std::optional<VertexRoles> Regions<Real>::new_roles(const Model& model, const Motion<Real>& motion,
                                                     const std::vector<double>& mass, FullZones::Sight sight,
                                                     bool may_embed) {
-  if (!any_reduced() && !any_embedded()) return std::nullopt;
   reduced_.look(model.elements, motion, mass, std::move(sight));
   VertexRoles roles = reduced_.roles(model, motion.time, may_embed);
   return reduced_.has_roles(roles) ? std::nullopt : std::optional(std::move(roles));

@@ -4,6 +4,7 @@
 // vertices follow a lattice.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -36,16 +37,19 @@ class Regions {
   std::vector<Index> follow_condensed(const Model& model, const RegionEdit& edit, Loads<Real>& loads);
   // Whether the last edit that was followed concerned the condensed region.
   bool condensed_has_changed() const { return precomputed_.tet_count() > 0 && precomputed_.has_changed(); }
-  // Throws InputError if the precomputed tetrahedra of these elements would take too large a matrix.
-  void refuse_large(const Elements& elements, const HeldVertices& held) const {
-    PrecomputedRegion<Real>::refuse_large(elements, held);
-  }
+  // Throws InputError if these tetrahedra cannot get this model: what is pre-computed must be held, and its
+  // matrix must not be too large; reduced ones must go with a lattice of this cell [m].
+  void refuse(RegionModel model, const std::vector<Index>& tets, const Model& body,
+              double lattice_cell) const;
+  // Whether a region depends on what was held in between, so that a history must say so.
+  bool needs_history_of_holds() const { return any_condensed(); }
   std::string take_notice() { return precomputed_.take_notice(); }  // of the cache
 
   // While the region is expanded, its pre-computed tetrahedra are non-linear. After each change, masses and
   // loads of condensed_vertices() must be computed anew. After condensing, call take_over_loads() and
   // move_mass().
   bool can_be_expanded() const { return expandable_ && any_condensed(); }
+  bool may_expand() const { return can_be_expanded() && !is_expanded_; }
   bool is_expanded() const { return is_expanded_; }
   bool can_condense() const {
     return !precomputed_.is_outdated();
@@ -55,9 +59,16 @@ class Regions {
   void take_over_loads(Loads<Real>& loads) const {
     precomputed_.take_over_loads(loads.external(), loads.dead());
   }
-  // Moves the interior's mass to the vertices of the interface, and returns these.
-  const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass) {
-    return precomputed_.move_mass(elements, mass);
+  // Moves the mass of a condensed interior to the vertices of the interface, and returns these.
+  std::vector<Index> move_mass(const Elements& elements, std::vector<double>& mass) {
+    return is_expanded_ ? std::vector<Index>{} : precomputed_.move_mass(elements, mass);
+  }
+  // Whether a region has to change when vertices are touched, or when a blade comes near.
+  bool heeds_touch() const { return any_condensed(); }
+  bool heeds_blades() const { return may_expand() || any_reduced(); }
+  // Whether the region should be expanded before these tetrahedra are cut.
+  bool expands_for(const std::vector<Index>& tets) const {
+    return may_expand() && std::any_of(tets.begin(), tets.end(), [&](Index t) { return is_condensed(t); });
   }
 
   // Another thread condenses the region from scratch, about its present linearisation or about other
@@ -65,6 +76,7 @@ class Regions {
   // [s].
   bool needs_condensing() const { return precomputed_.needs_condensing(); }
   bool is_condensing() const { return precomputed_.is_condensing(); }
+  bool can_begin_condensing() const { return any_condensed() && !is_condensing(); }
   double condensing_due() const { return condensing_due_; }
   void begin_condensing(const Elements& elements, double due, const std::vector<double>& about);
   // False if the region could not be condensed. Nothing has changed then.
@@ -91,7 +103,15 @@ class Regions {
 
   bool any_reduced() const { return reduced_.any(); }  // tetrahedra
   bool any_embedded() const { return reduced_.any_embedded(); }
-  bool has_lattice() const { return reduced_.lattice().frame.edge > 0; }
+  // Whether vertices follow a lattice, or may: new_roles() then says which.
+  bool any_roles() const { return any_reduced() || any_embedded(); }
+  // Whether energies may jump when tetrahedra get this model, since vertices are embedded or become full.
+  bool is_transition(const Elements& elements, const std::vector<Index>& tets, RegionModel model) const {
+    const auto is_reduced = [&](Index t) {
+      return elements.region_of[std::size_t(t)] == RegionModel::reduced;
+    };
+    return model == RegionModel::reduced || std::any_of(tets.begin(), tets.end(), is_reduced);
+  }
   // For what judges or draws them.
   LatticeRegion<Real>& reduced() { return reduced_; }
   const LatticeRegion<Real>& reduced() const { return reduced_; }

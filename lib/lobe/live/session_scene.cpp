@@ -51,18 +51,25 @@ int frames_of(const Session<Real>& session) {
 void state_regions(const Setup& setup, Scene& scene) {
   const auto is_precomputed = [](const Region& region) { return region.model == RegionModel::precomputed; };
   if (!scene.auto_regions && std::none_of(scene.regions.begin(), scene.regions.end(), is_precomputed)) return;
+  const double tolerance = scene.reduced_tolerance().value_or(0);
   scene.auto_regions.reset();
   scene.regions.clear();
-  for (const RegionModel model : {RegionModel::tensor_mass, RegionModel::precomputed}) {
+  for (std::size_t i = 0; i < region_model_names.size(); ++i) {
+    const auto model = RegionModel(i);
+    if (model == Region{}.model) continue;
     SelectTetrahedra selected;
     for (Index t = 0; t < setup.mesh.tet_count(); ++t)
       if (setup.region_of[std::size_t(t)] == model) selected.tetrahedra.push_back(t);
     if (selected.tetrahedra.empty()) continue;
     Region& region = scene.regions.emplace_back();
-    region.name = model == RegionModel::tensor_mass ? "tensor-mass" : "precomputed";
+    region.name = name(model);
     region.model = model;
     region.where = Selector{std::move(selected)};
     if (model == RegionModel::precomputed) region.frame = setup.precomputed_frame;
+    if (model == RegionModel::reduced) {
+      region.cell = setup.lattice_cell;
+      region.tolerance = tolerance;
+    }
   }
 }
 

@@ -54,6 +54,7 @@ Json state_json(World<Real>& world) {
                {"elastic_linear", e.elastic_linear},
                {"elastic_nonlinear", e.elastic_nonlinear},
                {"loads", e.loads},
+               {"applied", e.applied},
                {"total", e.total()}}}};
   const auto array = [](const Vec3d& x) { return Json{x[0], x[1], x[2]}; };
   for (const PlacedTool& tool : placed_tools(world))

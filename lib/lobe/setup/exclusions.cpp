@@ -89,16 +89,20 @@ const char* name(Option option) {
 
 std::span<const Exclusion> exclusions() { return table; }
 
+std::optional<Option> option_of(RegionModel model) {
+  if (model == RegionModel::precomputed) return Option::precomputed;
+  if (model == RegionModel::reduced) return Option::reduced;
+  return std::nullopt;
+}
+
 Options options_of(const Setup& setup) {
   Options used;
-  const bool is_precomputed =
-      std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed) > 0;
-  used.add(Option::precomputed, is_precomputed);
-  used.add(Option::corotated, is_precomputed && setup.precomputed_frame == RegionFrame::corotated);
+  for (const RegionModel model : setup.region_of)
+    if (const auto option = option_of(model)) used.add(*option);
+  used.add(Option::corotated,
+           used.has(Option::precomputed) && setup.precomputed_frame == RegionFrame::corotated);
   used.add(Option::expandable, setup.expandable);
   used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
-  used.add(Option::reduced,
-           std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::reduced) > 0);
   used.add(Option::fibres, any_fibre(setup.materials));
   used.add(Option::neo_hookean, any_neo_hookean(setup.materials));
   used.add(Option::stored, setup.evaluator == Evaluator::stored);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -64,6 +65,7 @@ struct Exclusion {
 std::span<const Exclusion> exclusions();
 
 Options options_of(const Setup& setup);
+std::optional<Option> option_of(RegionModel model);  // which tetrahedra of this model use
 
 // Returns a fault for each exclusion of which both options are used, and for each place of the first one.
 using PlacesOf = std::function<std::vector<std::string>(Option)>;

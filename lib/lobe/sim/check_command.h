@@ -21,7 +21,7 @@ void check_command(const Dynamics<Real>& body, const Command& command) {
       throw InputError("command", "holds a vertex that there is not, or at no finite place");
   }
   if (const auto* begin = std::get_if<BeginCondensing>(&command)) {
-    if (body.regions.is_condensing() || !body.regions.any_condensed())
+    if (!body.regions.can_begin_condensing())
       throw InputError("command", "condenses a region that there is not, or that is being condensed");
     if (begin->about && begin->about->size() != std::size_t(3 * vertices))
       throw InputError("command", "relinearises about displacements of another mesh");

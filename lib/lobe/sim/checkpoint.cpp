@@ -142,7 +142,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
 template <class Real>
 void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   Regions<Real>& regions = body_.regions;
-  if (!regions.any_reduced()) return;
+  if (!regions.any_roles()) return;
   std::vector<Index> weighed;
   VertexRoles roles = regions.begin_restoring(body_.model, c.nodes, weighed);
   if (regions.has_roles(roles))

@@ -26,7 +26,7 @@ struct Checkpoint {
   Unravelling::State unravelling;
   FrequencyRatios ratios;
   typename StepLimit<Real>::FrameLimit limit;
-  typename LatticeRegion<Real>::State nodes;
+  typename Regions<Real>::State nodes;
   int mass_degree = 1;
   Mat3X<double> acceleration;  // of implicit dynamics [m/s²]; empty: to be taken from the forces
   std::vector<Condition> pending;

@@ -155,16 +155,4 @@ using Command =
            std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginCondensing, EndCondensing,
                         Superseded, KeepFull>>::Type;
 
-// Remembers whether something pressed on the interior of a pre-computed region. The region is expanded for
-// it, and condensed again later.
-struct TouchExpansion {
-  static constexpr double patience = 0.5;  // untouched for so long, it is condensed again [s]
-  bool has_expanded = false;
-  bool is_lost = false;  // the report has said that forces have no effect
-  double last = 0;       // [s]
-  bool is_valid() const { return std::isfinite(last); }
-  static constexpr auto fields =
-      std::tuple(&TouchExpansion::has_expanded, &TouchExpansion::is_lost, &TouchExpansion::last);
-};
-
 }  // namespace lobe

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "lobe/sim/world.h"
+#include "lobe/sim/validate_parts.h"
 
 namespace lobe {
 namespace {
@@ -217,6 +217,7 @@ void validate(World<Real>& world) {
   const bool is_incised = world.grains() || !body.model.elements.shares.empty();
   validate_topology(body.model.elements, is_incised);
   validate_elements(body.model.elements);
+  validate_parts(world);
   validate_motion(body);
   validate_held(body);
   validate_masses(body);

@@ -18,6 +18,7 @@
 #include "lobe/sim/history.h"
 #include "lobe/sim/pieces.h"
 #include "lobe/sim/scalpels.h"
+#include "lobe/sim/touch_expansion.h"
 #include "lobe/time/implicit_dynamics.h"
 #include "lobe/time/step_limit.h"
 #include "lobe/time/unravelling.h"
@@ -177,8 +178,6 @@ class World {
   void scale_masses(double share);
   Index treat_loose(const std::vector<std::vector<Index>>& pieces);
   void freeze(const std::vector<Index>& piece);
-  void refuse_precomputed(const std::vector<Index>& tets) const;
-  void refuse_reduced(const std::vector<Index>& tets) const;
   void check_tets(const std::vector<Index>& tets) const;
   void notice(Condition::Kind kind, const std::string& text) {
     next_report_.conditions.push_back({kind, text, time()});

@@ -21,10 +21,10 @@ void World<Real>::perform(const Hold& command) {
   sort_unique(edit.vertices);
   const auto change = [&] {
     body_.model.held = command.held;
-    if (body_.regions.any_condensed()) journal_.edits.push_back(command);
+    if (body_.regions.needs_history_of_holds()) journal_.edits.push_back(command);
     follow(std::move(edit));
   };
-  if (body_.regions.any_reduced())
+  if (body_.regions.any_roles())
     as_transition(change);
   else
     change();
@@ -63,9 +63,8 @@ void World<Real>::show_body() {
     ForceTerm<Real>& term = *body_.terms[i];
     if (!term.needs_body()) continue;
     show_body_to(term);
-    if (!body_.sleep.any() && !body_.regions.any_condensed()) continue;
     if (body_.sleep.any()) body_.sleep.wake(term.wakes(body_.model), body_);
-    if (body_.regions.any_condensed() && follow_touch(term.acts_on(body_.model))) show_body_to(term);
+    if (body_.regions.heeds_touch() && follow_touch(term.acts_on(body_.model))) show_body_to(term);
   }
 }
 
@@ -88,27 +87,25 @@ void World<Real>::show_body_to(ForceTerm<Real>& term) {
   term.see_body(body, body_.here());
 }
 
-// The interior of a pre-computed region has no mass, so the region is expanded when its interior may be
-// pressed. True if something has changed.
+// True if something has changed.
 template <class Real>
 bool World<Real>::follow_touch(const std::vector<Index>& touched) {
   const auto interior =
       std::find_if(touched.begin(), touched.end(), [&](Index v) { return body_.regions.is_interior(v); });
-  const bool is_pressed = interior != touched.end(), is_expanded = body_.regions.is_expanded();
-  if (is_pressed) touch_expansion_.last = time();
-  if (is_pressed && !is_expanded) {
-    if (body_.regions.can_be_expanded()) {
+  switch (touch_expansion_.follow(body_.regions, interior != touched.end(), time())) {
+    case TouchExpansion::Answer::nothing:
+      return false;
+    case TouchExpansion::Answer::report:
+      report_lost_forces({*interior});
+      return false;
+    case TouchExpansion::Answer::expand:
       perform(Expand{});
-      return touch_expansion_.has_expanded = true;
-    }
-    if (!std::exchange(touch_expansion_.is_lost, true)) report_lost_forces({*interior});
+      return true;
+    case TouchExpansion::Answer::condense:
+      perform(Condense{});
+      return true;
   }
-  const bool is_over =
-      touch_expansion_.has_expanded && time() > touch_expansion_.last + TouchExpansion::patience;
-  if (!is_over || !is_expanded || !body_.regions.can_condense()) return false;
-  touch_expansion_.has_expanded = false;
-  perform(Condense{});
-  return true;
+  return false;
 }
 
 template <class Real>
@@ -157,9 +154,8 @@ void World<Real>::terms_have_changed(const std::vector<Index>& woken_before) {
 // Reports forces on the interior of a condensed region. It follows its interface, so they have no effect.
 template <class Real>
 void World<Real>::report_lost_forces(const std::vector<Index>& vertices) {
-  if (body_.regions.is_expanded()) return;
   for (Index v : vertices)
-    if (body_.regions.is_interior(v))
+    if (body_.regions.is_interior(v) && body_.regions.follows(v))
       return notice(
           Condition::Kind::lost_force,
           "a force on vertex " + std::to_string(v) +

@@ -249,7 +249,7 @@ void World<Real>::release(const std::vector<Index>& vertices) {
 // Moves the mass of a condensed interior to its shared vertices.
 template <class Real>
 void World<Real>::move_mass() {
-  const std::vector<Index>& shared = body_.regions.move_mass(elements(), body_.inertia.masses());
+  const std::vector<Index> shared = body_.regions.move_mass(elements(), body_.inertia.masses());
   body_.inertia.raise_to_floor(body_.model, shared);
   release(shared);
 }

@@ -126,15 +126,12 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
 template <class Real>
 BladeAhead World<Real>::ahead_of(const BladeMove& move) {
   const Regions<Real>& regions = body_.regions;
-  const bool may_expand = setup_.expandable && !regions.is_expanded() && regions.any_condensed();
-  if (!may_expand && !regions.any_reduced()) return {};
+  if (!regions.heeds_blades()) return {};
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * grains()->mean_edge());
   const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}, {}});
-  const auto is_condensed = [&](Index t) { return regions.is_condensed(t); };
-  return {may_expand && std::any_of(near.begin(), near.end(), is_condensed),
-          regions.in_the_way(elements(), near)};
+  return {regions.expands_for(near), regions.in_the_way(elements(), near)};
 }
 
 template <class Real>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/sim/world.h"
@@ -14,8 +13,8 @@ namespace lobe {
 template <class Real>
 void World<Real>::perform(const SetRegion& command) {
   check_tets(command.tets);
-  if (command.model == RegionModel::precomputed) refuse_precomputed(command.tets);
-  if (command.model == RegionModel::reduced) refuse_reduced(command.tets);
+  if (const auto option = option_of(command.model)) refuse_excluded(*option, options_of(setup_), "region");
+  body_.regions.refuse(command.model, command.tets, body_.model, setup_.lattice_cell);
   std::vector<Index> tets = command.tets;
   sort_unique(tets);
   std::erase_if(tets, [&](Index t) { return !elements().topology.alive(t); });
@@ -27,35 +26,16 @@ void World<Real>::perform(const SetRegion& command) {
 }
 
 template <class Real>
-void World<Real>::refuse_precomputed(const std::vector<Index>& tets) const {
-  refuse_excluded(Option::precomputed, options_of(setup_), "region");
-  Elements changed = elements();
-  for (Index t : tets) changed.region_of[t] = RegionModel::precomputed;
-  refuse_unsupported(changed, held());
-  body_.regions.refuse_large(changed, held());
-}
-
-template <class Real>
-void World<Real>::refuse_reduced(const std::vector<Index>& tets) const {
-  refuse_excluded(Option::reduced, options_of(setup_), "region");
-  if (body_.regions.has_lattice()) return;
-  Elements changed = elements();
-  for (Index t : tets) changed.region_of[t] = RegionModel::reduced;
-  choose_lattice(changed, setup_.lattice_cell);
-}
-
-template <class Real>
 void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
   synchronise_velocities();
   state();
-  const auto is_reduced = [&](Index t) { return elements().region_of[t] == RegionModel::reduced; };
   const auto change = [&] {
     RegionEdit edit = change_of_region(tets, model);
     if (edit.left.empty()) return;
     journal_.edits.push_back(SetRegion{edit.left, model});
     follow(std::move(edit));
   };
-  if (model == RegionModel::reduced || std::any_of(tets.begin(), tets.end(), is_reduced))
+  if (body_.regions.is_transition(elements(), tets, model))
     as_transition(change);
   else
     change();
@@ -94,7 +74,7 @@ template <class Real>
 void World<Real>::perform(const EndCondensing& command) {
   synchronise_velocities();
   const bool is_condensed = body_.regions.end_condensing(elements());
-  if (!body_.regions.is_expanded()) move_mass();
+  move_mass();
   ++body_.model.revisions.structure;
   limit_.forget();
   journal_.edits.push_back(command);
@@ -126,7 +106,7 @@ template <class Real>
 void World<Real>::perform(const Relinearise& command) {
   if (!(command.delay > 0))
     throw InputError("region", "the delay until it is relinearised must be above 0 s");
-  if (body_.regions.is_condensing() || !body_.regions.any_condensed()) return;
+  if (!body_.regions.can_begin_condensing()) return;
   const Mat3X<double> u = displacements().template cast<double>();
   perform(BeginCondensing{time() + command.delay,
                           std::make_shared<std::vector<double>>(u.data(), u.data() + u.size())});
@@ -135,7 +115,7 @@ void World<Real>::perform(const Relinearise& command) {
 template <class Real>
 void World<Real>::perform(const Expand& command) {
   if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
-  if (body_.regions.is_expanded() || !body_.regions.any_condensed()) return;
+  if (!body_.regions.may_expand()) return;
   synchronise_velocities();
   state();
   set_expanded(true);
@@ -183,7 +163,7 @@ void World<Real>::set_expanded(bool is_expanded) {
 template <class Real>
 bool World<Real>::embed(const std::vector<Index>& also_pressed) {
   Regions<Real>& regions = body_.regions;
-  if (!regions.any_reduced() && !regions.any_embedded()) return false;
+  if (!regions.any_roles()) return false;
   FullZones::Sight sight;
   sight.damping = body_.damping;
   sight.pressed = also_pressed;

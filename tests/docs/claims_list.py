@@ -78,7 +78,8 @@ def watching(regions, tets):
 def example(name):
     """The numbers that the test of an example expects of its output."""
     text = (ROOT / "examples" / "CMakeLists.txt").read_text(encoding="utf-8")
-    return re.findall(r"\d+\.\d\d", re.search(rf"lobe_example\({name}\s+\"(.*?)\"", text)[1].replace("\\\\", ""))
+    printed = re.search(rf"lobe_example\({name}\s+\"(.*?)\"", text)[1]
+    return re.findall(r"\d+\.\d\d", printed.replace("\\\\", ""))
 
 
 def cylinder(row):

@@ -214,8 +214,8 @@ def wide_comments(root):
                 yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
 
 
-CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary, list_of_folders,
-          cycle_of_folders, figures, wide_comments)
+CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary,
+          list_of_folders, cycle_of_folders, figures, wide_comments)
 
 
 def main(root):

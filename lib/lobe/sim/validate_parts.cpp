@@ -59,8 +59,8 @@ void validate_embedding(const LatticeRegion<Real>& region, const Dynamics<Real>&
               "lattice: one finite displacement and velocity per node");
 }
 
-// All mass of the tetrahedra is somewhere. Added mass is counted apart. Of a condensed interior, the part that
-// moves with what is held is nowhere.
+// All mass of the tetrahedra is somewhere. Added mass is counted apart. Of a condensed interior, the part
+// that moves with what is held is nowhere.
 template <class Real>
 void validate_total_mass(const LatticeRegion<Real>& region, const Dynamics<Real>& body) {
   const bool is_condensed = body.regions.any_condensed() && !body.regions.is_expanded();

@@ -316,7 +316,7 @@ std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, doubl
   return rows;
 }
 
-// Grasps move the other way: a gesture that nothing was chosen by.
+// Grasps move the other way.
 Scene reversed(Scene scene) {
   for (Tool& tool : scene.tools)
     if (tool.type == GraspSetup::type)

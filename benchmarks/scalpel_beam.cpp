@@ -1,0 +1,67 @@
+// Statics of a beam with a slit, cut by a blade and on a mesh that follows the slit.
+#include "benchmarks/scalpel.h"
+#include "lobe/mesh/generators.h"
+#include "lobe/solve/static_solver.h"
+
+namespace lobe::bench {
+namespace {
+
+Setup slit_beam(int n) {
+  Setup setup;
+  setup.mesh = box_mesh({0.16, 0.04, 0.04}, 16 * n, 4 * n, 4 * n);
+  setup.materials = {{4e5, 1e5, 1000}};
+  return setup;
+}
+
+double sag(Setup setup) {
+  const auto tets = std::size_t(setup.mesh.tet_count());
+  setup.scalpels.clear();
+  setup.gravity = {0, 0, -9.81};
+  setup.material_of.assign(tets, 0);
+  setup.region_of.assign(tets, RegionModel::tensor_mass);
+  setup.prescribed.clear();
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) < 1e-9) setup.prescribed.push_back({v});
+  const StaticResult solved = solve_static(setup);
+  if (!solved.converged) throw WrongResult("the beam has no equilibrium: " + solved.reason);
+  double sum = 0;
+  int count = 0;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) > 0.16 - 1e-9) {
+      sum -= solved.u(2, v);
+      ++count;
+    }
+  return sum / count;
+}
+
+TetMesh conforming_mesh(const Grains& grains) {
+  TetMesh mesh{Mat3X<double>(3, grains.point_count()), Tets(4, grains.count()), {}};
+  for (Index p = 0; p < grains.point_count(); ++p) mesh.points.col(p) = grains.point(p);
+  for (Index g = 0; g < grains.count(); ++g) mesh.tets.col(g) = grains[g].points;
+  mesh.labels.assign(std::size_t(grains.count()), 0);
+  return mesh;
+}
+
+}  // namespace
+
+BeamRow measure_beam(int n) {
+  Setup setup = slit_beam(n);
+  const auto tets = std::size_t(setup.mesh.tet_count());
+  setup.material_of.assign(tets, 0);
+  setup.region_of.assign(tets, RegionModel::tensor_mass);
+  BeamRow row{10.0 / n, setup.mesh.tet_count()};
+  row.whole = sag(setup);
+  setup.scalpels = {on_path(
+      {{{0.068, -0.02, 0.06}, {0.068, 0.06, 0.06}}, {{0.083, -0.02, 0.02}, {0.083, 0.06, 0.02}}}, 20)};
+  World<double> world(setup);
+  play_cut(world, 20);
+  CompactMesh compacted;
+  row.cut = sag(world.current_setup(compacted));
+  row.grains = world.grains()->count();
+  Setup fine = slit_beam(n);
+  fine.mesh = conforming_mesh(*world.grains());
+  row.conforming = sag(fine);
+  return row;
+}
+
+}  // namespace lobe::bench

@@ -46,6 +46,30 @@ LimitRow measure_limit(const std::string& name, Setup setup, double cut_step, in
   return {name, cut_step, planes, limits.front(), median(limits), added.back(), median(added)};
 }
 
+void bench_beams(const Options& options) {
+  std::printf("\n%8s %8s %8s %10s %10s %12s %10s\n", "cell mm", "tets", "grains", "whole m", "cut m",
+              "conforming m", "rim, edges");
+  std::vector<BeamRow> rows;
+  std::ostringstream beams, orders;
+  beams << "cell_mm,tets,grains,whole_m,cut_m,conforming_m,rim_edges\n" << std::setprecision(6);
+  for (int n = 1; n <= (options.quick ? 1 : 5); ++n) {
+    const BeamRow& r = rows.emplace_back(measure_beam(n));
+    std::printf("%8.2f %8d %8d %10.6f %10.6f %12.6f %10.2f\n", r.cell_mm, r.tets, r.grains, r.whole, r.cut,
+                r.conforming, r.rim);
+    beams << r.cell_mm << ',' << r.tets << ',' << r.grains << ',' << r.whole << ',' << r.cut << ','
+          << r.conforming << ',' << r.rim << '\n';
+  }
+  io::write_file(options.output / "scalpel_beam.csv", beams.str());
+  if (rows.size() < 3) return;
+  const SagOrders found = fit_orders(rows);
+  std::printf("order %.2f cut, %.2f conforming, of one limit %.5f m; rms %.2g m\n", found.cut,
+              found.conforming, found.limit, found.rms);
+  orders << "meshes,limit_m,cut_order,conforming_order,rms_m\n"
+         << std::setprecision(4) << rows.size() << ',' << found.limit << ',' << found.cut << ','
+         << found.conforming << ',' << found.rms << '\n';
+  io::write_file(options.output / "scalpel_beam_order.csv", orders.str());
+}
+
 }  // namespace
 
 void bench_scalpel(const Options& options) {
@@ -53,7 +77,7 @@ void bench_scalpel(const Options& options) {
   print_head_of_costs();
   std::vector<CostRow> costs;
   const auto cost = [&](const std::string& name, Setup setup, RegionModel model, const char* region) {
-    std::fill(setup.region_of.begin(), setup.region_of.end(), model);
+    give(model, setup);
     print(costs.emplace_back(measure_costs(name, region, setup)));
   };
   const Setup liver = liver_setup();
@@ -67,6 +91,21 @@ void bench_scalpel(const Options& options) {
   }
   io::write_file(options.output / "scalpel.csv", csv(costs));
 
+  Setup condensed = liver;
+  give(RegionModel::precomputed, condensed);
+  const ShortBlades edits = measure_short_blades("liver_10k", condensed, options.quick ? 1 : 5);
+  std::printf(
+      "\npre-computed liver, exact edits: %.0f us per tetrahedron at %.1f in a frame, %.0f us at %.2f; a "
+      "frame takes "
+      "%.2f ms, the slowest %.2f ms\n",
+      edits.tet_us, edits.tets, edits.single_us, edits.single_tets, edits.frame_ms, edits.slowest_ms);
+  std::ostringstream precomputed;
+  precomputed << "mesh,tets,frame_tets,tet_us,frame_ms,slowest_frame_ms,single_us,single_tets,error\n"
+              << std::setprecision(4) << "liver_10k," << liver.mesh.tet_count() << ',' << edits.tets << ','
+              << edits.tet_us << ',' << edits.frame_ms << ',' << edits.slowest_ms << ',' << edits.single_us
+              << ',' << edits.single_tets << ',' << edits.error << '\n';
+  io::write_file(options.output / "scalpel_precomputed.csv", precomputed.str());
+
   std::printf("\n%-11s %8s %6s %8s %8s %10s %10s\n", "mesh", "cut_step", "planes", "worst", "median",
               "most mass", "median");
   std::ostringstream limits;
@@ -76,7 +115,8 @@ void bench_scalpel(const Options& options) {
       {"liver_2k", organ_setup(read_mesh(std::string(LOBE_DATA_DIR) + "/meshes/liver_2k.vtu").mesh)}};
   for (const auto& [name, setup] : livers)
     for (const double cut_step : {0.75, 0.0}) {
-      const LimitRow r = measure_limit(name, setup, cut_step, options.quick ? 2 : 12);
+      const bool few = options.quick && setup.mesh.tet_count() > 5000;
+      const LimitRow r = measure_limit(name, setup, cut_step, few ? 2 : 12);
       std::printf("%-11s %8.2f %6d %8.3f %8.3f %10.5f %10.5f\n", r.mesh.c_str(), r.cut_step, r.planes,
                   r.worst, r.median, r.most_added, r.median_added);
       limits << r.mesh << ',' << r.cut_step << ',' << r.planes << ',' << r.worst << ',' << r.median << ','
@@ -84,18 +124,7 @@ void bench_scalpel(const Options& options) {
     }
   io::write_file(options.output / "scalpel_limit.csv", limits.str());
 
-  std::printf("\n%8s %8s %8s %10s %10s %12s\n", "cell mm", "tets", "grains", "whole m", "cut m",
-              "conforming m");
-  std::ostringstream beams;
-  beams << "cell_mm,tets,grains,whole_m,cut_m,conforming_m\n" << std::setprecision(6);
-  for (int n = 1; n <= (options.quick ? 1 : 5); ++n) {
-    const BeamRow r = measure_beam(n);
-    std::printf("%8.2f %8d %8d %10.6f %10.6f %12.6f\n", r.cell_mm, r.tets, r.grains, r.whole, r.cut,
-                r.conforming);
-    beams << r.cell_mm << ',' << r.tets << ',' << r.grains << ',' << r.whole << ',' << r.cut << ','
-          << r.conforming << '\n';
-  }
-  io::write_file(options.output / "scalpel_beam.csv", beams.str());
+  bench_beams(options);
 }
 
 }  // namespace lobe::bench

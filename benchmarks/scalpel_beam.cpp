@@ -1,4 +1,8 @@
 // Statics of a beam with a slit, cut by a blade and on a mesh that follows the slit.
+#include <Eigen/QR>
+#include <cmath>
+#include <limits>
+
 #include "benchmarks/scalpel.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/solve/static_solver.h"
@@ -54,7 +58,8 @@ BeamRow measure_beam(int n) {
   setup.scalpels = {on_path(
       {{{0.068, -0.02, 0.06}, {0.068, 0.06, 0.06}}, {{0.083, -0.02, 0.02}, {0.083, 0.06, 0.02}}}, 20)};
   World<double> world(setup);
-  play_cut(world, 20);
+  const double swept = 0.04 * std::hypot(0.0075, 0.02);  // within the beam [m²]
+  row.rim = (play_cut(world, 20).area - swept) / (0.04 * world.grains()->mean_edge());
   CompactMesh compacted;
   row.cut = sag(world.current_setup(compacted));
   row.grains = world.grains()->count();
@@ -62,6 +67,32 @@ BeamRow measure_beam(int n) {
   fine.mesh = conforming_mesh(*world.grains());
   row.conforming = sag(fine);
   return row;
+}
+
+SagOrders fit_orders(const std::vector<BeamRow>& rows) {
+  const auto n = Eigen::Index(rows.size());
+  Eigen::MatrixXd powers = Eigen::MatrixXd::Zero(2 * n, 3);
+  Eigen::VectorXd sags(2 * n);
+  powers.col(0).setOnes();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    sags[i] = rows[std::size_t(i)].cut;
+    sags[n + i] = rows[std::size_t(i)].conforming;
+  }
+  SagOrders best;
+  best.rms = std::numeric_limits<double>::infinity();
+  constexpr int most = 300;  // hundredths
+  for (int p = 10; p <= most; ++p)
+    for (int q = 10; q <= most; ++q) {
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const double h = rows[std::size_t(i)].cell_mm;
+        powers(i, 1) = -std::pow(h, 0.01 * p);
+        powers(n + i, 2) = -std::pow(h, 0.01 * q);
+      }
+      const Eigen::Vector3d fit = powers.householderQr().solve(sags);
+      const double rms = (powers * fit - sags).norm() / std::sqrt(double(2 * n));
+      if (rms < best.rms) best = {fit[0], 0.01 * p, 0.01 * q, rms};
+    }
+  return best;
 }
 
 }  // namespace lobe::bench

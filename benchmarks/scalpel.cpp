@@ -62,11 +62,12 @@ void bench_beams(const Options& options) {
   io::write_file(options.output / "scalpel_beam.csv", beams.str());
   if (rows.size() < 3) return;
   const SagOrders found = fit_orders(rows);
-  std::printf("order %.2f cut, %.2f conforming, of one limit %.5f m; rms %.2g m\n", found.cut,
-              found.conforming, found.limit, found.rms);
-  orders << "meshes,limit_m,cut_order,conforming_order,rms_m\n"
+  std::printf(
+      "order %.2f cut, %.2f conforming, of one limit %.5f m; rms %.2g m; %.2f to %.2f without one mesh\n",
+      found.cut, found.conforming, found.limit, found.rms, found.least, found.most);
+  orders << "meshes,limit_m,cut_order,conforming_order,rms_m,least_order,most_order\n"
          << std::setprecision(4) << rows.size() << ',' << found.limit << ',' << found.cut << ','
-         << found.conforming << ',' << found.rms << '\n';
+         << found.conforming << ',' << found.rms << ',' << found.least << ',' << found.most << '\n';
   io::write_file(options.output / "scalpel_beam_order.csv", orders.str());
 }
 

@@ -96,6 +96,7 @@ struct SagOrders {
   double limit = 0;                // s [m]
   double cut = 0, conforming = 0;  // p
   double rms = 0;                  // of what is left [m]
+  double least = 0, most = 0;      // of both orders where any one mesh is left out; 0: too few meshes
 };
 SagOrders fit_orders(const std::vector<BeamRow>& rows);  // at least three
 

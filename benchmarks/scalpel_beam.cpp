@@ -1,5 +1,6 @@
 // Statics of a beam with a slit, cut by a blade and on a mesh that follows the slit.
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -69,7 +70,9 @@ BeamRow measure_beam(int n) {
   return row;
 }
 
-SagOrders fit_orders(const std::vector<BeamRow>& rows) {
+namespace {
+
+SagOrders least_squares(const std::vector<BeamRow>& rows) {
   const auto n = Eigen::Index(rows.size());
   Eigen::MatrixXd powers = Eigen::MatrixXd::Zero(2 * n, 3);
   Eigen::VectorXd sags(2 * n);
@@ -93,6 +96,22 @@ SagOrders fit_orders(const std::vector<BeamRow>& rows) {
       if (rms < best.rms) best = {fit[0], 0.01 * p, 0.01 * q, rms};
     }
   return best;
+}
+
+}  // namespace
+
+SagOrders fit_orders(const std::vector<BeamRow>& rows) {
+  SagOrders found = least_squares(rows);
+  if (rows.size() < 4) return found;
+  found.least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<BeamRow> others = rows;
+    others.erase(others.begin() + std::ptrdiff_t(i));
+    const SagOrders without = least_squares(others);
+    found.least = std::min({found.least, without.cut, without.conforming});
+    found.most = std::max({found.most, without.cut, without.conforming});
+  }
+  return found;
 }
 
 }  // namespace lobe::bench

@@ -54,4 +54,6 @@ TEST_CASE("the orders of sags that follow powers of the cells are found to a hun
   CHECK(std::abs(found.conforming - 0.92) < 1e-9);
   CHECK(std::abs(found.limit - 0.03) < 1e-9);
   CHECK(found.rms < 1e-12);
+  CHECK(std::abs(found.least - 0.75) < 1e-9);
+  CHECK(std::abs(found.most - 0.92) < 1e-9);
 }

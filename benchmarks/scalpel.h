@@ -75,6 +75,8 @@ struct CostRow {
 CostRow measure_costs(const std::string& mesh, const char* region, const Setup& setup);
 // The median of so many worlds; throws as well.
 ShortBlades measure_short_blades(const std::string& mesh, const Setup& setup, int worlds);
+// Of one full cut in 60 frames, per cut tetrahedron.
+double full_cut_us(const Setup& setup);
 void print_head_of_costs();
 void print(const CostRow& row);
 std::string csv(const std::vector<CostRow>& rows);

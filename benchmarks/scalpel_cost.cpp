@@ -240,6 +240,16 @@ ShortBlades measure_short_blades(const std::string& name, const Setup& whole, in
   return row;
 }
 
+double full_cut_us(const Setup& whole) {
+  constexpr int frames = 60;
+  const FullStroke stroke = full_stroke(whole.mesh);
+  Setup setup = held_on_both_sides(whole, stroke);
+  setup.scalpels = {on_path(stroke, frames)};
+  World<float> world(setup);
+  const double seconds = play_cut(world, frames).seconds;
+  return 1e6 * seconds / cut_tets(world);
+}
+
 void print_head_of_costs() {
   std::printf("\n%-13s %-12s %6s %5s %6s %6s %6s %6s %6s %6s %7s %7s %7s %7s %5s %5s %5s %6s %6s %8s\n",
               "mesh", "region", "tets", "cut", "copies", "frames", "geom.", "all us", "sweep", "batch",

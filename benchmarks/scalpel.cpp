@@ -46,6 +46,43 @@ LimitRow measure_limit(const std::string& name, Setup setup, double cut_step, in
   return {name, cut_step, planes, limits.front(), median(limits), added.back(), median(added)};
 }
 
+void bench_precomputed(Setup condensed, const Options& options) {
+  give(RegionModel::precomputed, condensed);
+  const ShortBlades edits = measure_short_blades("liver_10k", condensed, options.quick ? 1 : 5);
+  std::printf(
+      "\npre-computed liver, exact edits: %.0f us per tetrahedron at %.1f in a frame, %.0f us at %.2f; "
+      "a frame takes %.2f ms, the slowest %.2f ms\n",
+      edits.tet_us, edits.tets, edits.single_us, edits.single_tets, edits.frame_ms, edits.slowest_ms);
+  std::ostringstream precomputed;
+  const double full_us = options.quick ? 0 : full_cut_us(condensed);  // 0: not measured
+  if (!options.quick) std::printf("a full cut: %.0f us per tetrahedron\n", full_us);
+  precomputed << "mesh,tets,frame_tets,tet_us,frame_ms,slowest_frame_ms,single_us,single_tets,full_us,error\n"
+              << std::setprecision(4) << "liver_10k," << condensed.mesh.tet_count() << ',' << edits.tets
+              << ',' << edits.tet_us << ',' << edits.frame_ms << ',' << edits.slowest_ms << ','
+              << edits.single_us << ',' << edits.single_tets << ',' << full_us << ',' << edits.error << '\n';
+  io::write_file(options.output / "scalpel_precomputed.csv", precomputed.str());
+}
+
+void bench_limits(const Setup& liver, const Options& options) {
+  std::printf("\n%-11s %8s %6s %8s %8s %10s %10s\n", "mesh", "cut_step", "planes", "worst", "median",
+              "most mass", "median");
+  std::ostringstream limits;
+  limits << "mesh,cut_step,planes,worst_limit,median_limit,most_added,median_added\n" << std::setprecision(4);
+  const std::pair<std::string, Setup> livers[] = {
+      {"liver_10k", liver},
+      {"liver_2k", organ_setup(read_mesh(std::string(LOBE_DATA_DIR) + "/meshes/liver_2k.vtu").mesh)}};
+  for (const auto& [name, setup] : livers)
+    for (const double cut_step : {0.75, 0.0}) {
+      const bool few = options.quick && setup.mesh.tet_count() > 5000;
+      const LimitRow r = measure_limit(name, setup, cut_step, few ? 2 : 12);
+      std::printf("%-11s %8.2f %6d %8.3f %8.3f %10.5f %10.5f\n", r.mesh.c_str(), r.cut_step, r.planes,
+                  r.worst, r.median, r.most_added, r.median_added);
+      limits << r.mesh << ',' << r.cut_step << ',' << r.planes << ',' << r.worst << ',' << r.median << ','
+             << r.most_added << ',' << r.median_added << '\n';
+    }
+  io::write_file(options.output / "scalpel_limit.csv", limits.str());
+}
+
 void bench_beams(const Options& options) {
   std::printf("\n%8s %8s %8s %10s %10s %12s %10s\n", "cell mm", "tets", "grains", "whole m", "cut m",
               "conforming m", "rim, edges");
@@ -91,42 +128,8 @@ void bench_scalpel(const Options& options) {
     cost(name, setup, RegionModel::tensor_mass, "tensor-mass");
   }
   io::write_file(options.output / "scalpel.csv", csv(costs));
-
-  Setup condensed = liver;
-  give(RegionModel::precomputed, condensed);
-  const ShortBlades edits = measure_short_blades("liver_10k", condensed, options.quick ? 1 : 5);
-  std::printf(
-      "\npre-computed liver, exact edits: %.0f us per tetrahedron at %.1f in a frame, %.0f us at %.2f; a "
-      "frame takes "
-      "%.2f ms, the slowest %.2f ms\n",
-      edits.tet_us, edits.tets, edits.single_us, edits.single_tets, edits.frame_ms, edits.slowest_ms);
-  std::ostringstream precomputed;
-  const double full_us = options.quick ? 0 : full_cut_us(condensed);  // 0: not measured
-  if (!options.quick) std::printf("a full cut: %.0f us per tetrahedron\n", full_us);
-  precomputed << "mesh,tets,frame_tets,tet_us,frame_ms,slowest_frame_ms,single_us,single_tets,full_us,error\n"
-              << std::setprecision(4) << "liver_10k," << liver.mesh.tet_count() << ',' << edits.tets << ','
-              << edits.tet_us << ',' << edits.frame_ms << ',' << edits.slowest_ms << ',' << edits.single_us
-              << ',' << edits.single_tets << ',' << full_us << ',' << edits.error << '\n';
-  io::write_file(options.output / "scalpel_precomputed.csv", precomputed.str());
-
-  std::printf("\n%-11s %8s %6s %8s %8s %10s %10s\n", "mesh", "cut_step", "planes", "worst", "median",
-              "most mass", "median");
-  std::ostringstream limits;
-  limits << "mesh,cut_step,planes,worst_limit,median_limit,most_added,median_added\n" << std::setprecision(4);
-  const std::pair<std::string, Setup> livers[] = {
-      {"liver_10k", liver},
-      {"liver_2k", organ_setup(read_mesh(std::string(LOBE_DATA_DIR) + "/meshes/liver_2k.vtu").mesh)}};
-  for (const auto& [name, setup] : livers)
-    for (const double cut_step : {0.75, 0.0}) {
-      const bool few = options.quick && setup.mesh.tet_count() > 5000;
-      const LimitRow r = measure_limit(name, setup, cut_step, few ? 2 : 12);
-      std::printf("%-11s %8.2f %6d %8.3f %8.3f %10.5f %10.5f\n", r.mesh.c_str(), r.cut_step, r.planes,
-                  r.worst, r.median, r.most_added, r.median_added);
-      limits << r.mesh << ',' << r.cut_step << ',' << r.planes << ',' << r.worst << ',' << r.median << ','
-             << r.most_added << ',' << r.median_added << '\n';
-    }
-  io::write_file(options.output / "scalpel_limit.csv", limits.str());
-
+  bench_precomputed(liver, options);
+  bench_limits(liver, options);
   bench_beams(options);
 }
 

@@ -52,16 +52,6 @@ double seconds_to_rebuild(World<float>& world) {
   return watch.seconds();
 }
 
-// All of the body, but of a pre-computed one what is beyond four fifths of its length: that has an interface.
-void give(RegionModel model, Setup& setup) {
-  const auto x = setup.mesh.points.row(0);
-  const double end = x.minCoeff() + 0.8 * (x.maxCoeff() - x.minCoeff());
-  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
-    const bool beyond = model == RegionModel::precomputed && barycentre(setup.mesh, t).x() > end;
-    setup.region_of[std::size_t(t)] = beyond ? RegionModel::nonlinear : model;
-  }
-}
-
 CutRow measure(const char* name, const Setup& setup, Index batch) {
   CutRow row{name, setup.mesh.tet_count(), batch};
   World<float> world(setup);

@@ -219,6 +219,15 @@ Setup liver_setup() {
   return organ_setup(read_mesh(std::filesystem::path(LOBE_DATA_DIR) / "meshes/liver_10k.vtu").mesh);
 }
 
+void give(RegionModel model, Setup& setup) {
+  const auto x = setup.mesh.points.row(0);
+  const double end = x.minCoeff() + 0.8 * (x.maxCoeff() - x.minCoeff());
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const bool beyond = model == RegionModel::precomputed && barycentre(setup.mesh, t).x() > end;
+    setup.region_of[std::size_t(t)] = beyond ? RegionModel::nonlinear : model;
+  }
+}
+
 Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(mesh_name)), setup(body) {
   const Index n = setup.mesh.vertex_count();
   const double cell = std::cbrt(6 * total_volume(setup.mesh) / setup.mesh.tet_count());

@@ -22,6 +22,10 @@ Setup shuffled(const Setup& setup);
 Setup organ_setup(const TetMesh& mesh);
 Setup liver_setup();
 
+// Gives the model to all of the body, but of a pre-computed one not to what is beyond four fifths of its
+// length: that has an interface.
+void give(RegionModel model, Setup& setup);
+
 // A body with every vertex moved at random by a tenth of a cell of six tetrahedra: strains are large, and
 // forces do not cancel out. Displacements are representable in single precision.
 struct Specimen {

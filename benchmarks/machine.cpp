@@ -75,4 +75,13 @@ double resident_bytes() {
   return pages >> all >> resident ? resident * double(sysconf(_SC_PAGESIZE)) : 0;
 }
 
+double allocated_bytes() {
+#ifdef __GLIBC__
+  const struct mallinfo2 now = mallinfo2();
+  return double(now.uordblks) + double(now.hblkhd);
+#else
+  return 0;
+#endif
+}
+
 }  // namespace lobe::bench

@@ -17,4 +17,8 @@ std::string machine_line();
 // first.
 double resident_bytes();
 
+// What it has allocated now [bytes], to the byte, with what the allocator adds; 0 where that cannot be asked
+// for.
+double allocated_bytes();
+
 }  // namespace lobe::bench

@@ -80,8 +80,8 @@
 //     held.
 //   lumped mass: a diagonal mass matrix, a quarter of each tetrahedron's mass at each corner.
 //   selective mass: inertia that is larger for short waves, so that steps may be longer.
-//   mass floor: mass added where a blade has cut, so that the stable step does not shrink below a set share
-//     (cut_step).
+//   mass floor: mass added where a blade has divided tetrahedra, so that the stable step should not shrink
+//     below a set share (cut_step).
 //   watch: the part of lobe that estimates an error while a scene runs, and asks for corrections.
 //   sleep: the state of parts that do not move, which are not evaluated until they do.
 //   guard: an energy that keeps crushed non-linear tetrahedra from collapsing.

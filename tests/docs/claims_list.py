@@ -1,6 +1,7 @@
 """The claims that claims.py checks: a page, and its text with numbers from the tables."""
 import re
 
+import claims_scalpel
 from results import ROOT, alone, corrected, high, kernel, low, one, percent, rows, span
 
 PRECOMPUTED = dict(representation="precomputed", tets=10299)
@@ -84,19 +85,6 @@ def example(name):
 
 def cylinder(row):
     return " / ".join(example("02_cylinder_volume")[3 * row:3 * row + 3])
-
-
-# Of the liver, the cube and the finer liver; bold where it is above what was aimed at.
-def blade(column, most, region="nonlinear", digits=2):
-    found = [f"{one('scalpel', column, mesh=mesh, region=region):.{digits}f}" for mesh in ("liver_10k", "cube_48k", "liver_0.00575")]
-    missed = [float(figure) > most for figure in found]
-    if all(missed):
-        return f"**{'; '.join(found)}**"
-    return "; ".join(f"**{figure}**" if is_missed else figure for figure, is_missed in zip(found, missed))
-
-
-def cuts_left(column, cut_step, digits):
-    return f"{one('scalpel_limit', column, mesh='liver_10k', cut_step=cut_step):.{digits}f}"
 
 
 def by_lattice(tets):
@@ -306,21 +294,6 @@ CLAIMS = [
                 f"({high(rows('gestures', regions='precomputed-corrected', tets=2925), 'watching') * 100:.0f} % at 2,925)"),
     (B, lambda: f"masses {span(rows('gestures', regions='selective-mass-corrected', tets=[10299, 12022]), 'watching', 1, 100)} % "
                 f"at 10,299 and 12,022, {watching('selective-mass-corrected', 50247)} % at 50,247"),
-    (B, lambda: f"| geometry per cut tetrahedron [µs] | 5 | {blade('geometry_us', 5, digits=1)} |"),
-    (B, lambda: f"| the same, all in one sweep [µs] | 5 | {blade('sweep_us', 5, digits=1)} |"),
-    (B, lambda: f"| all, non-linear, in batches of 8; 47; 24 [µs, wall] | 12 | {blade('all_us', 12, digits=0)} |"),
-    (B, lambda: f"| non-linear, all in one frame [µs, wall] | 12 | {blade('batch_us', 12, digits=0)} |"),
-    (B, lambda: f"| tensor-mass, all in one frame [µs, wall] | 15 | {blade('batch_us', 15, 'tensor-mass', 0)} |"),
-    (B, lambda: f"| all, tensor-mass [µs, wall] | 15 | {blade('all_us', 15, 'tensor-mass', 0)} |"),
-    (B, lambda: f"| frame of a 40 mm blade, mean [ms, wall] | 0.3 | {blade('frame_ms', 0.3)} | tensor-mass: {blade('frame_ms', 9, 'tensor-mass')} |"),
-    (B, lambda: f"| its slowest frame [ms, wall] | – | {blade('slowest_frame_ms', 9)} | tensor-mass: {blade('slowest_frame_ms', 9, 'tensor-mass')} |"),
-    (B, lambda: f"non-linear then; tensor-mass | – | {blade('loose_ratio', 9, 'tensor-mass')} |"),
-    (B, lambda: f"| bytes of grains per cut tetrahedron | 400 | {blade('bytes', 400, digits=0)} |"),
-    (B, lambda: f"| step after a full cut, non-linear | 1.10 | {blade('step_ratio', 1.1)} |"),
-    (B, lambda: f"| the same, tensor-mass | 1.10 | {blade('step_ratio', 1.1, 'tensor-mass')} | copies add edges and vertices; a "
-                f"world built afresh from the cut body takes {blade('fresh_ratio', 9, 'tensor-mass')} |"),
-    (B, lambda: f"worst; median | 0.7; 0.95 | {cuts_left('worst_limit', 0.75, 3)}; {cuts_left('median_limit', 0.75, 2)} | "
-                f"without the floor {cuts_left('worst_limit', 0, 2)}; {cuts_left('median_limit', 0, 2)} |"),
     (B, lambda: f"`page.csv` has {page('p50_ms')[0]} and {page('p95_ms')[0]} ms all by software, and {page('p50_ms')[1]} and "
                 f"{page('p95_ms')[1]} ms where only WebGL is by software"),
     (B, lambda: f"Undeclared ones: {ends(held('liver_undeclared', tets__ge=10000), '.1f')} times the tolerance "
@@ -344,11 +317,6 @@ CLAIMS = [
     (B, lambda: f"a picture takes {session(2103, 'publish_us'):.0f} µs, the digest and the record "
                 f"{session(2103, 'seal_us') + session(2103, 'keep_us'):.0f} µs"),
     (B, lambda: f"with the page open runs at {span(rows('page'), 'possible_factor')} times real time"),
-    (B, lambda: f"| mass of the floor per full cut, most | 1 % | {percent(one('scalpel_limit', 'most_added', mesh='liver_10k', cut_step=0.75), 2)} | "
-                f"on the shipped liver of 2,103 tetrahedra **{percent(one('scalpel_limit', 'most_added', mesh='liver_2k', cut_step=0.75), 2)}** in one cut of "
-                f"twelve, median {percent(one('scalpel_limit', 'median_added', mesh='liver_2k', cut_step=0.75), 2)} |"),
-    (B, lambda: "cells of 10; 5; 3.3; 2.5; 2 mm | the mesh's rate | −" + "; −".join(
-        f"{100 * (1 - row['cut_m'] / row['conforming_m']):.1f}" for row in rows("scalpel_beam")) + " %"),
     (T, lambda: f"| 0.3 | {beam('ν = 0.3, 2 cells across')} |"),
     (T, lambda: f"| 0.45 | {beam('ν = 0.45, 2 cells across, locked')} |"),
     (T, lambda: f"| 0.499 | {beam('ν = 0.499, 2 cells across, locked')} (7.14) | 19.91 | "
@@ -356,4 +324,4 @@ CLAIMS = [
                 f"{beam('ν = 0.499, 2 cells across, nodal pressure 1')} ({beam('ν = 0.499, 4 cells across, nodal pressure 1')}) |"),
     (B, lambda: f"At 2,925 tetrahedra the tolerance is not kept: the largest error is "
                 f"{span(corrected(tets=2925), 'largest_error', 1, 100)} %"),
-]
+] + claims_scalpel.CLAIMS

@@ -82,12 +82,35 @@ await page.mouse.up();
 
 // ---- Cut
 
-const tets = await page.evaluate(() => lobe.status.tets);
+// What the organ's surface encloses at rest: all grains of all tetrahedra, which a scalpel only parts.
+const sizes = () =>
+  page.evaluate(() => {
+    const {triangles, rest} = lobe.organ.surface;
+    let volume = 0;
+    for (let i = 0; i < triangles.length; i += 3) {
+      const [a, b, c] = [0, 1, 2].map(k => rest.subarray(3 * triangles[i + k], 3 * triangles[i + k] + 3));
+      volume += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]);
+      volume += a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return {tets: lobe.status.tets, cutFaces: lobe.organ.cutCount, volume: volume / 6};
+  });
+const burnt = await page.evaluate(() => lobe.frames);
+check(await until(page, n => lobe.frames > n + 5, burnt), 'the cautery is off');
+const whole = await sizes();
 await page.keyboard.press('x');
 await drag(page, {x: at.x - 20, y: at.y - 40}, 10, 90);
-check(await until(page, n => lobe.status.tets > n, tets), 'the scalpel parts tetrahedra and takes none away');
+check(
+  await until(page, s => lobe.status.tets > s.tets && lobe.organ.cutCount > s.cutFaces, whole),
+  'the scalpel parts tetrahedra and opens faces',
+);
 await shot(page, 'cutting');
 await page.mouse.up();
+const parted = await sizes();
+const lost = 1 - parted.volume / whole.volume; // a tetrahedron is some 5e-4
+check(
+  Math.abs(lost) < 1e-5,
+  `and takes none away: ${parted.tets - whole.tets} copies, ${lost.toExponential(1)} of the volume lost`,
+);
 
 // ---- A spectator, and hand-over
 

@@ -65,8 +65,8 @@ struct Setup : Body, ToolSetups {
   // Steps are this share of the stable step 2/ω_max, above 0 and up to 2. Above 1 they are unstable, and only
   // the repetition of failed frames limits the damage.
   double safety = 0.9;
-  // Blades may shorten the stable step to this share of that of the uncut body. Mass is added where they have
-  // cut (mass_floor.h), so that it is no shorter; 0 adds none. Explicit integrator only.
+  // The share of the uncut body's stable step that blades should leave. Mass is added where they have
+  // divided tetrahedra (mass_floor.h); 0 adds none. Explicit integrator only.
   double cut_step = 0.75;
   // The highest frequency of a vertex at a cut, ω* [rad/s]; 0: that of the uncut body over cut_step.
   double cut_frequency = 0;

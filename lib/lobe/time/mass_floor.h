@@ -5,8 +5,8 @@
 //
 //   ω_max² ≤ max_i ( Σ_{T∋i} m_T,i ω_T² ) / m_i
 //
-// So frequencies at the vertices of copies stay below ω* if m_i ≥ Σ m_T,i ω_T² / ω*² there (theory, section
-// 9).
+// At vertices of divided tetrahedra m_i is raised to Σ m_T,i ω_T² / ω*². Others at the cut are not raised, so
+// that ω_max ≤ ω* is measured and not proved (theory, section 9).
 #pragma once
 
 #include "lobe/fem/elements.h"
@@ -18,7 +18,7 @@ struct MassFloor {
   bool counts_precomputed =
       true;  // tetrahedra of condensed regions take no steps, unless these can be expanded
 
-  // The least mass of a vertex [kg]: 0 where no copy of a tetrahedron is near. `squares`, if given, stores
+  // The least mass of a vertex [kg]: 0 where no tetrahedron is divided. `squares`, if given, stores
   // ω_T² of each tetrahedron of the start; 0: not computed yet.
   double at(const Elements& elements, Index vertex, std::vector<double>* squares = nullptr) const;
 };

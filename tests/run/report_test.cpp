@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/scene/frames.h"
+#include "lobe/sim/world.h"
 #include "near.h"
 #include "run/small_scene.h"
 
@@ -247,4 +249,47 @@ TEST_CASE("a run that ends early says why, and its frames are finite") {
       for (const auto& [name, values] : *arrays) CHECK_MESSAGE(values.allFinite(), name);
   }
   for (const Json& entry : report["series"]) CHECK(entry["energy"]["total"].is_number());
+}
+
+TEST_CASE("the report tells what a scalpel has cut, as a world does that plays the same scene") {
+  const Folder folder;
+  Json json = small_scene();
+  json["tools"] = {
+      {{"type", "scalpel"},
+       {"path",
+        {{0.02, 0.053, -0.01, 0.03, 0.053, 0.03, 0.03}, {0.2, 0.056, -0.01, -0.02, 0.056, 0.03, -0.02}}}}};
+  const std::filesystem::path file = write_scene_files(folder, json);
+  REQUIRE(play(file, folder.path / "out").ok);
+  const Json report = report_in(folder.path / "out");
+
+  const Scene scene = read_scene(file);
+  World<float> world(resolve(scene, beam_mesh()).setup);
+  const Frames frames = frames_of(scene.time);
+  double area = 0;
+  Index copied = 0;
+  Report last;
+  for (int i = 0; i < frames.count; ++i) {
+    last = world.advance(frames.length);
+    area += last.cut_area;
+    copied += last.tets_copied;
+  }
+  double mass = 0, weight = 0;
+  const Topology& topology = world.elements().topology;
+  for (Index v = 0; v < topology.vertex_count(); ++v) {
+    mass += world.body().inertia.mass()[std::size_t(v)];
+    weight += world.body().inertia.weighs(v);
+  }
+  CHECK(weight == near(1000 * 0.08 * 0.02 * 0.02, 1e-6));
+  CHECK(area > 0.9 * 0.02 * 0.02);
+  CHECK(copied == topology.tet_copy_count());
+  CHECK(copied > 20);
+  CHECK(last.mass_added > 0);
+  CHECK(last.mass_added == near(mass - weight, 1e-9, mass));
+  CHECK(report["scalpel"] ==
+        Json{{"cut_area_m2", area}, {"tetrahedra_copied", copied}, {"mass_added_kg", last.mass_added}});
+  CHECK(report["series"].back()["tetrahedra"] == beam_mesh().tet_count() + copied);
+  CHECK(report["tetrahedra_removed"] == 0);
+
+  play(write_scene_files(folder), folder.path / "other");
+  CHECK_FALSE(report_in(folder.path / "other").contains("scalpel"));
 }

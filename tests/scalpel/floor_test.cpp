@@ -4,7 +4,10 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
+
 #include "fibre_support.h"
+#include "lobe/io/mesh_io.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/validate.h"
 #include "near.h"
@@ -71,6 +74,49 @@ TEST_CASE("with the floor a diced body keeps 0.7 of its time step, and without i
   CHECK(plain.body().inertia.mass_of_floor() == 0);
   const double added = total(kept.body().inertia.mass()) - total(plain.body().inertia.mass());
   CHECK(kept.body().inertia.mass_of_floor() == near(added, 1e-9));
+}
+
+// No tetrahedron is divided then, so there is no floor. The bound by the worst tetrahedron holds.
+TEST_CASE(
+    "cuts along faces of a shipped liver shorten its time step to that of its worst tetrahedron at most") {
+  Setup setup = setup_of(read_mesh(std::filesystem::path(LOBE_DATA_DIR) / "meshes/liver_2k.vtu").mesh);
+  const double uncut = World<double>(setup).time_step_limit();
+  const Elements elements(setup);
+  double of_worst = std::numeric_limits<double>::infinity();  // [s]
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    of_worst = std::min(of_worst, 2 / std::sqrt(tet_square(elements, t)));
+  const Vec3d low = setup.mesh.points.rowwise().minCoeff(), high = setup.mesh.points.rowwise().maxCoeff();
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0.25, 0.75);
+  std::vector<double> ratios;
+  for (int trial = 0; trial < 20; ++trial) {
+    World<double> world(setup);
+    for (int stroke = 0; stroke < (trial < 15 ? 1 : 4); ++stroke) {
+      const Vec3d n = Vec3d(normal(random), normal(random), normal(random)).normalized(),
+                  along = n.unitOrthogonal(), edge = 0.3 * n.cross(along),
+                  middle =
+                      low +
+                      (high - low).cwiseProduct(Vec3d(uniform(random), uniform(random), uniform(random)));
+      const ToolId id = world.tools().next_id();
+      const auto tip = [&](double x) { return Vec3d(middle + x * along - edge / 2); };
+      world.apply(BringScalpel{"blade", {tip(-0.2), tip(-0.2) + edge}, 0.1, true});
+      world.apply(SwitchTool{id, true});
+      world.apply(Lead{id, {tip(0.2)}});
+      REQUIRE(world.advance(1e-6).cut_area > 0);
+      world.apply(LetGo{id});
+    }
+    CHECK(world.elements().topology.tet_copy_count() == 0);
+    CHECK(world.elements().topology.copy_count() > 20);
+    world.step_limit().measure_at_rest(world.body());
+    ratios.push_back(world.time_step_limit() / uncut);
+    CHECK(world.body().inertia.mass_of_floor() == 0);
+    CHECK(world.time_step_limit() > of_worst);
+  }
+  std::sort(ratios.begin(), ratios.begin() + 15);
+  MESSAGE("of one plane: worst " << ratios[0] << ", median " << ratios[7] << "; of four: worst "
+                                 << *std::min_element(ratios.begin() + 15, ratios.end()));
+  CHECK(ratios[7] > 0.7);
 }
 
 TEST_CASE("what the floor adds has no weight") {

@@ -2,8 +2,10 @@
 // it.
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/frames.h"
@@ -70,6 +72,28 @@ std::vector<Piece> pieces_after(const Setup& setup, const Frames& frames) {
   return large_pieces(world);
 }
 
+// How far the sides of a cut are apart at most: what has one place at rest, in the grains around it [m].
+double widest_gap(World<float>& world) {
+  const Elements& elements = world.elements();
+  const Grains& grains = *world.grains();
+  const auto u = world.displacements();
+  std::map<Place, Eigen::AlignedBox3d> moves;
+  for (Index g = 0; g < grains.count(); ++g) {
+    const Index t = grains[g].element;
+    const Mat34<double> X = elements.corner_points(t),
+                        of_corners = u(Eigen::all, elements.topology.corners(t)).cast<double>();
+    const Mat3<double> gradient = (of_corners.rightCols<3>().colwise() - of_corners.col(0)) *
+                                  (X.rightCols<3>().colwise() - X.col(0)).inverse();
+    for (Index p : grains[g].points) {
+      const Vec3d& at = grains.point(p);
+      moves[{at[0], at[1], at[2]}].extend(of_corners.col(0) + gradient * (at - X.col(0)));
+    }
+  }
+  double widest = 0;
+  for (const auto& [at, box] : moves) widest = std::max(widest, box.diagonal().norm());
+  return widest;
+}
+
 std::vector<Piece> pieces_after(const std::string& name) {
   const Scene scene = read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"));
   return pieces_after(resolve(scene, read_mesh(mesh_path(scene)).mesh).setup, frames_of(scene.time));
@@ -104,6 +128,30 @@ TEST_CASE("the shipped resection with a blade: the left lobe is one piece, and i
   CHECK(pieces[1].rest.x() > 0.04);
   CHECK(pieces[1].moved.z() > 0.009);
   CHECK(pieces[0].moved.norm() < 0.004);  // its lower part is held
+}
+
+TEST_CASE("the shipped incision opens as two grasps pull at its sides, and the liver stays one piece") {
+  const Scene scene = read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes/liver_incision.json");
+  const Frames frames = frames_of(scene.time);
+  World<float> world(resolve(scene, read_mesh(mesh_path(scene)).mesh).setup);
+  std::vector<double> gaps;  // after 1.5, 2, 2.5 and 3 s
+  double area = 0;
+  for (int i = 1; i <= frames.count; ++i) {
+    const Report report = world.advance(frames.length);
+    REQUIRE(report.ok);
+    CHECK(report.tets_removed == 0);
+    area += report.cut_area;
+    if (i >= 75 && i % 25 == 0) gaps.push_back(widest_gap(world));
+  }
+  validate(world);
+  REQUIRE(gaps.size() == 4);
+  CHECK(area > 1e-3);
+  CHECK(gaps[0] < 1e-6);  // nothing pulls yet
+  CHECK(gaps[1] > 0.01);
+  CHECK(gaps[2] > 1.5 * gaps[1]);
+  CHECK(gaps[2] < 0.05);                  // the grasps have gone 44 mm apart
+  CHECK(gaps[3] == near(gaps[2], 0.05));  // and stay there
+  CHECK(world.elements().topology.pieces().size() == 1);
 }
 
 TEST_CASE("three shipped cuts that cross part the liver in eight, and the upper four are lifted off") {

@@ -63,6 +63,7 @@ Grains::Grains(const Elements& elements) {
       const Index a = corners[edge[0]], b = corners[edge[1]];
       const double length = (point(a) - point(b)).norm();
       for (Index v : {a, b}) shortest_[std::size_t(v)] = std::min(shortest_[std::size_t(v)], length);
+      longest_edge_ = std::max(longest_edge_, length);
       sum += length;
     }
   }

@@ -71,6 +71,7 @@ class Grains {
     return code < 0 ? -1 : code / 4;
   }
   double mean_edge() const { return mean_edge_; }                            // of the mesh [m]
+  double longest_edge() const { return longest_edge_; }                      // of the mesh [m]
   double mean_volume() const { return mean_volume_; }                        // of its tetrahedra [m³]
   double shortest_edge(Index p) const { return shortest_[std::size_t(p)]; }  // of the mesh, near a point [m]
   double longest_shortest_edge() const { return longest_shortest_; }         // of all points [m]
@@ -152,7 +153,7 @@ class Grains {
   VertexLists<Index> of_element_;  // of tetrahedra of the simulation
   std::vector<Index> divided_;     // per tetrahedron of the start: grains
   std::vector<Index> parent_of_copy_;
-  double mean_edge_ = 0, mean_volume_ = 0, longest_shortest_ = 0;
+  double mean_edge_ = 0, longest_edge_ = 0, mean_volume_ = 0, longest_shortest_ = 0;
   std::array<std::vector<Index>, most_strokes> waiting_;
   std::vector<Index> changed_;
   std::vector<std::pair<Index, Index>> parted_;  // grains on both sides of faces opened since divide()

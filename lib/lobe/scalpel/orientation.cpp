@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 namespace lobe {
@@ -53,6 +54,21 @@ int exact_orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3
   return sum.sign();
 }
 
+// The sign of the first component of (b − a) × (d − c) that is not zero, exactly.
+int first_sign_of_cross(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    ExactSum sum;
+    for (const auto& [x, y, sign] : {std::tuple(&b, &d, 1.0), std::tuple(&b, &c, -1.0),
+                                     std::tuple(&a, &d, -1.0), std::tuple(&a, &c, 1.0)}) {
+      sum.add_product((*x)[i], (*y)[j], sign);
+      sum.add_product((*x)[j], (*y)[i], -sign);
+    }
+    if (sum.sign() != 0) return sum.sign();
+  }
+  return 0;
+}
+
 }  // namespace
 
 int orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
@@ -66,10 +82,16 @@ int orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) 
   return exact_orientation(a, b, c, d);
 }
 
+// det[a − d, b − d, c − d] changes by −e·((b − a) × (c − a)) if d moves by e.
+int side_of_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  const int sign = orientation(a, b, c, d);
+  return sign != 0 ? sign : -first_sign_of_cross(a, b, a, c);
+}
+
+// And by −e·((b − a) × (c − d)) if c and d do.
 int side_of_line(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  const bool in_order = std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-  const int sign = in_order ? orientation(a, b, c, d) : orientation(b, a, c, d);
-  return (sign < 0) == in_order ? -1 : 1;
+  const int sign = orientation(a, b, c, d);
+  return sign != 0 ? sign : -first_sign_of_cross(a, b, d, c);
 }
 
 }  // namespace lobe

@@ -11,8 +11,11 @@ namespace lobe {
 // whose products of three neither overflow nor underflow.
 int orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
-// The same with a tie decided once: 0 counts as 1 in the order a < b, and as −1 in the other. Triangles that
-// share the line through a and b therefore agree on which side of it a line through c and d passes.
+// On which side of a plane a point of a body lies, and on which side of the line through a and b the line
+// through c and d of a body passes. Ties are decided as if the body were moved by (ε, ε², ε³) with an
+// infinitely small ε: so they fit each other in all triangles. 0: d is on no plane, as a, b and c are in one
+// line; or the lines are parallel.
+int side_of_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 int side_of_line(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
 }  // namespace lobe

@@ -11,7 +11,7 @@ namespace lobe {
 namespace {
 
 bool separates(const std::array<Vec3d, 3>& t, const Vec3d& p, const Vec3d& q) {
-  return (orientation(t[0], t[1], t[2], p) < 0) != (orientation(t[0], t[1], t[2], q) < 0);
+  return side_of_plane(t[0], t[1], t[2], p) * side_of_plane(t[0], t[1], t[2], q) < 0;
 }
 
 bool is_pierced(const std::array<Vec3d, 3>& t, const Vec3d& p, const Vec3d& q) {

@@ -25,7 +25,8 @@ struct Condition {
     unravelling,     // a tangle is linear until it has come back, or is non-linear again. See the text
     lumped,     // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
                 // are shorter meanwhile. Nothing to do
-    scalpel,    // a blade could not cut all that it met. See the text
+    scalpel,    // a blade could not cut all that it met, is shorter than the tetrahedra there, or went far in
+                // a frame. See the text
     lost_force  // a force term acts where it has no effect. See the text
   };
   Kind kind;

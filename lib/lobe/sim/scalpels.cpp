@@ -1,10 +1,12 @@
 #include "lobe/sim/scalpels.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
 
 #include "lobe/error.h"
+#include "lobe/text.h"
 
 namespace lobe {
 namespace {
@@ -26,6 +28,24 @@ std::vector<Index> open_again(const std::vector<Incision>& incisions, Grains& gr
     opened.insert(opened.end(), beside.begin(), beside.end());
   }
   return opened;
+}
+
+// Of the tetrahedra that a blade meets on its way, at rest [m]. None: it meets none.
+std::optional<double> mean_edge_along(const BladeMove& move, const Elements& elements,
+                                      const Blades::BodyNow& body) {
+  const Sheet sheet({move.from.tip, move.from.heel}, {move.to.tip, move.to.heel});
+  const auto is_met = [&](const auto& x) { return sheet.may_reach(x, 0); };
+  double sum = 0;
+  const std::vector<Index> met = body.tets_in({sheet.box(), is_met, is_met});
+  for (Index t : met) {
+    const Mat34<double> X = elements.corner_points(t);
+    for (const auto& edge : edge_corners) sum += (X.col(edge[0]) - X.col(edge[1])).norm() / 6;
+  }
+  return met.empty() ? std::nullopt : std::optional(sum / double(met.size()));
+}
+
+bool is_in(const std::vector<int>& tools, int tool) {
+  return std::find(tools.begin(), tools.end(), tool) != tools.end();
 }
 
 }  // namespace
@@ -58,6 +78,40 @@ std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, BladeAhead ahe
   }
   cuts_.push_back(again ? *again : std::move(cut));
   return steps;
+}
+
+// Whether the last move has cut grains or opened faces.
+bool Scalpels::has_cut() const {
+  const std::vector<BladeCut::Step>& steps = cuts_.back().steps;
+  return std::any_of(steps.begin(), steps.end(), [](const BladeCut::Step& step) {
+    return !step.caught_up.empty() || !step.incision.empty();
+  });
+}
+
+// The thresholds are those of a scene's warnings (scene/scalpel_kind.cpp).
+std::vector<std::string> Scalpels::unfit(const BladeMove& move, const Elements& elements,
+                                         const Blades::BodyNow& body) {
+  std::vector<std::string> texts;
+  const double length = (move.to.heel - move.to.tip).norm(), edge = grains()->mean_edge();
+  if (gone_.tool != move.tool) gone_ = {move.tool};
+  gone_.way += std::max((move.to.tip - move.from.tip).norm(), (move.to.heel - move.from.heel).norm());
+  if (length < grains()->longest_edge() && !is_in(told_.narrow, move.tool)) {
+    const std::optional<double> there = mean_edge_along(move, elements, body);
+    if (there && length < *there) {
+      told_.narrow.push_back(move.tool);
+      texts.push_back("a blade of " + rounded(length) +
+                      " m is shorter than the edges of the tetrahedra that it meets, " + rounded(*there) +
+                      " m in the mean, and may open nothing. Remedy: a longer blade, a finer mesh there");
+    }
+  }
+  if (gone_.way > 3 * edge && !is_in(told_.far, move.tool) && has_cut()) {
+    told_.far.push_back(move.tool);
+    texts.push_back("a blade went " + rounded(gone_.way) + " m in a frame, more than three mean edges of " +
+                    rounded(edge) +
+                    " m, and cut the tissue where that was at the start of the frame. Remedy: shorter "
+                    "frames, a slower blade");
+  }
+  return texts;
 }
 
 // Tries them on a copy.

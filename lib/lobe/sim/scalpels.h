@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lobe/body/model.h"
@@ -24,7 +25,10 @@ class Scalpels {
 
   // ---- Cuts of a frame
 
-  void begin_frame() { cuts_.clear(); }
+  void begin_frame() {
+    cuts_.clear();
+    gone_ = {};
+  }
   // Ends the strokes that did not go on in this frame.
   void end_strokes() {
     if (blades_) blades_->end_strokes();
@@ -47,6 +51,10 @@ class Scalpels {
   // Performs a whole move. It cuts grains only: a tetrahedron is where its parts will be until it is divided.
   // No step: the blade waits, because 32 others cut.
   std::vector<Step> cut(const BladeMove& whole, BladeAhead ahead, const Blades::BodyNow& body);
+  // What is unfit in a move that was made: a blade narrower than the tetrahedra that it meets, or one that
+  // has gone far in this frame. Each is told once per tool.
+  std::vector<std::string> unfit(const BladeMove& move, const Elements& elements,
+                                 const Blades::BodyNow& body);
 
   // ---- Edits
 
@@ -72,15 +80,24 @@ class Scalpels {
   Blades::State state() const { return blades_ ? blades_->state() : Blades::State{}; }
   void set_state(const Blades::State& state) {
     if (blades_) blades_->set_state(state);
+    told_ = {};  // it may have been of other tools
   }
 
  private:
   bool lies_on_held_boundary(Index v, const Model& model) const;
+  bool has_cut() const;
 
   std::unique_ptr<Blades> blades_;      // none until a blade cuts
   std::unique_ptr<Blades> prepared_;    // what they will be then, while the mesh is as it is now
   std::vector<BladeCut> cuts_;          // of the present frame, so far
   std::span<const BladeCut> repeated_;  // of the present frame
+  struct {
+    std::vector<int> narrow, far;  // tools of which unfit() has told it
+  } told_;
+  struct {
+    int tool = 0;
+    double way = 0;  // [m]
+  } gone_;           // the last tool that has moved in this frame
 };
 
 // The work that opened the faces of a step.

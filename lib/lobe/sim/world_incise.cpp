@@ -108,6 +108,8 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
   for (const BladeCut::Step& step : scalpels_.cuts().back().steps)
     for (const Incision* made : {&step.caught_up, &step.incision})
       if (!made->empty()) incisions.push_back(*made);
+  for (const std::string& text : scalpels_.unfit(move, elements(), body_now()))
+    notice(Condition::Kind::scalpel, text);
   if (steps.empty()) notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
   if (!incisions.empty()) {
     journal_.edits.push_back(Incise{std::move(incisions)});

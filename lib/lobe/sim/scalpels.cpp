@@ -124,6 +124,22 @@ std::vector<Index> Scalpels::open(const std::vector<Incision>& incisions) {
   return open_again(incisions, blades_->grains);
 }
 
+void Scalpels::keep_filled(const SweptVolume& volume, const Elements& elements, const Blades::BodyNow& body,
+                           std::vector<Index>& meeting) const {
+  if (!blades_ || !volume.meets) return;
+  std::vector<Index> divided;
+  for (Index t : meeting)
+    if (elements.share_of(t) < 1) divided.push_back(t);
+  const PlacedTets placed(blades_->grains, divided, body.placement, body.corners);
+  std::vector<Index> apart;  // in ascending order, as those that meet it
+  for (const PlacedTets::Placed& tet : placed) {
+    const auto own = placed.grains_of(tet);
+    if (std::none_of(own.begin(), own.end(), [&](const auto& grain) { return volume.meets(grain.x); }))
+      apart.push_back(tet.tet);
+  }
+  std::erase_if(meeting, [&](Index t) { return std::binary_search(apart.begin(), apart.end(), t); });
+}
+
 void Scalpels::hold_what_is_filled(const MeshEdit& edit, Model& model) const {
   std::vector<Index> empty;
   for (const VertexSplit& split : edit.splits)

@@ -66,6 +66,9 @@ class Scalpels {
   auto parts_of(const Topology& topology, const std::vector<Index>& opened) {
     return blades_->grains.divide(topology, opened);
   }
+  // Takes out of tetrahedra that meet a volume the copies whose own grains do not.
+  void keep_filled(const SweptVolume& volume, const Elements& elements, const Blades::BodyNow& body,
+                   std::vector<Index>& meeting) const;
   void forget(const std::vector<Index>& removed) {
     if (blades_) blades_->grains.forget(removed);
   }

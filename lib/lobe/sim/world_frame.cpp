@@ -311,7 +311,11 @@ void World<Real>::play_tools(double duration, Report& report) {
     report.tets_removed += treat_loose(pieces_.loosened(body_.model));
   }
   const ToolWork work = tools_.work(time(), time() + duration);
-  for (const SweptVolume& volume : work.burnt) report.tets_removed += remove_tets(meeting(volume));
+  for (const SweptVolume& volume : work.burnt) {
+    std::vector<Index> burnt = meeting(volume);
+    if (grains()) scalpels_.keep_filled(volume, elements(), body_now(), burnt);
+    report.tets_removed += remove_tets(burnt);
+  }
   for (const BladeMove& move : work.cuts) incise(move, report);
   scalpels_.end_strokes();
   report.mass_added = body_.inertia.mass_of_floor();

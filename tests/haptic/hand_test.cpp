@@ -70,6 +70,32 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a device that is held aslant twists nothing, and one that turns turns what it holds by as much") {
+  const Vec3d axis = Vec3d(1, -2, 0.5).normalized();
+  const Eigen::Quaterniond aslant(Eigen::AngleAxisd(2.0, axis));
+  const auto rests = [](double) -> Vec3d { return Vec3d::Zero(); };
+  VirtualLoop straight(block(), rests, 1.0 / 120), turned(block(), rests, 1.0 / 120);
+  DeviceState held{.orientation = aslant.coeffs()};
+  turned.change = [&](DeviceState& state) { state.orientation = held.orientation; };
+  const auto nothing = [](const HapticState&) {};
+  for (VirtualLoop* loop : {&straight, &turned}) {
+    loop->take_hold();
+    loop->run(0.3, nothing);
+  }
+  const auto hand_of = [](VirtualLoop& loop) { return loop.session.status()->hands.at(0); };
+  const auto turn_of = [&](VirtualLoop& loop) { return Eigen::Quaterniond(hand_of(loop).pose.orientation); };
+  CHECK(turn_of(turned).angularDistance(Eigen::Quaterniond::Identity()) < 1e-7);
+  CHECK((hand_of(turned).torque - hand_of(straight).torque).norm() < 1e-6);
+
+  constexpr double angle = 0.3;
+  const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, Vec3d::UnitY()));
+  held.orientation = (by * aslant).coeffs();
+  turned.run(0.3, nothing);
+  CHECK(turn_of(turned).angularDistance(by) < 1e-7);
+  CHECK(hand_of(turned).torque.y() < -1e-3);  // the block resists
+  CHECK(replays(turned.session, turned.setup));
+}
+
 TEST_CASE("letting go ends the force without a jump") {
   VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
   loop.take_hold();

@@ -238,6 +238,7 @@ void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, doubl
   model_.time = world.time();
   if (led_tool.tool != 0) {
     model_.tool_at_end = led_tool.pose.position;
+    model_.turn_at_end = led_tool.pose.orientation;
     model_.position = 0.5 * (before_ + led_tool.pose.position);
     feel(world, led_tool.tool, led_tool.pose, duration);
   }

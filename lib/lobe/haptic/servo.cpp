@@ -174,6 +174,9 @@ Vec3d Servo::wanted_force(double dt) {
   state_.stale += is_stale && model_.is_engaged;
   const double fading = dt / options_.fade;
   trust_ = std::clamp(trust_ + (is_stale || !is_fresh_ ? -fading : fading), 0.0, 1.0);
+  const bool is_gone = is_stale && model_.is_engaged && trust_ == 0;
+  state_.stalls += is_gone && !was_gone_;
+  was_gone_ = is_gone;
 
   const Workspace& space = options_.workspace;
   const Vec3d felt = space.force_gain * (space.rotation.transpose() * proxy.force);

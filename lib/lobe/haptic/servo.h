@@ -53,6 +53,7 @@ struct HapticState {
   std::uint64_t interventions =
       0;                        // ticks in which the passivity controller added damping or lowered the force
   std::uint64_t stale = 0;      // ticks on a model that was too old
+  std::uint64_t stalls = 0;     // how often a model became so old that its force was gone
   std::uint64_t bad_poses = 0;  // ticks with a pose that is not finite
   std::uint64_t absent = 0;     // ticks without a device
   std::uint64_t limited = 0;    // ticks in which the force or its change was cut off
@@ -97,6 +98,7 @@ class Servo {
   double trust_ = 0;                // 1: the pose and the model are fresh; fades
   double share_ = 1;                // of the force that the hand feels: below 1 where damping is not enough
   bool is_fresh_ = false;           // the pose
+  bool was_gone_ = false;           // the force, because the model was too old
   Passivity passivity_;
   HapticState state_;
 };

@@ -281,7 +281,7 @@ TEST_CASE("friction: bits are the same on any threads, from a checkpoint, by han
   CHECK(same_bits(one, by_path));
 }
 
-TEST_CASE("a probe that is far away changes nothing") {
+TEST_CASE("a probe that is far away changes nothing, and a body without contact has no term for it") {
   Setup setup = pressed_block();
   setup.gravity = {0, 0, -9.81};
   World<float> alone(setup);
@@ -293,6 +293,8 @@ TEST_CASE("a probe that is far away changes nothing") {
   }
   CHECK(same_bits(alone, beside));
   CHECK(first_probe(beside.tools()).force.norm() == 0);
+  CHECK(alone.body().terms.empty());
+  CHECK(beside.body().terms.size() == 1);
 }
 
 TEST_CASE("a probe that is inside at the start, teleports or spins is survived or reported") {
@@ -315,6 +317,47 @@ TEST_CASE("a probe that is inside at the start, teleports or spins is survived o
       }
     }
   }
+}
+
+TEST_CASE("a probe that begins wholly inside feels nothing") {
+  Setup setup = pressed_block();
+  setup.probes.push_back(ball(0.008, {{0, {0.025, 0.025, 0.025}}}));
+  World<float> world(setup);
+  for (int i = 0; i < 10; ++i) {
+    REQUIRE(world.advance(frame).ok);
+    CHECK(first_probe(world.tools()).force.norm() == 0);
+  }
+}
+
+// A plate that lies over all of the top, two cells deep in the block. Beyond a depth of a quarter of the mean
+// edge the pressure grows no more.
+TEST_CASE("a probe that begins across the surface pushes with the highest pressure, wherever it is deeper") {
+  constexpr double height = 0.05, deep = 0.02, instant = 1e-5;
+  Setup setup = pressed_block();
+  setup.probes.push_back(
+      {"plate", RigidShape::box({0.3, 0.3, 0.2}), 0, {{0, {0.025, 0.025, height - deep + 0.1}}}});
+  World<float> world(setup);
+  REQUIRE(world.advance(instant).ok);
+  const ContactSurface& surface = dynamic_cast<const Contact<float>&>(*world.body().terms.front()).surface();
+  const double deepest = deepest_contact * surface.mean_edge();
+  double least = 0, most = 0;  // [N]
+  for (const ContactSurface::Triangle& triangle : surface.triangles()) {
+    double lowest = height, highest = 0;
+    for (const int p : triangle.points) {
+      const double z = setup.mesh.points(2, surface.points()[std::size_t(p)].corners[0]);
+      lowest = std::min(lowest, z);
+      highest = std::max(highest, z);
+    }
+    const double force = triangle.stiffness * triangle.area * deepest;
+    if (lowest > height - deep + deepest) least += force;
+    if (highest > height - deep) most += force;
+  }
+  const double force = std::abs(first_probe(world.tools()).force.z());
+  MESSAGE("force " << force << " N, from " << least << " to " << most << " N");
+  CHECK(deep > 4 * deepest);
+  CHECK(most < 3 * least);
+  CHECK(force > 0.99 * least);
+  CHECK(force < most);
 }
 
 TEST_CASE("a probe that cannot be is refused by its name") {

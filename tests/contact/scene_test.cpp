@@ -28,6 +28,17 @@ std::string with_probe(const std::string& what) {
   return R"("tools": [{"type": "probe", "path": [[0, 0.01, 0.01, 0.04]], )" + what + "}]";
 }
 
+// Of a ball of 4 mm radius on a path.
+std::vector<std::string> warnings_of(const std::string& path) {
+  const std::string tool =
+      R"("tools": [{"type": "probe", "shape": {"sphere": {"radius": 0.004}}, "path": [)" + path + "]}]";
+  const TetMesh mesh = box_mesh({0.03, 0.03, 0.03}, 3, 3, 3);
+  const Scene scene = parse_scene(scene_with(R"("time": {"duration": 9}, )" + tool));
+  std::vector<std::string> warnings = resolve(scene, mesh).warnings;
+  std::erase_if(warnings, [](const std::string& text) { return !text.starts_with("/tools"); });
+  return warnings;
+}
+
 }  // namespace
 
 TEST_CASE("every shape of a probe, obstacles and self contact are read, written and read again") {
@@ -85,4 +96,13 @@ TEST_CASE("what a probe or an obstacle cannot be is named, with its place") {
         "/contact/obstacles/0/orientation: the quaternion has length 2, must be 1");
   CHECK(message(R"("time": {"integrator": "implicit"}, "contact": {"self": true})")
             .find("does not go with \"integrator\": \"implicit\"") != std::string::npos);
+}
+
+TEST_CASE("a probe that begins inside the organ is warned of, and one that only comes there later is not") {
+  const std::vector<std::string> inside = warnings_of("[0, 0.011, 0.012, 0.014], [1, 0.011, 0.012, 0.05]");
+  REQUIRE(inside.size() == 1);
+  CHECK(inside[0] ==
+        "/tools/0/path/0: the probe begins inside the organ: it pushes at once, or not at all where it "
+        "touches no surface. Begin outside");
+  CHECK(warnings_of("[0, 0.011, 0.012, 0.033], [1, 0.011, 0.012, 0.02]").empty());
 }

@@ -70,6 +70,32 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a device that is held aslant twists nothing, and one that turns turns what it holds by as much") {
+  const Vec3d axis = Vec3d(1, -2, 0.5).normalized();
+  const Eigen::Quaterniond aslant(Eigen::AngleAxisd(2.0, axis));
+  const auto rests = [](double) -> Vec3d { return Vec3d::Zero(); };
+  VirtualLoop straight(block(), rests, 1.0 / 120), turned(block(), rests, 1.0 / 120);
+  DeviceState held{.orientation = aslant.coeffs()};
+  turned.change = [&](DeviceState& state) { state.orientation = held.orientation; };
+  const auto nothing = [](const HapticState&) {};
+  for (VirtualLoop* loop : {&straight, &turned}) {
+    loop->take_hold();
+    loop->run(0.3, nothing);
+  }
+  const auto hand_of = [](VirtualLoop& loop) { return loop.session.status()->hands.at(0); };
+  const auto turn_of = [&](VirtualLoop& loop) { return Eigen::Quaterniond(hand_of(loop).pose.orientation); };
+  CHECK(turn_of(turned).angularDistance(Eigen::Quaterniond::Identity()) < 1e-7);
+  CHECK((hand_of(turned).torque - hand_of(straight).torque).norm() < 1e-6);
+
+  constexpr double angle = 0.3;
+  const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, Vec3d::UnitY()));
+  held.orientation = (by * aslant).coeffs();
+  turned.run(0.3, nothing);
+  CHECK(turn_of(turned).angularDistance(by) < 1e-7);
+  CHECK(hand_of(turned).torque.y() < -1e-3);  // the block resists
+  CHECK(replays(turned.session, turned.setup));
+}
+
 TEST_CASE("letting go ends the force without a jump") {
   VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
   loop.take_hold();
@@ -104,6 +130,41 @@ TEST_CASE("a simulation that stands still for 200 ms: the force fades, and comes
   loop.run(0.1, [](const HapticState&) {});
   CHECK(loop.servo().state().force.norm() > 0.3);
   CHECK(loop.servo().state().stale > 100);
+  CHECK(loop.servo().state().stalls == 1);
+  CHECK(times_said(loop.session, "haptic_stale") == 1);
+}
+
+TEST_CASE("a device that sends what is no pose while it presses: told of once, and the force fades") {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const bool in_orientation : {false, true}) {
+    CAPTURE(in_orientation);
+    VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+    loop.take_hold();
+    loop.run(0.45, [](const HapticState&) {});
+    const double whole = loop.servo().state().force.norm();
+    CHECK(whole > 0.3);
+    loop.change = [&](DeviceState& state) {
+      if (in_orientation)
+        state.orientation[2] = nan;
+      else
+        state.position.y() = nan;
+    };
+    loop.run(0.1, [&](const HapticState& state) {
+      CHECK(state.force.allFinite());
+      CHECK(state.force.norm() <= 1.1 * whole);
+      CHECK(state.tool.allFinite());
+      CHECK(state.orientation.allFinite());
+    });
+    CHECK(loop.servo().state().force.norm() == 0);
+    CHECK(loop.servo().state().bad_poses == 100);
+    CHECK(times_said(loop.session, "haptic_pose") == 1);
+    CHECK(times_said(loop.session, "haptic_gone") == 0);
+    loop.change = nullptr;
+    loop.run(0.1, [](const HapticState&) {});
+    CHECK(loop.servo().state().force.norm() > 0.3);
+    CHECK(times_said(loop.session, "haptic_pose") == 1);
+    CHECK(replays(loop.session, loop.setup));
+  }
 }
 
 TEST_CASE("a device that is unplugged while it presses: told of, and the force fades") {

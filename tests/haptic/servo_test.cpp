@@ -206,6 +206,44 @@ TEST_CASE("a tool is taken up where it is, without a force") {
   CHECK(servo.state().engagement == 1);
 }
 
+TEST_CASE("a tool is taken up with the orientation that it has, and turns as the device does from there") {
+  using Quaternion = Eigen::Quaterniond;
+  Workspace space;
+  space.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // the device's x is the tool's y
+  const Quaternion held(Eigen::AngleAxisd(2.0, Vec3d(1, -2, 0.5).normalized()));
+  const Quaternion of_tool(Eigen::AngleAxisd(0.7, Vec3d(0.3, 1, 1).normalized()));
+  for (bool turns_space : {false, true}) {
+    CAPTURE(turns_space);
+    Servo servo({.damping = 10}, {.workspace = turns_space ? space : Workspace{}});
+    LocalModel model = spring();
+    model.turn_at_end = of_tool.coeffs();
+    DeviceState device = at(Vec3d::Zero());
+    device.orientation = held.coeffs();
+    for (int i = 0; i < 20; ++i) {
+      const Quaternion turn(servo.tick(&device, model, tick).orientation);
+      CHECK(turn.angularDistance(of_tool) < 1e-7);
+    }
+    const Quaternion by(Eigen::AngleAxisd(0.4, Vec3d::UnitX()));
+    device.orientation = (by * held).coeffs();
+    const Quaternion turned(servo.tick(&device, model, tick).orientation);
+    const Quaternion seen(Eigen::AngleAxisd(0.4, turns_space ? Vec3d::UnitY() : Vec3d::UnitX()));
+    CHECK(turned.angularDistance(seen * of_tool) < 1e-7);
+    // The next tool is taken up anew.
+    model.engagement = 2;
+    model.turn_at_end = Quaternion::Identity().coeffs();
+    const Quaternion next(servo.tick(&device, model, tick).orientation);
+    CHECK(next.angularDistance(Quaternion::Identity()) < 1e-7);
+  }
+}
+
+TEST_CASE("a device that does not turn gives a tool the bits of its orientation") {
+  Servo servo({.damping = 10}, {});
+  const DeviceState device = at({0.1, 0.2, 0.3});
+  LocalModel model = spring();
+  model.turn_at_end = Eigen::Vector4d(0.1, -0.7, 0.3, 0.2).normalized();
+  for (int i = 0; i < 3; ++i) CHECK(servo.tick(&device, model, tick).orientation == model.turn_at_end);
+}
+
 TEST_CASE("a workspace turns and scales the way, and turns the force back") {
   Workspace space{.origin = {0, 0, 1}, .scale = 2, .force_gain = 0.5};
   space.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
@@ -256,4 +294,6 @@ TEST_CASE("limits and options that are none are named") {
   CHECK_THROWS_WITH_AS(Servo({}, {.coupling_damping = 0.3}), doctest::Contains("quarter"), InputError);
   CHECK_THROWS_WITH_AS(Servo({}, {.fade = 0}), doctest::Contains("blending"), InputError);
   CHECK_THROWS_WITH_AS(Servo({}, {.workspace = {.scale = 0}}), doctest::Contains("scale"), InputError);
+  const Workspace mirror{.rotation = Vec3d(1, 1, -1).asDiagonal()};
+  CHECK_THROWS_WITH_AS(Servo({}, {.workspace = mirror}), doctest::Contains("no mirror"), InputError);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <functional>
 #include <optional>
 
 #include "benchmarks/haptic_rig.h"
@@ -43,6 +44,7 @@ class VirtualLoop {
       }
       DeviceState state;
       const bool is_there = hand.read(state);
+      if (change) change(state);
       const HapticState& felt = servo_.force(is_there ? &state : nullptr, tick);
       hand.write(felt.force, felt.torque);
       position_ = state.position;
@@ -82,6 +84,7 @@ class VirtualLoop {
   Controller controller;
   HapticLink link;
   SimulatedHand hand;
+  std::function<void(DeviceState&)> change;  // of what the device says
 
  private:
   std::unique_ptr<HapticHand<float>> hook_;

@@ -64,6 +64,19 @@ TEST_CASE("jaws keep the orientation with which a hand has brought them, and tur
   CHECK(session.status()->hands[0].shape.opening == 0.08);
 }
 
+TEST_CASE("a probe that a hand brings into the body is told of, and one beside it is not") {
+  Session<float> session(block());
+  Controller mouse = session.connect("mouse");
+  const auto bring = [&](const Vec3d& at) {
+    REQUIRE(mouse.send(bring_tool(1, at, BringProbe{"", RigidShape::sphere(0.003), {.position = at}, 0.1})));
+    step(session, 1);
+  };
+  bring(top + lift);
+  CHECK(times_said(session, "inside") == 0);
+  bring(top - 2 * lift);
+  CHECK(times_said(session, "inside", "hand 1 of mouse: its probe begins inside the body") == 1);
+}
+
 TEST_CASE("a ray takes hold where it meets the body as it is now, and says so where it misses") {
   const Setup setup = block();
   SessionOptions options;

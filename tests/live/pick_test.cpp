@@ -54,3 +54,22 @@ TEST_CASE("on a body that has moved a ray meets it where it is now") {
   REQUIRE(hit);
   CHECK(hit->point.z() == near(0.6, 1e-12));
 }
+
+TEST_CASE("a point lies in a body where that is now, and not where it was or where it has been removed") {
+  BoxBody box;
+  Mat3X<double> u = 0 * box.mesh.points;
+  u.row(2).setConstant(0.5);
+  const auto has = [&](const Vec3d& point) {
+    return lies_in<double>(box.topology, box.mesh.points, u, point);
+  };
+  CHECK(has({0.11, 0.13, 0.57}));
+  CHECK_FALSE(has({0.11, 0.13, 0.61}));
+  CHECK_FALSE(has({0.11, 0.13, 0.07}));
+  CHECK_FALSE(has({0.31, 0.13, 0.57}));
+  std::vector<Index> left;
+  for (Index t = 0; t < box.mesh.tet_count(); ++t)
+    if (barycentre(box.mesh, t).x() < 0.2) left.push_back(t);
+  box.topology.remove(left);
+  CHECK_FALSE(has({0.11, 0.13, 0.57}));
+  CHECK(has({0.25, 0.13, 0.57}));
+}

@@ -69,7 +69,10 @@ Locator::Found Locator::nearest(const Vec3d& p, Index guess) const {
 }
 
 Eigen::Vector4d barycentric(const TetMesh& mesh, Index tet, const Vec3d& p) {
-  const Mat34<double> X = tet_points(mesh, tet);
+  return barycentric(tet_points(mesh, tet), p);
+}
+
+Eigen::Vector4d barycentric(const Mat34<double>& X, const Vec3d& p) {
   const Mat3<double> D = X.rightCols<3>().colwise() - X.col(0);
   Eigen::Vector4d coordinates;
   coordinates.tail<3>() = D.inverse() * (p - X.col(0));

@@ -38,6 +38,7 @@ class Locator {
 };
 
 // Barycentric coordinates of p in a tetrahedron; outside, some are negative: linear extension.
+Eigen::Vector4d barycentric(const Mat34<double>& corners, const Vec3d& p);
 Eigen::Vector4d barycentric(const TetMesh& mesh, Index tet, const Vec3d& p);
 
 }  // namespace lobe

@@ -45,9 +45,15 @@ template <class Real>
 void HapticHand<Real>::tell_troubles(Hands<Real>& hands, const HapticState& state) {
   if (last_.is_there && !state.is_there)
     hands.say("haptic_gone", "the haptic device does not answer: its force fades");
-  if (state.bad_poses > last_.bad_poses)
+  const bool is_bad = state.bad_poses > last_.bad_poses;
+  if (is_bad && !was_bad_)
     hands.say("haptic_pose",
               "the haptic device has sent a pose that is not finite: it was left out, and the force fades");
+  if (state.stalls > last_.stalls)
+    hands.say("haptic_stale",
+              "the simulation came to no frame for so long that the force of the haptic device was gone: it "
+              "comes back");
+  was_bad_ = is_bad;
   last_ = state;
 }
 
@@ -238,6 +244,7 @@ void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, doubl
   model_.time = world.time();
   if (led_tool.tool != 0) {
     model_.tool_at_end = led_tool.pose.position;
+    model_.turn_at_end = led_tool.pose.orientation;
     model_.position = 0.5 * (before_ + led_tool.pose.position);
     feel(world, led_tool.tool, led_tool.pose, duration);
   }

@@ -56,7 +56,8 @@ class HapticHand final : public SessionHook<Real> {
   Vec3d before_ = Vec3d::Zero();  // where the tool was at the start of the frame [m]
   std::optional<Vec3d> touch_;    // where a tool that feels nothing will begin to touch [m]
   bool is_pressed_ = false;
-  HapticState last_;  // that was told of
+  HapticState last_;      // that was told of
+  bool was_bad_ = false;  // its poses
 };
 
 extern template class HapticHand<float>;

@@ -15,18 +15,19 @@
 namespace lobe {
 
 struct LocalModel {
-  bool is_engaged = false;                // there is a tool for the hand to lead
-  std::uint32_t engagement = 0;           // counts those tools
-  bool is_bilateral = true;               // false: it only pushes, along the normal
-  double frame = 1.0 / 120;               // between two models, of the clock [s]
-  double time = 0;                        // simulated [s]
-  Vec3d tool_at_end = Vec3d::Zero();      // where the tool is at the end of the frame [m]
-  Vec3d position = Vec3d::Zero();         // x_k [m]
-  Vec3d force = Vec3d::Zero();            // f_k, on the tool [N]
-  Vec3d rate = Vec3d::Zero();             // r, of the force [N/s]
-  Vec3d torque = Vec3d::Zero();           // on the tool [N m]
-  Mat3<double> K = Mat3<double>::Zero();  // symmetric, without negative eigenvalues [N/m]
-  Vec3d normal = Vec3d::UnitZ();          // of the surface, outwards
+  bool is_engaged = false;                  // there is a tool for the hand to lead
+  std::uint32_t engagement = 0;             // counts those tools
+  bool is_bilateral = true;                 // false: it only pushes, along the normal
+  double frame = 1.0 / 120;                 // between two models, of the clock [s]
+  double time = 0;                          // simulated [s]
+  Vec3d tool_at_end = Vec3d::Zero();        // where the tool is at the end of the frame [m]
+  Eigen::Vector4d turn_at_end{0, 0, 0, 1};  // the hand's orientation then: a unit quaternion x, y, z, w
+  Vec3d position = Vec3d::Zero();           // x_k [m]
+  Vec3d force = Vec3d::Zero();              // f_k, on the tool [N]
+  Vec3d rate = Vec3d::Zero();               // r, of the force [N/s]
+  Vec3d torque = Vec3d::Zero();             // on the tool [N m]
+  Mat3<double> K = Mat3<double>::Zero();    // symmetric, without negative eigenvalues [N/m]
+  Vec3d normal = Vec3d::UnitZ();            // of the surface, outwards
 };
 
 // The model with the force f_k + r τ of a time since it came [s]. It goes on for no longer than two frames.

@@ -31,8 +31,9 @@ const ServoOptions& checked(const ServoOptions& options) {
   expect(is_above_0(space.scale) && is_above_0(space.force_gain), "haptic workspace",
          "its scale and force gain must be above 0, and finite");
   expect(space.origin.allFinite() && space.rotation.allFinite(), "haptic workspace", "must be finite");
-  expect((space.rotation.transpose() * space.rotation - Mat3<double>::Identity()).norm() < 1e-6,
-         "haptic workspace", "its rotation must be orthogonal");
+  expect((space.rotation.transpose() * space.rotation - Mat3<double>::Identity()).norm() < 1e-6 &&
+             space.rotation.determinant() > 0,
+         "haptic workspace", "its rotation must be orthogonal, and no mirror");
   return options;
 }
 
@@ -49,6 +50,8 @@ Servo::Servo(const DeviceLimits& limits, const ServoOptions& options)
     : limits_((check(limits, "haptic device"), limits)),
       options_(checked(options)),
       damping_(options.coupling_damping * limits.damping),
+      device_turn_(Eigen::Quaterniond::Identity()),
+      tool_turn_(Eigen::Quaterniond::Identity()),
       passivity_(limits.damping, options.highest_damping, options.passivity_deadband) {
   const Workspace& space = options.workspace;
   const double bound = passive_stiffness(limits.damping, damping_, options.tick);
@@ -59,6 +62,14 @@ Servo::Servo(const DeviceLimits& limits, const ServoOptions& options)
 Vec3d Servo::tool_of(const Vec3d& device) const {
   return options_.workspace.origin + options_.workspace.scale * (options_.workspace.rotation * device) +
          clutch_;
+}
+
+// By how much the device has turned since the tool was taken up, seen in the workspace, goes on top of the
+// tool's orientation then. A device that is held aslant turns nothing.
+Eigen::Quaterniond Servo::turn_of_tool() const {
+  Eigen::Quaterniond turn = Eigen::Quaterniond(state_.device.orientation) * device_turn_.conjugate();
+  turn.vec() = options_.workspace.rotation * turn.vec();
+  return turn * tool_turn_;
 }
 
 const HapticState& Servo::tick(const DeviceState* device, const LocalModel& model, double dt) {
@@ -95,6 +106,8 @@ void Servo::take_model(const LocalModel& model, double dt) {
   const Vec3d was = model_.is_engaged ? force_at(aged(model_, since_model_), proxy_) : Vec3d::Zero();
   if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement)) {
     clutch_ += model.tool_at_end - tool_of(state_.device.position);
+    device_turn_ = Eigen::Quaterniond(state_.device.orientation);
+    tool_turn_ = Eigen::Quaterniond(model.turn_at_end);
     state_.tool = proxy_ = model.tool_at_end;  // another one, which is there
     settled_.setZero();
     unloaded_ = model.tool_at_end;
@@ -155,12 +168,15 @@ Vec3d Servo::wanted_force(double dt) {
   proxy_ = proxy.position;
   if (proxy.force.isZero(0)) unloaded_ = proxy_;
   settle(device, dt);
-  state_.orientation = state_.device.orientation;
+  state_.orientation = turn_of_tool().coeffs();
   state_.engagement = model_.is_engaged ? model_.engagement : 0;
   const bool is_stale = since_model_ > options_.stale_frames * model_.frame;
   state_.stale += is_stale && model_.is_engaged;
   const double fading = dt / options_.fade;
   trust_ = std::clamp(trust_ + (is_stale || !is_fresh_ ? -fading : fading), 0.0, 1.0);
+  const bool is_gone = is_stale && model_.is_engaged && trust_ == 0;
+  state_.stalls += is_gone && !was_gone_;
+  was_gone_ = is_gone;
 
   const Workspace& space = options_.workspace;
   const Vec3d felt = space.force_gain * (space.rotation.transpose() * proxy.force);

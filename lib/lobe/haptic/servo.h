@@ -7,6 +7,7 @@
 // force is passive (passivity.h) and within the limits of the device.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 
 #include "lobe/haptic/local_model.h"
@@ -15,7 +16,7 @@
 namespace lobe {
 
 // Position of the tool = origin + rotation · scale · that of the device; forces go back by the same rotation,
-// times `force_gain`.
+// times `force_gain`. A turn of the device about an axis turns the tool by as much about rotation · axis.
 struct Workspace {
   Vec3d origin = Vec3d::Zero();  // [m]
   Mat3<double> rotation = Mat3<double>::Identity();
@@ -40,18 +41,19 @@ struct ServoOptions {
 // The state of a loop, for other threads.
 struct HapticState {
   std::uint64_t ticks = 0;
-  DeviceState device;            // as read last
-  bool is_there = false;         // the device
-  std::uint32_t engagement = 0;  // of the model that was used; 0: none yet
-  Vec3d tool = Vec3d::Zero();    // where the tool is to be [m]
-  Eigen::Vector4d orientation{0, 0, 0, 1};
-  Vec3d force = Vec3d::Zero();   // on the hand, as sent to the device [N]
-  Vec3d torque = Vec3d::Zero();  // [N m]
-  double coupling = 0;           // [N/m]
-  double energy = 0;             // of the passivity observer [J]
+  DeviceState device;                       // as read last
+  bool is_there = false;                    // the device
+  std::uint32_t engagement = 0;             // of the model that was used; 0: none yet
+  Vec3d tool = Vec3d::Zero();               // where the tool is to be [m]
+  Eigen::Vector4d orientation{0, 0, 0, 1};  // of the tool: a unit quaternion x, y, z, w
+  Vec3d force = Vec3d::Zero();              // on the hand, as sent to the device [N]
+  Vec3d torque = Vec3d::Zero();             // [N m]
+  double coupling = 0;                      // [N/m]
+  double energy = 0;                        // of the passivity observer [J]
   std::uint64_t interventions =
       0;                        // ticks in which the passivity controller added damping or lowered the force
   std::uint64_t stale = 0;      // ticks on a model that was too old
+  std::uint64_t stalls = 0;     // how often a model became so old that its force was gone
   std::uint64_t bad_poses = 0;  // ticks with a pose that is not finite
   std::uint64_t absent = 0;     // ticks without a device
   std::uint64_t limited = 0;    // ticks in which the force or its change was cut off
@@ -73,6 +75,7 @@ class Servo {
   Vec3d wanted_force(double dt);
   void send(const Vec3d& force, const Vec3d& torque, double dt);
   Vec3d tool_of(const Vec3d& device) const;
+  Eigen::Quaterniond turn_of_tool() const;
   double lead() const;
   void settle(const Vec3d& device, double dt);
   void limit_activity(double storable, double dt);
@@ -83,7 +86,8 @@ class Servo {
   double damping_;   // of the coupling [N s/m]
   double coupling_;  // in the units of the tool [N/m]
   LocalModel model_;
-  Vec3d clutch_ = Vec3d::Zero();    // added to where the device is, so that tools are taken up where they are
+  Vec3d clutch_ = Vec3d::Zero();  // added to where the device is, so that tools are taken up where they are
+  Eigen::Quaterniond device_turn_, tool_turn_;  // orientations when the tool was taken up
   Vec3d offset_ = Vec3d::Zero();    // between the force before the last model came and its own [N]
   Vec3d blended_ = Vec3d::Zero();   // what is left of it [N]
   double blend_ = 0;                // how long it lasts [s]
@@ -94,6 +98,7 @@ class Servo {
   double trust_ = 0;                // 1: the pose and the model are fresh; fades
   double share_ = 1;                // of the force that the hand feels: below 1 where damping is not enough
   bool is_fresh_ = false;           // the pose
+  bool was_gone_ = false;           // the force, because the model was too old
   Passivity passivity_;
   HapticState state_;
 };

@@ -85,12 +85,24 @@ void Hands<Real>::bring(int controller, const HandCommand& command) {
       [&](auto brought) {
         brought.name = name_of(controller, command.hand);
         apply_(brought);
-        if constexpr (std::is_same_v<decltype(brought), BringProbe>) hand.turn = brought.pose.orientation;
+        if constexpr (std::is_same_v<decltype(brought), BringProbe>) {
+          hand.turn = brought.pose.orientation;
+          warn_of_inside(hand, brought.pose.position);
+        }
       },
       *command.tool);
   hand.tool = tool;
   hand.is_leading = true;
   hand.filter = PoseFilter(command.position);
+}
+
+template <class Real>
+void Hands<Real>::warn_of_inside(const Hand& hand, const Vec3d& position) {
+  const Elements& elements = world_.elements();
+  if (lies_in<Real>(elements.topology, elements.points.view(), world_.displacements(), position))
+    say("inside", name_of(hand.controller, hand.number) +
+                      ": its probe begins inside the body, and feels nothing of it where it touches no "
+                      "surface: take it out");
 }
 
 template <class Real>

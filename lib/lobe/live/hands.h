@@ -64,6 +64,7 @@ class Hands {
   void lead(const HandCommand& command, Hand& hand);
   void turn_on(const HandCommand& command, Hand& hand);
   void let_go(Hand& hand);
+  void warn_of_inside(const Hand& hand, const Vec3d& position);
   Hand* find(int controller, HandNumber number);
   const Hand* find(int controller, HandNumber number) const;
   Hand& empty_hand(int controller, HandNumber number);

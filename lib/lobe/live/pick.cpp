@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <limits>
 
+#include "lobe/diagnostics/locate.h"
+
 namespace lobe {
 
 // Möller and Trumbore: origin + t d = a + β (b − a) + γ (c − a).
@@ -30,6 +32,25 @@ std::optional<RayHit> cast_ray(const SurfaceMesh& surface, const Mat3X<Real>& x,
   return hit;
 }
 
+template <class Real>
+bool lies_in(const Topology& topology, Eigen::Ref<const Mat3X<double>> X, Eigen::Ref<const Mat3X<Real>> u,
+             const Vec3d& point) {
+  for (Index t = 0; t < topology.tet_count(); ++t) {
+    if (!topology.alive(t)) continue;
+    const Eigen::Vector4i corners = topology.corners(t);
+    Mat34<double> x;
+    for (int i = 0; i < 4; ++i) x.col(i) = X.col(corners[i]) + u.col(corners[i]).template cast<double>();
+    if ((x.rowwise().minCoeff().array() > point.array()).any()) continue;
+    if ((x.rowwise().maxCoeff().array() < point.array()).any()) continue;
+    if (barycentric(x, point).minCoeff() >= 0) return true;
+  }
+  return false;
+}
+
+template bool lies_in<float>(const Topology&, Eigen::Ref<const Mat3X<double>>, Eigen::Ref<const Mat3X<float>>,
+                             const Vec3d&);
+template bool lies_in<double>(const Topology&, Eigen::Ref<const Mat3X<double>>,
+                              Eigen::Ref<const Mat3X<double>>, const Vec3d&);
 template std::optional<RayHit> cast_ray(const SurfaceMesh&, const Mat3X<float>&, const Vec3d&, const Vec3d&);
 template std::optional<RayHit> cast_ray(const SurfaceMesh&, const Mat3X<double>&, const Vec3d&, const Vec3d&);
 

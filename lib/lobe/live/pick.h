@@ -19,4 +19,11 @@ std::optional<RayHit> cast_ray(const SurfaceMesh& surface,
                                const Vec3d& origin,      // [m]
                                const Vec3d& direction);  // of any length but 0
 
+// Whether a point lies in a tetrahedron that is alive. O(#tets).
+template <class Real>
+bool lies_in(const Topology& topology,
+             Eigen::Ref<const Mat3X<double>> X,  // 3 × #vertices [m]
+             Eigen::Ref<const Mat3X<Real>> u,    // 3 × #vertices [m]
+             const Vec3d& point);                // [m]
+
 }  // namespace lobe

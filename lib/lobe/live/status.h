@@ -15,9 +15,11 @@ namespace lobe {
 //   missed           a ray met nothing, or nothing within the radius can be grasped: the hand is empty
 //   slipped          a grasp was pulled at with more than the cap: it has let go
 //   controller_gone  its hands have let go
+//   inside           a probe was brought whose position lies in the body
 //   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there:
 //                    nothing was done
 //   haptic_gone, haptic_pose  a haptic device does not answer, or not with a pose (haptic/): its force fades
+//   haptic_stale     the session came to no frame for so long that the force of a haptic device was gone
 //   stands_still     no step is stable: the simulation pauses; go back, or restart
 //   went_back, restored  as asked
 struct SessionMessage {

@@ -217,33 +217,6 @@ TEST_CASE("regions that the scene leaves to lobe are chosen, unless the caller w
   for (const RegionModel model : reference.setup.region_of) CHECK(model == RegionModel::nonlinear);
 }
 
-TEST_CASE(
-    "automatic regions are reduced where the mesh is fine enough for it, and something else elsewhere") {
-  const auto automatic = [](const std::string& more = "") {
-    return scene(R"({"regions": {"auto": {"reduced": true, "correct": true, "tolerance": 0.03}}, )" + more +
-                 R"("time": {"selective_mass": 12}})");
-  };
-  const Resolved coarse = resolve(automatic(), box_mesh({0.4, 0.1, 0.1}, 16, 4, 4));
-  const auto is_reduced = [](RegionModel model) { return model == RegionModel::reduced; };
-  CHECK(std::none_of(coarse.setup.region_of.begin(), coarse.setup.region_of.end(), is_reduced));
-  CHECK(coarse.setup.selective_mass == 12);
-  REQUIRE(coarse.warnings.size() >= 1);
-  CHECK(coarse.warnings[0].starts_with(
-      "/regions/auto/reduced: nothing is reduced: a cell of the lattice has the volume of "));
-  const Resolved fine = resolve(automatic(), box_mesh({0.4, 0.1, 0.1}, 48, 12, 12));
-  CHECK(std::all_of(fine.setup.region_of.begin(), fine.setup.region_of.end(), is_reduced));
-  CHECK(fine.setup.selective_mass == 1);
-  REQUIRE(fine.proposal);
-  CHECK(fine.proposal->region_of == fine.setup.region_of);
-  CHECK(automatic().reduced_tolerance() == 0.03);
-  const Resolved locking =
-      resolve(automatic(R"("materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}], )"),
-              box_mesh({0.4, 0.1, 0.1}, 48, 12, 12));
-  CHECK(std::none_of(locking.setup.region_of.begin(), locking.setup.region_of.end(), is_reduced));
-  REQUIRE(locking.warnings.size() >= 1);
-  CHECK(locking.warnings[0].find("does not go with \"nodal_pressure\"") != std::string::npos);
-}
-
 TEST_CASE("reduced regions are corrected above one tolerance in common") {
   const Scene corrected = scene(R"({"regions": [{"model": "reduced", "tolerance": 0.01}]})");
   CHECK(corrected.reduced_tolerance() == 0.01);

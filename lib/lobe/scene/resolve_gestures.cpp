@@ -3,6 +3,7 @@
 #include "lobe/condense/interface_size.h"
 #include "lobe/lattice/lattice.h"
 #include "lobe/linearity/step_cost.h"
+#include "lobe/scene/material_constants.h"
 #include "lobe/scene/resolve_parts.h"
 #include "lobe/setup/exclusions.h"
 
@@ -49,6 +50,13 @@ void choose_representation(Resolution& resolution) {
           rounded(1e6 * cost.tensor_mass) + " us: it is tensor-mass now; let it end at a narrower part");
 }
 
+double largest_poisson_ratio(const Setup& setup) {
+  double largest = -1;
+  for (const std::uint16_t m : setup.material_of)
+    largest = std::max(largest, poisson_ratio(setup.materials[m].lambda, setup.materials[m].mu));
+  return largest;
+}
+
 // Makes all of a body one reduced region, if it may be one and its mesh is fine enough for that to pay.
 bool reduce_automatic(Resolution& resolution) {
   constexpr double pays_above = 60;  // tetrahedra in the volume of a cell
@@ -57,6 +65,10 @@ bool reduce_automatic(Resolution& resolution) {
     resolution.warn("/regions/auto/reduced", "nothing is reduced: " + why);
     return false;
   };
+  const double nu = largest_poisson_ratio(resolved.setup);
+  if (nu > locks_above)
+    return leave("Poisson's ratio is " + rounded(nu) + ", and above " + rounded(locks_above) +
+                 " linear tetrahedra lock; use \"nonlinear\" with \"nodal_pressure\": true");
   Setup trial = resolved.setup;
   trial.region_of.assign(trial.region_of.size(), RegionModel::reduced);
   trial.selective_mass = 1;

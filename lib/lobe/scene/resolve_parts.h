@@ -41,6 +41,9 @@ inline std::string counted(std::size_t count, const char* one, const char* many)
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+// Poisson's ratio above which linear tetrahedra lock volumetrically: they respond too stiffly.
+inline constexpr double locks_above = 0.45;
+
 void refuse_excluded_options(Resolution& resolution);
 void resolve_materials(Resolution& resolution);
 void resolve_fibres(Resolution& resolution);

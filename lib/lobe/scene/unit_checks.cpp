@@ -21,18 +21,18 @@ void suspect_locking(Resolution& resolution, std::size_t material, const std::st
   const Setup& setup = resolution.result.setup;
   const Elastic& m = setup.materials[material];
   const double nu = poisson_ratio(m.lambda, m.mu);
-  if (nu <= 0.45) return;
-  const std::string locks =
-      "Poisson's ratio " + rounded(nu) + ": linear tetrahedra lock (respond too stiffly)";
+  if (nu <= locks_above) return;
+  const std::string locks = "Poisson's ratio " + rounded(nu) +
+                            ": linear tetrahedra lock (respond too stiffly) above " + rounded(locks_above);
   if (m.nodal_pressure == 0) {
-    resolution.warn(place, locks + " above 0.45; in nonlinear regions \"nodal_pressure\": true helps");
+    resolution.warn(place, locks + "; in nonlinear regions \"nodal_pressure\": true helps");
     return;
   }
   std::size_t beyond_reach = 0;
   for (std::size_t t = 0; t < setup.region_of.size(); ++t)
     beyond_reach += setup.material_of[t] == material && is_linear(setup.region_of[t]);
   if (beyond_reach == 0) return;
-  resolution.warn(place, locks + " above 0.45, and nodal_pressure does not reach " +
+  resolution.warn(place, locks + ", and nodal_pressure does not reach " +
                              counted(beyond_reach, "tetrahedron", "tetrahedra") + " in linear regions");
 }
 

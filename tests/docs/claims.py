@@ -167,7 +167,8 @@ def table_meshing_fuzz():
 TABLES = {"reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequencies": table_frequencies,
           "accuracy-undeclared": table_accuracy_undeclared,
           "meshing-quality": table_meshing_quality, "meshing-fuzz": table_meshing_fuzz,
-          "blade": table_blade, "contact": table_contact, "haptic": table_haptic, "haptic_touch": lambda: table_haptic("touch"), "palpation": table_palpation,
+          "blade": table_blade, "contact": table_contact, "haptic": table_haptic,
+          "haptic_touch": lambda: table_haptic("touch"), "palpation": table_palpation,
           "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)

@@ -14,7 +14,8 @@ def series(column, region="nonlinear", digits=2, most=None):
 
 
 def both(column, most, digits=2):
-    return series(column, "nonlinear", digits, most), f"tensor-mass: {series(column, 'tensor-mass', digits, most)}"
+    of_tensor_mass = series(column, "tensor-mass", digits, most)
+    return series(column, "nonlinear", digits, most), f"tensor-mass: {of_tensor_mass}"
 
 
 def has(table, column):
@@ -37,13 +38,16 @@ def precomputed_rows():
     row = rows("scalpel_precomputed")[0]
     return [["frame of a 40 mm blade in the pre-computed liver, mean; slowest [ms, wall]", "0.3",
              f"**{row['frame_ms']:.0f}; {row['slowest_frame_ms']:.0f}**",
-             f"{row['frame_tets']:.1f} exact edits of {row['tet_us'] / 1000:.1f} ms; expand the region ahead where that is too long"],
-            ["a single cut there; per tetrahedron of a full cut [µs, wall]", "–", f"{row['single_us']:,.0f}; {row['full_us']:,.0f}",
+             f"{row['frame_tets']:.1f} exact edits of {row['tet_us'] / 1000:.1f} ms; "
+             "expand the region ahead where that is too long"],
+            ["a single cut there; per tetrahedron of a full cut [µs, wall]", "–",
+             f"{row['single_us']:,.0f}; {row['full_us']:,.0f}",
              "vertices of the cut join the interface, whose matrix is dense"]]
 
 
 def order_text():
-    text = "the deviations are not monotone" if any(a < b for a, b in zip(deviations(), deviations()[1:])) else ""
+    grows = any(a < b for a, b in zip(deviations(), deviations()[1:]))
+    text = "the deviations are not monotone" if grows else ""
     if not has("scalpel_beam_order", "least_order"):
         return text
     row = rows("scalpel_beam_order")[0]

@@ -195,6 +195,24 @@ TEST_CASE("no force is above what the device bears, nor changes faster") {
   CHECK(servo.state().limited <= 290);
 }
 
+TEST_CASE(
+    "a torque is turned into the workspace, fades with its model, and is no higher than the device bears") {
+  Workspace space;
+  space.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // the device's x is the tool's y
+  Servo servo({.torque = 0.1, .damping = 10}, {.workspace = space});
+  const DeviceState still = at(Vec3d::Zero());
+  LocalModel model = spring();
+  model.torque = {0.03, 0.04, 0.01};
+  settled(servo, still, model);
+  CHECK((servo.state().torque - Vec3d(0.04, -0.03, 0.01)).norm() < 1e-15);
+  model.torque = {0.6, 0.8, 0};
+  model.time = 2;
+  settled(servo, still, model);
+  CHECK((servo.state().torque - Vec3d(0.08, -0.06, 0)).norm() < 1e-15);
+  for (int i = 0; i < 100; ++i) servo.tick(&still, LocalModel(model), tick);  // no new one comes
+  CHECK(servo.state().torque.norm() == 0);
+}
+
 TEST_CASE("a tool is taken up where it is, without a force") {
   Servo servo({.damping = 10}, {});
   const DeviceState device = at({0.1, 0.2, 0.3});

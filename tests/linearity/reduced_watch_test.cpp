@@ -5,6 +5,9 @@
 #include <Eigen/Geometry>
 #include <numeric>
 
+#include "lobe/io/mesh_io.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/resolve.h"
 #include "lobe/sim/checkpoint.h"
 #include "near.h"
 #include "reduced_bar.h"
@@ -182,6 +185,30 @@ TEST_CASE("while a bar is pulled and after it is let go the estimate is within a
     CHECK(estimated > worst / 2);
     CHECK(estimated < worst * 2);
   }
+}
+
+TEST_CASE("the first gestures of the shipped scene, on a liver of 2,000 tetrahedra, have small errors") {
+  const Scene scene = read_scene(LOBE_DATA_DIR "/scenes/liver_undeclared.json");
+  const TetMesh liver = read_mesh(LOBE_DATA_DIR "/meshes/liver_2k.vtu").mesh;
+  Setup setup = resolve(scene, liver, {false}).setup;
+  std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::reduced);
+  Watched gesture(setup);
+  double largest = 0, estimated = 0, sum = 0, embedded = 0;
+  int frames = 0;
+  for (; gesture.world.time() < 3; ++frames) {  // lifted, let go, pulled aside, let go
+    gesture.advance();
+    if (gesture.error > largest) estimated = gesture.seen.error;
+    largest = std::max(largest, gesture.error);
+    sum += gesture.error;
+    embedded += region_of(gesture.world).any_embedded();
+  }
+  MESSAGE("largest error " << largest << ", estimated then " << estimated / largest << " of it, mean "
+                           << sum / frames << ", embedded in " << embedded / frames << " of the frames");
+  CHECK(embedded > 0.5 * frames);
+  CHECK(largest < 0.034);
+  CHECK(sum / frames < 0.0175);
+  CHECK(estimated > 0.6 * largest);
+  CHECK(estimated < 1.0 * largest);
 }
 
 TEST_CASE_TEMPLATE("a watch changes nothing in a world", Real, float, double) {

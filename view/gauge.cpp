@@ -60,7 +60,11 @@ void Gauge<Real>::find_error(World<Real>& world, Measured& measured) {
   if (!watch_)
     watch_ = std::make_unique<LinearityWatch<Real>>(world, std::vector<std::vector<Index>>{},
                                                     LinearityOptions{.on_exceeded = {}});
-  const double error = watch_->look(world).error;
+  if (!reduced_ && world.body().regions.reduced().any()) {
+    reduced_ = std::make_unique<ReducedWatch<Real>>(world, ReducedOptions{});
+    reduced_error_ = reduced_->look(world).error;
+  }
+  const double error = watch_->look(world).error + reduced_error_;  // of the sum, at most
   // Compared with the rounding that is left of an old motion, an error means nothing.
   constexpr double least = 1e-6;  // of the extent of the body
   const auto points = world.elements().points.view();
@@ -69,10 +73,20 @@ void Gauge<Real>::find_error(World<Real>& world, Measured& measured) {
   if (most_moved_ > least * extent) measured.linear_error = error;
   const Mat3X<double>& errors = watch_->zone_errors();
   const std::vector<Index>& zone_of = watch_->zones().of;
+  const Mat3X<double> of_vertices = reduced_ ? reduced_->vertex_errors(world) : Mat3X<double>(3, 0);
   const auto of_tet = [&](Index tet) {
-    return errors.size() > 0 ? errors.col(zone_of[std::size_t(tet)]).norm() : 0;
+    double sum = errors.size() > 0 ? errors.col(zone_of[std::size_t(tet)]).norm() : 0;
+    for (const Index v : world.elements().topology.corners(tet))
+      if (v < of_vertices.cols()) sum += of_vertices.col(v).norm() / 4;
+    return sum;
   };
   spread(world.surface().mesh(), of_tet, measured.values);
+}
+
+template <class Real>
+void Gauge<Real>::follow(World<Real>& world) {
+  const bool is_same = std::exchange(followed_, world.time()) == world.time();  // it pauses
+  if (reduced_ && !is_same) reduced_error_ = reduced_->look(world).error;
 }
 
 template <class Real>
@@ -84,6 +98,7 @@ void Gauge<Real>::measure(World<Real>& world, const std::string& scalar, Measure
   measured.linear_error = -1;
   measured.scalar = scalar;
   measured.revision = world.surface().revision();
+  if (scalar != "linear_error") reduced_.reset();
   if (scalar == "none")
     measured.values.clear();
   else if (scalar == "linear_error")

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lobe/linearity/reduced_watch.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/region/nodal_pressure.h"
 #include "lobe/sim/world.h"
@@ -26,10 +27,14 @@ struct Measured {
 template <class Real>
 class Gauge {
  public:
-  // `scalar`: "none"; "von_mises" [Pa]; "volume_ratio"; "linear_error", by which linear regions displace each
-  // part wrongly [m]. O(#tetrahedra). The first "linear_error" takes as long as setting up its watch
-  // (linearity/watch.h).
+  // `scalar`: "none"; "von_mises" [Pa]; "volume_ratio"; "linear_error", by which linear and reduced regions
+  // displace each part wrongly [m]. O(#tetrahedra). The first "linear_error" takes as long as setting up its
+  // watches (linearity/watch.h, linearity/reduced_watch.h).
   void measure(World<Real>& world, const std::string& scalar, Measured& measured);
+
+  // While "linear_error" is measured of a world with reduced regions, they are watched after each frame.
+  bool follows() const { return reduced_ != nullptr; }
+  void follow(World<Real>& world);
 
  private:
   std::vector<double> pressures(const World<Real>& world, const Mat3X<double>& u);
@@ -37,7 +42,9 @@ class Gauge {
   void find_error(World<Real>& world, Measured& measured);
 
   std::unique_ptr<LinearityWatch<Real>> watch_;
-  double most_moved_ = 0;  // since there is a watch: the largest displacement [m]
+  std::unique_ptr<ReducedWatch<Real>> reduced_;  // from when it is asked for, while it is measured
+  double reduced_error_ = 0, followed_ = -1;     // the latter: the time of the last frame [s]
+  double most_moved_ = 0;                        // since there is a watch: the largest displacement [m]
   PressureNodes nodes_;
   std::size_t nodes_edits_ = SIZE_MAX;  // of the world's history that they know
   std::uint64_t nodes_restored_ = 0;

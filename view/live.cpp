@@ -137,6 +137,7 @@ class LiveOf final : public Live {
   SessionOptions with_skin(SessionOptions options) {
     options.published = [this, published = options.published] {
       if (skin_) skin_->update(session_.world());
+      if (gauge_.follows()) gauge_.follow(session_.world());
       if (published) published();
     };
     return options;
@@ -265,6 +266,7 @@ class LiveOf final : public Live {
   const Scene scene_;
   const Setup setup_;
   std::optional<SkinFeed<Real>> skin_;  // none while the session is being made
+  Gauge<Real> gauge_;                   // of the thread of the session, between frames
   Session<Real> session_;
   std::optional<Controller> controller_;
   std::optional<Haptics<Real>> haptics_;
@@ -276,7 +278,6 @@ class LiveOf final : public Live {
   bool ends_ = false;
   std::string wanted_ = "none";
   std::shared_ptr<const Measured> measured_ = std::make_shared<const Measured>();
-  Gauge<Real> gauge_;  // of the thread of the session, between frames
   std::thread measuring_;
 };
 

@@ -542,3 +542,16 @@ TEST_CASE("the error of linear regions is estimated where they are, and asked fo
     return status.contains("linear_error") && status["linear_error"].get<double>() > 1e-4;
   }));
 }
+
+TEST_CASE("the error of reduced regions is estimated while it is shown") {
+  Viewed viewed(false, "none", {{"regions", {{{"model", "reduced"}, {"cell", 0.02}}}}});
+  viewed.viewer->opened(1);
+  viewed.ask(1, {{"do", "show"}, {"what", "linear_error"}});
+  REQUIRE(viewed.comes_to(1, [](const Json& status, const Json&) { return status.contains("energy"); }));
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(1, 1));
+  viewed.lead(1, 0, 0.06, 0.03, 0.06);
+  CHECK(viewed.comes_to(1, [](const Json& status, const Json&) {
+    return status.contains("linear_error") && status["linear_error"].get<double>() > 1e-4;
+  }));
+}

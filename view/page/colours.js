@@ -68,7 +68,7 @@ export const quantities = {
   displacement: {name: 'Displacement', unit: 'mm', factor: 1e3, least: 0, span: 0.005},
   von_mises: {name: 'Von Mises stress', unit: 'kPa', factor: 1e-3, least: 0, span: 500},
   volume_ratio: {name: 'Volume ratio', unit: '', factor: 1, span: 0.02},
-  linear_error: {name: 'Error of linear regions', unit: 'mm', factor: 1e3, least: 0, span: 0.0005},
+  linear_error: {name: 'Error of linear and reduced regions', unit: 'mm', factor: 1e3, least: 0, span: 0.0005},
 };
 
 /** @param {number} [linearError] estimated, of the largest displacement */
@@ -96,7 +96,8 @@ export function showLegend(element, quantity, range, shares, linearError) {
 
 function linearErrorInWords(shares, error) {
   const words = document.createElement('p');
-  if (shares[0] + shares[1] === 0) words.textContent = 'No region is linear: there is no such error.';
+  if (shares[0] + shares[1] + shares[3] === 0)
+    words.textContent = 'No region is linear or reduced: there is no such error.';
   else if (error === undefined) words.textContent = 'Estimated as soon as the organ moves.';
   else words.textContent = `Estimated: ${(100 * error).toPrecision(2)} % of the displacement.`;
   return words;

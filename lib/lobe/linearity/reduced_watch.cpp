@@ -95,14 +95,21 @@ void ReducedWatch<Real>::estimate(World<Real>& world, double h) {
 }
 
 template <class Real>
-void ReducedWatch<Real>::measure(World<Real>& world) {
-  const Mat3X<double> u = world.displacements().template cast<double>();
-  largest_ = std::max(largest_, norm(equation_->grid().mass(), u));
-  before_ = last_.error;
+Mat3X<double> ReducedWatch<Real>::vertex_errors(const World<Real>& world) const {
+  if (!equation_) return Mat3X<double>(3, 0);
   const Dynamics<Real>& body = world.body();
   Mat3X<double> e = equation_->error();  // of what the nodes make of displacements
   if (const Mat3X<Real> left = body.regions.reduced().fading(body.motion); left.size() > 0)
     e -= left.leftCols(e.cols()).template cast<double>();
+  return e;
+}
+
+template <class Real>
+void ReducedWatch<Real>::measure(World<Real>& world) {
+  const Mat3X<double> u = world.displacements().template cast<double>();
+  largest_ = std::max(largest_, norm(equation_->grid().mass(), u));
+  before_ = last_.error;
+  const Mat3X<double> e = vertex_errors(world);
   last_.error = largest_ > 0 ? norm(equation_->grid().mass(), e) / largest_ : 0;
   Index worst = 0;
   e.colwise().squaredNorm().maxCoeff(&worst);

@@ -44,6 +44,8 @@ class ReducedWatch {
   ReducedReport look(World<Real>& world) { return look(world, sink_of(world)); }
   ReducedReport look(World<Real>& world, const CommandSink& send);
 
+  // Per vertex that is known, at the last estimate [m]; none without a reduced region.
+  Mat3X<double> vertex_errors(const World<Real>& world) const;
   double looking_seconds() const { return looking_seconds_; }  // in all
 
  private:

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "lobe/scalpel/far_move.h"
 #include "lobe/scene/read_selector.h"
 #include "lobe/scene/tool_kinds.h"
 
@@ -80,7 +81,7 @@ void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string
          rounded(extent.longest) + " m: it may turn too far from row to row");
   if (extent.longest < edge)
     warn("the blade is shorter than the mesh's mean edge, " + rounded(edge) + " m: it cuts nothing");
-  if (in_a_frame > 3 * edge)
+  if (in_a_frame > far_move * edge)
     warn("the blade goes " + rounded(in_a_frame) + " m in a frame, more than three mean edges of " +
          rounded(edge) + " m: it cuts the tissue where that was at the start of the frame");
   if (!comes_near(tool, resolution.mesh())) warn("the blade never comes near the mesh");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lobe/error.h"
+#include "lobe/scalpel/far_move.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -88,7 +89,7 @@ bool Scalpels::has_cut() const {
   });
 }
 
-// The thresholds are those of a scene's warnings (scene/scalpel_kind.cpp).
+// A scene is warned of the same before it runs (scene/scalpel_kind.cpp).
 std::vector<std::string> Scalpels::unfit(const BladeMove& move, const Elements& elements,
                                          const Blades::BodyNow& body) {
   std::vector<std::string> texts;
@@ -104,7 +105,7 @@ std::vector<std::string> Scalpels::unfit(const BladeMove& move, const Elements& 
                       " m in the mean, and may open nothing. Remedy: a longer blade, a finer mesh there");
     }
   }
-  if (gone_.way > 3 * edge && !is_in(told_.far, move.tool) && has_cut()) {
+  if (gone_.way > far_move * edge && !is_in(told_.far, move.tool) && has_cut()) {
     told_.far.push_back(move.tool);
     texts.push_back("a blade went " + rounded(gone_.way) + " m in a frame, more than three mean edges of " +
                     rounded(edge) +

@@ -84,7 +84,7 @@ void validate_lattice(const Dynamics<Real>& body) {
   validate_total_mass(region, body);
 }
 
-// ---- Tools, sleep, pieces, grains
+// ---- Tools, sleep, grains
 
 void validate_tools(const Tools& tools, Index vertices) {
   for (const Grasp& grasp : tools.lists().grasps)

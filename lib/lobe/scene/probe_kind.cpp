@@ -36,14 +36,6 @@ void write_probe(const Tool& tool, nlohmann::ordered_json& entry) {
   entry["release"] = tool.release;
 }
 
-bool lies_in(const TetMesh& mesh, const Vec3d& p) {
-  const Box box = bounding_box(mesh);
-  if ((p.array() < box.min.array()).any() || (p.array() > box.max.array()).any()) return false;
-  for (Index t = 0; t < mesh.tet_count(); ++t)
-    if (barycentric(mesh, t, p).minCoeff() >= 0) return true;
-  return false;
-}
-
 void resolve_probe(Resolution& resolution, const Tool& tool, const std::string& here) {
   const std::optional<RigidShape> found =
       resolve_shape(resolution, tool.shape, tool.shape_file, here + "/shape");
@@ -59,7 +51,7 @@ void resolve_probe(Resolution& resolution, const Tool& tool, const std::string& 
   if (std::none_of(tool.path.begin(), tool.path.end(), is_near))
     resolution.warn(here + "/path",
                     "no row of it comes within reach of the mesh's bounding box, " + rounded(reach) + " m");
-  if (lies_in(resolution.mesh(), tool.path.front().position))
+  if (Locator(resolution.mesh()).nearest(tool.path.front().position).distance == 0)
     resolution.warn(here + "/path/0",
                     "the probe begins inside the organ: it pushes at once, or not at all where it touches no "
                     "surface. Begin outside");

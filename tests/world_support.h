@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 #include "near.h"
 
@@ -14,6 +16,17 @@ namespace lobe::test {
 template <class Real>
 bool same_bits(World<Real>& a, World<Real>& b) {
   return a.time() == b.time() && a.state().u == b.state().u && a.state().v == b.state().v;
+}
+
+// What validate() names; nothing if the world is valid.
+template <class Real>
+std::string fault_of(World<Real>& world) {
+  try {
+    validate(world);
+  } catch (const BrokenInvariant& fault) {
+    return fault.what();
+  }
+  return "";
 }
 
 template <class Real>

@@ -9,6 +9,7 @@
 
 #include "lattice_worlds.h"
 #include "lobe/sim/checkpoint.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -41,12 +42,7 @@ TEST_CASE("what does not fit together in a lattice is named") {
     world.advance(0.01);
     REQUIRE(region_of(world).any_embedded());
     change(world.body());
-    try {
-      validate(world);
-    } catch (const BrokenInvariant& fault) {
-      return fault.what();
-    }
-    return "";
+    return fault_of(world);
   };
   using Body = Dynamics<double>;
   const std::string start = "lobe: broken invariant: ";

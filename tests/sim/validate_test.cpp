@@ -7,6 +7,7 @@
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/world.h"
 #include "support.h"
+#include "world_support.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -50,12 +51,7 @@ TEST_CASE("what does not fit together is named") {
     world.remove_tets({100, 101});
     validate(world);
     change(world.body());
-    try {
-      validate(world);
-    } catch (const BrokenInvariant& fault) {
-      return fault.what();
-    }
-    return "";
+    return fault_of(world);
   };
   using Body = Dynamics<double>;
   const std::string start = "lobe: broken invariant: ";

@@ -1,5 +1,5 @@
 """The table of docs/benchmarks.md on a blade, and claims on it, for claims.py."""
-from results import ROOT, high, low, one, percent, rows, span
+from results import high, low, one, percent, rows, span
 
 BODIES = ("liver_10k", "cube_48k", "liver_0.00575")
 
@@ -18,11 +18,6 @@ def both(column, most, digits=2):
     return series(column, "nonlinear", digits, most), f"tensor-mass: {of_tensor_mass}"
 
 
-def has(table, column):
-    """Tables of an earlier program lack some columns."""
-    return (ROOT / "benchmarks" / "results" / f"{table}.csv").exists() and column in rows(table)[0]
-
-
 def per_frame():
     return "; ".join(f"{row['cut'] / row['frames']:.0f}" for mesh in BODIES
                      for row in rows("scalpel", mesh=mesh, region="nonlinear"))
@@ -33,8 +28,6 @@ def floor(column, mesh, cut_step=0.75):
 
 
 def precomputed_rows():
-    if not has("scalpel_precomputed", "tet_us"):
-        return []
     row = rows("scalpel_precomputed")[0]
     return [["frame of a 40 mm blade in the pre-computed liver, mean; slowest [ms, wall]", "0.3",
              f"**{row['frame_ms']:.0f}; {row['slowest_frame_ms']:.0f}**",
@@ -46,28 +39,45 @@ def precomputed_rows():
 
 
 def order_text():
-    grows = any(a < b for a, b in zip(deviations(), deviations()[1:]))
-    text = "the deviations are not monotone" if grows else ""
-    if not has("scalpel_beam_order", "least_order"):
-        return text
     row = rows("scalpel_beam_order")[0]
-    return (f"order {row['cut_order']:.2f}, of meshes that follow the slit {row['conforming_order']:.2f}; if one of the meshes is left "
-            f"out, {row['least_order']:.2f} to {row['most_order']:.2f}" + ("; " + text if text else ""))
+    grows = any(a < b for a, b in zip(deviations(), deviations()[1:]))
+    return (f"order {row['cut_order']:.2f}, of meshes that follow the slit {row['conforming_order']:.2f}; "
+            f"if one of the meshes is left out, {row['least_order']:.2f} to {row['most_order']:.2f}"
+            + ("; the deviations are not monotone" if grows else ""))
 
 
 def deviations():
     return [100 * (1 - row["cut_m"] / row["conforming_m"]) for row in rows("scalpel_beam")]
 
 
+def floor_rows():
+    added = f"{100 * floor('most_added', 'liver_2k'):.2f} %"
+    if floor("most_added", "liver_2k") > 0.01:
+        added = f"**{added}**"
+    return [["time step after one of twelve full cuts, worst; median", "0.7; 0.95",
+             f"{floor('worst_limit', 'liver_10k'):.3f}; {floor('median_limit', 'liver_10k'):.2f}",
+             f"without the floor {floor('worst_limit', 'liver_10k', 0):.2f}; "
+             f"{floor('median_limit', 'liver_10k', 0):.2f}"],
+            ["mass of the floor per full cut, most", "1 %", percent(floor("most_added", "liver_10k"), 2),
+             f"on the shipped liver of 2,103 tetrahedra {added} in one cut of twelve, "
+             f"median {percent(floor('median_added', 'liver_2k'), 2)}"]]
+
+
+def beam_rows():
+    rims = "; ".join(f"{row['rim_edges']:+.2f}".replace("-", "−") for row in rows("scalpel_beam"))
+    return [["sag of the slit beam against a mesh that follows the slit, cells of 10; 5; 3.3; 2.5; 2 mm",
+             "the mesh's rate", "−" + "; −".join(f"{d:.1f}" for d in deviations()) + " %", order_text()],
+            ["ends of these slits beyond what the blade swept, in mean edges", "0.2", rims,
+             "a cut ends at faces"]]
+
+
 def table_blade():
-    single = has("scalpel", "single_us")
-    added = 100 * floor("most_added", "liver_2k")
+    error = f"{high(rows('scalpel'), 'error'):.0e}".replace("e-0", "e-")
     body = [
         ["geometry per cut tetrahedron [µs]", "5", series("geometry_us", digits=1, most=5),
          "each tetrahedron is near the blade, and looked at, in several steps"],
         ["the same, all in one sweep [µs]", "5", series("sweep_us", digits=1, most=5), ""],
-        *([["tetrahedra cut per frame that opens something", "–", per_frame(), "the blade begins and ends outside"]]
-          if has("scalpel", "frames") else []),
+        ["tetrahedra cut per frame that opens something", "–", per_frame(), "the blade begins and ends outside"],
         ["all, non-linear, in 60 frames [µs, wall]", "12", series("all_us", digits=0, most=12),
          "a step of the blade in each frame, after steps of the body that have emptied the caches"],
         ["non-linear, all in one frame [µs, wall]", "12", series("batch_us", digits=0, most=12),
@@ -75,33 +85,25 @@ def table_blade():
         ["all, tensor-mass, in 60 frames [µs, wall]", "15", series("all_us", "tensor-mass", 0, 15),
          "the same, and six edges per tetrahedron whose blocks are summed again"],
         ["tensor-mass, all in one frame [µs, wall]", "15", series("batch_us", "tensor-mass", 0, 15), ""],
-        *([["all, a single tetrahedron per frame [µs, wall]", "20", *both("single_us", 20, 0)]] if single else []),
+        ["all, a single tetrahedron per frame [µs, wall]", "20", *both("single_us", 20, 0)],
         ["frame of a 40 mm blade, mean [ms, wall]", "0.3", *both("frame_ms", 0.3)],
         ["its slowest frame [ms, wall]", "0.3", *both("slowest_frame_ms", 0.3)],
         *precomputed_rows(),
         ["step after a full cut, non-linear", "1.10", series("step_ratio", most=1.1),
          f"a world built afresh from the cut body takes {series('fresh_ratio')}"],
         ["the same, tensor-mass", "1.10", series("step_ratio", "tensor-mass", most=1.1),
-         f"copies add edges and vertices; a world built afresh from the cut body takes {series('fresh_ratio', 'tensor-mass')}"],
+         "copies add edges and vertices; a world built afresh from the cut body takes "
+         + series("fresh_ratio", "tensor-mass")],
         ["step after a cut that leaves one half loose, which is non-linear then; tensor-mass", "1.10",
          series("loose_ratio", "tensor-mass", most=1.1), "half of the body is of the dearer model"],
-        *([["all that a world allocates per cut tetrahedron [bytes]", "400", series("world_bytes", digits=0, most=400),
-            f"tensor-mass: {series('world_bytes', 'tensor-mass', 0, 400)}; vertices, copies, the record of the cut, room to spare"]]
-          if has("scalpel", "world_bytes") else []),
+        ["all that a world allocates per cut tetrahedron [bytes]", "400",
+         series("world_bytes", digits=0, most=400),
+         f"tensor-mass: {series('world_bytes', 'tensor-mass', 0, 400)}; "
+         "vertices, copies, the record of the cut, room to spare"],
         ["grains alone [bytes]", "400", series("bytes", digits=0, most=400), ""],
-        ["time step after one of twelve full cuts, worst; median", "0.7; 0.95",
-         f"{floor('worst_limit', 'liver_10k'):.3f}; {floor('median_limit', 'liver_10k'):.2f}",
-         f"without the floor {floor('worst_limit', 'liver_10k', 0):.2f}; {floor('median_limit', 'liver_10k', 0):.2f}"],
-        ["mass of the floor per full cut, most", "1 %", percent(floor("most_added", "liver_10k"), 2),
-         f"on the shipped liver of 2,103 tetrahedra {'**' if added > 1 else ''}{added:.2f} %{'**' if added > 1 else ''} in one "
-         f"cut of twelve, median {percent(floor('median_added', 'liver_2k'), 2)}"],
-        ["forces and masses against a world built afresh", "1e-5", f"{high(rows('scalpel'), 'error'):.0e}".replace("e-0", "e-"),
-         "single precision"],
-        ["sag of the slit beam against a mesh that follows the slit, cells of 10; 5; 3.3; 2.5; 2 mm", "the mesh's rate",
-         "−" + "; −".join(f"{d:.1f}" for d in deviations()) + " %", order_text()],
-        *([["ends of these slits beyond what the blade swept, in mean edges", "0.2",
-            "; ".join(f"{row['rim_edges']:+.2f}".replace("-", "−") for row in rows("scalpel_beam")), "a cut ends at faces"]]
-          if has("scalpel_beam", "rim_edges") else []),
+        *floor_rows(),
+        ["forces and masses against a world built afresh", "1e-5", error, "single precision"],
+        *beam_rows(),
     ]
     lines = ["| | aimed at | reached | what bounds it |", "|---|---|---|---|"]
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in body])
@@ -111,19 +113,30 @@ def livers(column, region):
     return [one("scalpel", column, mesh=mesh, region=region) for mesh in ("liver_10k", "liver_0.00575")]
 
 
+def slow_steps():
+    return [row["step_ratio"] for row in rows("scalpel", region="tensor-mass") if row["step_ratio"] > 1.1]
+
+
+def floored():
+    return rows("scalpel_limit", cut_step=0.75)
+
+
 L, GUIDE = "docs/limitations.md", "docs/guide/cut.md"
 
 CLAIMS = [
-    (L, lambda: "the geometry of the small liver takes {:.1f} µs per cut tetrahedron".format(livers("geometry_us", "nonlinear")[0])),
-    (L, lambda: "All together takes {:.0f} and {:.0f} µs on the livers (12), ".format(*livers("all_us", "nonlinear")) +
-                "tensor-mass {:.0f} and {:.0f} µs (15)".format(*livers("all_us", "tensor-mass"))),
-    (L, lambda: "takes " + " and ".join(f"{row['step_ratio']:.2f}" for row in rows("scalpel", region="tensor-mass")
-                                        if row["step_ratio"] > 1.1) + " times as long on two of three tensor-mass bodies (aim: 1.10)"),
-    (L, lambda: f"It takes {span(rows('scalpel', region='tensor-mass'), 'loose_ratio', 2)} times as long where half of such a body"),
+    (L, lambda: f"the geometry of the small liver takes {livers('geometry_us', 'nonlinear')[0]:.1f} µs per cut "
+                "tetrahedron"),
+    (L, lambda: "All together takes {:.0f} and {:.0f} µs on the livers (12), ".format(
+        *livers("all_us", "nonlinear")) +
+        "tensor-mass {:.0f} and {:.0f} µs (15)".format(*livers("all_us", "tensor-mass"))),
+    (L, lambda: "takes " + " and ".join(f"{ratio:.2f}" for ratio in slow_steps()) +
+        " times as long on two of three tensor-mass bodies (aim: 1.10)"),
+    (L, lambda: f"It takes {span(rows('scalpel', region='tensor-mass'), 'loose_ratio', 2)} times as long where "
+                "half of such a body"),
     (L, lambda: f"was {percent(floor('most_added', 'liver_2k'), 2)} in one cut of twelve on 2,103 tetrahedra"),
     (L, lambda: f"sags {span([{'less': less} for less in deviations()], 'less')} % less"),
     (GUIDE, lambda: "after {:.0f} cuts through the shipped livers {:.3f} of it was left".format(
-        sum(row["planes"] for row in rows("scalpel_limit", cut_step=0.75)), low(rows("scalpel_limit", cut_step=0.75), "worst_limit"))),
-    (GUIDE, lambda: f"A scalpel takes {low(rows('scalpel'), 'batch_us'):.0f} to {high(rows('scalpel'), 'all_us'):.0f} µs for each "
-                    f"tetrahedron that it cuts"),
+        sum(row["planes"] for row in floored()), low(floored(), "worst_limit"))),
+    (GUIDE, lambda: f"A scalpel takes {low(rows('scalpel'), 'batch_us'):.0f} to "
+                    f"{high(rows('scalpel'), 'all_us'):.0f} µs for each tetrahedron that it cuts"),
 ]

@@ -18,7 +18,7 @@ constexpr char usual[] = R"({"lame_lambda": 4e4, "lame_mu": 1e4})";
 
 Resolved chosen(const TetMesh& mesh, const std::string& materials = usual) {
   return resolve(parse_scene(R"({"mesh": "m.vtu",
-      "boundary": [{"fix": true, "where": {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0], "side": "below"}}}],
+      "boundary": [{"fix": true, "where": {"box": {"min": [-1, -1, -1], "max": [0, 1, 1]}}}],
       "regions": {"auto": {"reduced": true, "correct": true, "tolerance": 0.03}},
       "time": {"selective_mass": 12}, "materials": [)" +
                              materials + "]}"),

@@ -68,7 +68,8 @@ export const quantities = {
   displacement: {name: 'Displacement', unit: 'mm', factor: 1e3, least: 0, span: 0.005},
   von_mises: {name: 'Von Mises stress', unit: 'kPa', factor: 1e-3, least: 0, span: 500},
   volume_ratio: {name: 'Volume ratio', unit: '', factor: 1, span: 0.02},
-  linear_error: {name: 'Error of linear and reduced regions', unit: 'mm', factor: 1e3, least: 0, span: 0.0005},
+  linear_error:
+      {name: 'Error of linear and reduced regions', unit: 'mm', factor: 1e3, least: 0, span: 0.0005},
 };
 
 /** @param {number} [linearError] estimated, of the largest displacement */

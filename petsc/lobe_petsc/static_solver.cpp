@@ -18,6 +18,8 @@ void set_default(const char* name, const char* value) {
   if (!is_set) check(PetscOptionsSetValue(nullptr, name, value));
 }
 
+constexpr char no_memory[] = "the direct solver has not enough memory";
+
 class Solver {
  public:
   Solver(const Ranks& ranks, const Part& part, const Setup& setup, const SolverOptions& options);
@@ -33,6 +35,8 @@ class Solver {
   void choose_method();
   void set_multigrid(bool hypre);
   void assemble(Vec u);
+  void grow_workspace();
+  bool lacks_workspace() const;
   void count_linear();
   State evaluate(Vec u, Vec forces);
   bool find(double fraction);
@@ -166,7 +170,30 @@ void Solver::assemble(Vec u) {
   start = Clock::now();
   check(KSPSetOperators(ksp_, matrix_, matrix_));
   check(KSPSetUp(ksp_));
+  if (direct_) grow_workspace();
   result_.seconds.setup += since(start);
+}
+
+// MUMPS estimates the memory of a factorisation before it decides, while it runs, which rank does what. The
+// estimate may fall short by chance, above all on a busy machine. Then the matrix is factored from scratch with
+// more, as all later ones are.
+void Solver::grow_workspace() {
+  for (int percent = 50; percent <= 1600 && lacks_workspace(); percent *= 2) {
+    PC pc = nullptr;
+    check(KSPGetPC(ksp_, &pc));
+    check(PCReset(pc));
+    check(PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", std::to_string(percent).c_str()));
+    check(KSPSetOperators(ksp_, matrix_, matrix_));
+    check(KSPSetUp(ksp_));
+  }
+}
+
+bool Solver::lacks_workspace() const {
+  PC pc = nullptr;
+  PCFailedReason reason = PC_NOERROR;
+  check(KSPGetPC(ksp_, &pc));
+  check(PCGetFailedReason(pc, &reason));
+  return reason == PC_FACTOR_OUTMEMORY;
 }
 
 // Counts the iterations of the linear systems since the last call.
@@ -264,6 +291,7 @@ bool Solver::move_by_linear(Vec move) {
   check(KSPSetTolerances(ksp_, tolerance, absolute, divergence, most));
   KSPConvergedReason reason;
   check(KSPGetConvergedReason(ksp_, &reason));
+  if (lacks_workspace()) trouble_ = no_memory;
   if (reason < 0) return false;
   equations_.clear_prescribed(direction_);
   check(VecAXPY(u_, 1, move));
@@ -276,6 +304,7 @@ bool Solver::move_by_linear(Vec move) {
 const char* Solver::trouble_of(SNESConvergedReason reason) const {
   if (reason == SNES_DIVERGED_LINE_SEARCH) return trouble_;
   if (reason == SNES_DIVERGED_MAX_IT) return "Newton's method did not converge";
+  if (lacks_workspace()) return no_memory;
   if (reason == SNES_DIVERGED_FNORM_NAN) return "its forces are too large for double precision";
   return "the linear solver did not converge (the tangent is not positive definite there, or very badly "
          "conditioned)";

@@ -167,6 +167,22 @@ def cycle_of_folders(root):
         yield "lib/lobe: folders that need each other: " + " ← ".join(error.args[1])
 
 
+def world(header):
+    """Numbers of the public functions of World, with constructors and overloads, and of its members."""
+    text = re.sub(r"//.*", "", header)
+    public, private = re.search(r"^class World {\n public:(.*?)^ private:(.*?)^};", text, re.S | re.M).groups()
+    public = re.sub(r"{[^{}]*}", ";", re.sub(r"<[^<>()]*>|\(\)", "", public))
+    functions = [part for part in re.sub(r"\([^()]*\)", "", public).split(";") if part.strip()]
+    return len(functions), len(re.findall(r"^  [\w:<>]+ \w+_(?:{[^\n]*})?;", private, re.M))
+
+
+def world_is_small(root):
+    """World has fewer public functions than 30, and fewer members than 15."""
+    functions, members = world((root / "lib" / "lobe" / "sim" / "world.h").read_text(encoding="utf-8"))
+    if not 0 < functions < 30 or not 0 < members < 15:
+        yield f"world.h: {functions} public functions and {members} members, must be below 30 and 15"
+
+
 def makes(root, command, picture):
     """Whether a command exists that can make a picture: of ./dev, an example or a benchmark."""
     words = command.split()
@@ -215,7 +231,7 @@ def wide_comments(root):
 
 
 CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary,
-          list_of_folders, cycle_of_folders, figures, wide_comments)
+          list_of_folders, cycle_of_folders, world_is_small, figures, wide_comments)
 
 
 def main(root):

@@ -160,11 +160,11 @@ TEST_CASE("a frame with cuts of one blade is refused where two move") {
   }
   World<float> cut(setup);
   cut.restore(world.save());
-  cut.advance(frame);
-  REQUIRE(cut.cuts().size() == 2);
-  advance.cuts = {cut.cuts()[0]};
+  const std::vector<BladeCut> cuts = cut.advance(frame).cuts;
+  REQUIRE(cuts.size() == 2);
+  advance.cuts = {cuts[0]};
   CHECK_THROWS_WITH_AS(world.apply(advance), "frame: has cuts of fewer blades than move in it", InputError);
-  advance.cuts = cut.cuts();
+  advance.cuts = cuts;
   world.apply(advance);
   CHECK(same_bits(world, cut));
 }

@@ -105,8 +105,12 @@ CommandRecorder<Real>::CommandRecorder(World<Real>& world) : world_(world) {
 
 template <class Real>
 void CommandRecorder<Real>::apply(const Command& command) {
+  const auto* frame = std::get_if<Advance>(&command);
+  if (frame && frame->cuts.empty()) {
+    advance(frame->duration);
+    return;
+  }
   world_.apply(command);
-  if (const auto* frame = std::get_if<Advance>(&command)) return record_frame(frame->duration);
   const bool is_same = is_about_tools(command) && !recording_.commands.empty();
   recording_.commands.push_back({command, is_same ? recording_.commands.back().digest : digest(world_)});
 }
@@ -114,13 +118,8 @@ void CommandRecorder<Real>::apply(const Command& command) {
 template <class Real>
 Report CommandRecorder<Real>::advance(double duration) {
   Report report = world_.advance(duration);
-  record_frame(duration);
+  recording_.commands.push_back({Advance{duration, report.cuts}, digest(world_)});
   return report;
-}
-
-template <class Real>
-void CommandRecorder<Real>::record_frame(double duration) {
-  recording_.commands.push_back({Advance{duration, world_.cuts()}, digest(world_)});
 }
 
 template <class Real>

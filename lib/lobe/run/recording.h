@@ -57,7 +57,6 @@ class CommandRecorder {
   const Recording& recording() const { return recording_; }
 
  private:
-  void record_frame(double duration);
 
   World<Real>& world_;
   Recording recording_;

@@ -131,7 +131,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   next_report_.transitions = c.transitions;
   touch_expansion_ = c.touch_expansion;
   load_terms(c);
-  for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.release(body_.model, v);
+  for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.update_inverse(body_.model, v);
   for (const auto& term : body_.terms)  // whose stiffness the step limit has to do with
     if (term->needs_body()) show_body_to(*term);
   limit_.set_ratios(c.ratios);
@@ -146,7 +146,7 @@ void World<Real>::take_nodes(const Checkpoint<Real>& c) {
   std::vector<Index> weighed;
   VertexRoles roles = regions.begin_restoring(body_.model, c.nodes, weighed);
   if (regions.has_roles(roles))
-    update(weighed);
+    update_vertices(weighed);
   else
     embed_as(std::move(roles));
   regions.end_restoring(elements(), c.nodes, body_.motion);

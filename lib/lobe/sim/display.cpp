@@ -67,18 +67,18 @@ void Display<Real>::follow_regions(const Elements& elements, const Grains* grain
 template <class Real>
 void Display<Real>::publish(const Elements& elements, const StateView<Real>& state,
                             const std::vector<PlacedTool>& tools, const Report& report) {
-  ++pictures_->frames;
-  Snapshot<Real>* snapshot = pictures_->buffer.writable();
+  ++published_->frames;
+  Snapshot<Real>* snapshot = published_->buffer.writable();
   if (!snapshot) return;
   snapshot->time = state.time;
-  snapshot->frame = pictures_->frames;
+  snapshot->frame = published_->frames;
   snapshot->u = state.u;
   snapshot->v = state.v;
-  pictures_->surfaces.copy(*surface_, elements.points.view(), state.u, snapshot->surface);
+  published_->surfaces.copy(*surface_, elements.points.view(), state.u, snapshot->surface);
   snapshot->tools.clear();
   for (const PlacedTool& tool : tools) snapshot->tools.push_back(snapshot_of(tool));
   snapshot->figures = figures_of(report, elements.topology.alive_count());
-  pictures_->buffer.publish();
+  published_->buffer.publish();
 }
 
 template class Display<float>;

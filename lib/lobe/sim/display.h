@@ -1,4 +1,4 @@
-// Display holds what observers read: the surface of a body, which follows edits, and pictures of its state
+// Display holds what observers read: the surface of a body, which follows edits, and snapshots of its state
 // for other threads (docs/threads.md).
 #pragma once
 
@@ -38,15 +38,15 @@ class Display {
     for (const CutObserver& observer : observers_) observer(topology, edit);
   }
 
-  // ---- Pictures
+  // ---- Snapshots
 
-  // Makes a picture of this state with the surface, which must exist. Makes none if readers hold all slots.
+  // Makes a snapshot of this state with the surface, which must exist. Makes none if readers hold all slots.
   void publish(const Elements& elements, const StateView<Real>& state, const std::vector<PlacedTool>& tools,
                const Report& report);
-  const TripleBuffer<Snapshot<Real>>& snapshots() const { return pictures_->buffer; }  // from any thread
+  const TripleBuffer<Snapshot<Real>>& snapshots() const { return published_->buffer; }  // from any thread
 
  private:
-  struct Pictures {  // never moves in memory: others point to it
+  struct Published {  // never moves in memory: others point to it
     TripleBuffer<Snapshot<Real>> buffer;
     SurfaceCopies surfaces;
     std::int64_t frames = 0;
@@ -54,7 +54,7 @@ class Display {
 
   std::unique_ptr<Surface> surface_;  // null until surface() is called
   std::vector<CutObserver> observers_;
-  std::unique_ptr<Pictures> pictures_ = std::make_unique<Pictures>();
+  std::unique_ptr<Published> published_ = std::make_unique<Published>();
 };
 
 }  // namespace lobe

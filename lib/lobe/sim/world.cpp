@@ -86,30 +86,16 @@ void World<Real>::scale_masses(double share) {
   for (Index v : all) squares.push_back(limit_.exact_square(body_, v));
   const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
   body_.inertia.scale(squares, share);
-  update(all);
+  update_vertices(all);
   scaling.added = std::accumulate(mass.begin(), mass.end(), 0.0) - total;
   scaling.share = scaling.added / total;
   limit_.measure_at_rest(body_);
   scaling.limit_after = time_step_limit();
 }
 
-// ---- Stepping
+// ---- Steps
 
-template <class Real>
-bool World<Real>::step(double dt) {
-  begin_frame(dt);
-  show_body();
-  tools_.begin_forces();
-  if (implicit_ && !implicit_step(dt)) return false;
-  if (!implicit_) {
-    body_.find_forces();
-    move(dt);
-  }
-  tools_.end_forces(dt);
-  return true;
-}
-
-// Moves the body by one step with the forces of the last evaluation.
+// Moves the body by one step with the forces that were found at its start.
 template <class Real>
 void World<Real>::move(double dt) {
   Motion<Real>& motion = body_.motion;
@@ -117,10 +103,17 @@ void World<Real>::move(double dt) {
   body_.restore_held_components();
   body_.sleep.update(body_, [&](Index v) { return limit_.bounded_square(v); });
   body_.push(motion.velocity_lag + dt / 2, dt);
-  motion.time += dt;
   motion.velocity_lag = dt / 2;
-  limit_.count_step();
+  motion.time += dt;
   move_driven(dt);
+  end_step(dt);
+}
+
+// Tells what follows the motion how far it went.
+template <class Real>
+void World<Real>::end_step(double dt) {
+  const Motion<Real>& motion = body_.motion;
+  limit_.count_step();
   const bool any_moving = !body_.inertia.moving().empty() || body_.regions.any_moving_nodes();
   if (any_moving || motion.speeds.driven > 0) ++body_.model.revisions.displacements;
   const double farthest = (motion.speeds.fastest + motion.speeds.driven) * dt;

@@ -45,8 +45,6 @@ class World {
   //   left behind.
   // - Throws InputError for a duration that is not positive and finite, and nothing else.
   Report advance(double duration);  // [s], > 0
-  // What blades have cut in the last frame, move by move.
-  const std::vector<BladeCut>& cuts() const { return scalpels_.cuts(); }
   // One step of dt [s] without tools, cuts and checks. False if an implicit step was not solved; then nothing
   // has moved.
   bool step(double dt);
@@ -163,9 +161,9 @@ class World {
   void follow(const MeshEdit& edit);
   void follow(RegionEdit edit);
   void add_unsupported(RegionEdit& edit);
-  void weigh(const std::vector<Index>& vertices);
-  void update(const std::vector<Index>& vertices);
-  void release(const std::vector<Index>& vertices);
+  void update_masses(const std::vector<Index>& vertices);
+  void update_vertices(const std::vector<Index>& vertices);
+  void update_inverse_masses(const std::vector<Index>& vertices);
   void move_mass();
   bool embed(const std::vector<Index>& also_pressed = {});
   bool slow_strained();
@@ -191,11 +189,13 @@ class World {
   void unravel();
   void play_tools(double duration, Report& report);
   void advance_to(double end, Report& report);
+  bool take_step(double dt, Report& report);
   bool run_steps(int steps, double dt, bool first_try, Report& report);
   bool is_in_trouble(double dt, bool first_try) const;
   void go_back(const StateColumns<Real>& state, const Sleep::State& sleep);
   std::string culprit() const;
   void move(double dt);
+  void end_step(double dt);
   void move_driven(double dt);
   void add_tool_forces(double dt);
   Vec3d prescribed_displacement(const HeldVertices::Held& item, double time) const;

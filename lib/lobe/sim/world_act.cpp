@@ -37,7 +37,7 @@ template <class Real>
 ForceTerm<Real>& World<Real>::own_term(std::string_view name) {
   for (const auto& term : body_.terms)
     if (term->name() == name) return *term;
-  limit_.forget();
+  ++body_.model.revisions.terms;
   return *body_.terms.emplace_back(find_kind_of_term<Real>(name)->make(setup_));
 }
 
@@ -54,7 +54,7 @@ void World<Real>::show_tools(double until) {
     if (kind.is_needed(setup_, bodies)) own_term(kind.name);
   bool others = false;
   for (const auto& term : body_.terms) others = term->see_tools(bodies, time()) || others;
-  if (others) limit_.forget();
+  if (others) ++body_.model.revisions.terms;
 }
 
 template <class Real>
@@ -145,7 +145,7 @@ template <class Real>
 void World<Real>::terms_have_changed(const std::vector<Index>& woken_before) {
   body_.sleep.wake(woken_before, body_);
   body_.sleep.wake(body_.woken_by_terms(), body_);
-  limit_.forget();
+  ++body_.model.revisions.terms;
   ++body_.model.revisions.structure;
   report_lost_forces(body_.acted_on_by_terms());
   embed();

@@ -161,7 +161,7 @@ void World<Real>::freeze(const std::vector<Index>& piece) {
     const Vec3d u = body_.motion.u.col(v).template cast<double>();
     body_.model.held.hold({v, HeldVertices::boundary, u, u});
   }
-  release(vertices);
+  update_inverse_masses(vertices);
   body_.regions.holds_have_changed();
   embed();
 }
@@ -181,18 +181,18 @@ template <class Real>
 void World<Real>::follow(RegionEdit edit) {
   add_unsupported(edit);
   body_.regions.follow(elements(), edit);
-  update(edit.vertices);
+  update_vertices(edit.vertices);
   const std::vector<Index> mechanism = body_.regions.follow_condensed(body_.model, edit, body_.loads);
   if (const std::string text = body_.regions.take_notice(); !text.empty())
     notice(Condition::Kind::cache, text);
   if (body_.regions.is_expanded()) {
-    update(edit.vertices);
+    update_vertices(edit.vertices);
   } else if (body_.regions.condensed_has_changed()) {
     move_mass();
-    release(edit.vertices);
+    update_inverse_masses(edit.vertices);
   }
   ++body_.model.revisions.structure;
-  if (body_.regions.any_condensed()) limit_.forget();
+  if (body_.regions.any_condensed()) ++body_.model.revisions.condensed;
   body_.sleep.wake(edit.vertices, body_);
   if (!body_.terms.empty()) report_lost_forces(body_.acted_on_by_terms());
   if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
@@ -219,29 +219,29 @@ void World<Real>::add_unsupported(RegionEdit& edit) {
 
 // Computes masses and loads of these vertices from the tetrahedra around them.
 template <class Real>
-void World<Real>::weigh(const std::vector<Index>& vertices) {
+void World<Real>::update_masses(const std::vector<Index>& vertices) {
   body_.inertia.update(body_.model, vertices);
   body_.loads.update(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
 }
 
 template <class Real>
-void World<Real>::update(const std::vector<Index>& vertices) {
+void World<Real>::update_vertices(const std::vector<Index>& vertices) {
   const Topology& topology = elements().topology;
   body_.motion.extend(topology.vertex_count());
   body_.sleep.extend(topology.vertex_count(), time());
   limit_.extend(topology.vertex_count());
-  weigh(vertices);
+  update_masses(vertices);
   body_.regions.raise_masses(vertices, body_.inertia.masses());
   for (Index v : vertices)
     if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
-  release(vertices);
+  update_inverse_masses(vertices);
 }
 
 // Call it when masses of vertices have changed, or what holds them.
 template <class Real>
-void World<Real>::release(const std::vector<Index>& vertices) {
+void World<Real>::update_inverse_masses(const std::vector<Index>& vertices) {
   for (Index v : vertices) {
-    body_.inertia.release(body_.model, v);
+    body_.inertia.update_inverse(body_.model, v);
     limit_.update(body_, v);
   }
 }
@@ -251,7 +251,7 @@ template <class Real>
 void World<Real>::move_mass() {
   const std::vector<Index> shared = body_.regions.move_mass(elements(), body_.inertia.masses());
   body_.inertia.raise_to_floor(body_.model, shared);
-  release(shared);
+  update_inverse_masses(shared);
 }
 
 // ---- The present body

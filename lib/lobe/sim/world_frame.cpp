@@ -80,6 +80,31 @@ bool driven_are_finite(const HeldVertices& held, const StateColumns<Real>& state
 
 }  // namespace
 
+template <class Real>
+bool World<Real>::step(double dt) {
+  begin_frame(dt);
+  show_body();
+  tools_.begin_forces();
+  Report unread;
+  if (!take_step(dt, unread)) return false;
+  tools_.end_forces(dt);
+  return true;
+}
+
+// False if an implicit step was not solved.
+template <class Real>
+bool World<Real>::take_step(double dt, Report& report) {
+  if (!implicit_) {
+    const Timed timed(report, Phase::forces);
+    body_.find_forces();
+  }
+  const Timed timed(report, Phase::integration);
+  if (implicit_ && !implicit_step(dt)) return false;
+  if (!implicit_) move(dt);
+  ++report.steps;
+  return true;
+}
+
 // Returns false as soon as a step fails its checks.
 template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
@@ -88,20 +113,8 @@ bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report
   for (Reversals* turns : {&body_.motion.reversals, &body_.motion.node_turns})
     std::fill(turns->begin(), turns->end(), 0);
   for (int i = 0; i < steps; ++i) {
-    if (implicit_) {
-      const Timed timed(report, Phase::integration);
-      if (!implicit_step(dt)) return false;
-      ++report.steps;
-      continue;
-    }
-    {
-      const Timed timed(report, Phase::forces);
-      body_.find_forces();
-    }
-    const Timed timed(report, Phase::integration);
-    move(dt);
-    ++report.steps;
-    if (is_in_trouble(dt, first_try)) return false;
+    if (!take_step(dt, report)) return false;
+    if (!implicit_ && is_in_trouble(dt, first_try)) return false;
   }
   tools_.end_forces(steps * dt);
   return driven_are_finite(held(), body_.motion);
@@ -154,9 +167,10 @@ Report World<Real>::advance(double duration) {
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
   report.transitions = std::exchange(next_report_.transitions, {});
+  report.cuts = scalpels_.cuts();
   lobe_assert(body_.motion.u.count() == elements().topology.vertex_count(), "a vertex has no displacement");
   if constexpr (is_debug_build)
-    if (report.tets_removed > 0) validate(*this);
+    if (report.tets_removed > 0 || report.cut_area > 0) validate(*this);
   return report;
 }
 

@@ -76,7 +76,7 @@ void World<Real>::perform(const EndCondensing& command) {
   const bool is_condensed = body_.regions.end_condensing(elements());
   move_mass();
   ++body_.model.revisions.structure;
-  limit_.forget();
+  ++body_.model.revisions.condensed;
   journal_.edits.push_back(command);
   if (is_condensed) forget_former_condensing();
 }
@@ -144,11 +144,11 @@ void World<Real>::set_expanded(bool is_expanded) {
         body_.inertia.add_edits({corners.begin(), corners.end()});
       }
   const std::vector<Index> vertices = body_.regions.condensed_vertices(elements().topology.vertex_count());
-  update(vertices);
+  update_vertices(vertices);
   if (!is_expanded) {
     body_.regions.take_over_loads(body_.loads);
     move_mass();
-    release(vertices);
+    update_inverse_masses(vertices);
   }
   body_.sleep.wake_all(time());
   if (!body_.terms.empty()) report_lost_forces(body_.acted_on_by_terms());
@@ -214,10 +214,10 @@ void World<Real>::embed_as(VertexRoles roles) {
   state();
   limit_.forget_nodes();
   const std::vector<Index> vertices = body_.regions.reduced_vertices();
-  weigh(vertices);
+  update_masses(vertices);
   body_.regions.embed(body_.model, std::move(roles), limit_.highest_at_rest(), body_.inertia.masses(),
                       body_.loads, body_.motion);
-  release(vertices);
+  update_inverse_masses(vertices);
   ++next_report_.transitions.count;
   body_.state_has_moved();
   ++body_.model.revisions.structure;
@@ -239,7 +239,7 @@ bool World<Real>::slow_strained() {
   };
   const auto slowed = body_.regions.slow_strained(body_.inertia.mass(), square, body_.motion);
   next_report_.transitions.kinetic += slowed.kinetic;
-  if (!slowed.vertices.empty()) update(slowed.vertices);
+  if (!slowed.vertices.empty()) update_vertices(slowed.vertices);
   return !slowed.vertices.empty();
 }
 

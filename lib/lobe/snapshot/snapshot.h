@@ -14,7 +14,7 @@ namespace lobe {
 
 template <class Real>
 struct SurfaceSnapshot {
-  std::shared_ptr<const SurfaceMesh> mesh;  // shared by all pictures of the same revision
+  std::shared_ptr<const SurfaceMesh> mesh;  // shared by all snapshots of the same revision
   Mat3X<Real> x;                            // 3 × #vertices of the surface, current positions [m]
   Mat3X<Real> normals;                      // 3 × #vertices of the surface, unit length, outwards
 };
@@ -31,7 +31,7 @@ struct ToolSnapshot {
   Vec3d jaw = Vec3d::Zero();     // width, thickness and length of each jaw [m]; 0: it has none
 };
 
-struct FigureSnapshot {  // figures of the frame before the picture
+struct FigureSnapshot {  // figures of the frame before the snapshot
   bool ok = true;        // false: the simulation stands still
   int steps = 0, reruns = 0;
   double time_step = 0;     // the smallest that was taken [s]

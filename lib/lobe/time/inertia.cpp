@@ -47,7 +47,7 @@ void Inertia<Real>::raise_to_floor(const Model& model, const std::vector<Index>&
 }
 
 template <class Real>
-void Inertia<Real>::release(Model& model, Index v) {
+void Inertia<Real>::update_inverse(Model& model, Index v) {
   lobe_assert(mass_[v] >= 0, "a vertex's mass is below 0, or not a number");
   inverse_mass_[v] = mass_[v] > 0 && !model.held.fixes(v) ? 1 / mass_[v] : 0;
   ++model.revisions.inertia;

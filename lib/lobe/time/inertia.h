@@ -25,12 +25,12 @@ class Inertia {
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }  // [1/kg], 0 also where held
   double inverse_mass(Index v) const { return inverse_mass_[std::size_t(v)]; }
 
-  // After an edit: update() computes the masses of vertices from their tetrahedra; call release() next.
+  // After an edit, update() computes masses of vertices from their tetrahedra. Call update_inverse() next.
   // copy() gives a copy the mass scaling of its original.
   void copy(Index vertex, Index copy);
   void update(const Model& model, const std::vector<Index>& vertices);
   // Computes the inverse mass of a vertex whose mass has changed, or that was held or released.
-  void release(Model& model, Index v);
+  void update_inverse(Model& model, Index v);
   // For changing masses directly: those of a condensed interior move to its interface. Call raise_to_floor()
   // next.
   std::vector<double>& masses() { return mass_; }

@@ -55,7 +55,7 @@ void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
     for (const auto& term : body.terms) term->add_diagonal_stiffness(body.here(), K);
   });
   damping_rate_ = damping_rate(body);
-  found_at_ = body.model.revisions.displacements;
+  found_at_ = body.model.revisions;
 }
 
 template <class Real>
@@ -104,7 +104,8 @@ bool StepLimit<Real>::holds(const Body& body) const {
   const auto number_of = [](double time) { return std::floor(time / interval + 1e-6); };
   return !body.sleep.is_on() && number_of(body.motion.time) == number_of(frame_limit_.time) &&
          frame_limit_at_.structure == now.structure && frame_limit_at_.inertia == now.inertia &&
-         frame_limit_at_.replaced == now.replaced;
+         frame_limit_at_.replaced == now.replaced && frame_limit_at_.condensed == now.condensed &&
+         frame_limit_at_.terms == now.terms;
 }
 
 template <class Real>

@@ -76,6 +76,7 @@ class StepLimit {
     ratios_.of_nodes = 1;
   }
   void update(const Body& body, Index vertex);  // after its inverse mass has changed
+  // The next frame finds it anew, as after an edit.
   void forget() {
     known_ = Known::nothing;
     frame_limit_at_ = {};
@@ -129,7 +130,9 @@ class StepLimit {
   };
 
   bool is_known(const Body& body) const {
-    return known_ != Known::nothing && found_at_ == body.model.revisions.displacements;
+    const Revisions& now = body.model.revisions;
+    return known_ != Known::nothing && found_at_.displacements == now.displacements &&
+           found_at_.condensed == now.condensed && found_at_.terms == now.terms;
   }
   double weight(const Body& body, Index v) const { return body.inertia.inverse_mass(v) * ratios_.square(v); }
   template <class Weight>
@@ -152,7 +155,7 @@ class StepLimit {
   std::array<std::array<RestFrequency, highest_mass_degree + 1>, 2> at_rest_;
   HighestFrequency search_;
   Known known_ = Known::nothing;
-  std::uint64_t found_at_ = 0;  // revision of the displacements
+  Revisions found_at_;
   Index limiting_vertex_ = -1;
   double node_omega_ = 0;  // a bound of the frequencies of nodes [rad/s]
   std::vector<double> node_squares_;

@@ -11,9 +11,9 @@ namespace lobe::program {
 
 std::string render_pictures(const std::filesystem::path& request) {
   const std::string picture = sibling("lobe-picture").string();
-  // Debian's VTK draws through X only. xvfb-run -a starts an X server for it, whatever DISPLAY is. Each process
-  // begins to look for a free number at another one: a server that ends may take the socket of the next with
-  // its number away.
+  // Debian's VTK draws through X only. xvfb-run -a starts an X server for it, whatever DISPLAY is. Each
+  // process looks for a free number from another one on: a server that ends may take the socket of the next
+  // with its number away.
   const std::string number = std::to_string(100 + getpid() % 10'000);
   const int status = run_program({"xvfb-run", "-a", "-n", number, picture, request.string()});
   if (status == 0) return "";

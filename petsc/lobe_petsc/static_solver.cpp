@@ -175,8 +175,8 @@ void Solver::assemble(Vec u) {
 }
 
 // MUMPS estimates the memory of a factorisation before it decides, while it runs, which rank does what. The
-// estimate may fall short by chance, above all on a busy machine. Then the matrix is factored from scratch with
-// more, as all later ones are.
+// estimate may fall short by chance, above all on a busy machine. Then the matrix is factored from scratch
+// with more, as all later ones are.
 void Solver::grow_workspace() {
   for (int percent = 50; percent <= 1600 && lacks_workspace(); percent *= 2) {
     PC pc = nullptr;

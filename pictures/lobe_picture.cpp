@@ -1,6 +1,8 @@
 // lobe-picture REQUEST.json: draws meshes, tools and colours into PNG files (request.h has the format). It
 // needs an X display: without one, run it under xvfb-run -a. Exit status 0 done, 2 bad input.
+#include <vtkNew.h>
 #include <vtkObject.h>
+#include <vtkRenderWindow.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
@@ -39,6 +41,10 @@ int main(int argc, char** argv) {
     vtkObject::GlobalWarningDisplayOff();  // faults are reported in one line, below
     const std::vector<picture::Picture> pictures = picture::read_request(request);
     need_display();
+    // An X server whose last client has left starts again, and refuses clients meanwhile. This window stays.
+    const vtkNew<vtkRenderWindow> kept;
+    kept->SetOffScreenRendering(true);
+    kept->Start();
     for (const picture::Picture& one : pictures) picture::render(one);
     return 0;
   } catch (const std::exception& error) {

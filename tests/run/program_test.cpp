@@ -255,7 +255,7 @@ TEST_CASE("lobe-picture draws what a run asks for") {
   write_scene_files(folder, scene);
   const Ended run = lobe_in(folder, "run scene.json -o out");
   CHECK(run.status == 0);
-  CHECK_MESSAGE(run.err.empty(), run.err);
+  CHECK_MESSAGE(run.err.empty(), run.err, run.out);
   for (const char* name : {"picture_0.png", "picture_0.12.png", "picture_0.3.png"})
     CHECK(bytes_of(folder.path / "out" / name).starts_with("\x89PNG"));
 }

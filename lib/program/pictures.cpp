@@ -1,7 +1,5 @@
 #include "pictures.h"
 
-#include <unistd.h>
-
 #include <nlohmann/json.hpp>
 
 #include "console.h"
@@ -11,11 +9,8 @@ namespace lobe::program {
 
 std::string render_pictures(const std::filesystem::path& request) {
   const std::string picture = sibling("lobe-picture").string();
-  // Debian's VTK draws through X only. xvfb-run -a starts an X server for it, whatever DISPLAY is. Each
-  // process looks for a free number from another one on: a server that ends may take the socket of the next
-  // with its number away.
-  const std::string number = std::to_string(100 + getpid() % 10'000);
-  const int status = run_program({"xvfb-run", "-a", "-n", number, picture, request.string()});
+  // Debian's VTK draws through X only. xvfb-run -a starts an X server for it, whatever DISPLAY is.
+  const int status = run_program({"xvfb-run", "-a", picture, request.string()});
   if (status == 0) return "";
   const std::string again = "; to draw them later: xvfb-run -a lobe-picture " + request.string();
   if (status == 127) return "no pictures: lobe-picture or xvfb-run is missing" + again;

@@ -47,8 +47,7 @@ std::string two_tetrahedra(const std::string& moved = "0 0 0.2", int count = 2) 
 int run(const Folder& folder, const std::string& request, const std::string& options = "") {
   folder.write("request.json", request);
   const std::string command = "cd '" + folder.path.string() +
-                              "' && '" XVFB_RUN "' -a -n 20000 '" LOBE_BIN_DIR
-                              "/lobe-picture' request.json " +
+                              "' && '" XVFB_RUN "' -a '" LOBE_BIN_DIR "/lobe-picture' request.json " +
                               options + " 2> messages.txt";
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

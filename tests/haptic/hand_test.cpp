@@ -192,6 +192,23 @@ TEST_CASE("a device that is unplugged while it presses: told of, and the force f
   CHECK(loop.servo().state().force.norm() > 0.3);
 }
 
+TEST_CASE("a device that is plugged in only after it has taken hold leaves the tool where it is") {
+  const Vec3d elsewhere(0.1, -0.2, 0.3);
+  VirtualLoop loop(
+      block(), [&](double) { return elsewhere; }, 1.0 / 120);
+  const auto place = [&] { return loop.session.status()->hands.at(0).pose.position; };
+  loop.hand.unplug(true);
+  loop.take_hold();
+  loop.run(0.2, [](const HapticState& state) { CHECK(state.force.norm() == 0); });
+  const Vec3d taken = place();
+  loop.hand.unplug(false);
+  loop.run(0.3, [&](const HapticState& state) {
+    CHECK(state.force.norm() < 0.01);
+    CHECK((place() - taken).norm() < 1e-4);
+  });
+  CHECK(times_said(loop.session, "haptic_gone") == 0);
+}
+
 // What is loose springs back, without damping as far as it was pressed: no force is higher than before.
 TEST_CASE(
     "tissue that is cut away under the hand: the force jumps by no more than the device bears, and falls") {

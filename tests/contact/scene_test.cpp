@@ -106,3 +106,18 @@ TEST_CASE("a probe that begins inside the organ is warned of, and one that only 
         "touches no surface. Begin outside");
   CHECK(warnings_of("[0, 0.011, 0.012, 0.033], [1, 0.011, 0.012, 0.02]").empty());
 }
+
+TEST_CASE(
+    "a probe that goes more than a quarter of its radius in a step is warned of, with its fastest row") {
+  // Cells of 10 mm, the Kuhn tetrahedra of which are 10 mm / √2 high, and waves of 7.75 m/s: steps of
+  // 0.9 · 0.913 ms. So 1 mm, a quarter of the radius, is reached at 1.22 m/s.
+  const std::vector<std::string> fast = warnings_of(
+      "[0, 0.011, 0.012, 0.2], [0.1, 0.011, 0.012, 0.1], [0.12, 0.011, 0.012, 0.075], [0.2, 0.011, 0.012, "
+      "0.032]");
+  REQUIRE(fast.size() == 1);
+  CHECK(
+      fast[0] ==
+      "/tools/0/path/2: the probe goes there at 1.25 m/s, about 0.001027 m in a step, more than a quarter of "
+      "its radius, 0.004 m: it may leap into the organ or through it");
+  CHECK(warnings_of("[0, 0.011, 0.012, 0.152], [0.1, 0.011, 0.012, 0.032]").empty());
+}

@@ -254,6 +254,41 @@ TEST_CASE("a tool is taken up with the orientation that it has, and turns as the
   }
 }
 
+TEST_CASE("a device that has no pose when a tool is taken up moves and turns it from its first pose on") {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const Vec3d place(0.2, 0.1, 0);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vec3d::UnitX()));
+  const Eigen::Quaterniond aslant(Eigen::AngleAxisd(2.0, Vec3d(1, -2, 0.5).normalized()));
+  for (const bool was_heard : {false, true})
+    for (const bool unplugged : {false, true}) {
+      CAPTURE(was_heard);
+      CAPTURE(unplugged);
+      Servo servo({.stiffness = 1000, .damping = 10}, {});
+      const DeviceState early = at({0, 0.05, 0}), bad = at({nan, 0, 0});
+      if (was_heard) servo.tick(&early, {}, tick);
+      LocalModel model = spring();
+      model.position = model.tool_at_end = place;
+      model.turn_at_end = turn.coeffs();
+      const auto is_taken_up = [&](const HapticState& state) {
+        return (state.tool - place).norm() < 1e-12 &&
+               Eigen::Quaterniond(state.orientation).angularDistance(turn) < 1e-7;
+      };
+      for (int i = 0; i < 50; ++i, model.time += 1e-6)
+        CHECK(is_taken_up(servo.tick(unplugged ? nullptr : &bad, model, tick)));
+      DeviceState device = at({-0.3, 0.4, 0.1});
+      device.orientation = aslant.coeffs();
+      for (int i = 0; i < 100; ++i, model.time += 1e-6) {
+        CHECK(is_taken_up(servo.tick(&device, model, tick)));
+        CHECK(servo.state().force.norm() < 1e-12);
+      }
+      const Eigen::Quaterniond by(Eigen::AngleAxisd(0.3, Vec3d::UnitY()));
+      device.orientation = (by * aslant).coeffs();
+      device.position.x() += 0.005;
+      CHECK(settled(servo, device, model).x() == near(-0.005 * 1000 * 400 / 1400.0, 1e-9));
+      CHECK(Eigen::Quaterniond(servo.state().orientation).angularDistance(by * turn) < 1e-7);
+    }
+}
+
 TEST_CASE("a device that does not turn gives a tool the bits of its orientation") {
   Servo servo({.damping = 10}, {});
   const DeviceState device = at({0.1, 0.2, 0.3});

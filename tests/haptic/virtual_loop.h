@@ -72,12 +72,6 @@ class VirtualLoop {
     return energy;
   }
   const Vec3d& hand_position() const { return position_; }
-  bool tool_has_moved() {
-    const auto hands = session.status()->hands;
-    if (hands.empty()) return false;
-    if (!first_) first_ = hands[0].pose.position;
-    return (hands[0].pose.position - *first_).norm() > 1e-6;
-  }
 
   const Setup setup;
   Session<float> session;
@@ -91,7 +85,6 @@ class VirtualLoop {
   ExternalDevice servo_;
   HapticState last_;
   Vec3d position_ = Vec3d::Zero();
-  std::optional<Vec3d> first_;
   double now_ = 0, next_frame_ = 0;
 };
 

@@ -77,6 +77,7 @@ const HapticState& Servo::tick(const DeviceState* device, const LocalModel& mode
   since_model_ += dt;
   take_pose(device, dt);
   take_model(model, dt);
+  if (awaits_pose_ && is_fresh_ && model_.is_engaged) take_up(model_);
   const Vec3d force = wanted_force(dt);
   const Vec3d torque = trust_ * (options_.workspace.rotation.transpose() * model_.torque);
   send(force, torque, dt);
@@ -98,20 +99,23 @@ void Servo::take_pose(const DeviceState* device, double dt) {
   state_.device = *device;
 }
 
+// The tool is where it is. If the device has no pose yet, its first one is where it takes the tool up.
+void Servo::take_up(const LocalModel& model) {
+  clutch_ += model.tool_at_end - tool_of(state_.device.position);
+  device_turn_ = Eigen::Quaterniond(state_.device.orientation);
+  tool_turn_ = Eigen::Quaterniond(model.turn_at_end);
+  state_.tool = proxy_ = unloaded_ = model.tool_at_end;
+  settled_.setZero();
+  awaits_pose_ = !is_fresh_;
+}
+
 // Blending begins with the tick in which a model comes: where each tick has one, there is none.
 void Servo::take_model(const LocalModel& model, double dt) {
   const bool is_new = model.time != model_.time || model.engagement != model_.engagement ||
                       model.is_engaged != model_.is_engaged;
   if (!is_new) return;
   const Vec3d was = model_.is_engaged ? force_at(aged(model_, since_model_), proxy_) : Vec3d::Zero();
-  if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement)) {
-    clutch_ += model.tool_at_end - tool_of(state_.device.position);
-    device_turn_ = Eigen::Quaterniond(state_.device.orientation);
-    tool_turn_ = Eigen::Quaterniond(model.turn_at_end);
-    state_.tool = proxy_ = model.tool_at_end;  // another one, which is there
-    settled_.setZero();
-    unloaded_ = model.tool_at_end;
-  }
+  if (model.is_engaged && (!model_.is_engaged || model.engagement != model_.engagement)) take_up(model);
   const Vec3d is = model.is_engaged ? force_at(aged(model, dt), proxy_) : Vec3d::Zero();
   offset_ = was + blended_ - is;
   const double shortest = options_.workspace.force_gain * offset_.norm() / options_.blend_rate;

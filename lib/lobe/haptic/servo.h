@@ -72,6 +72,7 @@ class Servo {
  private:
   void take_pose(const DeviceState* device, double dt);
   void take_model(const LocalModel& model, double dt);
+  void take_up(const LocalModel& model);
   Vec3d wanted_force(double dt);
   void send(const Vec3d& force, const Vec3d& torque, double dt);
   Vec3d tool_of(const Vec3d& device) const;
@@ -98,6 +99,7 @@ class Servo {
   double trust_ = 0;                // 1: the pose and the model are fresh; fades
   double share_ = 1;                // of the force that the hand feels: below 1 where damping is not enough
   bool is_fresh_ = false;           // the pose
+  bool awaits_pose_ = false;        // there was none when the tool was taken up
   bool was_gone_ = false;           // the force, because the model was too old
   Passivity passivity_;
   HapticState state_;

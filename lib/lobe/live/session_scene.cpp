@@ -82,7 +82,6 @@ Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>&
   if (scene.in_double() != std::is_same_v<Real, double>)
     refuse(scene.in_double() ? "is in single precision, its scene in double"
                              : "is in double precision, its scene in single");
-  if (setup.expandable) refuse("has regions that may be expanded, which a scene cannot describe");
   const int frames = frames_of(session);
   Scene kept = scene;
   kept.mesh = std::filesystem::absolute(mesh_path(scene));

@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "lobe/diagnostics/locate.h"
+#include "lobe/fem/transverse_isotropy.h"
+#include "lobe/mesh/quality.h"
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/tool_kinds.h"
 
@@ -36,6 +40,39 @@ void write_probe(const Tool& tool, nlohmann::ordered_json& entry) {
   entry["release"] = tool.release;
 }
 
+// About as long as a step will be: until a wave has crossed the altitude of a tetrahedron [s].
+double expected_step(const Resolution& resolution) {
+  const Setup& setup = resolution.result.setup;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Elastic& material = setup.materials[setup.material_of[std::size_t(t)]];
+    const double stiffness = std::max(stiffness_across(material), stiffness_along(material));
+    const auto heights = altitudes(tet_points(setup.mesh, t));
+    const double least = *std::min_element(heights.begin(), heights.end());
+    shortest = std::min(shortest, least / std::sqrt(stiffness / material.density));
+  }
+  return std::min(resolution.scene.time.safety * shortest, resolution.scene.time.frame);
+}
+
+// No point of the surface is missed while a probe moves by less than a quarter of its radius in a step.
+void warn_of_leaps(Resolution& resolution, const Tool& tool, const RigidShape& shape,
+                   const std::string& path) {
+  double highest = 0;  // [m/s]
+  std::size_t row = 0;
+  for (std::size_t i = 1; i < tool.path.size(); ++i) {
+    const double way = (tool.path[i].position - tool.path[i - 1].position).norm();
+    const double speed = way / (tool.path[i].time - tool.path[i - 1].time);
+    if (speed > highest) highest = speed, row = i;
+  }
+  const double most = shape.fineness() / 4;
+  if (!resolution.faults.empty() || highest * resolution.scene.time.frame <= most) return;
+  if (const double in_a_step = highest * expected_step(resolution); in_a_step > most)
+    resolution.warn(path + "/" + std::to_string(row),
+                    "the probe goes there at " + rounded(highest) + " m/s, about " + rounded(in_a_step) +
+                        " m in a step, more than a quarter of its radius, " + rounded(shape.fineness()) +
+                        " m: it may leap into the organ or through it");
+}
+
 void resolve_probe(Resolution& resolution, const Tool& tool, const std::string& here) {
   const std::optional<RigidShape> found =
       resolve_shape(resolution, tool.shape, tool.shape_file, here + "/shape");
@@ -55,6 +92,7 @@ void resolve_probe(Resolution& resolution, const Tool& tool, const std::string& 
     resolution.warn(here + "/path/0",
                     "the probe begins inside the organ: it pushes at once, or not at all where it touches no "
                     "surface. Begin outside");
+  warn_of_leaps(resolution, tool, shape, here + "/path");
 }
 
 void summarise_probe(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {

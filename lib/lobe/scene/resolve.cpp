@@ -8,6 +8,7 @@
 #include "lobe/lattice/lattice.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/resolve_parts.h"
+#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 namespace {
@@ -202,6 +203,17 @@ void resolve_regions(Resolution& resolution) {
   }
 }
 
+namespace {
+
+// Contact or blades may reach a pre-computed region: those of the scene, or of hands in a session of it.
+void let_regions_expand(Setup& setup) {
+  const Options used = options_of(setup);
+  if (!used.has(Option::corotated) && !used.has(Option::nodal_pressure))
+    setup.expandable = setup.expandable || used.has(Option::precomputed);
+}
+
+}  // namespace
+
 Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options) {
   check_scene(scene);
   if (mesh.tet_count() == 0) throw InputError(scene.mesh.string(), "the mesh has no tetrahedron");
@@ -243,6 +255,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   check_precomputed(resolution);
   check_reduced(resolution);
   if (options.choose_regions) choose_regions(resolution, options.progress);
+  let_regions_expand(setup);
   return std::move(resolution.result);
 }
 

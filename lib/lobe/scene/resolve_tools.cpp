@@ -2,7 +2,6 @@
 
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/tool_kinds.h"
-#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 
@@ -32,17 +31,10 @@ void resolve_contact(Resolution& resolution) {
     if (auto shape = resolve_shape(resolution, obstacle.shape, scene.obstacle_files[i], here + "/shape"))
       obstacle.shape = *std::move(shape);
   }
-  Setup& setup = resolution.result.setup;
-  const bool may_be_touched = contact.is_on() || !setup.probes.empty();
-  if (may_be_touched && scene.time.selective_mass > 1)
+  if ((contact.is_on() || !resolution.result.setup.probes.empty()) && scene.time.selective_mass > 1)
     resolution.warn("/time/selective_mass",
                     "contact is soft at first with selective masses, on a coarse mesh by more than half: "
                     "docs/contact.md");
-  const Options used = options_of(setup);
-  // To touch or to cut a condensed region costs milliseconds; one that can be expanded is first.
-  const bool may_be_worked_on = may_be_touched || !setup.scalpels.empty();
-  if (may_be_worked_on && !used.has(Option::corotated) && !used.has(Option::nodal_pressure))
-    setup.expandable = setup.expandable || used.has(Option::precomputed);
 }
 
 }  // namespace lobe

@@ -1,0 +1,133 @@
+// The page in a headless Chromium: a probe that the mouse leads feels the liver, and a tumour in it.
+// Usage: node browser_palpation_test.mjs LOBE_VIEW SCENE MODULES OUT
+import {mkdirSync, rmSync} from 'node:fs';
+import path from 'node:path';
+import {Checks, findBrowser, Server, until} from './page_support.mjs';
+
+const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
+const browserToLaunch = findBrowser(modules);
+rmSync(out, {recursive: true, force: true});
+mkdirSync(out, {recursive: true});
+
+const {check, finish} = new Checks();
+const server = new Server(program);
+const address = await server.start(scene);
+const browser = await browserToLaunch.launch();
+const page = await browser.newPage({viewport: {width: 1200, height: 720}});
+const faults = [];
+page.setDefaultTimeout(60000);
+page.on('pageerror', error => faults.push(error.message));
+await page.goto(address);
+check(
+  await until(page, () => lobe.status?.time > 2.75 && lobe.force === 0),
+  'the finger of the scene has pressed, and has left',
+);
+
+// Where on the window the surface is above a place (x, y) [m].
+const above = (x, y) =>
+  page.evaluate(
+    ([x, y]) => {
+      const {array} = lobe.organ.position,
+        point = lobe.stage.target.clone(),
+        top = point.clone().set(0, 0, -1);
+      for (let i = 0; i < array.length; i += 3) {
+        point.fromArray(array, i);
+        if (Math.hypot(point.x - x, point.y - y) < 0.008 && point.z > top.z) top.copy(point);
+      }
+      return lobe.stage.project(top);
+    },
+    [x, y],
+  );
+
+// Of the arrow's colour.
+const arrowPixels = () =>
+  page.evaluate(() => {
+    lobe.stage.draw();
+    const from = lobe.stage.canvas,
+      canvas = new OffscreenCanvas(from.width, from.height),
+      context = canvas.getContext('2d');
+    context.drawImage(from, 0, 0);
+    const {data} = context.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4)
+      count += data[i] > 225 && Math.abs(data[i + 1] - 190) < 25 && Math.abs(data[i + 2] - 105) < 30;
+    return count;
+  });
+
+// The finger of the scene feels nothing by now.
+const shown = () =>
+  page.evaluate(() => ({
+    probes: lobe.instruments.shown.size - 1, // without the finger
+    force: lobe.force,
+    plotted: lobe.forcePlot.data[1].at(-1),
+  }));
+// Until a force above so much has changed by less than 10 mN for 0.3 s.
+const settles = async above => {
+  await page.evaluate(() => (window.last = null));
+  return until(
+    page,
+    above => {
+      const {time} = lobe.status;
+      if (!window.last || Math.abs(lobe.force - window.last.force) > 0.01)
+        window.last = {time, force: lobe.force};
+      return lobe.force > above && time > window.last.time + 0.3;
+    },
+    above,
+  );
+};
+const turnWheel = async notches => {
+  for (let i = 0; i < Math.abs(notches); ++i) await page.mouse.wheel(0, 100 * Math.sign(notches));
+};
+const isFree = () =>
+  until(page, () => lobe.force === 0 && document.getElementById('force').textContent === '0.00 N');
+const shot = name => page.screenshot({path: path.join(out, `${name}.png`)});
+
+// ---- It presses, comes away, and presses again
+
+check((await arrowPixels()) === 0, 'no arrow is drawn');
+await page.keyboard.press('p');
+const tumour = await above(-0.04, 0);
+await page.mouse.move(tumour.x, tumour.y);
+await page.mouse.down();
+check(await settles(0.1), 'a probe that is pressed in over the tumour feels a force');
+const overTumour = await shown();
+await shot('tumour');
+check((await arrowPixels()) > 100, 'an arrow shows it');
+check(Math.abs(overTumour.plotted - overTumour.force) < 0.02, `the plot has it: ${overTumour.plotted} N`);
+check(
+  await until(
+    page,
+    () => Math.abs(parseFloat(document.getElementById('force').textContent) - lobe.force) < 0.02,
+  ),
+  'the panel says it',
+);
+await turnWheel(8);
+check(await isFree(), 'the wheel draws the probe back, and the force is gone');
+const away = await shown();
+check(away.probes === 1 && away.plotted === 0, 'from the plot as well, while the probe is there');
+check((await arrowPixels()) === 0, 'and the arrow');
+await shot('away');
+await turnWheel(-8);
+check(await settles(0.1), 'it presses again');
+await page.mouse.up();
+check(await isFree(), 'and feels nothing when it is let go');
+const gone = await shown();
+check(gone.probes === 0 && gone.plotted === 0 && (await arrowPixels()) === 0, 'probe and arrow are gone');
+
+// ---- Beside the tumour, as deep
+
+const beside = await above(0, 0);
+await page.mouse.move(beside.x, beside.y);
+await page.mouse.down();
+check(await settles(0.1), 'beside the tumour it feels a force');
+const {force} = await shown();
+await shot('beside');
+check(
+  overTumour.force > 1.3 * force,
+  `of ${force.toFixed(2)} N; the tumour is found by its ${overTumour.force.toFixed(2)} N`,
+);
+await page.mouse.up();
+check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
+await browser.close();
+await server.kill();
+finish();

@@ -147,13 +147,13 @@ vtkNew<vtkActor> fibre_lines(vtkPolyData* surface) {
 
 }  // namespace
 
-const std::array<RegionStyle, 6>& region_styles() {
-  static const std::array<RegionStyle, 6> styles = {{{"tensor-mass", {0.29, 0.52, 0.75}},
-                                                     {"pre-computed", {0.40, 0.62, 0.50}},
-                                                     {"non-linear", {0.66, 0.23, 0.18}},
-                                                     {"reduced", {0.80, 0.55, 0.30}},
-                                                     {"reduced, on its lattice", {0.80, 0.55, 0.30}},
-                                                     {"reduced, full now", {0.80, 0.36, 0.42}}}};
+const RegionStyles& region_styles() {
+  static const RegionStyles styles = {{{lobe::region_model_names[0], {0.29, 0.52, 0.75}},
+                                       {lobe::region_model_names[1], {0.40, 0.62, 0.50}},
+                                       {lobe::region_model_names[2], {0.66, 0.23, 0.18}},
+                                       {lobe::region_model_names[3], {0.80, 0.55, 0.30}},
+                                       {"reduced, on its lattice", {0.80, 0.55, 0.30}},
+                                       {"reduced, full now", {0.80, 0.36, 0.42}}}};
   return styles;
 }
 

@@ -10,19 +10,21 @@
 #include <string>
 #include <vector>
 
+#include "lobe/fem/body.h"
 #include "request.h"
 
 namespace picture {
 
 using Color = std::array<double, 3>;
 
-// Names and colours of the values 0 to 3 of the cell array `region`. Where the cell array `embedded` is
-// given, a reduced face is on its lattice (4) or full (5).
+// Names and colours of the values of the cell array `region`, which are the numbers of RegionModel. Where the
+// cell array `embedded` is given, a reduced face is on its lattice (4) or full (5).
 struct RegionStyle {
   const char* name;
   Color color;
 };
-const std::array<RegionStyle, 6>& region_styles();
+using RegionStyles = std::array<RegionStyle, lobe::region_model_names.size() + 2>;
+const RegionStyles& region_styles();
 
 // The styles that occur on the surface, ascending.
 std::vector<int> regions_shown(vtkPolyData* surface);

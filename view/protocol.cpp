@@ -8,6 +8,7 @@
 #include <set>
 
 #include "lobe/error.h"
+#include "lobe/file/lists_all.h"
 #include "lobe/scene/nearest_word.h"
 
 namespace lobe::view {
@@ -66,6 +67,7 @@ T read_fields(const Json& json) {
     if (!json.contains(field.key)) throw InputError(place, std::string("is missing from ") + T::name);
     read(json[field.key], place, result.*(field.value));
   };
+  static_assert(std::tuple_size_v<decltype(T::fields)> == io::member_count<T>(), "a member is never read");
   std::apply([&](const auto&... field) { (read_one(field), ...); }, T::fields);
   for (const auto& [key, value] : json.items())
     if (!known.contains(key)) throw InputError("/" + key, std::string("is no field of ") + T::name);

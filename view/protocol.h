@@ -220,7 +220,7 @@ struct Edit {
   static constexpr const char* name = "edit";
   static constexpr auto fields = std::tuple(Field{"on", &Edit::on});
 };
-// All that lies within a sphere becomes "nonlinear", "tensor-mass", "precomputed"; or its skin "held",
+// All that lies within a sphere becomes a model of region_model_names (fem/body.h); or its skin "held",
 // "free".
 struct Paint {
   Vec3d at = Vec3d::Zero();  // at rest [m]
@@ -239,8 +239,7 @@ struct PaintMaterial {
       std::tuple(Field{"at", &PaintMaterial::at}, Field{"radius", &PaintMaterial::radius},
                  Field{"material", &PaintMaterial::material});
 };
-// Precomputed parts that nothing holds become "tensor-mass" or "nonlinear", or get a corotated frame:
-// "turning".
+// Precomputed parts that nothing holds become another model, or get a corotated frame: "turning".
 struct Mend {
   std::string as;
   static constexpr const char* name = "mend";

@@ -214,7 +214,7 @@ void Viewer::perform(ClientId, const request::Mend& what) {
     for (const Index t : painting().unheld()) regions[std::size_t(t)] = *model;
     painting().use(regions);
   } else {
-    throw InputError("/as", "must be tensor-mass, nonlinear or turning");
+    throw InputError("/as", "must be turning, or a model that needs nothing held: not precomputed");
   }
   repainted();
 }

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "folder.h"
-#include "lobe/setup/exclusions.h"
+#include "lobe/setup/material_exclusions.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -15,11 +15,15 @@ std::string cell(Option option) {
   return text.find('"') == std::string::npos ? text : "`" + text + "`";
 }
 
+std::string row(const Exclusion& exclusion, const std::string& where) {
+  return "| " + cell(exclusion.option) + " | " + cell(exclusion.other) + where + " | " + exclusion.reason +
+         " | " + exclusion.remedy + " |\n";
+}
+
 std::string table() {
   std::string rows = "| option | not with | because | instead |\n|---|---|---|---|\n";
-  for (const Exclusion& exclusion : exclusions())
-    rows += "| " + cell(exclusion.option) + " | " + cell(exclusion.other) + " | " + exclusion.reason + " | " +
-            exclusion.remedy + " |\n";
+  for (const Exclusion& exclusion : exclusions()) rows += row(exclusion, "");
+  for (const Exclusion& exclusion : material_exclusions()) rows += row(exclusion, ", the same material");
   return rows;
 }
 

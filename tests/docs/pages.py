@@ -230,8 +230,30 @@ def wide_comments(root):
                 yield f"{file.relative_to(root)}:{i + 1}: a comment of {len(line)} columns, must be at most {WIDEST}"
 
 
+NO_LIBRARIES = {"Threads", "PkgConfig", "Python", "lobe"}  # that CMake finds: parts of the system or of lobe
+FINDS = r"\b(?:find_package|lobe_find_library|lobe_image_library|pkg_check_modules)\((\w+)"
+
+
+def letters(name):
+    return re.sub(r"[^a-z]", "", name.lower())
+
+
+def licences(root):
+    """README's licences name each library that is linked into what is built, tests aside."""
+    section = re.search(r"^## Licences\n(.*?)(?=^## |\Z)", (root / "README.md").read_text(encoding="utf-8"), re.S | re.M)[1]
+    named = [letters(word) for word in section.split()]
+    lists = [root / "CMakeLists.txt"] + [
+        file for folder in SOURCES if folder != "tests" for file in sorted((root / folder).rglob("CMakeLists.txt"))]
+    for file in lists:
+        text = file.read_text(encoding="utf-8")
+        found = set(re.findall(FINDS, text)) | set(re.findall(r"find_path\(LOBE_(\w+)_INCLUDE_DIR", text))
+        for name in sorted(found - NO_LIBRARIES):
+            if not any(letters(name) in word for word in named):
+                yield f"README.md: {file.relative_to(root)} links {name}, which the licences do not name"
+
+
 CHECKS = (long_paragraphs, theory_table, equation_numbers, section_numbers, members, glossary,
-          list_of_folders, cycle_of_folders, world_is_small, figures, wide_comments)
+          list_of_folders, cycle_of_folders, world_is_small, figures, licences, wide_comments)
 
 
 def main(root):

@@ -253,3 +253,21 @@ TEST_CASE("a register's lanes follow the law of each alone") {
     }
   }
 }
+
+TEST_CASE("at rest a law has the stiffness of its linear model, whatever its other terms") {
+  const Mat3<double> rest = Mat3<double>::Zero();
+  Mat34<double> alpha;
+  alpha << 3, -1, 0.5, -2.5, 0.2, 4, -1, -3.2, 1, 0.7, 2, -3.7;
+  for (const Terms& terms : all_combinations()) {
+    if (!terms.svk && !terms.neo_hookean) continue;  // no solid
+    CAPTURE(name(terms));
+    const Law<double> law = law_at(terms, rest);
+    const auto K = law_stiffness(law, rest, alpha);
+    for (int j = 0; j < 4; ++j)
+      for (int k = 0; k < 4; ++k) {
+        const Mat3<double> difference =
+            linear_block<double>(law, alpha.col(j), alpha.col(k)) - K.template block<3, 3>(3 * j, 3 * k);
+        CHECK(difference.norm() < 1e-14 * K.norm());
+      }
+  }
+}

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "liver.h"
+#include "lobe/sim/checkpoint.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -104,4 +105,47 @@ TEST_CASE("masses of a body that nothing holds stay lumped") {
     CHECK(watch.look(world).degree == 1);
     REQUIRE(world.advance(0.01).ok);
   }
+}
+
+// Without a count of restorations, the world has as many edits as before, and the later cut is not seen.
+TEST_CASE("a cut after the world was put back to before another one lowers the degree") {
+  constexpr int most_where_cut = 5;
+  constexpr double frame = 0.01;
+  const std::vector<Index> first{10}, second{300};
+  World<double> world(lifted_liver(12));
+  MassWatch<double> watch(world, 0.02);
+  int degree = watch.look(world).degree;
+  const auto look_after_frame = [&] {
+    REQUIRE(world.advance(frame).ok);
+    return watch.look(world).degree;
+  };
+  while (world.time() < 1.2) degree = look_after_frame();
+  REQUIRE(degree > most_where_cut);
+  const Checkpoint<double> kept = world.save();
+  world.remove_tets(first);
+  CHECK(look_after_frame() <= most_where_cut);
+  CHECK(look_after_frame() > most_where_cut);  // a cut counts once
+
+  world.restore(kept);
+  for (int i = 0; i < 2; ++i) REQUIRE(world.advance(frame).ok);
+  world.remove_tets(second);
+  REQUIRE(world.journal().edits.size() == kept.history.size() + 1);
+  CHECK(look_after_frame() <= most_where_cut);
+  CHECK(look_after_frame() > most_where_cut);
+}
+
+TEST_CASE("who goes back in time begins again, with lumped masses and no error") {
+  World<double> world(lifted_liver(12));
+  MassWatch<double> watch(world, 0.02);
+  watch.look(world);
+  const Checkpoint<double> start = world.save();
+  while (world.time() < 0.3) {
+    REQUIRE(world.advance(1.0 / 30).ok);
+    watch.look(world);
+  }
+  world.restore(start);
+  const MassReport seen = watch.look(world);
+  CHECK(seen.time == 0);
+  CHECK(seen.degree == 1);
+  CHECK(seen.error == 0);
 }

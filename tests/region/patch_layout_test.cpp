@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "lobe/assert.h"
 #include "lobe/fem/elements.h"
 #include "support.h"
 
@@ -163,4 +164,19 @@ TEST_CASE("patches that were emptied are filled again") {
     check(layout, elements, elements.topology.tet_count());
     CHECK(layout.patch_count() == patches);
   }
+}
+
+TEST_CASE("an item is in one patch at most, and leaves only if it is there") {
+  const Elements elements(setup_of(irregular_box(3)));
+  const Items tets = all_tets(elements);
+  Layout layout = layout_of(elements);
+  CHECK_THROWS_AS(layout.enter({tets[5]}, elements.points.padded()), BrokenInvariant);
+  layout = layout_of(elements);
+  const auto local = layout.local_corners(layout.slot_of(5) / Layout::capacity, tets[5].corners);
+  layout.leave(5, local);
+  CHECK_THROWS_AS(layout.leave(5, local), BrokenInvariant);
+  Layout::Corners elsewhere = tets[6].corners;
+  layout.resize(elements.topology.vertex_count() + 1, elements.topology.tet_count());
+  elsewhere[0] = elements.topology.vertex_count();  // no patch has it
+  CHECK_THROWS_AS(layout.local_corners(0, elsewhere), BrokenInvariant);
 }

@@ -7,6 +7,7 @@
 
 #include "lobe/error.h"
 #include "lobe/file/fields.h"
+#include "lobe/sim/left_out_fields.h"
 #include "lobe/sim/validate.h"
 #include "recorded_strokes.h"
 #include "world_support.h"

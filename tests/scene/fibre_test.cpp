@@ -146,7 +146,8 @@ TEST_CASE("what is wrong with fibres is named with its place") {
   has(fault_of(fibrous(R"({"axis": {"point": [0, 0, 0], "direction": [0, 0, 0]}})")),
       "/materials/0/fibre/axis/direction: has length 0, must be above 0");
   has(fault_of(fibrous(straight, R"({"young_modulus_across": 0})")), "/materials/0/young_modulus_across");
-  has(fault_of(fibrous(straight, R"({"law": "neo-hookean"})")), "/materials/0/law");
+  has(fault_of(fibrous(straight, R"({"law": "neo-hookean"})")),
+      "/materials/0/law: \"law\": \"neo-hookean\" does not go with a material with fibres");
   json missing = fibrous(straight);
   missing.erase("fibre");
   has(fault_of(missing), "\"fibre\"");

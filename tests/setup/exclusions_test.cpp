@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "lobe/setup/material_exclusions.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"
 #include "support.h"
@@ -109,6 +110,22 @@ TEST_CASE("each pair of options is refused by name if the table has it, and acce
       CHECK(fault.empty() != is_excluded(a, b));
       if (!fault.empty()) CHECK(fault.find(" does not go with ") != std::string::npos);
     }
+}
+
+TEST_CASE("options of one material are refused together by name, and accepted in two materials") {
+  for (const Exclusion& exclusion : material_exclusions()) {
+    CAPTURE(name(exclusion.option));
+    CAPTURE(name(exclusion.other));
+    CHECK(fault_of(exclusion.option, exclusion.other).empty());
+    Setup setup = setup_of(irregular_box(3));
+    ask_for(setup, exclusion.option);
+    ask_for(setup, exclusion.other);
+    REQUIRE(setup.materials.size() == 2);
+    setup.materials[1].law = setup.materials[0].law;
+    const std::string fault =
+        std::string(name(exclusion.option)) + " does not go with " + name(exclusion.other);
+    CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains(fault.c_str()), InputError);
+  }
 }
 
 TEST_CASE("a running world refuses what its setup excludes, and has then changed nothing") {

@@ -9,6 +9,8 @@
 
 #include "condense/half_linear.h"
 #include "fibre_support.h"
+#include "lobe/run/recording.h"
+#include "lobe/sim/checkpoint.h"
 #include "lobe/sim/world.h"
 #include "support.h"
 
@@ -144,6 +146,17 @@ TEST_CASE("what advance() allocates does not grow with its steps") {
     CHECK(allocations_of_a_frame<float>(setup, 60) == allocations_of_a_frame<float>(setup, 40));
     CHECK(allocations_of_a_frame<double>(setup, 60) == allocations_of_a_frame<double>(setup, 40));
   }
+}
+
+TEST_CASE("a recorder begins without a copy of the world") {
+  const Setup setup = hybrid_setup(irregular_box(3));
+  World<float> world(setup);
+  const long before = allocations;
+  const CommandRecorder<float> recorder(world);
+  CHECK(allocations == before);
+  CHECK(recorder.recording().setup == fingerprint(setup));
+  const Checkpoint<float> copy = world.save();
+  CHECK(allocations > before + 5);  // a copy would be seen
 }
 
 #endif

@@ -299,3 +299,24 @@ TEST_CASE("checkpoints share the commands of a history, and see none that comes 
   CHECK_FALSE(changed == second.history);
   CHECK(std::holds_alternative<RemoveTets>(second.history[0]));
 }
+
+TEST_CASE("restore() keeps mesh and commands if nothing was edited since, and else repeats all commands") {
+  World<double> world(hybrid_setup(irregular_box(3)));
+  for (Index t = 0; t < 20; ++t) world.remove_tets({t});
+  const Checkpoint<double> kept = world.save();
+  const double* points = world.elements().points.view().data();
+  const std::uint64_t structure = world.body().model.revisions.structure;
+  REQUIRE(world.advance(0.01).ok);
+  world.restore(kept);
+  CHECK(world.elements().points.view().data() == points);
+  CHECK(world.body().model.revisions.structure == structure);
+  REQUIRE(world.journal().edits.size() == kept.history.size());
+  for (std::size_t i = 0; i < kept.history.size(); ++i) CHECK(&world.journal().edits[i] == &kept.history[i]);
+
+  world.remove_tets({40});
+  world.restore(kept);
+  CHECK(world.body().model.revisions.structure > structure);
+  CHECK(world.journal().edits == kept.history);
+  CHECK(world.elements().topology.alive(40));
+  CHECK_FALSE(world.elements().topology.alive(0));
+}

@@ -88,3 +88,32 @@ TEST_CASE("selective masses that are lumped while tetrahedra are crushed are rep
   CHECK(times(squeezed_bar(), 1) == 0);  // there are none
   CHECK(times(setup_of(irregular_box(3)), 5) == 0);
 }
+
+TEST_CASE("a change between linear and non-linear tetrahedra is no transition and asks for no energies") {
+  Setup setup = setup_of(irregular_box(3));
+  for (Index t = 0; t < setup.mesh.tet_count(); t += 2)
+    setup.region_of[std::size_t(t)] = RegionModel::tensor_mass;
+  World<double> world(setup);
+  State<double> state = world.state();
+  state.u.row(0) = 0.02 * world.elements().points.view().row(0);
+  world.set_state(state);
+  for (const RegionModel model : {RegionModel::nonlinear, RegionModel::tensor_mass}) {
+    world.apply(SetRegion{{0, 1, 2, 3}, model});
+    const Transitions transitions = world.advance(1e-5).transitions;
+    CHECK(transitions.count == 0);
+    CHECK(transitions.kinetic == 0);
+    CHECK(transitions.elastic == 0);
+    CHECK(transitions.loads == 0);
+  }
+}
+
+TEST_CASE("a region that leaves the lattice is a transition, counted once") {
+  Setup setup = setup_of(irregular_box(4));
+  setup.region_of.assign(setup.region_of.size(), RegionModel::reduced);
+  World<double> world(setup);
+  std::vector<Index> half(setup.region_of.size() / 2);
+  std::iota(half.begin(), half.end(), 0);
+  world.apply(SetRegion{half, RegionModel::nonlinear});
+  CHECK(world.advance(1e-5).transitions.count > 0);
+  CHECK(world.advance(1e-5).transitions.count == 0);
+}

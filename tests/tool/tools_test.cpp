@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "condense/half_linear.h"
+#include "lobe/assert.h"
 #include "lobe/error.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
@@ -235,4 +236,18 @@ TEST_CASE("a path of a scene may turn a grasp, at a constant rate between its ro
       CHECK((X + u.col(v) - (centre + R * (X - centre))).norm() < 1e-12);
     }
   }
+}
+
+TEST_CASE("a force or a cut of a tool that there never was is a fault of the library") {
+  Tools tools{ToolSetups{}};
+  tools.bring(BringProbe{});
+  tools.begin_forces();
+  OnTool felt;
+  felt.tool = 1;
+  CHECK_NOTHROW(tools.add_force(felt, 1e-3));
+  for (const ToolId unknown : {0, 2, -1}) {
+    felt.tool = unknown;
+    CHECK_THROWS_AS(tools.add_force(felt, 1e-3), BrokenInvariant);
+  }
+  CHECK_THROWS_AS(tools.cut_by(1, {}, Vec3d::Zero(), Vec3d::Zero()), BrokenInvariant);  // it is no scalpel
 }

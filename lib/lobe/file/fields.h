@@ -1,6 +1,6 @@
 // Structs that list their fields once, `static constexpr auto fields = std::tuple(&A::x, &A::y)`, are
-// written, read back and given a digest by these functions. A field that is not in the list is neither
-// written nor compared. After reading, is_valid() is called if a struct has it.
+// written, read back and given a digest by these functions. A list that lacks a member does not compile
+// (lists_all.h), unless `left_out` has the member. After reading, is_valid() is called if a struct has it.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +10,7 @@
 #include <tuple>
 #include <variant>
 
+#include "lobe/file/lists_all.h"
 #include "lobe/file/sealed_file.h"
 
 namespace lobe::io {
@@ -55,7 +56,7 @@ inline constexpr bool is_shared<std::shared_ptr<const T>> = true;
 template <class T>
 void put(ByteWriter& out, const T& x) {
   if constexpr (Fielded<T>) {
-    std::apply([&](auto... member) { (put(out, x.*member), ...); }, T::fields);
+    std::apply([&](auto... member) { (put(out, x.*member), ...); }, fields_of<T>());
   } else if constexpr (Plain<T>) {
     out.put(x);
   } else if constexpr (Converted<T>) {
@@ -102,7 +103,7 @@ void get_dense(ByteReader& in, T& x) {
 template <class T>
 void get(ByteReader& in, T& x) {
   if constexpr (Fielded<T>) {
-    std::apply([&](auto... member) { (get(in, x.*member), ...); }, T::fields);
+    std::apply([&](auto... member) { (get(in, x.*member), ...); }, fields_of<T>());
     if constexpr (requires { x.is_valid(); }) in.expect(x.is_valid());
   } else if constexpr (std::is_same_v<T, bool>) {
     x = in.get_choice(2) == 1;
@@ -142,7 +143,7 @@ std::size_t memory_of(const T& x) {
   std::size_t bytes = sizeof(T);
   if constexpr (Fielded<T>) {
     std::apply([&](auto... member) { ((bytes += memory_of(x.*member) - sizeof(x.*member)), ...); },
-               T::fields);
+               fields_of<T>());
   } else if constexpr (requires { x.unshared_bytes(); }) {
     bytes += x.unshared_bytes();
   } else if constexpr (Converted<T>) {

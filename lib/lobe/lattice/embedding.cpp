@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "lobe/assert.h"
 #include "lobe/fem/hooke.h"
 #include "lobe/numerics/symmetric_eigen.h"
 
@@ -274,6 +275,7 @@ double give_mass(const Elements& elements, const Lattice& lattice, const std::ve
   double added = 0;
   for (std::size_t n = 0; n < least.size(); ++n) {
     const double raised = std::max(e.mass[n], least[n]);
+    lobe_assert(raised >= 0, "lattice: the mass of a node is below 0, or not a number");
     added += raised - e.mass[n];
     e.mass[n] = raised;
   }

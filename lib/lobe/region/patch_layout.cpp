@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lobe/assert.h"
 #include "lobe/mesh/spatial_order.h"
 
 namespace lobe {
@@ -37,7 +38,11 @@ void for_strided(Index begin, Index end, Visit&& visit) {
 template <int n>
 typename PatchLayout<n>::LocalCorners PatchLayout<n>::local_corners(Index p, const Corners& corners) const {
   LocalCorners local;
-  for (int c = 0; c < n; ++c) local[c] = static_cast<std::uint8_t>(local_number(p, corners[c]));
+  for (int c = 0; c < n; ++c) {
+    const Index number = local_number(p, corners[c]);
+    lobe_assert(number >= 0, "patches: a corner that the item's patch has not");
+    local[c] = static_cast<std::uint8_t>(number);
+  }
   return local;
 }
 
@@ -144,6 +149,7 @@ bool PatchLayout<n>::renumber(const Item& item, const LocalCorners& before) {
 template <int n>
 Index PatchLayout<n>::leave(Index id, const LocalCorners& corners) {
   const Index slot = slot_of_[id], p = slot / capacity;
+  lobe_assert(slot >= 0, "patches: an item leaves that is in no patch");
   Patch& patch = patches_[p];
   let_go(p, corners);
   const Index last = p * capacity + --patch.items;
@@ -239,7 +245,10 @@ Index PatchLayout<n>::number_vertex(Index p, Index vertex) {
 
 template <int n>
 void PatchLayout<n>::put(Index p, const Item& item) {
+  lobe_assert(slot_of_[item.id] < 0, "patches: an item enters that is in a patch");
   take_up(p, item.corners);
+  lobe_assert(patches_[p].items < capacity && patches_[p].vertices <= patch_vertices,
+              "patches: more in a patch than has room");
   const Index slot = p * capacity + patches_[p].items++;
   id_of_[slot] = item.id;
   slot_of_[item.id] = slot;

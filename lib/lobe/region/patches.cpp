@@ -41,6 +41,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
 
 template <class Real>
 void Patches<Real>::write(const Elements& elements, const Layout::Item& item) {
+  lobe_assert(item.kind < laws_.size(), "patches: a tetrahedron of a material that there is not");
   const Index slot = layout_.slot_of(item.id);
   Block& block = blocks_[slot / width];
   const int lane = slot % width;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "lobe/assert.h"
 #include "lobe/scalpel/division.h"
 #include "lobe/sort_unique.h"
 
@@ -49,6 +50,7 @@ void Division::divide(Index tet) {
   const auto keeps = std::size_t(most - groups_.begin());
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     const Index number = i == keeps ? tet : topology_.tet_count() + new_tets_++;
+    lobe_assert(groups_[i].share > 0, "division: a copy that fills no volume");
     result_.parts.push_back({number, tet, groups_[i].corners, groups_[i].share});
     const auto begin = static_cast<Index>(grains_of_parts_.size());
     for (const auto& [group, grain] : grains_of_tet_) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lobe/assert.h"
 #include "lobe/mesh/surface_cells.h"
 #include "lobe/sort_unique.h"
 
@@ -195,6 +196,7 @@ void Grains::bisect(Index grain, Index a, Index b, Index point, double share) {
   other_sides_.push_back({-1, -1, -1, -1});
   Grain &near_a = grains_[std::size_t(grain)], &near_b = grains_.back();
   const int at_a = place_of(near_a.points, a), at_b = place_of(near_a.points, b);
+  lobe_assert(at_a >= 0 && at_b >= 0 && share > 0 && share < 1, "grains: a bisection of an edge inside it");
   near_a.points[at_b] = near_b.points[at_a] = point;
   near_a.share *= share;
   near_b.share *= 1 - share;

@@ -1,10 +1,13 @@
 #include "lobe/scene/check_scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/validate.h"
 #include "lobe/scene/write_scene.h"
+#include "lobe/setup/material_exclusions.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -49,8 +52,13 @@ class MeaningChecker {
  private:
   void add(const std::string& place, const std::string& message) { faults_.push_back({place, message}); }
 
+  void add(std::vector<Fault> faults) {
+    std::move(faults.begin(), faults.end(), std::back_inserter(faults_));
+  }
+
   // Positive definite: μ > 0 and the bulk modulus λ + 2μ/3 > 0.
   void check_material(const Material& material, const std::string& place) {
+    add(find_material_exclusions(material.law, material.transverse.has_value(), place + "/law"));
     if (material.transverse) return check_fibres(material, place);
     const double lambda = material.lame_lambda, mu = material.lame_mu;
     if (!std::isfinite(lambda + 2 * mu)) {
@@ -66,14 +74,12 @@ class MeaningChecker {
   }
 
   void check_fibres(const Material& material, const std::string& place) {
-    for (Fault& fault : transverse_faults(*material.transverse, place)) faults_.push_back(std::move(fault));
+    add(transverse_faults(*material.transverse, place));
     if (faults_.empty() && !is_positive_definite(elastic_of(material)))
       add(place, "its constants are not positive definite to rounding");
     if (faults_.empty() && material.nodal_pressure > 0 && elastic_of(material).lambda < 0)
       add(place + "/nodal_pressure", "needs a stiffness across of at least its shear's; leave it out");
     check_where(material.where, place);
-    if (material.law == MaterialLaw::neo_hookean)
-      add(place + "/law", "\"neo-hookean\" does not go with fibres; use \"svk\"");
     if (!material.fibre) return add(place + "/fibre", "is missing: which way the fibres run");
     const std::string at = place + "/fibre";
     if (const auto* constant = std::get_if<FibreDirection>(&*material.fibre)) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "lobe/error.h"
 #include "lobe/fem/transverse_isotropy.h"
+#include "lobe/setup/material_exclusions.h"
 
 namespace lobe {
 namespace {
@@ -95,7 +97,6 @@ void Checker::check_fibres() {
     if (!e.fibre.any()) continue;
     expect(is_positive_definite(e),
            "a material with fibres is not positive definite (transverse_isotropy.h)");
-    expect(e.law == MaterialLaw::svk, "a neo-Hookean material cannot have fibres: use St Venant-Kirchhoff");
   }
   const Mat3X<double>& fibres = setup_.mesh.fibres;
   const std::size_t count = setup_.material_of.size();
@@ -140,7 +141,11 @@ void Checker::check_tools() {
 
 void Checker::check_exclusions(Options used) {
   const auto here = [](Option) { return std::vector<std::string>{"setup"}; };
-  for (Fault& fault : find_exclusions(used | options_of(setup_), here)) faults_.push_back(std::move(fault));
+  const auto add = [&](std::vector<Fault> faults) {
+    std::move(faults.begin(), faults.end(), std::back_inserter(faults_));
+  };
+  add(find_exclusions(used | options_of(setup_), here));
+  for (const Elastic& e : setup_.materials) add(find_material_exclusions(e.law, e.fibre.any(), "setup"));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lobe/setup/material_exclusions.h"
+
 namespace lobe {
 namespace {
 
@@ -40,6 +42,11 @@ constexpr Exclusion table[] = {
     {Option::reduced, Option::fibres, "a cell has no direction of fibres", "use \"nonlinear\""},
     {Option::static_solution, Option::corotated, "an equilibrium has no motion that a frame could follow",
      "use \"nonlinear\" or a fixed frame"},
+};
+
+constexpr Exclusion table_of_material[] = {
+    {Option::neo_hookean, Option::fibres,
+     "constants along and across fibres are those of St Venant-Kirchhoff", "use \"law\": \"svk\""},
 };
 
 Fault fault_of(const Exclusion& exclusion, const std::string& place) {
@@ -88,6 +95,7 @@ const char* name(Option option) {
 }
 
 std::span<const Exclusion> exclusions() { return table; }
+std::span<const Exclusion> material_exclusions() { return table_of_material; }
 
 std::optional<Option> option_of(RegionModel model) {
   if (model == RegionModel::precomputed) return Option::precomputed;
@@ -120,6 +128,16 @@ std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_o
     if (used.has(exclusion.option) && used.has(exclusion.other))
       for (const std::string& place : places_of(exclusion.option))
         faults.push_back(fault_of(exclusion, place));
+  return faults;
+}
+
+std::vector<Fault> find_material_exclusions(MaterialLaw law, bool has_fibres, const std::string& place) {
+  Options used;
+  used.add(Option::neo_hookean, law == MaterialLaw::neo_hookean);
+  used.add(Option::fibres, has_fibres);
+  std::vector<Fault> faults;
+  for (const Exclusion& exclusion : table_of_material)
+    if (used.has(exclusion.option) && used.has(exclusion.other)) faults.push_back(fault_of(exclusion, place));
   return faults;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lobe/file/fields.h"
+#include "lobe/sim/left_out_fields.h"
 #include "lobe/sim/report.h"
 #include "lobe/tool/tools.h"
 

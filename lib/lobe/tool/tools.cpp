@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "lobe/assert.h"
 #include "lobe/error.h"
 
 namespace lobe {
@@ -104,6 +105,7 @@ ToolSetups Tools::live_paths() const {
 // ---- A frame
 
 void Tools::begin_frame(double time, double duration) {
+  lobe_assert(placed_.size() == std::size_t(next_), "tools: one place per id");
   frame_end_ = time + duration;
   time_felt_ = 0;
   impulses_.assign(placed_.size(), {});
@@ -135,8 +137,10 @@ const std::vector<ToolBody>& Tools::bodies(double from, double to) {
 // ---- A step
 
 void Tools::cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip) {
-  for (Scalpel& blade : lists_.scalpels)
-    if (blade.id == scalpel) blade.cut_by(work, way, tip);
+  const auto blade = std::find_if(lists_.scalpels.begin(), lists_.scalpels.end(),
+                                  [&](const Scalpel& each) { return each.id == scalpel; });
+  lobe_assert(blade != lists_.scalpels.end(), "tools: a cut of a scalpel that there is not");
+  blade->cut_by(work, way, tip);
 }
 
 void Tools::place(double time) {
@@ -168,6 +172,7 @@ void Tools::add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double 
 }
 
 void Tools::add_force(const OnTool& on_tool, double dt) {
+  lobe_assert(on_tool.tool > 0 && on_tool.tool < next_, "tools: a force on a tool that there never was");
   Impulse& impulse = impulses_of_part_[std::size_t(on_tool.tool)];
   impulse.linear += dt * on_tool.force;
   impulse.angular += dt * on_tool.torque;

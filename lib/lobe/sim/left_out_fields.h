@@ -1,0 +1,29 @@
+// Members of structs that no file and no digest of lobe has, on purpose.
+#pragma once
+
+#include "lobe/file/lists_all.h"
+#include "lobe/setup/setup.h"
+#include "lobe/tool/scalpel.h"
+
+namespace lobe::io {
+
+// No name, no folder and no label decides how a body moves.
+template <>
+inline constexpr auto left_out<GraspSetup> = std::tuple(&GraspSetup::name);
+template <>
+inline constexpr auto left_out<CauterySetup> = std::tuple(&CauterySetup::name);
+template <>
+inline constexpr auto left_out<ScalpelSetup> = std::tuple(&ScalpelSetup::name);
+template <>
+inline constexpr auto left_out<ProbeSetup> = std::tuple(&ProbeSetup::name);
+template <>
+inline constexpr auto left_out<ObstacleSetup> = std::tuple(&ObstacleSetup::name);
+template <>
+inline constexpr auto left_out<TetMesh> = std::tuple(&TetMesh::labels);
+template <>
+inline constexpr auto left_out<Setup> = std::tuple(&Setup::condensed_cache);
+// A state is saved between two frames. These are sums over the present one.
+template <>
+inline constexpr auto left_out<Scalpel> = std::tuple(&Scalpel::work, &Scalpel::length, &Scalpel::way);
+
+}  // namespace lobe::io

@@ -57,7 +57,6 @@ class CommandRecorder {
   const Recording& recording() const { return recording_; }
 
  private:
-
   World<Real>& world_;
   Recording recording_;
 };

@@ -34,18 +34,3 @@ TEST_CASE("a law of other terms is not covered") {
   CHECK(covers({.svk = true, .volume = true}, {.svk = true, .guard = true}));
   CHECK_FALSE(covers({.svk = true, .fibre = true}, {.svk = true}));
 }
-
-TEST_CASE("a kernel of a solid asks for all other terms that the law has") {
-  const Terms all{true, true, true, true, true, true};
-  const Terms asked = with_solid(all, {.svk = true});
-  CHECK(asked == Terms{.svk = true, .volume = true, .pressure = true, .guard = true});
-  for (const Terms& compiled : compiled_terms) {
-    CHECK(with_solid(all, compiled).solid() == compiled.solid());
-    Terms of_law = all;  // what is no solid stays
-    of_law.svk = compiled.svk, of_law.fibre = compiled.fibre, of_law.neo_hookean = compiled.neo_hookean;
-    CHECK(with_solid(all, compiled) == of_law);
-  }
-  CHECK(may_have_pressure({.svk = true}));
-  CHECK(may_have_pressure({.svk = true, .fibre = true}));
-  CHECK_FALSE(may_have_pressure({.svk = false, .neo_hookean = true}));
-}

@@ -26,19 +26,6 @@ constexpr bool covers(const Terms& compiled, Terms of_law) {
   of_law.guard = false;
   return compiled.solid() == of_law.solid() && compiled.includes(of_law);
 }
-// The terms of a law in a kernel whose solid is known when it is compiled. What no solid has is asked for as
-// the kernel runs.
-constexpr Terms with_solid(Terms of_law, const Terms& solid) {
-  of_law.svk = solid.svk;
-  of_law.fibre = solid.fibre;
-  of_law.neo_hookean = solid.neo_hookean;
-  return of_law;
-}
-// Whether an entry of this solid has nodal pressure.
-constexpr bool may_have_pressure(const Terms& solid) {
-  return std::any_of(std::begin(compiled_terms), std::end(compiled_terms),
-                     [&](const Terms& entry) { return entry.solid() == solid && entry.pressure; });
-}
 inline bool is_covered(const Terms& of_law) {
   return std::any_of(std::begin(compiled_terms), std::end(compiled_terms),
                      [&](const Terms& compiled) { return covers(compiled, of_law); });

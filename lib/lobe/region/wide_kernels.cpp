@@ -49,11 +49,6 @@ constexpr Terms with_guard(Terms terms, bool guard) {
   return terms;
 }
 
-constexpr Terms with_pressure(Terms terms, bool pressure) {
-  terms.pressure = pressure;
-  return terms;
-}
-
 // The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
 template <class Real, Terms terms, Guarding guarding>
 LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
@@ -103,8 +98,8 @@ Vec3<T> entries_of(const Mat3<T>& K) {
   return {K(0, 1), K(0, 2), K(1, 2)};
 }
 
-// `compiled`: the solid and nodal pressure, which every tetrahedron of the patch has.
-template <class Real, StiffnessPart part, Terms compiled>
+// `solid`: the terms that every tetrahedron of the patch has, without question.
+template <class Real, StiffnessPart part, Terms solid>
 LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = ElementLanes<T>;
@@ -114,9 +109,10 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
       const Lanes e(patch.blocks[b], first, patch.u);
       const T ratio = T(1) + volume_change(e.H);
       smallest = min(ratio, smallest);  // where() of libstdc++ is wrong with clang and AVX-512
-      Law<T> law = law_of<compiled>(patch, b, first);
-      law.terms = with_solid(law.terms, compiled);
-      law.terms.guard = law.terms.guard && any_of(ratio < law.guard_threshold);
+      Law<T> law = law_of<solid>(patch, b, first);
+      law.terms = solid;
+      law.terms.volume = patch.law.terms.volume;
+      law.terms.guard = patch.law.terms.guard && any_of(ratio < law.guard_threshold);
       Mat34<T> entries;
       for (int c = 0; c < 4; ++c) {
         const Mat3<T> K = law_diagonal_block(law, e.H, e.gradient(c));
@@ -127,15 +123,14 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
-// By the first of the compiled terms that have the solid of the law.
-template <class Real, StiffnessPart part, bool nodal_pressure, std::size_t i = 0>
+template <class Real, StiffnessPart part, bool nodal_pressure>
 Real add_stiffness_part(const PatchArrays<Real>& patch, Real* sums) {
-  constexpr Terms solid = compiled_terms[i].solid();
-  if constexpr (i + 1 < std::size(compiled_terms))
-    if (solid != patch.law.terms.solid())
-      return add_stiffness_part<Real, part, nodal_pressure, i + 1>(patch, sums);
-  constexpr Terms compiled = with_pressure(solid, nodal_pressure && may_have_pressure(solid));
-  return add_stiffness_of<Real, part, compiled>(patch, sums);
+  const Terms& terms = patch.law.terms;
+  if (terms.neo_hookean)
+    return add_stiffness_of<Real, part, Terms{.svk = false, .neo_hookean = true}>(patch, sums);
+  if (terms.fibre)
+    return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure, .fibre = true}>(patch, sums);
+  return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure}>(patch, sums);
 }
 
 template <class Real>

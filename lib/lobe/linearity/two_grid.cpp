@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lobe/fem/law.h"
+#include "lobe/fem/hooke.h"
 #include "lobe/numerics/supernodal_factor.h"
 #include "lobe/numerics/symmetric_eigen.h"
 
@@ -105,7 +105,7 @@ void TwoGrid::find_diagonal(const Elements& elements) {
 }
 
 // Bᵀ K B, where vertices have the values B q of the nodes. In a tetrahedron, the function of a node has the
-// gradient Σ_c w(X_c) α_c. At rest a law has the stiffness of its linear model.
+// gradient Σ_c w(X_c) α_c.
 void TwoGrid::find_stiffness(const Elements& elements) {
   Blocks blocks(lattice_.node_count());
   std::vector<std::pair<Index, Vec3d>> gradients;  // of the nodes that move a tetrahedron
@@ -126,9 +126,11 @@ void TwoGrid::find_stiffness(const Elements& elements) {
           there->second += own;
       }
     }
+    // The volume term has no stiffness at rest. It has that of κ where a volume has changed by half.
+    const double lambda = law.lambda + (law.terms.volume ? law.kappa : 0);
     for (const auto& [n, of_n] : gradients)
       for (const auto& [m, of_m] : gradients)
-        if (n >= m) blocks.at(n, m) += shape.volume * linear_block<double>(law, of_n, of_m);
+        if (n >= m) blocks.at(n, m) += shape.volume * hooke_block<double>(of_n, of_m, lambda, law.mu);
   }
   stiffness_ = blocks.lower_triangle();
   if (lattice_.node_count() == 0) return;

@@ -1,5 +1,5 @@
 // Options that exclude each other, in one table: scenes, setups and running worlds are checked against it,
-// and docs/scene.md shows it. All other options can be combined.
+// and docs/scene.md shows it. material_exclusions.h has those of one material. All others can be combined.
 #pragma once
 
 #include <bitset>

@@ -1,32 +1,13 @@
 // The fibres of a body in the page: lines in its surface that move with it, through cuts and painting.
 // Usage: node browser_fibres_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {mkdirSync, rmSync} from 'node:fs';
-import path from 'node:path';
-import {Checks, drag, findBrowser, grip, Server, until} from './page_support.mjs';
+import {drag, grip, openPage, until} from './page_support.mjs';
 
-const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
-const browserToLaunch = findBrowser(modules);
-rmSync(out, {recursive: true, force: true});
-mkdirSync(out, {recursive: true});
-const {check, finish} = new Checks();
-const server = new Server(program, '--save-to', out);
-const address = await server.start(scene);
-const browser = await browserToLaunch.launch();
-const page = await browser.newPage({viewport: {width: 960, height: 640}});
-page.setDefaultTimeout(60000);
-const faults = [];
-page.on('pageerror', error => faults.push(error.message));
-await page.goto(address);
-const shot = name => page.screenshot({path: path.join(out, `${name}.png`)});
+const {page, check, shot, end} = await openPage({width: 960, height: 640});
 
 // Pixels of the lines' colour.
 const yellow = () =>
   page.evaluate(() => {
-    lobe.stage.draw();
-    const from = lobe.stage.canvas,
-      context = new OffscreenCanvas(from.width, from.height).getContext('2d');
-    context.drawImage(from, 0, 0);
-    const {data} = context.getImageData(0, 0, from.width, from.height);
+    const data = drawn();
     let count = 0;
     for (let i = 0; i < data.length; i += 4)
       count += data[i] > 220 && data[i + 1] > 200 && data[i + 2] > 120 && data[i + 2] < 190;
@@ -119,7 +100,4 @@ check(await until(page, () => lobe.mode === 'edit'), 'painting begins');
 check((await isShown(true)) && (await yellow()) > 1000, 'and shows them');
 await page.keyboard.press('f');
 check((await isShown(false)) && (await yellow()) < 50, 'F hides them');
-check(faults.length === 0, `no error in the page ${faults.join('; ')}`);
-await browser.close();
-await server.kill('SIGTERM');
-finish();
+await end();

@@ -1,24 +1,9 @@
 // The page in a headless Chromium: a hand picks up a lobe that has been cut off and has fallen, and lets it
 // fall again.
 // Usage: node browser_jaws_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {mkdirSync, rmSync} from 'node:fs';
-import path from 'node:path';
-import {Checks, findBrowser, Server, until} from './page_support.mjs';
+import {openPage, until} from './page_support.mjs';
 
-const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
-const browserToLaunch = findBrowser(modules);
-rmSync(out, {recursive: true, force: true});
-mkdirSync(out, {recursive: true});
-
-const {check, finish} = new Checks();
-const server = new Server(program);
-const address = await server.start(scene);
-const browser = await browserToLaunch.launch();
-const page = await browser.newPage({viewport: {width: 1200, height: 720}});
-const faults = [];
-page.setDefaultTimeout(60000);
-page.on('pageerror', error => faults.push(error.message));
-await page.goto(address);
+const {page, check, shot, end} = await openPage({width: 1200, height: 720});
 check(await until(page, () => window.lobe?.status?.time > 1.8), 'the lobe has fallen');
 
 // The middle of the lobe, which lay beyond x = 0.03 m: in metres, and where it is on the window.
@@ -60,7 +45,7 @@ for (let i = 1; i <= 25; ++i) {
 }
 await page.waitForTimeout(1500);
 const lifted = await lobe();
-await page.screenshot({path: path.join(out, 'lifted.png')});
+await shot('lifted');
 check(lifted.height - gripped.height > 0.02, `the lobe is lifted by ${lifted.height - gripped.height} m`);
 await page.mouse.up();
 await page.waitForTimeout(1500);
@@ -69,7 +54,4 @@ check(
   fallen.height < lifted.height - 0.02,
   `and falls by ${lifted.height - fallen.height} m when it is let go`,
 );
-check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
-await browser.close();
-await server.kill();
-finish();
+await end();

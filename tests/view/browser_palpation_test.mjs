@@ -1,23 +1,8 @@
 // The page in a headless Chromium: a probe that the mouse leads feels the liver, and a tumour in it.
 // Usage: node browser_palpation_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {mkdirSync, rmSync} from 'node:fs';
-import path from 'node:path';
-import {Checks, findBrowser, Server, until} from './page_support.mjs';
+import {openPage, until} from './page_support.mjs';
 
-const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
-const browserToLaunch = findBrowser(modules);
-rmSync(out, {recursive: true, force: true});
-mkdirSync(out, {recursive: true});
-
-const {check, finish} = new Checks();
-const server = new Server(program);
-const address = await server.start(scene);
-const browser = await browserToLaunch.launch();
-const page = await browser.newPage({viewport: {width: 1200, height: 720}});
-const faults = [];
-page.setDefaultTimeout(60000);
-page.on('pageerror', error => faults.push(error.message));
-await page.goto(address);
+const {page, check, shot, end} = await openPage({width: 1200, height: 720});
 check(
   await until(page, () => lobe.status?.time > 2.75 && lobe.force === 0),
   'the finger of the scene has pressed, and has left',
@@ -42,12 +27,7 @@ const above = (x, y) =>
 // Of the arrow's colour.
 const arrowPixels = () =>
   page.evaluate(() => {
-    lobe.stage.draw();
-    const from = lobe.stage.canvas,
-      canvas = new OffscreenCanvas(from.width, from.height),
-      context = canvas.getContext('2d');
-    context.drawImage(from, 0, 0);
-    const {data} = context.getImageData(0, 0, canvas.width, canvas.height);
+    const data = drawn();
     let count = 0;
     for (let i = 0; i < data.length; i += 4)
       count += data[i] > 225 && Math.abs(data[i + 1] - 190) < 25 && Math.abs(data[i + 2] - 105) < 30;
@@ -80,7 +60,6 @@ const turnWheel = async notches => {
 };
 const isFree = () =>
   until(page, () => lobe.force === 0 && document.getElementById('force').textContent === '0.00 N');
-const shot = name => page.screenshot({path: path.join(out, `${name}.png`)});
 
 // ---- It presses, comes away, and presses again
 
@@ -127,7 +106,4 @@ check(
   `of ${force.toFixed(2)} N; the tumour is found by its ${overTumour.force.toFixed(2)} N`,
 );
 await page.mouse.up();
-check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
-await browser.close();
-await server.kill();
-finish();
+await end();

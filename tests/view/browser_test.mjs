@@ -2,7 +2,7 @@
 // Usage: node browser_test.mjs LOBE_VIEW SCENE MODULES OUT
 import {mkdirSync, readFileSync, rmSync} from 'node:fs';
 import path from 'node:path';
-import {Checks, drag, findBrowser, grip, Server, until} from './page_support.mjs';
+import {Checks, drag, findBrowser, giveDrawn, grip, Server, until} from './page_support.mjs';
 
 const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
 const browserToLaunch = findBrowser(modules);
@@ -20,6 +20,7 @@ async function open(url) {
   const page = await browser.newPage({viewport: {width: 960, height: 640}});
   page.setDefaultTimeout(60000);
   page.on('pageerror', error => faults.push(error.message));
+  await giveDrawn(page);
   await page.goto(url);
   return page;
 }
@@ -28,12 +29,7 @@ const shot = (page, name) => page.screenshot({path: path.join(out, `${name}.png`
 // The share of pixels that show tissue: redder than they are green or blue.
 const redShare = page =>
   page.evaluate(() => {
-    lobe.stage.draw();
-    const from = lobe.stage.canvas,
-      canvas = new OffscreenCanvas(from.width, from.height),
-      context = canvas.getContext('2d');
-    context.drawImage(from, 0, 0);
-    const {data} = context.getImageData(0, 0, canvas.width, canvas.height);
+    const data = drawn();
     let red = 0;
     for (let i = 0; i < data.length; i += 4)
       red += data[i] > 1.3 * data[i + 1] && data[i] > 1.3 * data[i + 2] && data[i] > 25;

@@ -2,7 +2,7 @@
 // playwright-core, which npm installs into the folder `modules`.
 import {spawn} from 'node:child_process';
 import {createRequire} from 'node:module';
-import {existsSync} from 'node:fs';
+import {existsSync, mkdirSync, rmSync} from 'node:fs';
 import path from 'node:path';
 
 export function findBrowser(modules) {
@@ -58,6 +58,45 @@ export const until = (page, condition, argument) =>
     () => true,
     () => false,
   );
+
+/** `drawn()` in the page: red, green, blue and opacity of each pixel of the organ's picture. */
+export const giveDrawn = page =>
+  page.addInitScript(() => {
+    window.drawn = () => {
+      lobe.stage.draw();
+      const from = lobe.stage.canvas,
+        canvas = new OffscreenCanvas(from.width, from.height),
+        context = canvas.getContext('2d');
+      context.drawImage(from, 0, 0);
+      return context.getImageData(0, 0, canvas.width, canvas.height).data;
+    };
+  });
+
+/** Plays the scene of the command line, LOBE_VIEW SCENE MODULES OUT, and opens its page. */
+export async function openPage(viewport) {
+  const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
+  const browserToLaunch = findBrowser(modules);
+  rmSync(out, {recursive: true, force: true});
+  mkdirSync(out, {recursive: true});
+  const {check, finish} = new Checks();
+  const server = new Server(program, '--save-to', out);
+  const address = await server.start(scene);
+  const browser = await browserToLaunch.launch();
+  const page = await browser.newPage({viewport});
+  const faults = [];
+  page.setDefaultTimeout(60000);
+  page.on('pageerror', error => faults.push(error.message));
+  await giveDrawn(page);
+  await page.goto(address);
+  const shot = name => page.screenshot({path: path.join(out, `${name}.png`)});
+  const end = async () => {
+    check(faults.length === 0, `no script has failed ${faults.join('; ')}`);
+    await browser.close();
+    await server.kill('SIGTERM');
+    finish();
+  };
+  return {page, check, shot, end};
+}
 
 // Where on the window a point of the organ's surface is that is free and faces the viewer: 50 pixels from its
 // right end.

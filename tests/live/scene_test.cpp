@@ -42,6 +42,16 @@ struct Played {
   }
 };
 
+// Written, read and played from its start, on two threads, the scene gives the same bits.
+void check_plays_as(const Scene& kept, World<float>& world) {
+  const Folder folder;
+  const Scene again = read_scene(folder.write("kept.json", to_json(kept)));
+  World<float> played(resolve(again, read_mesh(mesh_path(again)).mesh).setup, 2);
+  const Frames frames = frames_of(again.time);
+  for (int i = 0; i < frames.count; ++i) REQUIRE(played.advance(frames.length).ok);
+  CHECK(same_bits(played, world));
+}
+
 // Cuts into the beam with a cautery, which splits vertices beside it, takes hold of these by a ray, and of
 // the end, turns and lifts both, cuts once more, and lets the end go.
 template <class Real>
@@ -164,12 +174,7 @@ TEST_CASE("a hand parts the beam with a scalpel, without loss, and its scene is 
   REQUIRE(kept.tools.size() == 1);
   CHECK(kept.tools[0].type == "scalpel");
   CHECK(kept.tools[0].heels.size() == kept.tools[0].path.size());
-  const Folder other;
-  const Scene again = read_scene(other.write("kept.json", to_json(kept)));
-  World<float> world(resolve(again, read_mesh(mesh_path(again)).mesh).setup, 2);
-  const Frames frames = frames_of(again.time);
-  for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
-  CHECK(same_bits(world, session.world()));
+  check_plays_as(kept, session.world());
 }
 
 TEST_CASE("a hand presses a probe on a precomputed region: that is felt, and its scene has the same bits") {
@@ -200,12 +205,7 @@ TEST_CASE("a hand presses a probe on a precomputed region: that is felt, and its
     CHECK(replays(session, setup, 2));
     const Scene kept = session_scene(played.scene, setup, session);
     REQUIRE(kept.tools.size() == 1);
-    const Folder other;
-    const Scene again = read_scene(other.write("kept.json", to_json(kept)));
-    World<float> world(resolve(again, read_mesh(mesh_path(again)).mesh).setup, 2);
-    const Frames frames = frames_of(again.time);
-    for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
-    CHECK(same_bits(world, session.world()));
+    check_plays_as(kept, session.world());
   }
 }
 

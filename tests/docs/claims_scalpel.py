@@ -77,7 +77,8 @@ def table_blade():
         ["geometry per cut tetrahedron [µs]", "5", series("geometry_us", digits=1, most=5),
          "each tetrahedron is near the blade, and looked at, in several steps"],
         ["the same, all in one sweep [µs]", "5", series("sweep_us", digits=1, most=5), ""],
-        ["tetrahedra cut per frame that opens something", "–", per_frame(), "the blade begins and ends outside"],
+        ["tetrahedra cut per frame that opens something", "–", per_frame(),
+         "the blade begins and ends outside"],
         ["all, non-linear, in 60 frames [µs, wall]", "12", series("all_us", digits=0, most=12),
          "a step of the blade in each frame, after steps of the body that have emptied the caches"],
         ["non-linear, all in one frame [µs, wall]", "12", series("batch_us", digits=0, most=12),
@@ -124,15 +125,15 @@ def floored():
 L, GUIDE = "docs/limitations.md", "docs/guide/cut.md"
 
 CLAIMS = [
-    (L, lambda: f"the geometry of the small liver takes {livers('geometry_us', 'nonlinear')[0]:.1f} µs per cut "
-                "tetrahedron"),
+    (L, lambda: f"the geometry of the small liver takes {livers('geometry_us', 'nonlinear')[0]:.1f} µs "
+                "per cut tetrahedron"),
     (L, lambda: "All together takes {:.0f} and {:.0f} µs on the livers (12), ".format(
         *livers("all_us", "nonlinear")) +
         "tensor-mass {:.0f} and {:.0f} µs (15)".format(*livers("all_us", "tensor-mass"))),
     (L, lambda: "takes " + " and ".join(f"{ratio:.2f}" for ratio in slow_steps()) +
         " times as long on two of three tensor-mass bodies (aim: 1.10)"),
-    (L, lambda: f"It takes {span(rows('scalpel', region='tensor-mass'), 'loose_ratio', 2)} times as long where "
-                "half of such a body"),
+    (L, lambda: f"It takes {span(rows('scalpel', region='tensor-mass'), 'loose_ratio', 2)} times as long "
+                "where half of such a body"),
     (L, lambda: f"was {percent(floor('most_added', 'liver_2k'), 2)} in one cut of twelve on 2,103 tetrahedra"),
     (L, lambda: f"sags {span([{'less': less} for less in deviations()], 'less')} % less"),
     (GUIDE, lambda: "after {:.0f} cuts through the shipped livers {:.3f} of it was left".format(

@@ -170,7 +170,8 @@ def cycle_of_folders(root):
 def world(header):
     """Numbers of the public functions of World, with constructors and overloads, and of its members."""
     text = re.sub(r"//.*", "", header)
-    public, private = re.search(r"^class World {\n public:(.*?)^ private:(.*?)^};", text, re.S | re.M).groups()
+    parts = re.search(r"^class World {\n public:(.*?)^ private:(.*?)^};", text, re.S | re.M)
+    public, private = parts.groups()
     public = re.sub(r"{[^{}]*}", ";", re.sub(r"<[^<>()]*>|\(\)", "", public))
     functions = [part for part in re.sub(r"\([^()]*\)", "", public).split(";") if part.strip()]
     return len(functions), len(re.findall(r"^  [\w:<>]+ \w+_(?:{[^\n]*})?;", private, re.M))
@@ -240,10 +241,12 @@ def letters(name):
 
 def licences(root):
     """README's licences name each library that is linked into what is built, tests aside."""
-    section = re.search(r"^## Licences\n(.*?)(?=^## |\Z)", (root / "README.md").read_text(encoding="utf-8"), re.S | re.M)[1]
+    readme = (root / "README.md").read_text(encoding="utf-8")
+    section = re.search(r"^## Licences\n(.*?)(?=^## |\Z)", readme, re.S | re.M)[1]
     named = [letters(word) for word in section.split()]
     lists = [root / "CMakeLists.txt"] + [
-        file for folder in SOURCES if folder != "tests" for file in sorted((root / folder).rglob("CMakeLists.txt"))]
+        file for folder in SOURCES if folder != "tests"
+        for file in sorted((root / folder).rglob("CMakeLists.txt"))]
     for file in lists:
         text = file.read_text(encoding="utf-8")
         found = set(re.findall(FINDS, text)) | set(re.findall(r"find_path\(LOBE_(\w+)_INCLUDE_DIR", text))

@@ -148,7 +148,6 @@
 #include "lobe/scene/select.h"
 #include "lobe/scene/write_scene.h"
 #include "lobe/setup/exclusions.h"
-#include "lobe/setup/material_exclusions.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
 #include "lobe/sim/rest_time_step.h"

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "folder.h"
-#include "lobe/setup/material_exclusions.h"
+#include "lobe/setup/exclusions.h"
 
 using namespace lobe;
 using namespace lobe::test;

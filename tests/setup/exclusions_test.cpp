@@ -4,7 +4,6 @@
 
 #include <memory>
 
-#include "lobe/setup/material_exclusions.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/static_solver.h"
 #include "support.h"

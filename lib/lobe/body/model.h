@@ -16,6 +16,7 @@ struct Revisions {
   std::uint64_t inertia = 0;    // masses, and which components move by themselves
   std::uint64_t displacements = 0;  // by steps, or given
   std::uint64_t velocities = 0;
+  std::uint64_t jumps = 0;      // of vertices, of which no step says how far they came
   std::uint64_t replaced = 0;   // a state that did not come from a step
   std::uint64_t restored = 0;   // put back to what it was before some edits
   std::uint64_t condensed = 0;  // the stiffness of condensed regions
@@ -25,10 +26,15 @@ struct Revisions {
 
 // Numbers that neither of the two has had.
 inline Revisions newer_than_both(const Revisions& a, const Revisions& b) {
-  return {std::max(a.structure, b.structure) + 1,         std::max(a.inertia, b.inertia) + 1,
-          std::max(a.displacements, b.displacements) + 1, std::max(a.velocities, b.velocities) + 1,
-          std::max(a.replaced, b.replaced) + 1,           std::max(a.restored, b.restored) + 1,
-          std::max(a.condensed, b.condensed) + 1,         std::max(a.terms, b.terms) + 1};
+  return {std::max(a.structure, b.structure) + 1,
+          std::max(a.inertia, b.inertia) + 1,
+          std::max(a.displacements, b.displacements) + 1,
+          std::max(a.velocities, b.velocities) + 1,
+          std::max(a.jumps, b.jumps) + 1,
+          std::max(a.replaced, b.replaced) + 1,
+          std::max(a.restored, b.restored) + 1,
+          std::max(a.condensed, b.condensed) + 1,
+          std::max(a.terms, b.terms) + 1};
 }
 
 struct Model {

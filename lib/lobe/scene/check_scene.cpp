@@ -7,7 +7,7 @@
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/validate.h"
 #include "lobe/scene/write_scene.h"
-#include "lobe/setup/material_exclusions.h"
+#include "lobe/setup/exclusions.h"
 #include "lobe/text.h"
 
 namespace lobe {

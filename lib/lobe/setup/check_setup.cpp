@@ -6,7 +6,7 @@
 
 #include "lobe/error.h"
 #include "lobe/fem/transverse_isotropy.h"
-#include "lobe/setup/material_exclusions.h"
+#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 namespace {

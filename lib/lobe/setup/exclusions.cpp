@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lobe/setup/material_exclusions.h"
+#include "lobe/setup/exclusions.h"
 
 namespace lobe {
 namespace {

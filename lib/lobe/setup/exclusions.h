@@ -1,5 +1,6 @@
 // Options that exclude each other, in one table: scenes, setups and running worlds are checked against it,
-// and docs/scene.md shows it. material_exclusions.h has those of one material. All others can be combined.
+// and docs/scene.md shows it. A second table has options of one material: two materials of a body may each
+// have one of them. All others can be combined.
 #pragma once
 
 #include <bitset>
@@ -63,6 +64,7 @@ struct Exclusion {
   const char* remedy;  // for whoever asked for `option`
 };
 std::span<const Exclusion> exclusions();
+std::span<const Exclusion> material_exclusions();
 
 Options options_of(const Setup& setup);
 std::optional<Option> option_of(RegionModel model);  // which tetrahedra of this model use
@@ -70,6 +72,8 @@ std::optional<Option> option_of(RegionModel model);  // which tetrahedra of this
 // Returns a fault for each exclusion of which both options are used, and for each place of the first one.
 using PlacesOf = std::function<std::vector<std::string>(Option)>;
 std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_of);
+// The same of one material, of which `place` is.
+std::vector<Fault> find_material_exclusions(MaterialLaw law, bool has_fibres, const std::string& place);
 // Throws InputError if something that is used excludes `wanted`.
 void refuse_excluded(Option wanted, const Options& used, const std::string& place);
 

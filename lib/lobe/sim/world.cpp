@@ -235,7 +235,6 @@ void World<Real>::set_state(const State<Real>& state) {
   body_.sleep.wake_all(state.time);
   limit_.restart(body_);
   unravelling_.restart(state.time);
-  tools_.state_was_replaced();
 }
 
 template <class Real>

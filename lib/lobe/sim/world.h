@@ -131,7 +131,7 @@ class World {
   void perform(const Bring& command) {
     command.check(elements().topology.vertex_count(), options_of(setup_));
     tools_.bring(command);
-    if constexpr (std::is_same_v<Bring, BringScalpel>) prepare_blades();
+    if constexpr (Bring::needs_grains) prepare_blades();
   }
   void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
   void perform(const SwitchTool& command) { tools_.turn_on(command.tool, command.on); }

@@ -276,7 +276,6 @@ void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& s
   static_cast<StateColumns<Real>&>(body_.motion) = state;
   body_.sleep.set_state(sleep);
   body_.state_was_replaced();
-  tools_.state_was_replaced();
   for (const auto& term : body_.terms) term->take_back_steps();
 }
 
@@ -343,7 +342,7 @@ void World<Real>::play_tools(double duration, Report& report) {
 template <class Real>
 void World<Real>::see_interior() {
   if (!body_.regions.any_following() || seen_ == body_.model.revisions) return;
-  tools_.state_was_replaced();
+  ++body_.model.revisions.jumps;
   state();
   seen_ = body_.model.revisions;
 }
@@ -351,7 +350,7 @@ void World<Real>::see_interior() {
 template <class Real>
 std::vector<Index> World<Real>::meeting(const SweptVolume& volume) {
   see_interior();
-  return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
+  return tools_.meeting(body_.model, body_.motion.u.padded(), volume);
 }
 
 }  // namespace lobe

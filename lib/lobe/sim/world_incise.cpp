@@ -14,7 +14,7 @@ namespace lobe {
 template <class Real>
 void World<Real>::prepare_blades() {
   if (!scalpels_.prepare(elements())) return;
-  tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), {});
+  tools_.meeting(body_.model, body_.motion.u.padded(), {});
   if (has_floor()) body_.inertia.prepare_floor(elements());
 }
 
@@ -51,7 +51,7 @@ Blades::BodyNow World<Real>::body_now() {
     return Placement{start, start + u.col(0), Mat3<double>::Identity() + displacement_gradient(u, alpha)};
   };
   const auto tets_in = [this](const SweptVolume& volume) {
-    return tools_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
+    return tools_.meeting(body_.model, body_.motion.u.padded(), volume);
   };
   const auto corners = [this](Index t) {
     const Eigen::Vector4i v = elements().topology.corners(t);

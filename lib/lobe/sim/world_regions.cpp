@@ -136,7 +136,7 @@ void World<Real>::perform(const Condense& command) {
 template <class Real>
 void World<Real>::set_expanded(bool is_expanded) {
   body_.regions.set_expanded(is_expanded);
-  tools_.state_was_replaced();           // the interior has moved, and nothing has followed it
+  ++body_.model.revisions.jumps;         // of the interior
   if (body_.inertia.may_be_selective())  // also around held vertices
     for (Index t = 0; t < elements().topology.tet_count(); ++t)
       if (body_.regions.is_condensed(t)) {
@@ -221,7 +221,7 @@ void World<Real>::embed_as(VertexRoles roles) {
   ++next_report_.transitions.count;
   body_.state_has_moved();
   ++body_.model.revisions.structure;
-  tools_.state_was_replaced();
+  ++body_.model.revisions.jumps;
 }
 
 // Reduced tetrahedra that will be cut, and those near them, become non-linear.

@@ -152,6 +152,7 @@ void Dynamics<Real>::state_has_moved() {
 template <class Real>
 void Dynamics<Real>::state_was_replaced() {
   state_has_moved();
+  ++model.revisions.jumps;
   ++model.revisions.replaced;
 }
 

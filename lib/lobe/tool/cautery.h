@@ -8,6 +8,7 @@ namespace lobe {
 
 // Adds a spherical cautery at a position, switched off. Its id is what tools().next_id() says before.
 struct BringCautery {
+  static constexpr bool needs_grains = false;
   std::string name;
   double radius = 0;               // [m], > 0
   Vec3d position = Vec3d::Zero();  // of its tip [m]

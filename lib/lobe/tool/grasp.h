@@ -9,6 +9,7 @@ namespace lobe {
 // Adds a grasp that takes hold of vertices at the start of the next frame. Its id is what tools().next_id()
 // says before.
 struct TakeHold {
+  static constexpr bool needs_grains = false;
   std::string name;
   std::vector<Index> vertices;
   void check(Index vertex_count, const Options& used) const;

@@ -11,6 +11,7 @@ namespace lobe {
 
 // Adds a probe at a pose. Its id is what tools().next_id() says before.
 struct BringProbe {
+  static constexpr bool needs_grains = false;
   std::string name;
   RigidShape shape;
   ToolPose pose;

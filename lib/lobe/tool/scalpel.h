@@ -7,6 +7,7 @@ namespace lobe {
 
 // Adds a scalpel at a pose, switched off. Its id is what tools().next_id() says before.
 struct BringScalpel {
+  static constexpr bool needs_grains = true;  // of the body, before it cuts (scalpel/grains.h)
   std::string name;
   BladePose pose;
   double snap = 0.1;         // setup/tool_setups.h

@@ -2,6 +2,10 @@
 // world runs: by commands (tool_lists.h), which an application gives to World::apply().
 #pragma once
 
+#include <cstdint>
+#include <utility>
+
+#include "lobe/body/model.h"
 #include "lobe/tool/tool_lists.h"
 
 namespace lobe {
@@ -48,11 +52,11 @@ class Tools {
   ToolWork work(double from, double to) const;
   // The rigid bodies with which tools touch the organ between two times. Valid until tools change.
   const std::vector<ToolBody>& bodies(double from, double to);
-  // The tetrahedra that meet a volume, in ascending order.
+  // The tetrahedra that meet a volume, in ascending order. u: 3 × at least #vertices [m].
   template <class Real>
-  std::vector<Index> meeting(const Topology& topology, const Mat3X<double>& points, const Mat3X<Real>& u,
-                             const SweptVolume& volume) {
-    return groups_.meeting(topology, points, u, volume);
+  std::vector<Index> meeting(const Model& model, const Mat3X<Real>& u, const SweptVolume& volume) {
+    if (std::exchange(jumps_, model.revisions.jumps) != model.revisions.jumps) groups_.forget();
+    return groups_.meeting(model.elements.topology, model.elements.points.padded(), u, volume);
   }
   void add_copies(const std::vector<TetCopy>& copies) {
     for (const TetCopy& tet_copy : copies) groups_.add_copy(tet_copy.tet, tet_copy.copy);
@@ -74,10 +78,8 @@ class Tools {
   void add_force(const OnTool& on_tool, double dt);
   void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
 
-  // moved(): one more step was made, in which no vertex moved further than `distance` [m] apart from
-  // rounding. state_was_replaced(): the state was replaced.
+  // One more step was made, in which no vertex moved further than `distance` [m] apart from rounding.
   void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
-  void state_was_replaced() { groups_.forget(); }
 
   // ---- For checkpoints
 
@@ -127,6 +129,7 @@ class Tools {
   double time_felt_ = 0;                              // in which impulses_ were found [s]
   std::vector<ToolBody> bodies_;
   TetGroups groups_;
+  std::uint64_t jumps_ = 0;  // of Revisions, that groups_ knows
 };
 
 template <class Bring>

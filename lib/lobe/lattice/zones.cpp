@@ -23,8 +23,11 @@ void FullZones::look(const Elements& elements, double cell, double time, const S
   state_.largest = std::max(state_.largest, sight.displacement);
   const bool is_quick = sight.speed > highest_rate(sight.damping) * state_.largest;
   if (is_quick && sight.held.empty()) keep_full(quick);
-  const bool holds_others = sight.held != state_.held;
-  if (holds_others) keep_full(burst);
+  const bool holds_others = sight.held != state_.held,
+             lets_go =
+                 !std::includes(sight.held.begin(), sight.held.end(), state_.held.begin(), state_.held.end()),
+             is_calm = sight.displacement < calm * state_.largest;
+  if (lets_go || (holds_others && !is_calm)) keep_full(burst);
   state_.held = sight.held;
   if (time < state_.all_until - just_before) state_.asked_until.clear();
   std::vector<Index> touched = sight.held;

@@ -1,5 +1,6 @@
-// Where reduced regions are full for a while: around what takes hold of them, and everywhere just after
-// something has taken hold or let go, and while the body moves quickly (theory, section 18).
+// Where reduced regions are full for a while: around what takes hold of them; everywhere just after something
+// has let go, or has taken hold of a body that is not at rest; and everywhere while the body moves quickly
+// (theory, section 18).
 #pragma once
 
 #include <cmath>
@@ -14,8 +15,11 @@ namespace lobe {
 class FullZones {
  public:
   static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
-  static constexpr double burst = 0.05;   // all are full after something has taken hold or let go [s]
-  static constexpr double quick = 0.03;   // and after the body was quick [s]
+  static constexpr double burst = 0.05;   // all are full after something has let go, or taken hold [s]
+  // What takes hold of a body that is displaced by less than this share of the largest displacement so far
+  // moves it by little at first: then only what is around the tool becomes full.
+  static constexpr double calm = 0.1;
+  static constexpr double quick = 0.03;  // and after the body was quick [s]
   // How far around what is touched, and around what contact may press, they are full, in cells; its
   // neighbours always are.
   static constexpr double reach = 0.4, reach_of_press = 1.2;

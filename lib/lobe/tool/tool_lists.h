@@ -56,8 +56,8 @@ struct LetGo {
   static constexpr auto fields = std::tuple(&LetGo::tool);
 };
 
-// The commands that add a tool. Each has a name and check(vertex_count, used), and says whether the tool needs
-// the body's grains. The tool's id is tools().next_id().
+// The commands that add a tool. Each has a name and check(vertex_count, used), and says whether its tool
+// needs the body's grains. The tool's id is tools().next_id().
 using BringTool = std::variant<BringCautery, BringScalpel, BringProbe>;
 using ToolCommand = std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo>;
 

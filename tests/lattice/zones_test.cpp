@@ -56,6 +56,27 @@ TEST_CASE(
   CHECK(other.state().touched == zones.state().touched);
 }
 
+TEST_CASE(
+    "who takes hold of a body near rest makes its zone full, and all of it at first and when displaced") {
+  const Elements elements(setup_of(box_mesh({0.08, 0.01, 0.01}, 8, 1, 1)));
+  const Index near = vertex_at(elements, 0), far = vertex_at(elements, 0.08);
+  FullZones zones;
+  const auto look = [&](double time, const std::vector<Index>& held, double displacement) {
+    FullZones::Sight sight = touch(held, {});
+    sight.displacement = displacement;
+    zones.look(elements, 0.01, time, sight);
+    CHECK(zones.is_full(near, time));
+    return zones.is_full(far, time);
+  };
+  CHECK(look(0, {near}, 0));  // the first hold
+  CHECK_FALSE(look(1, {near}, 1));
+  CHECK(look(2, {}, 0));  // it lets go
+  const FullZones::State free = zones.state();
+  CHECK_FALSE(look(4, {near}, 0.099));  // a tenth of the largest displacement is near rest no more
+  zones.set_state(free);
+  CHECK(look(4, {near}, 0.1));
+}
+
 TEST_CASE("what contact presses is full further around, and grows only when it comes to the border") {
   const Elements elements(setup_of(box_mesh({0.16, 0.01, 0.01}, 16, 1, 1)));
   const auto at = [&](double x) { return vertex_at(elements, x); };

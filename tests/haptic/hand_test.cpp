@@ -5,6 +5,7 @@
 
 #include "haptic/virtual_loop.h"
 #include "lobe/haptic/trial.h"
+#include "near.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -146,50 +147,94 @@ TEST_CASE("a simulation that stands still for 200 ms: the force fades, and comes
   CHECK(times_said(loop.session, "haptic_stale") == 1);
 }
 
+namespace {
+
+// While its force fades, the hand goes as deep as it wants to be. When it is back, that place stands for the
+// one where it was. So it presses as a hand does that wants to be there.
+double force_after_return(double depth) {
+  VirtualLoop loop(block(), press(depth, 0.1, 1), 1.0 / 120);
+  loop.take_hold();
+  loop.run(0.75, [](const HapticState&) {});
+  return loop.servo().state().force.norm();
+}
+
+}  // namespace
+
 TEST_CASE("a device that sends what is no pose while it presses: told of once, and the force fades") {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (const bool in_orientation : {false, true}) {
     CAPTURE(in_orientation);
-    VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+    VirtualLoop loop(block(), press(0.006, 0.1, 1), 1.0 / 120);
     loop.take_hold();
     loop.run(0.45, [](const HapticState&) {});
     const double whole = loop.servo().state().force.norm();
     CHECK(whole > 0.3);
+    const double returning = force_after_return(in.dot(loop.hand_position()));
     loop.change = [&](DeviceState& state) {
       if (in_orientation)
         state.orientation[2] = nan;
       else
         state.position.y() = nan;
     };
-    loop.run(0.1, [&](const HapticState& state) {
+    loop.run(0.3, [&](const HapticState& state) {
       CHECK(state.force.allFinite());
       CHECK(state.force.norm() <= 1.1 * whole);
       CHECK(state.tool.allFinite());
       CHECK(state.orientation.allFinite());
     });
     CHECK(loop.servo().state().force.norm() == 0);
-    CHECK(loop.servo().state().bad_poses == 100);
+    CHECK(loop.servo().state().bad_poses == 300);
     CHECK(times_said(loop.session, "haptic_pose") == 1);
     CHECK(times_said(loop.session, "haptic_gone") == 0);
     loop.change = nullptr;
-    loop.run(0.1, [](const HapticState&) {});
-    CHECK(loop.servo().state().force.norm() > 0.3);
+    loop.run(0.2, [](const HapticState&) {});
+    CHECK(loop.servo().state().force.norm() == near(returning, 0.05));
     CHECK(times_said(loop.session, "haptic_pose") == 1);
     CHECK(replays(loop.session, loop.setup));
   }
 }
 
 TEST_CASE("a device that is unplugged while it presses: told of, and the force fades") {
-  VirtualLoop loop(block(), press(0.006, 0.1), 1.0 / 120);
+  VirtualLoop loop(block(), press(0.006, 0.1, 1), 1.0 / 120);
   loop.take_hold();
   loop.run(0.45, [](const HapticState&) {});
+  const double returning = force_after_return(in.dot(loop.hand_position()));
   loop.hand.unplug(true);
-  loop.run(0.1, [](const HapticState& state) { CHECK(state.force.norm() < 3); });
+  loop.run(0.3, [](const HapticState& state) { CHECK(state.force.norm() < 3); });
   CHECK(loop.servo().state().force.norm() == 0);
   CHECK(times_said(loop.session, "haptic_gone") == 1);
   loop.hand.unplug(false);
-  loop.run(0.1, [](const HapticState&) {});
-  CHECK(loop.servo().state().force.norm() > 0.3);
+  loop.run(0.2, [](const HapticState&) {});
+  CHECK(loop.servo().state().force.norm() == near(returning, 0.05));
+}
+
+TEST_CASE(
+    "a device that comes back elsewhere leaves the tool where it holds tissue, and leads it from there") {
+  const Vec3d elsewhere(0.1, -0.2, 0.3), further(0.002, 0, 0);
+  VirtualLoop loop(block(), press(0.006, 0.1, 2), 1.0 / 120);
+  const auto place = [&] { return loop.session.status()->hands.at(0).pose.position; };
+  loop.take_hold();
+  loop.run(0.6, [](const HapticState&) {});
+  const double whole = loop.servo().state().force.norm();
+  const Vec3d held = place();
+  CHECK(whole > 0.3);
+  loop.hand.unplug(true);
+  loop.run(0.2, [](const HapticState&) {});
+  loop.hand.unplug(false);
+  DeviceState device{.position = elsewhere};
+  loop.change = [&](DeviceState& state) { state = device; };
+  loop.run(0.3, [&](const HapticState& state) {
+    CHECK((place() - held).norm() < 1e-3);
+    CHECK(state.force.norm() < 1.1 * whole);
+  });
+  CHECK(loop.servo().state().force.norm() == near(whole, 0.1));
+  CHECK(loop.servo().state().limited == 0);
+  const Vec3d back = place();
+  device.position += further;
+  loop.run(0.5, [](const HapticState&) {});
+  CHECK((place() - back).x() > 0.5 * further.norm());
+  CHECK((place() - back).norm() < further.norm());
+  CHECK(replays(loop.session, loop.setup));
 }
 
 TEST_CASE("a device that is plugged in only after it has taken hold leaves the tool where it is") {

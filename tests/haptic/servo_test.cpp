@@ -289,6 +289,50 @@ TEST_CASE("a device that has no pose when a tool is taken up moves and turns it 
     }
 }
 
+TEST_CASE("a device that was gone and comes back elsewhere moves and turns the tool from its first pose on") {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Quaterniond aslant(Eigen::AngleAxisd(2.0, Vec3d(1, -2, 0.5).normalized()));
+  const Eigen::Quaterniond by(Eigen::AngleAxisd(0.3, Vec3d::UnitY()));
+  Workspace space;
+  space.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // the device's x is the tool's y
+  for (const int away : {1, 20, 100})
+    for (const bool unplugged : {false, true}) {
+      CAPTURE(away);
+      CAPTURE(unplugged);
+      Servo servo({.stiffness = 1000, .damping = 10}, {.workspace = space});
+      const DeviceState origin = at(Vec3d::Zero()), pressed = at({0.005, 0, 0}), bad = at({nan, 0, 0});
+      LocalModel model = spring();
+      servo.tick(&origin, model, tick);
+      const double force = 0.005 * 1000 * 400 / 1400.0;
+      REQUIRE(settled(servo, pressed, model).x() == near(-force, 1e-9));
+      const Vec3d tool = servo.state().tool;
+      const auto stays = [&](const HapticState& state) {
+        return (state.tool - tool).norm() < 1e-9 && state.force.norm() < force + 1e-9 &&
+               Eigen::Quaterniond(state.orientation).angularDistance(Eigen::Quaterniond::Identity()) < 1e-7;
+      };
+      for (int i = 0; i < away; ++i, model.time += 1e-6)
+        CHECK(stays(servo.tick(unplugged ? nullptr : &bad, model, tick)));
+      DeviceState device = at({-0.3, 0.4, 0.1});
+      device.orientation = aslant.coeffs();
+      for (int i = 0; i < 100; ++i, model.time += 1e-6) CHECK(stays(servo.tick(&device, model, tick)));
+      CHECK(servo.state().force.x() == near(-force, 1e-9));  // as if it had not been moved
+      device.orientation = (by * aslant).coeffs();
+      device.position.x() += 0.002;
+      CHECK(settled(servo, device, model).x() == near(-force * 7 / 5, 1e-9));
+      CHECK(servo.state().tool.y() == near(tool.y() * 7 / 5, 1e-9));
+      const Eigen::Quaterniond seen(Eigen::AngleAxisd(0.3, -Vec3d::UnitX()));
+      CHECK(Eigen::Quaterniond(servo.state().orientation).angularDistance(seen) < 1e-7);
+    }
+}
+
+TEST_CASE("a device without a tool that was gone is where it is") {
+  Servo servo({.damping = 10}, {});
+  const DeviceState here = at({0.1, 0, 0}), there = at({0, 0.2, 0});
+  servo.tick(&here, {}, tick);
+  servo.tick(nullptr, {}, tick);
+  CHECK(servo.tick(&there, {}, tick).tool == there.position);
+}
+
 TEST_CASE("a device that does not turn gives a tool the bits of its orientation") {
   Servo servo({.damping = 10}, {});
   const DeviceState device = at({0.1, 0.2, 0.3});

@@ -84,8 +84,10 @@ const HapticState& Servo::tick(const DeviceState* device, const LocalModel& mode
   return state_;
 }
 
-// While there is no pose the hand is taken to be where it was seen last.
+// While there is no pose the hand is taken to be where it was seen last. Its first pose after that stands for
+// this place: it may have been moved while it was unplugged.
 void Servo::take_pose(const DeviceState* device, double dt) {
+  const bool was_fresh = is_fresh_;
   is_fresh_ = device != nullptr && device->is_finite();
   state_.absent += device == nullptr;
   state_.bad_poses += device != nullptr && !is_fresh_;
@@ -96,14 +98,22 @@ void Servo::take_pose(const DeviceState* device, double dt) {
   }
   if (was_there && state_.ticks > 1)
     passivity_.observe(state_.force, device->position - state_.device.position, dt);
+  const Vec3d before = tool_of(state_.device.position);
+  const Eigen::Quaterniond turn_before = turn_of_tool();
   state_.device = *device;
+  if (!was_fresh && model_.is_engaged) begin_here(before, turn_before);
+}
+
+// The device, where it is, stands for this pose of the tool.
+void Servo::begin_here(const Vec3d& position, const Eigen::Quaterniond& turn) {
+  clutch_ += position - tool_of(state_.device.position);
+  device_turn_ = Eigen::Quaterniond(state_.device.orientation);
+  tool_turn_ = turn;
 }
 
 // The tool is where it is. If the device has no pose yet, its first one is where it takes the tool up.
 void Servo::take_up(const LocalModel& model) {
-  clutch_ += model.tool_at_end - tool_of(state_.device.position);
-  device_turn_ = Eigen::Quaterniond(state_.device.orientation);
-  tool_turn_ = Eigen::Quaterniond(model.turn_at_end);
+  begin_here(model.tool_at_end, Eigen::Quaterniond(model.turn_at_end));
   state_.tool = proxy_ = unloaded_ = model.tool_at_end;
   settled_.setZero();
   awaits_pose_ = !is_fresh_;
@@ -171,7 +181,7 @@ Vec3d Servo::wanted_force(double dt) {
                           : Proxy{device, blended_};
   proxy_ = proxy.position;
   if (proxy.force.isZero(0)) unloaded_ = proxy_;
-  settle(device, dt);
+  if (is_fresh_) settle(device, dt);
   state_.orientation = turn_of_tool().coeffs();
   state_.engagement = model_.is_engaged ? model_.engagement : 0;
   const bool is_stale = since_model_ > options_.stale_frames * model_.frame;

@@ -71,6 +71,7 @@ class Servo {
 
  private:
   void take_pose(const DeviceState* device, double dt);
+  void begin_here(const Vec3d& position, const Eigen::Quaterniond& turn);
   void take_model(const LocalModel& model, double dt);
   void take_up(const LocalModel& model);
   Vec3d wanted_force(double dt);

@@ -50,7 +50,20 @@ struct TouchedBlock {
                           {.share = expected});
   }
   void rest(double expected = 1) { move(Vec3d::Zero(), Vec3d::Zero(), expected); }
+
+  template <class Where>
+  void cut(Where&& where) {  // what has its barycentre there
+    RemoveTets cut;
+    for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+      if (where(barycentre(setup.mesh, t))) cut.tets.push_back(t);
+    REQUIRE(!cut.tets.empty());
+    world.apply(cut);
+  }
 };
+
+const auto below_contact = [](const Vec3d& at) { return std::abs(at.z() - 0.035) < 0.006 && at.x() < 0.03; };
+const auto layer = [](const Vec3d& at) { return std::abs(at.z() - 0.035) < 0.006; };
+const auto far_off = [](const Vec3d& at) { return at.norm() < 0.012; };
 
 }  // namespace
 
@@ -182,6 +195,52 @@ TEST_CASE(
   CHECK(along_normal(0.25, 0) == near(softest * patch, 1e-9));
 }
 
+TEST_CASE("what a cut of the patch takes away is no rate and no stiffness; a cut elsewhere changes nothing") {
+  const Vec3d way = 5e-4 * Vec3d(1, 2, -2).normalized(), jump(0, 0, -0.2);
+  for (const bool is_near : {true, false}) {
+    CAPTURE(is_near);
+    TouchedBlock block;
+    const ContactStiffness& stiffness = block.stiffness;
+    block.rest();
+    const Mat3<double> patch = stiffness.K();
+    for (int i = 0; i < 10; ++i) block.move(way, -0.3 * patch * way);
+    if (is_near)
+      block.cut(below_contact);
+    else
+      block.cut(far_off);
+    block.move(way, is_near ? jump : Vec3d(-0.3 * patch * way));
+    if (!is_near) {
+      CHECK((stiffness.K() - 0.3 * patch).norm() < 1e-4 * patch.norm());
+      block.move(Vec3d::Zero(), jump);
+      CHECK((stiffness.rate() - jump / block.frame).norm() < 1e-9);
+      continue;
+    }
+    const Mat3<double> K = stiffness.K();  // of the patch that is left
+    CHECK(K.trace() > 0.01 * patch.trace());
+    CHECK(symmetric_eigenvalues(Mat3<double>(patch - K))[0] > 0);
+    for (int i = 0; i < 2; ++i) {
+      CHECK(stiffness.rate().norm() == 0);
+      CHECK(stiffness.K() == K);
+      block.move(way, jump);
+    }
+    CHECK(stiffness.rate().norm() > 0.5 * jump.norm() / block.frame);
+    CHECK(stiffness.K() != K);
+  }
+}
+
+TEST_CASE("the force of a loose piece has no rate where it is held, but where it is pushed") {
+  TouchedBlock block;
+  const ContactStiffness& stiffness = block.stiffness;
+  const Vec3d change(0.01, -0.02, 0.05), normal(0, 0, 1);
+  block.rest();
+  const double before = stiffness.K().norm();
+  block.cut(layer);
+  for (int i = 0; i < 3; ++i) block.move(Vec3d::Zero(), change);
+  CHECK(stiffness.K().norm() < 1e-6 * before);
+  CHECK(stiffness.rate().norm() == 0);
+  CHECK((stiffness.rate_of_push(normal) - change / block.frame).norm() < 1e-9);
+}
+
 TEST_CASE("of a tool that only pushes, the rate is what its stiffness along the normal does not explain") {
   TouchedBlock block;
   const ContactStiffness& stiffness = block.stiffness;
@@ -212,6 +271,14 @@ TEST_CASE("with a helper the stiffness of a contact is what it is without, a lit
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   CHECK(helped.K() == alone.K());
+  // Of a cut it knows at first that it makes none stiffer.
+  RemoveTets cut;
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+    if (below_contact(barycentre(setup.mesh, t))) cut.tets.push_back(t);
+  world.apply(cut);
+  const Mat3<double> before = helped.K();
+  frame(helped);
+  CHECK((helped.K() - before).norm() < 1e-9 * before.norm());
   helped.forget();
   CHECK(helped.K().norm() == 0);
 }

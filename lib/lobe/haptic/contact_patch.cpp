@@ -61,7 +61,17 @@ void ContactPatch::gather(const Model& model, std::span<const Index> contact,
   }
   std::sort(tets_.begin(), tets_.end());
   tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
-  for (Index t : tets_) add_tet(model, t, displacement);
+  corners_.clear();
+  for (Index t : tets_) {
+    corners_.push_back(model.elements.topology.corners(t));
+    add_tet(model, t, displacement);
+  }
+}
+
+bool ContactPatch::is_cut(const Topology& topology) const {
+  for (std::size_t i = 0; i < tets_.size(); ++i)
+    if (!topology.alive(tets_[i]) || topology.corners(tets_[i]) != corners_[i]) return true;
+  return false;
 }
 
 void ContactPatch::add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement) {

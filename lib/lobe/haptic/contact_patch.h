@@ -32,6 +32,8 @@ class ContactPatch {
               const std::function<Vec3d(Index)>& displacement, const ContactPatchLimits& limits);
 
   Index free_count() const { return free_; }  // vertices
+  // Whether a tetrahedron that was gathered is gone or has other corners by now.
+  bool is_cut(const Topology& topology) const;
 
   // Of the contact, nothing else moving: K_rr [N/m].
   Mat3<double> blocked() const;
@@ -46,6 +48,7 @@ class ContactPatch {
   std::vector<Index> place_;     // per vertex of the mesh: its number, contact_ or none
   std::vector<Index> vertices_;  // with a place other than none
   std::vector<Index> tets_;
+  std::vector<Eigen::Vector4i> corners_;  // of these
   Index free_ = 0;
 };
 

@@ -6,6 +6,11 @@
 #include <utility>
 
 namespace lobe {
+namespace {
+
+constexpr double loose_share = 0.01;  // of the bound: below, nothing holds the patch
+
+}  // namespace
 
 ContactStiffness::ContactStiffness(const Settings& settings) : settings_(settings) {
   if (settings.has_helper) helper_ = std::thread([this] { help(); });
@@ -47,7 +52,8 @@ void ContactStiffness::take_result() {
   is_bound_ = false;
 }
 
-// Until the first patch is condensed what is known is the bound.
+// Until the first patch is condensed what is known is the bound. After a cut it is the patch before, since a
+// cut makes none stiffer.
 void ContactStiffness::gather(const Model& model, std::span<const Index> contact,
                               const std::function<Vec3d(Index)>& displacement, double duration) {
   const auto around = model.elements.topology.around(contact.front());
@@ -55,14 +61,13 @@ void ContactStiffness::gather(const Model& model, std::span<const Index> contact
   patch_.gather(model, contact, displacement, {.reach = speed * duration});
   const Mat3<double> blocked = patch_.blocked();
   highest_ = highest_eigenvalue(blocked);
-  const bool is_other = !has_patch_ || structure_ != model.revisions.structure;
+  const bool is_other = std::exchange(is_cut_, false) || !has_patch_;
   if (is_other) {
-    of_patch_ = blocked;
+    of_patch_ = has_patch_ && !is_bound_ ? clamped(of_patch_, highest_) : blocked;
     ways_.setZero();
     changes_.setZero();
   }
-  is_bound_ = is_bound_ || is_other;
-  structure_ = model.revisions.structure;
+  is_bound_ = is_bound_ || !has_patch_;
   has_patch_ = true;
   since_patch_ = 0;
   is_outdated_ = false;
@@ -101,16 +106,28 @@ void ContactStiffness::gather_if_due(const Model& model, std::span<const Index> 
                                      const std::function<Vec3d(Index)>& displacement, double duration) {
   take_result();
   since_patch_ += duration;
-  const bool is_due = !has_patch_ || structure_ != model.revisions.structure ||
-                      contact.size() != contact_size_ || since_patch_ >= settings_.every;
+  const bool is_due =
+      !has_patch_ || is_cut_ || contact.size() != contact_size_ || since_patch_ >= settings_.every;
   if (!is_due || work_.load(std::memory_order_acquire) != Work::none) return;
   contact_size_ = contact.size();
   gather(model, contact, displacement, duration);
 }
 
+// What a cut takes away at once is no trend: in its frame the force has no rate and says nothing of K. Nor in
+// the next one, as the mean force of the frame of the cut is neither that before it nor that after it.
+void ContactStiffness::notice_cut(const Model& model) {
+  ++since_cut_;
+  if (std::exchange(structure_, model.revisions.structure) == model.revisions.structure) return;
+  if (!has_patch_ || !patch_.is_cut(model.elements.topology)) return;
+  is_cut_ = true;
+  since_cut_ = 0;
+  has_last_ = false;
+}
+
 void ContactStiffness::before_touch(const Model& model, std::span<const Index> contact,
                                     const std::function<Vec3d(Index)>& displacement, double duration,
                                     const ExpectedStiffness& expected) {
+  notice_cut(model);
   gather_if_due(model, contact, displacement, duration);
   ways_.setZero();
   changes_.setZero();
@@ -133,6 +150,7 @@ void ContactStiffness::after_frame(const Model& model, std::span<const Index> co
     take_result();
     return forget();
   }
+  notice_cut(model);
   gather_if_due(model, contact, displacement, duration);
   const Vec3d way = position - last_position_, force_change = force - last_force_;
   if (has_last_) learn(way, force_change, duration);
@@ -140,10 +158,11 @@ void ContactStiffness::after_frame(const Model& model, std::span<const Index> co
   K_ = is_bound_ ? clamped(fit, highest_) : clamped_to(fit, of_patch_, settings_.softest, settings_.stiffest);
   way_ = has_last_ ? way : Vec3d(Vec3d::Zero());
   duration_ = duration;
+  is_loose_ = !is_bound_ && highest_eigenvalue(of_patch_) < loose_share * highest_;
   rate_ = has_last_ ? Vec3d((force_change + K_ * way) / duration) : Vec3d(Vec3d::Zero());
   last_position_ = position;
   last_force_ = force;
-  has_last_ = true;
+  has_last_ = since_cut_ > 0;
 }
 
 Vec3d ContactStiffness::rate_of_push(const Vec3d& normal) const {

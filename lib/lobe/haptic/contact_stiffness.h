@@ -8,6 +8,7 @@
 // ω is a share of Σ |d|²/3. So one direction that is known scales the whole patch. This takes account of
 // everything outside of the contact patch. What K does not explain of the last change is inertia and damping,
 //   r = (Δf + K d)/duration.
+// A cut of the patch begins all of this anew.
 #pragma once
 
 #include <atomic>
@@ -57,13 +58,14 @@ class ContactStiffness {
   // The tool felt nothing yet at `position`: the next frame says how stiff the contact is.
   void begin_at(const Vec3d& position);
   // Call it after a frame of `duration` in which a tool that touches `contact` was at `position` and felt the
-  // mean force `force`. It makes a new contact patch if one is due, or if the mesh or the contact has
-  // changed.
+  // mean force `force`. It makes a new contact patch if one is due, or if the patch was cut or the contact
+  // has changed.
   void after_frame(const Model& model, std::span<const Index> contact,
                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position, const Vec3d& force,
                    double duration, const ExpectedStiffness& expected = {});
   const Mat3<double>& K() const { return K_; }  // symmetric, eigenvalues from 0 to those of `blocked` [N/m]
-  const Vec3d& rate() const { return rate_; }   // r [N/s]
+  // r of a tool that holds [N/s]. 0 of a loose piece: that swings, and what it is felt by is its inertia.
+  Vec3d rate() const { return is_loose_ ? Vec3d(Vec3d::Zero()) : rate_; }
   // r of a tool that only pushes, of whose motion and stiffness only the parts along the normal count [N/s].
   Vec3d rate_of_push(const Vec3d& normal) const;
 
@@ -75,6 +77,7 @@ class ContactStiffness {
   void gather_if_due(const Model& model, std::span<const Index> contact,
                      const std::function<Vec3d(Index)>& displacement, double duration);
   void take_result();
+  void notice_cut(const Model& model);
   void learn(const Vec3d& way, const Vec3d& force_change, double duration);
   Mat3<double> fitted(double expected_share) const;
   void help();
@@ -89,8 +92,11 @@ class ContactStiffness {
   double duration_ = 1;        // of it [s]
   double highest_ = 0, since_patch_ = 0;
   std::uint64_t structure_ = 0;
+  std::uint64_t since_cut_ = 1;  // [frames]
   std::size_t contact_size_ = 0;
   bool has_patch_ = false, has_last_ = false, is_outdated_ = false;
+  bool is_loose_ = false;  // what the tool touches
+  bool is_cut_ = false;    // the patch, since it was gathered
   bool is_bound_ = false;  // of_patch_, until there is a result
   Vec3d last_position_ = Vec3d::Zero(), last_force_ = Vec3d::Zero();
   std::atomic<Work> work_ = Work::none;

@@ -1,28 +1,12 @@
 // The page in a headless Chromium: a probe that the mouse leads feels the liver, and a tumour in it.
 // Usage: node browser_palpation_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {openPage, until} from './page_support.mjs';
+import {above, openPage, until} from './page_support.mjs';
 
 const {page, check, shot, end} = await openPage({width: 1200, height: 720});
 check(
   await until(page, () => lobe.status?.time > 2.75 && lobe.force === 0),
   'the finger of the scene has pressed, and has left',
 );
-
-// Where on the window the surface is above a place (x, y) [m].
-const above = (x, y) =>
-  page.evaluate(
-    ([x, y]) => {
-      const {array} = lobe.organ.position,
-        point = lobe.stage.target.clone(),
-        top = point.clone().set(0, 0, -1);
-      for (let i = 0; i < array.length; i += 3) {
-        point.fromArray(array, i);
-        if (Math.hypot(point.x - x, point.y - y) < 0.008 && point.z > top.z) top.copy(point);
-      }
-      return lobe.stage.project(top);
-    },
-    [x, y],
-  );
 
 // Of the arrow's colour.
 const arrowPixels = () =>
@@ -65,7 +49,7 @@ const isFree = () =>
 
 check((await arrowPixels()) === 0, 'no arrow is drawn');
 await page.keyboard.press('p');
-const tumour = await above(-0.04, 0);
+const tumour = await above(page, -0.04, 0);
 await page.mouse.move(tumour.x, tumour.y);
 await page.mouse.down();
 check(await settles(0.1), 'a probe that is pressed in over the tumour feels a force');
@@ -95,7 +79,7 @@ check(gone.probes === 0 && gone.plotted === 0 && (await arrowPixels()) === 0, 'p
 
 // ---- Beside the tumour, as deep
 
-const beside = await above(0, 0);
+const beside = await above(page, 0, 0);
 await page.mouse.move(beside.x, beside.y);
 await page.mouse.down();
 check(await settles(0.1), 'beside the tumour it feels a force');

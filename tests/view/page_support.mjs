@@ -116,6 +116,22 @@ export const grip = page =>
     return null;
   });
 
+// Where on the window the surface is above a place (x, y) [m].
+export const above = (page, x, y) =>
+  page.evaluate(
+    ([x, y]) => {
+      const {array} = lobe.organ.position,
+        point = lobe.stage.target.clone(),
+        top = point.clone().set(0, 0, -1);
+      for (let i = 0; i < array.length; i += 3) {
+        point.fromArray(array, i);
+        if (Math.hypot(point.x - x, point.y - y) < 0.008 && point.z > top.z) top.copy(point);
+      }
+      return lobe.stage.project(top);
+    },
+    [x, y],
+  );
+
 export async function drag(page, from, dx, dy) {
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();

@@ -201,12 +201,17 @@ void bench_haptic(const Options& options) {
   const std::filesystem::path meshes = std::filesystem::path(LOBE_DATA_DIR) / "meshes";
   std::vector<HapticBody> bodies{liver("liver_2k", read_mesh(meshes / "liver_2k.vtu").mesh),
                                  liver("liver_10k", read_mesh(meshes / "liver_10k.vtu").mesh)};
-  if (!options.loop) compare_predictions(options, bodies);
+  std::vector<HapticBody> further;
+  for (const std::filesystem::path& mesh : options.meshes)
+    further.push_back(liver(mesh.stem().string(), read_mesh(mesh).mesh));
+  std::vector<HapticBody> compared = bodies;
+  compared.insert(compared.end(), further.begin(), further.end());
+  if (!options.loop) compare_predictions(options, compared);
+  if (options.predictions) return;
   if (options.quick) bodies.resize(1);
   if (!options.quick)
     bodies.push_back(liver("liver_82k", refine(read_mesh(meshes / "liver_10k.vtu").mesh).mesh));
-  for (const std::filesystem::path& mesh : options.meshes) {
-    HapticBody body = liver(mesh.stem().string(), read_mesh(mesh).mesh);
+  for (HapticBody& body : further) {
     bodies.push_back(body);
     body.mesh += "_reduced";
     std::fill(body.setup.region_of.begin(), body.setup.region_of.end(), RegionModel::reduced);

@@ -34,7 +34,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "kernels, realtime: timed as well as one thread; accuracy: of every run; huge: most ranks")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_flag("--loop", options.loop, "haptic: only how punctual the loop is");
+  auto* loop = app.add_flag("--loop", options.loop, "haptic: only how punctual the loop is");
+  app.add_flag("--predictions", options.predictions, "haptic: only what is felt between frames")
+      ->excludes(loop);
   app.add_flag("--reduced", options.reduced,
                "hybrid: only gestures, all non-linear and all reduced, and natural frequencies");
   app.add_option("--model", options.model, "stress: only this model");

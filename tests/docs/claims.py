@@ -100,6 +100,18 @@ def table_haptic(contact="hold"):
     return markdown(["between frames", "rms %", "largest %", "largest jump %", "rms % at 20 Hz"], body)
 
 
+def table_haptic_fine():
+    chosen = dict(mesh="liver_50k", speed=0.1, frame_hz=120)
+    touching = {row["method"]: row for row in rows("haptic", contact="touch", **chosen)}
+    body = []
+    for row in rows("haptic", contact="hold", **chosen):
+        cells = [of[column] if of else None for of in (row, touching.get(row["method"]))
+                 for column in ("rms", "max", "jump")]
+        body.append([row["method"], *("" if cell is None else f"{100 * cell:.1f}" for cell in cells)])
+    return markdown(["between frames", "held: rms %", "largest %", "largest jump %",
+                     "touched: rms %", "largest %", "largest jump %"], body)
+
+
 def table_huge():
     body = [[thousands(row["tets"]), thousands(row["ranks"]), f"{row['wall_s']:.1f} s",
              thousands(row["newton"]), thousands(row["linear"]), f"{row['peak_rank_bytes'] / 1e9:.2f} GB",
@@ -168,7 +180,7 @@ TABLES = {"reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequ
           "accuracy-undeclared": table_accuracy_undeclared,
           "meshing-quality": table_meshing_quality, "meshing-fuzz": table_meshing_fuzz,
           "blade": table_blade, "contact": table_contact, "haptic": table_haptic,
-          "haptic_touch": lambda: table_haptic("touch"), "palpation": table_palpation,
+          "haptic_touch": lambda: table_haptic("touch"), "haptic_fine": table_haptic_fine, "palpation": table_palpation,
           "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)

@@ -58,6 +58,7 @@ TEST_CASE("a loop ticks a thousand times a second, feels the model, and leaves t
   CHECK(ticks + missed < 30000);
   CHECK(device.last.norm() == 0);
   CHECK(device.highest > 0.1);
+#ifndef LOBE_SANITIZED  // whose code is several times as slow
   // On a machine that is busy with something else a tick may be interrupted: the best of some trials counts.
   double highest_99 = loop.times().compute.quantile(0.99);
   for (int trial = 0; trial < 9 && highest_99 > 20; ++trial) {
@@ -68,6 +69,7 @@ TEST_CASE("a loop ticks a thousand times a second, feels the model, and leaves t
     highest_99 = std::min(highest_99, double(loop.times().compute.quantile(0.99)));
   }
   CHECK(highest_99 <= 20);  // [us]
+#endif
   if (!loop.is_real_time()) {
     REQUIRE(!loop.warnings().empty());
     CHECK(loop.warnings().front().find("rtprio") != std::string::npos);

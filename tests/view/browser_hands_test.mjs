@@ -2,19 +2,11 @@
 // saved and played from the command line, materials, what is held nowhere, and bad luck.
 // Usage: node browser_hands_test.mjs LOBE_VIEW SCENE MODULES OUT
 import {spawnSync} from 'node:child_process';
-import {mkdirSync, readFileSync, rmSync, statSync} from 'node:fs';
+import {readFileSync, statSync} from 'node:fs';
 import path from 'node:path';
-import {Checks, drag, findBrowser, grip, Server, until} from './page_support.mjs';
+import {begin, drag, grip, until} from './page_support.mjs';
 
-const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
-const browserToLaunch = findBrowser(modules);
-rmSync(out, {recursive: true, force: true});
-mkdirSync(out, {recursive: true});
-
-const {check, finish} = new Checks();
-const server = new Server(program, '--save-to', out);
-const address = await server.start(scene);
-const browser = await browserToLaunch.launch();
+const {program, scene, out, check, finish, server, address, browser} = await begin();
 const page = await browser.newPage({viewport: {width: 960, height: 640}, acceptDownloads: true});
 const faults = [];
 page.setDefaultTimeout(60000);

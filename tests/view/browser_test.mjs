@@ -1,20 +1,12 @@
 // The page in a headless Chromium, as a user would use it: pull, burn, watch, paint, lose the server.
 // Usage: node browser_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {mkdirSync, readFileSync, rmSync} from 'node:fs';
+import {readFileSync} from 'node:fs';
 import path from 'node:path';
-import {Checks, drag, findBrowser, giveDrawn, grip, Server, until} from './page_support.mjs';
-
-const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
-const browserToLaunch = findBrowser(modules);
-rmSync(out, {recursive: true, force: true});
-mkdirSync(out, {recursive: true});
+import {begin, drag, giveDrawn, grip, until} from './page_support.mjs';
 
 // ---- What is checked
 
-const {check, finish} = new Checks();
-const server = new Server(program, '--save-to', out);
-const address = await server.start(scene);
-const browser = await browserToLaunch.launch();
+const {scene, out, check, finish, server, address, browser} = await begin();
 const faults = [];
 async function open(url) {
   const page = await browser.newPage({viewport: {width: 960, height: 640}});

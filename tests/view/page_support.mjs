@@ -72,8 +72,8 @@ export const giveDrawn = page =>
     };
   });
 
-/** Plays the scene of the command line, LOBE_VIEW SCENE MODULES OUT, and opens its page. */
-export async function openPage(viewport) {
+/** Plays the scene of the command line, LOBE_VIEW SCENE MODULES OUT, and starts a browser. */
+export async function begin() {
   const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
   const browserToLaunch = findBrowser(modules);
   rmSync(out, {recursive: true, force: true});
@@ -82,6 +82,12 @@ export async function openPage(viewport) {
   const server = new Server(program, '--save-to', out);
   const address = await server.start(scene);
   const browser = await browserToLaunch.launch();
+  return {program, scene, out, check, finish, server, address, browser};
+}
+
+/** The same, and opens its page. */
+export async function openPage(viewport) {
+  const {out, check, finish, server, address, browser} = await begin();
   const page = await browser.newPage({viewport});
   const faults = [];
   page.setDefaultTimeout(60000);

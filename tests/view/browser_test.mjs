@@ -53,9 +53,12 @@ await shot(page, 'opened');
 const at = await grip(page);
 await drag(page, at, 20, -30);
 check(await until(page, () => lobe.force > 0.05), 'a drag shows a force');
+check(
+  await until(page, () => /[1-9]/.test(document.getElementById('force').textContent)),
+  'the panel shows newtons',
+);
 const moved = await largestMove(page);
 check(moved > 1e-3, `and moves the organ, by ${(1e3 * moved).toFixed(1)} mm`);
-check(/[1-9]/.test(await page.textContent('#force')), 'the panel shows newtons');
 await shot(page, 'pulled');
 await page.mouse.up();
 check(await until(page, () => lobe.force === 0), 'it lets go');

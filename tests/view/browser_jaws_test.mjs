@@ -6,9 +6,9 @@ import {openPage, until} from './page_support.mjs';
 const {page, check, shot, end} = await openPage({width: 1200, height: 720});
 check(await until(page, () => window.lobe?.status?.time > 1.8), 'the lobe has fallen');
 
-// The middle of the lobe, which lay beyond x = 0.03 m: in metres, and where it is on the window.
-const lobe = () =>
-  page.evaluate(() => {
+// The middle of the lobe, which lay beyond x = 0.03 m [m].
+await page.evaluate(() => {
+  window.middleOfLobe = () => {
     const {rest} = lobe.organ.topology,
       {x} = lobe.organ,
       middle = lobe.stage.target.clone().set(0, 0, 0),
@@ -19,10 +19,20 @@ const lobe = () =>
         middle.add(point.fromArray(x, i));
         ++count;
       }
-    middle.divideScalar(count);
-    return {height: middle.z, ...lobe.stage.project(middle)};
-  });
-const before = await lobe();
+    return middle.divideScalar(count);
+  };
+});
+const heightOfLobe = () => page.evaluate(() => middleOfLobe().z);
+
+// Until so much time has been simulated, however long that takes.
+const simulated = async seconds => {
+  const time = await page.evaluate(() => lobe.status.time);
+  check(await until(page, end => lobe.status.time >= end, time + seconds), `${seconds} s are simulated`);
+};
+
+// ---- It is picked up
+
+const before = await page.evaluate(() => lobe.stage.project(middleOfLobe()));
 await page.keyboard.press('j');
 await page.mouse.move(before.x, before.y);
 await page.mouse.down();
@@ -38,20 +48,20 @@ check(
   }),
   'and rest',
 );
-const gripped = await lobe();
+const gripped = await heightOfLobe();
 for (let i = 1; i <= 25; ++i) {
   await page.mouse.move(before.x, before.y - 5 * i);
-  await page.waitForTimeout(60);
+  await until(page, time => lobe.status.time > time + 0.06, await page.evaluate(() => lobe.status.time));
 }
-await page.waitForTimeout(1500);
-const lifted = await lobe();
+await simulated(1.5);
+const lifted = await heightOfLobe();
 await shot('lifted');
-check(lifted.height - gripped.height > 0.02, `the lobe is lifted by ${lifted.height - gripped.height} m`);
+check(lifted - gripped > 0.02, `the lobe is lifted by ${lifted - gripped} m`);
+
+// ---- And let go
+
 await page.mouse.up();
-await page.waitForTimeout(1500);
-const fallen = await lobe();
-check(
-  fallen.height < lifted.height - 0.02,
-  `and falls by ${lifted.height - fallen.height} m when it is let go`,
-);
+await simulated(1.5);
+const fallen = await heightOfLobe();
+check(fallen < lifted - 0.02, `and falls by ${lifted - fallen} m when it is let go`);
 await end();

@@ -54,7 +54,7 @@ void bench_accuracy(const Options& options) {
   std::vector<AccuracyRow> all;
   for (const Case& scene : cases) {
     print_heading();
-    const Accuracy accuracy = measure_accuracy(scene, options.threads, show);
+    const Accuracy accuracy = measure_accuracy(scene, options.threads, show, !options.single);
     for (const std::string& warning : accuracy.warnings)
       std::fprintf(stderr, "lobe: warning: %s: %s\n", scene.name.c_str(), warning.c_str());
     print_pareto(accuracy.rows);

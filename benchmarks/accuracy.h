@@ -30,8 +30,10 @@ struct Accuracy {
 };
 
 // Plays one scene in all ways, after two references per mesh and two on the fine one. `show` is called with
-// each row as soon as it is there. Throws InputError; WrongResult if a reference does not run to its end.
-Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&) = nullptr);
+// each row as soon as it is there. Without `in_double` only single precision is played. Throws InputError;
+// WrongResult if a reference does not run to its end.
+Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&) = nullptr,
+                          bool in_double = true);
 
 void mark_pareto(std::vector<AccuracyRow>& rows);
 std::string accuracy_csv(const std::vector<AccuracyRow>& rows);

@@ -83,10 +83,11 @@ void set_total_error(const ErrorNorm& norm, const Reference& total, const Played
   if (played.to_the_end) row.error_total = three_digits(norm.relative(played.samples, total.samples));
 }
 
-std::vector<Way> ways(int threads) {
+std::vector<Way> ways(int threads, bool in_double) {
   std::vector<Way> all;
-  for (const Precision precision : {Precision::single_precision, Precision::double_precision})
-    for (const double safety : safeties) all.push_back({precision, safety, threads});
+  for (const double safety : safeties) all.push_back({Precision::single_precision, safety, threads});
+  for (const double safety : safeties)
+    if (in_double) all.push_back({Precision::double_precision, safety, threads});
   return all;
 }
 
@@ -107,7 +108,7 @@ AccuracyRow row_of(const Model& model, const Way& way, const Played& played) {
 
 }  // namespace
 
-Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&)) {
+Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&), bool in_double) {
   const Schedule schedule = schedule_of(scene.scene.time);
   Accuracy accuracy{{}, warnings_of(scene)};
   Setup fine = fine_setup(scene);
@@ -123,8 +124,8 @@ Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const Acc
     const Reference same_mesh = make_reference(reference_setup(setups[i]), schedule, model_safety);
     const ErrorNorm model_norm(same_mesh.setup);
     for (const Model& model : make_models(setups[i], accuracy.warnings))
-      for (const Way& way : ways(threads)) {
-        const Played played = play(model.setup, schedule, way);
+      for (const Way& way : ways(threads, in_double)) {
+        const Played played = play(model.setup, schedule, way, model.is_corrected);
         AccuracyRow row = row_of(model, way, played);
         row.scene = scene.name;
         set_errors(model_norm, same_mesh, played, row);

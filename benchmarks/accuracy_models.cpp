@@ -68,9 +68,21 @@ void add_trial_hybrids(const Setup& setup, std::vector<Model>& models, std::vect
 void add_reduced(const Setup& nonlinear, std::vector<Model>& models, std::vector<std::string>& warnings) {
   try {
     refuse_excluded(Option::reduced, options_of(nonlinear), "the scene");
-    models.push_back({"reduced", all(nonlinear, RegionModel::reduced), 0});
+    for (bool is_corrected : {false, true})
+      models.push_back({is_corrected ? "reduced_corrected" : "reduced", all(nonlinear, RegionModel::reduced),
+                        0, is_corrected});
   } catch (const InputError& error) {
     warnings.push_back("no reduced model: " + std::string(error.what()));
+  }
+}
+
+void add_selective(Setup nonlinear, std::vector<Model>& models, std::vector<std::string>& warnings) {
+  try {
+    refuse_excluded(Option::selective_mass, options_of(nonlinear), "the scene");
+    nonlinear.selective_mass = mass_degree;
+    models.push_back({"selective_mass_corrected", std::move(nonlinear), 0, true});
+  } catch (const InputError& error) {
+    warnings.push_back("no selective masses: " + std::string(error.what()));
   }
 }
 
@@ -91,6 +103,7 @@ std::vector<Model> make_models(const Setup& setup, std::vector<std::string>& war
   for (Elastic& elastic : averaged.materials) elastic.nodal_pressure = elastic.lambda > 0;
   models.push_back({"svk_nodal_pressure", std::move(averaged), 0});
   add_reduced(with_volume, models, warnings);
+  add_selective(with_volume, models, warnings);
   if (const double fraction = linear_fraction(setup); fraction > 0)
     models.push_back({"hybrid_scene", setup, fraction});
   add_trial_hybrids(setup, models, warnings);

@@ -8,10 +8,13 @@
 
 namespace lobe::bench {
 
+inline constexpr int mass_degree = 12;  // the highest of selective masses that a watch chooses
+
 struct Model {
   std::string name;
   Setup setup;
   double linear_fraction = 0;  // of the volume
+  bool is_corrected = false;   // where an estimate of its error exceeds 2 %
 };
 
 // All non-linear, with the scene's own volume penalty: what every error is measured against.
@@ -21,6 +24,8 @@ Setup reference_setup(Setup setup);
 // svk                everywhere, without volume penalty
 // svk_volume         everywhere, with the scene's volume penalty, if it has one
 // reduced            on a lattice everywhere, full around tools, with the scene's volume penalty
+// reduced_corrected  the same, and full where a ReducedWatch asks for it
+// selective_mass_corrected  non-linear everywhere, with selective masses whose degree a MassWatch chooses
 // hybrid_scene       the scene's own regions, if any is linear
 // hybrid_strain_50   the half of the volume with the least smoothed strain of a linear trial solution is
 //                    tensor-mass

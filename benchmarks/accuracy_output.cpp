@@ -25,6 +25,8 @@ set linetype 6 lc '#8040a0'
 set linetype 7 lc '#808000'
 set linetype 8 lc '#606060'
 set linetype 9 lc '#d060a0'
+set linetype 10 lc '#00a090'
+set linetype 11 lc '#a06030'
 of(s, m, p, y) = (strcol(8) eq s && strcol(1) eq m && strcol(2) eq p) ? y : NaN
 on_front(s, y) = (strcol(8) eq s && strcol(10) eq '1') ? y : NaN
 size(tets) = 0.7 * (tets / 300.0)**0.25

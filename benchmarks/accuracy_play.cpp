@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/timing.h"
+#include "lobe/linearity/mass_watch.h"
+#include "lobe/linearity/reduced_watch.h"
 #include "lobe/sim/world.h"
 #include "lobe/text.h"
 
@@ -14,6 +17,7 @@ namespace {
 
 constexpr double short_run = 0.1;  // [s]
 constexpr int most_repetitions = 3;
+constexpr double tolerance = 0.02;
 
 std::string remark(Condition::Kind kind) {
   switch (kind) {
@@ -30,11 +34,33 @@ std::string remark(Condition::Kind kind) {
   }
 }
 
+// What corrects a world while it runs.
 template <class Real>
-Played play_once(const Setup& setup, const Schedule& schedule, const Way& way) {
+class Watches {
+ public:
+  explicit Watches(World<Real>& world) {
+    if (world.body().inertia.is_selective()) masses_.emplace(world, tolerance);
+    if (world.body().regions.any_reduced())
+      reduced_.emplace(world, ReducedOptions{.tolerance = tolerance, .correct = true});
+    look(world);
+  }
+  void look(World<Real>& world) {
+    if (masses_) masses_->look(world);
+    if (reduced_) reduced_->look(world);
+  }
+
+ private:
+  std::optional<MassWatch<Real>> masses_;
+  std::optional<ReducedWatch<Real>> reduced_;
+};
+
+template <class Real>
+Played play_once(const Setup& setup, const Schedule& schedule, const Way& way, bool is_corrected) {
   Setup with_safety = setup;
   with_safety.safety = way.safety;
   World<Real> world(with_safety, way.threads);
+  std::optional<Watches<Real>> watches;
+  if (is_corrected) watches.emplace(world);
   Played played;
   std::set<std::string> remarks;
   double seconds = 0;
@@ -42,6 +68,7 @@ Played play_once(const Setup& setup, const Schedule& schedule, const Way& way) {
   for (int frame = 1; frame <= schedule.frames && played.to_the_end; ++frame) {
     const Stopwatch watch(way.threads == 1);
     const Report report = world.advance(schedule.frame);
+    if (watches && report.ok) watches->look(world);
     seconds += played.frames.emplace_back(watch.seconds());
     steps += report.steps;
     played.to_the_end = report.ok;
@@ -62,9 +89,9 @@ Played play_once(const Setup& setup, const Schedule& schedule, const Way& way) {
   return played;
 }
 
-Played play_in_precision(const Setup& setup, const Schedule& schedule, const Way& way) {
-  return way.precision == Precision::single_precision ? play_once<float>(setup, schedule, way)
-                                                      : play_once<double>(setup, schedule, way);
+Played play_in_precision(const Setup& setup, const Schedule& schedule, const Way& way, bool is_corrected) {
+  return way.precision == Precision::single_precision ? play_once<float>(setup, schedule, way, is_corrected)
+                                                      : play_once<double>(setup, schedule, way, is_corrected);
 }
 
 }  // namespace
@@ -78,16 +105,17 @@ Schedule schedule_of(const Time& time, int samples) {
   return schedule;
 }
 
-Played play(const Setup& setup, const Schedule& schedule, const Way& way) {
-  Played played = play_in_precision(setup, schedule, way);
+Played play(const Setup& setup, const Schedule& schedule, const Way& way, bool is_corrected) {
+  Played played = play_in_precision(setup, schedule, way, is_corrected);
   const bool again = played.to_the_end && played.wall_per_s * schedule.duration() < short_run;
   for (int i = 1; again && i < most_repetitions; ++i)
-    played.wall_per_s = std::min(played.wall_per_s, play_in_precision(setup, schedule, way).wall_per_s);
+    played.wall_per_s =
+        std::min(played.wall_per_s, play_in_precision(setup, schedule, way, is_corrected).wall_per_s);
   return played;
 }
 
 Samples play_reference(const Setup& setup, const Schedule& schedule, double safety, int threads) {
-  Played played = play_once<double>(setup, schedule, {Precision::double_precision, safety, threads});
+  Played played = play_once<double>(setup, schedule, {Precision::double_precision, safety, threads}, false);
   if (!played.to_the_end)
     throw WrongResult(
         "the reference of " + std::to_string(setup.mesh.tet_count()) +

@@ -36,8 +36,9 @@ struct Played {
 };
 
 // On one thread it is that thread's processor time that is taken. Runs below 0.1 s are played three times,
-// and the shortest time counts.
-Played play(const Setup& setup, const Schedule& schedule, const Way& way);
+// and the shortest time counts. With `is_corrected`, watches estimate the errors of reduced regions and of
+// selective masses, and correct them above 2 %; their time counts.
+Played play(const Setup& setup, const Schedule& schedule, const Way& way, bool is_corrected = false);
 
 // Plays it once, for a reference. Throws WrongResult if it does not run to its end.
 Samples play_reference(const Setup& setup, const Schedule& schedule, double safety, int threads);

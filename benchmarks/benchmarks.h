@@ -14,15 +14,16 @@ struct Options {
   std::filesystem::path output;  // made if it does not exist
   std::vector<int> tets;         // numbers of tetrahedra; empty: the benchmark's own
   bool quick = false;            // below 60 s, less precise
-  int threads = 1;  // kernels, realtime: if above 1, timed as well as one thread; accuracy: of every run;
-                    // huge: most ranks
+  int threads = 1;      // kernels, realtime: if above 1, timed as well as one thread; accuracy: of every run;
+                        // huge: most ranks
+  bool single = false;  // accuracy: only in single precision
   bool reduced = false;      // hybrid: only gestures, all non-linear and all reduced, and natural frequencies
   bool loop = false;         // haptic: only how punctual the loop is
   bool predictions = false;  // haptic: only what is felt between frames
   std::string model;         // stress: only this one; empty: all
   double minutes = 10;       // soak: of wall time; live: simulated
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
-  // accuracy, hybrid, realtime: of the one scene, beside its own; scalpel: beside the shipped liver
+  // accuracy, hybrid, realtime: of the one scene, beside its own; haptic, scalpel: beside the shipped liver
   std::vector<std::filesystem::path> meshes;
   std::filesystem::path refine;  // accuracy, of one scene: the mesh to refine; empty: the largest
 };

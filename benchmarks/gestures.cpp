@@ -49,8 +49,6 @@ struct Making {
   double tolerance = 0;
 };
 
-constexpr int mass_degree = 12;  // of selective masses
-
 Setup all_nonlinear(Setup setup) {
   std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
   return setup;

@@ -37,6 +37,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   auto* loop = app.add_flag("--loop", options.loop, "haptic: only how punctual the loop is");
   app.add_flag("--predictions", options.predictions, "haptic: only what is felt between frames")
       ->excludes(loop);
+  app.add_flag("--single", options.single, "accuracy: only in single precision");
   app.add_flag("--reduced", options.reduced,
                "hybrid: only gestures, all non-linear and all reduced, and natural frequencies");
   app.add_option("--model", options.model, "stress: only this model");

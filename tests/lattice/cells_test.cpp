@@ -215,6 +215,54 @@ TEST_CASE("no frequency of a lattice at rest is above that for which it has its 
   CHECK(std::sqrt(highest) > 0.4 * omega);
 }
 
+TEST_CASE("bounds of nodes follow the law at the strain of each cell, also where the guard acts") {
+  Setup setup = reduced_setup(irregular_box(12), 0.02);
+  setup.guard_below = 0.9;
+  const EmbeddedBox box(std::move(setup), 1e5);
+  const Mat3X<double> q = random_displacement(box.lattice.node_count(), 0.006);
+  std::vector<double> expected(std::size_t(box.lattice.node_count()), 0);
+  double smallest = 1;
+  Index smallest_tet = -1;
+  for (const LatticeCell& cell : box.embedding.cells) {
+    const Lattice::Part& part = box.lattice.parts[std::size_t(cell.part)];
+    Mat3<double> H = Mat3<double>::Zero();
+    for (int n = 0; n < 8; ++n) H += q.col(part.nodes[std::size_t(n)]) * cell.gradients.row(n);
+    const double ratio = (Mat3<double>::Identity() + H).determinant();
+    if (ratio < smallest) {
+      smallest = ratio;
+      smallest_tet = cell.tet;
+    }
+    CellWeights tangents;
+    for (int n = 0; n < 8; ++n) {
+      const Mat3<double> K = law_diagonal_block<double>(nonlinear_law(box.elements, cell.tet), H,
+                                                        cell.gradients.row(n).transpose());
+      const double mean = K.trace() / 3;
+      tangents[n] = mean + std::sqrt(2.0 / 3 * (K - mean * Mat3<double>::Identity()).squaredNorm());
+      CHECK(tangents[n] > symmetric_eigenvalues<Mat3<double>>(K).maxCoeff() * (1 - 1e-12));
+    }
+    add_bounds(cell, part, cell.volume * tangents, expected);
+  }
+  REQUIRE(smallest < 0.8);
+  const auto found = [&](auto cells, const auto& displacements) {
+    std::vector<double> bounds(expected.size(), 0);
+    const auto least = cells.add_bounds(displacements, bounds);
+    CHECK(least.volume_ratio == near(smallest, 1e-5));
+    CHECK(least.tet == smallest_tet);
+    return bounds;
+  };
+  const std::vector<double> bounds = found(box.cells(), q);
+  const Mat3X<float> single_q = q.cast<float>();
+  const std::vector<double> single = found(box.cells<float>(), single_q);
+  for (std::size_t n = 0; n < expected.size(); ++n) {
+    CHECK(bounds[n] == near(expected[n], 1e-12));
+    CHECK(single[n] == near(expected[n], 1e-4));
+  }
+  for (InstructionSet set : available_instruction_sets()) {
+    CHECK(found(box.cells<double>(set), q) == bounds);
+    CHECK(found(box.cells<float>(set), single_q) == single);
+  }
+}
+
 TEST_CASE(
     "single precision follows double, and every instruction set and number of threads gives the same bits") {
   const EmbeddedBox box(12);

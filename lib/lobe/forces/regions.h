@@ -154,7 +154,7 @@ class Regions {
     return reduced_.push(Real(kick), Real(dt), Real(damping), motion, parallel);
   }
   typename LatticeRegion<Real>::Frequency highest_frequency(const StateColumns<Real>& state,
-                                                            const DiagonalStiffness& K, double ratio) const {
+                                                            const DiagonalStiffness& K, double ratio) {
     return reduced_.highest_frequency(state, K, ratio);
   }
   double kinetic_energy(const StateColumns<Real>& state) const {  // of what follows [J]

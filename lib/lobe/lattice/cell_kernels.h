@@ -28,14 +28,21 @@ struct CellArrays {
   const CellBlock<Real>* blocks;
   const Law<Real>* laws;        // per block
   const PaddedVector<Real>* q;  // per node [m]
-  PaddedVector<Real>*
-      forces;  // block by block, corner by corner, lane by lane, as PaddedVectors::store() [N]
+};
+
+template <class Real>
+struct alignas(64) CellTangents {  // of a block
+  using Row = typename CellBlock<Real>::Row;
+  std::array<Row, 8> bounds;  // of what each node's stiffness alone gets from the mean strain [N/m]
+  Row volume_ratio;           // det F
 };
 
 template <class Real>
 struct CellKernels {
-  // Finds the forces of the blocks [begin, end) on their nodes.
-  void (*find_forces)(const CellArrays<Real>& cells, Index begin, Index end);
+  // Finds the forces of the blocks [begin, end) on their nodes: block by block, corner by corner, lane by
+  // lane, as PaddedVectors::store() [N].
+  void (*find_forces)(const CellArrays<Real>& cells, PaddedVector<Real>* forces, Index begin, Index end);
+  void (*find_tangents)(const CellArrays<Real>& cells, CellTangents<Real>* tangents, Index begin, Index end);
   int lanes;  // of a register
 };
 

@@ -1,19 +1,8 @@
 #include "lobe/lattice/lattice_cells.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lobe {
-namespace {
-
-// An upper bound of the largest eigenvalue: the mean, and √(2/3) of what is beside it.
-double tangent_bound(const Mat3<double>& K) {
-  const double mean = K.trace() / 3;
-  return mean + std::sqrt(2.0 / 3 * (K - mean * Mat3<double>::Identity()).squaredNorm());
-}
-
-}  // namespace
-
 // A block has cells of one material; its empty lanes have the nodes of its first cell.
 template <class Real>
 void LatticeCells<Real>::build(const Elements& elements, const Lattice& lattice,
@@ -28,7 +17,7 @@ void LatticeCells<Real>::build(const Elements& elements, const Lattice& lattice,
   for (const LatticeCell& cell : cells) {
     const Lattice::Part& part = lattice.parts[std::size_t(cell.part)];
     const bool is_other = cells_.empty() || cells_.back().part.material != part.material;
-    cells_.push_back({cell, part, nonlinear_law(elements, cell.tet)});
+    cells_.push_back({cell, part, nonlinear_law(elements, cell.tet), 0});
     if (used == width || is_other) {
       blocks_.emplace_back();
       laws_.push_back(cells_.back().law.template as<Real>());
@@ -37,11 +26,12 @@ void LatticeCells<Real>::build(const Elements& elements, const Lattice& lattice,
     }
     CellBlock<Real>& block = blocks_.back();
     const auto lane = std::size_t(used++);
+    cells_.back().slot = (blocks_.size() - 1) * width + lane;
     block.volume[lane] = static_cast<Real>(cell.volume);
     for (int n = 0; n < 8; ++n) {
       const Index node = part.nodes[std::size_t(n)];
       block.nodes[std::size_t(n)][lane] = node;
-      places[std::size_t(node)].push_back(place((blocks_.size() - 1) * width + lane, n));
+      places[std::size_t(node)].push_back(place(cells_.back().slot, n));
       for (int k = 0; k < 3 && n > 0; ++k)
         block.gradients[std::size_t(3 * (n - 1) + k)][lane] = static_cast<Real>(cell.gradients(n, k));
     }
@@ -68,14 +58,20 @@ Index LatticeCells<Real>::place(std::size_t slot, int corner) const {
 }
 
 template <class Real>
-void LatticeCells<Real>::find_forces(const Mat3X<Real>& q, Parallel& parallel) {
+CellArrays<Real> LatticeCells<Real>::at(const Mat3X<Real>& q) {
   for (std::size_t n = 0; n < q_.size(); ++n) {
     const Real* own = q.data() + 3 * n;
     q_[n].xyz0 = {own[0], own[1], own[2], 0};
   }
-  const CellArrays<Real> arrays{blocks_.data(), laws_.data(), q_.data(), forces_.data()};
-  parallel.for_ranges(static_cast<Index>(blocks_.size()), 8,
-                      [&](Index begin, Index end) { kernels_.find_forces(arrays, begin, end); });
+  return {blocks_.data(), laws_.data(), q_.data()};
+}
+
+template <class Real>
+void LatticeCells<Real>::find_forces(const Mat3X<Real>& q, Parallel& parallel) {
+  const CellArrays<Real> arrays = at(q);
+  parallel.for_ranges(static_cast<Index>(blocks_.size()), 8, [&](Index begin, Index end) {
+    kernels_.find_forces(arrays, forces_.data(), begin, end);
+  });
 }
 
 template <class Real>
@@ -112,16 +108,18 @@ double LatticeCells<Real>::energy(const Mat3X<Real>& q) const {
 
 template <class Real>
 typename LatticeCells<Real>::Smallest LatticeCells<Real>::add_bounds(const Mat3X<Real>& q,
-                                                                     std::vector<double>& bounds) const {
+                                                                     std::vector<double>& bounds) {
+  constexpr auto width = std::size_t(CellBlock<Real>::width);
+  std::vector<CellTangents<Real>> of_blocks(blocks_.size());
+  kernels_.find_tangents(at(q), of_blocks.data(), 0, static_cast<Index>(blocks_.size()));
   Smallest smallest;
   for (const Cell& data : cells_) {
-    const Mat3<double> H = gradient(data, q);
-    const double ratio = volume_ratio(H);
+    const CellTangents<Real>& found = of_blocks[data.slot / width];
+    const std::size_t lane = data.slot % width;
+    const auto ratio = double(found.volume_ratio[lane]);
     if (ratio < smallest.volume_ratio) smallest = {ratio, data.cell.tet};
     CellWeights tangents;
-    for (int n = 0; n < 8; ++n)
-      tangents[n] = data.cell.volume * tangent_bound(law_diagonal_block<double>(
-                                           data.law, H, data.cell.gradients.row(n).transpose()));
+    for (int n = 0; n < 8; ++n) tangents[n] = double(found.bounds[std::size_t(n)][lane]);
     lobe::add_bounds(data.cell, data.part, tangents, bounds);
   }
   return smallest;

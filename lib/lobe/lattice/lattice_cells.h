@@ -23,14 +23,16 @@ class LatticeCells {
     double volume_ratio = 1;  // det F
     Index tet = -1;           // one of the cell
   };
-  Smallest add_bounds(const Mat3X<Real>& q, std::vector<double>& bounds) const;  // embedding.h
+  Smallest add_bounds(const Mat3X<Real>& q, std::vector<double>& bounds);  // embedding.h
 
  private:
   struct Cell {
     LatticeCell cell;
     Lattice::Part part;
     Law<double> law;
+    std::size_t slot;  // block by block, lane by lane
   };
+  CellArrays<Real> at(const Mat3X<Real>& q);  // of displacements of the nodes, 3 × #nodes [m]
   Mat3<double> gradient(const Cell& data, const Mat3X<Real>& q) const;
   Index place(std::size_t slot, int corner) const;
 

@@ -352,7 +352,7 @@ double LatticeRegion<Real>::kinetic_energy(const Nodes<Real>& nodes) const {
 
 template <class Real>
 typename LatticeRegion<Real>::Frequency LatticeRegion<Real>::highest_frequency(
-    const StateColumns<Real>& state, const DiagonalStiffness& K, double ratio) const {
+    const StateColumns<Real>& state, const DiagonalStiffness& K, double ratio) {
   Frequency found;
   if (!any_embedded()) return found;
   std::vector<double> bounds(std::size_t(lattice_.node_count()), 0);

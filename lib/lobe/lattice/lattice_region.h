@@ -185,8 +185,7 @@ class LatticeRegion {
   };
   // K: of all tetrahedra around the vertices [N/m]. `ratio`: of the highest frequency to that which the
   // stiffness of single vertices gives.
-  Frequency highest_frequency(const StateColumns<Real>& state, const DiagonalStiffness& K,
-                              double ratio) const;
+  Frequency highest_frequency(const StateColumns<Real>& state, const DiagonalStiffness& K, double ratio);
 
   template <class Visit>
   void visit_patches(Visit&& visit) {

@@ -21,7 +21,7 @@ using Entries = std::vector<Eigen::Triplet<double>>;
 // The factor of a matrix that is near the one to be solved with, as a preconditioner for Eigen.
 struct NearFactor {
   const SparseFactor* factor = nullptr;
-  NearFactor& compute(const SparseFactor::Matrix&) { return *this; }
+  NearFactor& compute(const auto&) { return *this; }  // Eigen's view of the matrix, which is not copied
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return factor->solve(b); }
   Eigen::ComputationInfo info() const { return Eigen::Success; }
 };

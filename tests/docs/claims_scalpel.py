@@ -136,8 +136,8 @@ CLAIMS = [
                 "where half of such a body"),
     (L, lambda: f"was {percent(floor('most_added', 'liver_2k'), 2)} in one cut of twelve on 2,103 tetrahedra"),
     (L, lambda: f"sags {span([{'less': less} for less in deviations()], 'less')} % less"),
-    (GUIDE, lambda: "after {:.0f} cuts through the shipped livers {:.3f} of it was left".format(
+    (GUIDE, lambda: "In {:.0f} cuts through the shipped livers at least {:.3f} of it was left".format(
         sum(row["planes"] for row in floored()), low(floored(), "worst_limit"))),
-    (GUIDE, lambda: f"A scalpel takes {low(rows('scalpel'), 'batch_us'):.0f} to "
-                    f"{high(rows('scalpel'), 'all_us'):.0f} µs for each tetrahedron that it cuts"),
+    (GUIDE, lambda: f"a scalpel takes {low(rows('scalpel'), 'batch_us'):.0f} to "
+                    f"{high(rows('scalpel'), 'all_us'):.0f} µs per cut tetrahedron"),
 ]

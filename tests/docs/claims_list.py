@@ -152,8 +152,8 @@ def loop_on_the_liver():
     rms, largest, jump = (predicted("the servo", column) for column in ("rms", "max", "jump"))
     assert rms <= 0.01 and largest <= 0.04 and jump <= 0.01
     ratio = predicted("the servo", "rms") / predicted("linear in time", "rms")
-    return (f"At 0.1 m/s the loop has {ratio:.2f} times the error of *linear in time*, and less at lower speeds. It has less than "
-            "a fifth of that of *constant*")
+    return (f"At 0.1 m/s the loop has {ratio:.2f} times the error of *linear in time*, and less at lower speeds. "
+            "It has less than a fifth of that of *constant*")
 
 
 def loop_that_touches():
@@ -212,7 +212,8 @@ CLAIMS = [
     ("docs/live.md", lambda: f"({played()['random_commands']:,.0f} commands, {played()['random_returns']:,.0f} times back) "
                              f"made a record of {played()['recording_mb']:.0f} MB. They were played in "
                              f"{played()['playing_s']:.0f} s and replayed bit for bit in {played()['replaying_s']:.0f} s"),
-    (S, lambda: f"to follow the cut of a tetrahedron with the surface takes {span(rows('surface'), 'follow_us', 0)} µs"),
+    (S, lambda: "to follow the cut of a tetrahedron with the surface takes "
+                f"{span(rows('surface'), 'follow_us', 0)} µs"),
     (S, lambda: f"positions and normals of the surface take {min(map(drawn, rows('surface'))):.0f} to "
                 f"{max(map(drawn, rows('surface'))):.0f} ns per vertex"),
     (S, lambda: f"positions and normals of the skin take {span(rows('skin'), 'update_ns', 0)} ns per vertex"),

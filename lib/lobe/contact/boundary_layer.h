@@ -20,7 +20,7 @@ class BoundaryLayer {
   };
   struct Nearest {
     int face = -1;    // of the surface; −1: none
-    double room = 0;  // no other is nearer to a point within that of there [m]
+    double room = 0;  // `face` is the nearest for all rest points within this distance of the given one [m]
   };
 
   void rebuild(const ContactSurface& surface, const Elements& elements);

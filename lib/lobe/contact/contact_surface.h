@@ -9,11 +9,11 @@
 // above 1 since a vertex that moves against its neighbours moves with some of them, too. Per
 // area that is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
 //
-// Selective masses have a mobility C that couples vertices. The stiffness K_c of contact all over the surface
-// is first found as for lumped masses. It is then lowered until λ_max(C (K + K_c)), K of the body at rest, is
-// at most 1 + `most_added` times ω_max². Contact of a part of the surface is less than that, so that its
-// highest frequency is no higher. `safety` leaves room for the share. Cuts change λ_max little: by what the
-// stiffness was lowered is found once.
+// With selective masses, the inverse mass matrix C (time/selective_mass.h) couples vertices. The stiffness
+// K_c of contact all over the surface is first found as for lumped masses. It is then lowered until
+// λ_max(C (K + K_c)) ≤ (1 + most_added) ω_max², with K of the body at rest. Contact on a part of the surface
+// gives no higher frequency. Setup::safety has room for the share most_added. Cuts change λ_max little, so
+// the factor by which the stiffness is lowered is found once.
 #pragma once
 
 #include <algorithm>

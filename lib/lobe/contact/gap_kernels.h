@@ -29,8 +29,9 @@ struct alignas(64) InsideBlock {
 };
 
 struct GapKernels {
-  // Gaps from the triangles, each made smaller about its centre by `share`, to the tetrahedra; places: four
-  // numbers each, of which the last is not used [m]. If a normal is 0 or anything is not finite, NaN.
+  // Writes the gap [m] of each pair, from the triangle, scaled by `share` about its centre, to the other.
+  // places: positions [m], four numbers each, of which the last is not used. NaN for a normal of 0 and for
+  // values that are not finite.
   void (*find_gaps)(const float* places, float share, PairBlock* blocks, int count);
   // Places as before. Points: three weights each. One is inside if no coordinate is below −slack.
   void (*find_insides)(const double* places, const double* points, int point_count, double slack,

@@ -37,8 +37,9 @@ class PartMotion {
   void remember(const float* x);
   void measure(const float* x);
 
-  // Of two parts and a ball, in which b is, or what of b was at remember() within some distance of a. The
-  // bound holds for points that were no farther apart than that; for all others it holds of that distance.
+  // Two parts a and b, and a ball that contains b, or at least the points of b that lay within a distance w
+  // of a at remember(). bound() holds for pairs of points that were at most w apart. All other pairs are now
+  // at least bound().now(w) apart.
   struct Meeting {
     int a = 0, b = 0;
     Vec3d of_a = Vec3d::Zero(), of_b = Vec3d::Zero();  // the centre, from those of the parts [m]

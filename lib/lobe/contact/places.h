@@ -17,12 +17,12 @@ class Places {
   virtual void of_points(const std::vector<int>& points, PointRows& x, PointRows& v) const = 0;
   virtual Vec3d of_vertex(Index vertex) const = 0;  // of the mesh [m]
   virtual Vec3d velocity_of_vertex(Index vertex) const = 0;
-  // Of vertices of the mesh, to the places to[i] of arrays of four numbers each, of which the last stays as
-  // it is: where they are [m], and if v is not null their velocities [m/s].
+  // Writes the positions of vertices of the mesh [m] to x[4 to[i]] … x[4 to[i] + 2], and their velocities
+  // [m/s] to v in the same way, unless v is null. Every fourth number keeps its value.
   virtual void of_vertices(const std::vector<Index>& vertices, const std::vector<int>& to, double* x,
                            double* v) const = 0;
 
-  // Stations are where the body was or would be, all of it.
+  // A station is a stored configuration of the whole body, at an earlier or a predicted moment.
 
   // Makes one of where it will be `ahead` [s] from now, at the present velocities.
   virtual void set_station(int station, double ahead) const = 0;

@@ -10,8 +10,9 @@
 // whose lips lie on each other, has no force until they overlap. Both sides are evaluated. κ is half of κ_q
 // κ_f/(κ_q + κ_f), so that both together give no vertex more stiffness than it may have (contact_surface.h).
 //
-// A triangle may touch a tetrahedron that has a vertex of it or of its neighbours only where that lies in
-// front of it at rest: across a slit or a fold. What lies behind it, its own side, cannot be where it is.
+// A tetrahedron that shares a vertex with a triangle, or with a neighbour of the triangle, can touch it only
+// if it lies in front of the triangle at rest, across a slit or a fold. A tetrahedron behind the triangle is
+// on its own side, and is left out.
 // Copies of a tetrahedron that a blade has divided have the shape of the whole. A point in one touches it
 // only where it is filled at rest: behind the nearest of its own cut faces.
 //

@@ -46,8 +46,8 @@ class ToolContact {
 
   // ---- Search: the triangles that may touch it, until it and they have moved by too much.
 
-  // Whether the body moved by `move` since, on top of what it was told of, and the tool until then allow for
-  // the candidates that there are.
+  // Whether search() must run again: since the last search, body and tool have together moved further than
+  // its margin. body_moved: the sum over all steps of the farthest move of a vertex [m].
   bool is_outdated(double time, double body_moved) const;
   // x: positions of the surface's points [m]; `ahead`: how far it and they will move at least [m].
   void search(const ContactSurface& surface, const Mat3X<double>& x, double time, double body_moved,

@@ -15,8 +15,9 @@ struct Sweep {
   double radius = 0;  // [m], > 0
 };
 
-// What a tool reaches: a box [m], and whether it reaches a tetrahedron that meets the box, and may reach
-// any in another box; without these all.
+// The volume that a tool sweeps. `box` contains it [m]. meets(corners) says whether it meets a tetrahedron,
+// 3 × 4 [m], that meets `box`. may_meet(other) is false only if it meets no tetrahedron in the box `other`.
+// An empty function stands for true.
 struct SweptVolume {
   Eigen::AlignedBox3d box;
   std::function<bool(const Mat34<double>& corners)> meets = {};

@@ -172,8 +172,9 @@ class Regions {
   using State = typename LatticeRegion<Real>::State;  // part of a checkpoint
   State state(const Motion<Real>& motion) const { return reduced_.state(motion); }
   bool fits(const State& state, const Elements& elements) const { return reduced_.fits(state, elements); }
-  // What comes before and after vertices have the roles of the state, which begin_restoring() returns. It
-  // finds the vertices, too, whose masses must be computed anew.
+  // A state is restored in three calls. begin_restoring() returns the roles that vertices had, and in
+  // `weighed` the vertices whose masses must be computed anew. embed() gives vertices these roles, if they
+  // have others. end_restoring() sets the nodes and what fades.
   VertexRoles begin_restoring(const Model& model, const State& state, std::vector<Index>& weighed);
   bool has_roles(const VertexRoles& roles) const { return reduced_.has_roles(roles); }
   void end_restoring(const Elements& elements, const State& state, Motion<Real>& motion);

@@ -1,4 +1,4 @@
-// Where a tool that feels nothing will touch the body if it goes on.
+// Predicts where a tool that does not touch the body yet will touch it.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@ struct Approach {
   double gap = 0;                 // how far the tool has to go against it, negative inside [m]
 };
 
-// None: nothing of the body is within `reach` [m]. Looks at the points of the surface at which contact is
-// evaluated. `opening`: of jaws, which are taken to stay as far open [m]. Of meshes nothing is known: the
-// distance to one is exact only within two cells of its grid.
+// Finds the point of the surface that is nearest to a tool. Returns none if it is further than `reach` [m],
+// or if the shape is a mesh, whose distance is exact only within two cells of its grid. It looks at the
+// points at which contact is evaluated. `opening`: of jaws, taken to be constant [m]. O(#triangles).
 template <class Real>
 std::optional<Approach> approach_of(World<Real>& world, const RigidShape& shape, double opening,
                                     const ToolPose& pose, double reach);

@@ -35,11 +35,11 @@ class ContactStiffness {
  public:
   struct Settings {
     double every = 0.025;  // between two patches [s]
-    double noise = 5e-5;   // motions below say nothing [m]
-    double memory = 0.3;   // in which frames are forgotten, of a tool that moves [s]
+    double noise = 5e-5;   // shorter moves of the tool in a frame hardly count [m]
+    double memory = 0.3;   // time constant with which older frames lose weight, while the tool moves [s]
     double prior = 0.1;    // the share of Σ |d|²/3 that the patch has
-    // What motions make of the patch, in any direction: a patch is too stiff, by up to 4 in what was tried,
-    // and a body that swings would otherwise be taken for one that is soft or hard.
+    // Bounds of K in each direction, over the stiffness of the patch [-]. A patch is too stiff, by up to 4 in
+    // what was tried. Without bounds, a body that oscillates would look soft or hard.
     double softest = 0.1, stiffest = 1.25;
     bool has_helper = true;  // a thread condenses the patch; false: at once, for the same bits each time
   };
@@ -63,7 +63,10 @@ class ContactStiffness {
   void after_frame(const Model& model, std::span<const Index> contact,
                    const std::function<Vec3d(Index)>& displacement, const Vec3d& position, const Vec3d& force,
                    double duration, const ExpectedStiffness& expected = {});
-  const Mat3<double>& K() const { return K_; }  // symmetric, eigenvalues from 0 to those of `blocked` [N/m]
+  // The stiffness K [N/m], symmetric, without negative eigenvalues. In each direction it lies between
+  // `softest` and `stiffest` times that of the condensed patch. Until the first patch is condensed, no
+  // eigenvalue is above the highest of ContactPatch::blocked().
+  const Mat3<double>& K() const { return K_; }
   // r of a tool that holds [N/s]. 0 of a loose piece: that swings, and what it is felt by is its inertia.
   Vec3d rate() const { return is_loose_ ? Vec3d(Vec3d::Zero()) : rate_; }
   // r of a tool that only pushes, of whose motion and stiffness only the parts along the normal count [N/s].

@@ -30,9 +30,10 @@ struct LocalModel {
   Vec3d normal = Vec3d::UnitZ();            // of the surface, outwards
 };
 
-// The model with the force f_k + r τ of a time since it came [s]. It goes on for no longer than two frames.
+// Returns the model `since` [s] after it came: its force is f_k + r τ, with τ since the middle of its frame,
+// at most two frames.
 LocalModel aged(const LocalModel& model, double since);
-// f(x) of f_k as it stands [N].
+// Returns the force f(x) on the tool [N]. It takes model.force for f_k + r τ, so call aged() before.
 Vec3d force_at(const LocalModel& model, const Vec3d& x);
 
 struct Proxy {

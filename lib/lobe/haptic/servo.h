@@ -25,12 +25,14 @@ struct Workspace {
 
 struct ServoOptions {
   double tick = 1e-3;              // between two ticks [s]
-  double bound_share = 0.8;        // of the stiffness of the coupling, in Colgate's bound
-  double coupling_damping = 0.25;  // share of the device's; at most a quarter
-  double longest_blend = 4e-3;     // [s]
-  double blend_rate = 5;           // at least, on the hand: small differences take less time [N/s]
-  double stale_frames = 3;         // a model that is older fades
-  double fade = 0.05;              // to nothing [s]
+  double bound_share = 0.8;        // stiffness of the coupling over Colgate's bound 2 (b − |B|)/T [-]
+  double coupling_damping = 0.25;  // B, as a share of the device's damping b, 0 … 0.25 [-]
+  // After a new model, the force changes over to it in |difference|/blend_rate, measured at the hand [N/s],
+  // but in no more than longest_blend [s] or a frame.
+  double longest_blend = 4e-3;
+  double blend_rate = 5;
+  double stale_frames = 3;     // age at which a model begins to fade [frames]
+  double fade = 0.05;          // time in which the force then fades to nothing [s]
   double settling_frames = 6;  // time constant of the tool's way from the device to where it is in balance
   double highest_damping = 5;  // of the passivity controller [N s/m]; 0: it only observes
   double passivity_deadband = 5e-6;  // energy that may come out before the controller acts [J]
@@ -43,7 +45,7 @@ struct HapticState {
   std::uint64_t ticks = 0;
   DeviceState device;                       // as read last
   bool is_there = false;                    // the device
-  std::uint32_t engagement = 0;             // of the model that was used; 0: none yet
+  std::uint32_t engagement = 0;             // LocalModel::engagement of the tool that is led; 0: none is led
   Vec3d tool = Vec3d::Zero();               // where the tool is to be [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};  // of the tool: a unit quaternion x, y, z, w
   Vec3d force = Vec3d::Zero();              // on the hand, as sent to the device [N]

@@ -57,8 +57,8 @@ class LatticeRegion {
   // smooth. Throws InputError for vertices that do not exist and for a duration that is not positive and
   // finite.
   void keep_full(const Elements& elements, const std::vector<Index>& vertices, double time, double duration);
-  // Its tetrahedra that must leave before these are cut: none while it is far from them, else more than now
-  // touch them, so that it is seldom asked.
+  // Returns the reduced tetrahedra that must become non-linear before `tets` are cut: none if no reduced one
+  // lies within 0.75 cells of `tets`, else all within 1.25 cells, so that further cuts there seldom add any.
   std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const;
   // Call it when vertices are held or let go without an edit.
   void holds_have_changed() { inner_.clear(); }
@@ -147,10 +147,12 @@ class LatticeRegion {
     all_.add_forces(u, f, parallel);
   }
   // The lattice's motion is that of its nodes alone: what still fades of displacements is no part of it.
-  // What of the forces on each vertex, of all tetrahedra and loads, does not go into its acceleration and its
-  // damping: 3 × #vertices [N]. Where a vertex moves by itself with its own mass, that is only the difference
-  // that neighbours make whose displacement fades. Each is turned back by the rotation of the tissue around
-  // it. Displacements must have been recovered, and the forces be those at them.
+  // Returns the residual of the equations of motion, 3 × #vertices [N]. Each column is turned back by the
+  // rotation of the tissue around its vertex.
+  // - Embedded vertex: f − m (a + γ v), with f of all tetrahedra and loads, m its own mass, and a and v the
+  //   acceleration and velocity that the nodes give it.
+  // - Full vertex: the force that its added mass takes up, minus the force of displacements that fade.
+  // Call recover() before. `motion` must have the forces at these displacements.
   Mat3X<double> residual(const Elements& elements, const Loads<Real>& loads,
                          const std::vector<double>& own_mass,  // per vertex [kg]; those behind are left out
                          const std::vector<double>& mass,      // with which they move now [kg]

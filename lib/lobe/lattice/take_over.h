@@ -9,7 +9,8 @@
 
 namespace lobe {
 
-// Of these nodes, or of all.
+// Adds mass, position and velocity of nodes to `sum`: of those with a flag in `which`, or of all if it is
+// null. node_mass: per node [kg]. nodes: displacements [m] and velocities [m/s], 3 × #nodes.
 template <class Real>
 void add_nodes(const Lattice& lattice, const std::vector<double>& node_mass, const Nodes<Real>& nodes,
                const std::vector<std::uint8_t>* which, MovingMasses& sum);

@@ -4,10 +4,9 @@
 //
 //   m_v ≥ R² λ_max(K_vv)/ω*².
 //
-// These vertices are around tools: they follow what pulls at them and hardly swing. So are those of tissue
-// that a cut has taken out of the region, where slivers would halve the step. A vertex whose tissue is
-// strained so that steps would be shorter gets mass, too, by ask(). While nothing is embedded all masses are
-// what they are. The mass has no weight.
+// Such vertices lie around tools, where they follow the tool and hardly oscillate. Others lie in tissue that
+// a cut has taken out of the region, where slivers would halve the step. A vertex in strained tissue gets
+// mass by ask(). While no vertex is embedded, no mass is added. The added mass has no weight.
 #pragma once
 
 #include <algorithm>

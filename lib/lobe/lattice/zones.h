@@ -1,6 +1,8 @@
-// Where reduced regions are full for a while: around what takes hold of them; everywhere just after something
-// has let go, or has taken hold of a body that is not at rest; and everywhere while the body moves quickly
-// (theory, section 18).
+// Full zones: vertices of reduced regions that move by themselves for a while (theory, section 18). Zones of
+// linear regions are others (linearity/zones.h). Vertices are full
+// - around those that tools hold, forces load or contact may press, and for `linger` afterwards;
+// - everywhere, for `burst`, after a tool has let go, or has taken hold of a body that is not calm;
+// - everywhere while the body moves quickly and no tool holds it, and for `quick` afterwards.
 #pragma once
 
 #include <cmath>
@@ -16,12 +18,12 @@ class FullZones {
  public:
   static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
   static constexpr double burst = 0.05;   // all are full after something has let go, or taken hold [s]
-  // What takes hold of a body that is displaced by less than this share of the largest displacement so far
-  // moves it by little at first: then only what is around the tool becomes full.
+  // The body is calm while its displacement, √Σ m |u|², is below this share of the largest so far [-]. What
+  // takes hold of a calm body moves it by little at first: then only what is around the tool becomes full.
   static constexpr double calm = 0.1;
-  static constexpr double quick = 0.03;  // and after the body was quick [s]
-  // How far around what is touched, and around what contact may press, they are full, in cells; its
-  // neighbours always are.
+  static constexpr double quick = 0.03;  // all stay full after the body has moved quickly [s]
+  // Radius of the zone around a held or loaded vertex, and around a pressed one [edges of a cell]. The
+  // neighbours of the vertex always belong to the zone.
   static constexpr double reach = 0.4, reach_of_press = 1.2;
   // What a tool presses moves on while the tool slides. Vertices are embedded again at multiples of this
   // time, so that it happens seldom [s].

@@ -19,10 +19,11 @@
 namespace lobe {
 
 struct LinearityReport {
-  double time = 0;   // [s]
-  double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
-  double worst = 0;  // of the mean displacement errors of zones [m]
-  Vec3d place = Vec3d::Zero();            // centre of that zone at rest [m]
+  double time = 0;  // [s]
+  // Estimated L2 error of the displacement, relative to its largest L2 norm so far [-]; 0 while expanded.
+  double error = 0;
+  double worst = 0;                       // the largest mean displacement error of a zone [m]
+  Vec3d place = Vec3d::Zero();            // a point in that zone, at rest [m]
   bool exceeded = false;                  // the tolerance
   Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
   bool is_expanded = false;               // the pre-computed region
@@ -48,10 +49,11 @@ class LinearityWatch {
   LinearityWatch& operator=(const LinearityWatch&) = delete;
 
   // Call it at the start, and after each frame.
-  // - It costs one small dense product, and with a pre-computed region the recovery of its interior.
-  // - So in most frames with a pre-computed region, and in every other frame while the error is small, it
-  //   returns the last report.
-  // - After a cut, a grasp or a release an expandable region is expanded without an estimate.
+  // - An estimate costs one small dense product, and with a pre-computed region the recovery of its interior.
+  // - With a condensed region every 12th frame has an estimate (recover_every), or every 3rd to 6th if the
+  //   region may be expanded. Otherwise every frame has one, or every 2nd while the error is small. In frames
+  //   without an estimate look() returns the last report, with the present time.
+  // - With `correct`, an expandable region is expanded after a cut, a grasp or a release, whatever its error.
   // - A background thread finds how cuts change the influence of zones. The result is used from a fixed
   //   simulated time on.
   LinearityReport look(World<Real>& world) { return look(world, sink_of(world)); }

@@ -88,9 +88,9 @@ class Session {
 
   // Registers a controller. Throws InputError if 64 are connected already.
   Controller connect(const std::string& name) { return {queue_, name}; }
-  // The snapshots, of which latest() gives the newest. (A snapshot is called a picture here; no image is
-  // made.) To see what a command has done, read status() first and pictures() second: the snapshot then has
-  // all commands that the status lists.
+  // The snapshots of the world, also called pictures here; latest() gives the newest. To see what a command
+  // has done, read status() first and pictures() second: the snapshot then has the effect of all commands
+  // that the status lists.
   const TripleBuffer<Snapshot<Real>>& pictures() const { return pictures_; }
   TripleBuffer<SessionStatus>::View status() const { return status_.latest(); }  // live/status.h
   // Runs `work` between two frames and returns when it is done. The simulation waits meanwhile. `work` may

@@ -1,8 +1,9 @@
 // Divides items of n vertices each (tetrahedra, edges) into patches, and numbers them and their vertices
 // within a patch. A patch has items of one kind that lie close together: consecutive ones along a Hilbert
 // curve through their barycentres, as many as have room. The last item of a patch takes the place of one that
-// leaves. An item that enters goes to a patch that has its vertices. One that only gets other corners stays
-// while numbers last: a cut gives them to many, and batches of these would fill patches of their own.
+// leaves. An item that enters goes to a patch that has its vertices. An item that only gets other corners
+// stays in its patch while that has free vertex numbers. A cut changes the corners of many items at once. If
+// they left, they would fill new patches of their own.
 #pragma once
 
 #include <array>

@@ -32,9 +32,11 @@ struct BladeAhead {
   static constexpr auto fields = std::tuple(&BladeAhead::expands, &BladeAhead::freed);
 };
 
-struct BladeStation {  // a point of the edge that lies in the body
-  Index at = 0, grain = 0;
-  Vec3d rest = Vec3d::Zero();  // in the grain [m]
+// A point of the edge inside the body, as a material point. Stations of contact/places.h are something else.
+struct BladeStation {
+  Index at = 0;                // number of the point along the edge, from the tip
+  Index grain = 0;             // in which it lies
+  Vec3d rest = Vec3d::Zero();  // its rest position [m]
   bool is_valid() const { return rest.allFinite(); }
   bool operator==(const BladeStation&) const = default;
   static constexpr auto fields = std::tuple(&BladeStation::at, &BladeStation::grain, &BladeStation::rest);

@@ -1,5 +1,6 @@
-// Grains are the pieces into which blades have divided tetrahedra of the body at rest. Every cut runs along
-// faces of grains, and these faces are open. Grains are geometry only, so they may be as flat as they like.
+// Grains are the small tetrahedra into which blades have divided tetrahedra of the body at rest. Every cut
+// runs along faces of grains, and these faces are open. Grains are geometry only, so they may be as flat as
+// they like.
 // The simulation has whole tetrahedra, each with the share of its volume that its grains fill
 // (fem/elements.h).
 //

@@ -14,8 +14,9 @@ inline constexpr double open_within = 0.3;  // mean edges from the sheet to a fa
 void open_on_sheets(Grains& grains, const PlacedTets& tets, const SweptSheets& swept, int stroke,
                     const std::vector<Index>& new_on, Incised& incised);
 
-// Opens the closed faces that have a sheet between the middles of the grains on both sides: who goes from one
-// side of the sheet to the other, from middle to middle, comes through one of them. `near`: ascending.
+// Opens each closed face for which a sheet crosses the line between the barycentres of the two grains beside
+// it. Then no path from grain to grain through closed faces crosses a sheet. `near`: grains near the sheets,
+// ascending.
 void open_between_sides(Grains& grains, const PlacedTets& tets, std::span<const Sheet* const> sheets,
                         const std::vector<Index>& near, Incised& incised);
 

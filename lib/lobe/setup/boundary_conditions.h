@@ -43,9 +43,9 @@ Vec3d path_at(const std::vector<PathPoint>& path, double time);
 Eigen::Vector4d orientation_at(const std::vector<PathPoint>& path, double time);
 double opening_at(const std::vector<PathPoint>& path, double time);  // of jaws [m]
 
-// Vertices whose displacement is prescribed: by the boundary conditions of the scene (holder 0), or by a
-// grasp (holder 1 + its number). The first holder of a vertex keeps it. Boundary conditions may hold
-// different components of one vertex; for each component the first one counts.
+// Held vertices: boundary conditions (holder 0) or a grasp (holder: its ToolId, above 0) prescribe their
+// displacement. The first holder of a vertex keeps it. Boundary conditions may hold different components of
+// one vertex; for each component the first one counts.
 class HeldVertices {
  public:
   struct Held {

@@ -21,9 +21,9 @@ class Pieces {
   const State& state() const { return state_; }
   void set_state(const State& state) { state_ = state; }
 
-  // The pieces that a cut has set loose. A piece that nothing holds is loose if its body was held, or if a
-  // larger piece of its body is left. From then on every piece counts as a body, so that a later cut judges
-  // only the pieces that it cuts.
+  // Returns the pieces that an edit has set loose. A piece that nothing holds is loose if the piece that it
+  // was cut from was held, or if a larger part of that one is left. All pieces that were judged are
+  // remembered, so that a later cut judges only the pieces that it cuts.
   std::vector<std::vector<Index>> loosened_by(Model& model, const MeshEdit& edit);
   void follow(const MeshEdit& edit) {  // a copy belongs to the piece of its original
     if (state_.piece_of.empty()) return;

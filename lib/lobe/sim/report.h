@@ -62,8 +62,10 @@ struct NextReport {  // what edits have found since the last one
 struct Report {
   bool ok = true;  // false: the world could not be advanced
   int steps = 0;
-  double time_step = 0;        // the smallest that was taken [s]
-  double time_step_limit = 0;  // 2/ω_max at the start of the frame [s]
+  double time_step = 0;  // the smallest that was taken [s]
+  // The longest stable step, at the frame's start or up to StepLimit::interval earlier [s].
+  // smallest_volume_ratio is found with it.
+  double time_step_limit = 0;
   Index limiting_vertex = -1;  // the vertex that sets the limit; one of them if there are several
   int reruns = 0;              // of the frame, with smaller steps
   Index tets_removed = 0;
@@ -71,8 +73,8 @@ struct Report {
   double cut_area = 0;    // opened by blades, at rest [m²]
   double mass_added = 0;  // since the start, where blades have cut, to keep the time step [kg]
   long long patches_evaluated = 0, patches_skipped = 0;  // in all evaluations; skipped: asleep
-  double smallest_volume_ratio = 1;  // of det F over the non-linear region, at the start of the frame
-  Transitions transitions;           // of reduced regions, since the last report
+  double smallest_volume_ratio = 1;           // the least det F of non-linear tetrahedra and lattice cells
+  Transitions transitions;                    // of reduced regions, since the last report
   std::array<double, phase_count> seconds{};  // of wall time per phase
   std::vector<Condition> conditions;
   std::vector<BladeCut> cuts;  // what blades have cut in this frame, move by move; recordings keep it

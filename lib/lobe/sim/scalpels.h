@@ -46,7 +46,7 @@ class Scalpels {
     Incised incised;            // without its incisions, which are in cuts()
     Vec3d tip = Vec3d::Zero();  // of the blade, at its end [m]
   };
-  // What is to be done ahead of this move again; null: it is to be found.
+  // What was done before this move, if recorded cuts are repeated: do the same. Null if none are repeated.
   const BladeAhead* ahead() const { return repeated_.empty() ? nullptr : &repeated_[cuts_.size()].ahead; }
   // Performs a whole move. It cuts grains only: a tetrahedron is where its parts will be until it is divided.
   // No step: the blade waits, because 32 others cut.

@@ -16,7 +16,8 @@ struct TouchExpansion {
   bool is_lost = false;  // the report has said that forces have no effect
   double last = 0;       // [s]
 
-  // What is to be done now, whether or not its interior is pressed. report: forces have no effect.
+  // Returns what the world must do now. `is_pressed`: whether a force acts on the interior of the region.
+  // `time`: of the world [s]. report: say once that such forces have no effect, as it cannot be expanded.
   enum class Answer { nothing, expand, condense, report };
   template <class Real>
   Answer follow(const Regions<Real>& regions, bool is_pressed, double time) {

@@ -21,13 +21,12 @@ struct TrianglePart {
   std::array<Index, 3> elements;  // that carry them
 };
 
-// The lines cut the rim into arcs. Each part of the triangle lies on one arc. Its points are carried by what
-// lies under that arc, at its ends. What is left between three or more lines goes to the arc that lies on the
-// same as its middle. A line that crosses only one side leads to the opposite corner. If there are several
-// such lines, what is between them stays with the rest. Parts fill the triangle exactly. `rim`: points in
-// order around the triangle from corner 0 on, at least one of which is no corner. `middle`: what lies under
-// the middle of the points that are no corners. `on_one_side`: whether two things under the skin are
-// connected.
+// Returns the parts, which fill the triangle exactly. The lines cut the rim into arcs, and each part lies on
+// one arc. The elements under that arc carry its points. Three or more lines leave a polygon between them. It
+// goes to an arc whose element is connected to `middle`. If all lines cross the same side, each leads to the
+// opposite corner, and what lies between two of them stays with the rest of the triangle.
+// `rim`: points in order from corner 0, at least one of which is no corner. `middle`: the element under the
+// mean of the points that are no corners. `on_one_side`: whether two elements are connected.
 std::vector<TrianglePart> divide_triangle(const std::vector<RimPoint>& rim, Index middle,
                                           const std::function<bool(Index, Index)>& on_one_side);
 

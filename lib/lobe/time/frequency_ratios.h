@@ -1,6 +1,6 @@
-// The ratio of the highest frequency to the estimate ω_v of each vertex (theory, section 7). The ratio of a
-// vertex is ω_max/ω_v when ω_max is measured, but at most the largest ratio that the vertex of the highest
-// estimate ever had. Nodes of a lattice have one ratio in common. Part of a checkpoint.
+// Ratios r_v that correct the vertex estimates ω_v [rad/s]: ω_max is taken to be max_v r_v ω_v (theory,
+// section 7). When ω_max has been measured, r_v = min(ω_max/ω_v, `most`). `most` is the largest value so
+// far of ω_max over the highest estimate. All nodes of a lattice have one ratio. Part of a checkpoint.
 #pragma once
 
 #include <algorithm>

@@ -26,8 +26,8 @@ struct Cautery {
   double radius = 0;  // of its spherical tip [m]
   // Positions of its tip [m], one list for each time it was on; the last is the present one.
   std::vector<GrowingPath> strokes;
-  bool is_live = false;
-  bool burns = false;                // only of live ones
+  bool is_live = false;              // brought by a command and led by hand; others follow a scene
+  bool burns = false;                // whether it is on; always false in a tool that is not live
   bool is_away = false;              // of live ones: it was taken away
   Vec3d position = Vec3d::Zero();    // of a live one [m]
   std::optional<Vec3d> target = {};  // at the end of the next frame

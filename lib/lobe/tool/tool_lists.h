@@ -1,5 +1,6 @@
-// The kinds of tools. Each is a class in a file of its own, with a row in three lists: ToolLists, ToolCommand
-// if hands can bring it, and ToolSetups (setup/tool_setups.h). All of them have
+// The kinds of tools. Each is a class in a file of its own, and is listed in ToolLists and ToolSetups
+// (setup/tool_setups.h). If hands can bring it, its command is also listed in ToolCommand, and in BringTool
+// unless it is a grasp. All of them have
 //
 //   Path             the struct of setup/tool_setups.h from which one is made, Path::type its name in scenes
 //   Bring            the command by which one is made

@@ -27,10 +27,13 @@ struct ToolPose {
 
 // The shape by which a tool is drawn.
 struct ToolShape {
-  double radius = 0;            // of a spherical tip [m]
-  Vec3d blade = Vec3d::Zero();  // from the tip, which is the tool's position, to the heel [m]
-  double opening = 0;           // of jaws [m]
-  Vec3d jaw = Vec3d::Zero();    // width, thickness and length of each jaw [m]; 0: it has none
+  // Radius of a sphere, a capsule or a cautery's tip; half the width of jaws; half the least extent of a box
+  // or mesh [m].
+  double radius = 0;
+  // From the tool's position: to the heel of a scalpel, or along the axis of a capsule or of jaws [m].
+  Vec3d blade = Vec3d::Zero();
+  double opening = 0;         // of jaws [m]
+  Vec3d jaw = Vec3d::Zero();  // width, thickness and length of each jaw [m]; 0: it has none
 };
 
 // Where a tool is, for pictures and recordings.

@@ -23,8 +23,9 @@ class Tools {
   template <class Bring>
   void bring(const Bring& command);
   void lead(ToolId id, const ToolPose& target);  // to be there at the end of the next frame
-  void let_go(ToolId id);            // at the start of the next frame; a cautery or a scalpel is taken away
-  void turn_on(ToolId id, bool on);  // a cautery burns, a scalpel cuts
+  // Takes a cautery or scalpel away now. At the start of the next frame a grasp lets go, or a probe vanishes.
+  void let_go(ToolId id);
+  void turn_on(ToolId id, bool on);  // a cautery burns, a scalpel cuts, jaws close; throws for a grasp
 
   const ToolLists& lists() const { return lists_; }
   const Grasp* grasp(ToolId id) const;  // null if there is none

@@ -339,15 +339,15 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
     front += cells[9] == "1";
     for (int number : {3, 4, 5, 6}) CHECK(std::stod(cells[std::size_t(number)]) >= 0);
   }
-  CHECK(rows == 72);
+  CHECK(rows == 88);
   CHECK(front > 1);
   CHECK(sizes == std::set<std::string>{"18", "144"});
   CHECK(scenes == std::set<std::string>{"my_scene"});
   CHECK(std::filesystem::exists(folder.path / "results" / "accuracy.gp"));
   CHECK(std::filesystem::exists(folder.path / "results" / "machine.txt"));
-  REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --mesh finer.vtu --quick -o quick") == 0);
+  REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --mesh finer.vtu --quick --single -o quick") == 0);
   const std::string quick = bytes_of(folder.path / "quick" / "accuracy.csv");
-  CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 36);
+  CHECK(std::count(quick.begin(), quick.end(), '\n') == 1 + 22);
   // Against the same refined mesh, total errors are the same.
   REQUIRE(lobe_bench("accuracy --scene 'my scene.json' --refine finer.vtu -o refined") == 0);
   const auto coarse_rows = [&](const char* name) {
@@ -359,8 +359,8 @@ TEST_CASE("lobe bench accuracy plays a user's own scene on its meshes and writes
     return found;
   };
   const auto all = coarse_rows("results"), refined = coarse_rows("refined");
-  REQUIRE(refined.size() == 36);
-  REQUIRE(all.size() == 36);
+  REQUIRE(refined.size() == 44);
+  REQUIRE(all.size() == 44);
   for (std::size_t i = 0; i < all.size(); ++i)
     for (int number : {5, 6}) CHECK(refined[i][std::size_t(number)] == all[i][std::size_t(number)]);
   std::istringstream quick_table(quick);

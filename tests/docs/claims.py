@@ -148,8 +148,8 @@ def table_frequencies():
 
 def table_accuracy_undeclared():
     shown = {"svk_volume": "all non-linear", "reduced": "reduced", "reduced_corrected": "reduced, corrected",
-             "selective_mass_corrected": "selective masses, corrected", "hybrid_gradient_50": "half tensor-mass",
-             "tensor_mass": "all tensor-mass"}
+             "selective_mass_corrected": "selective masses, corrected",
+             "hybrid_gradient_50": "half tensor-mass", "tensor_mass": "all tensor-mass"}
     body = [[thousands(row["tets"]), name, f"{float(row['wall_s_per_s']):.2g}", percent(row["error_model"]),
              percent(row["error_total"])]
             for model, name in shown.items()

@@ -152,8 +152,8 @@ def loop_on_the_liver():
     rms, largest, jump = (predicted("the servo", column) for column in ("rms", "max", "jump"))
     assert rms <= 0.01 and largest <= 0.04 and jump <= 0.01
     ratio = predicted("the servo", "rms") / predicted("linear in time", "rms")
-    return (f"At 0.1 m/s the loop has {ratio:.2f} times the error of *linear in time*, and less at lower speeds. "
-            "It has less than a fifth of that of *constant*")
+    return (f"At 0.1 m/s the loop has {ratio:.2f} times the error of *linear in time*, and less at lower "
+            "speeds. It has less than a fifth of that of *constant*")
 
 
 def loop_that_touches():
@@ -192,7 +192,8 @@ CLAIMS = [
     (R, lambda: f"{kernel('step', 'world_bytes_per_tet'):.0f} | {peer('SOFA', 'bytes')} | | {peer('NiftySim', 'bytes')} |"),
     (R, lambda: f"{high(rows('cut'), 'error'):.0e} | {100 * low(rows('peers', figure='cut_error'), 'low'):.0f} % "
                 f"(tensor-mass) | | |"),
-    (R, lambda: f"includes mass and surface; SOFA's is {peer('SOFA', 'remove', high__le=20)} µs without them"),
+    (R, lambda: "includes mass and surface; SOFA's is "
+                f"{peer('SOFA', 'remove', high__le=20)} µs without them"),
     (R, lambda: "| | lobe, single; double | " + " | ".join(
         f"{name} {one_version(name)}" for name in ("SOFA", "VegaFEM", "NiftySim")) + " |"),
     (R, lambda: f"| linear | {cylinder(0)} | 7 / 28 / 63 |"),

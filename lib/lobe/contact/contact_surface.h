@@ -11,9 +11,9 @@
 //
 // With selective masses, the inverse mass matrix C (time/selective_mass.h) couples vertices. The stiffness
 // K_c of contact all over the surface is first found as for lumped masses. It is then lowered until
-// λ_max(C (K + K_c)) ≤ (1 + most_added) ω_max², with K of the body at rest. Contact on a part of the surface
-// gives no higher frequency. Setup::safety has room for the share most_added. Cuts change λ_max little, so
-// the factor by which the stiffness is lowered is found once.
+// λ_max(C (K + K_c)) ≤ (1 + most_added) ω_max², with K of the body at rest. Contact on a part of the
+// surface gives no higher frequency. Setup::safety has room for the share most_added. Cuts change λ_max
+// little, so the factor by which the stiffness is lowered is found once.
 #pragma once
 
 #include <algorithm>

@@ -30,8 +30,8 @@ struct LocalModel {
   Vec3d normal = Vec3d::UnitZ();            // of the surface, outwards
 };
 
-// Returns the model `since` [s] after it came: its force is f_k + r τ, with τ since the middle of its frame,
-// at most two frames.
+// Returns the model `since` [s] after it came: its force is f_k + r τ, with τ since the middle of its
+// frame, at most two frames.
 LocalModel aged(const LocalModel& model, double since);
 // Returns the force f(x) on the tool [N]. It takes model.force for f_k + r τ, so call aged() before.
 Vec3d force_at(const LocalModel& model, const Vec3d& x);

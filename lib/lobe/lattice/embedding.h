@@ -64,8 +64,9 @@ void take_out(const Elements& elements, Index tet, Lattice& lattice, WholeLattic
 // Returns α of each material [Pa]. It is chosen so that, in nine modes of a cell, all cells of the material
 // together have the energy of their tetrahedra, less the energy of the mean strain. With x from the middle
 // of the cell, and a, b, c different axes, the modes are u_a = x_b x_c, and bending with free faces,
-// u_a = x_a x_b, u_b = −½ x_a² − ½ λ/(λ + 2μ) x_b². The modes are interpolated from the vertices, so α
-// includes the excess stiffness of the mesh. α is at least that of a fine mesh, μ/3 (1 + 4 (λ + μ)/(λ + 2μ)).
+// u_a = x_a x_b, u_b = −½ x_a² − ½ λ/(λ + 2μ) x_b². The modes are interpolated from the vertices,
+// so α includes the excess stiffness of the mesh. α is at least that of a fine mesh,
+// μ/3 (1 + 4 (λ + μ)/(λ + 2μ)).
 std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattice& lattice,
                                           const std::vector<CellSums>& sums);
 

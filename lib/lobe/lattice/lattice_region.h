@@ -149,8 +149,8 @@ class LatticeRegion {
   // The lattice's motion is that of its nodes alone: what still fades of displacements is no part of it.
   // Returns the residual of the equations of motion, 3 × #vertices [N]. Each column is turned back by the
   // rotation of the tissue around its vertex.
-  // - Embedded vertex: f − m (a + γ v), with f of all tetrahedra and loads, m its own mass, and a and v the
-  //   acceleration and velocity that the nodes give it.
+  // - Embedded vertex: f − m (a + γ v), with f of all tetrahedra and loads, m its own mass, and a and v
+  //   the acceleration and velocity that the nodes give it.
   // - Full vertex: the force that its added mass takes up, minus the force of displacements that fade.
   // Call recover() before. `motion` must have the forces at these displacements.
   Mat3X<double> residual(const Elements& elements, const Loads<Real>& loads,

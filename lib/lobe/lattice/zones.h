@@ -18,8 +18,8 @@ class FullZones {
  public:
   static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
   static constexpr double burst = 0.05;   // all are full after something has let go, or taken hold [s]
-  // The body is calm while its displacement, √Σ m |u|², is below this share of the largest so far [-]. What
-  // takes hold of a calm body moves it by little at first: then only what is around the tool becomes full.
+  // The body is calm while its displacement, √Σ m |u|², is below this share of the largest so far [-]. A
+  // tool that takes hold of a calm body moves it by little at first: only its zone becomes full then.
   static constexpr double calm = 0.1;
   static constexpr double quick = 0.03;  // all stay full after the body has moved quickly [s]
   // Radius of the zone around a held or loaded vertex, and around a pressed one [edges of a cell]. The

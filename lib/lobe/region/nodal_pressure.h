@@ -2,7 +2,8 @@
 // instead of on single non-linear tetrahedra (theory, section 12),
 //   W = Σ_T V_T ((1−χ)λ/2 θ_T² + μ tr(E_T²)) + Σ_n χλ/2 V_n θ_n²   [J],
 //   θ_T = tr E_T,  V_n = Σ_T∋n V_T/4,  θ_n = Σ_T∋n V_T θ_T/(4V_n).
-// The stress of a tetrahedron is S = ((1−χ)λ θ_T + p_T) I + 2μE [Pa], p_T = ¼ Σ_n∈T p_n, p_n = χλ θ_n.
+// The stress of a tetrahedron is S = ((1−χ)λ θ_T + p_T) I + 2μE [Pa] with p_T = ¼ Σ_n∈T p_n,
+// p_n = χλ θ_n.
 //
 // A pressure node n is a vertex together with a material, so pressure may jump between materials. Only
 // non-linear tetrahedra take part. Nodes come and go with their tetrahedra; the numbers of those that have

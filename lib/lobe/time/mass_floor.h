@@ -1,8 +1,9 @@
 // The mass floor keeps the time step of a body that a blade has cut, by added mass. A copy of a tetrahedron
-// T keeps a share φ of its volume V_T. Its stiffness and its mass are multiplied by φ, so its own frequencies
-// do not change. But a vertex that is left with only its stiffest tetrahedra has a higher frequency than
-// before. K_T is the stiffness matrix of T, 12 × 12 [N/m], and ω_T² = λ_max(K_T)/(ρV_T/4) [1/s²] is the same
-// for all φ. With m_T,i = ρφV_T/4, the mass of T at its corner i [kg],
+// T keeps a share φ of its volume V_T. Its stiffness and its mass are multiplied by φ, so its own
+// frequencies do not change. But a vertex that is left with only its stiffest tetrahedra has a higher
+// frequency than before. K_T is the stiffness matrix of T, 12 × 12 [N/m], and
+// ω_T² = λ_max(K_T)/(ρV_T/4) [1/s²] is the same for all φ. With m_T,i = ρφV_T/4, the mass of T at its
+// corner i [kg],
 //
 //   ω_max² ≤ max_i ( Σ_{T∋i} m_T,i ω_T² ) / m_i
 //

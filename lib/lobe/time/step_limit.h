@@ -24,8 +24,8 @@ class StepLimit {
 
   // Returns the longest stable step Δt at the present state [s]: the positive root of
   //   ω_max² Δt² + 2 c Δt = 4,
-  // with c the highest damping rate of force terms [1/s]. Without damping that is 2/ω_max. ω_max counts as at
-  // least a quarter of that at rest. Infinite if nothing is free. Costs O(#tetrahedra) if the state has
+  // with c the highest damping rate of force terms [1/s]. Without damping that is 2/ω_max. ω_max counts as
+  // at least a quarter of that at rest. Infinite if nothing is free. Costs O(#tetrahedra) if the state has
   // changed since the last call. Cuts are followed locally, except with nodal pressure.
   double find(Body& body);
   // The same from scratch, as a restored world computes it, so that both get the same bits.

@@ -85,9 +85,9 @@ void set_total_error(const ErrorNorm& norm, const Reference& total, const Played
 
 std::vector<Way> ways(int threads, bool in_double) {
   std::vector<Way> all;
-  for (const double safety : safeties) all.push_back({Precision::single_precision, safety, threads});
-  for (const double safety : safeties)
-    if (in_double) all.push_back({Precision::double_precision, safety, threads});
+  for (const Precision precision : {Precision::single_precision, Precision::double_precision})
+    for (const double safety : safeties)
+      if (in_double || precision == Precision::single_precision) all.push_back({precision, safety, threads});
   return all;
 }
 

@@ -71,7 +71,8 @@ LOBE_FLATTEN void find_forces(const CellArrays<Real>& cells, PaddedVector<Real>*
   }
 }
 
-// An upper bound of the largest eigenvalue: the mean, and √(2/3) of what is beside it.
+// An upper bound of the largest eigenvalue of a symmetric matrix: its mean eigenvalue, plus √(2/3) of the
+// norm of the rest.
 template <class T>
 T eigenvalue_bound(const Mat3<T>& K) {
   using Real = typename T::value_type;
@@ -101,8 +102,7 @@ LOBE_FLATTEN void find_tangents(const CellArrays<Real>& cells, CellTangents<Real
         const T bound = eigenvalue_bound(K) * cell.V;
         bound.copy_to(&tangents[b].bounds[n][first], std::experimental::element_aligned);
       }
-      const T ratio = T(1) + volume_change(cell.H);
-      ratio.copy_to(&tangents[b].volume_ratio[first], std::experimental::element_aligned);
+      volume_ratio(cell.H).copy_to(&tangents[b].volume_ratio[first], std::experimental::element_aligned);
     }
 }
 

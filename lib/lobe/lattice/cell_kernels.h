@@ -33,8 +33,9 @@ struct CellArrays {
 template <class Real>
 struct alignas(64) CellTangents {  // of a block
   using Row = typename CellBlock<Real>::Row;
-  std::array<Row, 8> bounds;  // of what each node's stiffness alone gets from the mean strain [N/m]
-  Row volume_ratio;           // det F
+  // Bounds of λ_max of each node's stiffness while the others are held, from the cell's mean strain [N/m].
+  std::array<Row, 8> bounds;
+  Row volume_ratio;  // det F
 };
 
 template <class Real>

@@ -6,6 +6,7 @@
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/scene/read_scene.h"
 #include "lobe/scene/write_scene.h"
 #include "painting.h"
 

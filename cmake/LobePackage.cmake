@@ -25,7 +25,7 @@ function(lobe_package component name section licence summary)  # further variabl
   endwhile()
 endfunction()
 lobe_package(programs lobe science LICENSE "Organs simulated in real time: programs, page and pictures"
-  RECOMMENDS "lobe-mesh, xvfb, xauth")
+  RECOMMENDS "lobe-mesh, xvfb")
 lobe_package(development liblobe-dev libdevel LICENSE "Organs simulated in real time: C++ library"
   DEPENDS "liblobe-c1 (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, libmetis-dev, libpugixml-dev, zlib1g-dev")
 lobe_package(c liblobe-c1 libs LICENSE "Organs simulated in real time: library for engines, in C")

@@ -2,7 +2,7 @@
 // fibres across do not, and fibres at 45 degrees in a level plane twist it. The left ventricle of a heart,
 // held at its base and pulled at its apex, twists as well, and does not if it is isotropic.
 //
-//   build/bin/07_fibres out/fibres && xvfb-run -a build/bin/lobe-picture out/fibres/pictures.json
+//   build/bin/07_fibres out/fibres && build/bin/lobe-picture out/fibres/pictures.json
 #include <lobe/lobe.h>
 
 #include <cmath>

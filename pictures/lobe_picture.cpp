@@ -1,23 +1,14 @@
-// lobe-picture REQUEST.json: draws meshes, tools and colours into PNG files (request.h has the format). It
-// needs an X display: without one, run it under xvfb-run -a. Exit status 0 done, 2 bad input.
-#include <vtkNew.h>
+// lobe-picture REQUEST.json: draws meshes, tools and colours into PNG files (request.h has the format). Exit
+// status 0 done, 2 bad input or nothing to draw on.
 #include <vtkObject.h>
-#include <vtkRenderWindow.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdlib>
 #include <iostream>
-#include <stdexcept>
 
+#include "display.h"
 #include "render.h"
 
 namespace {
-
-// VTK ends the process where there is no display.
-void need_display() {
-  const char* display = std::getenv("DISPLAY");
-  if (!display || !*display) throw std::runtime_error("no X display; run under xvfb-run -a");
-}
 
 int fail(const char* message) {
   std::cerr << "lobe-picture: error: " << message << '\n';
@@ -40,11 +31,7 @@ int main(int argc, char** argv) {
   try {
     vtkObject::GlobalWarningDisplayOff();  // faults are reported in one line, below
     const std::vector<picture::Picture> pictures = picture::read_request(request);
-    need_display();
-    // An X server whose last client has left starts again, and refuses clients meanwhile. This window stays.
-    const vtkNew<vtkRenderWindow> kept;
-    kept->SetOffScreenRendering(true);
-    kept->Start();
+    const picture::Display display;
     for (const picture::Picture& one : pictures) picture::render(one);
     return 0;
   } catch (const std::exception& error) {

@@ -9,11 +9,10 @@ namespace lobe::program {
 
 std::string render_pictures(const std::filesystem::path& request) {
   const std::string picture = sibling("lobe-picture").string();
-  // Debian's VTK draws through X only. xvfb-run -a starts an X server for it, whatever DISPLAY is.
-  const int status = run_program({"xvfb-run", "-a", picture, request.string()});
+  const int status = run_program({picture, request.string()});
   if (status == 0) return "";
-  const std::string again = "; to draw them later: xvfb-run -a lobe-picture " + request.string();
-  if (status == 127) return "no pictures: lobe-picture or xvfb-run is missing" + again;
+  const std::string again = "; to draw them later: lobe-picture " + request.string();
+  if (status == 127) return "no pictures: lobe-picture is missing" + again;
   return "no pictures: lobe-picture ended with status " + std::to_string(status) + again;
 }
 

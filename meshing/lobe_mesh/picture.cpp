@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -91,10 +90,8 @@ nlohmann::json request_of(const MeshReport& report) {
 }  // namespace
 
 std::string draw_picture(const std::filesystem::path& file, const TetMesh& mesh, const MeshReport& report) {
-  const auto program = find_program("lobe-picture"), display = find_program("xvfb-run");
-  const bool has_display = std::getenv("DISPLAY") != nullptr;
+  const auto program = find_program("lobe-picture");
   if (program.empty()) return "lobe-picture was not found: build lobe with LOBE_PICTURES, which needs VTK";
-  if (!has_display && display.empty()) return "no display, and xvfb-run was not found: install xvfb";
   const TemporaryFolder folder;
   const Surface boundary = boundary_surface(mesh);
   write_surface(folder.path() / "boundary.vtp", boundary.points, boundary.triangles);
@@ -102,9 +99,7 @@ std::string draw_picture(const std::filesystem::path& file, const TetMesh& mesh,
   write_bars(folder.path() / "bars.vtp", report.quality);
   const std::filesystem::path request = folder.path() / "request.json", errors = folder.path() / "errors";
   std::ofstream(request) << request_of(report);
-  const ChildResult result = has_display
-                                 ? run_child(program, {request}, {seconds, bytes}, errors)
-                                 : run_child(display, {"-a", program, request}, {seconds, bytes}, errors);
+  const ChildResult result = run_child(program, {request}, {seconds, bytes}, errors);
   if (result.end == ChildResult::End::normal && result.status == 0) {
     io::AtomicFile out(file);
     out.stream() << std::ifstream(folder.path() / drawn, std::ios::binary).rdbuf();

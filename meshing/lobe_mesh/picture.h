@@ -10,8 +10,8 @@
 namespace lobe::meshing {
 
 // Draws, side by side, the boundary of the mesh, the mesh cut open and coloured by the smallest dihedral
-// angle of each tetrahedron, and the histogram of all dihedral angles, by lobe-picture, under xvfb-run where
-// there is no display. Returns "", or why there is no picture.
+// angle of each tetrahedron, and the histogram of all dihedral angles, by lobe-picture. Returns "",
+// or why there is no picture.
 std::string draw_picture(const std::filesystem::path& file,  // .png
                          const TetMesh& mesh, const MeshReport& report);
 

@@ -44,11 +44,11 @@ std::string two_tetrahedra(const std::string& moved = "0 0 0.2", int count = 2) 
 }
 
 // Runs the request; its standard error is then in messages.txt.
-int run(const Folder& folder, const std::string& request, const std::string& options = "") {
+int run(const Folder& folder, const std::string& request, const std::string& options = "",
+        const std::string& environment = "env -u DISPLAY") {
   folder.write("request.json", request);
-  const std::string command = "cd '" + folder.path.string() +
-                              "' && '" XVFB_RUN "' -a '" LOBE_BIN_DIR "/lobe-picture' request.json " +
-                              options + " 2> messages.txt";
+  const std::string command = "cd '" + folder.path.string() + "' && " + environment +
+                              " '" LOBE_BIN_DIR "/lobe-picture' request.json " + options + " 2> messages.txt";
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -218,4 +218,35 @@ TEST_CASE("a wrong command line is one line and exit status 2") {
   CHECK(messages.starts_with("lobe-picture: error: "));
   CHECK(messages.find("--colour") != std::string::npos);
   CHECK(messages.find('\n') == messages.size() - 1);
+}
+
+TEST_CASE("pictures that are drawn at the same time all succeed, and leave no server and no files behind") {
+  const Folder folder;
+  folder.write("tets.vtu", two_tetrahedra());
+  const std::vector<std::string> names = {"a", "b", "c", "d"};
+  std::string together;
+  for (const std::string& name : names) {
+    folder.write(name + ".json", R"({"pictures": [{"out": ")" + name +
+                                     R"(.png", "size": [64, 64], "panels": [{"mesh": "tets.vtu"}]}]})");
+    together += "('" LOBE_BIN_DIR "/lobe-picture' " + name + ".json 2> " + name + ".txt; echo $? > " + name +
+                ".status) & ";
+  }
+  fs::create_directory(folder.path / "temporary");
+  const std::string command =
+      "cd '" + folder.path.string() + "' || exit 1; export TMPDIR=$PWD/temporary; " + together + "wait";
+  CHECK(std::system(command.c_str()) == 0);
+  for (const std::string& name : names) {
+    CHECK(folder.read(name + ".status") == "0\n");
+    CHECK_MESSAGE(folder.read(name + ".txt").empty(), folder.read(name + ".txt"));
+    CHECK(fs::exists(folder.path / (name + ".png")));
+  }
+  CHECK(fs::is_empty(folder.path / "temporary"));
+}
+
+TEST_CASE("without an X server that can be started or is there, one line says what to install") {
+  const Folder folder;
+  folder.write("tets.vtu", two_tetrahedra());
+  CHECK(run(folder, one_panel(R"({"mesh": "tets.vtu"})"), "", "env -u DISPLAY PATH=/nowhere") == 2);
+  CHECK(folder.read("messages.txt") ==
+        "lobe-picture: error: there is no X server to draw on: install Xvfb (Debian's package xvfb)\n");
 }

@@ -242,7 +242,7 @@ TEST_CASE("pictures that cannot be drawn are a warning that says how to draw the
   write_scene_files(folder, scene);
   const Ended run = lobe_in(folder, "run scene.json -o out", "PATH=/nowhere");
   CHECK(run.status == 0);
-  CHECK(contains(run.err, "to draw them later: xvfb-run -a lobe-picture out/pictures.json"));
+  CHECK(contains(run.err, "to draw them later: lobe-picture out/pictures.json"));
   CHECK(fs::exists(folder.path / "out" / "pictures.json"));
   CHECK(lobe_in(folder, "run scene.json -o out --no-pictures", "PATH=/nowhere").err.empty());
 }

@@ -9,8 +9,8 @@
 namespace picture {
 
 // Starts Xvfb on a free display and points DISPLAY and XAUTHORITY at it. Only who has its key may connect. It
-// ends with this object, at the latest with the process. Where Xvfb is not installed, the display that DISPLAY
-// names is used. Throws std::runtime_error if there is none.
+// ends with this object, at the latest with the process. Where Xvfb is not installed, the display that
+// DISPLAY names is used. Throws std::runtime_error if there is none.
 class Display {
  public:
   Display();

@@ -19,6 +19,14 @@ const std::array<Vec3d, SelfContact::points_per_triangle>& SelfContact::point_we
   return weights;
 }
 
+// Rounding, or the slack of find_insides(), may put a point beyond a face of its tetrahedron that it lies on.
+// It counts as on that face. In front of it, the point would be behind other faces only, however far they are.
+Vec3d SelfContact::place_at_rest(const BoundaryLayer::Tet& tet, const Eigen::Vector4d& weights) {
+  if (!(weights.minCoeff() < 0)) return tet.rest * weights;
+  const Eigen::Vector4d within = weights.cwiseMax(0);
+  return tet.rest * (within / within.sum());
+}
+
 // The same face as the boundary layer finds, which is not asked for where it cannot have changed.
 int SelfContact::nearest_face(int point, int layer, const Vec3d& rest) {
   KnownFace& known = known_faces_[std::size_t(point)];
@@ -152,7 +160,8 @@ bool SelfContact::find_pair(const CloseOnes& ones, Touch& touch) const {
   const auto is_in = [&](int pair) {
     if (insides_of(pair) <= 0 || !(insides_of(pair) >> touch.number & 1)) return false;
     const BoundaryLayer::Tet& layer = layer_at(pairs_[std::size_t(close_[std::size_t(pair)])].layer);
-    return layer.lips == 0 || boundary_.is_filled(layer, layer.rest * weights_in(pair, touch.weights));
+    return layer.lips == 0 ||
+           boundary_.is_filled(layer, place_at_rest(layer, weights_in(pair, touch.weights)));
   };
   const int end = ones.first + ones.count;
   if (touch.anchor)
@@ -198,7 +207,7 @@ bool SelfContact::find_touch(const At& at, const CloseOnes& ones, const Vec3d& x
   touch.held = memory_.held().any() ? memory_.held().at(triangle.points, touch.weights) : 0;
   const bool is_in = find_pair(ones, touch);
   if (is_in) {
-    const Vec3d rest = layer_at(touch.layer).rest * touch.corner_weights;
+    const Vec3d rest = place_at_rest(layer_at(touch.layer), touch.corner_weights);
     touch.face = nearest_face(points_per_triangle * number + touch.number, touch.layer, rest);
     if (touch.face < 0) return false;
   } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, ones, touch))) {

@@ -226,6 +226,7 @@ class SelfContact {
     return int(insides_[std::size_t(pair) / PairBlock::width].points[std::size_t(pair) % PairBlock::width]);
   }
   Eigen::Vector4d weights_in(int pair, const Vec3d& weights) const;  // barycentric coordinates
+  static Vec3d place_at_rest(const BoundaryLayer::Tet& tet, const Eigen::Vector4d& weights);
   FaceNow& face_now(const At& at, int face, bool with_speeds);
   template <class Visit>
   void visit_touches(const At& at, bool with_speeds, Visit&& visit);

@@ -49,34 +49,41 @@ void PrecomputedRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, Diago
 }
 
 template <class Real>
-void PrecomputedRegion<Real>::take_over_loads(Mat3X<Real>& external, Mat3X<Real>& dead) const {
-  for (Eigen::Index i = 0; i < roles_.size(); ++i)
-    if (roles_.data()[i] == Role::interior) external.data()[i] = dead.data()[i] = 0;
-}
-
-template <class Real>
-const std::vector<Index>& PrecomputedRegion<Real>::move_mass(const Elements& elements,
-                                                             std::vector<double>& mass) {
-  if (tet_count_ == 0) return shared_;
+void PrecomputedRegion<Real>::find_carried(const Elements& elements) {
+  carried_.assign(std::size_t(roles_.cols()), 0);
+  if (tet_count_ == 0) return;
   const Eigen::VectorXd& follows =
       condensed_->inertia(interior_masses(elements, roles_), shared_components(elements, roles_));
-  for (Index v = 0; v < static_cast<Index>(roles_.cols()); ++v)
-    if (is_interior(v)) mass[v] = 0;
   double all = 0, positive = 0;  // the few that are not go to the others
   for (Index v : shared_) {
     double share = 0;
     for (int axis = 0; axis < 3; ++axis)
       if (const Index at = condensed_->column(3 * v + axis); at >= 0) share += follows[at] / 3;
-    mass[v] = std::max(0.0, share);
+    carried_[v] = std::max(0.0, share);
     all += share;
-    positive += mass[v];
+    positive += carried_[v];
   }
   for (Index v : shared_) {
-    const double followed = positive > 0 ? std::max(0.0, all) / positive * mass[v] : 0;
-    mass[v] =
-        lumped_mass(elements, v) + (std::isfinite(followed) ? followed : 0);  // a damaged cache's are not
+    const double carried = positive > 0 ? std::max(0.0, all) / positive * carried_[v] : 0;
+    carried_[v] = std::isfinite(carried) ? carried : 0;  // a damaged cache's are not
   }
-  return shared_;
+}
+
+template <class Real>
+std::vector<Index> PrecomputedRegion<Real>::take_over(const Elements& elements,
+                                                      const std::vector<Index>& vertices,
+                                                      std::vector<double>& mass, Mat3X<Real>& external,
+                                                      Mat3X<Real>& dead) const {
+  std::vector<Index> taken;
+  for (Index v : vertices) {
+    const bool is_inside = is_interior(v);
+    if (!is_inside && !std::binary_search(shared_.begin(), shared_.end(), v)) continue;
+    mass[v] = is_inside ? 0 : lumped_mass(elements, v) + carried(v);
+    for (int axis = 0; axis < 3; ++axis)
+      if (roles_(axis, v) == Role::interior) external(axis, v) = dead(axis, v) = 0;
+    taken.push_back(v);
+  }
+  return taken;
 }
 
 template <class Real>

@@ -61,7 +61,7 @@ class PrecomputedRegion {
   const Mat3X<double>& about() const { return linearisation_.about; }
   const std::vector<Index>& shared() const { return shared_; }  // vertices of other regions, too
   // The displacement error of the interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
-  // acceleration of the interface [m/s²]. The masses are those of move_mass().
+  // acceleration of the interface [m/s²]. The masses are those of find_carried().
   double inertia_error(const Vec3d& acceleration) const;
 
   std::string take_notice() { return cache_.take_notice(); }        // of the cache
@@ -69,15 +69,22 @@ class PrecomputedRegion {
   Index tet_count() const { return tet_count_; }
   bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[tet]; }
   Index interface_size() const { return static_cast<Index>(components_.size()); }  // components
-  bool is_interior(Index vertex) const { return (roles_.col(vertex).array() == Role::interior).any(); }
+  bool is_interior(Index vertex) const {
+    return vertex < static_cast<Index>(roles_.cols()) && (roles_.col(vertex).array() == Role::interior).any();
+  }
 
-  // Takes the interior's loads out of the arrays again, after the world has put them back.
-  void take_over_loads(Mat3X<Real>& external, Mat3X<Real>& dead) const;
-
-  // Moves the interior's mass to the interface: as much as it takes to move the interface as a whole (theory,
-  // section 14). Changes `mass`, per vertex [kg], there and in the interior. Returns the vertices of the
-  // interface.
-  const std::vector<Index>& move_mass(const Elements& elements, std::vector<double>& mass);
+  // Finds carried(): the mass of the interior that a vertex of the interface carries [kg]. All together carry
+  // as much as it takes to move the interface as a whole (theory, section 14). Call it after an edit, and when
+  // end_condensing() has used a result.
+  void find_carried(const Elements& elements);
+  double carried(Index vertex) const {
+    return vertex < static_cast<Index>(carried_.size()) ? carried_[std::size_t(vertex)] : 0;
+  }
+  // After masses and loads of these vertices were computed from tetrahedra: moves masses of the interior to
+  // the interface, and takes over its loads. Returns those of the vertices that belong to the region. Masses
+  // are per vertex [kg], loads 3 × #vertices [N].
+  std::vector<Index> take_over(const Elements& elements, const std::vector<Index>& vertices,
+                               std::vector<double>& mass, Mat3X<Real>& external, Mat3X<Real>& dead) const;
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Real missing_share,    // share of the dead loads that does not act yet
@@ -155,6 +162,7 @@ class PrecomputedRegion {
   std::vector<Index> components_;  // of the interface: 3 × vertex + axis
   std::vector<Index> vertices_;    // of the interface, in the order of their components
   std::vector<Index> shared_;      // vertices of other regions, too
+  std::vector<double> carried_;    // per vertex [kg]
   SymmetricProduct<Real> stiffness_;
   Eigen::MatrixXd of_loads_;  // force of each amplitude [N], #components × #amplitudes
 

@@ -111,6 +111,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
                                                    const RegionEdit& edit, Mat3X<Real>& external,
                                                    Mat3X<Real>& dead, bool lazily) {
   const auto enters = [&](Index t) { return elements.is_in(RegionModel::precomputed, t); };
+  has_changed_ = false;
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return {};
   has_frame_ = elements.precomputed_frame == RegionFrame::corotated;
   grow(elements, edit);

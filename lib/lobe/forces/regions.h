@@ -36,7 +36,7 @@ class Regions {
   void follow(const Elements& elements, const RegionEdit& edit);
   std::vector<Index> follow_condensed(const Model& model, const RegionEdit& edit, Loads<Real>& loads);
   // Whether the last edit that was followed concerned the condensed region.
-  bool condensed_has_changed() const { return precomputed_.tet_count() > 0 && precomputed_.has_changed(); }
+  bool condensed_has_changed() const { return precomputed_.has_changed(); }
   // Throws InputError if these tetrahedra cannot get this model: what is pre-computed must be held, and its
   // matrix must not be too large; reduced ones must go with a lattice of this cell [m].
   void refuse(RegionModel model, const std::vector<Index>& tets, const Model& body,
@@ -46,8 +46,7 @@ class Regions {
   std::string take_notice() { return precomputed_.take_notice(); }  // of the cache
 
   // While the region is expanded, its pre-computed tetrahedra are non-linear. After each change, masses and
-  // loads of condensed_vertices() must be computed anew. After condensing, call take_over_loads() and
-  // move_mass().
+  // loads of condensed_vertices() must be computed anew.
   bool can_be_expanded() const { return expandable_ && any_condensed(); }
   bool may_expand() const { return can_be_expanded() && !is_expanded_; }
   bool is_expanded() const { return is_expanded_; }
@@ -56,12 +55,19 @@ class Regions {
   }  // no edit has changed the region since it was relinearised
   void set_expanded(bool is_expanded) { is_expanded_ = is_expanded; }
   std::vector<Index> condensed_vertices(Index vertices) const;  // shared ones first
-  void take_over_loads(Loads<Real>& loads) const {
-    precomputed_.take_over_loads(loads.external(), loads.dead());
+  // Finds the mass of a condensed interior that its interface carries, after the region has changed.
+  void find_carried(const Elements& elements) {
+    if (!is_expanded_) precomputed_.find_carried(elements);
   }
-  // Moves the mass of a condensed interior to the vertices of the interface, and returns these.
-  std::vector<Index> move_mass(const Elements& elements, std::vector<double>& mass) {
-    return is_expanded_ ? std::vector<Index>{} : precomputed_.move_mass(elements, mass);
+  double carried(Index vertex) const {  // [kg]
+    return any_condensed() && !is_expanded_ ? precomputed_.carried(vertex) : 0;
+  }
+  // After masses and loads of these vertices were computed from tetrahedra: a condensed interior gives its
+  // masses to its interface, and takes over its loads. Returns those of the vertices that this concerns.
+  std::vector<Index> take_over(const Elements& elements, const std::vector<Index>& vertices,
+                               std::vector<double>& mass, Loads<Real>& loads) const {
+    if (!any_condensed() || is_expanded_) return {};
+    return precomputed_.take_over(elements, vertices, mass, loads.external(), loads.dead());
   }
   // Whether a region has to change when vertices are touched, or when a blade comes near.
   bool heeds_touch() const { return any_condensed(); }
@@ -206,7 +212,7 @@ class Regions {
   // The displacement error of a condensed interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
   // acceleration of the interface [m/s²].
   double inertia_error(const Vec3d& acceleration) const { return precomputed_.inertia_error(acceleration); }
-  const std::vector<Index>& shared() const { return precomputed_.shared(); }
+  const std::vector<Index>& shared() const { return precomputed_.shared(); }  // by a condensed region
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
   // Computes the condensed interior, which is in equilibrium with its interface. Does nothing if the state

@@ -130,25 +130,23 @@ void validate_motion(const Dynamics<Real>& body) {
         "motion: the state is not finite");
 }
 
-// The mass of a condensed interior is at the vertices that it shares with other regions.
+// What the tetrahedra around a vertex give it, and a condensed interior; what follows others has none.
+template <class Real>
+double expected_mass(const Dynamics<Real>& body, Index v) {
+  if (body.regions.follows(v)) return 0;
+  const Elements& elements = body.model.elements;
+  return std::max({body.inertia.own_mass(elements, v) + body.regions.carried(v),
+                   body.inertia.floor().at(elements, v), body.regions.least_mass(v)});
+}
+
 template <class Real>
 void validate_masses(const Dynamics<Real>& body) {
-  const Elements& elements = body.model.elements;
   const std::vector<double>& mass = body.inertia.mass();
-  check(mass.size() == std::size_t(elements.topology.vertex_count()), "inertia: one mass per vertex");
-  const bool is_condensed = body.regions.any_condensed() && !body.regions.is_expanded();
-  std::vector<char> carries(mass.size(), body.inertia.scaling().share > 0);
-  if (is_condensed)
-    for (const Index v : body.regions.shared()) carries[std::size_t(v)] = 1;
-  for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
+  const Index vertices = body.model.elements.topology.vertex_count();
+  check(mass.size() == std::size_t(vertices), "inertia: one mass per vertex");
+  for (Index v = 0; v < vertices; ++v) {
     const double vertex_mass = mass[std::size_t(v)];
-    const double lumped = body.regions.follows(v)
-                              ? 0
-                              : std::max({lumped_mass(elements, v), body.inertia.floor().at(elements, v),
-                                          body.regions.least_mass(v)});
-    check(
-        carries[std::size_t(v)] ? std::isfinite(vertex_mass) && vertex_mass >= lumped : vertex_mass == lumped,
-        "inertia: a vertex's mass");
+    check(vertex_mass == expected_mass(body, v), "inertia: a vertex's mass");
     const double inverse = body.inertia.inverse_mass(v);
     const bool rests = body.model.held.fixes(v) || vertex_mass == 0;
     check(rests ? inverse == 0 : std::abs(inverse * vertex_mass - 1) < 1e-12, "inertia: an inverse mass");

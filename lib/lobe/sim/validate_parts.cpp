@@ -59,29 +59,56 @@ void validate_embedding(const LatticeRegion<Real>& region, const Dynamics<Real>&
               "lattice: one finite displacement and velocity per node");
 }
 
-// All mass of the tetrahedra is somewhere. Added mass is counted apart. Of a condensed interior, the part
-// that moves with what is held is nowhere.
-template <class Real>
-void validate_total_mass(const LatticeRegion<Real>& region, const Dynamics<Real>& body) {
-  const bool is_condensed = body.regions.any_condensed() && !body.regions.is_expanded();
-  if (is_condensed || body.inertia.scaling().share > 0 || body.inertia.floor().square > 0) return;
-  const Elements& elements = body.model.elements;
-  double expected = region.any_embedded() ? region.mass_added() : 0, sum = 0;
-  for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    if (elements.topology.alive(t)) expected += elements.elastic_of(t).density * elements.volume(t);
-  for (const double mass : body.inertia.mass()) sum += mass;
-  if (region.any_embedded())
-    for (const double mass : region.embedding().mass) sum += mass;
-  lobe_assert(are_near(sum, expected), "inertia: the mass of the body");
-}
-
 template <class Real>
 void validate_lattice(const Dynamics<Real>& body) {
   const LatticeRegion<Real>& region = body.regions.reduced();
-  if (!region.is_up_to_date()) return;
   if (region.any()) validate_lattice_parts(region.lattice(), body.model.elements);
   if (region.any_embedded()) validate_embedding(region, body);
-  validate_total_mass(region, body);
+}
+
+// ---- Mass
+
+// The interface of a condensed region carries the mass of its interior, all of it where nothing holds the
+// region, and less where a part of the interior moves with what is held.
+template <class Real>
+void validate_carried_mass(const Dynamics<Real>& body, double inside) {
+  const Elements& elements = body.model.elements;
+  double carried = 0;
+  for (const Index v : body.regions.shared()) carried += body.regions.carried(v);
+  lobe_assert(carried >= 0 && carried <= inside * (1 + 1e-6), "regions: the mass of a condensed interior");
+  const auto holds_region = [&](const HeldVertices::Held& item) {
+    const auto around = elements.topology.around(item.vertex);
+    return std::any_of(around.begin(), around.end(), [&](Index t) { return body.regions.is_condensed(t); });
+  };
+  const std::vector<HeldVertices::Held>& held = body.model.held.all();
+  if (std::none_of(held.begin(), held.end(), holds_region))
+    lobe_assert(carried >= inside * (1 - 1e-6), "regions: the mass of a condensed interior that is free");
+}
+
+// All mass of the tetrahedra moves somewhere, and what was added to it. Of a condensed interior that moves
+// which its interface carries.
+template <class Real>
+void validate_total_mass(const Dynamics<Real>& body) {
+  const Elements& elements = body.model.elements;
+  const LatticeRegion<Real>& region = body.regions.reduced();
+  const bool is_condensed = body.regions.any_condensed() && !body.regions.is_expanded();
+  double of_tets = 0, of_vertices = 0, inside = 0, added = body.inertia.mass_of_floor(), moving = 0;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    if (elements.topology.alive(t)) of_tets += elements.elastic_of(t).density * elements.volume(t);
+  for (Index v = 0; v < elements.topology.vertex_count(); ++v) {
+    const double lumped = lumped_mass(elements, v);
+    of_vertices += lumped;
+    added += body.inertia.own_mass(elements, v) - lumped + body.regions.carried(v);
+    if (is_condensed && body.regions.is_interior(v)) inside += lumped;
+    moving += body.inertia.mass()[std::size_t(v)];
+  }
+  lobe_assert(are_near(of_vertices, of_tets), "inertia: the mass of the tetrahedra");
+  if (is_condensed) validate_carried_mass(body, inside);
+  if (region.any_embedded()) {
+    added += region.mass_added();
+    moving = std::accumulate(region.embedding().mass.begin(), region.embedding().mass.end(), moving);
+  }
+  lobe_assert(are_near(moving, of_tets - inside + added), "inertia: the mass of the body");
 }
 
 // ---- Tools, sleep, grains
@@ -126,7 +153,10 @@ void validate_grains(const Grains& grains, const Elements& elements) {
 
 template <class Real>
 void validate_parts(const World<Real>& world) {
-  validate_lattice(world.body());
+  if (world.body().regions.are_up_to_date()) {
+    validate_lattice(world.body());
+    validate_total_mass(world.body());
+  }
   validate_tools(world.tools(), world.elements().topology.vertex_count());
   validate_sleep(world.body());
   if (world.grains()) validate_grains(*world.grains(), world.elements());

@@ -162,9 +162,11 @@ class World {
   void follow(RegionEdit edit);
   void add_unsupported(RegionEdit& edit);
   void update_masses(const std::vector<Index>& vertices);
+  void update_vertices_apart(const std::vector<Index>& vertices);
   void update_vertices(const std::vector<Index>& vertices);
   void update_inverse_masses(const std::vector<Index>& vertices);
-  void move_mass();
+  void take_over(const std::vector<Index>& vertices);
+  void find_carried();
   bool embed(const std::vector<Index>& also_pressed = {});
   bool slow_strained();
   void embed_as(VertexRoles roles);

@@ -181,14 +181,15 @@ template <class Real>
 void World<Real>::follow(RegionEdit edit) {
   add_unsupported(edit);
   body_.regions.follow(elements(), edit);
-  update_vertices(edit.vertices);
+  update_vertices_apart(edit.vertices);
   const std::vector<Index> mechanism = body_.regions.follow_condensed(body_.model, edit, body_.loads);
   if (const std::string text = body_.regions.take_notice(); !text.empty())
     notice(Condition::Kind::cache, text);
   if (body_.regions.is_expanded()) {
     update_vertices(edit.vertices);
   } else if (body_.regions.condensed_has_changed()) {
-    move_mass();
+    find_carried();
+    take_over(edit.vertices);
     update_inverse_masses(edit.vertices);
   }
   ++body_.model.revisions.structure;
@@ -217,15 +218,17 @@ void World<Real>::add_unsupported(RegionEdit& edit) {
          std::to_string(tets.size()) + " precomputed tetrahedra are no longer held and became nonlinear");
 }
 
-// Computes masses and loads of these vertices from the tetrahedra around them.
+// Computes masses and loads of these vertices from the tetrahedra around them, as if nothing were condensed
+// and nothing followed a lattice. take_over() must follow, unless nothing of a region is condensed there.
 template <class Real>
 void World<Real>::update_masses(const std::vector<Index>& vertices) {
   body_.inertia.update(body_.model, vertices);
   body_.loads.update(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
 }
 
+// In the middle of an edit, which the condensed region has not followed yet.
 template <class Real>
-void World<Real>::update_vertices(const std::vector<Index>& vertices) {
+void World<Real>::update_vertices_apart(const std::vector<Index>& vertices) {
   const Topology& topology = elements().topology;
   body_.motion.extend(topology.vertex_count());
   body_.sleep.extend(topology.vertex_count(), time());
@@ -237,6 +240,12 @@ void World<Real>::update_vertices(const std::vector<Index>& vertices) {
   update_inverse_masses(vertices);
 }
 
+template <class Real>
+void World<Real>::update_vertices(const std::vector<Index>& vertices) {
+  update_vertices_apart(vertices);
+  take_over(vertices);
+}
+
 // Call it when masses of vertices have changed, or what holds them.
 template <class Real>
 void World<Real>::update_inverse_masses(const std::vector<Index>& vertices) {
@@ -246,12 +255,20 @@ void World<Real>::update_inverse_masses(const std::vector<Index>& vertices) {
   }
 }
 
-// Moves the mass of a condensed interior to its shared vertices.
+// Of these vertices, those of a condensed region get the masses and loads with which it moves.
 template <class Real>
-void World<Real>::move_mass() {
-  const std::vector<Index> shared = body_.regions.move_mass(elements(), body_.inertia.masses());
-  body_.inertia.raise_to_floor(body_.model, shared);
-  update_inverse_masses(shared);
+void World<Real>::take_over(const std::vector<Index>& vertices) {
+  const std::vector<Index> taken =
+      body_.regions.take_over(elements(), vertices, body_.inertia.masses(), body_.loads);
+  body_.inertia.raise_to_floor(body_.model, taken);
+  update_inverse_masses(taken);
+}
+
+// The condensed region has changed, and carries other masses everywhere at its interface.
+template <class Real>
+void World<Real>::find_carried() {
+  body_.regions.find_carried(elements());
+  take_over(body_.regions.shared());
 }
 
 // ---- The present body

@@ -74,7 +74,7 @@ template <class Real>
 void World<Real>::perform(const EndCondensing& command) {
   synchronise_velocities();
   const bool is_condensed = body_.regions.end_condensing(elements());
-  move_mass();
+  find_carried();
   ++body_.model.revisions.structure;
   ++body_.model.revisions.condensed;
   journal_.edits.push_back(command);
@@ -144,12 +144,8 @@ void World<Real>::set_expanded(bool is_expanded) {
         body_.inertia.add_edits({corners.begin(), corners.end()});
       }
   const std::vector<Index> vertices = body_.regions.condensed_vertices(elements().topology.vertex_count());
+  body_.regions.find_carried(elements());
   update_vertices(vertices);
-  if (!is_expanded) {
-    body_.regions.take_over_loads(body_.loads);
-    move_mass();
-    update_inverse_masses(vertices);
-  }
   body_.sleep.wake_all(time());
   if (!body_.terms.empty()) report_lost_forces(body_.acted_on_by_terms());
   limit_.restart(body_);
@@ -217,6 +213,7 @@ void World<Real>::embed_as(VertexRoles roles) {
   update_masses(vertices);
   body_.regions.embed(body_.model, std::move(roles), limit_.highest_at_rest(), body_.inertia.masses(),
                       body_.loads, body_.motion);
+  take_over(vertices);  // last, so that momentum is that of the tetrahedra that leave the lattice
   update_inverse_masses(vertices);
   ++next_report_.transitions.count;
   body_.state_has_moved();

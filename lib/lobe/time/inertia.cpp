@@ -22,7 +22,7 @@ void Inertia<Real>::update(const Model& model, const std::vector<Index>& vertice
   const auto n = std::size_t(model.elements.topology.vertex_count());
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(n, 0);
   add_edits(vertices);
-  for (Index v : vertices) mass_[v] = lumped_mass(model.elements, v) * (factor_.empty() ? 1.0 : factor_[v]);
+  for (Index v : vertices) mass_[v] = own_mass(model.elements, v);
   raise_to_floor(model, vertices);
 }
 
@@ -39,7 +39,7 @@ void Inertia<Real>::raise_to_floor(const Model& model, const std::vector<Index>&
   if (floor_.square == 0 || model.elements.shares.empty()) return;
   added_.resize(mass_.size(), 0);
   for (Index v : vertices) {
-    const double raised = std::max(mass_[v], floor_.at(model.elements, v, &tet_squares_));
+    const double raised = mass_[v] > 0 ? std::max(mass_[v], floor_.at(model.elements, v, &tet_squares_)) : 0;
     sum_of_floor_ += raised - mass_[v] - added_[v];
     added_[v] = raised - mass_[v];
     mass_[v] = raised;

@@ -31,6 +31,10 @@ class Inertia {
   void update(const Model& model, const std::vector<Index>& vertices);
   // Computes the inverse mass of a vertex whose mass has changed, or that was held or released.
   void update_inverse(Model& model, Index v);
+  // Of the tetrahedra around a vertex, with the mass that scaling has added [kg].
+  double own_mass(const Elements& elements, Index v) const {
+    return lumped_mass(elements, v) * (factor_.empty() ? 1.0 : factor_[std::size_t(v)]);
+  }
   // For changing masses directly: those of a condensed interior move to its interface. Call raise_to_floor()
   // next.
   std::vector<double>& masses() { return mass_; }

@@ -19,40 +19,11 @@
 // removed, what lies on its other copies goes with it.
 #pragma once
 
-#include <map>
-#include <tuple>
-
-#include "lobe/io/surface_io.h"
-#include "lobe/mesh/slot_log.h"
-#include "lobe/mesh/vertex_lists.h"
 #include "lobe/scalpel/grains.h"
-#include "lobe/skin/carriers.h"
 #include "lobe/skin/divide_triangle.h"
+#include "lobe/skin/skin_frame.h"
 
 namespace lobe {
-
-// All of the skin but positions and normals. A vertex of the file that has several texture coordinates or
-// normals is several vertices here, so that the skin is creased as it is in the file.
-struct SkinMesh {
-  std::uint64_t revision = 0;              // grows by one with each change of what is shown
-  std::vector<Eigen::Vector3i> triangles;  // those that are shown; counter-clockwise seen from outside
-  std::vector<Index> file_triangle;        // per triangle: that of the file which it is, or is a part of
-  SlotLog changed_triangles;               // as in Surface: arrays without gaps
-
-  // One per vertex. Vertices of the file never change. Behind them are those that blades have made. One that
-  // no triangle uses any more stays until another takes its place.
-  std::vector<Index> file_vertex;        // its number in the file; of one between two, the nearer
-  std::vector<Eigen::Vector2f> texture;  // 0 where the file has none
-  struct Between {                       // at rest on the line from a to b, which are vertices of the file
-    Index a, b;
-    float share;
-  };
-  std::vector<Between> between;  // the last vertices
-  SlotLog changed_vertices;
-
-  Index vertex_count() const { return static_cast<Index>(file_vertex.size()); }
-  Index triangle_count() const { return static_cast<Index>(triangles.size()); }
-};
 
 // Returns the boundary of the tetrahedra, for bodies without a finer surface. It has all points of the mesh.
 TexturedSurface textured_boundary(const TetMesh& mesh);
@@ -76,7 +47,7 @@ class Skin {
   Index loose_count() const;
 
   // Whether a blade has divided triangles. Their parts are several triangles of one number in the file.
-  bool is_divided() const { return !divided_.empty(); }
+  bool is_divided() const { return !state_.divided.empty(); }
 
   // Computes positions and unit normals of the vertices. A normal is the sum of the normals of the shown
   // triangles, weighted by area; it is zero where none is shown. In single precision, for drawing.
@@ -88,13 +59,13 @@ class Skin {
               Mat3X<float>& x, Mat3X<float>& normals);
 
  private:
-  using Padded = std::vector<Eigen::Vector4f>;  // three numbers that fill a vector register
+  using Edge = SkinState::Edge;
+  using Gap = SkinState::Gap;
+  using CutVertex = SkinState::CutVertex;
+  using Divided = SkinState::Divided;
 
-  void add_vertices(const TexturedSurface& surface);
-  void add_texture(const TexturedSurface& surface);
   void choose_carriers(const Topology& topology);
   void carry(Index vertex, Index element, const Topology& topology);
-  std::span<const Index> corners_in(Index triangle) const { return {corners_of_.col(triangle).data(), 3}; }
   Bond bond_of(const Topology& topology, Index triangle, std::span<const Index> corners) const;
   bool holds(const Topology& topology, Index triangle, std::span<const Index> corners) const;
   bool holds_to_any(const Topology& topology, Index vertex) const;
@@ -103,69 +74,47 @@ class Skin {
               std::vector<Index>& cut, const Grains* grains);
   void check(const Topology& topology, std::vector<Index>& triangles, const std::vector<Index>& vertices);
   std::vector<Index> candidates(Index vertex) const;
-  Index file_count() const { return lies_on_.count(); }  // triangles of the file
 
   // ---- What blades have cut (skin_grains.cpp)
 
-  struct Gap {            // of an edge from its vertex of the lower number
-    double share;         // where it is
-    Index before, after;  // what the edge lies on before and behind it; −1: what is gone
-    bool operator==(const Gap&) const = default;
-  };
-  using Edge = std::pair<Index, Index>;  // carried vertices, ascending
-  struct Owner {
+  struct Owner {    // what an edge lies on at a place
     Index element;  // −1: gone
     double share;   // of the edge
   };
-  struct Body {  // as it is now
+  struct CutBody {  // the body as it is now
     const Topology& topology;
     const Grains& grains;
   };
-  void follow_grains(const Body& body, const std::vector<Index>& cut);
-  void open(const Body& body, std::vector<Index>& triangles, const std::vector<Index>& vertices);
-  bool has_lost_a_tet(const Body& body, Index triangle) const;
+  void follow_grains(const CutBody& body, const std::vector<Index>& cut);
+  void open(const CutBody& body, std::vector<Index>& triangles, const std::vector<Index>& vertices);
+  bool has_lost_a_tet(const CutBody& body, Index triangle) const;
   std::span<const Index> copies_of(Index tet) const;
   template <class Visit>
   void for_elements(Index tet, Visit&& visit) const;  // the tetrahedron and its copies
   bool has_lost_a_copy(const Topology& topology, Index tet) const;
-  Index under(const Body& body, Index vertex) const;  // −1: what is gone
-  Index under(const Body& body, std::span<const Index> tets, const Vec3d& p, Index before) const;
+  Index under(const CutBody& body, Index vertex) const;  // −1: what is gone
+  Index under(const CutBody& body, std::span<const Index> tets, const Vec3d& p, Index before) const;
   std::vector<Index> triangles_at(const Edge& edge) const;
-  bool may_have_gaps(const Body& body, const Edge& edge, const std::vector<Index>& tets) const;
-  std::vector<Gap> gaps_of(const Body& body, const Edge& edge) const;
-  void find_gaps(const Body& body, const Edge& edge, const std::vector<Index>& tets, const Owner& from,
+  bool may_have_gaps(const CutBody& body, const Edge& edge, const std::vector<Index>& tets) const;
+  std::vector<Gap> gaps_of(const CutBody& body, const Edge& edge) const;
+  void find_gaps(const CutBody& body, const Edge& edge, const std::vector<Index>& tets, const Owner& from,
                  const Owner& to, std::vector<Gap>& gaps) const;
 
   // ---- Parts of triangles (skin_parts.cpp)
 
   struct OnEdge {            // a place; or a vertex of the file, where a is b and the share 0
     Index a, b;              // carried vertices, the lower number first
-    Index drawn_a, drawn_b;  // as they are drawn
+    Index drawn_a, drawn_b;  // the same as they are drawn
     double share;            // from a to b
   };
   struct Rim {
     std::vector<RimPoint> points;
     std::vector<OnEdge> places;  // of these
   };
-  using Place = std::tuple<Index, Index, double, Index>;  // as drawn, share, element
-  struct CutVertex {                                      // that blades have made
-    Place place;
-    Index element = -1;
-    Eigen::Vector4i corners = Eigen::Vector4i::Zero();
-    Eigen::Vector4f weights = Eigen::Vector4f::Zero();
-    int uses = 0;  // corners of parts
-  };
-  struct Divided {             // a triangle of the file
-    Eigen::Vector3i corners;   // as they are drawn
-    std::vector<Index> parts;  // their numbers
-  };
-  Index first_cut() const {
-    return static_cast<Index>(points_.cols()) + static_cast<Index>(copied_from_.size());
-  }
-  Rim rim_of(const Body& body, Index triangle, const Eigen::Vector3i& drawn) const;
+  Rim rim_of(const CutBody& body, Index triangle, const Eigen::Vector3i& drawn) const;
   Vec3d at_rest(const OnEdge& place) const;
-  Index under_middle(const Body& body, Index triangle, const Rim& rim) const;
-  void divide(const Body& body, Index triangle);
+  Index under_middle(const CutBody& body, Index triangle, const Rim& rim) const;
+  void divide(const CutBody& body, Index triangle);
   Index show_part(const Topology& topology, Index triangle, const Rim& rim, const TrianglePart& part);
   Index cut_vertex(const Topology& topology, const OnEdge& place, Index element);
   void add_cut_vertex();
@@ -174,51 +123,14 @@ class Skin {
   void take_out(Index number);
   Eigen::Vector3i take_apart(Index triangle);
   void begin_revision();
-  void list_parts_around();
-  void find_cut_positions(Mat3X<float>& x);
-  void find_cut_normals(Mat3X<float>& normals) const;
 
-  template <class Real>
-  void update_from(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
-                   Mat3X<float>& x, Mat3X<float>& normals);
-  void find_positions(Mat3X<float>& x);
-  void find_normals(Mat3X<float>& normals);
-  void find_areas();
-  void list_triangles_around();
-
-  TetMesh start_;
   SkinMesh mesh_;
-  double farthest_ = 0;
-  Mat3X<double> points_;            // at rest, of the carried vertices [m]
-  std::vector<Index> copied_from_;  // of the vertices behind the carried ones: they differ in texture alone
-  Triangles corners_of_;            // 3 × #triangles of the file, carried vertices
-  std::vector<Eigen::Vector3i> shown_;  // as mesh_.triangles, of carried vertices and those of blades
-  // Numbers of triangles are those of the file, one of no area, then those of parts.
-  std::vector<Index> slot_of_;               // per number; −1: not shown
-  std::vector<Index> number_of_;             // per slot
-  std::vector<std::uint8_t> is_loose_;       // per triangle of the file: see loose_count()
-  NumberLists lies_on_, lying_on_, around_;  // tets of triangles, triangles of tets and of carried vertices
-  std::vector<Index> carrier_, element_;     // per carried vertex: its tetrahedron, and which copy of it
-  VertexLists<Index> carried_by_;            // per tetrahedron: vertices
-  std::vector<Eigen::Vector4f> weights_;     // per carried vertex
-  std::vector<Eigen::Vector4i> carrier_corners_;  // the same: vertices of the mesh
-  // Per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond six,
-  // with their vertex, in its order.
-  std::vector<std::array<Index, 6>> six_around_;
-  std::vector<std::array<Index, 2>> others_around_;
-  Padded twice_area_;  // per number of a triangle: its normal; 0 where it is not shown
-
-  std::map<Index, std::vector<Index>> copies_of_;  // of tetrahedra that a blade has cut
-  std::map<Edge, std::vector<Gap>> gaps_;
-  std::map<Index, Divided> divided_;
-  std::vector<Index> unused_parts_, unused_cut_;  // numbers of parts; places in cut_
-  std::vector<CutVertex> cut_;
-  std::map<Place, Index> cut_at_;                   // in cut_
-  std::vector<std::array<Index, 2>> parts_around_;  // carried vertices with parts, in the vertices' order
-  std::uint64_t listed_at_ = 0;                     // the revision of that list
-  bool has_new_revision_ = false;                   // in this edit
-
-  Padded mesh_x_, x_;  // scratch of update(): of the mesh; of carried vertices and those of blades
+  SkinBinding rest_;
+  std::vector<std::uint8_t> is_loose_;  // per triangle of the file: see loose_count()
+  double farthest_ = 0;                 // distance of a vertex from its tetrahedron at the start [m]
+  SkinState state_;
+  bool has_new_revision_ = false;  // in this edit
+  SkinFrame frame_;
 };
 
 }  // namespace lobe

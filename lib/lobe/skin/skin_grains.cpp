@@ -29,8 +29,8 @@ bool is_gap(const Topology& topology, Index before, Index after) {
 }  // namespace
 
 std::span<const Index> Skin::copies_of(Index tet) const {
-  const auto at = copies_of_.find(tet);
-  return at == copies_of_.end() ? std::span<const Index>() : std::span<const Index>(at->second);
+  const auto at = state_.copies_of.find(tet);
+  return at == state_.copies_of.end() ? std::span<const Index>() : std::span<const Index>(at->second);
 }
 
 template <class Visit>
@@ -45,8 +45,8 @@ bool Skin::has_lost_a_copy(const Topology& topology, Index tet) const {
   return found;
 }
 
-bool Skin::has_lost_a_tet(const Body& body, Index triangle) const {
-  const std::span<const Index> tets = lies_on_[triangle];
+bool Skin::has_lost_a_tet(const CutBody& body, Index triangle) const {
+  const std::span<const Index> tets = rest_.lies_on[triangle];
   return std::any_of(tets.begin(), tets.end(), [&](Index tet) {
     bool any = false;
     for_elements(tet, [&](Index element) { any = any || body.topology.alive(element); });
@@ -55,16 +55,16 @@ bool Skin::has_lost_a_tet(const Body& body, Index triangle) const {
 }
 
 // Moves vertices on tetrahedra that were cut to the copies whose grains are under them.
-void Skin::follow_grains(const Body& body, const std::vector<Index>& cut) {
+void Skin::follow_grains(const CutBody& body, const std::vector<Index>& cut) {
   std::vector<Index> vertices;
   for (Index tet : cut)
-    if (copies_of_.contains(tet))
-      vertices.insert(vertices.end(), carried_by_[tet].begin(), carried_by_[tet].end());
+    if (state_.copies_of.contains(tet))
+      vertices.insert(vertices.end(), state_.carried_by[tet].begin(), state_.carried_by[tet].end());
   for (Index vertex : vertices) {
     Index found = -1;
     double nearest = std::numeric_limits<double>::infinity();
-    for_elements(carrier_[vertex], [&](Index element) {
-      const double distance = distance_to(body.grains, element, points_.col(vertex));
+    for_elements(state_.carrier[vertex], [&](Index element) {
+      const double distance = distance_to(body.grains, element, rest_.points.col(vertex));
       if (!(distance < nearest)) return;
       nearest = distance;
       found = element;
@@ -73,13 +73,13 @@ void Skin::follow_grains(const Body& body, const std::vector<Index>& cut) {
   }
 }
 
-Index Skin::under(const Body& body, Index vertex) const {
-  return has_lost_a_copy(body.topology, carrier_[vertex]) ? -1 : element_[vertex];
+Index Skin::under(const CutBody& body, Index vertex) const {
+  return has_lost_a_copy(body.topology, state_.carrier[vertex]) ? -1 : state_.element[vertex];
 }
 
 // Returns the nearest of these tetrahedra of the start and their copies; `before`, if it is as near as any
 // other.
-Index Skin::under(const Body& body, std::span<const Index> tets, const Vec3d& p, Index before) const {
+Index Skin::under(const CutBody& body, std::span<const Index> tets, const Vec3d& p, Index before) const {
   const double rounding = 1e-6 * body.grains.mean_edge();
   double nearest = std::numeric_limits<double>::infinity(), of_before = nearest;
   Index found = -1;
@@ -91,9 +91,9 @@ Index Skin::under(const Body& body, std::span<const Index> tets, const Vec3d& p,
   };
   for (Index tet : tets) {
     if (has_lost_a_copy(body.topology, tet))
-      look(-1, distance_to_tet(p, tet_points(start_, tet)));
-    else if (!copies_of_.contains(tet))
-      look(tet, distance_to_tet(p, tet_points(start_, tet)));
+      look(-1, distance_to_tet(p, tet_points(rest_.start, tet)));
+    else if (!state_.copies_of.contains(tet))
+      look(tet, distance_to_tet(p, tet_points(rest_.start, tet)));
     else
       for_elements(tet, [&](Index element) { look(element, distance_to(body.grains, element, p)); });
   }
@@ -104,20 +104,20 @@ Index Skin::under(const Body& body, std::span<const Index> tets, const Vec3d& p,
 
 std::vector<Index> Skin::triangles_at(const Edge& edge) const {
   std::vector<Index> found;
-  for (Index triangle : around_[edge.first])
-    if ((corners_of_.col(triangle).array() == edge.second).any()) found.push_back(triangle);
+  for (Index triangle : rest_.around[edge.first])
+    if ((rest_.corners.col(triangle).array() == edge.second).any()) found.push_back(triangle);
   return found;
 }
 
 // Whether any two of the tetrahedra that may lie under an edge have come apart.
-bool Skin::may_have_gaps(const Body& body, const Edge& edge, const std::vector<Index>& tets) const {
-  std::vector<Index> elements{element_[edge.first], element_[edge.second]};
+bool Skin::may_have_gaps(const CutBody& body, const Edge& edge, const std::vector<Index>& tets) const {
+  std::vector<Index> elements{state_.element[edge.first], state_.element[edge.second]};
   for (Index tet : tets) {
     if (has_lost_a_copy(body.topology, tet)) return true;
     for_elements(tet, [&](Index element) { elements.push_back(element); });
   }
-  if (has_lost_a_copy(body.topology, carrier_[edge.first]) ||
-      has_lost_a_copy(body.topology, carrier_[edge.second]))
+  if (has_lost_a_copy(body.topology, state_.carrier[edge.first]) ||
+      has_lost_a_copy(body.topology, state_.carrier[edge.second]))
     return true;
   for (std::size_t i = 0; i < elements.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
@@ -126,15 +126,15 @@ bool Skin::may_have_gaps(const Body& body, const Edge& edge, const std::vector<I
 }
 
 // Samples an edge in a few places, and finds the gap between two of them that differ.
-std::vector<Skin::Gap> Skin::gaps_of(const Body& body, const Edge& edge) const {
+std::vector<SkinState::Gap> Skin::gaps_of(const CutBody& body, const Edge& edge) const {
   constexpr double per_mean_edge = 6;
   std::vector<Index> tets;
   for (Index triangle : triangles_at(edge))
-    tets.insert(tets.end(), lies_on_[triangle].begin(), lies_on_[triangle].end());
+    tets.insert(tets.end(), rest_.lies_on[triangle].begin(), rest_.lies_on[triangle].end());
   sort_unique(tets);
   std::vector<Gap> gaps;
   if (!may_have_gaps(body, edge, tets)) return gaps;
-  const Vec3d a = points_.col(edge.first), b = points_.col(edge.second);
+  const Vec3d a = rest_.points.col(edge.first), b = rest_.points.col(edge.second);
   const int count =
       std::clamp(static_cast<int>(per_mean_edge * (b - a).norm() / body.grains.mean_edge()), 2, 24);
   Owner last{under(body, edge.first), 0};
@@ -148,7 +148,7 @@ std::vector<Skin::Gap> Skin::gaps_of(const Body& body, const Edge& edge) const {
   return gaps;
 }
 
-void Skin::find_gaps(const Body& body, const Edge& edge, const std::vector<Index>& tets, const Owner& from,
+void Skin::find_gaps(const CutBody& body, const Edge& edge, const std::vector<Index>& tets, const Owner& from,
                      const Owner& to, std::vector<Gap>& gaps) const {
   constexpr double near_enough = 1e-4, least = 1e-3;
   if (from.element == to.element) return;
@@ -160,7 +160,7 @@ void Skin::find_gaps(const Body& body, const Edge& edge, const std::vector<Index
       gaps.push_back({std::clamp(share, least, 1 - least), from.element, to.element});
     return;
   }
-  const Vec3d a = points_.col(edge.first), b = points_.col(edge.second);
+  const Vec3d a = rest_.points.col(edge.first), b = rest_.points.col(edge.second);
   const Owner middle{under(body, tets, a + share * (b - a), from.element), share};
   find_gaps(body, edge, tets, from, middle, gaps);
   find_gaps(body, edge, tets, middle, to, gaps);
@@ -168,17 +168,17 @@ void Skin::find_gaps(const Body& body, const Edge& edge, const std::vector<Index
 
 // Removes triangles that have lost a tetrahedron. Then it finds the gaps of the edges of these triangles and
 // of those around these vertices, and divides the triangles at them.
-void Skin::open(const Body& body, std::vector<Index>& triangles, const std::vector<Index>& vertices) {
+void Skin::open(const CutBody& body, std::vector<Index>& triangles, const std::vector<Index>& vertices) {
   const auto is_there = [&](Index triangle) {
-    return slot_of_[triangle] >= 0 || divided_.contains(triangle);
+    return state_.slot_of[triangle] >= 0 || state_.divided.contains(triangle);
   };
   sort_unique(triangles);
   for (Index triangle : triangles)
     if (is_there(triangle) && has_lost_a_tet(body, triangle)) take_apart(triangle);
   for (Index vertex : vertices) {
-    triangles.insert(triangles.end(), around_[vertex].begin(), around_[vertex].end());
-    if (body.topology.alive(element_[vertex])) continue;
-    const Index element = under(body, candidates(vertex), points_.col(vertex), -1);
+    triangles.insert(triangles.end(), rest_.around[vertex].begin(), rest_.around[vertex].end());
+    if (body.topology.alive(state_.element[vertex])) continue;
+    const Index element = under(body, candidates(vertex), rest_.points.col(vertex), -1);
     if (element >= 0) carry(vertex, element, body.topology);
   }
   sort_unique(triangles);
@@ -186,22 +186,22 @@ void Skin::open(const Body& body, std::vector<Index>& triangles, const std::vect
   for (Index triangle : triangles)
     for (int k = 0; k < 3; ++k)
       edges.push_back(
-          std::minmax(Index(corners_of_(k, triangle)), Index(corners_of_((k + 1) % 3, triangle))));
+          std::minmax(Index(rest_.corners(k, triangle)), Index(rest_.corners((k + 1) % 3, triangle))));
   sort_unique(edges);
   for (const Edge& edge : edges) {
     std::vector<Gap> now = gaps_of(body, edge);
-    const auto at = gaps_.find(edge);
-    if (at == gaps_.end() && now.empty()) continue;
+    const auto at = state_.gaps.find(edge);
+    if (at == state_.gaps.end() && now.empty()) continue;
     const std::vector<Index> beside = triangles_at(edge);
-    if (at != gaps_.end() && now == at->second) {
+    if (at != state_.gaps.end() && now == at->second) {
       for (Index triangle : beside) update_cut_vertices(body.topology, triangle);
       continue;
     }
     triangles.insert(triangles.end(), beside.begin(), beside.end());
     if (now.empty())
-      gaps_.erase(at);
+      state_.gaps.erase(at);
     else
-      gaps_[edge] = std::move(now);
+      state_.gaps[edge] = std::move(now);
   }
   sort_unique(triangles);
   for (Index triangle : triangles)

@@ -114,11 +114,8 @@ void Painting::set_fixed(Scene& scene) const {
 }
 
 Scene Painting::scene(const std::filesystem::path& mesh) const {
-  Scene scene = scene_;
+  Scene scene = with_absolute_paths(scene_);
   scene.mesh = mesh;
-  if (!scene.condensed_cache.empty())
-    scene.condensed_cache = std::filesystem::absolute(scene_.file).parent_path() / scene.condensed_cache;
-  if (!scene.skin.empty()) scene.skin = std::filesystem::absolute(skin_path(scene_));
   scene.auto_regions.reset();
   add_regions(scene);
   set_materials(scene);

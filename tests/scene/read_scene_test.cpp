@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "lobe/error.h"
+#include "lobe/scene/write_scene.h"
 #include "near.h"
 #include "scene/scenes.h"
 
@@ -124,6 +125,29 @@ TEST_CASE("an absolute mesh path stays absolute") {
   const Scene scene = parse_scene(
       R"({"mesh": "/data/a.vtu", "materials": [{"lame_lambda": 1, "lame_mu": 1}]})", "dir/scene.json");
   CHECK(mesh_path(scene) == std::filesystem::path("/data/a.vtu"));
+}
+
+TEST_CASE("with absolute paths a scene names the same files in any folder") {
+  const std::string shape = R"({"mesh": {"file": "shapes/tip.obj"}})";
+  const Scene scene = parse_scene(
+      R"({"mesh": "a.vtu", "skin": "b.obj", "condensed_cache": "c", "materials": [{"lame_lambda": 1, "lame_mu": 1}],
+          "tools": [{"type": "probe", "shape": )" +
+          shape + R"(, "path": [[0, 0, 0, 0], [1, 0, 0, 0]]}],
+          "contact": {"obstacles": [{"shape": {"mesh": {"file": "/d.obj"}}, "position": [0, 0, 0]},
+                                    {"shape": {"sphere": {"radius": 1}}, "position": [0, 0, 0]}]}})",
+      "dir/scene.json");
+  const Scene moved = parse_scene(to_json(with_absolute_paths(scene)), "/elsewhere/scene.json");
+  const std::filesystem::path folder = std::filesystem::current_path() / "dir";
+  CHECK(mesh_path(moved) == folder / "a.vtu");
+  CHECK(skin_path(moved) == folder / "b.obj");
+  CHECK(moved.condensed_cache == folder / "c");
+  CHECK(moved.tools.at(0).shape_file == folder / "shapes/tip.obj");
+  CHECK(moved.obstacle_files == std::vector<std::filesystem::path>{"/d.obj", ""});
+  const Scene plain = with_absolute_paths(
+      parse_scene(R"({"mesh": "a.vtu", "materials": [{"lame_lambda": 1, "lame_mu": 1}]})", "scene.json"));
+  CHECK(plain.mesh == std::filesystem::current_path() / "a.vtu");
+  CHECK(plain.skin.empty());
+  CHECK(plain.condensed_cache.empty());
 }
 
 TEST_CASE("a scene is read from its file") {

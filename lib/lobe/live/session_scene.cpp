@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "lobe/error.h"
+#include "lobe/scene/listed_regions.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/tool_kinds.h"
 #include "lobe/text.h"
@@ -47,32 +48,6 @@ int frames_of(const Session<Real>& session) {
   return frames;
 }
 
-// States the regions as the session has them, because another measurement might choose other ones.
-void state_regions(const Setup& setup, Scene& scene) {
-  const auto is_precomputed = [](const Region& region) { return region.model == RegionModel::precomputed; };
-  if (!scene.auto_regions && std::none_of(scene.regions.begin(), scene.regions.end(), is_precomputed)) return;
-  const double tolerance = scene.reduced_tolerance().value_or(0);
-  scene.auto_regions.reset();
-  scene.regions.clear();
-  for (std::size_t i = 0; i < region_model_names.size(); ++i) {
-    const auto model = RegionModel(i);
-    if (model == Region{}.model) continue;
-    SelectTetrahedra selected;
-    for (Index t = 0; t < setup.mesh.tet_count(); ++t)
-      if (setup.region_of[std::size_t(t)] == model) selected.tetrahedra.push_back(t);
-    if (selected.tetrahedra.empty()) continue;
-    Region& region = scene.regions.emplace_back();
-    region.name = name(model);
-    region.model = model;
-    region.where = Selector{std::move(selected)};
-    if (model == RegionModel::precomputed) region.frame = setup.precomputed_frame;
-    if (model == RegionModel::reduced) {
-      region.cell = setup.lattice_cell;
-      region.tolerance = tolerance;
-    }
-  }
-}
-
 }  // namespace
 
 template <class Real>
@@ -83,15 +58,11 @@ Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>&
     refuse(scene.in_double() ? "is in single precision, its scene in double"
                              : "is in double precision, its scene in single");
   const int frames = frames_of(session);
-  Scene kept = scene;
-  kept.mesh = std::filesystem::absolute(mesh_path(scene));
-  if (!scene.condensed_cache.empty())
-    kept.condensed_cache = std::filesystem::absolute(scene.file.parent_path() / scene.condensed_cache);
-  if (!scene.skin.empty()) kept.skin = std::filesystem::absolute(skin_path(scene));
+  Scene kept = with_absolute_paths(scene);
   kept.time.frame = session.frame();
   kept.time.duration = frames * session.frame();
   std::erase_if(kept.output.pictures, [&](double time) { return time > kept.time.duration; });
-  state_regions(setup, kept);
+  state_regions(setup, kept);  // another measurement might choose other ones
   append_tools(session.world().tools().live_paths(), setup.mesh.vertex_count(), kept.tools);
   return kept;
 }

@@ -10,8 +10,8 @@
 
 namespace lobe {
 
-// The scene goes from the start to where the session is now, without what was undone by going back. The mesh
-// has its absolute path. The scene states the regions that lobe has chosen or measured. Throws InputError for
+// The scene goes from the start to where the session is now, without what was undone by going back. Its
+// paths are absolute. The scene states the regions that lobe has chosen or measured. Throws InputError for
 // a session that no scene can describe: the body was edited otherwise than by tools, a frame failed, nothing
 // was done yet, or the session is of another scene.
 template <class Real>

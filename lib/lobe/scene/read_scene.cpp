@@ -257,4 +257,17 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& file) {
 std::filesystem::path mesh_path(const Scene& scene) { return scene.file.parent_path() / scene.mesh; }
 std::filesystem::path skin_path(const Scene& scene) { return scene.file.parent_path() / scene.skin; }
 
+Scene with_absolute_paths(Scene scene) {
+  const std::filesystem::path folder = std::filesystem::absolute(scene.file).parent_path();
+  const auto complete = [&](std::filesystem::path& path) {
+    if (!path.empty()) path = folder / path;
+  };
+  complete(scene.mesh);
+  complete(scene.condensed_cache);
+  complete(scene.skin);
+  for (Tool& tool : scene.tools) complete(tool.shape_file);
+  for (std::filesystem::path& file : scene.obstacle_files) complete(file);
+  return scene;
+}
+
 }  // namespace lobe

@@ -21,5 +21,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& file = "sc
 // Where the scene's mesh lies.
 std::filesystem::path mesh_path(const Scene& scene);
 std::filesystem::path skin_path(const Scene& scene);  // of one that has a skin
+// The same scene with absolute paths, so that it may be written to another folder.
+Scene with_absolute_paths(Scene scene);
 
 }  // namespace lobe

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 #include "lobe/error.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/text.h"
 #include "session.h"
 
 using lobe::HandCommand;
@@ -28,6 +30,8 @@ lobe_status guarded(Work&& work) noexcept {
     try {
       return work();
     } catch (const InputError& error) {
+      return fail(LOBE_BAD_INPUT, error.what());
+    } catch (const std::filesystem::filesystem_error& error) {
       return fail(LOBE_BAD_INPUT, error.what());
     } catch (const std::exception& error) {
       return fail(LOBE_FAILED, error.what());
@@ -63,11 +67,17 @@ Vec3d vector_of(const double* values, const char* name) {
   return {values[0], values[1], values[2]};
 }
 
-lobe_status opened(lobe::Scene scene, const lobe_options* options, lobe_session** session) {
-  lobe_options chosen{};
-  if (options != nullptr) chosen = of_caller(options, "lobe_options");
-  *session = lobe::c::open(std::move(scene), chosen).release();
-  return LOBE_OK;
+// Opens a session of what read() returns, a scene. *session is NULL after a failure.
+template <class Read>
+lobe_status opened(const Read& read, const lobe_options* options, lobe_session** session) {
+  return guarded([&] {
+    require(session, "session");
+    *session = nullptr;
+    lobe_options chosen{};
+    if (options != nullptr) chosen = of_caller(options, "lobe_options");
+    *session = lobe::c::open(read(), chosen).release();
+    return LOBE_OK;
+  });
 }
 
 lobe_status send(lobe_session* session, HandCommand command) {
@@ -90,21 +100,20 @@ uint32_t lobe_abi_version(void) { return LOBE_ABI_VERSION; }
 const char* lobe_last_error(void) { return last_error.c_str(); }
 
 lobe_status lobe_open(const char* file, const lobe_options* options, lobe_session** session) {
-  return guarded([&] {
+  const auto read = [&] {
     require(file, "scene_file");
-    require(session, "session");
-    return opened(lobe::read_scene(file), options, session);
-  });
+    return lobe::read_scene(file);
+  };
+  return opened(read, options, session);
 }
 
 lobe_status lobe_open_text(const char* scene, const char* folder, const lobe_options* options,
                            lobe_session** session) {
-  return guarded([&] {
+  const auto read = [&] {
     require(scene, "scene");
-    require(session, "session");
-    return opened(lobe::parse_scene(scene, std::filesystem::path(folder ? folder : ".") / "scene.json"),
-                  options, session);
-  });
+    return lobe::parse_scene(scene, std::filesystem::path(folder ? folder : ".") / "scene.json");
+  };
+  return opened(read, options, session);
 }
 
 void lobe_close(lobe_session* session) { delete session; }
@@ -143,7 +152,12 @@ lobe_status lobe_pause(lobe_session* session, int paused) {
   return send(session, {.kind = HandCommand::Kind::run, .on = paused == 0});
 }
 lobe_status lobe_set_speed(lobe_session* session, double speed) {
-  return send(session, {.kind = HandCommand::Kind::speed, .value = speed});
+  return guarded([&] {
+    require(session, "session");
+    if (!lobe::is_session_speed(speed))
+      throw InputError("speed", lobe::rounded(speed) + ", must be from 0.001 to 100");
+    return send(session, {.kind = HandCommand::Kind::speed, .value = speed});
+  });
 }
 lobe_status lobe_restart(lobe_session* session) {
   return send(session, {.kind = HandCommand::Kind::restart});
@@ -296,11 +310,8 @@ lobe::DeviceLimits limits_of(const lobe_haptic_device* device) {
   return limits;
 }
 
-auto find_tool(lobe_session& session, std::uint32_t tool) {
-  return std::find_if(session.haptic_tools.begin(), session.haptic_tools.end(), [&](const auto& place) {
-    const lobe::c::HapticTool* there = place.load(std::memory_order_acquire);
-    return there != nullptr && there->tool == tool;
-  });
+lobe_status no_device(std::uint32_t tool) {
+  return fail(LOBE_WRONG_STATE, "tool " + std::to_string(tool) + " has no device");
 }
 
 }  // namespace
@@ -309,14 +320,11 @@ lobe_status lobe_haptic_attach(lobe_session* session, uint32_t tool, const lobe_
   return guarded([&] {
     require(session, "session");
     const std::lock_guard lock(session->driving);
-    if (find_tool(*session, tool) != session->haptic_tools.end())
+    if (session->haptic_tools.has(tool))
       return fail(LOBE_WRONG_STATE, "tool " + std::to_string(tool) + " has a device");
-    const auto free = std::find_if(session->haptic_tools.begin(), session->haptic_tools.end(),
-                                   [](const auto& place) { return place.load() == nullptr; });
-    if (free == session->haptic_tools.end()) throw InputError("tool", "8 have devices, and no more can");
     auto made = std::make_unique<lobe::c::HapticTool>(tool, limits_of(device));
     made->hand = session->lead_by(*made);
-    free->store(made.release(), std::memory_order_release);
+    session->haptic_tools.add(std::move(made));
     return LOBE_OK;
   });
 }
@@ -325,11 +333,7 @@ lobe_status lobe_haptic_detach(lobe_session* session, uint32_t tool) {
   return guarded([&] {
     require(session, "session");
     const std::lock_guard lock(session->driving);
-    const auto found = find_tool(*session, tool);
-    if (found == session->haptic_tools.end())
-      return fail(LOBE_WRONG_STATE, "tool " + std::to_string(tool) + " has no device");
-    delete found->exchange(nullptr);
-    return LOBE_OK;
+    return session->haptic_tools.remove(tool) ? LOBE_OK : no_device(tool);
   });
 }
 
@@ -338,17 +342,16 @@ lobe_status lobe_haptic_force(lobe_session* session, uint32_t tool, const double
   return guarded([&] {
     require(session, "session");
     require(f, "f");
-    const auto found = find_tool(*session, tool);
-    if (found == session->haptic_tools.end())
-      return fail(LOBE_WRONG_STATE, "tool " + std::to_string(tool) + " has no device");
     const lobe::c::Axes& axes = session->axes;
     lobe::DeviceState state;
     if (x != nullptr) state.position = axes.point_in(Eigen::Map<const Vec3d>(x));
     if (v != nullptr)
       state.velocity = axes.point_in(Eigen::Map<const Vec3d>(v)) - axes.point_in(Vec3d::Zero());
-    const lobe::HapticState& felt = found->load()->device.force(x == nullptr ? nullptr : &state);
     Eigen::Map<Vec3d> out(f);
-    out = axes.direction_out(felt.force);
+    const bool is_led = session->haptic_tools.use(tool, [&](lobe::c::HapticTool& led) {
+      out = axes.direction_out(led.device.force(x == nullptr ? nullptr : &state).force);
+    });
+    if (!is_led) return no_device(tool);
     if (x != nullptr && !state.is_finite())
       return fail(LOBE_BAD_INPUT, "x or v is not finite: the force fades");
     return LOBE_OK;

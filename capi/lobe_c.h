@@ -1,8 +1,9 @@
 /* lobe for engines: a session (docs/live.md) behind C functions, in one shared library. docs/c.md
  *
- * - Units are SI. Positions, directions and forces are in the engine's axes, if lobe_options gives some.
- * - Any thread may call every function; lobe_close(), lobe_haptic_detach() and lobe_haptic_force() say what
- *   must not run meanwhile. No function throws. lobe frees what it allocates.
+ * - Units are SI. If lobe_options gives axes, positions, directions and forces are in these axes, and all
+ *   lengths and velocities are in their unit of length. Forces are always in newtons.
+ * - Any thread may call every function; lobe_close() and lobe_haptic_force() say what must not run meanwhile.
+ *   No function throws. lobe frees what it allocates.
  * - Structs begin with their size, so that a newer library works with an older caller.
  * - A NULL handle gives LOBE_BAD_INPUT.
  */
@@ -26,11 +27,13 @@ LOBE_API uint32_t lobe_abi_version(void); /* of the library; compare it with LOB
 
 typedef enum lobe_status {
   LOBE_OK = 0,
-  LOBE_BAD_INPUT = 1,   /* lobe_last_error() says what, where, and what was expected; nothing was done */
+  /* An argument or a file is not what it must be, or a file or folder is missing or cannot be written.
+   * lobe_last_error() says what, where, and what was expected. Nothing was done. */
+  LOBE_BAD_INPUT = 1,
   LOBE_BUSY = 2,        /* the queue is full: send it again */
   LOBE_NOT_YET = 3,     /* it does not exist yet: call again after the next frame */
   LOBE_WRONG_STATE = 4, /* such as lobe_advance() while the session runs in its own thread */
-  LOBE_FAILED = 5       /* no memory, no file: lobe_last_error() */
+  LOBE_FAILED = 5       /* no memory, no thread: lobe_last_error() */
 } lobe_status;
 
 /* The text of the calling thread's last failure; valid until that thread calls lobe again. lobe_get_tool()
@@ -41,9 +44,9 @@ typedef struct lobe_session lobe_session;
 
 typedef struct lobe_options {
   uint32_t size;    /* sizeof(lobe_options) */
-  uint32_t threads; /* threads of the simulation; 0 means 1 */
-  double frame;     /* length of a frame [s], at most 1; 0 means 1/120 */
-  double speed;     /* simulated seconds per second of the clock, after lobe_start(); 0 means 1 */
+  uint32_t threads; /* threads of the simulation, 1 … 256; 0 means 1 */
+  double frame;     /* length of a frame [s], above 0 and at most 1; 0 means 1/120 */
+  double speed; /* simulated seconds per second of the clock, after lobe_start(), 0.001 … 100; 0 means 1 */
   uint32_t unpaced; /* 1: after lobe_start(), frames do not wait for the clock */
   uint32_t paused;  /* 1: the session begins paused */
   /* A position x of lobe is A x + t in the engine. These are the rows of (A | t). A is a rotation or a
@@ -54,7 +57,7 @@ typedef struct lobe_options {
 } lobe_options;
 
 /* Opens a scene (docs/scene.md) from a file, or from its text with the folder that its paths are relative
- * to. options may be NULL. */
+ * to. options may be NULL. After a failure *session is NULL. */
 LOBE_API lobe_status lobe_open(const char* scene_file, const lobe_options* options, lobe_session** session);
 LOBE_API lobe_status lobe_open_text(const char* scene, const char* folder, const lobe_options* options,
                                     lobe_session** session);
@@ -112,7 +115,7 @@ typedef struct lobe_tool {
   uint32_t vertices; /* that a grasp holds */
   double pose[7];
   double force[3];  /* on the tool, by the body, mean over the last frame [N] */
-  double torque[3]; /* [N m] */
+  double torque[3]; /* about the grasp's centre, in the sense of the engine's rotations [N m] */
 } lobe_tool;
 /* The state of a tool. Wait-free, except the first call of a thread, so that a haptic loop may call it at
  * 1 kHz. LOBE_NOT_YET: there is no such tool, or it holds nothing. */
@@ -132,9 +135,9 @@ typedef struct lobe_haptic_device {
 /* From now on the tool follows the device, in place of lobe_move(). Up to 8 tools. device may be NULL. */
 LOBE_API lobe_status lobe_haptic_attach(lobe_session* session, uint32_t tool,
                                         const lobe_haptic_device* device);
-LOBE_API lobe_status lobe_haptic_detach(lobe_session* session,
-                                        uint32_t tool); /* not while lobe_haptic_force() runs */
-/* Takes the position [m] and velocity [m/s] of the device and gives its force [N]. The force fades if the
+/* Waits for a lobe_haptic_force() of this tool that is under way. Those of other tools go on meanwhile. */
+LOBE_API lobe_status lobe_haptic_detach(lobe_session* session, uint32_t tool);
+/* Takes the position and velocity of the device and gives its force [N]. The force fades if the
  * simulation is late. One thread per tool calls it about every millisecond. It is wait-free, and allocates
  * nothing if it returns LOBE_OK. x NULL: the device is not there. Values that are not finite give
  * LOBE_BAD_INPUT, and the force fades. */
@@ -149,7 +152,7 @@ typedef struct lobe_surface {
   uint64_t frame;
   uint64_t topology;     /* while it is the same, only positions and normals change */
   double time;           /* [s] */
-  const float* position; /* 3 per vertex [m] */
+  const float* position; /* 3 per vertex */
   const float* normal;   /* 3 per vertex, unit length, outwards */
   const uint32_t* index; /* 3 per triangle, counter-clockwise seen from outside in right-handed axes */
   const uint8_t* region; /* per triangle: 0 tensor-mass, 1 precomputed, 2 nonlinear, 3 reduced */

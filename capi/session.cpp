@@ -9,6 +9,7 @@
 #include "lobe/run/recording.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/write_scene.h"
+#include "lobe/text.h"
 
 std::unique_ptr<lobe_session::Buffers> lobe_session::take_buffers() {
   const std::lock_guard lock(mutex_);
@@ -23,14 +24,22 @@ void lobe_session::give_back(std::unique_ptr<Buffers> buffers) {
   free_.push_back(std::move(buffers));
 }
 
-void lobe_session::detach_all() {
-  for (auto& tool : haptic_tools) delete tool.exchange(nullptr);
-}
-
 namespace lobe::c {
 namespace {
 
+constexpr std::uint32_t most_threads = 256;
+
+// Throws InputError for what the header does not allow.
 SessionOptions session_options(const lobe_options& options) {
+  const auto expect = [](bool is_met, const char* field, double given, const char* range) {
+    if (!is_met)
+      throw InputError(std::string("lobe_options.") + field, rounded(given) + ", must be " + range);
+  };
+  expect(options.threads <= most_threads, "threads", options.threads, "from 1 to 256, or 0 for 1");
+  expect(options.frame == 0 || (options.frame > 0 && options.frame <= 1), "frame", options.frame,
+         "above 0 and at most 1 s, or 0 for 1/120 s");
+  expect(options.speed == 0 || is_session_speed(options.speed), "speed", options.speed,
+         "from 0.001 to 100, or 0 for 1");
   SessionOptions made;
   if (options.threads > 0) made.threads = static_cast<int>(options.threads);
   if (options.frame != 0) made.frame = options.frame;
@@ -43,13 +52,13 @@ SessionOptions session_options(const lobe_options& options) {
 template <class Real>
 class SessionOf : public lobe_session {
  public:
-  SessionOf(Scene scene, Resolved resolved, const lobe_options& options)
+  SessionOf(Scene scene, Resolved resolved, const SessionOptions& options)
       : scene_(std::move(scene)),
         setup_(std::move(resolved.setup)),
-        session_(setup_, session_options(options)),
+        session_(setup_, options),
         controller_(session_.connect("engine")) {}
 
-  ~SessionOf() override { detach_all(); }
+  ~SessionOf() override { haptic_tools.clear(); }
 
   std::shared_ptr<void> lead_by(HapticTool& tool) override {
     return std::make_shared<HapticHand<Real>>(
@@ -133,12 +142,13 @@ bool SessionOf<Real>::fill(lobe_surface& surface) {
 
 std::unique_ptr<lobe_session> open(Scene scene, const lobe_options& options) {
   const Axes axes(options.axes);
+  const SessionOptions chosen = session_options(options);
   Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh);
   std::unique_ptr<lobe_session> made;
   if (scene.in_double())
-    made = std::make_unique<SessionOf<double>>(std::move(scene), std::move(resolved), options);
+    made = std::make_unique<SessionOf<double>>(std::move(scene), std::move(resolved), chosen);
   else
-    made = std::make_unique<SessionOf<float>>(std::move(scene), std::move(resolved), options);
+    made = std::make_unique<SessionOf<float>>(std::move(scene), std::move(resolved), chosen);
   made->axes = axes;
   return made;
 }

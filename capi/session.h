@@ -1,31 +1,16 @@
 // The C++ side of lobe_session: a Session of either precision, in an engine's axes.
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "axes.h"
-#include "lobe/haptic/devices.h"
+#include "haptic_tools.h"
 #include "lobe/live/session.h"
 #include "lobe/scene/resolve.h"
 #include "lobe_c.h"
-
-namespace lobe::c {
-
-// A tool that a device leads.
-struct HapticTool {
-  HapticTool(std::uint32_t number, const DeviceLimits& limits) : tool(number), device(link, limits) {}
-  const std::uint32_t tool;
-  HapticLink link;
-  ExternalDevice device;
-  std::shared_ptr<void> hand;  // HapticHand of the session's precision
-};
-
-}  // namespace lobe::c
 
 struct lobe_session {
   virtual ~lobe_session() = default;
@@ -53,10 +38,8 @@ struct lobe_session {
   void give_back(std::unique_ptr<Buffers> buffers);
 
   lobe::c::Axes axes;
-  std::mutex driving;  // held by whoever starts, stops or advances it
-  std::array<std::atomic<lobe::c::HapticTool*>, 8> haptic_tools{};
-
-  void detach_all();  // before the session goes
+  std::mutex driving;                 // held by whoever starts, stops or advances it
+  lobe::c::HapticTools haptic_tools;  // emptied before the session goes
 
  private:
   std::mutex mutex_;

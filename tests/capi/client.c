@@ -189,7 +189,8 @@ static void save_and_restore(const char* data, const char* folder) {
   CHECK(lobe_save(first, NULL) == LOBE_BAD_INPUT && lobe_save(NULL, file) == LOBE_BAD_INPUT);
   CHECK(lobe_save(first, "/nowhere/at/all") == LOBE_BAD_INPUT);
   CHECK(same_surface(first, second));
-  CHECK(lobe_start(second) == LOBE_OK && lobe_restore(second, file) == LOBE_OK && lobe_stop(second) == LOBE_OK);
+  CHECK(lobe_start(second) == LOBE_OK && lobe_restore(second, file) == LOBE_OK &&
+        lobe_stop(second) == LOBE_OK);
   lobe_close(first);
   lobe_close(second);
 }
@@ -257,6 +258,79 @@ static void own_thread(const char* data) {
   CHECK(state.frame > 20 && state.time > 0.1);
   CHECK(lobe_stop(session) == LOBE_OK && lobe_stop(session) == LOBE_OK &&
         lobe_advance(session, 1) == LOBE_OK);
+  lobe_close(session);
+}
+
+/* Each option within its bounds opens a session, beyond them none; *session is NULL then. */
+static void bounds_of_options(const char* data) {
+  const struct {
+    double frame, speed;
+    uint32_t threads;
+    const char* field; /* at fault; NULL: none */
+  } cases[] = {
+      {1, 0, 0, NULL},        {1e-4, 0.001, 2, NULL},
+      {0, 100, 256, NULL},    {1.001, 0, 0, "frame"},
+      {1e9, 0, 0, "frame"},   {-1, 0, 0, "frame"},
+      {NAN, 0, 0, "frame"},   {INFINITY, 0, 0, "frame"},
+      {0, 1e9, 0, "speed"},   {0, 0.0009, 0, "speed"},
+      {0, -1, 0, "speed"},    {0, NAN, 0, "speed"},
+      {0, 0, 257, "threads"}, {0, 0, 0xffffffffu, "threads"},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    lobe_options options = {.size = sizeof options};
+    options.frame = cases[i].frame;
+    options.speed = cases[i].speed;
+    options.threads = cases[i].threads;
+    options.paused = 1;
+    char garbage;
+    lobe_session* session = (lobe_session*)&garbage;
+    const lobe_status status = lobe_open_text(scene, data, &options, &session);
+    if (cases[i].field == NULL) {
+      CHECK(status == LOBE_OK && session != NULL);
+      lobe_close(session);
+    } else {
+      CHECK(status == LOBE_BAD_INPUT && session == NULL && strstr(lobe_last_error(), cases[i].field));
+    }
+  }
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text(scene, data, NULL, &session) == LOBE_OK);
+  CHECK(lobe_set_speed(session, 0.001) == LOBE_OK && lobe_set_speed(session, 100) == LOBE_OK);
+  const double wrong[] = {0, -1, 0.0009, 101, NAN, INFINITY};
+  for (int i = 0; i < 6; ++i)
+    CHECK(lobe_set_speed(session, wrong[i]) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "speed"));
+  lobe_close(session);
+}
+
+/* Files that are not there, or are something else, give one status in every function. */
+static void wrong_files(const char* data) {
+  char garbage, loop[4096];
+  lobe_session *session = NULL, *none = NULL;
+  lobe_session* const start = (lobe_session*)&garbage;
+  CHECK(lobe_open_text(scene, data, NULL, &session) == LOBE_OK && lobe_advance(session, 1) == LOBE_OK);
+  if (!session) return;
+  char* too_long = malloc(6000);
+  if (!too_long) return;
+  memset(too_long, 'x', 5999);
+  too_long[5999] = 0;
+  snprintf(loop, sizeof loop, "%s/scenes/liver_hands.json/below", data); /* below a file */
+  const char* const files[] = {"/nowhere/at/all", "/", "", loop, too_long};
+  for (int i = 0; i < 5; ++i) {
+    CHECK(lobe_save(session, files[i]) == LOBE_BAD_INPUT);
+    CHECK(lobe_save_scene(session, files[i]) == LOBE_BAD_INPUT);
+    CHECK(lobe_save_recording(session, files[i]) == LOBE_BAD_INPUT);
+    CHECK(lobe_restore(session, files[i]) == LOBE_BAD_INPUT);
+    none = start;
+    CHECK(lobe_open(files[i], NULL, &none) == LOBE_BAD_INPUT && none == NULL);
+    none = start;
+    CHECK(lobe_open_text(scene, files[i], NULL, &none) == LOBE_BAD_INPUT && none == NULL);
+  }
+  free(too_long);
+  none = start;
+  CHECK(lobe_open(NULL, NULL, &none) == LOBE_BAD_INPUT && none == NULL);
+  none = start;
+  CHECK(lobe_open_text(NULL, NULL, NULL, &none) == LOBE_BAD_INPUT && none == NULL);
+  CHECK(lobe_open(loop, NULL, NULL) == LOBE_BAD_INPUT);
+  CHECK(lobe_advance(session, 1) == LOBE_OK);
   lobe_close(session);
 }
 
@@ -358,6 +432,8 @@ int main(int argc, char** argv) {
   other_axes(argv[1]);
   servo(argv[1]);
   own_thread(argv[1]);
+  bounds_of_options(argv[1]);
+  wrong_files(argv[1]);
   what_is_wrong(argv[1]);
   return failures != 0;
 }

@@ -20,7 +20,7 @@ const SessionOptions& checked(const SessionOptions& options) {
   };
   const HandLimits& hand = options.hand;
   expect(is_above_0(options.frame), "its frames must be longer than 0 s, and finite");
-  expect(is_above_0(options.speed), "its speed must be above 0, and finite");
+  expect(is_session_speed(options.speed), "its speed must be from 0.001 to 100 simulated seconds per second");
   expect(options.queue > 0, "its queue must have room for a command");
   expect(options.back_every >= 0, "the time between states to go back to must be at least 0 s");
   expect(options.controller_timeout >= 0, "the controllers' timeout must be 0 s or more");
@@ -180,7 +180,7 @@ void Session<Real>::control(const HandCommand& command) {
       steps_once_ = true;
       return;
     case Kind::speed:
-      if (!(command.value >= 0.001 && command.value <= 100))
+      if (!is_session_speed(command.value))
         throw InputError("speed", "must be from 0.001 to 100 simulated seconds per second");
       speed_ = command.value;
       return pace_.start(Clock::now());

@@ -30,12 +30,15 @@
 
 namespace lobe {
 
+// Whether a session can have this speed, in simulated seconds per second of the clock.
+inline bool is_session_speed(double speed) { return speed >= 0.001 && speed <= 100; }
+
 struct SessionOptions {
   // Length of a frame [s], above 0. The session lowers it by up to 2e-9 of itself, so that multiples are
   // exact.
   double frame = 1.0 / 120;
   int threads = 1;                      // that the world computes with
-  double speed = 1;                     // simulated seconds per second of the clock
+  double speed = 1;                     // simulated seconds per second of the clock, 0.001 … 100
   bool paced = true;                    // false: frames follow each other without waiting
   bool running = true;                  // false: it begins paused
   std::uint32_t queue = 1024;           // capacity of the queue of hand commands

@@ -22,6 +22,7 @@ from ._lobe import (
     box_mesh,
     compare,
     propose_regions,
+    read_checkpoint,
     read_mesh,
     read_scene,
     region_models,
@@ -33,5 +34,5 @@ from .programs import bench, mesh, read_table, view
 __all__ = [
     "Cautery", "Checkpoint", "Condition", "Difference", "GestureOutcome", "Grasp", "InputError", "Mesh",
     "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult", "Surface", "Transitions", "World", "__version__",
-    "bench", "box_mesh", "compare", "mesh", "propose_regions", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
+    "bench", "box_mesh", "compare", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
 ]

@@ -32,39 +32,44 @@ std::shared_ptr<TetMesh> shared(TetMesh mesh) { return std::make_shared<TetMesh>
 }  // namespace
 
 void bind_mesh(py::module_& module) {
-  py::class_<TetMesh, std::shared_ptr<TetMesh>>(module, "Mesh", "Tetrahedra at rest. It does not change.")
-      .def(py::init(&mesh_of), py::arg("points"), py::arg("tets"), py::arg("labels") = py::none(),
-           "points: (n, 3) [m]; tets: (m, 4) indices; labels: (m,) whole numbers from 0, none: 0. Arrays are "
+  py::class_<TetMesh, std::shared_ptr<TetMesh>> mesh(module, "Mesh",
+                                                     "Tetrahedra at rest. It does not change.");
+  mesh.def(py::init(&mesh_of), py::arg("points"), py::arg("tets"), py::arg("labels") = py::none(),
+           "Makes a mesh of arrays. points: (n, 3) [m]; tets: (m, 4) indices; labels: (m,) whole numbers "
+           "from 0, none: 0. Arrays are "
            "copied;\n"
            "tetrahedra that are inside out are turned round. Raises InputError for what is no mesh.")
       .def_property_readonly(
           "points", [](py::object self) { return read_only(self.cast<TetMesh&>().points, self); },
-          "(n, 3) float64, rest positions [m], read-only")
+          "(n, 3) float64, rest positions of the vertices [m], read-only.")
       .def_property_readonly(
           "tets",
           [](py::object self) {
             const TetMesh& mesh = self.cast<TetMesh&>();
             return read_only(mesh.tets.data(), {mesh.tets.cols(), 4}, self);
           },
-          "(m, 4) int32, corners, positively oriented, read-only")
+          "(m, 4) int32, vertices of each tetrahedron, positively oriented, read-only.")
       .def_property_readonly(
           "labels",
           [](py::object self) {
             const TetMesh& mesh = self.cast<TetMesh&>();
             return read_only(mesh.labels.data(), {py::ssize_t(mesh.labels.size())}, self);
           },
-          "(m,) int32, read-only")
-      .def_property_readonly("volume", &total_volume, "[m³]")
+          "(m,) int32, the label of each tetrahedron, read-only.")
+      .def_property_readonly("volume", &total_volume, "The volume of all tetrahedra [m³].")
       .def(
           "save", [](const TetMesh& mesh, const std::filesystem::path& file) { write_mesh(file, mesh); },
-          py::arg("file"), "By extension: .vtu, .vtk, .msh, .msh2, .mesh, .node.")
+          py::arg("file"), "Writes it as a file, by extension: .vtu, .vtk, .msh, .msh2, .mesh, .node.")
+      .def(py::pickle(&mesh_state, &mesh_of_state))
       .def("__repr__", [](const TetMesh& mesh) {
         return "<lobe.Mesh: " + std::to_string(mesh.vertex_count()) + " vertices, " +
                std::to_string(mesh.tet_count()) + " tetrahedra>";
       });
+  add_copies(mesh);
   module.def(
       "read_mesh", [](const std::filesystem::path& file) { return shared(read_mesh(file).mesh); },
-      py::arg("file"), "By extension: .vtu, .vtk, .msh, .msh2, .mesh, .node, .ele. Raises InputError.");
+      py::arg("file"),
+      "Reads a mesh by extension: .vtu, .vtk, .msh, .msh2, .mesh, .node, .ele. Raises InputError.");
   module.def(
       "box_mesh",
       [](const std::array<double, 3>& size, const std::array<int, 3>& cells) {
@@ -73,7 +78,8 @@ void bind_mesh(py::module_& module) {
             throw InputError("box_mesh", "sizes must be above 0, and cells 1 or more");
         return shared(box_mesh({size[0], size[1], size[2]}, cells[0], cells[1], cells[2]));
       },
-      py::arg("size"), py::arg("cells"), "A box from the origin to `size` [m], of cells × 6 tetrahedra.");
+      py::arg("size"), py::arg("cells"),
+      "Makes a box from the origin to `size` [m], of cells × 6 tetrahedra.");
 }
 
 }  // namespace lobe::python

@@ -6,6 +6,7 @@
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
+#include "lobe/scene/listed_regions.h"
 #include "lobe/scene/write_scene.h"
 #include "scene.h"
 
@@ -23,8 +24,7 @@ std::string text_of(const py::dict& document) {
   return json().attr("dumps")(document, py::arg("default") = as_list).cast<std::string>();
 }
 
-std::optional<std::vector<RegionModel>> models_of(const py::object& regions, Index tets) {
-  if (regions.is_none()) return {};
+std::vector<RegionModel> models_of(const py::object& regions, Index tets) {
   std::vector<RegionModel> models;
   const py::array array = py::array::ensure(regions);
   if (!array || array.ndim() != 1 || array.shape(0) != tets ||
@@ -34,6 +34,12 @@ std::optional<std::vector<RegionModel>> models_of(const py::object& regions, Ind
   for (Index code : indices(array, "regions", Index(region_model_names.size())))
     models.push_back(RegionModel(code));
   return models;
+}
+
+// In its folder, wherever the process goes later.
+std::shared_ptr<PyScene> placed(Scene scene, std::shared_ptr<TetMesh> mesh) {
+  scene.file = std::filesystem::absolute(scene.file).lexically_normal();
+  return std::make_shared<PyScene>(std::move(scene), std::move(mesh));
 }
 
 std::shared_ptr<PyScene> scene_of(const py::object& document, std::shared_ptr<TetMesh> mesh,
@@ -49,31 +55,37 @@ std::shared_ptr<PyScene> scene_of(const py::object& document, std::shared_ptr<Te
     throw InputError("scene", "must be a dictionary or JSON text");
   }
   Scene scene = parse_scene(text, folder / "scene.json");
-  if (!mesh && !regions.is_none()) mesh = std::make_shared<TetMesh>(read_mesh(mesh_path(scene)).mesh);
-  std::optional<std::vector<RegionModel>> models;
-  if (mesh) models = models_of(regions, mesh->tet_count());
-  return std::make_shared<PyScene>(std::move(scene), std::move(mesh), std::move(models));
+  if (!regions.is_none()) {
+    const Index tets = mesh ? mesh->tet_count() : read_mesh(mesh_path(scene)).mesh.tet_count();
+    list_regions(models_of(regions, tets), scene);
+  }
+  return placed(std::move(scene), std::move(mesh));
+}
+
+// With absolute paths, except that of a mesh in memory.
+Scene anywhere(const PyScene& self) {
+  Scene scene = with_absolute_paths(self.scene());
+  if (self.mesh()) scene.mesh = self.scene().mesh;
+  return scene;
+}
+
+std::string describe_scene(const PyScene& self) {
+  const std::string name = self.scene().name.empty() ? "" : " \"" + self.scene().name + "\"";
+  const std::string mesh = self.mesh() ? std::to_string(self.mesh()->tet_count()) + " tetrahedra in memory"
+                                       : mesh_path(self.scene()).string();
+  return "<lobe.Scene" + name + ": " + mesh + ">";
 }
 
 }  // namespace
 
-const Resolved& PyScene::resolved() const {
-  const py::gil_scoped_release others_run;
-  const std::lock_guard lock(mutex_);
-  if (!resolved_) {
-    Resolved resolved = resolve(scene_, mesh_ ? *mesh_ : read_mesh(mesh_path(scene_)).mesh, {!regions_});
-    if (regions_) resolved.setup.region_of = *regions_;
-    resolved_ = std::make_unique<const Resolved>(std::move(resolved));
-  }
-  return *resolved_;
-}
-
 void bind_scene(py::module_& module) {
-  py::class_<PyScene, std::shared_ptr<PyScene>>(module, "Scene",
-                                                "What is simulated (docs/scene.md). It does not change.")
+  py::class_<PyScene, std::shared_ptr<PyScene>> scene(
+      module, "Scene", "What is simulated (docs/scene.md). It does not change.");
+  scene
       .def(py::init(&scene_of), py::arg("document"), py::arg("mesh") = py::none(), py::kw_only(),
            py::arg("regions") = py::none(), py::arg("folder") = ".",
-           "document: a dictionary, in which numpy arrays may stand for lists, or JSON text. mesh: in place "
+           "Makes a scene. document: a dictionary, in which numpy arrays may stand for lists, or JSON text. "
+           "mesh: in place "
            "of the\n"
            "file that the document names. regions: (m,) codes of models per tetrahedron (0 tensor-mass, 1 "
            "precomputed,\n"
@@ -83,7 +95,7 @@ void bind_scene(py::module_& module) {
            "with all faults.")
       .def_property_readonly(
           "mesh", [](const PyScene& self) { return std::make_shared<TetMesh>(self.resolved().setup.mesh); },
-          "A copy of its mesh.")
+          "The Mesh of the scene; a copy.")
       .def_property_readonly(
           "regions",
           [](py::object self) {
@@ -91,24 +103,25 @@ void bind_scene(py::module_& module) {
             return read_only(reinterpret_cast<const std::uint8_t*>(models.data()),
                              {py::ssize_t(models.size())}, self);
           },
-          "(m,) uint8, code of the model of each tetrahedron, read-only")
+          "(m,) uint8, the code of the model of each tetrahedron, an index into region_models, read-only.")
       .def_property_readonly(
-          "warnings", [](const PyScene& self) { return self.resolved().warnings; }, "Lines of text.")
+          "warnings", [](const PyScene& self) { return self.resolved().warnings; },
+          "A list of lines: what is unusual in the scene, though it can run.")
       .def(
           "check",
           [](const PyScene& self) {
             return json().attr("loads")(describe_json(self.scene(), self.resolved()));
           },
-          "What will be run, as `lobe check --json` prints it: a dictionary. Raises InputError.")
+          "Returns what will be run, as `lobe check --json` prints it: a dictionary. Raises InputError.")
       .def(
-          "to_dict", [](const PyScene& self) { return json().attr("loads")(to_json(self.scene())); },
-          "The scene as it was understood, with all its defaults.");
+          "to_dict", [](const PyScene& self) { return json().attr("loads")(to_json(anywhere(self))); },
+          "Returns the scene as it was understood, a dictionary with all defaults and with absolute paths.")
+      .def(py::pickle(&scene_state, &scene_of_state))
+      .def("__repr__", &describe_scene);
+  add_copies(scene);
   module.def(
-      "read_scene",
-      [](const std::filesystem::path& file) {
-        return std::make_shared<PyScene>(read_scene(file), nullptr, std::nullopt);
-      },
-      py::arg("file"), "Raises InputError with all faults.");
+      "read_scene", [](const std::filesystem::path& file) { return placed(read_scene(file), nullptr); },
+      py::arg("file"), "Reads a scene file. Raises InputError with all faults.");
   module.def(
       "run",
       [](const PyScene& scene, const std::filesystem::path& folder, int threads) {

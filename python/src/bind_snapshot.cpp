@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include "lobe/text.h"
 #include "scene.h"
 
 namespace lobe::python {
@@ -48,13 +49,13 @@ void bind_surface(py::module_& module) {
           [](py::object self) {
             return of(self.cast<PySurface&>(), [&](const auto& s) { return read_only(s.x, self); });
           },
-          "(k, 3) current positions [m], read-only")
+          "(k, 3) current positions of its vertices [m], read-only.")
       .def_property_readonly(
           "normals",
           [](py::object self) {
             return of(self.cast<PySurface&>(), [&](const auto& s) { return read_only(s.normals, self); });
           },
-          "(k, 3) unit normals, outwards, read-only")
+          "(k, 3) unit normals at its vertices, outwards, read-only.")
       .def_property_readonly(
           "triangles",
           [](py::object self) {
@@ -62,7 +63,7 @@ void bind_surface(py::module_& module) {
             return read_only(reinterpret_cast<const int*>(triangles.data()),
                              {py::ssize_t(triangles.size()), 3}, self);
           },
-          "(t, 3) int32, vertices of this surface, counter-clockwise seen from outside, read-only")
+          "(t, 3) int32, vertices of this surface, counter-clockwise seen from outside, read-only.")
       .def_property_readonly(
           "region",
           [](py::object self) {
@@ -70,24 +71,29 @@ void bind_surface(py::module_& module) {
             return read_only(reinterpret_cast<const std::uint8_t*>(region.data()),
                              {py::ssize_t(region.size())}, self);
           },
-          "(t,) uint8, code of the model of each triangle's tetrahedron, read-only")
+          "(t,) uint8, the code of the model of each triangle's tetrahedron, read-only.")
       .def_property_readonly(
           "cut",
           [](py::object self) {
             const auto& cut = mesh_of(self.cast<PySurface&>()).cut;
             return read_only(reinterpret_cast<const bool*>(cut.data()), {py::ssize_t(cut.size())}, self);
           },
-          "(t,) bool, whether a cut has made the triangle, read-only")
+          "(t,) bool, whether a cut has made the triangle, read-only.")
       .def_property_readonly(
           "vertex",
           [](py::object self) {
             const auto& vertex = mesh_of(self.cast<PySurface&>()).mesh_vertex;
             return read_only(vertex.data(), {py::ssize_t(vertex.size())}, self);
           },
-          "(k,) int32, the vertex of the mesh that each is, read-only")
+          "(k,) int32, the vertex of the mesh that each is, read-only.")
       .def_property_readonly(
           "revision", [](const PySurface& self) { return mesh_of(self).revision; },
-          "Grows with every change of anything but positions and normals.");
+          "A number that grows with every change of anything but positions and normals.")
+      .def("__repr__", [](const PySurface& self) {
+        const SurfaceMesh& mesh = mesh_of(self);
+        return "<lobe.Surface: " + std::to_string(mesh.vertex_count()) + " vertices, " +
+               std::to_string(mesh.triangle_count()) + " triangles>";
+      });
 }
 
 }  // namespace
@@ -99,25 +105,31 @@ void bind_snapshot(py::module_& module) {
       module, "Snapshot", "A moment of a world. It owns its arrays, which outlive cuts and the world.")
       .def_property_readonly(
           "time", [](const PySnapshot& self) { return of(self, [](const auto& s) { return s.time; }); },
-          "[s]")
+          "The simulated time of the moment [s].")
       .def_property_readonly(
           "u",
           [](py::object self) {
             return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.u, self); });
           },
-          "(n, 3) displacements [m], float32 or float64 as the world, read-only")
+          "(n, 3) displacements of the vertices [m], float32 or float64 as the world, read-only.")
       .def_property_readonly(
           "v",
           [](py::object self) {
             return of(self.cast<PySnapshot&>(), [&](const auto& s) { return read_only(s.v, self); });
           },
-          "(n, 3) velocities [m/s], read-only")
-      .def_property_readonly("surface",
-                             [](std::shared_ptr<PySnapshot> self) { return PySurface{std::move(self)}; })
+          "(n, 3) velocities of the vertices [m/s], read-only.")
+      .def_property_readonly(
+          "surface", [](std::shared_ptr<PySnapshot> self) { return PySurface{std::move(self)}; },
+          "The Surface of the body at that moment.")
       .def_property_readonly(
           "tools", &tools_of,
-          "A dictionary each: name, type, position [m], orientation (x, y, z, w), force [N] and torque\n"
-          "[N m] on the tool, by the body.");
+          "A list with a dictionary for each tool: name, type, position [m], orientation (x, y, z, w), force "
+          "[N] and torque\n[N m] on the tool, by the body.")
+      .def("__repr__", [](const PySnapshot& self) {
+        return of(self, [](const auto& s) {
+          return "<lobe.Snapshot: " + rounded(s.time) + " s, " + std::to_string(s.u.cols()) + " vertices>";
+        });
+      });
 }
 
 }  // namespace lobe::python

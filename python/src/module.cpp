@@ -36,12 +36,15 @@ void bind_errors(py::module_& module) {
 }  // namespace
 
 PYBIND11_MODULE(_lobe, module) {
-  module.doc() = "Organ mechanics in real time.";
+  module.doc() = "Organ mechanics in real time (docs/python.md).";
   module.attr("__version__") = LOBE_VERSION;
   bind_errors(module);
   bind_mesh(module);
   bind_scene(module);
   bind_snapshot(module);
+  bind_report(module);
+  bind_checkpoint(module);
+  bind_tools(module);
   bind_world(module);
   bind_solve(module);
 }

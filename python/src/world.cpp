@@ -6,14 +6,13 @@ namespace lobe::python {
 namespace {
 
 template <class Real>
-class WorldOf : public PyWorld {
+class WorldOf : public AnyWorld {
  public:
   WorldOf(const Setup& setup, int threads) : world_(setup, threads) {}
 
   Report advance(double duration) override { return world_.advance(duration); }
   void apply(const Command& command) override { world_.apply(command); }
   double time() const override { return world_.time(); }
-  bool in_double() const override { return std::is_same_v<Real, double>; }
   const Elements& elements() const override { return world_.elements(); }
   const Tools& tools() const override { return world_.tools(); }
   Mat3X<double> positions() override {
@@ -49,6 +48,13 @@ class WorldOf : public PyWorld {
 
 }  // namespace
 
+void PyWorld::restore(const PyCheckpoint& checkpoint) {
+  use([&](AnyWorld& world) {
+    world.restore(checkpoint);
+    ++times_restored_;
+  });
+}
+
 std::shared_ptr<PyWorld> make_world(const std::shared_ptr<PyScene>& scene, int threads,
                                     const std::optional<std::string>& precision) {
   if (threads < 1) throw InputError("threads", std::to_string(threads) + ", must be 1 or more");
@@ -56,16 +62,15 @@ std::shared_ptr<PyWorld> make_world(const std::shared_ptr<PyScene>& scene, int t
     throw InputError("precision", "\"" + *precision + "\", must be \"single\" or \"double\"");
   const bool in_double = precision ? *precision == "double" : scene->scene().in_double();
   const Setup& setup = scene->resolved().setup;
-  std::shared_ptr<PyWorld> world;
+  std::unique_ptr<AnyWorld> world;
   {
     const py::gil_scoped_release others_run;
     if (in_double)
-      world = std::make_shared<WorldOf<double>>(setup, threads);
+      world = std::make_unique<WorldOf<double>>(setup, threads);
     else
-      world = std::make_shared<WorldOf<float>>(setup, threads);
+      world = std::make_unique<WorldOf<float>>(setup, threads);
   }
-  world->scene = scene;
-  return world;
+  return std::make_shared<PyWorld>(scene, in_double, std::move(world));
 }
 
 }  // namespace lobe::python

@@ -6,23 +6,19 @@
 #include <optional>
 #include <string>
 
-#include "lobe/sim/checkpoint.h"
+#include "checkpoint.h"
+#include "lobe/sim/world.h"
 #include "scene.h"
 #include "snapshot.h"
 
 namespace lobe::python {
 
-struct PyCheckpoint {
-  std::variant<Checkpoint<float>, Checkpoint<double>> of;
-};
-
-class PyWorld {
+class AnyWorld {
  public:
-  virtual ~PyWorld() = default;
+  virtual ~AnyWorld() = default;
   virtual Report advance(double duration) = 0;
   virtual void apply(const Command& command) = 0;
   virtual double time() const = 0;
-  virtual bool in_double() const = 0;
   virtual const Elements& elements() const = 0;
   virtual const Tools& tools() const = 0;
   virtual std::shared_ptr<PySnapshot> snapshot() = 0;
@@ -33,19 +29,51 @@ class PyWorld {
   virtual PyCheckpoint save() const = 0;
   virtual void restore(const PyCheckpoint& checkpoint) = 0;
 
-  std::shared_ptr<PyScene> scene;  // that it was built from
+  // ---- Made of these
 
-  // Held during a call.
-  std::unique_lock<std::mutex> claim() {
-    std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("another thread is using this world");
-    return lock;
+  Index tet_count() const { return elements().topology.tet_count(); }
+  Index vertex_count() const { return elements().topology.vertex_count(); }
+  // Brings a tool; its number.
+  template <class Bring>
+  ToolId bring(const Bring& command) {
+    const ToolId id = tools().next_id();
+    apply(command);
+    return id;
   }
+};
+
+class PyWorld {
+ public:
+  PyWorld(std::shared_ptr<PyScene> scene, bool in_double, std::unique_ptr<AnyWorld> world)
+      : scene(std::move(scene)), in_double(in_double), world_(std::move(world)) {}
+
+  const std::shared_ptr<PyScene> scene;  // that it was built from
+  const bool in_double;
+
+  // Returns work(world). Nobody else is in this world meanwhile: throws std::runtime_error if somebody is. The
+  // GIL is released, so that `work` must not touch objects of Python.
+  template <class Work>
+  auto use(Work&& work) {
+    const py::gil_scoped_release others_run;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) throw std::runtime_error("another thread is using this world");
+    return work(*world_);
+  }
+  void apply(const Command& command) {
+    use([&](AnyWorld& world) { world.apply(command); });
+  }
+  // How often it was restored. Tools of before are none of its present tools, though they may have the same
+  // number. Within use() only.
+  int times_restored() const { return times_restored_; }
+  void restore(const PyCheckpoint& checkpoint);
 
  private:
   std::mutex mutex_;
+  std::unique_ptr<AnyWorld> world_;
+  int times_restored_ = 0;
 };
 
+// Throws InputError for a scene that no world can be built from.
 std::shared_ptr<PyWorld> make_world(const std::shared_ptr<PyScene>& scene, int threads,
                                     const std::optional<std::string>& precision);
 

@@ -6,7 +6,8 @@ import re
 PAGE = pathlib.Path(__file__).parents[2] / "docs" / "python.md"
 
 
-def test_snippets():
+def test_snippets(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     text = PAGE.read_text(encoding="utf-8")
     found = re.finditer(r"```python\n(.*?)```", text, re.S)
     snippets = [(text[: m.start()].count("\n") + 2, m.group(1)) for m in found]

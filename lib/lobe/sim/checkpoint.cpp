@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lobe/error.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/file/scanner.h"
 #include "lobe/sim/check_command.h"
 #include "lobe/sim/enum_sizes.h"
@@ -233,10 +234,15 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
 // ---- Files
 
 template <class Real>
-void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>& checkpoint) {
+std::string checkpoint_bytes(const Checkpoint<Real>& checkpoint) {
   io::ByteWriter out;
   io::put(out, checkpoint);
-  io::write_sealed(file, format<Real>, out.bytes());
+  return io::seal(format<Real>, out.bytes());
+}
+
+template <class Real>
+void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>& checkpoint) {
+  io::write_file(file, checkpoint_bytes(checkpoint));
 }
 
 template <class Real>
@@ -246,6 +252,12 @@ Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view byte
   io::get(in, checkpoint);
   in.expect_end();
   return checkpoint;
+}
+
+AnyCheckpoint parse_any_checkpoint(const std::string& name, std::string_view bytes) {
+  if (bytes.starts_with(format<float>.name)) return parse_checkpoint<float>(name, bytes);
+  if (bytes.starts_with(format<double>.name)) return parse_checkpoint<double>(name, bytes);
+  throw InputError(name, "is not the state of a world");
 }
 
 template <class Real>
@@ -289,6 +301,7 @@ bool CheckpointRing<Real>::roll_back(World<Real>& world, double seconds) {
 
 #define LOBE_INSTANTIATE(Real)                                                           \
   template void write_checkpoint(const std::filesystem::path&, const Checkpoint<Real>&); \
+  template std::string checkpoint_bytes(const Checkpoint<Real>&);                        \
   template Checkpoint<Real> parse_checkpoint(const std::string&, std::string_view);      \
   template Checkpoint<Real> read_checkpoint(const std::filesystem::path&);               \
   template class CheckpointRing<Real>;

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "lobe/sim/world.h"
@@ -56,9 +58,14 @@ template <class Real>
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>& checkpoint);
 template <class Real>
 Checkpoint<Real> read_checkpoint(const std::filesystem::path& file);
-// Reads a checkpoint from bytes in memory; `name` is for messages.
+// The same as bytes in memory; `name` is for messages.
+template <class Real>
+std::string checkpoint_bytes(const Checkpoint<Real>& checkpoint);
 template <class Real>
 Checkpoint<Real> parse_checkpoint(const std::string& name, std::string_view bytes);
+// A checkpoint of whichever precision the bytes are.
+using AnyCheckpoint = std::variant<Checkpoint<float>, Checkpoint<double>>;
+AnyCheckpoint parse_any_checkpoint(const std::string& name, std::string_view bytes);
 
 // The last few checkpoints of a world, for an application that wants to go back.
 template <class Real>

@@ -1,0 +1,183 @@
+#include <pybind11/stl.h>
+
+#include "lobe/error.h"
+#include "tools.h"
+
+namespace lobe::python {
+namespace {
+
+// Returns work(world) for the world that the handle is of.
+template <class Work>
+auto use(const PyTool& tool, Work&& work) {
+  return tool.world->use([&](AnyWorld& world) {
+    if (tool.times_restored != tool.world->times_restored())
+      throw InputError("tool",
+                       "this handle was made before World.restore(); World.tools has the present ones");
+    return work(world);
+  });
+}
+
+void apply(const PyTool& tool, const Command& command) {
+  use(tool, [&](AnyWorld& world) { world.apply(command); });
+}
+
+template <class Work>
+auto use_grasp(const PyTool& tool, Work&& work) {
+  return use(tool, [&](AnyWorld& world) {
+    const Grasp* grasp = world.tools().grasp(tool.id);
+    if (!grasp) throw InputError("tool", "was let go already");
+    return work(world, *grasp);
+  });
+}
+
+template <class Tool>
+void lead(const Tool& self, const py::object& position, const py::object& orientation) {
+  Lead command{self.id, {vector3(position, "position")}};
+  if (!orientation.is_none()) {
+    const py::array_t<double, py::array::c_style | py::array::forcecast> q(orientation);
+    if (q.ndim() != 1 || q.shape(0) != 4) throw InputError("orientation", "must be four numbers x, y, z, w");
+    command.target.orientation = Eigen::Map<const Eigen::Vector4d>(q.data());
+  }
+  apply(self, command);
+}
+
+template <class Tool>
+void let_go(const Tool& self) {
+  apply(self, LetGo{self.id});
+}
+template <class Tool>
+void turn_on(const Tool& self, bool on) {
+  apply(self, SwitchTool{self.id, on});
+}
+
+template <class Tool>
+std::string name_of(const Tool& self) {
+  return use(self, [&](AnyWorld& world) {
+    std::string name;
+    if (!world.tools().visit(self.id, [&](const auto& tool) { name = tool.name; }))
+      throw InputError("tool", "was let go already");
+    return name;
+  });
+}
+
+// Also of a handle that cannot be used now.
+std::string describe_tool(const PyTool& self, const char* type, const char* on, const char* off) {
+  std::string text = std::string("<lobe.") + type;
+  try {
+    text += use(self, [&](AnyWorld& world) {
+      std::string state = ": was let go";
+      world.tools().visit(self.id, [&](const auto& tool) {
+        if (!tool.has_gone()) state = " \"" + tool.name + "\": " + (tool.is_on() ? on : off);
+      });
+      return state;
+    });
+  } catch (const InputError&) {
+    text += ": of before a restore()";
+  } catch (const std::runtime_error&) {
+    text += ": another thread is using its world";
+  }
+  return text + ">";
+}
+
+// ---- What is read of a grasp
+
+py::array held_vertices(const PyGrasp& self) {
+  const auto vertices = use_grasp(self, [](AnyWorld&, const Grasp& grasp) { return grasp.vertices; });
+  return py::array_t<Index>(py::ssize_t(vertices.size()), vertices.data());
+}
+
+py::array position_of(const PyGrasp& self) {
+  return copied(use_grasp(self, [](AnyWorld& world, const Grasp& grasp) {
+    if (grasp.path.empty()) throw InputError("position", "is known after the first frame");
+    return Vec3d(grasp.centre + path_at(grasp.path.recent(), world.time()));
+  }));
+}
+
+void bind_grasp(py::module_& module) {
+  py::class_<PyGrasp>(module, "Grasp", "A tool that holds vertices. World.grasp() makes it.")
+      .def("move_to", &lead<PyGrasp>, py::arg("position"), py::arg("orientation") = py::none(),
+           "Moves its centre to this position by the end of the next frame [m]. The orientation is a unit "
+           "quaternion\n(x, y, z, w): how it has turned since it took hold.")
+      .def("release", &let_go<PyGrasp>, "Lets go at the start of the next frame.")
+      .def_property_readonly("name", &name_of<PyGrasp>, "The name that it was given.")
+      .def_property_readonly("vertices", &held_vertices, "(k,) int32, the vertices that it holds; a copy.")
+      .def_property_readonly("position", &position_of,
+                             "The position of its centre [m]. It is known after the first frame.")
+      .def_property_readonly(
+          "force",
+          [](const PyGrasp& self) {
+            return copied(use_grasp(self, [](AnyWorld&, const Grasp& grasp) { return grasp.force; }));
+          },
+          "The force that it exerts on the body, mean over the last frame [N].")
+      .def_property_readonly(
+          "torque",
+          [](const PyGrasp& self) {
+            return copied(use_grasp(self, [](AnyWorld&, const Grasp& grasp) { return grasp.torque; }));
+          },
+          "The torque that it exerts on the body about its centre, mean over the last frame [N m].")
+      .def("__repr__", [](const PyGrasp& self) {
+        return describe_tool(self, "Grasp", "it holds on", "it takes hold in the next frame");
+      });
+}
+
+void bind_cautery(py::module_& module) {
+  py::class_<PyCautery>(module, "Cautery",
+                        "A tool that burns what its spherical tip touches, while it is on. World.cautery() "
+                        "makes it.")
+      .def(
+          "move_to",
+          [](const PyCautery& self, const py::object& position) { lead(self, position, py::none()); },
+          py::arg("position"), "Moves its tip to this position by the end of the next frame [m].")
+      .def("switch", &turn_on<PyCautery>, py::arg("on"), "Switches it on or off.")
+      .def("release", &let_go<PyCautery>, "Takes it away.")
+      .def_property_readonly("name", &name_of<PyCautery>, "The name that it was given.")
+      .def("__repr__",
+           [](const PyCautery& self) { return describe_tool(self, "Cautery", "it is on", "it is off"); });
+}
+
+void bind_scalpel(py::module_& module) {
+  py::class_<PyScalpel>(
+      module, "Scalpel",
+      "A tool that cuts with an edge from its tip to its heel, while it is on. World.scalpel() makes it.")
+      .def("move_to", &lead<PyScalpel>, py::arg("position"), py::arg("orientation") = py::none(),
+           "Moves its tip to this position by the end of the next frame [m]. The orientation is a unit "
+           "quaternion\n(x, y, z, w): how the edge has turned since it was brought.")
+      .def("switch", &turn_on<PyScalpel>, py::arg("on"), "Switches it on or off. It cuts while it is on.")
+      .def("release", &let_go<PyScalpel>, "Takes it away.")
+      .def_property_readonly("name", &name_of<PyScalpel>, "The name that it was given.")
+      .def("__repr__",
+           [](const PyScalpel& self) { return describe_tool(self, "Scalpel", "it is on", "it is off"); });
+}
+
+// ---- All of a world
+
+using AnyTool = std::variant<PyGrasp, PyCautery, PyScalpel>;
+
+template <class Handle, class Kind>
+void add_handles(const std::shared_ptr<PyWorld>& world, const std::vector<Kind>& tools,
+                 std::vector<AnyTool>& handles) {
+  for (const Kind& tool : tools)
+    if (tool.is_live && !tool.has_gone())
+      handles.push_back(Handle{{world, tool.id, world->times_restored()}});
+}
+
+}  // namespace
+
+py::list handles_of(const std::shared_ptr<PyWorld>& world) {
+  std::vector<AnyTool> handles;
+  world->use([&](AnyWorld& any) {
+    const ToolLists& lists = any.tools().lists();
+    add_handles<PyGrasp>(world, lists.grasps, handles);
+    add_handles<PyCautery>(world, lists.cauteries, handles);
+    add_handles<PyScalpel>(world, lists.scalpels, handles);
+  });
+  return py::cast(std::move(handles));
+}
+
+void bind_tools(py::module_& module) {
+  bind_grasp(module);
+  bind_cautery(module);
+  bind_scalpel(module);
+}
+
+}  // namespace lobe::python

@@ -1,0 +1,42 @@
+#include "scene.h"
+
+#include "lobe/io/mesh_io.h"
+
+namespace lobe::python {
+namespace {
+
+// Whether the regions of a scene depend on what lobe finds or measures.
+bool leaves_choice(const Scene& scene) {
+  return scene.auto_regions || std::any_of(scene.regions.begin(), scene.regions.end(),
+                                           [](const Region& region) { return region.is_measured; });
+}
+
+void take_choice(const Choice& choice, Resolved& resolved) {
+  resolved.setup.region_of = choice.region_of;
+  resolved.setup.selective_mass = choice.selective_mass;
+  resolved.setup.expandable = choice.expandable;
+  resolved.proposal = choice.proposal;
+  resolved.warnings = choice.warnings;
+}
+
+}  // namespace
+
+const Resolved& PyScene::resolved() const {
+  const py::gil_scoped_release others_run;
+  const std::lock_guard lock(mutex_);
+  if (!resolved_) {
+    Resolved resolved = resolve(scene_, mesh_ ? *mesh_ : read_mesh(mesh_path(scene_)).mesh, {!choice_});
+    if (choice_) take_choice(*choice_, resolved);
+    resolved_ = std::make_unique<const Resolved>(std::move(resolved));
+  }
+  return *resolved_;
+}
+
+std::optional<Choice> PyScene::choice() const {
+  if (!leaves_choice(scene_)) return {};
+  const Resolved& now = resolved();
+  return Choice{now.setup.region_of, now.setup.selective_mass, now.setup.expandable, now.proposal,
+                now.warnings};
+}
+
+}  // namespace lobe::python

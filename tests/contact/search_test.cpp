@@ -13,6 +13,8 @@
 #include "lobe/contact/contact.h"
 #include "lobe/contact/convex_gap.h"
 #include "lobe/contact/gap_kernels.h"
+#include "lobe/contact/part_motion.h"
+#include "lobe/contact/quadrature.h"
 #include "lobe/cut/distance.h"
 #include "near.h"
 #include "support.h"
@@ -198,7 +200,7 @@ TEST_CASE("whatever a fast body does, it finds all of itself that it touches") {
         Vec3d(2, 1, 0.5) + Vec3d(0, 0, 40).cross(x) - 2 * std::cos(angle / 2) * along * (angle > 0 ? -1 : 1);
   }
   world.set_state(state);
-  const auto& contact = dynamic_cast<const Contact<double>&>(*world.body().terms.front());
+  auto& contact = dynamic_cast<Contact<double>&>(*world.body().terms.front());
   ByForce by_force(world, contact.surface());
   int touches = 0, sure = 0, partings = 0;
   bool did_touch = false;
@@ -258,7 +260,7 @@ TEST_CASE("in any motion of a slit and of a piece that falls, what touches is fo
   const double dt = 0.8 * world.time_step_limit();
   REQUIRE(world.step(dt));
   const State<double> first = world.state();
-  const auto& contact = dynamic_cast<const Contact<double>&>(*world.body().terms.front());
+  auto& contact = dynamic_cast<Contact<double>&>(*world.body().terms.front());
   ByForce by_force(world, contact.surface());
   std::mt19937 random(31);
   std::uniform_real_distribution<double> uniform(-1, 1);

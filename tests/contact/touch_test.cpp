@@ -28,7 +28,7 @@ struct Corners {
 // A triangle near the tool, n² points, some of which have anchors.
 struct Case {
   TouchShape shape;
-  TouchLaw law;
+  ContactLaw law;
   int n;
   Corners corners;
   double held;
@@ -47,12 +47,8 @@ Case any_case(std::mt19937& random, Kind kind, int n) {
   const auto vector = [&](double size) {
     return Vec3d(size * Vec3d(number(random), number(random), number(random)));
   };
-  Case c{{kind, 0.01, 0.02, {0.02, 0.015, 0.03}, 0.004},
-         {.deepest = 0.003,
-          .damping = 1e-4,
-          .friction = std::abs(number(random)),
-          .opens = number(random) * 0.01,
-          .has_jaws = kind == Kind::jaws},
+  Case c{{kind, 0.01, 0.02, {0.02, 0.015, 0.03}, 0.004, number(random) * 0.01},
+         {.damping = 1e-4, .deepest = 0.003, .friction = std::abs(number(random))},
          n,
          {},
          std::max(0.0, number(random)) * 0.001,
@@ -104,7 +100,7 @@ Found find(const Case& c, InstructionSet set) {
   kernels.find_distances(c.shape, c.held, &triangle, found.blocks.data(), count);
   for (TouchBlock& block : found.blocks) block.held.fill(c.held);
   found.forces.assign(12, 0);
-  found.grip = kernels.add_forces(c.law, &triangle, found.blocks.data(), count,
+  found.grip = kernels.add_forces(c.law, c.shape, &triangle, found.blocks.data(), count,
                                   {found.rows.data() + 3 * stride, stride}, found.forces.data());
   return found;
 }
@@ -142,7 +138,7 @@ int check_against_formulae(const Case& c, const Found& found) {
     ++touched;
     const double side = x.y() < 0 ? -1 : 1;
     double approach = -g.gradient.dot(c.corners.v * weights);
-    if (c.law.has_jaws) approach += g.gradient.y() * side * c.law.opens / 2;
+    if (c.shape.kind == Kind::jaws) approach += g.gradient.y() * side * c.shape.opens / 2;
     const double elastic = stiffness * std::clamp(c.held - g.value, 0.0, c.law.deepest);
     const double p = std::max(0.0, elastic + c.law.damping * stiffness * approach);
     Vec3d force = area * p * g.gradient;
@@ -158,7 +154,7 @@ int check_against_formulae(const Case& c, const Found& found) {
     CHECK((anchor - Vec3d(block.anchor[0][lane], block.anchor[1][lane], block.anchor[2][lane])).norm() <
           1e-15);
     f += force * weights.transpose();
-    grip -= c.law.has_jaws ? side / 2 * force.y() : 0;
+    grip -= c.shape.kind == Kind::jaws ? side / 2 * force.y() : 0;
   });
   const double least = 1e-12 * (1e-3 + f.norm());
   for (int i = 0; i < 3; ++i)

@@ -30,11 +30,11 @@ class OwnSprings : public ForceTerm<double> {
       f.col(s.vertex) +=
           s.stiffness * (s.point - at.model.elements.points.col(s.vertex) - at.u.col(s.vertex));
   }
-  void add_diagonal_stiffness(const At&, DiagonalStiffness& K) const override {
+  void add_diagonal_stiffness(const At&, DiagonalStiffness& K) override {
     for (const Spring& s : springs_)
       for (int entry : {0, 3, 5}) K(entry, s.vertex) += s.stiffness;
   }
-  double energy(const At& at) const override {
+  double energy(const At& at) override {
     double sum = 0;
     for (const Spring& s : springs_)
       sum += s.stiffness / 2 *

@@ -4,46 +4,59 @@
 #include <cmath>
 #include <utility>
 
-#include "lobe/contact/body_places.h"
+#include "lobe/contact/self_contact.h"
+#include "lobe/contact/tool_contact.h"
 #include "lobe/file/fields.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
 
 template <class Real>
-Contact<Real>::~Contact() = default;
+struct Contact<Real>::OfTool {
+  int tool = 0;
+  Remembered remembered;
+};
+
+template <class Real>
+struct Contact<Real>::Scratch {
+  Mat3X<double> x;            // places of all points of the surface [m]
+  ContactForces self_forces;  // of the body on itself
+};
 
 template <class Real>
 Contact<Real>::Contact(const ContactSetup& setup, double body_damping)
-    : setup_(setup), body_damping_(body_damping), self_forces_(std::make_unique<SelfForces>()) {
-  if (setup.self) {
-    self_ = std::make_unique<SelfContact>(setup.friction);
-    stations_ = std::make_unique<Stations>();
-  }
+    : setup_(setup), body_damping_(body_damping), scratch_(std::make_unique<Scratch>()) {
+  if (setup.self) self_ = std::make_unique<SelfContact>();
   for (const ObstacleSetup& obstacle : setup.obstacles)
     tools_.emplace_back(static_cast<int>(tools_.size()) - static_cast<int>(setup.obstacles.size()), obstacle);
+}
+
+template <class Real>
+Contact<Real>::~Contact() = default;
+
+template <class Real>
+ContactLaw Contact<Real>::law() const {
+  const double omega = surface_.omega();
+  return {.damping = omega > 0 ? 2 * setup_.damping / omega : 0,
+          .hold = 0.5 * body_damping_,
+          .deepest = deepest_contact * surface_.mean_edge() / surface_.softening(),
+          .friction = setup_.friction};
 }
 
 // ---- Where the surface is
 
 template <class Real>
-void Contact<Real>::find_all(const At& at) const {
-  const Here here(surface_, at);
+Places Contact<Real>::places(const At& at) const {
+  return {surface_, at.model, at.u, at.v};
+}
+
+template <class Real>
+void Contact<Real>::search(ToolContact& tool, const At& at, double ahead) {
+  const Places now = places(at);
   const auto count = static_cast<Eigen::Index>(surface_.points().size());
-  all_.resize(3, count);
-  for (Eigen::Index p = 0; p < count; ++p) all_.col(p) = here.of_point(static_cast<int>(p));
-  if (x_.cols() < count) x_.resize(3, count);
-}
-
-template <class Real>
-void Contact<Real>::search(ToolContact& tool, const At& at, double ahead) const {
-  find_all(at);
-  tool.search(surface_, all_, at.time, body_moved_, ahead);
-}
-
-template <class Real>
-void Contact<Real>::gather(const std::vector<int>& points, const Places& now) const {
-  for (std::size_t i = 0; i < points.size(); ++i) x_.col(Eigen::Index(i)) = now.of_point(points[i]);
+  scratch_->x.resize(3, count);
+  for (Eigen::Index p = 0; p < count; ++p) scratch_->x.col(p) = now.of_point(static_cast<int>(p));
+  tool.search(surface_, scratch_->x, at.time, body_moved_, ahead);
 }
 
 // Distributes the forces on the points that a tool presses to the vertices of the mesh.
@@ -57,14 +70,14 @@ void Contact<Real>::scatter(const ToolContact& tool, Mat3X<Real>& f) const {
 }
 
 template <class Real>
-void Contact<Real>::forget_all() const {
+void Contact<Real>::forget_all() {
   for (ToolContact& tool : tools_) tool.forget();
   if (self_) self_->forget();
 }
 
 // Forgets what may touch if the state did not come from a step.
 template <class Real>
-void Contact<Real>::forget_if_replaced(const At& at) const {
+void Contact<Real>::forget_if_replaced(const At& at) {
   if (at.model.revisions.replaced == replaced_) return;
   replaced_ = at.model.revisions.replaced;
   forget_all();
@@ -74,7 +87,7 @@ void Contact<Real>::forget_if_replaced(const At& at) const {
 // made contact soft: a hand that leads a tool would get back more energy than it gave.
 template <class Real>
 template <class Visit>
-void Contact<Real>::visit_tools(const At& at, Visit&& visit) const {
+void Contact<Real>::visit_tools(const At& at, Visit&& visit) {
   if (surface_.revision() == 0) return;  // the body has not been seen
   forget_if_replaced(at);
   ContactLaw own_law = law();
@@ -83,19 +96,19 @@ void Contact<Real>::visit_tools(const At& at, Visit&& visit) const {
     ToolContact& tool = tools_[i];
     if (tool.is_outdated(at.time, body_moved_)) search(tool, at, 0);
     if (tool.points().empty() || !tool.is_there(at.time)) continue;
-    const Here here(surface_, at);
+    const Places now = places(at);
     tool.use(surface_);
-    visit(i, tool, ToolContact::At{surface_, own_law, at.time, last_step_, body_moved_, here});
+    visit(i, tool, ToolContact::At{surface_, own_law, at.time, last_step_, body_moved_, now});
   }
 }
 
 template <class Real>
 template <class Visit>
-void Contact<Real>::visit_self(const At& at, Visit&& visit) const {
+void Contact<Real>::visit_self(const At& at, Visit&& visit) {
   if (!self_ || surface_.revision() == 0) return;
-  const Here here(surface_, at, stations_.get());
+  const Places here = places(at);
   const ContactLaw own_law = law();
-  const SelfContact::At now{surface_, own_law, here, body_moved_, last_step_};
+  const SelfAt now{surface_, own_law, here, body_moved_, last_step_};
   self_->keep_pairs(now);
   visit(now);
 }
@@ -166,10 +179,9 @@ void Contact<Real>::find_touched(const At& at, double until) {
   };
   for (const ToolContact& tool : tools_) {
     if (tool.points().empty() || !(tool.is_there(at.time) || tool.is_there(until))) continue;
-    gather(tool.points(), Here(surface_, at));
-    tool.visit_close(x_, at.time, until, take);
+    tool.visit_close(places(at), at.time, until, take);
   }
-  visit_self(at, [&](const SelfContact::At& here) {
+  visit_self(at, [&](const SelfAt& here) {
     self_->visit_close(here, take, [&](const Eigen::Vector4i& corners) {
       touched_.insert(touched_.end(), corners.begin(), corners.end());
     });
@@ -188,15 +200,15 @@ void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
     if (!tool.is_obstacle()) on_tools_[i - setup_.obstacles.size()] = tool.on_tool();
     scatter(tool, f);
   });
-  visit_self(at, [&](const SelfContact::At& here) {
-    self_forces_->begin(surface_, f.cols());
-    self_->add_forces(here, *self_forces_);
-    self_forces_->end(f);
+  visit_self(at, [&](const SelfAt& here) {
+    scratch_->self_forces.begin(surface_, f.cols());
+    self_->add_forces(here, scratch_->self_forces);
+    scratch_->self_forces.end(f);
   });
 }
 
 template <class Real>
-void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum) const {
+void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum) {
   const auto add_to_vertex = [&](Index vertex, double share, const Mat3<double>& K) {
     auto column = sum.col(vertex);
     column[0] += share * K(0, 0);
@@ -218,7 +230,7 @@ void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum)
       add_to(tool.points()[std::size_t(place)], weight, K);
     });
   });
-  visit_self(at, [&](const SelfContact::At& here) {
+  visit_self(at, [&](const SelfAt& here) {
     self_->visit_stiffness(here, add_to, [&](Index vertex, double weight, const Mat3<double>& K) {
       add_to_vertex(vertex, weight * weight, K);
     });
@@ -226,12 +238,11 @@ void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum)
 }
 
 template <class Real>
-double Contact<Real>::energy(const At& at) const {
+double Contact<Real>::energy(const At& at) {
   double sum = 0;
-  visit_tools(at, [&](std::size_t, const ToolContact& tool, const ToolContact::At& here) {
-    sum += tool.energy(here);
-  });
-  visit_self(at, [&](const SelfContact::At& here) { sum += self_->energy(here); });
+  visit_tools(at,
+              [&](std::size_t, ToolContact& tool, const ToolContact::At& here) { sum += tool.energy(here); });
+  visit_self(at, [&](const SelfAt& here) { sum += self_->energy(here); });
   return sum;
 }
 

@@ -9,13 +9,18 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
-#include "lobe/contact/self_contact.h"
-#include "lobe/contact/tool_contact.h"
+#include "lobe/contact/contact_surface.h"
 #include "lobe/setup/contact_setup.h"
 
 namespace lobe {
+
+class ContactMemory;
+class Places;
+class SelfContact;
+class ToolContact;
+struct ContactLaw;
+struct SelfAt;
 
 // Depth beyond which the pressure grows no more, as a share of the surface's mean edge; more where selective
 // masses have softened contact.
@@ -28,13 +33,12 @@ class Contact : public ForceTerm<Real> {
   static constexpr const char* term_name = "contact";
 
   explicit Contact(const ContactSetup& setup = {}, double body_damping = 0);  // γ [1/s]
-
   ~Contact() override;
 
   std::string name() const override { return term_name; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
-  void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
-  double energy(const At& at) const override;
+  void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) override;
+  double energy(const At& at) override;
   std::vector<Index> acts_on(const Model&) const override { return touched_; }
 
   bool needs_body() const override { return true; }
@@ -52,54 +56,38 @@ class Contact : public ForceTerm<Real> {
   const ContactSurface& surface() const { return surface_; }
 
  private:
-  struct OfTool {  // what a checkpoint remembers of a tool that has not come yet
-    int tool = 0;
-    Remembered remembered;
-  };
-
-  ContactLaw law() const {
-    const double omega = surface_.omega();
-    return {.damping = omega > 0 ? 2 * setup_.damping / omega : 0,
-            .hold = 0.5 * body_damping_,
-            .deepest = deepest_contact * surface_.mean_edge() / surface_.softening()};
-  }
+  struct OfTool;   // what a checkpoint remembers of a tool that has not come yet
+  struct Scratch;  // of a search, and of forces
+  ContactLaw law() const;
+  Places places(const At& at) const;
   void find_there(double time, std::vector<int>& tools) const;  // which exist at a time
   template <class Visit>
   void visit_memories(Visit&& visit);  // visit(memory) of the body on itself, then of each tool
-  void forget_all() const;             // forgets all lists of what may touch
-  class Here;                          // Places
-  class Station;                       // of Places, for self contact
-  struct Stations;
-  void forget_if_replaced(const At& at) const;
-  void find_all(const At& at) const;
-  void search(ToolContact& tool, const At& at, double ahead) const;
+  void forget_all();                   // forgets all lists of what may touch
+  void forget_if_replaced(const At& at);
+  void search(ToolContact& tool, const At& at, double ahead);
   void find_touched(const At& at, double until);
-  void gather(const std::vector<int>& points, const Places& now) const;
   void scatter(const ToolContact& tool, Mat3X<Real>& f) const;
   template <class Visit>
-  void visit_self(const At& at, Visit&& visit) const;
+  void visit_self(const At& at, Visit&& visit);
   template <class Visit>
-  void visit_tools(const At& at, Visit&& visit) const;
+  void visit_tools(const At& at, Visit&& visit);
 
   ContactSetup setup_;
   double body_damping_;  // γ [1/s]
   ContactSurface surface_;
-  mutable std::vector<ToolContact> tools_;     // obstacles first, as tools of numbers below 0
-  mutable std::unique_ptr<SelfContact> self_;  // none: the body does not touch itself
-  std::unique_ptr<Stations> stations_;
+  std::vector<ToolContact> tools_;     // obstacles first, as tools of numbers below 0
+  std::unique_ptr<SelfContact> self_;  // null if the body does not touch itself
   std::vector<OfTool> waiting_;
   std::vector<OnTool> on_tools_;
-  std::vector<Index> touched_;                // that may be in this frame
+  std::vector<Index> touched_;                // vertices that may be touched in this frame
   std::vector<int> there_, there_before_;     // tools, when see_tools() was called last
   double frame_end_ = 0;                      // [s]
-  double body_moved_ = 0;                     // by at most that in all steps [m]
-  double last_step_ = 0, step_at_start_ = 0;  // [s]; the last before steps began
-  mutable std::uint64_t replaced_ = 0;
+  double body_moved_ = 0;                     // bound of how far a vertex has moved in all steps [m]
+  double last_step_ = 0, step_at_start_ = 0;  // now, and when steps began [s]
+  std::uint64_t replaced_ = 0;                // revision of the state that lists of what may touch are of
 
-  // Scratch: all points of the surface; those of a tool's candidates; forces of the body on itself.
-  mutable Mat3X<double> all_, x_;
-  class SelfForces;
-  std::unique_ptr<SelfForces> self_forces_;
+  std::unique_ptr<Scratch> scratch_;
 };
 
 extern template class Contact<float>;

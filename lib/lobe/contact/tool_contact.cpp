@@ -58,10 +58,10 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
                          double body_moved, double ahead) {
   const RigidMotion now = motion_at(path_, time);
   const double margin = 0.5 * surface.mean_edge() + 1.1 * ahead + memory_.held().most();
-  place_of_.assign(surface.points().size(), -1);
+  std::vector<int> place_of(surface.points().size(), -1);  // in points_
   points_.clear();
   candidates_.clear();
-  near_.clear();
+  scratch_.near.clear();
   double gap = std::numeric_limits<double>::infinity();  // to the nearest triangle that is no candidate
   for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
     const ContactSurface::Triangle& triangle = surface.triangles()[t];
@@ -79,20 +79,20 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
     found.triangle = static_cast<int>(t);
     found.divisions = divisions_of(triangle.longest, distance_.fineness());
     found.points = triangle.points;
-    for (int p : triangle.points) place_of_[std::size_t(p)] = 0;
+    for (int p : triangle.points) place_of[std::size_t(p)] = 0;
   }
-  for (std::size_t p = 0; p < place_of_.size(); ++p) {  // in the order of the surface, as sums go over them
-    if (place_of_[p] < 0) continue;
-    place_of_[p] = static_cast<int>(points_.size());
+  for (std::size_t p = 0; p < place_of.size(); ++p) {  // in the order of the surface, as sums go over them
+    if (place_of[p] < 0) continue;
+    place_of[p] = static_cast<int>(points_.size());
     points_.push_back(static_cast<int>(p));
   }
   for (Candidate& candidate : candidates_)
-    for (int& p : candidate.points) p = place_of_[std::size_t(p)];
-  triangles_.clear();
+    for (int& p : candidate.points) p = place_of[std::size_t(p)];
+  scratch_.triangles.clear();
   for (const Candidate& candidate : candidates_) {
     const ContactSurface::Triangle& triangle = surface.triangles()[std::size_t(candidate.triangle)];
     const int n = candidate.divisions;
-    triangles_.push_back({.stiffness = triangle.stiffness, .area = triangle.area / (n * n)});
+    scratch_.triangles.push_back({.stiffness = triangle.stiffness, .area = triangle.area / (n * n)});
   }
   slack_ = candidates_.empty() ? gap : margin;
   moved_ = 0;
@@ -104,46 +104,46 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
 // ---- What is touched
 
 // Finds the candidates that are not known to be out of reach. False: there are none.
-bool ToolContact::find_near(const At& at) const {
-  near_.clear();
+bool ToolContact::find_near(const At& at) {
+  scratch_.near.clear();
   const bool knows = at.time <= ahead_until_;
   const double moved = at.body_moved + ahead_ + memory_.held().most();
   for (std::size_t c = 0; c < candidates_.size(); ++c)
-    if (!knows || moved >= candidates_[c].clear_until) near_.push_back(static_cast<int>(c));
-  return !near_.empty();
+    if (!knows || moved >= candidates_[c].clear_until) scratch_.near.push_back(static_cast<int>(c));
+  return !scratch_.near.empty();
 }
 
-void ToolContact::find_touches(const At& at, const RigidMotion& now) const {
+void ToolContact::find_touches(const At& at, const RigidMotion& now) {
   find_places(at, now);
-  block_count_ = 0;
-  for (int c : near_) take_triangle(c, now.opening);
-  find_distances(0, now.opening);
+  scratch_.block_count = 0;
+  for (int c : scratch_.near) take_triangle(c, now);
+  find_distances(0, now);
   if (memory_.held().any()) leave_what_is_held(at);
-  remember_clear(at, now.opening);
+  remember_clear(at, now);
 }
 
 // Speeds against the tool are linear within a triangle, since it is rigid.
-void ToolContact::find_places(const At& at, const RigidMotion& now) const {
+void ToolContact::find_places(const At& at, const RigidMotion& now) {
   constexpr int width = PointBlock::width;
   const auto room = (Eigen::Index(points_.size()) + width - 1) / width * width;
-  if (places_.cols() < room)
-    for (PointRows* of_points : {&places_, &speeds_}) of_points->setZero(3, room);
-  near_of_.resize(points_.size());
-  is_near_in_.resize(points_.size(), 0);
-  near_points_.clear();
-  ++evaluation_;
-  for (int c : near_) {
-    TouchTriangle& triangle = triangles_[std::size_t(c)];
+  if (scratch_.places.cols() < room)
+    for (PointRows* of_points : {&scratch_.places, &scratch_.speeds}) of_points->setZero(3, room);
+  scratch_.place_of.resize(points_.size());
+  scratch_.evaluation_of.resize(points_.size(), 0);
+  scratch_.points.clear();
+  ++scratch_.number;
+  for (int c : scratch_.near) {
+    TouchTriangle& triangle = scratch_.triangles[std::size_t(c)];
     for (int i = 0; i < 3; ++i) {
       const auto p = std::size_t(candidates_[std::size_t(c)].points[i]);
-      if (std::exchange(is_near_in_[p], evaluation_) != evaluation_) {
-        near_of_[p] = int(near_points_.size());
-        near_points_.push_back(points_[p]);
+      if (std::exchange(scratch_.evaluation_of[p], scratch_.number) != scratch_.number) {
+        scratch_.place_of[p] = int(scratch_.points.size());
+        scratch_.points.push_back(points_[p]);
       }
-      triangle.points[std::size_t(i)] = near_of_[p];
+      triangle.points[std::size_t(i)] = scratch_.place_of[p];
     }
   }
-  at.places.of_points(near_points_, places_, speeds_);
+  at.places.of_points(scratch_.points, scratch_.places, scratch_.speeds);
   const Vec3d spin = now.rotation.transpose() * now.spin;
   TouchAxes axes;
   for (int d = 0; d < 3; ++d) {
@@ -153,15 +153,15 @@ void ToolContact::find_places(const At& at, const RigidMotion& now) const {
     axes.velocity[i] = now.velocity[d];
     axes.spin[i] = spin[d];
   }
-  kernels_.to_axes(axes, rows(places_), rows(speeds_), int(near_points_.size()));
+  kernels_.to_axes(axes, rows(scratch_.places), rows(scratch_.speeds), int(scratch_.points.size()));
 }
 
-void ToolContact::take_triangle(int number, double opening) const {
-  TouchTriangle& triangle = triangles_[std::size_t(number)];
+void ToolContact::take_triangle(int number, const RigidMotion& now) {
+  TouchTriangle& triangle = scratch_.triangles[std::size_t(number)];
   const int n = candidates_[std::size_t(number)].divisions;
   for (int d = 0; d < 3; ++d) {
     const auto i = std::size_t(d);
-    const auto x = [&](std::size_t c) { return places_(d, triangle.points[c]); };
+    const auto x = [&](std::size_t c) { return scratch_.places(d, triangle.points[c]); };
     triangle.along[i] = (x(1) - x(0)) / n;
     triangle.up[i] = (x(2) - x(0)) / n;
     triangle.turn[i] = (triangle.along[i] + triangle.up[i]) / 3;
@@ -170,25 +170,16 @@ void ToolContact::take_triangle(int number, double opening) const {
   if (n <= few_divisions)
     take_blocks(number, n, 0, int(point_blocks(n).size()));
   else
-    take_near_strips(number, n, opening);
-}
-
-TouchLaw ToolContact::law(const At& at, double opens) const {
-  return {.deepest = at.law.deepest,
-          .damping = at.law.damping,
-          .friction = friction_,
-          .opens = opens,
-          .has_jaws = shape_.kind == RigidShape::Kind::jaws,
-          .is_unit = distance_.error() == 0};
+    take_near_strips(number, n, now);
 }
 
 // Blocks of points of a triangle.
-void ToolContact::take_blocks(int triangle, int divisions, int begin, int end) const {
+void ToolContact::take_blocks(int triangle, int divisions, int begin, int end) {
   const std::vector<PointBlock>& points = point_blocks(divisions);
-  const std::size_t count = block_count_ + std::size_t(end - begin);
-  if (blocks_.size() < count) blocks_.resize(count);
+  const std::size_t count = scratch_.block_count + std::size_t(end - begin);
+  if (scratch_.blocks.size() < count) scratch_.blocks.resize(count);
   for (int b = begin; b < end; ++b) {
-    TouchBlock& block = blocks_[block_count_++];
+    TouchBlock& block = scratch_.blocks[scratch_.block_count++];
     block.points = &points[std::size_t(b)];
     block.triangle = triangle;
     block.first = b * PointBlock::width;
@@ -196,12 +187,12 @@ void ToolContact::take_blocks(int triangle, int divisions, int begin, int end) c
 }
 
 // Those of strips that may be touched.
-void ToolContact::take_near_strips(int number, int n, double opening) const {
-  const TouchTriangle& triangle = triangles_[std::size_t(number)];
+void ToolContact::take_near_strips(int number, int n, const RigidMotion& now) {
+  const TouchTriangle& triangle = scratch_.triangles[std::size_t(number)];
   constexpr int width = PointBlock::width;
   const double more = memory_.held().most() + distance_.error();
   const auto is_beyond = [&](const Vec3d& middle, double radius) {
-    return distance_.is_beyond(middle, radius + more, opening);
+    return distance_.is_beyond(middle, radius + more, now.opening);
   };
   const auto vector = [](const std::array<double, 3>& a) { return Vec3d(a[0], a[1], a[2]); };
   const Vec3d along = vector(triangle.along), up = vector(triangle.up), start = vector(triangle.start);
@@ -218,23 +209,23 @@ void ToolContact::take_near_strips(int number, int n, double opening) const {
 }
 
 // A mesh has a grid in place of a formula.
-void ToolContact::find_distances(std::size_t first, double opening) const {
+void ToolContact::find_distances(std::size_t first, const RigidMotion& now) {
   const double near = memory_.held().most();
-  kernels_.find_distances({shape_.kind, shape_.radius, shape_.length, shape_.size, opening}, near,
-                          triangles_.data(), blocks_.data() + first, int(block_count_ - first));
+  kernels_.find_distances(touch_shape(now), near, scratch_.triangles.data(), scratch_.blocks.data() + first,
+                          int(scratch_.block_count - first));
   if (shape_.kind != RigidShape::Kind::mesh) return;
-  for (std::size_t b = first; b < block_count_; ++b)
-    for (unsigned int rest = blocks_[b].points->lanes; rest != 0; rest &= rest - 1) {
+  for (std::size_t b = first; b < scratch_.block_count; ++b)
+    for (unsigned int rest = scratch_.blocks[b].points->lanes; rest != 0; rest &= rest - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
-      const Distance found = distance_.at(lane_of(blocks_[b].place, lane));
-      blocks_[b].distance[lane] = found.value;
-      for (std::size_t d = 0; d < 3; ++d) blocks_[b].gradient[d][lane] = found.gradient[int(d)];
-      if (found.value < near) blocks_[b].touched |= 1u << lane;
+      const Distance found = distance_.at(lane_of(scratch_.blocks[b].place, lane));
+      scratch_.blocks[b].distance[lane] = found.value;
+      for (std::size_t d = 0; d < 3; ++d) scratch_.blocks[b].gradient[d][lane] = found.gradient[int(d)];
+      if (found.value < near) scratch_.blocks[b].touched |= 1u << lane;
     }
 }
 
 // Of points near enough for what is held somewhere, leaves those that are for what is held there.
-void ToolContact::leave_what_is_held(const At& at) const {
+void ToolContact::leave_what_is_held(const At& at) {
   visit_lanes([&](TouchBlock& block, std::size_t lane) {
     block.held[lane] = memory_.held().at(triangle_of(block, at).points, lane_of(block.points->weights, lane));
     if (block.distance[lane] >= block.held[lane]) block.touched &= ~(1u << lane);
@@ -244,29 +235,30 @@ void ToolContact::leave_what_is_held(const At& at) const {
 // Until when those are clear that nothing touches now. The tool moves by no more than ahead_ − moved_ from
 // the start of the frame to its end, and no point of a triangle by more than its corners. What is clear by
 // less than `least` is not safe from changes that no step makes.
-void ToolContact::remember_clear(const At& at, double opening) const {
+void ToolContact::remember_clear(const At& at, const RigidMotion& now) {
   constexpr double least = 1e-5;  // [m]
   std::size_t b = 0;
-  for (int t : near_) {
-    const Candidate& candidate = candidates_[std::size_t(t)];
+  for (int t : scratch_.near) {
+    Candidate& candidate = candidates_[std::size_t(t)];
     const std::size_t begin = b;
     unsigned int touched = 0;
-    for (; b < block_count_ && blocks_[b].triangle == t; ++b) touched |= blocks_[b].touched;
+    for (; b < scratch_.block_count && scratch_.blocks[b].triangle == t; ++b)
+      touched |= scratch_.blocks[b].touched;
     if (touched != 0) continue;
     double gap = std::numeric_limits<double>::infinity();
     const auto see = [&](std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i)
-        for (unsigned int rest = blocks_[i].points->lanes; rest != 0; rest &= rest - 1)
-          gap = std::min(gap, blocks_[i].distance[std::size_t(std::countr_zero(rest))]);
+        for (unsigned int rest = scratch_.blocks[i].points->lanes; rest != 0; rest &= rest - 1)
+          gap = std::min(gap, scratch_.blocks[i].distance[std::size_t(std::countr_zero(rest))]);
     };
     if (candidate.divisions <= few_divisions) {
       see(begin, b);
     } else {  // all strips
-      const std::size_t count = block_count_;
+      const std::size_t count = scratch_.block_count;
       take_blocks(t, candidate.divisions, 0, int(point_blocks(candidate.divisions).size()));
-      find_distances(count, opening);
-      see(count, block_count_);
-      block_count_ = count;
+      find_distances(count, now);
+      see(count, scratch_.block_count);
+      scratch_.block_count = count;
     }
     candidate.clear_until = at.body_moved + moved_ + gap - distance_.error() - least;
   }
@@ -276,14 +268,15 @@ void ToolContact::remember_clear(const At& at, double opening) const {
 
 void ToolContact::find_forces(const At& at) {
   on_tool_ = {.tool = tool_};
-  pressed_.clear();
+  scratch_.pressed.clear();
   if (!is_there(at.time) || !find_near(at)) return;
   const RigidMotion now = motion_at(path_, at.time);
   find_touches(at, now);
   begin_forces();
   if (friction_ > 0) find_anchors(at);
-  const double grip = kernels_.add_forces(law(at, now.opens), triangles_.data(), blocks_.data(),
-                                          int(block_count_), rows(speeds_), forces_.data());
+  const double grip =
+      kernels_.add_forces(law(at), touch_shape(now), scratch_.triangles.data(), scratch_.blocks.data(),
+                          int(scratch_.block_count), rows(scratch_.speeds), scratch_.forces.data());
   remember(at);
   turn_and_sum(now.rotation);
   if (shape_.kind == RigidShape::Kind::jaws) on_tool_.grip = std::max(0.0, grip);
@@ -291,14 +284,14 @@ void ToolContact::find_forces(const At& at) {
 
 // The corners of the triangles that are touched, and no forces on them.
 void ToolContact::begin_forces() {
-  if (forces_.cols() < places_.cols()) forces_.resize(4, places_.cols());
-  is_pressed_.assign(near_points_.size(), 0);
-  for (std::size_t b = 0; b < block_count_; ++b) {
-    if (blocks_[b].touched == 0) continue;
-    for (int p : triangles_[std::size_t(blocks_[b].triangle)].points) {
-      if (std::exchange(is_pressed_[std::size_t(p)], 1)) continue;
-      pressed_.push_back(p);
-      forces_.col(p).setZero();
+  if (scratch_.forces.cols() < scratch_.places.cols()) scratch_.forces.resize(4, scratch_.places.cols());
+  scratch_.is_pressed.assign(scratch_.points.size(), 0);
+  for (std::size_t b = 0; b < scratch_.block_count; ++b) {
+    if (scratch_.blocks[b].touched == 0) continue;
+    for (int p : scratch_.triangles[std::size_t(scratch_.blocks[b].triangle)].points) {
+      if (std::exchange(scratch_.is_pressed[std::size_t(p)], 1)) continue;
+      scratch_.pressed.push_back(p);
+      scratch_.forces.col(p).setZero();
     }
   }
 }
@@ -327,7 +320,7 @@ void ToolContact::remember(const At& at) {
     });
   if (at.law.hold > 0)
     visit_lanes([&](const TouchBlock& block, std::size_t lane) {
-      const TouchTriangle& triangle = triangles_[std::size_t(block.triangle)];
+      const TouchTriangle& triangle = scratch_.triangles[std::size_t(block.triangle)];
       memory_.held().add(candidate_of(block).triangle, triangle_of(block, at).points,
                          lane_of(block.points->weights, lane), triangle.area * triangle.stiffness,
                          -block.distance[lane]);
@@ -338,26 +331,29 @@ void ToolContact::remember(const At& at) {
 // Turns forces from the tool's axes to those of the world, and sums them and their torque about its origin.
 void ToolContact::turn_and_sum(const Mat3<double>& rotation) {
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
-  for (int p : pressed_) {
-    const Vec3d own = forces_.col(p).head<3>(), place = places_.col(p);
+  for (int p : scratch_.pressed) {
+    const Vec3d own = scratch_.forces.col(p).head<3>(), place = scratch_.places.col(p);
     force += own;
     torque += place.cross(own);
-    forces_.col(p).head<3>() = rotation * own;
+    scratch_.forces.col(p).head<3>() = rotation * own;
   }
   on_tool_.force = rotation * force;
   on_tool_.torque = rotation * torque;
 }
 
-double ToolContact::energy(const At& at) const {
+double ToolContact::energy(const At& at) {
   if (!is_there(at.time) || !find_near(at)) return 0;
+  const ContactLaw own = law(at);
+  const bool is_unit = shape_.kind != RigidShape::Kind::mesh;
   double sum = 0;
   visit_touches(at, motion_at(path_, at.time), [&](const Candidate&, const Touch& touch) {
     const double stiffness = touch.triangle.stiffness, area = touch.triangle.area;
-    sum += area * at.law.energy(touch.depth, touch.held, stiffness);
+    sum += area * own.energy(touch.depth, touch.held, stiffness);
     if (friction_ == 0 || !touch.anchor) return;
-    const double pressure = at.law.pressure(touch.depth, touch.held, stiffness);
+    const double pressure = own.pressure(touch.depth, touch.held, stiffness);
     const Vec3d way = touch.place - touch.anchor->at;
-    sum += area * stiffness / 4 * law(at, 0).slip(stiffness, way, touch.gradient, pressure).squaredNorm();
+    const Vec3d slip = held_slip(own, stiffness, way, touch.gradient, is_unit, pressure);
+    sum += area * ContactLaw::slip_share * stiffness / 2 * slip.squaredNorm();
   });
   return sum;
 }

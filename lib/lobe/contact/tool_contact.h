@@ -72,34 +72,37 @@ class ToolContact {
   void find_forces(const At& at);
   template <class Visit>  // visit(point of the surface, force [N]) of those that are pressed
   void visit_forces(Visit&& visit) const {
-    for (int i : pressed_) visit(near_points_[std::size_t(i)], Vec3d(forces_.col(i).template head<3>()));
+    for (int i : scratch_.pressed)
+      visit(scratch_.points[std::size_t(i)], Vec3d(scratch_.forces.col(i).template head<3>()));
   }
   const OnTool& on_tool() const { return on_tool_; }
-  double energy(const At& at) const;                                        // [J]
+  double energy(const At& at);                                              // [J]
   void use(const ContactSurface& surface) { memory_.held().use(surface); }  // before any of these
   // visit(point, weight, K): each touch, whose stiffness K, 3 × 3 [N/m], a point shares by its weight.
   template <class Visit>
-  void visit_stiffness(const At& at, Visit&& visit) const {
+  void visit_stiffness(const At& at, Visit&& visit) {
     if (!find_near(at)) return;
     const RigidMotion now = motion_at(path_, at.time);
     visit_touches(at, now, [&](const Candidate& candidate, const Touch& touch) {
       const double k = touch.triangle.stiffness * touch.triangle.area;
       const Vec3d n = now.rotation * touch.gradient;
       Mat3<double> K = k * n * n.transpose();
-      if (friction_ > 0) K += k / 2 * (Mat3<double>::Identity() - n * n.transpose());
+      if (friction_ > 0) K += ContactLaw::slip_share * k * (Mat3<double>::Identity() - n * n.transpose());
       for (int c = 0; c < 3; ++c) visit(candidate.points[c], touch.weights[c], K);
     });
   }
 
-  // visit(triangle of the surface) of what it may reach until a time, as things are now; one column of x for
-  // each of points(). That does not depend on when it was searched.
+  // visit(triangle of the surface) of what it may reach until a time, as things are now. That does not depend
+  // on when it was searched.
   template <class Visit>
-  void visit_close(const Mat3X<double>& x, double time, double until, Visit&& visit) const {
+  void visit_close(const Places& places, double time, double until, Visit&& visit) const {
     const RigidMotion now = motion_at(path_, time);
     const double ahead = moves_until(time, until);
-    for (const Candidate& candidate : candidates_)
-      if (gap_to(x(Eigen::all, candidate.points), now) <= ahead + memory_.held().most())
-        visit(candidate.triangle);
+    for (const Candidate& candidate : candidates_) {
+      Mat3<double> x;
+      for (int c = 0; c < 3; ++c) x.col(c) = places.of_point(points_[std::size_t(candidate.points[c])]);
+      if (gap_to(x, now) <= ahead + memory_.held().most()) visit(candidate.triangle);
+    }
   }
 
   // ---- What it remembers. If that is replaced, forget() must follow.
@@ -113,8 +116,8 @@ class ToolContact {
     int triangle = 0;
     Eigen::Vector3i points;  // places in points_
     int divisions = 1;
-    // It is out of reach until body and tool together have moved so far in all steps [m].
-    mutable double clear_until = -std::numeric_limits<double>::infinity();
+    // How far body and tool together will have moved in all steps when it may be in reach [m].
+    double clear_until = -std::numeric_limits<double>::infinity();
   };
   struct Touch {  // at a point of a triangle, in the tool's axes
     const TouchTriangle& triangle;
@@ -123,19 +126,40 @@ class ToolContact {
     const Anchor* anchor;  // or null
     Vec3d gradient, place;
   };
+  struct Scratch {                         // of an evaluation of forces, stiffness or energy
+    std::vector<int> near;                 // candidates that may touch
+    std::vector<int> points;               // their points, as those of the surface
+    std::vector<int> place_of;             // per point of points_: its place there
+    std::vector<int> evaluation_of;        // per point of points_: the last evaluation that it was near in
+    PointRows places, speeds;              // per near point, in the tool's axes [m], [m/s]
+    std::vector<TouchTriangle> triangles;  // per candidate; their κ and areas are known since the search
+    std::vector<TouchBlock> blocks;        // of points of triangles
+    std::size_t block_count = 0;           // that are in use
+    std::vector<int> pressed;              // near points
+    std::vector<std::uint8_t> is_pressed;  // per near point
+    Eigen::Matrix<double, 4, Eigen::Dynamic> forces;  // per near point, and a row of zeros [N]
+    int number = 0;                                   // of the evaluation
+  };
   double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // or less [m]
-  bool find_near(const At& at) const;
+  bool find_near(const At& at);
   // After find_near(): where the corners of what is near are and what its points touch.
-  void find_touches(const At& at, const RigidMotion& now) const;
-  void find_places(const At& at, const RigidMotion& now) const;
-  void take_triangle(int number, double opening) const;
-  TouchLaw law(const At& at, double opens) const;
-  TouchRows rows(PointRows& of) const { return {of.data(), int(of.cols())}; }
-  void take_near_strips(int triangle, int divisions, double opening) const;
-  void take_blocks(int triangle, int divisions, int begin, int end) const;
-  void find_distances(std::size_t first_block, double opening) const;
-  void leave_what_is_held(const At& at) const;
-  void remember_clear(const At& at, double opening) const;
+  void find_touches(const At& at, const RigidMotion& now);
+  void find_places(const At& at, const RigidMotion& now);
+  void take_triangle(int number, const RigidMotion& now);
+  ContactLaw law(const At& at) const {  // with the tool's friction
+    ContactLaw own = at.law;
+    own.friction = friction_;
+    return own;
+  }
+  TouchShape touch_shape(const RigidMotion& now) const {
+    return {shape_.kind, shape_.radius, shape_.length, shape_.size, now.opening, now.opens};
+  }
+  static TouchRows rows(PointRows& of) { return {of.data(), int(of.cols())}; }
+  void take_near_strips(int triangle, int divisions, const RigidMotion& now);
+  void take_blocks(int triangle, int divisions, int begin, int end);
+  void find_distances(std::size_t first_block, const RigidMotion& now);
+  void leave_what_is_held(const At& at);
+  void remember_clear(const At& at, const RigidMotion& now);
   const Candidate& candidate_of(const TouchBlock& block) const {
     return candidates_[std::size_t(block.triangle)];
   }
@@ -151,59 +175,51 @@ class ToolContact {
   }
   // visit(block, lane) of each point that is touched.
   template <class Visit>
-  void visit_lanes(Visit&& visit) const {
-    for (std::size_t b = 0; b < block_count_; ++b)
-      for (unsigned int rest = blocks_[b].touched; rest != 0; rest &= rest - 1)
-        visit(blocks_[b], static_cast<std::size_t>(std::countr_zero(rest)));
+  void visit_lanes(Visit&& visit) {
+    for (std::size_t b = 0; b < scratch_.block_count; ++b)
+      for (unsigned int rest = scratch_.blocks[b].touched; rest != 0; rest &= rest - 1)
+        visit(scratch_.blocks[b], static_cast<std::size_t>(std::countr_zero(rest)));
   }
   template <class Visit>  // visit(candidate, touch), after find_near()
-  void visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const;
+  void visit_touches(const At& at, const RigidMotion& now, Visit&& visit);
 
   int tool_;
   RigidShape shape_;
   SignedDistance distance_;
   TouchKernels kernels_;
+
+  // Of the frame.
   double friction_ = 0, appears_ = 0, goes_ = 0;
   std::vector<PathPoint> path_;  // around the frame
 
+  // What may touch it, since the last search.
   std::vector<Candidate> candidates_;
-  std::vector<int> points_, place_of_;  // place_of_: per point of the surface, −1
-  double slack_ = -1;                   // by how much they may move together [m]
-  double body_moved_ = 0;               // when they were searched [m]
-  double moved_ = 0;                    // by the tool since, until moved_at_ [m], [s]
-  double moved_at_ = 0;
-  double ahead_ = 0, ahead_until_ = nothing_ahead;  // at most since it was searched, until a time [m], [s]
+  std::vector<int> points_;             // of the surface, that candidates have
+  double slack_ = -1;                   // by how much body and tool may move together [m]
+  double body_moved_ = 0;               // by the body when they were searched [m]
+  double moved_ = 0;                    // by the tool since, until moved_at_ [m]
+  double moved_at_ = 0;                 // [s]
+  double ahead_ = 0;                    // bound of the tool's way since the search, until ahead_until_ [m]
+  double ahead_until_ = nothing_ahead;  // [s]
 
   ContactMemory memory_;
   OnTool on_tool_;
-  mutable std::vector<TouchTriangle> triangles_;  // per candidate
 
-  // Scratch of an evaluation: candidates that may touch; their points, as those of the surface; where these
-  // are and how fast, in the tool's axes; what is found at points of triangles; the points that are pressed.
-  mutable std::vector<int> near_, near_points_;
-  mutable PointRows places_, speeds_;    // per near point [m], [m/s]
-  mutable std::vector<int> near_of_;     // per point: which near point it is
-  mutable std::vector<int> is_near_in_;  // per point: the evaluation that found so
-  mutable int evaluation_ = 0;
-  mutable std::vector<TouchBlock> blocks_;
-  mutable std::size_t block_count_ = 0;
-  std::vector<int> pressed_;
-  std::vector<std::uint8_t> is_pressed_;             // per near point
-  Eigen::Matrix<double, 4, Eigen::Dynamic> forces_;  // per near point, and a row of zeros [N]
+  Scratch scratch_;
 };
 
 // One after the other, as numbers that are no packs.
 template <class Visit>
-void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& visit) const {
+void ToolContact::visit_touches(const At& at, const RigidMotion& now, Visit&& visit) {
   AnchorReader anchors = memory_.anchors();
   find_touches(at, now);
   visit_lanes([&](const TouchBlock& block, std::size_t lane) {
     const Candidate& candidate = candidate_of(block);
     const Anchor* anchor =
         anchors.find(triangle_of(block, at).owner, candidate.divisions, block.first + int(lane));
-    visit(candidate, Touch{triangles_[std::size_t(block.triangle)], lane_of(block.points->weights, lane),
-                           -block.distance[lane], block.held[lane], anchor, lane_of(block.gradient, lane),
-                           lane_of(block.place, lane)});
+    visit(candidate, Touch{scratch_.triangles[std::size_t(block.triangle)],
+                           lane_of(block.points->weights, lane), -block.distance[lane], block.held[lane],
+                           anchor, lane_of(block.gradient, lane), lane_of(block.place, lane)});
   });
 }
 

@@ -119,10 +119,11 @@ void find_distances(const TouchShape& shape, double near, const TouchTriangle* t
 }
 
 // With the law of tool_contact.h. Sums go point by point, so that their bits do not depend on the width.
-LOBE_FLATTEN double add_forces(const TouchLaw& law, const TouchTriangle* triangles, TouchBlock* blocks,
-                               int block_count, TouchRows speeds, double* f) {
+LOBE_FLATTEN double add_forces(const ContactLaw& law, const TouchShape& shape, const TouchTriangle* triangles,
+                               TouchBlock* blocks, int block_count, TouchRows speeds, double* f) {
   using Vectors = PaddedVectors<T>;
   using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
+  const bool has_jaws = shape.kind == RigidShape::Kind::jaws, is_unit = shape.kind != RigidShape::Kind::mesh;
   double grip = 0;
   alignas(64) double forces[4 * count];
   for (TouchBlock* block = blocks; block != blocks + block_count; ++block) {
@@ -135,23 +136,23 @@ LOBE_FLATTEN double add_forces(const TouchLaw& law, const TouchTriangle* triangl
       const Vec3<T> place = load(block->place, first), gradient = load(block->gradient, first);
       T approach = T(0);
       if (law.damping > 0) {
-        if (law.has_jaws)
-          approach = gradient[1] * pick(is_less(place[1], T(0)), T(-law.opens / 2), T(law.opens / 2));
+        if (has_jaws)
+          approach = gradient[1] * pick(is_less(place[1], T(0)), T(-shape.opens / 2), T(shape.opens / 2));
         for (std::size_t c = 0; c < 3; ++c) {
           const double* v = speeds.row + triangle.points[c];
           approach -= load(points.weights[c], first) *
                       dot(gradient, {T(v[0]), T(v[speeds.stride]), T(v[2 * speeds.stride])});
         }
       }
-      const T pressure = law.pressure(triangle.stiffness, T(-load(block->distance, first)),
-                                      load(block->held, first), approach);
+      const T pressure = law.pressure(T(-load(block->distance, first)), load(block->held, first),
+                                      triangle.stiffness, approach);
       Vec3<T> traction = gradient * pressure;
       if (law.friction > 0) {
-        Vec3<T> slip =
-            law.slip(triangle.stiffness, Vec3<T>(place - load(block->anchor, first)), gradient, pressure);
+        const Vec3<T> way = place - load(block->anchor, first);
+        Vec3<T> slip = held_slip(law, triangle.stiffness, way, gradient, is_unit, pressure);
         const auto is_held = is_less(T(0), load(block->has_anchor, first));
         for (int d = 0; d < 3; ++d) slip[d] = pick(is_held, slip[d], T(0));
-        traction -= slip * T(triangle.stiffness / 2);
+        traction -= slip * T(ContactLaw::slip_share * triangle.stiffness);
         store(Vec3<T>(place - slip), block->anchor, first);
       }
       Vectors::store(traction * T(triangle.area), forces);
@@ -162,7 +163,7 @@ LOBE_FLATTEN double add_forces(const TouchLaw& law, const TouchTriangle* triangl
         Four force;
         std::memcpy(&force, forces + Vectors::offset(lane), sizeof force);
         for (std::size_t c = 0; c < 3; ++c) sums[c] += points.weights[c][std::size_t(first + lane)] * force;
-        if (law.has_jaws) grip -= (block->place[1][std::size_t(first + lane)] < 0 ? -0.5 : 0.5) * force[1];
+        if (has_jaws) grip -= (block->place[1][std::size_t(first + lane)] < 0 ? -0.5 : 0.5) * force[1];
       }
       for (std::size_t c = 0; c < 3; ++c) std::memcpy(f + 4 * triangle.points[c], &sums[c], sizeof sums[c]);
     }

@@ -5,7 +5,8 @@
 
 #include <array>
 
-#include "lobe/contact/touch_law.h"
+#include "lobe/contact/contact_law.h"
+#include "lobe/contact/distance_formulas.h"
 #include "lobe/contact/touch_points.h"
 #include "lobe/instruction_set.h"
 #include "lobe/setup/rigid_shape.h"
@@ -14,10 +15,24 @@ namespace lobe {
 
 struct TouchShape {
   RigidShape::Kind kind;
-  double radius, length;
-  Vec3d size;
-  double opening;
+  double radius, length;  // [m]
+  Vec3d size;             // [m]
+  double opening;         // of jaws [m]
+  double opens;           // the same per time [m/s]
 };
+
+// ξ: the tangential part of the way from the anchor, which follows where friction cannot hold it [m].
+// `is_unit`: the length of ∇φ is 1.
+template <class T>
+Vec3<T> held_slip(const ContactLaw& law, double stiffness, const Vec3<T>& way, const Vec3<T>& gradient,
+                  bool is_unit, const T& pressure) {
+  using std::sqrt;
+  const T along = is_unit ? dot(gradient, way) : T(dot(gradient, way) / dot(gradient, gradient));
+  const Vec3<T> slip = way - gradient * along;
+  const double k = ContactLaw::slip_share * stiffness;
+  const T square = T(k * k) * dot(slip, slip);
+  return slip * law.held_share(pressure, square, T(sqrt(square)));
+}
 
 // The axes of a tool, and how they move.
 struct TouchAxes {
@@ -67,8 +82,8 @@ struct TouchKernels {
                          TouchBlock* blocks, int count);
   // Adds the forces of points that are touched to those on the corners [N], four numbers each, point by
   // point. With friction anchors become those of after the step. Returns the grip of jaws [N].
-  double (*add_forces)(const TouchLaw& law, const TouchTriangle* triangles, TouchBlock* blocks, int count,
-                       TouchRows speeds, double* f);
+  double (*add_forces)(const ContactLaw& law, const TouchShape& shape, const TouchTriangle* triangles,
+                       TouchBlock* blocks, int count, TouchRows speeds, double* f);
 };
 
 TouchKernels touch_kernels(InstructionSet set);  // of an available set

@@ -81,13 +81,13 @@ void AppliedForces<Real>::add_forces(const At& at, Mat3X<Real>& f) {
 }
 
 template <class Real>
-void AppliedForces<Real>::add_diagonal_stiffness(const At&, DiagonalStiffness& K) const {
+void AppliedForces<Real>::add_diagonal_stiffness(const At&, DiagonalStiffness& K) {
   for (const Spring& spring : springs_)
     for (int entry : {0, 3, 5}) K(entry, spring.vertex) += spring.stiffness;
 }
 
 template <class Real>
-double AppliedForces<Real>::energy(const At& at) const {
+double AppliedForces<Real>::energy(const At& at) {
   double sum = 0;
   for (const VertexLoad& load : forces_) sum -= load.force.dot(at.u.col(load.vertex).template cast<double>());
   for (std::size_t i = 0; i < springs_.size(); ++i) {

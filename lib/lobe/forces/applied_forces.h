@@ -33,8 +33,8 @@ class AppliedForces : public ForceTerm<Real> {
   static constexpr const char* term_name = "applied forces";
   std::string name() const override { return term_name; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
-  void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) const override;
-  double energy(const At& at) const override;
+  void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) override;
+  double energy(const At& at) override;
   std::vector<Index> acts_on(const Model& model) const override;
   void begin_frame(double time, double duration) override;
   void follow(const Topology& topology, const MeshEdit& edit) override;

@@ -43,9 +43,9 @@ class ForceTerm {
   // Once per step: f += forces that act on vertices [N]. A force that depends on v is taken half a step late.
   virtual void add_forces(const At& at, Mat3X<Real>& f) = 0;
   // Adds the stiffness that each vertex feels when it moves while its neighbours are held, −∂f_v/∂u_v [N/m].
-  // Without it the steps would be too long.
-  virtual void add_diagonal_stiffness(const At&, DiagonalStiffness&) const {}
-  virtual double energy(const At&) const { return 0; }  // [J]
+  // Without it the steps would be too long. Neither this nor energy() changes what later forces are.
+  virtual void add_diagonal_stiffness(const At&, DiagonalStiffness&) {}
+  virtual double energy(const At&) { return 0; }  // [J]
   // Vertices on which it may act in this frame. In a reduced region they do not follow the lattice, which has
   // no forces of terms.
   virtual std::vector<Index> acts_on(const Model& model) const = 0;

@@ -1,0 +1,107 @@
+#include "lobe/contact/self_rest.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "lobe/contact/fill_lists.h"
+#include "lobe/contact/part_motion.h"
+#include "lobe/sort_unique.h"
+
+namespace lobe {
+namespace {
+
+constexpr int tets_per_part = 48, most_parts = 256;
+constexpr double always_near = 0.01;  // in mean edges
+
+}  // namespace
+
+void SelfRest::rebuild(const ContactSurface& surface, const Elements& elements) {
+  boundary.rebuild(surface, elements);
+  mean_edge = surface.mean_edge();
+  near = always_near * mean_edge;
+  take_points(surface, elements);
+  divide_into_parts(surface);
+}
+
+void SelfRest::take_points(const ContactSurface& surface, const Elements& elements) {
+  points = {};
+  for (const BoundaryLayer::Tet& own : boundary.tets())
+    points.vertices.insert(points.vertices.end(), own.corners.begin(), own.corners.end());
+  sort_unique(points.vertices);
+  std::vector<int> place_of_vertex(std::size_t(elements.topology.vertex_count()), -1);
+  for (std::size_t i = 0; i < points.vertices.size(); ++i)
+    place_of_vertex[std::size_t(points.vertices[i])] = static_cast<int>(i);
+  const auto places = [&](const Eigen::Vector4i& corners) -> Eigen::Vector4i {
+    return corners.unaryExpr([&](int corner) { return place_of_vertex[std::size_t(corner)]; });
+  };
+  places_of.clear();
+  for (const BoundaryLayer::Tet& own : boundary.tets()) places_of.push_back(places(own.corners));
+  place_of_point.clear();
+  for (const ContactSurface::Point& point : surface.points()) {
+    if (point.count == 1) {
+      place_of_point.push_back(place_of_vertex[std::size_t(point.corners[0])]);
+      continue;
+    }
+    place_of_point.push_back(points.count());
+    points.between.push_back({places(point.corners), point.weights});
+  }
+  points.fit();
+  for (std::size_t i = 0; i < points.vertices.size(); ++i)
+    Eigen::Map<Vec3<float>>(points.x.data() + 4 * i) =
+        (elements.points.col(points.vertices[i]) - elements.points.col(points.vertices[0])).cast<float>();
+  points.find_between();
+}
+
+void SelfRest::divide_into_parts(const ContactSurface& surface) {
+  const std::vector<BoundaryLayer::Tet>& layers = boundary.tets();
+  std::vector<Vec3d> centres;
+  for (const BoundaryLayer::Tet& own : layers) centres.emplace_back(own.rest.rowwise().mean());
+  const std::vector<int> part_of_layer =
+      divide(centres, std::max(tets_per_part, static_cast<int>(layers.size()) / most_parts));
+  const int count = layers.empty() ? 0 : *std::max_element(part_of_layer.begin(), part_of_layer.end()) + 1;
+  parts.assign(std::size_t(count), {});
+  for (std::size_t l = 0; l < layers.size(); ++l)
+    for (int place : places_of[l]) parts[std::size_t(part_of_layer[l])].push_back(place);
+  part_of_triangle.clear();
+  for (const ContactSurface::Triangle& triangle : surface.triangles()) {
+    const int part = part_of_layer[std::size_t(boundary.number_of(triangle.owner.tet))];
+    part_of_triangle.push_back(part);
+    std::vector<int>& own = parts[std::size_t(part)];
+    for (int p : triangle.points) {
+      const int place = place_of_point[std::size_t(p)] - static_cast<int>(points.vertices.size());
+      if (place < 0)
+        own.push_back(place_of_point[std::size_t(p)]);
+      else
+        own.insert(own.end(), points.between[std::size_t(place)].of.begin(),
+                   points.between[std::size_t(place)].of.end());
+    }
+  }
+  for (std::vector<int>& own : parts) sort_unique(own);
+  divide_into_fours(centres, part_of_layer);
+}
+
+void SelfRest::divide_into_fours(const std::vector<Vec3d>& centres, const std::vector<int>& part_of_layer) {
+  const std::vector<int> four_of = divide(centres, 4);
+  std::vector<int> order(centres.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::pair(four_of[std::size_t(a)], a) < std::pair(four_of[std::size_t(b)], b);
+  });
+  std::vector<int> first_of_part, of_part;  // layers
+  fill_lists(parts.size(), first_of_part, of_part, [&](auto&& add) {
+    for (int l : order) add(std::size_t(part_of_layer[std::size_t(l)]), l);
+  });
+  first_four.assign(1, 0);
+  fours.clear();
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const int first = first_of_part[part], end = first_of_part[part + 1];
+    for (int i = first; i < end; i += 4) {
+      Four& four = fours.emplace_back(Four::Constant(-1));
+      for (int k = 0; k < 4 && i + k < end; ++k) four[k] = of_part[std::size_t(i + k)];
+    }
+    first_four.push_back(static_cast<int>(fours.size()));
+  }
+}
+
+}  // namespace lobe

@@ -50,8 +50,8 @@ class PyWorld {
   const std::shared_ptr<PyScene> scene;  // that it was built from
   const bool in_double;
 
-  // Returns work(world). Nobody else is in this world meanwhile: throws std::runtime_error if somebody is. The
-  // GIL is released, so that `work` must not touch objects of Python.
+  // Returns work(world). Nobody else is in this world meanwhile: throws std::runtime_error if somebody is.
+  // The GIL is released, so that `work` must not touch objects of Python.
   template <class Work>
   auto use(Work&& work) {
     const py::gil_scoped_release others_run;

@@ -74,8 +74,8 @@ class PrecomputedRegion {
   }
 
   // Finds carried(): the mass of the interior that a vertex of the interface carries [kg]. All together carry
-  // as much as it takes to move the interface as a whole (theory, section 14). Call it after an edit, and when
-  // end_condensing() has used a result.
+  // as much as it takes to move the interface as a whole (theory, section 14). Call it after an edit, and
+  // when end_condensing() has used a result.
   void find_carried(const Elements& elements);
   double carried(Index vertex) const {
     return vertex < static_cast<Index>(carried_.size()) ? carried_[std::size_t(vertex)] : 0;

@@ -2,9 +2,9 @@
 // Within a triangle h is linear. With w_qp the weight of point p in the q-th point where contact is
 // evaluated,
 //   h_q = Σ_p w_qp h_p,  ḣ_p = ρ Σ_q κ A_q w_qp d_q / Σ_q κ A_q w_qp,
-// so that what is held brings the mean depth around each point to 0. To bring each d_q to 0 would be to ask
-// flat triangles to follow a curved tool. These means are a projection of the depths, and no larger than they
-// are, so that ρ has the same bound as in contact_law.h.
+// so that what is held brings the mean depth around each point to 0. It cannot bring each d_q to 0, since
+// flat triangles do not follow a curved tool. The means are a projection of the depths, so they are no
+// larger, and ρ has the same bound as in contact_law.h.
 #pragma once
 
 #include <utility>

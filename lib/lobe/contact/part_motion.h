@@ -6,8 +6,8 @@
 // So points of the parts A and B that were g apart are now apart by at least
 //   σ_A g − ρ_A − ρ_B − max |a_A(X) − a_B(X)| over X in B,
 // and if g is at most w, X need only be where B is within w of A.
-// A motion of the whole body, with its rotation, makes that no less than g; a uniform strain by no more than
-// its σ. A part that is far away is bounded by the boxes of both as well.
+// If the whole body moves rigidly, that bound is g. If it is strained uniformly, the bound is σ g. Parts that
+// are far from each other are bounded by their boxes as well.
 //
 // Cost: some 4 ns per vertex and 20 ns per pair of parts.
 #pragma once

@@ -5,7 +5,7 @@
 
 namespace lobe {
 
-// The centroids of the n² triangles into which parallels to its edges divide one: barycentric coordinates.
+// Parallels to its edges divide a triangle into n² equal ones: visit(number, weights) of their centroids.
 template <class Visit>
 void visit_centroids(int n, Visit&& visit) {
   const double third = 1.0 / (3 * n);

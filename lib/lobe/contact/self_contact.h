@@ -1,14 +1,17 @@
 // A body against itself: organ against organ, the lips of a cut, pieces that have fallen.
 //
-// A point x_q of a surface triangle that lies in a tetrahedron of the boundary layer, at the barycentric
-// coordinates b, was at rest at X = Σ b_i X_i: there the face of the boundary that it has come through is the
-// nearest one, however deep the two overlap now. With that face where it is now, of normal n and corners x_j,
+// Let x_q be a point of a surface triangle that lies in a tetrahedron of the boundary layer, at the
+// barycentric coordinates b. It was at rest at X = Σ b_i X_i. The face that it has come through is the one of
+// the boundary that is nearest there, however deep the two overlap now. Where that face is now, it has the
+// normal n and the corners x_j:
 //   d = −n·(x_q − x_1),  p = κ ⟨d + h⟩,  f_q = A_q p n,  f_j = −w_j f_q,
-// h what is held (contact_law.h), w the barycentric coordinates of the foot of x_q in the face's plane: minus
-// the gradient of ½ κ A_q ⟨d + h⟩², so that momentum and angular momentum are kept, and energy but for what h
-// gives and where another face becomes the nearest. A point that is held keeps its face until p is 0. A slit,
-// whose lips lie on each other, has no force until they overlap. Both sides are evaluated. κ is half of κ_q
-// κ_f/(κ_q + κ_f), so that both together give no vertex more stiffness than it may have (contact_surface.h).
+// with what is held h (contact_law.h), and w the barycentric coordinates of the foot of x_q in the face's
+// plane. This is minus the gradient of ½ κ A_q ⟨d + h⟩². So momentum and angular momentum are kept. Energy is
+// kept but for what h gives, and where another face becomes the nearest. A point that is held keeps its face
+// until p is 0. A slit, whose lips lie on each other, has no force until they overlap.
+//
+// Both sides are evaluated. κ is half of κ_q κ_f/(κ_q + κ_f), so that both together give no vertex more
+// stiffness than it may have (contact_surface.h).
 //
 // A tetrahedron that shares a vertex with a triangle, or with a neighbour of the triangle, can touch it only
 // if it lies in front of the triangle at rest, across a slit or a fold. A tetrahedron behind the triangle is

@@ -1,8 +1,11 @@
 #include "lobe/live/session.h"
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "live/hands_support.h"
 #include "lobe/error.h"
@@ -220,4 +223,81 @@ TEST_CASE(
     REQUIRE(sum == i * length);
     REQUIRE(i * length / i == length);
   }
+}
+
+namespace {
+
+// Leaves a frame in its middle by an exception, when it is told to.
+struct Failing final : SessionHook<float> {
+  bool before = false, after = false;
+  void before_frame(Hands<float>&, World<float>& world, double) override {
+    if (!std::exchange(before, false)) return;
+    world.apply(RemoveTets{{1, 2, 3}});  // which no recording has
+    throw std::runtime_error("as you wish");
+  }
+  void after_frame(Hands<float>&, World<float>&, double) override {
+    if (std::exchange(after, false)) throw 7;
+  }
+};
+
+void wait_until_failed(const Session<float>& session, int times) {
+  for (int i = 0; i < 5000 && times_said(session, "failed") < times; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  REQUIRE(times_said(session, "failed") == times);
+}
+
+}  // namespace
+
+TEST_CASE("an exception in a frame ends no thread: it is said, nothing is done, and going back leads on") {
+  const Setup setup = block();
+  Failing hook;
+  SessionOptions options;
+  options.paced = false;
+  Session<float> session(setup, options);
+  session.add_hook(hook);
+  Controller mouse = session.connect("mouse");
+  mouse.send(take_at(top));
+  mouse.send(lead_to(top + lift));
+  session.start();
+  wait_for_frames(session, 20);
+  session.between_frames([&] { hook.before = true; });
+  wait_until_failed(session, 1);
+  CHECK(times_said(session, "failed", "as you wish") == 1);
+  CHECK(session.status()->stands_still);
+  CHECK_FALSE(session.status()->is_running);
+  mouse.send(turn_on(Kind::run, true));
+  mouse.send(lead_to(top));
+  for (int i = 0; i < 5000 && times_said(session, "refused", "has failed") < 2; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(times_said(session, "refused", "has failed") == 2);
+  CHECK_FALSE(session.status()->is_running);
+  std::int64_t frames = session.status()->frames;
+  mouse.send(ask(Kind::restart));
+  mouse.send(turn_on(Kind::run, true));
+  wait_for_frames(session, frames + 20);
+  CHECK_FALSE(session.status()->stands_still);
+  session.between_frames([&] { hook.after = true; });
+  wait_until_failed(session, 2);
+  frames = session.status()->frames;
+  mouse.send(ask_for(Kind::back, 0.05));
+  mouse.send(turn_on(Kind::run, true));
+  wait_for_frames(session, frames + 20);
+  session.stop();
+  CHECK(replays(session, setup));
+}
+
+TEST_CASE("what is called with each picture may fail: that is said, and the simulation goes on") {
+  SessionOptions options;
+  std::atomic<bool> fails = false;
+  options.paced = false;
+  options.published = [&] {
+    if (fails) throw std::runtime_error("as you wish");
+  };
+  Session<float> session(block(), options);
+  session.start();
+  wait_for_frames(session, 5);
+  fails = true;
+  wait_for_frames(session, session.status()->frames + 20);
+  CHECK(times_said(session, "failed", "as you wish") >= 1);
+  CHECK_FALSE(session.status()->stands_still);
 }

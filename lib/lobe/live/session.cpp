@@ -122,7 +122,12 @@ void Session<Real>::publish_status() {
                  [](const LastCommand& last_command) { return last_command.sequence; });
   status->messages = messages_.all();
   status_.publish();
-  if (options_.published) options_.published();
+  if (!options_.published) return;
+  try {
+    options_.published();
+  } catch (const std::exception& error) {
+    say("failed", std::string("a picture could not be passed on: ") + error.what());
+  }
 }
 
 // ---- Commands
@@ -160,6 +165,9 @@ void Session<Real>::perform_command(const HandQueue::Sent& sent) {
   last_command = {std::max(last_command.sequence, sent.command.sequence), Clock::now()};
   was_told_ = true;
   try {
+    const bool goes_back = sent.command.kind == Kind::restart || sent.command.kind == Kind::back;
+    if (has_failed_ && !goes_back && sent.command.kind != Kind::alive)
+      throw InputError("session", "has failed: go back, or restart");
     if (sent.command.kind <= Kind::let_go)
       hands_.perform_command(sent.controller, sent.command);
     else
@@ -201,7 +209,7 @@ void Session<Real>::go_back(const HandCommand& command) {
   const double from = world_.time();
   hands_.forget();
   restarts ? timeline_.restart() : timeline_.go_back(command.value);
-  stands_still_ = false;
+  stands_still_ = has_failed_ = false;
   was_changed_ = true;
   say("went_back", "from " + rounded(from) + " s to " + rounded(world_.time()) + " s");
 }
@@ -210,7 +218,7 @@ template <class Real>
 void Session<Real>::restore(const std::filesystem::path& file) {
   timeline_.restore(read_session<Real>(file));
   hands_.forget();
-  stands_still_ = false;
+  stands_still_ = has_failed_ = false;
   say("restored", "the state at " + rounded(world_.time()) + " s of " + file.filename().string());
   publish({});
 }

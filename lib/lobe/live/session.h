@@ -48,7 +48,8 @@ struct SessionOptions {
   HandLimits hand = {};                 // lag, top speed and greatest force of hands
   // Called with the finished share while pre-computed regions are condensed.
   CondensingLog::Progress condensing = {};
-  // Called after each status by the thread that makes it, at first by the constructor. Must not wait.
+  // Called after each status by the thread that makes it, at first by the constructor. Must not wait. If it
+  // throws, the session says so (SessionMessage) and goes on.
   std::function<void()> published = {};
 };
 
@@ -105,8 +106,11 @@ class Session {
 
   // ---- To run it: the thread that owns it
 
-  void start();  // starts a thread that simulates until stop()
-  void stop();   // ends that thread after its present frame; start() may be called again
+  // Starts a thread that simulates until stop(). An exception in a frame, of a hook for example, ends
+  // neither the thread nor the program: the session gives the message `failed` and stands still. Only going
+  // back or restarting leads on from there.
+  void start();
+  void stop();  // ends that thread after its present frame; start() may be called again
   bool is_started() const { return thread_.joinable(); }
   // Performs the commands sent since the last frame, then simulates one frame. While it pauses it only
   // performs the commands, and returns false. Do not call it between start() and stop().
@@ -136,6 +140,8 @@ class Session {
   };
 
   void run();
+  void run_frame();
+  void fail(const std::string& why);
   void wait_until(Pace::Clock::time_point due);
   void take_commands();
   void perform_command(const HandQueue::Sent& sent);
@@ -164,6 +170,7 @@ class Session {
   double speed_;
   bool is_running_;
   bool steps_once_ = false, stands_still_ = false;
+  bool has_failed_ = false;   // a frame was left in the middle
   bool was_told_ = false;     // something has happened that the next status must show
   bool was_changed_ = false;  // since the last snapshot: the body was edited, or put back
   std::int64_t frames_ = 0, reruns_ = 0;

@@ -31,18 +31,42 @@ void Session<Real>::stop() {
 
 template <class Real>
 void Session<Real>::run() {
-  while (!stops_) {
-    const std::uint32_t signal = queue_.signal();
-    do_work();
-    const Clock::time_point began = Clock::now();
-    if (!step_frame()) {
-      if (!stops_ && !work_.load()) queue_.wait(signal);
-      continue;
+  while (!stops_) try {
+      run_frame();
+    } catch (const std::exception& error) {
+      fail(error.what());
+    } catch (...) {
+      fail("an exception of an unknown type");
     }
-    const Clock::time_point now = Clock::now();
-    const Clock::time_point due = pace_.frame_done(now, frame_, speed_, now - began);
-    if (options_.paced) wait_until(due);
+}
+
+template <class Real>
+void Session<Real>::run_frame() {
+  const std::uint32_t signal = queue_.signal();
+  do_work();
+  const Clock::time_point began = Clock::now();
+  if (!step_frame()) {
+    if (!stops_ && !work_.load()) queue_.wait(signal);
+    return;
   }
+  const Clock::time_point now = Clock::now();
+  const Clock::time_point due = pace_.frame_done(now, frame_, speed_, now - began);
+  if (options_.paced) wait_until(due);
+}
+
+// What was done to the world in that frame is in no recording. So nothing more is done to it until it is put
+// back. A status that cannot be made now, for want of memory for example, is made a moment later.
+template <class Real>
+void Session<Real>::fail(const std::string& why) try {
+  has_failed_ = stands_still_ = was_changed_ = true;
+  set_running(false);
+  steps_once_ = false;
+  hands_.forget();
+  say("failed", why + ": go back, or restart");
+  publish({});
+} catch (const std::exception&) {
+  was_told_ = true;
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
 
 // In slow motion, work that is asked for between two frames does not wait for the next one.

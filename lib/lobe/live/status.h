@@ -21,6 +21,8 @@ namespace lobe {
 //   haptic_gone, haptic_pose  a haptic device does not answer, or not with a pose (haptic/): its force fades
 //   haptic_stale     the session came to no frame for so long that the force of a haptic device was gone
 //   stands_still     no step is stable: the simulation pauses; go back, or restart
+//   failed           an exception left a frame in its middle: the simulation pauses, and does only what goes
+//                    back or restarts. Or a picture could not be passed on
 //   went_back, restored  as asked
 struct SessionMessage {
   std::uint64_t number = 0;  // counted from 1

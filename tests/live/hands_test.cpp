@@ -236,7 +236,7 @@ TEST_CASE("a grasp that is pulled at with more than the cap slips off, which is 
   CHECK(frames > 5);
   CHECK(strongest > 0.3);
   CHECK(strongest <= 1);
-  CHECK(times_said(session, "slipped", "hand 1 of mouse: pulled with") == 1);
+  CHECK(times_said(session, "slipped", "hand 1 of mouse: it slipped off, pulled with") == 1);
   mouse.send(lead_to(top + 5 * lift));  // it has not noticed yet
   step(session, 100);
   CHECK(session.status()->hands.empty());

@@ -230,7 +230,7 @@ void Hands<Real>::after_frame() {
     if (!hand.is_leading) begin_to_lead(hand);
     const double force = grasp->force.norm();
     if (force <= limits_.force_cap) continue;
-    say("slipped", name_of(hand.controller, hand.number) + ": pulled with " + rounded(force) +
+    say("slipped", name_of(hand.controller, hand.number) + ": it slipped off, pulled with " + rounded(force) +
                        " N, more than " + rounded(limits_.force_cap) + " N");
     let_go(hand);
   }

@@ -28,7 +28,9 @@ struct SessionMessage {
   std::uint64_t number = 0;  // counted from 1
   double time = 0;           // simulated, the first time [s]
   std::string name, text;
-  int times = 1;  // in a row
+  std::string
+      about;      // the elements that the text names: "tetrahedron 12", "vertex 3 tetrahedron 12"; or none
+  int times = 1;  // how often it came with the same words; the text has the latest figures
 };
 
 struct HandStatus {

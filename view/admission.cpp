@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <string>
+#include <tuple>
 
 #include "server.h"
 
@@ -34,6 +36,17 @@ bool may_connect(std::string_view origin, std::string_view host, bool this_machi
   if (asked.empty()) return false;
   if (this_machine_alone && !is_loopback(without_port(asked))) return false;
   return from == "http://" + asked || from == "https://" + asked;
+}
+
+ClientId least_wanted(std::span<const Stranger> strangers) {
+  std::map<std::string_view, int> count;
+  for (const Stranger& stranger : strangers) ++count[stranger.address];
+  const auto worth = [&](const Stranger& stranger) {
+    return std::tuple(-count[stranger.address], stranger.has_asked, stranger.id);
+  };
+  return std::min_element(strangers.begin(), strangers.end(),
+                          [&](const Stranger& a, const Stranger& b) { return worth(a) < worth(b); })
+      ->id;
 }
 
 }  // namespace lobe::view

@@ -8,9 +8,14 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
-using Seconds = std::chrono::duration<double>;
 
 namespace {
+
+constexpr std::chrono::milliseconds long_enough(30000);  // for one who has the token, or is being answered
+
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
+}
 
 constexpr std::size_t largest_header = 16384;  // [bytes]
 
@@ -41,6 +46,12 @@ bool same_secret(std::string_view a, std::string_view b) {
   return difference == 0 && !b.empty();
 }
 
+std::string address_of(const TcpSocket& socket) {
+  beast::error_code error;
+  const auto endpoint = socket.remote_endpoint(error);
+  return error ? std::string() : endpoint.address().to_string();
+}
+
 const char* type_of(std::string_view path) {
   if (path.ends_with(".html")) return "text/html; charset=utf-8";
   if (path.ends_with(".js")) return "text/javascript; charset=utf-8";
@@ -52,7 +63,23 @@ const char* type_of(std::string_view path) {
 }  // namespace
 
 Connection::Connection(TcpSocket socket, ClientId id, Shared& shared)
-    : shared_(shared), id_(id), http_(std::in_place, std::move(socket)) {}
+    : shared_(shared), id_(id), address_(address_of(socket)), http_(std::in_place, std::move(socket)) {
+  close_on_exec(http_->socket());
+}
+
+// What fails, for want of memory for example, ends this connection and no other.
+template <class Act>
+void Connection::guarded(const Act& act) {
+  try {
+    act();
+  } catch (const std::exception&) {
+    end();
+  }
+}
+
+void Connection::start() {
+  guarded([&] { read_request(); });
+}
 
 void Connection::close() {
   beast::error_code ignored;
@@ -64,16 +91,21 @@ void Connection::read_request() {
   parser_.emplace();
   parser_->body_limit(shared_.options.largest_message);
   parser_->header_limit(largest_header);
-  http_->expires_after(std::chrono::seconds(30));
+  http_->expires_after(is_known_ ? long_enough : milliseconds(shared_.options.patience));
   http::async_read(*http_, buffer_, *parser_,
                    Moved([self = shared_from_this()](beast::error_code error, std::size_t) {
                      if (error) return self->end();
-                     const Request request = self->parser_->release();
-                     if (websocket::is_upgrade(request))
-                       self->become_live(request);
-                     else
-                       self->answer(request);
+                     self->guarded([&] { self->take(self->parser_->release()); });
                    }));
+}
+
+void Connection::take(const Request& request) {
+  has_asked_ = true;
+  if (same_secret(token_of(view_of(request.target())), shared_.options.token)) is_known_ = true;
+  if (websocket::is_upgrade(request))
+    become_live(request);
+  else
+    answer(request);
 }
 
 void Connection::answer(const Request& request) {
@@ -112,10 +144,11 @@ Connection::Response Connection::file(const Request& request) const {
 }
 
 void Connection::respond(std::shared_ptr<Response> response) {
+  http_->expires_after(long_enough);
   http::async_write(*http_, *response,
                     Moved([self = shared_from_this(), response](beast::error_code error, std::size_t) {
                       if (error || response->need_eof()) return self->end();
-                      self->read_request();
+                      self->guarded([&] { self->read_request(); });
                     }));
 }
 
@@ -143,22 +176,25 @@ void Connection::become_live(const Request& request) {
   live_.emplace(std::move(*http_));
   http_.reset();
   websocket::stream_base::timeout timeout{};
-  timeout.handshake_timeout = std::chrono::seconds(30);
-  timeout.idle_timeout =
-      std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(shared_.options.silence));
+  timeout.handshake_timeout = long_enough;
+  timeout.idle_timeout = milliseconds(shared_.options.silence);
   timeout.keep_alive_pings = true;
   live_->set_option(timeout);
   live_->read_message_max(shared_.options.largest_message);
   live_->async_accept(request, Ended([self = shared_from_this()](beast::error_code error) {
                         if (error) return self->end();
-                        beast::error_code ignored;
-                        self->live_->next_layer().socket().set_option(asio::ip::tcp::no_delay(true), ignored);
-                        self->is_open_ = true;
-                        self->shared_.on_client(self->id_, true);
-                        self->shared_.service.opened(self->id_);
-                        self->offer_frame();
-                        self->read_message();
+                        self->guarded([&] { self->opened(); });
                       }));
+}
+
+void Connection::opened() {
+  beast::error_code ignored;
+  live_->next_layer().socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+  is_open_ = true;
+  shared_.on_client(id_, true);
+  shared_.service.opened(id_);
+  offer_frame();
+  read_message();
 }
 
 void Connection::read_message() {
@@ -166,9 +202,11 @@ void Connection::read_message() {
   live_->async_read(
       buffer_, Moved([self = shared_from_this()](beast::error_code error, std::size_t) {
         if (error) return self->end();
-        const auto data = self->buffer_.cdata();
-        self->shared_.service.received(self->id_, {static_cast<const char*>(data.data()), data.size()});
-        self->read_message();
+        self->guarded([&] {
+          const auto data = self->buffer_.cdata();
+          self->shared_.service.received(self->id_, {static_cast<const char*>(data.data()), data.size()});
+          self->read_message();
+        });
       }));
 }
 
@@ -179,10 +217,12 @@ void Connection::acknowledged() {
 
 void Connection::offer_frame() {
   if (!is_live() || !is_frame_seen_ || !frame_.empty()) return;
-  frame_ = shared_.service.next_frame(id_);
-  if (frame_.empty()) return;
-  is_frame_seen_ = false;
-  write_next();
+  guarded([&] {
+    frame_ = shared_.service.next_frame(id_);
+    if (frame_.empty()) return;
+    is_frame_seen_ = false;
+    write_next();
+  });
 }
 
 void Connection::send(std::string text) {
@@ -221,8 +261,10 @@ void Connection::write_next() {
                          self->texts_.pop_front();
                        else
                          self->frame_.clear();
-                       self->write_next();
-                       self->offer_frame();
+                       self->guarded([&] {
+                         self->write_next();
+                         self->offer_frame();
+                       });
                      }));
 }
 

@@ -25,10 +25,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(TcpSocket socket, ClientId id, Shared& shared);
 
-  void start() { read_request(); }
+  void start();
   void close();  // at once, without a closing message
 
   bool is_live() const { return live_ && is_open_; }
+  // It has shown the token, in the address of the page or of the socket.
+  bool is_known() const { return is_known_; }
+  Stranger stranger() const { return {id_, address_, has_asked_}; }
   void acknowledged();
   void offer_frame();  // sends the next frame, if the last was acknowledged and there is one
   void send(std::string text);
@@ -38,18 +41,24 @@ class Connection : public std::enable_shared_from_this<Connection> {
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
+  template <class Act>
+  void guarded(const Act& act);
   void read_request();
+  void take(const Request& request);
   void answer(const Request& request);
   void respond(std::shared_ptr<Response> response);
   Response file(const Request& request) const;
   std::string refusal(const Request& request) const;
   void become_live(const Request& request);
+  void opened();
   void read_message();
   void write_next();
   void end();
 
   Shared& shared_;
   const ClientId id_;
+  const std::string address_;  // of the other machine
+  bool is_known_ = false, has_asked_ = false;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
   std::optional<TcpStream> http_;  // until it becomes live

@@ -97,6 +97,7 @@ struct HaplyDevice::Client {
   Client(HaplyDevice& of, const std::string& host_name, int port_number)
       : device(of), host(host_name), port(std::to_string(port_number)) {}
 
+  void run();
   void connect();
   void lost();
   void listen();
@@ -123,6 +124,17 @@ void HaplyDevice::Client::lost() {
   });
 }
 
+// What fails, memory for a message for example, costs the connection alone.
+void HaplyDevice::Client::run() {
+  asio::post(context, [this] { connect(); });
+  while (!ends) try {
+      context.run();
+      return;
+    } catch (const std::exception&) {
+      lost();
+    }
+}
+
 // The service is on this machine, so neither the name nor the connection takes long.
 void HaplyDevice::Client::connect() {
   Error error;
@@ -130,6 +142,7 @@ void HaplyDevice::Client::connect() {
   stream.emplace(context);
   if (!error) asio::connect(stream->next_layer().socket(), places, error);
   if (error) return lost();
+  close_on_exec(stream->next_layer().socket());
   stream->next_layer().socket().set_option(tcp::no_delay(true), error);
   buffer.clear();
   watch_out(std::chrono::seconds(2));
@@ -163,10 +176,7 @@ void HaplyDevice::Client::heard() {
 
 HaplyDevice::HaplyDevice(const std::string& host, int port)
     : client_(std::make_unique<Client>(*this, host, port)) {
-  thread_ = std::thread([client = client_.get()] {
-    client->connect();
-    client->context.run();
-  });
+  thread_ = std::thread([client = client_.get()] { client->run(); });
 }
 
 HaplyDevice::~HaplyDevice() {

@@ -6,6 +6,8 @@
 #define BOOST_ASIO_SEPARATE_COMPILATION  // what is no template is in network.cpp
 #define BOOST_BEAST_SEPARATE_COMPILATION
 
+#include <fcntl.h>
+
 #include <boost/asio/basic_socket_acceptor.hpp>
 #include <boost/asio/basic_waitable_timer.hpp>
 #include <boost/asio/connect.hpp>
@@ -34,5 +36,11 @@ using Timer =
 // What is called when an operation has ended, with its error and, for those that move bytes, their number.
 using Ended = std::function<void(boost::beast::error_code)>;
 using Moved = std::function<void(boost::beast::error_code, std::size_t)>;
+
+// A program that this one starts, such as a browser, does not get the socket.
+template <class Socket>
+void close_on_exec(Socket& socket) {
+  ::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC);
+}
 
 }  // namespace lobe::view

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <map>
+#include <vector>
 
 #include "connection.h"
 #include "lobe/error.h"
@@ -16,6 +17,7 @@ struct Server::Parts {
   Shared shared;
   asio::io_context context{1};
   TcpAcceptor acceptor{context};
+  Timer pause{context};  // before it accepts again, where that has failed
   std::map<ClientId, std::shared_ptr<Connection>> connections;
   ClientId next = 1;
   std::atomic<bool> is_woken = false;  // and has not looked yet
@@ -23,6 +25,8 @@ struct Server::Parts {
   void listen();
   void accept();
   void greet(TcpSocket socket);
+  bool make_room();
+  void offer_frames();
   std::shared_ptr<Connection> find(ClientId client) const {
     const auto found = connections.find(client);
     return found == connections.end() ? nullptr : found->second;
@@ -38,6 +42,7 @@ void Server::Parts::listen() {
   if (error || found.empty()) throw InputError(place, "no such address: " + error.message());
   const asio::ip::tcp::endpoint endpoint = *found.begin();
   acceptor.open(endpoint.protocol(), error);
+  if (!error) close_on_exec(acceptor);
   if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
@@ -47,21 +52,49 @@ void Server::Parts::listen() {
   if (error) throw InputError(place, "cannot listen there: " + error.message());
 }
 
+// Where no more connections can be opened at present, a moment passes first.
 void Server::Parts::accept() {
   acceptor.async_accept([this](boost::system::error_code error, TcpSocket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error) greet(std::move(socket));
-    accept();
+    if (!error) {
+      greet(std::move(socket));
+      return accept();
+    }
+    pause.expires_after(std::chrono::milliseconds(50));
+    pause.async_wait([this](boost::system::error_code ended) {
+      if (!ended) accept();
+    });
   });
 }
 
-// A browser opens several connections for the files of one page.
-void Server::Parts::greet(TcpSocket socket) {
-  constexpr std::size_t connections_per_page = 8;
-  if (connections.size() >= connections_per_page * shared.options.most_clients) return;  // which closes it
+void Server::Parts::greet(TcpSocket socket) try {
+  if (!make_room()) return;  // which closes it
   const ClientId id = next++;
-  connections[id] = std::make_shared<Connection>(std::move(socket), id, shared);
-  connections[id]->start();
+  const auto connection = std::make_shared<Connection>(std::move(socket), id, shared);
+  connections[id] = connection;
+  connection->start();
+} catch (const std::exception&) {  // no memory for it
+}
+
+// Strangers make room for strangers, so that they keep nobody out. A browser opens several connections for
+// the files of one page.
+bool Server::Parts::make_room() {
+  constexpr std::size_t connections_per_page = 8;
+  std::vector<Stranger> strangers;
+  for (const auto& [id, connection] : connections)
+    if (!connection->is_known()) strangers.push_back(connection->stranger());
+  const std::size_t known = connections.size() - strangers.size();
+  if (known >= connections_per_page * shared.options.most_clients) return false;
+  if (strangers.size() < shared.options.most_strangers) return true;
+  const auto unwanted = connections.find(least_wanted(strangers));
+  unwanted->second->close();
+  connections.erase(unwanted);
+  return true;
+}
+
+void Server::Parts::offer_frames() {
+  const auto all = connections;
+  for (const auto& [id, connection] : all) connection->offer_frame();
 }
 
 Server::Server(const ServerOptions& options, std::span<const PageFile> page, Service& service)
@@ -91,11 +124,14 @@ void Server::run() { parts_->context.run(); }
 
 void Server::wake() {
   if (parts_->is_woken.exchange(true)) return;
-  asio::post(parts_->context, [parts = parts_.get()] {
-    parts->is_woken = false;
-    const auto connections = parts->connections;
-    for (const auto& [id, connection] : connections) connection->offer_frame();
-  });
+  try {
+    asio::post(parts_->context, [parts = parts_.get()] {
+      parts->is_woken = false;
+      parts->offer_frames();
+    });
+  } catch (const std::exception&) {  // no memory: the next picture wakes it
+    parts_->is_woken = false;
+  }
 }
 
 void Server::stop() { parts_->context.stop(); }

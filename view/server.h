@@ -20,6 +20,10 @@ struct ServerOptions {
   std::string token;                    // that a client must name: not empty
   std::size_t largest_message = 65536;  // of a client [bytes]; a longer one ends its connection
   std::size_t most_clients = 16;        // at a time, pages that are only being loaded included
+  // Connections that have not shown the token yet: how many there may be, and how long one of them may take
+  // to make its next request [s].
+  std::size_t most_strangers = 64;
+  double patience = 2;
   std::size_t most_waiting_texts =
       100;              // for one client; if it is too slow for these, its connection is closed
   double silence = 10;  // after which a client that does not answer a ping is disconnected [s]
@@ -78,5 +82,15 @@ bool may_connect(std::string_view origin, std::string_view host, bool this_machi
 
 // Whether an address can be reached from this machine only.
 bool is_loopback(std::string_view host);
+
+// A connection that has not shown the token.
+struct Stranger {
+  ClientId id = 0;         // grows with each connection
+  std::string address;     // of the other machine
+  bool has_asked = false;  // for a file of the page
+};
+// Which of them makes room for another one: of the address that has most of them, the oldest one that has
+// asked for nothing, else the oldest. So who opens many connections loses his own. There must be one.
+ClientId least_wanted(std::span<const Stranger> strangers);
 
 }  // namespace lobe::view

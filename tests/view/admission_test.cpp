@@ -32,3 +32,11 @@ TEST_CASE("addresses of this machine alone are told from others") {
   for (const char* host : {"0.0.0.0", "::", "192.168.0.1", "127.example.org", "example.org", ""})
     CHECK_FALSE(is_loopback(host));
 }
+
+TEST_CASE("who makes room: of the address with the most connections the oldest that has asked for nothing") {
+  const std::vector<Stranger> strangers = {
+      {1, "a", true}, {2, "b", false}, {3, "b", true}, {4, "b", false}, {5, "a", false}};
+  CHECK(least_wanted(strangers) == 2);
+  CHECK(least_wanted(std::vector<Stranger>{{1, "a", true}, {5, "a", false}, {7, "b", false}}) == 5);
+  CHECK(least_wanted(std::vector<Stranger>{{3, "a", true}, {5, "a", true}}) == 3);
+}

@@ -1,22 +1,23 @@
 #include "server.h"
 
-#include <arpa/inet.h>
 #include <doctest/doctest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "lobe/error.h"
+#include "socket_client.h"
 
 using namespace lobe;
 using namespace lobe::view;
+using lobe::test::Client;
 
 namespace {
 
@@ -33,6 +34,7 @@ class Noting final : public Service {
     if (text == "say") server->send(client, "word");
     if (text == "say much") server->send(client, std::string(60000, 'a'));
     if (text == "drop me") server->drop(client, "as you wish");
+    if (text == "fail") throw std::runtime_error("as you wish");
   }
   std::string next_frame(ClientId) override { return "frame " + std::to_string(++frames); }
 
@@ -74,80 +76,6 @@ struct Running {
   Noting service;
   Server server;
   std::thread thread;
-};
-
-// One connection, byte by byte.
-class Client {
- public:
-  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    timeval patience{3, 0};
-    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    REQUIRE(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
-  }
-  ~Client() { die(); }
-  void die() {
-    if (socket_ >= 0) ::close(socket_);
-    socket_ = -1;
-  }
-
-  void write(const std::string& bytes) { (void)!::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
-  std::string read(std::size_t count) {
-    std::string bytes(count, '\0');
-    std::size_t have = 0;
-    while (have < count) {
-      const auto got = ::recv(socket_, bytes.data() + have, count - have, 0);
-      if (got <= 0) break;
-      have += std::size_t(got);
-    }
-    bytes.resize(have);
-    return bytes;
-  }
-  std::string head() {
-    std::string text;
-    while (!text.ends_with("\r\n\r\n")) {
-      const std::string next = read(1);
-      if (next.empty()) break;
-      text += next;
-    }
-    return text;
-  }
-
-  std::string get(const std::string& target) {
-    write("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
-    return head();
-  }
-  std::string upgrade(const std::string& target, const std::string& origin = "http://localhost:80",
-                      const std::string& host = "localhost:80") {
-    write("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nOrigin: " + origin +
-          "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
-    return head();
-  }
-  // A text message of less than 64 KiB, masked with zeros.
-  void say(const std::string& text) {
-    std::string frame = "\x81";
-    if (text.size() < 126) {
-      frame += static_cast<char>(0x80 | text.size());
-    } else {
-      frame += static_cast<char>(0xfe);
-      frame += static_cast<char>(text.size() >> 8);
-      frame += static_cast<char>(text.size() & 255);
-    }
-    write(frame + std::string(4, '\0') + text);
-  }
-  // Kind and content of a message of less than 126 bytes; 0 where there is none.
-  std::pair<int, std::string> hear() {
-    const std::string start = read(2);
-    if (start.size() < 2) return {0, ""};
-    return {start[0] & 15, read(std::size_t(start[1] & 127))};
-  }
-
- private:
-  int socket_;
 };
 
 constexpr int text_kind = 1, binary_kind = 2, closing_kind = 8;
@@ -225,6 +153,65 @@ TEST_CASE("a client that says nothing, and answers no ping, is let go") {
   Client client(running.server.port());
   client.upgrade("/live?token=secret");
   CHECK(running.service.has("closed"));
+}
+
+double seconds_of(const std::function<void()>& work) {
+  const auto begun = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+}
+
+TEST_CASE("128 connections that say nothing keep no page out, and are closed when their time is up") {
+  ServerOptions options;
+  options.patience = 1;
+  Running running(options);
+  const int port = running.server.port();
+  std::vector<std::unique_ptr<Client>> idle;
+  for (int i = 0; i < 128; ++i) idle.push_back(std::make_unique<Client>(port));
+  CHECK(seconds_of([&] {
+          CHECK(Client(port).get("/").starts_with("HTTP/1.1 200"));
+          CHECK(Client(port).upgrade("/live?token=secret").starts_with("HTTP/1.1 101"));
+        }) < 1);
+  // And again, while more of them come than go.
+  for (int round = 0; round < 5; ++round) {
+    for (int i = 0; i < 64; ++i) idle.push_back(std::make_unique<Client>(port));
+    CHECK(Client(port).upgrade("/live?token=secret").starts_with("HTTP/1.1 101"));
+  }
+  // The oldest made room at once; the youngest has waited for long enough after a second.
+  CHECK(idle.front()->read(1).empty());
+  CHECK(seconds_of([&] { CHECK(idle.back()->read(1).empty()); }) < 2.5);
+}
+
+TEST_CASE("one who has shown the token is not pressed for time, and is not pushed out") {
+  ServerOptions options;
+  options.patience = 0.2;
+  options.most_strangers = 4;
+  Running running(options);
+  const int port = running.server.port();
+  Client page(port), stranger(port);
+  CHECK(page.get("/?token=secret").starts_with("HTTP/1.1 200"));
+  CHECK(page.read(12) == "<p>organ</p>");
+  CHECK(stranger.get("/?token=guess").starts_with("HTTP/1.1 200"));
+  CHECK(stranger.read(12) == "<p>organ</p>");
+  std::vector<std::unique_ptr<Client>> others;
+  for (int i = 0; i < 20; ++i) others.push_back(std::make_unique<Client>(port));
+  CHECK(stranger.read(1).empty());
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  CHECK(page.get("/page.js").starts_with("HTTP/1.1 200"));
+}
+
+TEST_CASE("a service that fails costs the connection that it fails for, and no other") {
+  Running running;
+  Client other(running.server.port());
+  other.upgrade("/live?token=secret");
+  other.hear();
+  Client client(running.server.port());
+  client.upgrade("/live?token=secret");
+  client.hear();
+  client.say("fail");
+  CHECK(running.service.has("closed"));
+  other.say("seen");
+  CHECK(other.hear().first == binary_kind);
 }
 
 TEST_CASE("a message that is too long ends the connection") {

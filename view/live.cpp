@@ -1,5 +1,6 @@
 #include "live.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "gauge.h"
 #include "lobe/live/session_scene.h"
@@ -43,10 +45,12 @@ template <class Real>
 class LiveOf final : public Live {
  public:
   LiveOf(const Scene& scene, const Resolved& resolved, const LiveOptions& options)
-      : scene_(scene), setup_(resolved.setup), session_(setup_, with_skin(session_options(options))) {
+      : scene_(scene),
+        setup_(resolved.setup),
+        session_(setup_, with_skin(session_options(options))),
+        published_(options.published) {
     if (!scene.skin.empty()) skin_.emplace(skin_path(scene), setup_.mesh, session_.world());
     for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
-    if (options.haptic.device != "none") haptics_.emplace(session_, options.haptic);
     session_.start();
     measuring_ = std::thread([this] { keep_measuring(); });
   }
@@ -64,9 +68,30 @@ class LiveOf final : public Live {
   }
 
   void change_hands(bool somebody) override {
+    number_ = no_controller;
     controller_.reset();
-    if (somebody) controller_.emplace(session_.connect("page"));
-    if (haptics_) haptics_->change_hands(controller_ ? std::optional(controller_->number()) : std::nullopt);
+    if (somebody) number_ = controller_.emplace(session_.connect("page")).number();
+    lead_device();
+  }
+
+  bool hands_hold() const override {
+    const auto status = session_.status();
+    return status && std::any_of(status->hands.begin(), status->hands.end(), [&](const HandStatus& hand) {
+             return hand.controller == number_ && hand.tool != 0;
+           });
+  }
+
+  void take_haptics(std::unique_ptr<HapticRig> rig) override {
+    if (!rig) return;
+    haptics_.emplace(session_, std::move(rig));
+    lead_device();
+  }
+
+  std::unique_ptr<HapticRig> release_haptics() override {
+    if (!haptics_) return nullptr;
+    std::unique_ptr<HapticRig> rig = haptics_->release();
+    haptics_.reset();
+    return rig;
   }
 
   bool send(HandCommand command) override {
@@ -82,9 +107,14 @@ class LiveOf final : public Live {
     mix(std::uint64_t(status->picture));
     mix(std::uint64_t(status->is_running) + 2 * std::uint64_t(status->stands_still));
     mix(std::uint64_t(1000 * status->speed));
-    mix(status->messages->empty() ? 0 : status->messages->back().number);
+    if (!status->messages->empty()) {
+      mix(status->messages->back().number);
+      mix(std::uint64_t(status->messages->back().times));
+    }
     mix(last_seen(*status));
-    mix(measured()->number);
+    const std::lock_guard lock(mutex_);
+    mix(measured_->number);
+    mix(troubles_.size());
     return hash;
   }
 
@@ -104,12 +134,17 @@ class LiveOf final : public Live {
     write_measured(scalar, surface.revision, told, out, status);
     write_json(tools_tag, tools(*session, *picture).dump(), out);
     add_figures(*session, *picture, status);
-    if (haptics_) status["haptic"] = haptics_->figures();
+    if (haptics_) status["haptic"] = haptics_->rig().figures();
   }
 
   void measure(const std::string& scalar) override {
     const std::lock_guard lock(mutex_);
     wanted_ = scalar;
+  }
+
+  std::vector<std::string> take_troubles() override {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(troubles_, {});
   }
 
   Scene hands_scene() override {
@@ -143,25 +178,46 @@ class LiveOf final : public Live {
     return options;
   }
 
-  // The thread of the session measures energies and fields between frames. This thread waits for them.
+  void lead_device() {
+    if (haptics_) haptics_->change_hands(controller_ ? std::optional(controller_->number()) : std::nullopt);
+  }
+
+  // The thread of the session measures energies and fields between frames. This thread waits for them. What
+  // cannot be measured is not tried again until something else is wanted.
   void keep_measuring() {
+    std::string failed;  // to measure
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, between_measurements, [&] { return ends_; })) {
       const std::string scalar = wanted_;
-      const auto next = std::make_shared<Measured>();
-      next->number = measured_->number;
-      const double before = measured_->time;
-      const bool is_same = measured_->scalar == scalar;
+      if (scalar == failed) continue;
+      failed.clear();
+      const std::shared_ptr<const Measured> before = measured_;
       lock.unlock();
-      session_.between_frames([&] {
-        if (session_.world().time() != before || !is_same) {
-          gauge_.measure(session_.world(), scalar, *next);
-          ++next->number;
+      try {
+        if (const auto next = measured_since(*before, scalar)) {
+          const std::lock_guard storing(mutex_);
+          measured_ = next;
         }
-      });
-      lock.lock();
-      if (next->number != measured_->number) measured_ = next;
+        if (measured() != before && published_) published_();
+        lock.lock();
+      } catch (const std::exception& error) {
+        lock.lock();
+        failed = scalar;
+        troubles_.push_back("colours and energies cannot be measured: " + std::string(error.what()));
+      }
     }
+  }
+
+  // Null if nothing has moved since, and the same was measured.
+  std::shared_ptr<const Measured> measured_since(const Measured& before, const std::string& scalar) {
+    std::shared_ptr<Measured> next;
+    session_.between_frames([&] {
+      if (session_.world().time() == before.time && before.scalar == scalar) return;
+      next = std::make_shared<Measured>();
+      gauge_.measure(session_.world(), scalar, *next);
+      next->number = before.number + 1;
+    });
+    return next;
   }
 
   std::shared_ptr<const Measured> measured() const {
@@ -170,7 +226,7 @@ class LiveOf final : public Live {
   }
 
   std::uint64_t last_seen(const SessionStatus& status) const {
-    const auto number = controller_ ? std::size_t(controller_->number()) : status.sequences.size();
+    const auto number = std::size_t(number_.load());
     return number < status.sequences.size() ? status.sequences[number] : 0;
   }
 
@@ -259,6 +315,7 @@ class LiveOf final : public Live {
       messages.push_back({{"number", message.number},
                           {"name", message.name},
                           {"text", message.text},
+                          {"about", message.about},
                           {"time", message.time},
                           {"times", message.times}});
   }
@@ -268,7 +325,10 @@ class LiveOf final : public Live {
   std::optional<SkinFeed<Real>> skin_;  // none while the session is being made
   Gauge<Real> gauge_;                   // of the thread of the session, between frames
   Session<Real> session_;
+  const std::function<void()> published_;
+  static constexpr int no_controller = HandQueue::most_controllers;
   std::optional<Controller> controller_;
+  std::atomic<int> number_ = no_controller;  // of controller_, for threads that look for news
   std::optional<Haptics<Real>> haptics_;
   std::set<std::string> scene_tools_;
   const std::uint64_t first_stamp_ = ++sessions_so_far << 32;  // two sessions have no revision in common
@@ -278,6 +338,7 @@ class LiveOf final : public Live {
   bool ends_ = false;
   std::string wanted_ = "none";
   std::shared_ptr<const Measured> measured_ = std::make_shared<const Measured>();
+  std::vector<std::string> troubles_;
   std::thread measuring_;
 };
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "haptics.h"
 #include "lobe/live/hand_command.h"
@@ -20,9 +21,9 @@ struct LiveOptions {
   double speed = 1;          // simulated seconds per second
   int threads = 1;
   bool running = true;
-  HapticOptions haptic = {};
   std::function<void(double fraction)> condensing = {};
-  std::function<void()> published = {};  // there is a new picture; by the thread of the simulation
+  // There is a new picture, by the thread of the simulation; or a new measurement, by that which measures.
+  std::function<void()> published = {};
 };
 
 // What a page has been sent so far.
@@ -39,6 +40,11 @@ class Live {
 
   // Call it when another page gets the hands, or none. Hands then let go.
   virtual void change_hands(bool somebody) = 0;
+  // Whether a hand of the page has a tool.
+  virtual bool hands_hold() const = 0;
+  // Gives it the device that its hand follows. Null: none.
+  virtual void take_haptics(std::unique_ptr<HapticRig> rig) = 0;
+  virtual std::unique_ptr<HapticRig> release_haptics() = 0;
   // Returns false if the simulation has not taken a command for a long time.
   virtual bool send(HandCommand command) = 0;
   // Changes when there is something new to send.
@@ -51,6 +57,8 @@ class Live {
   virtual void write_skin(Told& told, BlockWriter& out) = 0;
   // Sets which scalar is measured, some times a second.
   virtual void measure(const std::string& scalar) = 0;
+  // What has failed beside the simulation since the last call, a line each. Any thread.
+  virtual std::vector<std::string> take_troubles() = 0;
   // What the hands did, as a scene that `lobe run` plays. Throws InputError if no scene can describe it
   // (live/session_scene.h).
   virtual Scene hands_scene() = 0;

@@ -201,9 +201,13 @@ struct Control {
   static constexpr const char* name = "control";
   static constexpr auto fields = std::tuple();
 };
-// The client in control hands over to another one that has asked.
+// The client in control hands over to the one that asked first, or refuses all that have asked.
 struct HandOver {
   static constexpr const char* name = "hand_over";
+  static constexpr auto fields = std::tuple();
+};
+struct Keep {
+  static constexpr const char* name = "keep";
   static constexpr auto fields = std::tuple();
 };
 // Saves what the hands have done, as a scene.
@@ -285,8 +289,8 @@ struct Save {
 };
 
 using Any = std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo, Pause, Step, Speed, Restart,
-                         Back, Show, Skin, Control, HandOver, Export, Edit, Paint, PaintMaterial, NewMaterial,
-                         Mend, PaintAll, Stroke, Undo, Propose, Apply, Save>;
+                         Back, Show, Skin, Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial,
+                         NewMaterial, Mend, PaintAll, Stroke, Undo, Propose, Apply, Save>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

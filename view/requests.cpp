@@ -121,19 +121,34 @@ void Viewer::perform(ClientId client, const request::Skin& what) {
   changed();
 }
 
-void Viewer::perform(ClientId client, const request::Control&) { ask_for_control(client); }
+void Viewer::perform(ClientId client, const request::Control&) {
+  control_.ask(client, Clock::now());
+  control_changed();
+}
 
 void Viewer::perform(ClientId, const request::HandOver&) {
-  if (asking_ != 0) hand_control_to(asking_);
+  control_.grant();
+  control_changed();
+}
+
+void Viewer::perform(ClientId, const request::Keep&) {
+  for (const ClientId page : control_.refuse(Clock::now()))
+    tell(page, "note", "The page that holds the instruments keeps them.");
+  control_changed();
 }
 
 // Throws InputError for an invalid name, or one of files that another program has made.
 void Viewer::claim(const std::string& name) {
   check_file_name(name);
-  for (const char* extension : {".json", ".vtu"})
-    if (const auto file = options_.folder / (name + extension);
-        !saved_.contains(name) && std::filesystem::exists(file))
+  if (saved_.contains(name)) return;
+  for (const char* extension : {".json", ".vtu"}) {
+    const std::filesystem::path file = options_.folder / (name + extension);
+    std::error_code error;
+    const auto type = std::filesystem::symlink_status(file, error).type();
+    if (type == std::filesystem::file_type::none) throw InputError(file.string(), error.message());
+    if (type != std::filesystem::file_type::not_found)
       throw InputError(file.string(), "is there already: choose another name");
+  }
 }
 
 // Saves the motions of its grasps as gestures of automatic regions; none if they do not move.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <thread>
+#include <utility>
 #include <variant>
 
 #include "lobe/error.h"
@@ -15,7 +17,11 @@ Viewer::Viewer(Scene scene, Resolved resolved, const ViewerOptions& options)
     : options_(options),
       scene_(std::move(scene)),
       resolved_(std::move(resolved)),
-      live_(start_live(scene_, resolved_, live_options())) {
+      live_(start_live(scene_, resolved_, live_options())),
+      control_(options.patience),
+      recordings_(options.record),
+      run_(std::random_device()()) {
+  if (options.haptic.device != "none") live_->take_haptics(std::make_unique<HapticRig>(options.haptic));
   if (resolved_.proposal) proposal_ = resolved_.proposal;
 }
 
@@ -40,41 +46,42 @@ LiveOptions Viewer::live_options() const {
 std::uint64_t Viewer::news() const {
   const std::lock_guard lock(changing_);
   const std::uint64_t task = task_ ? std::uint64_t(100 * task_->fraction) + task_->is_done : 0;
-  return live_->news() ^ (version_ << 20) ^ (task << 50);
+  const std::uint64_t is_due = Clock::now() >= deadline_.load();
+  return live_->news() ^ (version_ << 20) ^ (task << 50) ^ (is_due << 49);
 }
 
 // ---- Who controls
 
 void Viewer::opened(ClientId client) {
   clients_[client] = {};
-  if (controlling_ == 0) hand_control_to(client);
-  changed();
+  control_.opened(client);
+  control_changed();
+  if (!std::exchange(has_begun_, true)) send({.kind = HandCommand::Kind::run, .on = true});
 }
 
-void Viewer::closed(ClientId client) {
+void Viewer::closed(ClientId client) try {
   clients_.erase(client);
-  if (asking_ == client) asking_ = 0;
-  if (controlling_ == client) hand_control_to(clients_.contains(asking_) ? asking_ : 0);
+  control_.closed(client);
   measure_what_is_shown();
-  changed();
+  control_changed();
+} catch (const std::exception& error) {
+  tell_all("error", error.what());
 }
 
-// The hands of the former client let go.
-void Viewer::hand_control_to(ClientId client) {
-  controlling_ = client;
-  asking_ = 0;
-  live_->change_hands(client != 0);
+// The hands of the page that held the instruments let go.
+void Viewer::control_changed() {
+  deadline_ = control_.deadline();
   changed();
+  if (controlling_ == control_.holder()) return;
+  controlling_ = control_.holder();
+  live_->change_hands(controlling_ != 0);
+  measure_what_is_shown();
 }
 
-// Takes control at once from a page that does nothing; from a page that is active, when it hands over.
-void Viewer::ask_for_control(ClientId client) {
-  constexpr std::chrono::seconds idle(3);
-  if (controlling_ == client) return;
-  if (controlling_ == 0 || Clock::now() - last_act_ > idle) return hand_control_to(client);
-  asking_ = client;
-  tell(controlling_, "asked", "");
-  tell(client, "note", "the page that holds the instruments was asked for them");
+void Viewer::settle_control() {
+  if (Clock::now() < control_.deadline()) return;
+  control_.settle(live_->hands_hold(), Clock::now());
+  if (controlling_ != control_.holder()) control_changed();
 }
 
 void Viewer::tell(ClientId client, const char* event, const std::string& text) {
@@ -94,19 +101,26 @@ bool Viewer::needs_control(const request::Any& what) const {
          !std::holds_alternative<request::Skin>(what) && !std::holds_alternative<request::Control>(what);
 }
 
+// Whatever goes wrong with a request ends nothing but that.
 void Viewer::received(ClientId client, std::string_view text) {
   try {
-    const Request request = parse_request(text);
-    if (needs_control(request.what)) {
-      if (client != controlling_)
-        throw InputError("/do", "another page holds the instruments: take over first");
-      last_act_ = Clock::now();
-    }
-    clients_[client].number = number_ = request.number;
-    std::visit([&](const auto& what) { perform(client, what); }, request.what);
-  } catch (const InputError& error) {
+    carry_out(client, text);
+  } catch (const std::exception& error) {
     tell(client, "error", error.what());
   }
+}
+
+void Viewer::carry_out(ClientId client, std::string_view text) {
+  const Request request = parse_request(text);
+  if (needs_control(request.what)) {
+    if (client != controlling_)
+      throw InputError("/do", controlling_ == 0 ? "nobody holds the instruments: take them first"
+                                                : "another page holds the instruments: ask for them first");
+    control_.acted(Clock::now());
+    deadline_ = control_.deadline();
+  }
+  clients_[client].number = number_ = request.number;
+  std::visit([&](const auto& what) { perform(client, what); }, request.what);
 }
 
 void Viewer::send(const HandCommand& command) {
@@ -138,14 +152,20 @@ void Viewer::begin(const std::function<void(Task&)>& work) {
     const std::lock_guard lock(changing_);
     task_ = begun;
   }
-  std::thread([task = begun, work] {
-    try {
-      work(*task);
-    } catch (const std::exception& error) {
-      task->trouble = error.what();
-    }
-    task->is_done = true;
-  }).detach();
+  try {
+    std::thread([task = begun, work] {
+      try {
+        work(*task);
+      } catch (const std::exception& error) {
+        task->trouble = error.what();
+      }
+      task->is_done = true;
+    }).detach();
+  } catch (...) {  // there can be no more threads
+    const std::lock_guard lock(changing_);
+    task_.reset();
+    throw;
+  }
 }
 
 void Viewer::finish_task() {
@@ -164,57 +184,97 @@ void Viewer::finish_task() {
     repainted();
     return;
   }
+  take_over(*task);
+}
+
+// Goes on with the simulation of what was painted. The former one gives its device to it.
+void Viewer::take_over(Task& task) {
+  const std::shared_ptr<Live> former = live_;
+  std::unique_ptr<HapticRig> rig = former->release_haptics();
+  former->change_hands(false);
+  try {
+    recordings_.ended(former, scene_, resolved_.setup.mesh);
+  } catch (const std::exception& error) {
+    tell_all("error", std::string("what was done so far is not recorded yet: ") + error.what());
+  }
   {
     const std::lock_guard lock(changing_);
-    live_ = task->live;
+    live_ = task.live;
   }
-  scene_ = std::move(task->scene);
-  resolved_ = std::move(task->resolved);
+  scene_ = std::move(task.scene);
+  resolved_ = std::move(task.resolved);
   paints_ = false;
   has_painted_mesh_ = true;
+  live_->take_haptics(std::move(rig));
   live_->change_hands(controlling_ != 0);
   measure_what_is_shown();
   show_skins();
 }
 
+const std::vector<Recordings::Written>& Viewer::write_recordings() {
+  recordings_.end(live_, scene_, resolved_.setup.mesh);
+  return recordings_.written();
+}
+
 // ---- Frames
 
+// A frame that cannot be made is said once, not for each picture.
 std::string Viewer::next_frame(ClientId id) {
+  Client& client = clients_[id];
+  try {
+    std::string frame = newest_frame(id);
+    if (!frame.empty()) client.trouble.clear();
+    return frame;
+  } catch (const std::exception& error) {
+    if (std::exchange(client.trouble, error.what()) != error.what()) tell(id, "error", error.what());
+  }
+  return {};
+}
+
+std::string Viewer::newest_frame(ClientId id) {
   finish_task();
+  settle_control();
+  for (const std::string& trouble : live_->take_troubles()) tell_all("error", trouble);
   Client& client = clients_[id];
   const std::uint64_t latest = news() ^ (painted_ << 40) ^ (paints_ ? 1 : 0);
   if (client.told.news == latest) return {};
   client.told.news = latest;
-  return paints_ ? painting_frame(client) : live_frame(client, id == controlling_);
+  return paints_ ? painting_frame(id) : live_frame(id);
 }
 
-std::string Viewer::live_frame(Client& client, bool controls) {
+std::string Viewer::live_frame(ClientId id) {
+  Client& client = clients_[id];
   BlockWriter out;
   Json status;
   live_->write(client.scalar, client.told, out, status);
   status["has_skin"] = live_->has_skin();
   if (client.wants_skin) live_->write_skin(client.told, out);
   status["mode"] = "live";
-  add_session(status, client, controls);
+  add_session(status, id);
   write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
   return out.take();
 }
 
-void Viewer::add_session(Json& status, const Client& client, bool controls) const {
-  if (!status.contains("seen") || !controls) status["seen"] = controls ? client.number : 0;
+void Viewer::add_session(Json& status, ClientId id) const {
+  const bool controls = id == controlling_;
+  if (!status.contains("seen") || !controls) status["seen"] = controls ? clients_.at(id).number : 0;
   status["scene"] = scene_.name;
+  status["run"] = run_;
   status["controls"] = controls;
+  status["controlled"] = controlling_ != 0;
+  status["asks"] = control_.has_asked(id);
+  status["askers"] = control_.askers().size();
   status["clients"] = clients_.size();
 }
 
-std::string Viewer::painting_frame(Client& client) {
+std::string Viewer::painting_frame(ClientId id) {
+  Client& client = clients_[id];
   BlockWriter out;
   if (client.painted != painted_ || client.told.topology != 0) {
     write_painting(out);
     client.painted = painted_;
     client.told.topology = 0;
   }
-  const bool controls = controlling_ != 0 && &client == &clients_[controlling_];
   Json status{{"mode", "edit"},
               {"edit", painting_status()},
               {"time", 0},
@@ -225,7 +285,7 @@ std::string Viewer::painting_frame(Client& client) {
               {"tets", resolved_.setup.mesh.tet_count()},
               {"stands_still", false}};
   write_json(tools_tag, "[]", out);
-  add_session(status, client, controls);
+  add_session(status, id);
   write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
   return out.take();
 }

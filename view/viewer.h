@@ -9,15 +9,20 @@
 #include <optional>
 #include <set>
 
+#include "control.h"
 #include "live.h"
 #include "painting.h"
+#include "recordings.h"
 #include "server.h"
 
 namespace lobe::view {
 
 struct ViewerOptions {
   LiveOptions live;
-  std::filesystem::path folder = ".";  // where scenes are saved
+  HapticOptions haptic = {};
+  std::filesystem::path folder = ".";         // where scenes are saved
+  std::filesystem::path record = {};          // a file for what is done (recordings.h); empty: none
+  std::chrono::milliseconds patience{10000};  // with a page that was asked for the instruments (control.h)
 };
 
 class Viewer final : public Service {
@@ -42,7 +47,9 @@ class Viewer final : public Service {
 
   // ---- After the server
 
-  void write_recording(const std::filesystem::path& file) { live_->write_recording(file); }
+  // Writes what the sessions have done, and returns the files. Throws InputError if one cannot be written; the
+  // others then are.
+  const std::vector<Recordings::Written>& write_recordings();
   bool is_preparing() const { return task_ && !task_->is_done; }
 
  private:
@@ -52,7 +59,8 @@ class Viewer final : public Service {
     std::string scalar = "none";
     bool wants_skin = false;
     std::uint64_t painted = 0;
-    double number = 0;  // of its last request
+    double number = 0;    // of its last request
+    std::string trouble;  // why it got no frame
   };
   // A thread that prepares something: a simulation of what was painted, or a proposal of regions.
   struct Task {
@@ -65,8 +73,9 @@ class Viewer final : public Service {
   };
 
   bool needs_control(const request::Any& what) const;
-  void hand_control_to(ClientId client);
-  void ask_for_control(ClientId client);
+  void control_changed();
+  void settle_control();
+  void carry_out(ClientId client, std::string_view text);
   void tell(ClientId client, const char* event, const std::string& text);
   void tell_all(const char* event, const std::string& text);
   void changed() { ++version_; }
@@ -76,13 +85,15 @@ class Viewer final : public Service {
   }
   void set_painting(bool on);
   void finish_task();
+  void take_over(Task& task);
   void measure_what_is_shown();
   void show_skins();
-  std::string painting_frame(Client& client);
+  std::string newest_frame(ClientId id);
+  std::string painting_frame(ClientId id);
   void write_painting(BlockWriter& out) const;
   nlohmann::json painting_status() const;
-  std::string live_frame(Client& client, bool controls);
-  void add_session(nlohmann::json& status, const Client& client, bool controls) const;
+  std::string live_frame(ClientId id);
+  void add_session(nlohmann::json& status, ClientId id) const;
   void send(const HandCommand& command);
   void begin(const std::function<void(Task&)>& work);
   Painting& painting();
@@ -108,6 +119,7 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Skin& what);
   void perform(ClientId client, const request::Control& what);
   void perform(ClientId client, const request::HandOver& what);
+  void perform(ClientId client, const request::Keep& what);
   void perform(ClientId client, const request::Export& what);
   void perform(ClientId client, const request::Edit& what);
   void perform(ClientId client, const request::Paint& what);
@@ -133,6 +145,7 @@ class Viewer final : public Service {
   std::shared_ptr<Live> live_;
   std::optional<Painting> painting_;
   bool paints_ = false;
+  bool has_begun_ = false;         // the simulation: with the first page
   bool has_painted_mesh_ = false;  // whose labels are in no file
   std::set<std::string> saved_;    // names of files that this program has made
   double number_ = 0;              // of the request that is carried out
@@ -140,8 +153,11 @@ class Viewer final : public Service {
   std::optional<Proposal> proposal_;
   std::shared_ptr<Task> task_;
   std::map<ClientId, Client> clients_;
-  ClientId controlling_ = 0, asking_ = 0;
-  Clock::time_point last_act_{};
+  Control control_;
+  ClientId controlling_ = 0;                                            // whose hands the session has
+  std::atomic<Clock::time_point> deadline_ = Clock::time_point::max();  // of control_, for news()
+  Recordings recordings_;
+  const std::uint32_t run_;  // a number of this run of the program, which pages compare
   std::atomic<std::uint64_t> version_ = 1;
 };
 

@@ -18,7 +18,7 @@ const at = await grip(page);
 // ---- Two instruments
 
 await page.keyboard.down('Shift');
-await drag(page, at, 10, -20);
+await drag(page, at, 16, -36);
 check(await until(page, () => lobe.instruments.shown.size === 1), 'one instrument takes hold');
 await page.mouse.up();
 await page.keyboard.up('Shift');

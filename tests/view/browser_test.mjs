@@ -124,11 +124,9 @@ check(
     (await page.evaluate(t => lobe.status.time >= t && lobe.organ.cutCount > 0, time)),
   'and nothing is done',
 );
-await page.keyboard.press('h');
-await page.evaluate(() => lobe.ask({do: 'pause', on: false}));
 await other.click('#banner button');
 check(await until(page, () => !document.getElementById('banner').hidden), 'the page that controls is asked');
-await page.click('#banner button');
+await page.click('#banner button:has-text("Hand over")');
 check(
   (await until(other, () => lobe.status.controls)) && (await until(page, () => !lobe.status.controls)),
   'and hands over',
@@ -144,8 +142,10 @@ check(
   'a page that dies in the middle of a drag lets go',
 );
 check(await until(page, () => lobe.status.clients === 1), 'the server notices that a page is gone');
-await page.click('#banner button');
-check(await until(page, () => lobe.status.controls), 'the other takes over');
+check(
+  await until(page, () => lobe.status.controls && document.getElementById('banner').hidden),
+  'and the instruments go back to the page that is left',
+);
 
 // ---- Restart
 
@@ -187,6 +187,10 @@ check(
 const frames = await page.evaluate(() => lobe.frames);
 await server.start(scene, new URL(address).port);
 check(await until(page, n => lobe.frames > n && lobe.status.controls, frames), 'and goes on when it is back');
+check(
+  await until(page, () => /begins anew/.test(document.getElementById('messages').textContent)),
+  'saying that the organ begins anew',
+);
 
 // ---- Without WebGL, without the token
 

@@ -86,9 +86,9 @@ export async function begin() {
 }
 
 /** The same, and opens its page. */
-export async function openPage(viewport) {
-  const {out, check, finish, server, address, browser} = await begin();
-  const page = await browser.newPage({viewport});
+export async function openPage(viewport, options = {}) {
+  const {scene, out, check, finish, server, address, browser} = await begin();
+  const page = await browser.newPage({viewport, ...options});
   const faults = [];
   page.setDefaultTimeout(60000);
   page.on('pageerror', error => faults.push(error.message));
@@ -101,7 +101,7 @@ export async function openPage(viewport) {
     await server.kill('SIGTERM');
     finish();
   };
-  return {page, check, shot, end};
+  return {page, check, shot, end, server, scene, address};
 }
 
 // Where on the window a point of the organ's surface is that is free and faces the viewer: 50 pixels from its

@@ -78,14 +78,22 @@ class Client {
   }
   // Kind and content of a message; 0 where there is none.
   std::pair<int, std::string> hear() {
-    const std::string start = read(2);
-    if (start.size() < 2) return {0, ""};
-    std::size_t size = static_cast<unsigned char>(start[1]) & 127;
-    if (size < 126) return {start[0] & 15, read(size)};
-    const std::string bytes = read(size == 126 ? 2 : 8);
-    size = 0;
-    for (const char byte : bytes) size = 256 * size + static_cast<unsigned char>(byte);
-    return {start[0] & 15, read(size)};
+    constexpr int last = 0x80;
+    std::pair<int, std::string> message{0, ""};
+    for (int flags = 0; (flags & last) == 0;) {  // its parts
+      const std::string start = read(2);
+      if (start.size() < 2) return {0, ""};
+      flags = static_cast<unsigned char>(start[0]);
+      if ((flags & 15) != 0) message.first = flags & 15;
+      std::size_t size = static_cast<unsigned char>(start[1]) & 127;
+      if (size >= 126) {
+        const std::string bytes = read(size == 126 ? 2 : 8);
+        size = 0;
+        for (const char byte : bytes) size = 256 * size + static_cast<unsigned char>(byte);
+      }
+      message.second += read(size);
+    }
+    return message;
   }
 
  private:

@@ -4,127 +4,16 @@
 #include <doctest/doctest.h>
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <functional>
-#include <nlohmann/json.hpp>
 #include <numeric>
-#include <thread>
 
-#include "folder.h"
-#include "lobe/error.h"
-#include "lobe/io/mesh_io.h"
-#include "lobe/mesh/generators.h"
-#include "lobe/run/recording.h"
-#include "lobe/scene/frames.h"
-#include "lobe/scene/read_scene.h"
-#include "lobe/sim/world.h"
-#include "lobe/skin/skin.h"
 #include "skin_feed.h"
+#include "viewed.h"
 
 using namespace lobe;
 using namespace lobe::view;
-using lobe::test::Folder;
-using Json = nlohmann::json;
-
-namespace {
-
-const char* const block_scene = R"({
-  "name": "block", "mesh": "block.vtu",
-  "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "density": 1000}],
-  "regions": [{"model": "tensor-mass", "where": {"box": {"min": [0, 0, 0], "max": [1, 1, 0.02]}}}],
-  "boundary": [{"fix": true, "where": {"plane": {"point": [0, 0, 0.001], "normal": [0, 0, 1], "side": "below"}}}],
-  "time": {"duration": 9, "damping": 15}})";
-
-// A viewer of a block of 6 cm that stands on z = 0, and its pages.
-struct Viewed {
-  Folder folder;
-  std::optional<Viewer> viewer;
-
-  // `has_skin`: the boundary of its tetrahedra.
-  explicit Viewed(bool has_skin = false, const std::string& haptic = "none", const Json& more = {}) {
-    const TetMesh mesh = box_mesh({0.06, 0.06, 0.06}, 6, 6, 6);
-    write_vtu(folder.path / "block.vtu", mesh);
-    Json document = Json::parse(block_scene);
-    document.update(more.is_null() ? Json::object() : more);
-    Scene scene = read_scene(folder.write("block.json", document.dump()));
-    if (has_skin) {
-      scene.skin = "block.obj";
-      write_obj(mesh);
-    }
-    ViewerOptions options{{}, folder.path};
-    options.live.haptic.device = haptic;
-    viewer.emplace(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh), options);
-  }
-
-  void write_obj(const TetMesh& mesh) const {
-    std::ofstream out(folder.path / "block.obj");
-    for (Index v = 0; v < mesh.vertex_count(); ++v)
-      out << "v " << mesh.points(0, v) << ' ' << mesh.points(1, v) << ' ' << mesh.points(2, v) << '\n';
-    const Triangles triangles = textured_boundary(mesh).triangles;
-    for (Index t = 0; t < triangles.cols(); ++t)
-      out << "f " << triangles(0, t) + 1 << ' ' << triangles(1, t) + 1 << ' ' << triangles(2, t) + 1 << '\n';
-  }
-
-  void ask(ClientId page, const Json& request) { viewer->received(page, request.dump()); }
-
-  // The next frame that the page is sent, within some seconds.
-  std::string message(ClientId page) {
-    std::string message;
-    for (int i = 0; i < 2000 && message.empty(); ++i) {
-      message = viewer->next_frame(page);
-      if (message.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    REQUIRE(!message.empty());
-    return message;
-  }
-  std::vector<Json> frame(ClientId page) {
-    const std::string message = this->message(page);
-    Json tools = Json::array(), status;
-    for (const Block& block : read_blocks(message)) {
-      if (block.tag == tools_tag) tools = Json::parse(block.bytes);
-      if (block.tag == status_tag) status = Json::parse(block.bytes);
-    }
-    return {status, tools};
-  }
-  using Condition = std::function<bool(const Json& status, const Json& tools)>;
-  bool comes_to(ClientId page, const Condition& condition) {
-    for (int i = 0; i < 3000; ++i) {
-      const std::vector<Json> seen = frame(page);
-      if (condition(seen[0], seen[1])) return true;
-    }
-    return false;
-  }
-  bool holds(ClientId page, std::size_t tools) {
-    return comes_to(page, [&](const Json&, const Json& shown) { return shown.size() == tools; });
-  }
-
-  // Through the top at a place of it.
-  void take(ClientId page, int hand, double x, double y) {
-    ask(page,
-        {{"do", "take"}, {"hand", hand}, {"from", {x, y, 1.0}}, {"along", {0, 0, -1}}, {"radius", 0.012}});
-  }
-  void lead(ClientId page, int hand, double x, double y, double z) {
-    ask(page, {{"do", "lead"}, {"hand", hand}, {"to", {x, y, z}}});
-  }
-  void pause(ClientId page) {
-    ask(page, {{"do", "pause"}, {"on", true}});
-    REQUIRE(comes_to(page, [](const Json& status, const Json&) { return !status["running"].get<bool>(); }));
-  }
-};
-
-// Played as `lobe run` does.
-std::uint64_t played(const std::filesystem::path& file) {
-  const Scene scene = read_scene(file);
-  World<float> world(resolve(scene, read_mesh(mesh_path(scene)).mesh).setup, 2);
-  const Frames frames = frames_of(scene.time);
-  for (int i = 0; i < frames.count; ++i) REQUIRE(world.advance(frames.length).ok);
-  return digest(world);
-}
-
-}  // namespace
+using namespace lobe::test;
 
 TEST_CASE("a page is told what stands around the organ, and how far jaws are open") {
   Viewed viewed(false, "none", Json::parse(R"({
@@ -168,7 +57,7 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   viewed.ask(1, {{"do", "let_go"}, {"hand", 0}});
   viewed.pause(1);
   viewed.ask(1, {{"do", "export"}, {"to", "hands"}});
-  viewed.viewer->write_recording(viewed.folder.path / "hands.lobe");
+  viewed.record("hands.lobe");
   const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
   CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
   // The same with regions that lobe is to choose for the one grasp; the cautery is no gesture.
@@ -200,7 +89,7 @@ TEST_CASE("what a page has cut with a scalpel is told, and its scene is played t
   viewed.ask(1, {{"do", "let_go"}, {"hand", 1}});
   viewed.pause(1);
   viewed.ask(1, {{"do", "export"}, {"to", "cuts"}});
-  viewed.viewer->write_recording(viewed.folder.path / "cuts.lobe");
+  viewed.record("cuts.lobe");
   const Recording recording = read_recording(viewed.folder.path / "cuts.lobe");
   CHECK(played(viewed.folder.path / "cuts.json") == recording.commands.back().digest);
 }
@@ -245,7 +134,7 @@ TEST_CASE(
       }));
       viewed.pause(1);
       viewed.ask(1, {{"do", "export"}, {"to", "felt"}});
-      viewed.viewer->write_recording(viewed.folder.path / "felt.lobe");
+      viewed.record("felt.lobe");
       const Recording recording = read_recording(viewed.folder.path / "felt.lobe");
       CHECK(played(viewed.folder.path / "felt.json") == recording.commands.back().digest);
     }
@@ -266,7 +155,7 @@ TEST_CASE("a page presses a probe on the body and feels it; its scene is played 
   REQUIRE(viewed.holds(1, 0));
   viewed.pause(1);
   viewed.ask(1, {{"do", "export"}, {"to", "pressed"}});
-  viewed.viewer->write_recording(viewed.folder.path / "pressed.lobe");
+  viewed.record("pressed.lobe");
   const Recording recording = read_recording(viewed.folder.path / "pressed.lobe");
   CHECK(played(viewed.folder.path / "pressed.json") == recording.commands.back().digest);
 }
@@ -308,7 +197,7 @@ TEST_CASE("a page grips the body between jaws and pulls; its scene is played to 
   }));
   viewed.pause(1);
   viewed.ask(1, {{"do", "export"}, {"to", "gripped"}});
-  viewed.viewer->write_recording(viewed.folder.path / "gripped.lobe");
+  viewed.record("gripped.lobe");
   const Recording recording = read_recording(viewed.folder.path / "gripped.lobe");
   CHECK(played(viewed.folder.path / "gripped.json") == recording.commands.back().digest);
 }
@@ -331,7 +220,7 @@ TEST_CASE("what was painted, simulated and held, is saved and played to the same
   viewed.pause(1);
   viewed.ask(1, {{"do", "export"}, {"to", "hands"}});
   CHECK(read_scene(viewed.folder.path / "hands.json").materials.size() == 2);
-  viewed.viewer->write_recording(viewed.folder.path / "hands.lobe");
+  viewed.record("hands.lobe");
   const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
   CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
 }
@@ -346,40 +235,6 @@ TEST_CASE("two instruments hold at once; one is let go, the other stays") {
   viewed.ask(1, {{"do", "let_go"}, {"hand", 1}});
   REQUIRE(viewed.comes_to(
       1, [](const Json&, const Json& tools) { return tools.size() == 1 && tools[0]["hand"] == 0; }));
-}
-
-TEST_CASE("a page that watches can do nothing, until it is handed the instruments") {
-  Viewed viewed;
-  viewed.viewer->opened(1);
-  viewed.viewer->opened(2);
-  viewed.take(1, 0, 0.03, 0.03);
-  REQUIRE(viewed.holds(2, 1));
-  CHECK_FALSE(viewed.frame(2)[0]["controls"].get<bool>());
-  viewed.ask(2, {{"do", "let_go"}, {"hand", 0}});
-  viewed.ask(2, {{"do", "restart"}});
-  viewed.ask(2, {{"do", "control"}});
-  for (int i = 0; i < 20; ++i) viewed.frame(2);
-  CHECK(viewed.frame(2)[1].size() == 1);
-  viewed.ask(1, {{"do", "hand_over"}});
-  CHECK(viewed.comes_to(2, [](const Json& status, const Json& tools) {
-    return status["controls"].get<bool>() && tools.empty();
-  }));
-  viewed.take(2, 0, 0.03, 0.03);
-  CHECK(viewed.holds(1, 1));
-}
-
-TEST_CASE("a page that dies in the middle of a drag lets go, and the next one controls") {
-  Viewed viewed;
-  viewed.viewer->opened(1);
-  viewed.viewer->opened(2);
-  viewed.take(1, 0, 0.03, 0.03);
-  viewed.lead(1, 0, 0.03, 0.03, 0.08);
-  REQUIRE(viewed.holds(2, 1));
-  viewed.viewer->closed(1);
-  CHECK(viewed.holds(2, 0));
-  viewed.ask(2, {{"do", "control"}});
-  viewed.take(2, 3, 0.03, 0.03);
-  CHECK(viewed.holds(2, 1));
 }
 
 TEST_CASE("pages that ask for nonsense and for what is not theirs, or take no pictures, disturb no hand") {
@@ -403,7 +258,7 @@ TEST_CASE("pages that ask for nonsense and for what is not theirs, or take no pi
   }));
   viewed.pause(1);
   viewed.ask(1, {{"do", "export"}, {"to", "hands"}});
-  viewed.viewer->write_recording(viewed.folder.path / "hands.lobe");
+  viewed.record("hands.lobe");
   const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
   for (const RecordedCommand& one : recording.commands) {
     REQUIRE(std::holds_alternative<Command>(one.command));  // nobody went back

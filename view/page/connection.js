@@ -3,10 +3,12 @@
 import {readFrame} from './protocol.js';
 
 const shortest = 6; // between two frames [ms]
+const longSilence = 3000; // of a simulation that runs [ms]
 const share = 0.2; // of the time that a picture takes: a frame may be as old as that
 
 export class Connection {
-  /** @param {{frame: Function, event: Function, state: Function}} handlers */
+  /** @param {{frame: Function, event: Function, state: Function}} handlers of what comes, and of how it is:
+   *   'open', 'lost', 'refused', or 'silent' for so many seconds */
   constructor(handlers) {
     this.handlers = handlers;
     this.number = 0;
@@ -16,7 +18,15 @@ export class Connection {
     this.acknowledged = 0; // when [ms]
     this.drawing = 0; // what a picture takes [ms]
     this.wait = 300;
+    this.heard = 0; // when anything came last [ms]
     this.open();
+    setInterval(() => this.listen(), 500);
+  }
+
+  listen() {
+    const silence = performance.now() - this.heard;
+    if (this.socket.readyState === WebSocket.OPEN && silence > longSilence)
+      this.handlers.state('silent', Math.round(silence / 1e3));
   }
 
   open() {
@@ -28,6 +38,7 @@ export class Connection {
     let opened = false;
     this.socket.onopen = () => {
       opened = true;
+      this.heard = performance.now();
       this.wait = 300;
       this.asked.clear();
       this.handlers.state('open');
@@ -41,6 +52,7 @@ export class Connection {
   }
 
   receive(data) {
+    this.heard = performance.now();
     if (typeof data === 'string') return this.handlers.event(JSON.parse(data));
     const frame = readFrame(data);
     frame.received = performance.now();

@@ -46,6 +46,7 @@ class Page {
       if (why) this.messages.add(why, 'warn');
     });
     this.status = {};
+    this.lost = ''; // why nothing comes; empty: it does
     this.mode = 'live';
     this.stage.before.push(() => this.showFrame());
     this.stage.drawn.push(() => this.connection.drawn());
@@ -72,6 +73,7 @@ class Page {
 
   // A picture is drawn where the browser draws; the server sends the next one when this was.
   receive(frame) {
+    this.lost = '';
     // What is left out between two pictures was older; a surface and what is no longer told stay.
     this.frame = frame.topology ? {skin: this.frame?.skin, ...frame} : {...this.frame, ...frame};
     this.stage.wake();
@@ -127,7 +129,8 @@ class Page {
     }
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
-    if (status.controls !== this.hands.may || status.clients !== before.clients) this.showControl(status);
+    this.showControl(status);
+    if (status.run !== this.run) this.beginAnew(status.run);
     this.messages.take(status.messages ?? []);
     if (status.mode === 'live') {
       this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
@@ -183,23 +186,47 @@ class Page {
   }
 
   showControl(status) {
+    this.showBanner();
     if (this.hands.may && !status.controls) this.hands.forget();
     this.hands.may = status.controls;
+    if (this.mayAct === status.controls) return;
+    this.mayAct = status.controls; // as its buttons show
     for (const button of document.querySelectorAll('#dock button, #editor button'))
-      if (!['picture', 'video', 'help-button'].includes(button.id))
+      if (!['picture', 'video', 'help-button'].includes(button.id)) {
         button.toggleAttribute('data-foreign', !status.controls);
-    if (status.controls) return this.banner(null);
-    this.banner('You are watching; another page holds the instruments.', 'Take over', () =>
-      this.connection.ask({do: 'control'}),
-    );
+        button.setAttribute('aria-disabled', String(!status.controls));
+      }
+  }
+
+  /** What the whole page must know: that nothing comes, or who holds the instruments. */
+  showBanner() {
+    const {controls, controlled, asks, askers} = this.status,
+      ask = request => () => this.ask({do: request});
+    if (this.lost) return this.banner(this.lost);
+    if (controls === undefined) return this.banner('');
+    if (controls && askers > 0)
+      return this.banner(
+        `${askers > 1 ? `${askers} pages ask` : 'Another page asks'} for the instruments.`,
+        {'Hand over': ask('hand_over'), Keep: ask('keep')},
+        'It gets them without an answer if you hold nothing and do nothing for 10 s.',
+      );
+    if (controls) return this.banner('');
+    if (!controlled) return this.banner('Nobody holds the instruments.', {'Take them': ask('control')});
+    if (asks) return this.banner('You have asked the page that holds the instruments for them.');
+    this.banner('You are watching; another page holds the instruments.', {'Ask for them': ask('control')});
+  }
+
+  /** The program that simulates is another one than before. */
+  beginAnew(run) {
+    if (this.run !== undefined)
+      this.messages.add(
+        'lobe view was started again. The organ begins anew: at time 0, as the scene describes it.',
+        'lasting',
+      );
+    this.run = run;
   }
 
   hear(event) {
-    if (event.event === 'asked')
-      this.banner('Another page asks for the instruments.', 'Hand over', () => {
-        this.ask({do: 'hand_over'});
-        this.banner(null);
-      });
     // Where one paints it stands in the panel, beside the button that was pressed.
     if (event.event === 'error' || event.event === 'note') {
       if (this.mode === 'edit') this.editor.note(event.text);
@@ -208,37 +235,50 @@ class Page {
   }
 
   connected(state, why) {
+    if (state === 'silent') {
+      if (!this.status.running || this.lost) return;
+      this.lost = `The simulation has sent nothing for ${why} s.`;
+      return this.showBanner();
+    }
+    // What came before is not drawn any more: it would pass for what is now.
+    this.frame = null;
+    this.status = {};
+    this.hands.forget();
     if (state === 'open') {
       hideOverlay();
-      this.frame = null;
-      this.hands.forget();
+      this.lost = '';
       this.messages.forget();
-      this.status = {};
       this.organ.leaveSkin();
       this.ask({do: 'show', what: this.wantedScalar()});
-      return this.banner(null);
+      return this.showBanner();
     }
     this.hands.may = false;
-    this.hands.forget();
     this.instruments.update([]);
-    if (state === 'lost')
-      this.banner(why ? `The connection has ended: ${why}` : 'The connection is lost; trying again …');
+    if (state === 'lost' || this.organ.topology) {
+      this.lost = why
+        ? `The connection has ended: ${why}`
+        : 'The connection is lost. This is the last picture; trying again …';
+      element('factor').textContent = 'no connection';
+      element('possible').textContent = '';
+      this.showBanner();
+    }
     if (state === 'refused' && (this.refusals = (this.refusals ?? 0) + 1) > 2 && !this.organ.topology)
       showRefused();
   }
 
-  banner(text, action, act) {
-    const banner = element('banner');
+  /** @param {Record<string, () => void>} actions what its buttons are called, and do */
+  banner(text, actions = {}, more = '') {
+    const banner = element('banner'),
+      content = [text, ...Object.keys(actions)].join('\n');
+    if (banner.dataset.content === content) return;
+    banner.dataset.content = content;
     banner.hidden = !text;
-    if (!text) return;
     banner.textContent = text;
-    if (!action) return;
-    const button = Object.assign(document.createElement('button'), {
-      className: 'plain',
-      textContent: action,
-      onclick: act,
-    });
-    banner.append(button);
+    banner.title = more;
+    for (const [textContent, onclick] of Object.entries(actions))
+      banner.append(
+        Object.assign(document.createElement('button'), {className: 'plain', textContent, onclick}),
+      );
   }
 
   hint(text) {

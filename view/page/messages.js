@@ -1,37 +1,87 @@
-// What there is to say, for some seconds: conditions of the simulation, and answers of the server.
+// What there is to say, for some seconds, on a few cards: conditions of the simulation, and answers of the
+// server. What is said again of the same thing is counted on its card.
 
-const seconds = {warn: 8, bad: 12};
+const seconds = {warn: 8, bad: 12, lasting: 60};
+const most = 3; // cards
+const betweenTexts = 250; // of a card that is said again and again [ms]
 // What the simulation puts right by itself.
 const quiet = /sub_stepped|unravelling|lumped|cache|went_back/;
-const serious = /stands_still|diverged|too_stiff|everything_cut|refused/;
+const serious = /stands_still|failed|diverged|too_stiff|everything_cut|refused/;
+
+const keyOf = ({name, about}) => `${name} ${about ?? ''}`;
 
 export class Messages {
   constructor(element) {
     this.element = element;
-    this.last = null;
+    this.cards = new Map(); // key → card
+    this.known = null; // how often each was said: key → times
   }
 
-  /** @param {{number: number, name: string, text: string, times: number}[]} messages the newest at the end */
+  /** @param {{number: number, name: string, about: string, text: string, times: number}[]} messages those of
+   *   the session, the newest at the end */
   take(messages) {
-    const newest = messages.length ? messages[messages.length - 1].number : 0;
-    // What was said before this page came is not news.
-    if (this.last === null || newest < this.last) this.last = newest;
+    const said = new Map();
     for (const message of messages)
-      if (message.number > this.last && !quiet.test(message.name))
-        this.add(message.text, serious.test(message.name) ? 'bad' : 'warn');
-    this.last = newest;
+      said.set(keyOf(message), (said.get(keyOf(message)) ?? 0) + message.times);
+    // What was said before this page came is not news.
+    const known = this.known ?? said;
+    this.known = said;
+    for (const [key, times] of said) {
+      const news = times - (known.get(key) ?? 0);
+      if (news <= 0) continue;
+      const {name, text} = messages.findLast(message => keyOf(message) === key);
+      if (!quiet.test(name)) this.add(text, serious.test(name) ? 'bad' : 'warn', key, news);
+    }
   }
 
   forget() {
-    this.last = null;
+    this.known = null;
   }
 
-  add(text, kind = '') {
-    const [first] = this.element.children;
-    if (this.element.lastChild?.textContent === text) this.element.lastChild.remove();
-    else if (this.element.children.length > 4) first.remove();
-    const line = Object.assign(document.createElement('div'), {textContent: text, className: kind});
+  /** @param {string} key what it is about: there is one card for it @param {number} times it was said */
+  add(text, kind = '', key = text, times = 1) {
+    const card = this.cards.get(key) ?? this.make(kind, key);
+    card.text = text;
+    card.times += times;
+    clearTimeout(card.leaving);
+    card.leaving = setTimeout(() => this.remove(card), 1e3 * (seconds[kind] ?? 6));
+    this.write(card);
+  }
+
+  make(kind, key) {
+    // The oldest one goes first, but a serious one last.
+    if (this.cards.size >= most) {
+      const cards = [...this.cards.values()];
+      this.remove(cards.find(card => !/bad|lasting/.test(card.kind)) ?? cards[0]);
+    }
+    const line = Object.assign(document.createElement('div'), {className: `message ${kind}`});
+    line.innerHTML = '<span></span><b></b>';
+    line.onclick = () => this.remove(card);
+    const card = {key, kind, line, text: '', times: 0, written: -Infinity};
+    this.cards.set(key, card);
     this.element.append(line);
-    setTimeout(() => line.remove(), 1e3 * (seconds[kind] ?? 6));
+    return card;
+  }
+
+  // A few times a second, as it can be read.
+  write(card) {
+    if (card.writing) return;
+    const write = () => {
+      card.writing = null;
+      card.written = performance.now();
+      const [text, count] = card.line.children;
+      text.textContent = card.line.title = card.text;
+      count.textContent = card.times > 1 ? `${card.times} ×` : '';
+    };
+    const wait = card.written + betweenTexts - performance.now();
+    if (wait > 0) card.writing = setTimeout(write, wait);
+    else write();
+  }
+
+  remove(card) {
+    clearTimeout(card.leaving);
+    clearTimeout(card.writing);
+    if (this.cards.get(card.key) === card) this.cards.delete(card.key);
+    card.line.remove();
   }
 }

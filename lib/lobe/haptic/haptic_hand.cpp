@@ -16,12 +16,25 @@ HapticHand<Real>::HapticHand(Session<Real>& session, HapticLink& link, const Set
     : session_(session), link_(link), settings_(settings), stiffness_(settings.stiffness) {
   if (settings.controller < 0) made_controller_.emplace(session.connect("haptic"));
   controller_ = made_controller_ ? made_controller_->number() : settings.controller;
+  // The loop takes up the first tool of this hand, whatever the hand before it held.
+  if (const auto former = link.model.latest()) engagement_ = former->engagement;
   session.between_frames([&] { session.add_hook(*this); });
 }
 
 template <class Real>
 HapticHand<Real>::~HapticHand() {
-  session_.between_frames([&] { session_.remove_hook(*this); });
+  session_.between_frames([&] {
+    session_.remove_hook(*this);
+    publish({.engagement = engagement_});
+  });
+}
+
+template <class Real>
+void HapticHand<Real>::publish(const LocalModel& model) {
+  if (LocalModel* shared = link_.model.writable()) {
+    *shared = model;
+    link_.model.publish();
+  }
 }
 
 // ---- Before a frame
@@ -248,10 +261,7 @@ void HapticHand<Real>::after_frame(Hands<Real>& hands, World<Real>& world, doubl
     model_.position = 0.5 * (before_ + led_tool.pose.position);
     feel(world, led_tool.tool, led_tool.pose, duration);
   }
-  if (LocalModel* shared = link_.model.writable()) {
-    *shared = model_;
-    link_.model.publish();
-  }
+  publish(model_);
 }
 
 template class HapticHand<float>;

@@ -29,14 +29,15 @@ class HapticHand final : public SessionHook<Real> {
     ContactStiffness::Settings stiffness = {};
   };
 
-  // Between frames of the session, which outlives it.
+  // Between frames of the session, which outlives it. The link has one hand at a time.
   HapticHand(Session<Real>& session, HapticLink& link, const Settings& settings = {});
-  ~HapticHand() override;
+  ~HapticHand() override;  // the loop then has no tool, and its force is none
 
   void before_frame(Hands<Real>& hands, World<Real>& world, double duration) override;
   void after_frame(Hands<Real>& hands, World<Real>& world, double duration) override;
 
  private:
+  void publish(const LocalModel& model);
   void press_buttons(Hands<Real>& hands, const HapticState& state);
   void tell_troubles(Hands<Real>& hands, const HapticState& state);
   void feel(World<Real>& world, ToolId tool, const ToolPose& pose, double duration);

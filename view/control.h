@@ -19,8 +19,8 @@ class Control {
   using Time = std::chrono::steady_clock::time_point;
   using Duration = std::chrono::steady_clock::duration;
 
-  // `patience`: how long a holder without a tool may leave a question unanswered; and how long after a refusal
-  // the same page cannot ask again.
+  // `patience`: how long a holder without a tool may leave a question unanswered; and how long after a
+  // refusal the same page cannot ask again.
   explicit Control(Duration patience) : patience_(patience) {}
 
   void opened(ClientId page);

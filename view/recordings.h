@@ -1,6 +1,6 @@
-// What `--record` writes: a recording of each session of a run. The first one is of the scene that the program
-// was given. Each "Simulate this" begins another, of the scene that was painted. That scene and its mesh are
-// written beside it, so that `lobe replay` can play it:
+// What `--record` writes: a recording of each session of a run. The first one is of the scene that the
+// program was given. Each "Simulate this" begins another, of the scene that was painted. That scene and its
+// mesh are written beside it, so that `lobe replay` can play it:
 //
 //   drag.lobe                               of the scene of the command line
 //   drag.2.lobe, drag.2.json, drag.2.vtu    of the first scene that was painted
@@ -23,11 +23,11 @@ class Recordings {
   struct Written {
     std::filesystem::path scene, recording;
   };
-  // A session has ended, and is written; `scene` and `mesh` are its own. Throws InputError if the files cannot
-  // be written. The session is then kept, and written at the end.
+  // A session has ended, and is written; `scene` and `mesh` are its own. Throws InputError if the files
+  // cannot be written. The session is then kept, and written at the end.
   void ended(std::shared_ptr<Live> live, const Scene& scene, const TetMesh& mesh);
-  // The present session as well: the last call. Whatever cannot be written, the others are. The first error is
-  // thrown at the end.
+  // The present session as well: the last call. Whatever cannot be written, the others are. The first error
+  // is thrown at the end.
   void end(std::shared_ptr<Live> live, const Scene& scene, const TetMesh& mesh);
   const std::vector<Written>& written() const { return written_; }
 

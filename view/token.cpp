@@ -39,7 +39,8 @@ std::string read_token(const std::filesystem::path& name) {
   return text.size() >= least ? text : std::string();
 }
 
-// A new file beside `name`, whole, and readable by its owner alone from the start; empty if there can be none.
+// A new file beside `name`, whole, and readable by its owner alone from the start; empty if there can be
+// none.
 std::filesystem::path write_beside(const std::filesystem::path& name, const std::string& token) {
   std::string beside = name.string() + ".XXXXXX";
   const Descriptor file(::mkostemp(beside.data(), O_CLOEXEC));  // of mode 0600

@@ -47,8 +47,8 @@ class Viewer final : public Service {
 
   // ---- After the server
 
-  // Writes what the sessions have done, and returns the files. Throws InputError if one cannot be written; the
-  // others then are.
+  // Writes what the sessions have done, and returns the files. Throws InputError if one cannot be written;
+  // the others then are.
   const std::vector<Recordings::Written>& write_recordings();
   bool is_preparing() const { return task_ && !task_->is_done; }
 

@@ -11,6 +11,7 @@ const faults = [];
 async function open(url) {
   const page = await browser.newPage({viewport: {width: 960, height: 640}});
   page.setDefaultTimeout(60000);
+  page.setDefaultNavigationTimeout(180000);
   page.on('pageerror', error => faults.push(error.message));
   await giveDrawn(page);
   await page.goto(url);

@@ -91,6 +91,7 @@ export async function openPage(viewport, options = {}) {
   const page = await browser.newPage({viewport, ...options});
   const faults = [];
   page.setDefaultTimeout(60000);
+  page.setDefaultNavigationTimeout(180000);
   page.on('pageerror', error => faults.push(error.message));
   await giveDrawn(page);
   await page.goto(address);

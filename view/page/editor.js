@@ -24,12 +24,14 @@ export class Editor {
     };
     slider.oninput();
     element('fill').onclick = () => this.fill();
-    element('material-add').onclick = () =>
+    element('material-add').onclick = () => {
+      this.awaited = element('material-name').value; // the brush, as soon as there is one of that name
       this.ask({
         do: 'new_material',
         name: element('material-name').value,
         young: 1e3 * Number(element('material-young').value),
       });
+    };
     element('undo').onclick = () => this.ask({do: 'undo'});
     element('mend-tensor').onclick = () => this.ask({do: 'mend', as: 'tensor-mass'});
     element('mend-turning').onclick = () => this.ask({do: 'mend', as: 'turning'});
@@ -37,6 +39,9 @@ export class Editor {
     element('apply').onclick = () => {
       this.note('Preparing the simulation …');
       this.ask({do: 'apply'});
+    };
+    element('save-name').oninput = ({target}) => {
+      target.value = target.value.replace(/[^A-Za-z0-9_-]/g, '_');
     };
     element('save').onclick = () => this.ask({do: 'save', to: element('save-name').value});
     this.choose(this.brush);
@@ -102,6 +107,9 @@ export class Editor {
         colour: materialColours[i % materialColours.length],
       };
       this.materials.push(this.addBrush(brush, 'material-brushes'));
+      if (name !== this.awaited) continue;
+      this.awaited = null;
+      this.choose(brush.key);
     }
     this.materials.forEach(({button}, i) => {
       button.querySelector('.share').textContent = `${Math.round(100 * materials[i].share)} %`;

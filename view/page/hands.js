@@ -3,7 +3,9 @@ import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 const grasp = {kind: 'grasp', radius: 0.012},
   cauteryRadius = 0.0055, // [m]
-  blade = {depth: 0.02, above: 0.03}, // of the tip below where it begins, of the heel towards the viewer [m]
+  // Of a blade: how deep its tip begins below the surface, how deep at least; by what the heel is outside;
+  // how much deeper the surface may be than a moment before, at least, and of the way aside [m, 1].
+  blade = {depth: 0.02, least: 0.002, outside: 0.02, step: 0.003, slope: 1.5},
   probe = {radius: 0.01, press: 0.006}, // of its tip; how far that is pressed in [m]
   // Width, thickness and length of each; how far they are apart, how far they reach behind the point that was
   // clicked, from how far they come, and from how near to where they are led they close [m].
@@ -18,15 +20,21 @@ export class Hands {
     this.kind = 'grasp';
     this.may = false; // this page controls
     this.held = new Map(); // hands that were left where they are: number → {kind, point}
-    this.active = null; // {hand, kind, point, offset}
-    this.camera = null; // 'turn' or 'shift'
+    this.actives = new Map(); // hands that move: pointer → {hand, kind, point}
+    this.camera = new Set(); // pointers that move the camera
+    this.cameraDoes = 'turn'; // or 'shift'; two of them zoom and shift
+    this.last = new Map(); // where each pointer was
     this.onFirst = () => {};
+    this.onDepth = () => {}; // told how deep a blade is below the surface [m]; null: there is none any more
     this.brush = null; // of the editor: {paint(point), end()}
     const canvas = stage.canvas;
     canvas.addEventListener('pointerdown', event => this.down(event));
     canvas.addEventListener('pointermove', event => this.move(event));
     // Where there are such events, a pull need not wait for the next picture to be drawn.
-    canvas.addEventListener('pointerrawupdate', event => this.active?.kind === 'grasp' && this.move(event));
+    canvas.addEventListener(
+      'pointerrawupdate',
+      event => this.actives.get(event.pointerId)?.kind === 'grasp' && this.move(event),
+    );
     canvas.addEventListener('pointerup', event => this.up(event));
     canvas.addEventListener('pointercancel', event => this.up(event));
     canvas.addEventListener('contextmenu', event => event.preventDefault());
@@ -45,13 +53,18 @@ export class Hands {
     this.stage.invalidate();
   }
 
+  /** The hand that began first, of those that move. */
+  get active() {
+    return this.actives.values().next().value ?? null;
+  }
+
   reach() {
     return this.kind === 'cautery'
       ? cauteryRadius
       : this.kind === 'paint'
         ? this.brush.radius()
         : this.kind === 'scalpel'
-          ? blade.depth / 5
+          ? 0.004
           : this.kind === 'probe'
             ? probe.radius
             : this.kind === 'jaws'
@@ -60,31 +73,35 @@ export class Hands {
   }
 
   down(event) {
+    const {pointerId, offsetX: x, offsetY: y} = event;
     this.stage.canvas.focus();
-    this.stage.canvas.setPointerCapture(event.pointerId);
-    this.last = {x: event.offsetX, y: event.offsetY};
-    if (event.button === 0 && this.may && !event.altKey) {
-      const ray = this.stage.ray(event.offsetX, event.offsetY);
+    this.stage.canvas.setPointerCapture(pointerId);
+    this.last.set(pointerId, {x, y});
+    // A second finger zooms where the first one moves the camera; otherwise it is a second hand.
+    if (event.button === 0 && this.may && !event.altKey && this.camera.size === 0) {
+      const ray = this.stage.ray(x, y);
       if (this.kind !== 'paint' && this.takeHeld(event)) return;
       const hit = this.organ.hit(ray);
-      if (hit) return this.begin(hit, ray);
+      if (hit) return this.begin(pointerId, hit, ray);
     }
-    this.camera = event.button === 1 || (event.button === 2 && event.shiftKey) ? 'shift' : 'turn';
+    this.camera.add(pointerId);
+    this.cameraDoes = event.button === 1 || (event.button === 2 && event.shiftKey) ? 'shift' : 'turn';
   }
 
-  begin(hit, ray) {
+  begin(pointer, hit, ray) {
     this.onFirst();
     if (this.kind === 'paint') {
-      this.active = {kind: 'paint'};
+      this.actives.set(pointer, {kind: 'paint'});
       return this.brush.paint(this.organ.restOf(hit));
     }
     const hand = this.freeHand();
     if (hand < 0) return;
-    this.active = {hand, kind: this.kind, point: hit.point.clone()};
+    const active = {hand, kind: this.kind, point: hit.point.clone()};
+    this.actives.set(pointer, active);
     this.stage.canvas.classList.add('holding');
-    if (this.kind === 'scalpel') this.bringBlade(hand);
-    else if (this.kind === 'probe') this.bringProbe(hand, hit);
-    else if (this.kind === 'jaws') this.bringJaws(hand, hit);
+    if (this.kind === 'scalpel') this.bringBlade(active, hit);
+    else if (this.kind === 'probe') this.bringProbe(active, hit);
+    else if (this.kind === 'jaws') this.bringJaws(active, hit);
     else if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
     else
       this.ask({
@@ -96,54 +113,87 @@ export class Hands {
       });
   }
 
-  // It points away from the viewer, and is drawn through the tissue at the depth where it began.
-  bringBlade(hand) {
+  // It points away from the viewer. It is longer than the body is deep, so that its heel is outside wherever
+  // its tip is, and the cut is open to the viewer.
+  bringBlade(active, hit) {
     const forward = this.stage.forward(),
-      heel = this.active.point.clone().addScaledVector(forward, -blade.above);
-    this.active.point.addScaledVector(forward, blade.depth);
-    this.ask({do: 'cut', hand, tip: this.active.point.toArray(), heel: heel.toArray()});
+      length = Math.min(0.99, this.organ.extent(forward) + blade.outside);
+    Object.assign(active, {forward, surface: hit.point.clone(), depth: blade.depth, deepest: length});
+    this.setDepth(active, 0);
+    const heel = active.point.clone().addScaledVector(forward, -length);
+    this.ask({do: 'cut', hand: active.hand, tip: active.point.toArray(), heel: heel.toArray()});
+  }
+
+  /** The tip of a blade is deeper by so much [m] below the surface where it is. */
+  setDepth(active, deeper) {
+    const {forward, surface, deepest} = active;
+    active.depth = Math.max(blade.least, Math.min(deepest - blade.outside, active.depth + deeper));
+    active.point.copy(surface).addScaledVector(forward, active.depth);
+    this.onDepth(active.depth);
+  }
+
+  // It follows the surface under the pointer; where that is none, or falls off, as in a cut that gapes, it
+  // stays as far from the viewer.
+  slide(active, event, dx, dy) {
+    const {surface, forward} = active,
+      scale = this.stage.metresPerPixel(surface),
+      hit = this.organ.hit(this.stage.ray(event.offsetX, event.offsetY));
+    surface
+      .addScaledVector(this.stage.right(), dx * scale)
+      .addScaledVector(this.stage.above(), -dy * scale);
+    const falls = hit ? hit.point.clone().sub(surface).dot(forward) : Infinity;
+    if (falls < Math.max(blade.step, blade.slope * Math.hypot(dx, dy) * scale)) surface.copy(hit.point);
+    this.setDepth(active, 0);
   }
 
   // It comes from the viewer's side, and is pressed in by a little.
-  bringProbe(hand, hit) {
+  bringProbe(active, hit) {
     const forward = this.stage.forward(),
       {radius, press} = probe;
     const outside = hit.point.clone().addScaledVector(forward, -1.5 * radius);
-    this.ask({do: 'touch', hand, at: outside.toArray(), radius});
-    this.active.point.addScaledVector(forward, press - radius);
-    this.lead();
+    this.ask({do: 'touch', hand: active.hand, at: outside.toArray(), radius});
+    active.point.addScaledVector(forward, press - radius);
+    this.lead(active);
   }
 
   // They come open from the viewer's side, one above the other, and reach behind the point.
-  bringJaws(hand, hit) {
+  bringJaws(active, hit) {
     this.showRing(null, null);
     const forward = this.stage.forward(),
       above = this.stage.above(),
       axes = new THREE.Matrix4().makeBasis(new THREE.Vector3().crossVectors(above, forward), above, forward);
-    this.active.point.copy(hit.point).addScaledVector(forward, jaws.depth - jaws.size[2]);
+    active.point.copy(hit.point).addScaledVector(forward, jaws.depth - jaws.size[2]);
     this.ask({
       do: 'jaws',
-      hand,
-      at: this.active.point.clone().addScaledVector(forward, -jaws.from).toArray(),
+      hand: active.hand,
+      at: active.point.clone().addScaledVector(forward, -jaws.from).toArray(),
       orientation: new THREE.Quaternion().setFromRotationMatrix(axes).toArray(),
       size: jaws.size,
       opening: jaws.opening,
     });
-    this.lead();
+    this.lead(active);
   }
 
   /** Jaws close where they have been led to. */
   follow(tools) {
-    const {kind, hand, point, closes} = this.active ?? {};
-    if (kind !== 'jaws' || closes) return;
-    const tool = tools.find(tool => tool.hand === hand && tool.jaw);
-    if (!tool || point.distanceTo(new THREE.Vector3(...tool.position)) > jaws.there) return;
-    this.active.closes = true;
-    this.ask({do: 'close', hand, on: true});
+    for (const active of this.actives.values()) {
+      const {kind, hand, point, closes} = active;
+      if (kind !== 'jaws' || closes) continue;
+      const tool = tools.find(tool => tool.hand === hand && tool.jaw);
+      if (!tool || point.distanceTo(new THREE.Vector3(...tool.position)) > jaws.there) continue;
+      active.closes = true;
+      this.ask({do: 'close', hand, on: true});
+    }
+  }
+
+  /** Whether a hand has an instrument, or the camera. */
+  isBusy() {
+    return this.actives.size + this.camera.size + this.held.size > 0;
   }
 
   freeHand() {
-    for (let hand = 0; hand < 8; ++hand) if (!this.held.has(hand)) return hand;
+    const moving = new Set([...this.actives.values()].map(({hand}) => hand));
+    for (let hand = 0; hand < 8; ++hand) if (!this.held.has(hand) && !moving.has(hand)) return hand;
     return -1;
   }
 
@@ -153,7 +203,7 @@ export class Hands {
       const at = this.stage.project(point);
       if (!at || Math.hypot(at.x - event.offsetX, at.y - event.offsetY) > 24) continue;
       this.held.delete(hand);
-      this.active = {hand, kind, point: point.clone(), closes: true};
+      this.actives.set(event.pointerId, {hand, kind, point: point.clone(), closes: true});
       this.stage.canvas.classList.add('holding');
       return true;
     }
@@ -161,43 +211,62 @@ export class Hands {
   }
 
   move(event) {
-    const dx = event.offsetX - (this.last?.x ?? event.offsetX),
-      dy = event.offsetY - (this.last?.y ?? event.offsetY);
-    this.last = {x: event.offsetX, y: event.offsetY};
-    if (this.camera) return this.camera === 'turn' ? this.stage.turn(dx, dy) : this.stage.shift(dx, dy);
-    if (this.active) return this.drag(event, dx, dy);
-    this.hover(event);
+    const {pointerId, offsetX: x, offsetY: y} = event,
+      last = this.last.get(pointerId);
+    const active = this.actives.get(pointerId);
+    if (!last || (!active && !this.camera.has(pointerId))) return this.hover(event);
+    const dx = x - last.x,
+      dy = y - last.y;
+    this.last.set(pointerId, {x, y});
+    if (active) return this.drag(active, event, dx, dy);
+    if (this.camera.size > 1) return this.pinch(pointerId, dx, dy);
+    if (this.cameraDoes === 'turn') this.stage.turn(dx, dy);
+    else this.stage.shift(dx, dy);
   }
 
-  drag(event, dx, dy) {
-    const {kind} = this.active;
+  // Of two fingers one has moved: what is between them stays between them.
+  pinch(pointer, dx, dy) {
+    const other = [...this.camera].find(id => id !== pointer),
+      at = this.last.get(pointer),
+      from = this.last.get(other);
+    const now = Math.hypot(at.x - from.x, at.y - from.y),
+      before = Math.hypot(at.x - dx - from.x, at.y - dy - from.y);
+    if (now > 1 && before > 1) this.stage.zoom(before / now);
+    this.stage.shift(dx / 2, dy / 2);
+  }
+
+  drag(active, event, dx, dy) {
+    const {kind} = active;
     if (kind === 'paint' || kind === 'cautery') {
       const hit = this.organ.hit(this.stage.ray(event.offsetX, event.offsetY));
       if (!hit) return;
       this.showRing(hit.point, hit);
       if (kind === 'paint') return this.brush.paint(this.organ.restOf(hit));
-      this.active.point.copy(hit.point);
+      active.point.copy(hit.point);
+    } else if (kind === 'scalpel') {
+      this.showRing(null, null);
+      this.slide(active, event, dx, dy);
     } else {
       this.showRing(null, null);
-      const scale = this.stage.metresPerPixel(this.active.point);
-      this.active.point
+      const scale = this.stage.metresPerPixel(active.point);
+      active.point
         .addScaledVector(this.stage.right(), dx * scale)
         .addScaledVector(this.stage.above(), -dy * scale);
     }
-    this.lead(event.timeStamp);
+    this.lead(active, event.timeStamp);
   }
 
   // No more often than the simulation listens: the newest pose is the one that counts.
-  lead(since) {
-    if (this.isLeading) return;
-    this.isLeading = true;
+  lead(active, since) {
+    if (active.isLeading) return;
+    active.isLeading = true;
     const send = () => {
-      this.isLeading = false;
-      this.ledAt = performance.now();
-      const {point, hand} = this.active ?? {};
-      if (point) this.ask({do: 'lead', hand, to: point.toArray()}, since);
+      active.isLeading = false;
+      active.ledAt = performance.now();
+      const moves = [...this.actives.values()].includes(active);
+      if (moves && active.point) this.ask({do: 'lead', hand: active.hand, to: active.point.toArray()}, since);
     };
-    const wait = (this.ledAt ?? 0) + betweenPoses - performance.now();
+    const wait = (active.ledAt ?? 0) + betweenPoses - performance.now();
     if (wait > 0) setTimeout(send, wait);
     else send();
   }
@@ -205,39 +274,54 @@ export class Hands {
   wheel(event) {
     event.preventDefault();
     const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
-    if (!this.active?.point) return this.stage.zoom(1.12 ** notches);
-    this.active.point.addScaledVector(this.stage.forward(), -0.004 * notches);
-    this.lead(event.timeStamp);
+    const {active} = this;
+    if (!active?.point) return this.stage.zoom(1.12 ** notches);
+    if (active.kind === 'scalpel') this.setDepth(active, -0.004 * notches);
+    else active.point.addScaledVector(this.stage.forward(), -0.004 * notches);
+    this.lead(active, event.timeStamp);
   }
 
   up(event) {
-    if (this.camera) {
-      this.camera = null;
-      return;
-    }
-    if (!this.active) return;
-    if (this.active.kind === 'paint') {
+    const {pointerId} = event,
+      active = this.actives.get(pointerId);
+    this.last.delete(pointerId);
+    this.camera.delete(pointerId);
+    if (!active) return;
+    if (active.kind === 'paint') {
       this.brush.end();
-      this.active = null;
-      return;
+      this.actives.delete(pointerId);
+    } else if (event.shiftKey && holds(active)) {
+      this.keep();
+    } else {
+      this.end(pointerId);
     }
-    if (event.shiftKey && holds(this.active)) this.keep();
-    else this.letGo();
   }
 
-  /** The hand goes on holding where it is. */
+  /** The hands that have hold of something go on holding where they are. */
   keep() {
-    if (!holds(this.active)) return;
-    const {hand, kind, point} = this.active;
-    this.held.set(hand, {kind, point});
-    this.active = null;
-    this.stage.canvas.classList.remove('holding');
+    for (const [pointer, active] of this.actives) {
+      if (!holds(active)) continue;
+      const {hand, kind, point} = active;
+      this.held.set(hand, {kind, point});
+      this.actives.delete(pointer);
+    }
+    this.showHolding();
+  }
+
+  end(pointer) {
+    const {kind, hand, point} = this.actives.get(pointer);
+    if (point) this.ask({do: 'let_go', hand});
+    if (kind === 'scalpel') this.onDepth(null);
+    this.actives.delete(pointer);
+    this.showHolding();
+  }
+
+  showHolding() {
+    this.stage.canvas.classList.toggle('holding', this.actives.size > 0);
   }
 
   letGo() {
-    this.stage.canvas.classList.remove('holding');
-    if (this.active?.point) this.ask({do: 'let_go', hand: this.active.hand});
-    this.active = null;
+    for (const pointer of [...this.actives.keys()]) this.end(pointer);
   }
 
   releaseHeld() {
@@ -249,9 +333,9 @@ export class Hands {
   /** The server has let go of everything. */
   forget() {
     this.held.clear();
-    this.active = null;
-    this.camera = null;
-    this.stage.canvas.classList.remove('holding');
+    this.actives.clear();
+    this.camera.clear();
+    this.showHolding();
   }
 
   hover(event) {

@@ -36,8 +36,9 @@ export class Instruments {
   }
 
   /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[],
-   *   radius: number, on: boolean, jaw?: number[], opening?: number}[]} tools */
-  update(tools) {
+   *   radius: number, on: boolean, jaw?: number[], opening?: number}[]} tools
+   *  @param {boolean} isDue whether figures are written now */
+  update(tools, isDue = true) {
     const present = new Set();
     for (const tool of tools) {
       present.add(tool.tool);
@@ -47,7 +48,7 @@ export class Instruments {
         item = null;
       }
       item ??= this.make(tool);
-      this.place(item, tool);
+      this.place(item, tool, isDue || !item.isWritten);
     }
     for (const [id, item] of this.shown) if (!present.has(id)) this.remove(id, item);
   }
@@ -69,7 +70,10 @@ export class Instruments {
       : tool.type === 'cautery'
         ? cautery(tool.radius || 0.005)
         : tool.type === 'scalpel'
-          ? scalpel(blade.length(), shaft.applyQuaternion(rest.clone().invert()))
+          ? scalpel(
+              Math.min(blade.length(), 0.3 * this.stage.size),
+              shaft.applyQuaternion(rest.clone().invert()),
+            )
           : tool.type === 'probe'
             ? probe(tool.radius || 0.005, blade.length())
             : forceps(this.stage.size);
@@ -98,11 +102,10 @@ export class Instruments {
     this.stage.invalidate();
   }
 
-  place(item, tool) {
+  place(item, tool, isDue) {
     const place = [tool.on, ...tool.position, ...(tool.orientation ?? []), tool.opening ?? 0],
       force = new THREE.Vector3(...tool.force),
-      size = force.length();
-    const isDue = performance.now() - (item.writtenAt ?? 0) > this.stage.betweenFigures(),
+      size = force.length(),
       isSame = item.was?.every((value, k) => value === place[k]) && force.distanceTo(item.force) < 0.01;
     if (isSame && !(isDue && item.isOld)) return;
     item.was = place;
@@ -116,7 +119,7 @@ export class Instruments {
     item.at = new THREE.Vector3(...tool.position);
     item.isOld = !isDue; // what is written
     if (isDue) {
-      item.writtenAt = performance.now();
+      item.isWritten = true;
       item.label.textContent = !(tool.type in doing) ? `${size.toFixed(2)} N` : doing[tool.type];
     }
     item.label.hidden = tool.type in doing && !tool.on;

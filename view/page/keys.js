@@ -1,6 +1,14 @@
-// What keys do; those of a field that is written in do that alone.
+// What keys do. Those of a field, a list or a button that has the focus do what they do there.
+const turn = 40, // by a press of an arrow [pixels of a drag]
+  nearer = 1.12;
+
 export function listenToKeys(page) {
-  const press = id => () => document.getElementById(id).click();
+  const {stage} = page;
+  const press = id => () => {
+    const button = document.getElementById(id);
+    if (!button.hasAttribute('data-foreign')) button.click();
+  };
+  const arrow = (dx, dy) => event => (event.shiftKey ? stage.shift(dx, dy) : stage.turn(dx, dy));
   const actions = {
     g: press('tool-grasp'),
     c: press('tool-cautery'),
@@ -20,19 +28,34 @@ export function listenToKeys(page) {
     v: press('video'),
     '?': press('help-button'),
     h: () => page.hands.keep(),
-    home: () => page.stage.home(),
+    home: () => page.home(),
+    arrowleft: arrow(turn, 0),
+    arrowright: arrow(-turn, 0),
+    arrowup: arrow(0, turn),
+    arrowdown: arrow(0, -turn),
+    '+': () => stage.zoom(1 / nearer),
+    '-': () => stage.zoom(nearer),
     escape: () => {
       document.getElementById('overlay').dataset.lasting !== '1' &&
         (document.getElementById('overlay').hidden = true);
       page.hands.releaseHeld();
     },
   };
+  // A button that the mouse has pressed does not keep the space bar.
+  addEventListener('click', event => {
+    const isPressed = event.target.closest?.('#dock button, #banner button, .check');
+    if (event.detail > 0 && isPressed) stage.canvas.focus();
+  });
+  const mayRepeat = /^(\.|\+|-|arrow.*)$/;
   addEventListener('keydown', event => {
-    const isField = /^(text|number|)$/.test(event.target.type ?? 'none');
-    if (event.ctrlKey || event.metaKey || event.altKey || isField) return;
-    const act = actions[event.key.toLowerCase()];
-    if (!act || (event.repeat && event.key !== '.')) return;
+    const key = event.key.toLowerCase(),
+      {target} = event;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (target.matches?.('select, textarea, input:not([type=checkbox])')) return;
+    if (key === ' ' && target.matches?.('button, summary, input')) return; // which it presses
+    const act = actions[key];
+    if (!act || (event.repeat && !mayRepeat.test(key))) return;
     event.preventDefault();
-    act();
+    act(event);
   });
 }

@@ -59,14 +59,21 @@ class Page {
     });
     this.listen();
     this.leaveRoom();
-    this.hint('Drag the organ to pull it');
+    this.hint('Waiting for the first picture …');
     addEventListener('resize', () => this.leaveRoom());
   }
 
-  /** The organ lies between the panels. */
+  /** The organ lies between the panels; where there is none at the side, messages are above it. */
   leaveRoom() {
-    const width = id => element(id).offsetWidth;
-    this.stage.setMargins(width('editor'), width('panel'));
+    const {offsetTop: top} = element('side'),
+      right = element('panel').offsetWidth,
+      dock = element('dock');
+    this.stage.setMargins({
+      left: element('editor').offsetWidth,
+      right,
+      top: right > 0 ? top : top + Number.parseFloat(getComputedStyle(element('messages')).maxHeight),
+      bottom: innerHeight - dock.offsetTop,
+    });
   }
 
   // ---- From the server
@@ -90,13 +97,17 @@ class Page {
     if (frame.topology) this.takeTopology(frame.topology, frame.fibres);
     else if (frame.skin) this.organ.compose();
     if (frame.obstacles) this.obstacles.set(frame.obstacles);
-    if (frame.positions && frame.positions.revision === this.organ.revision)
+    if (frame.positions && frame.positions.revision === this.organ.revision) {
       this.organ.move(frame.positions.x);
+      this.follow(frame.positions.x);
+    }
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
     if (frame.materials) this.organ.setMaterials(frame.materials);
+    // Figures beside the organ and in the panel are of the same frame.
+    this.isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
     if (frame.tools) {
-      this.instruments.update(frame.tools);
+      this.instruments.update(frame.tools, this.isDue);
       this.hands.follow(frame.tools);
     }
     if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
@@ -104,10 +115,27 @@ class Page {
     this.connection.shown(frame, this.stage.slow);
   }
 
+  // Some times a second, while no hand is at work.
+  follow(x) {
+    this.shape = x;
+    const now = performance.now();
+    if (now - (this.followedAt ?? 0) < 400 || this.hands.isBusy()) return;
+    this.followedAt = now;
+    this.stage.follow(x);
+  }
+
+  /** The camera as at the start, on the body as it is now. */
+  home() {
+    if (this.shape) this.stage.home(this.shape.slice());
+  }
+
   takeTopology(topology, fibres) {
     this.organ.held = null;
     const first = !this.organ.topology;
-    if (first) this.stage.lookAt(topology.rest);
+    if (first) {
+      this.stage.lookAt(topology.rest);
+      this.hint('Drag the organ to pull it');
+    }
     this.organ.x = this.organ.served = null;
     this.organ.setTopology(topology, fibres);
     this.showLegend();
@@ -116,13 +144,13 @@ class Page {
   takeStatus(status, tools) {
     const before = this.status;
     this.status = status;
-    this.force = tools.reduce((sum, tool) => sum + Math.hypot(...tool.force), 0);
+    this.forces = tools.map(tool => Math.hypot(...tool.force)).filter(force => force >= 0.005);
+    this.force = this.forces.reduce((sum, force) => sum + force, 0);
     if (status.scene !== before.scene) {
       element('scene-name').textContent = status.scene;
       document.title = `${status.scene} · lobe`;
     }
-    const isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
-    if (isDue || status.mode !== before.mode) this.showFigures(status);
+    if (this.isDue || status.mode !== before.mode) this.showFigures(status);
     if (status.mode === 'live' && status.has_skin !== before.has_skin) {
       element('skin').parentElement.hidden = !status.has_skin;
       if (element('skin').checked) this.wantSkin();
@@ -145,7 +173,9 @@ class Page {
   // A few times a second, as they can be read; each change has the whole page drawn.
   showFigures(status) {
     this.figuresAt = performance.now();
-    element('force').textContent = `${this.force.toFixed(2)} N`;
+    // One value for each instrument; the plot has their sum.
+    const newtons = this.forces.map(force => force.toFixed(2)).join(' + ');
+    element('force').textContent = `${newtons || '0.00'} N`;
     showHaptic(element('haptic'), status.haptic);
     const {energy} = status;
     if (energy) element('energy').textContent = `${(1e3 * (energy.elastic + energy.kinetic)).toFixed(1)} mJ`;
@@ -314,6 +344,8 @@ class Page {
     element('skin').onchange = () => this.wantSkin();
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
     this.hands.onFirst = () => this.hint('');
+    this.hands.onDepth = depth =>
+      this.hint(depth === null ? '' : `${Math.round(1e3 * depth)} mm deep; the wheel changes it`);
     this.take('grasp');
     listenToKeys(this);
   }

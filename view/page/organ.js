@@ -366,6 +366,19 @@ export class Organ {
     return first ? {point: first.point, distance: first.distance, face: first.face} : null;
   }
 
+  /** How far the body reaches along a direction [m]. */
+  extent(/** @type {THREE.Vector3} */ direction) {
+    const {array} = this.position;
+    let low = Infinity,
+      high = -Infinity;
+    for (let i = 0; i < array.length; i += 3) {
+      const along = array[i] * direction.x + array[i + 1] * direction.y + array[i + 2] * direction.z;
+      low = Math.min(low, along);
+      high = Math.max(high, along);
+    }
+    return high - low;
+  }
+
   /** The position at rest of a point of the drawn surface. */
   restOf(hit) {
     const rest = this.smooth.interpolate(this.topology.rest, 3),

@@ -44,7 +44,9 @@ export class Stage {
     this.elevation = 0.38;
     this.distance = 0.6;
     this.size = 0.2;
-    this.margins = {left: 0, right: 0}; // that panels cover [pixels]
+    this.margins = {left: 0, right: 0, top: 0, bottom: 0}; // that panels cover [pixels]
+    this.shape = null; // of which the whole is seen from home: positions [m]
+    this.isHome = false; // nobody has moved the camera since
     this.before = []; // called when the browser draws next, whether or not there is a new picture
     this.after = []; // called after each picture
     this.drawn = []; // called when the graphics card has finished it
@@ -121,11 +123,10 @@ export class Stage {
     this.ground.position.z = Math.min(this.ground.position.z, z - 0.02 * this.size);
   }
 
-  /** Looks at a box of points [m]. */
+  /** Lights a body, and looks at it [m]. */
   lookAt(points) {
     const box = new THREE.Box3().setFromArray(points),
       sphere = box.getBoundingSphere(new THREE.Sphere());
-    this.target.copy(sphere.center);
     this.size = sphere.radius;
     this.ground.position.set(sphere.center.x, sphere.center.y, box.min.z - 0.12 * this.size);
     this.ground.scale.setScalar(30 * this.size);
@@ -145,26 +146,68 @@ export class Stage {
     });
     light.updateProjectionMatrix();
     this.draws(this.step);
-    this.home();
+    this.home(points);
   }
 
-  openShare() {
-    const w = this.canvas.clientWidth;
-    return Math.max(0.4, (w - this.margins.left - this.margins.right) / w);
-  }
-
-  setMargins(left, right) {
-    this.margins = {left, right};
+  setMargins(margins) {
+    this.margins = margins;
     this.resize();
+    if (this.isHome) this.home();
   }
 
-  home() {
-    const half =
-      Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1, this.camera.aspect * 0.8 * this.openShare());
-    this.distance = (0.98 * this.size) / half;
+  /** The share of the window that is open, of its width and of its height. */
+  openShares() {
+    const {clientWidth: w, clientHeight: h} = this.canvas,
+      {left, right, top, bottom} = this.margins;
+    return [Math.max(0.3, (w - left - right) / w), Math.max(0.3, (h - top - bottom) / h)];
+  }
+
+  /** Looks from the front, so that all of these points are between the panels. */
+  home(points = this.shape) {
+    if (!points) return;
+    this.shape = points;
     this.azimuth = -1.25;
     this.elevation = 0.38;
+    new THREE.Box3().setFromArray(points).getCenter(this.target);
     this.place();
+    this.distance = this.distanceFor(points);
+    this.place();
+    this.lowerGround(lowest(points) - 0.02 * this.size);
+    this.isHome = true;
+  }
+
+  // From there each point is within the open part of the window: of a point that is x aside, y above and z
+  // nearer than the target, at least z + max(x / tan(width), y / tan(height)).
+  distanceFor(points) {
+    const [openWidth, openHeight] = this.openShares(),
+      fill = 0.9,
+      half = fill * Math.tan((this.camera.fov * Math.PI) / 360),
+      halfWidth = half * this.camera.aspect * openWidth,
+      halfHeight = half * openHeight,
+      [right, above, forward] = [this.right(), this.above(), this.forward()];
+    const {x: tx, y: ty, z: tz} = this.target;
+    let distance = 0.1 * this.size;
+    for (let i = 0; i < points.length; i += 3) {
+      const [x, y, z] = [points[i] - tx, points[i + 1] - ty, points[i + 2] - tz];
+      const aside = Math.abs(x * right.x + y * right.y + z * right.z) / halfWidth,
+        up = Math.abs(x * above.x + y * above.y + z * above.z) / halfHeight;
+      const nearer = -(x * forward.x + y * forward.y + z * forward.z);
+      distance = Math.max(distance, nearer + Math.max(aside, up));
+    }
+    return distance;
+  }
+
+  /** Where nobody has moved the camera yet, it follows a body that moves far, as one that begins to sag. */
+  follow(points) {
+    if (!this.isHome || this.distanceOf(points) < 0.05 * this.size) return;
+    this.home(points.slice());
+  }
+
+  // How far the box of these points is from that of what is seen from home [m].
+  distanceOf(points) {
+    const box = new THREE.Box3().setFromArray(points),
+      seen = new THREE.Box3().setFromArray(this.shape);
+    return Math.max(box.min.distanceTo(seen.min), box.max.distanceTo(seen.max));
   }
 
   place() {
@@ -184,18 +227,21 @@ export class Stage {
   }
 
   turn(dx, dy) {
+    this.isHome = false;
     this.azimuth -= 0.006 * dx;
     this.elevation += 0.006 * dy;
     this.place();
   }
 
   shift(dx, dy) {
+    this.isHome = false;
     const scale = this.metresPerPixel(this.target);
     this.target.addScaledVector(this.right(), -dx * scale).addScaledVector(this.above(), dy * scale);
     this.place();
   }
 
   zoom(factor) {
+    this.isHome = false;
     this.distance *= factor;
     this.place();
   }
@@ -238,9 +284,9 @@ export class Stage {
     const {clientWidth: w, clientHeight: h} = this.canvas;
     this.renderer.setPixelRatio(this.pixelRatio);
     this.renderer.setSize(w, h, false);
-    const {left, right} = this.margins;
+    const {left, right, top, bottom} = this.margins;
     this.camera.aspect = w / h;
-    this.camera.setViewOffset(w, h, (right - left) / 2, 0, w, h);
+    this.camera.setViewOffset(w, h, (right - left) / 2, (bottom - top) / 2, w, h);
     this.place();
   }
 
@@ -341,6 +387,12 @@ export class Stage {
     then(this.canvas);
     this.draws(step);
   }
+}
+
+function lowest(points) {
+  let z = Infinity;
+  for (let i = 2; i < points.length; i += 3) z = Math.min(z, points[i]);
+  return z;
 }
 
 // Lamps and walls that wet tissue reflects.

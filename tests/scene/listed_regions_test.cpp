@@ -67,7 +67,8 @@ TEST_CASE("a scene states the reduced regions that lobe has chosen, and comes to
 
 TEST_CASE("a scene that leaves nothing to lobe is stated as it is") {
   const TetMesh mesh = box_mesh({0.4, 0.1, 0.1}, 4, 1, 1);
-  Scene scene = held(R"("regions": [{"model": "tensor-mass", "where": {"nearest": {"point": [0, 0, 0]}}}])");
+  Scene scene = held(
+      R"("regions": [{"model": "tensor-mass", "where": {"nearest": {"point": [0, 0, 0], "count": 1}}}])");
   const std::string before = to_json(scene);
   state_regions(resolve(scene, mesh).setup, scene);
   CHECK(to_json(scene) == before);

@@ -3,6 +3,7 @@
 
 #include <poll.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -49,7 +50,8 @@ class FakeService {
   int port = 0;
   std::atomic<bool> ends = false, hangs_up = false, is_silent = false;
   std::atomic<int> clients = 0, forces = 0;
-  std::atomic<int> most_waiting = 0;  // connections beside the one that is served
+  // For how many states in a row another connection has waited beside the one that is served.
+  std::atomic<int> longest_wait = 0;
   std::atomic<double> last_force = 0, x = 0;
   std::string nonsense = "[1, 2]";
 
@@ -60,6 +62,7 @@ class FakeService {
       acceptor_.accept(socket);
       if (ends) return;
       ++clients;
+      int wait = 0;
       boost::system::error_code error;
       view::WebSocket stream(std::move(socket));
       stream.accept(error);
@@ -68,7 +71,8 @@ class FakeService {
       while (!error && !ends && !hangs_up) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         pollfd waiting{acceptor_.native_handle(), POLLIN, 0};
-        if (::poll(&waiting, 1, 0) > 0) most_waiting = 1;
+        wait = ::poll(&waiting, 1, 0) > 0 ? wait + 1 : 0;
+        longest_wait = std::max(longest_wait.load(), wait);
         if (is_silent) continue;
         stream.write(asio::buffer(state_at(x, x > 0.05).dump()), error);
         beast::flat_buffer buffer;

@@ -75,14 +75,14 @@ TEST_CASE("a haptic device has one owner: what is simulated anew gets it, and it
   viewed.ask(1, {{"do", "paint"}, {"at", {0, 0, 0.06}}, {"radius", 0.02}, {"as", "tensor-mass"}});
   viewed.ask(1, {{"do", "apply"}});
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // it is ready, but no page has asked for it
-  CHECK(service.clients == 1);
-  CHECK(service.most_waiting == 0);
+  // One that has lost its connection waits for a moment, another owner until the first one is gone.
+  CHECK(service.longest_wait < 50);
   REQUIRE(viewed.comes_to(1, [](const Json& status, const Json&) { return status["mode"] == "live"; }));
   CHECK(viewed.comes_to(1, is_felt));
   const int forces = service.forces;
   CHECK(comes_to([&] { return service.forces > forces + 100; }));
-  CHECK(service.clients == 1);
-  CHECK(service.most_waiting == 0);
+  // One that has lost its connection waits for a moment, another owner until the first one is gone.
+  CHECK(service.longest_wait < 50);
 }
 
 TEST_CASE("a page's hand through a device goes on after what was painted is simulated") {

@@ -6,9 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "lobe/numerics/lanczos.h"
 #include "lobe/numerics/symmetric_eigen.h"
-#include "lobe/solve/tangent.h"
 #include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
@@ -16,7 +14,6 @@ namespace {
 
 constexpr double least_room = 0.05;  // θ
 constexpr double filled = 1.15;      // φ
-constexpr double most_added = 0.2;   // of ω_max², with selective masses
 
 // What vertices feel at rest when they move alone, of those that `is_wanted`, upper triangles [N/m]. Each
 // tetrahedron is asked once.
@@ -59,7 +56,7 @@ double largest_of(const Eigen::Matrix<double, 6, 1>& K) {
 bool ContactSurface::is_outdated(const BodyView& now) const {
   const Revisions& revisions = now.model.revisions;
   return revision_ == 0 || surface_ != now.surface.revision || structure_ != revisions.structure ||
-         inertia_ != revisions.inertia;
+         inertia_ != revisions.inertia || mass_degree_ != now.mass_degree;
 }
 
 void ContactSurface::rebuild(const BodyView& now) {
@@ -70,8 +67,9 @@ void ContactSurface::rebuild(const BodyView& now) {
   omega_ = now.omega;
   take_triangles(now);
   find_stiffness(now);
-  is_softened_ = now.scale_forces && omega_ > 0;
-  if (is_softened_) fit_to_selective_masses(now);
+  mass_degree_ = now.mass_degree;
+  softening_ = now.softening && omega_ > 0 ? now.softening() : 1;
+  for (Triangle& t : triangles_) t.stiffness *= softening_;
   find_quartile();
 }
 
@@ -171,58 +169,9 @@ void ContactSurface::find_quartile() {
 }
 
 // K_c of each triangle is a third of κ A along its normal at each corner, which is no less than what its
-// points give. λ_max is a convex function of the share of it, so that lines through two of its values meet
-// the bound at too small a share, never at too large a one.
-void ContactSurface::fit_to_selective_masses(const BodyView& now) {
-  const Elements& elements = now.model.elements;
-  if (softening_ == 0) {
-    std::vector<TetStiffness> K;
-    for (Index t = 0; t < elements.topology.tet_count(); ++t)
-      if (elements.topology.alive(t))
-        K.push_back(tet_stiffness(elements, t, Mat34<double>::Zero(), RegionModel::nonlinear, 0));
-    std::vector<double> inverse_mass;
-    for (double m : now.mass) inverse_mass.push_back(m > 0 ? 1 / m : 0);
-    for (const HeldVertices::Held& item : now.model.held.all())
-      if (now.model.held.fixes(item.vertex)) inverse_mass[std::size_t(item.vertex)] = 0;
-    const auto square_with = [&](double share) {
-      const HighestFrequency found = highest_frequency<double>(
-          inverse_mass, [](Index) { return 1.0; }, 1,
-          [&](const Mat3X<double>& u, Mat3X<double>& f) {
-            auto own = K.begin();
-            for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-              if (!elements.topology.alive(t)) continue;
-              const Eigen::Vector4i corners = elements.topology.corners(t);
-              const Mat34<double> there = u(Eigen::all, corners);
-              const Eigen::Vector<double, 12> force = *own++ * there.reshaped();
-              for (int c = 0; c < 4; ++c) f.col(corners[c]) -= force.segment<3>(3 * c);
-            }
-            add_stiffened(elements, u, share, f);
-          },
-          {.tolerance = 0.01, .most = 40}, now.scale_forces);
-      return found.omega * found.omega;
-    };
-    const double most = (1 + most_added) * omega_ * omega_;
-    double low = 0, at_low = omega_ * omega_, high = 1, at_high = square_with(high);
-    softening_ = at_high <= most ? 1 : 0;
-    for (int i = 0; i < 6 && softening_ == 0; ++i) {
-      const double share = low + (high - low) * (most - at_low) / (at_high - at_low);
-      const double there = square_with(share);
-      if (there > most) {
-        high = share;
-        at_high = there;
-      } else {
-        low = share;
-        at_low = there;
-      }
-      if (most - at_low < 0.02 * most) break;
-    }
-    if (softening_ == 0) softening_ = std::max(low, 1e-3);
-  }
-  for (Triangle& t : triangles_) t.stiffness *= softening_;
-}
-
-void ContactSurface::add_stiffened(const Elements& elements, const Mat3X<double>& u, double share,
-                                   Mat3X<double>& f) const {
+// points give.
+void ContactSurface::add_forces(const Elements& elements, const Mat3X<double>& u, double share,
+                                Mat3X<double>& f) const {
   const auto at_point = [](const Point& point, const auto& values) {
     Vec3d sum = Vec3d::Zero();
     for (int i = 0; i < point.count; ++i) sum += point.weights[i] * values.col(point.corners[i]);

@@ -9,11 +9,7 @@
 // above 1 since a vertex that moves against its neighbours moves with some of them, too. Per
 // area that is κ_v = k_v/A_v, A_v the area around v; a triangle has the least κ of its corners.
 //
-// With selective masses, the inverse mass matrix C (time/selective_mass.h) couples vertices. The stiffness
-// K_c of contact all over the surface is first found as for lumped masses. It is then lowered until
-// λ_max(C (K + K_c)) ≤ (1 + most_added) ω_max², with K of the body at rest. Contact on a part of the
-// surface gives no higher frequency. Setup::safety has room for the share most_added. Cuts change λ_max
-// little, so the factor by which the stiffness is lowered is found once.
+// Beside selective masses contact is softer (softening.h).
 #pragma once
 
 #include <algorithm>
@@ -38,7 +34,7 @@ class ContactSurface {
     bool is_cut = false;   // it was inside at the start
   };
 
-  // Whether it is of another boundary, or of other masses.
+  // Whether it is of another boundary, of other masses, or of another degree of selective ones.
   bool is_outdated(const BodyView& now) const;
   // In an order that depends on the body alone, not on the edits that led to it. O(#triangles log
   // #triangles).
@@ -54,25 +50,23 @@ class ContactSurface {
   double self_stiffness(int triangle) const {
     return std::min(quartile_, most_beyond * triangles_[std::size_t(triangle)].stiffness);
   }
-  // By which the stiffness was lowered, with selective masses; 1: it was not.
-  double softening() const { return is_softened_ ? softening_ : 1; }
-  double omega() const { return omega_; }  // ω_max, which the stiffness fills up to [1/s]
+  double softening() const { return softening_; }  // the share of the stiffness that is left, at most 1
+  double omega() const { return omega_; }          // ω_max, which the stiffness fills up to [1/s]
+  // f −= share K_c u [N], with K_c the stiffness of contact all over the surface.
+  void add_forces(const Elements& elements, const Mat3X<double>& u, double share, Mat3X<double>& f) const;
 
  private:
   static constexpr double most_beyond = 24;
   void take_triangles(const BodyView& now);
   void find_stiffness(const BodyView& now);
   void find_quartile();
-  void fit_to_selective_masses(const BodyView& now);
-  void add_stiffened(const Elements& elements, const Mat3X<double>& u, double share,
-                     Mat3X<double>& f) const;  // f −= share K_c u [N]
 
   std::uint64_t revision_ = 0, surface_ = ~std::uint64_t(0), structure_ = 0, inertia_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<Point> points_;
   double mean_edge_ = 0, omega_ = 0, quartile_ = 0;
-  double softening_ = 0;  // 0: not found yet
-  bool is_softened_ = false;
+  double softening_ = 1;
+  int mass_degree_ = 1;
 };
 
 }  // namespace lobe

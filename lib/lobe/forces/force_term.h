@@ -22,9 +22,10 @@ struct BodyView {
   double omega = 0;                 // highest frequency of the body at rest [rad/s]
   double lumped_omega = 0;          // the same if masses were lumped
   double ratio = 1;                 // lumped_omega over the highest frequency of a single vertex
-  // With selective masses: changes forces [N] to those that give lumped masses the same accelerations. Null
-  // if masses are lumped.
-  std::function<void(Mat3X<double>&)> scale_forces = {};
+  int mass_degree = 1;              // of selective masses; 1: they are lumped
+  // The share of its stiffness that contact keeps at this degree (contact/softening.h). Null if masses are
+  // lumped.
+  std::function<double()> softening = {};
 };
 
 template <class Real>

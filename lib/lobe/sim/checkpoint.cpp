@@ -86,6 +86,7 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
     }
     fresh.check_fits(c);
     fresh.body_.terms = std::move(body_.terms);
+    fresh.softening_ = std::move(softening_);
     fresh.display_ = std::move(display_);
     fresh.display_.rebuild(fresh.elements(), fresh.grains());
     fresh.body_.model.revisions = newer_than_both(body_.model.revisions, fresh.body_.model.revisions);

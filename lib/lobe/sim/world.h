@@ -13,6 +13,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 
 #include "lobe/sim/display.h"
 #include "lobe/sim/history.h"
@@ -220,6 +221,7 @@ class World {
   ForceTerm<Real>& own_term(std::string_view name);
   AppliedForces<Real>& applied();
   void show_body_to(ForceTerm<Real>& term);
+  double softening();
   bool follow_touch(const std::vector<Index>& touched);
   void terms_have_changed(const std::vector<Index>& woken_before);
   void report_lost_forces(const std::vector<Index>& vertices);
@@ -237,6 +239,7 @@ class World {
   TouchExpansion touch_expansion_;
   NextReport next_report_;
   Display<Real> display_;
+  std::map<int, double> softening_;  // of contact, per degree of selective masses; those that were found
 };
 
 // Positions, directions and forces of all tools of a world.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lobe/contact/softening.h"
 #include "lobe/error.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/sim/kinds_of_terms.h"
@@ -76,15 +77,25 @@ void World<Real>::show_body_to(ForceTerm<Real>& term) {
                 .mass = body_.inertia.mass(),
                 .omega = limit_.omega_at_rest(body_),
                 .lumped_omega = limit_.lumped_omega_at_rest(body_),
-                .ratio = limit_.lumped_ratio_at_rest(body_)};
-  if (body_.inertia.is_selective())
-    body.scale_forces = [&](Mat3X<double>& forces) {
-      Mat3X<Real> scaled = forces.template cast<Real>();
-      body_.prepare_inertia();
-      body_.inertia.apply(body_.parallel, scaled);
-      forces = scaled.template cast<double>();
-    };
+                .ratio = limit_.lumped_ratio_at_rest(body_),
+                .mass_degree = body_.inertia.degree_now()};
+  if (body_.inertia.is_selective()) body.softening = [this] { return softening(); };
   term.see_body(body, body_.here());
+}
+
+// Of contact, at the present degree of selective masses.
+template <class Real>
+double World<Real>::softening() {
+  const int degree = body_.inertia.degree_now();
+  double& known = softening_[degree];
+  if (known > 0) return known;
+  const Setup setup = initial_setup();
+  Inertia<Real> inertia(setup);
+  inertia.take_scaling(body_.inertia);
+  const bool is_measured = setup.expandable || !options_of(setup).has(Option::precomputed);
+  known = find_softening(setup, std::move(inertia), degree, limit_.of_whole_at_rest(degree, is_measured),
+                         body_.parallel);
+  return known;
 }
 
 // True if something has changed.

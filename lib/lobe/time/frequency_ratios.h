@@ -12,6 +12,12 @@
 
 namespace lobe {
 
+struct RestFrequencies {  // of a body
+  double omega = 0;       // the highest [rad/s], with the masses of a degree; 0: it was not measured
+  double lumped = 0;      // the same with lumped masses
+  double ratio = 1;       // the latter over the highest frequency of a single vertex
+};
+
 struct FrequencyRatios {
   static constexpr int evaluations = 8;      // of all forces, at most, to measure it once more
   static constexpr double slightest = 0.02;  // change of the limit that is worth it

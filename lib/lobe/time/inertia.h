@@ -53,6 +53,7 @@ class Inertia {
   // Adds mass, at most this share of the whole, at the vertices whose `squares`, ω_v² [1/s²], are largest.
   // Call update() next.
   void scale(const std::vector<double>& squares, double share);
+  void take_scaling(const Inertia& other) { factor_ = other.factor_; }  // of which update() computes masses
   const MassScaling& scaling() const { return scaling_; }
   MassScaling& scaling() { return scaling_; }
 

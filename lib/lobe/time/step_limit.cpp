@@ -230,6 +230,7 @@ void StepLimit<Real>::measure_at_rest(Body& body) {
     body.inertia.use(degree);
     measure_degree_at_rest(body);
   }
+  if (!body.regions.can_be_expanded()) at_rest_[1] = at_rest_[0];
 }
 
 template <class Real>

@@ -117,6 +117,14 @@ class StepLimit {
     return at_rest_[body.regions.is_expanded()][1].ratio;
   }
 
+  // The same of the body as it was set up and expanded: of one that cannot be expanded only with lumped
+  // masses, and condensed.
+  RestFrequencies of_whole_at_rest(int degree, bool is_measured) const {
+    const auto& of_degrees = at_rest_[1];
+    return {is_measured ? of_degrees[std::size_t(degree)].omega : 0, of_degrees[1].omega,
+            of_degrees[1].ratio};
+  }
+
   void count_step() { ratios_.step(); }
   const FrequencyRatios& ratios() const { return ratios_; }
   void set_ratios(const FrequencyRatios& ratios) { ratios_ = ratios; }

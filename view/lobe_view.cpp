@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <stop_token>
 #include <thread>
 
@@ -27,7 +28,7 @@ struct Arguments {
   std::filesystem::path scene, mesh;
   view::ServerOptions server;
   view::ViewerOptions viewer;
-  bool no_open = false, has_frame = false;
+  bool no_open = false, has_frame = false, is_temporary = false;
 };
 
 std::atomic<bool> is_asked_to_end = false;
@@ -81,10 +82,34 @@ void add_options(CLI::App& app, Arguments& options) {
   app.add_option("--save-to", options.viewer.folder, "folder for scenes that are saved")
       ->capture_default_str();
   app.add_flag("--no-open", options.no_open, "open no browser");
+  app.add_flag(
+      "--temporary", options.is_temporary,
+      "remove the scene file, and a mesh beside it, as soon as they are read: for programs that have "
+      "written them for this call");
 }
 
+// Whether the mesh of a scene lies in the scene's folder.
+bool is_beside(const Scene& scene) { return scene.mesh.is_relative() && !scene.mesh.has_parent_path(); }
+
+// Removes a scene that was written for this call alone, a mesh beside it, and their folder if it is empty
+// then; also where they cannot be read.
+struct TemporaryScene {
+  explicit TemporaryScene(const std::filesystem::path& scene) : file(scene) {}
+  TemporaryScene(const TemporaryScene&) = delete;
+  TemporaryScene& operator=(const TemporaryScene&) = delete;
+  ~TemporaryScene() {
+    std::error_code ignored;  // the system removes its temporary files some day
+    for (const auto& path : {mesh, file, file.parent_path()})
+      if (!path.empty()) std::filesystem::remove(path, ignored);
+  }
+  std::filesystem::path file, mesh;
+};
+
 std::pair<Scene, Resolved> load(const Arguments& options) {
+  std::optional<TemporaryScene> temporary;
+  if (options.is_temporary) temporary.emplace(options.scene);
   Scene scene = read_scene(options.scene);
+  if (temporary && is_beside(scene)) temporary->mesh = mesh_path(scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
   print_warnings(mesh.prepared.warnings());
@@ -128,6 +153,7 @@ std::unique_ptr<view::Viewer> begin(Arguments& options) {
   if (options.viewer.haptic.device != "none") choose_frame(scene, resolved.setup, options);
   ProgressBar bar("condensing");
   view::ViewerOptions viewer_options = options.viewer;
+  viewer_options.saves_mesh = options.is_temporary && is_beside(scene);
   viewer_options.live.running = false;  // it begins with the first page
   viewer_options.live.condensing = [&](double fraction) { bar.show(fraction); };
   return std::make_unique<view::Viewer>(std::move(scene), std::move(resolved), viewer_options);

@@ -166,7 +166,7 @@ void Viewer::perform(ClientId, const request::Export& what) {
   claim(what.to);
   claim(what.to + "_gestures");
   Scene scene = live_->hands_scene();
-  if (has_painted_mesh_) {
+  if (saves_mesh_) {
     scene.mesh = what.to + ".vtu";
     write_vtu(options_.folder / scene.mesh, resolved_.setup.mesh);
   }

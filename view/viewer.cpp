@@ -204,7 +204,7 @@ void Viewer::take_over(Task& task) {
   scene_ = std::move(task.scene);
   resolved_ = std::move(task.resolved);
   paints_ = false;
-  has_painted_mesh_ = true;
+  saves_mesh_ = true;
   live_->take_haptics(std::move(rig));
   live_->change_hands(controlling_ != 0);
   measure_what_is_shown();

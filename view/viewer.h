@@ -23,6 +23,7 @@ struct ViewerOptions {
   std::filesystem::path folder = ".";         // where scenes are saved
   std::filesystem::path record = {};          // a file for what is done (recordings.h); empty: none
   std::chrono::milliseconds patience{10000};  // with a page that was asked for the instruments (control.h)
+  bool saves_mesh = false;                    // beside each scene, since the file of the mesh will be gone
 };
 
 class Viewer final : public Service {
@@ -145,11 +146,12 @@ class Viewer final : public Service {
   std::shared_ptr<Live> live_;
   std::optional<Painting> painting_;
   bool paints_ = false;
-  bool has_begun_ = false;         // the simulation: with the first page
-  bool has_painted_mesh_ = false;  // whose labels are in no file
-  std::set<std::string> saved_;    // names of files that this program has made
-  double number_ = 0;              // of the request that is carried out
-  std::uint64_t painted_ = 1;      // grows with each change of the painting
+  bool has_begun_ = false;  // the simulation: with the first page
+  // The mesh is saved beside scenes: its file will be gone, or has not the labels that were painted.
+  bool saves_mesh_ = options_.saves_mesh;
+  std::set<std::string> saved_;  // names of files that this program has made
+  double number_ = 0;            // of the request that is carried out
+  std::uint64_t painted_ = 1;    // grows with each change of the painting
   std::optional<Proposal> proposal_;
   std::shared_ptr<Task> task_;
   std::map<ClientId, Client> clients_;

@@ -1,7 +1,6 @@
 """What lobe's programs do: meshing (GPL, a program of its own), the page, benchmarks."""
 
 import csv
-import json
 import os
 import pathlib
 import shutil
@@ -58,22 +57,25 @@ def mesh(surface, *, edge, **options):
 def view(scene, *, port=None):
     """Opens the page in which an organ is held: of a scene (a file, or a Scene), or of a World.
 
-    The page has a world of its own, which begins at time 0 with the scene that the given one was built from.
-    Returns the server's process: terminate() ends it.
+    The page has a world of its own, which begins at time 0 with the scene that the given one was built from. Its
+    regions are those of the Scene, also where lobe has chosen them. Returns the server's process: terminate() ends
+    it.
     """
+    arguments = [] if port is None else ["--port", str(port)]
     if isinstance(scene, World):
         scene = scene.scene
-    if isinstance(scene, Scene):
-        folder = tempfile.mkdtemp(prefix="lobe_view_")
-        document = scene.to_dict()
-        document["mesh"] = "mesh.vtu"
-        scene.mesh.save(pathlib.Path(folder) / "mesh.vtu")
-        scene = pathlib.Path(folder) / "scene.json"
-        scene.write_text(json.dumps(document), encoding="utf-8")
-    elif not isinstance(scene, (str, os.PathLike)):
-        raise InputError("view: wants a file, a Scene or a World")
-    arguments = [] if port is None else ["--port", str(port)]
-    return subprocess.Popen([_program(), "view", str(scene), *arguments])
+    if not isinstance(scene, Scene):
+        if not isinstance(scene, (str, os.PathLike)):
+            raise InputError("view: wants a file, a Scene or a World")
+        return subprocess.Popen([_program(), "view", str(scene), *arguments])
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="lobe_view_"))
+    try:
+        scene.save(folder / "scene.json", chosen_regions=True)
+        # The server removes the folder when it has read the scene.
+        return subprocess.Popen([_program(), "view", str(folder / "scene.json"), "--temporary", *arguments])
+    except BaseException:
+        shutil.rmtree(folder)
+        raise
 
 
 def read_table(file):

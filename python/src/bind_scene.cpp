@@ -2,6 +2,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "lobe/error.h"
+#include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
@@ -69,6 +70,17 @@ Scene anywhere(const PyScene& self) {
   return scene;
 }
 
+void save_scene(const PyScene& self, const std::filesystem::path& file, bool chosen_regions) {
+  Scene scene = anywhere(self);
+  if (chosen_regions) state_regions(self.resolved().setup, scene);
+  const py::gil_scoped_release others_run;
+  if (self.mesh()) {
+    scene.mesh = file.stem().concat(".vtu");
+    write_vtu(file.parent_path() / scene.mesh, *self.mesh());
+  }
+  io::write_file(file, to_json(scene));
+}
+
 std::string describe_scene(const PyScene& self) {
   const std::string name = self.scene().name.empty() ? "" : " \"" + self.scene().name + "\"";
   const std::string mesh = self.mesh() ? std::to_string(self.mesh()->tet_count()) + " tetrahedra in memory"
@@ -116,6 +128,10 @@ void bind_scene(py::module_& module) {
       .def(
           "to_dict", [](const PyScene& self) { return json().attr("loads")(to_json(anywhere(self))); },
           "Returns the scene as it was understood, a dictionary with all defaults and with absolute paths.")
+      .def("save", &save_scene, py::arg("file"), py::kw_only(), py::arg("chosen_regions") = false,
+           "Writes it as a file, with absolute paths. A mesh in memory is written beside it, as .vtu. "
+           "chosen_regions: with the\nregions that lobe has chosen, where the scene leaves the choice to it. "
+           "Raises InputError.")
       .def(py::pickle(&scene_state, &scene_of_state))
       .def("__repr__", &describe_scene);
   add_copies(scene);

@@ -1,6 +1,11 @@
+import json
+import pathlib
+import shutil
+import tempfile
 import time
 import urllib.request
 
+import conftest
 import lobe
 import numpy as np
 import pytest
@@ -25,9 +30,76 @@ def test_view_wants_a_scene():
         lobe.view(3)
 
 
-def test_the_page_of_a_world_is_served(scene, monkeypatch, capfd):
+def opened(scene, monkeypatch):
+    """The scene that the server of view(scene) would read, and its dictionary."""
+    commands = []
+    with monkeypatch.context() as patch:
+        patch.setattr(lobe.programs.subprocess, "Popen", lambda command: commands.append(command))
+        lobe.view(scene, port=0)
+    (command,) = commands
+    file = pathlib.Path(command[2])
+    assert "--temporary" in command
+    read, document = lobe.read_scene(file), json.loads(file.read_text())
+    read.regions  # which reads the mesh
+    shutil.rmtree(file.parent)
+    return read, document
+
+
+def test_the_page_has_the_regions_of_the_scene(mesh, monkeypatch):
+    codes = np.where(mesh.points[mesh.tets].mean(axis=1)[:, 0] < 0.05, 1, 2)
+    frame = [{"model": "precomputed", "frame": "corotated", "where": {"all": True}}]
+    scene = lobe.Scene(dict(conftest.BEAM, regions=frame), mesh, regions=codes)
+    for what in (scene, lobe.World(scene)):
+        read, document = opened(what, monkeypatch)
+        assert (read.regions == codes).all()
+        assert document["regions"][0]["frame"] == "corotated"
+
+
+def test_the_page_has_the_regions_that_lobe_has_chosen(mesh, tip, monkeypatch):
+    gesture = {"name": "poke", "where": {"vertices": tip}, "force": [0, 0, 0.001]}
+    document = dict(conftest.BEAM, gravity=[0, 0, 0], regions={"auto": {"tolerance": 0.05, "gestures": [gesture]}})
+    scene = lobe.Scene(document, mesh)
+    read, _ = opened(scene, monkeypatch)
+    assert (read.regions == scene.regions).all()
+
+
+def test_the_page_finds_all_files_of_the_scene(mesh, tmp_path, monkeypatch):
+    folder = tmp_path / "organ"
+    folder.mkdir()
+    for name in ("skin.obj", "tip.obj", "table.obj"):
+        (folder / name).write_text("v 0 0 1\nv 1 0 1\nv 0 1 1\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    mesh.save(folder / "beam.vtu")
+    monkeypatch.chdir(tmp_path)
+    shape = lambda name: {"mesh": {"file": name}}
+    document = dict(conftest.BEAM, skin="skin.obj", condensed_cache="cache",
+                    contact={"obstacles": [{"shape": shape("table.obj"), "position": [0, 0, 1]}]},
+                    tools=[{"type": "probe", "shape": shape("tip.obj"), "path": [[0, 0, 0, 1], [1, 0, 0, 1]]}])
+    (folder / "scene.json").write_text(json.dumps(dict(document, mesh="beam.vtu")))
+    inside = {"skin": "skin.obj", "condensed_cache": "cache"}
+    for scene, beam in ((lobe.Scene(document, mesh, folder="organ"), None),
+                        (lobe.Scene(dict(document, mesh="beam.vtu"), folder="organ"), "beam.vtu"),
+                        (lobe.read_scene("organ/scene.json"), "beam.vtu")):
+        _, written = opened(scene, monkeypatch)
+        assert {key: written[key] for key in inside} == {key: str(folder / name) for key, name in inside.items()}
+        assert written["tools"][0]["shape"]["mesh"]["file"] == str(folder / "tip.obj")
+        assert written["contact"]["obstacles"][0]["shape"]["mesh"]["file"] == str(folder / "table.obj")
+        if beam:
+            assert written["mesh"] == str(folder / beam)
+    assert sorted(file.name for file in folder.iterdir()) == ["beam.vtu", "scene.json", "skin.obj", "table.obj", "tip.obj"]
+
+
+def test_nothing_is_left_where_the_server_cannot_start(scene, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(lobe.programs, "_program", lambda: str(tmp_path / "no program"))
+    with pytest.raises(FileNotFoundError):
+        lobe.view(scene)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_page_of_a_world_is_served(scene, monkeypatch, capfd, tmp_path):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     server = lobe.view(lobe.World(scene), port=0)
     try:
         address = ""
@@ -37,6 +109,7 @@ def test_the_page_of_a_world_is_served(scene, monkeypatch, capfd):
                 break
             assert server.poll() is None
             time.sleep(0.05)
+        assert list(tmp_path.iterdir()) == []  # it has read what view() has written
         with urllib.request.urlopen(address.split()[0], timeout=20) as page:
             assert b"<html" in page.read()
     finally:

@@ -71,6 +71,19 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   CHECK(resolved.proposal->gestures.size() == 1);
 }
 
+TEST_CASE("a scene is saved with its mesh if the mesh's own file will be gone") {
+  Viewed viewed(false, "none", {}, [](ViewerOptions& options) { options.saves_mesh = true; });
+  std::filesystem::remove(viewed.folder.path / "block.vtu");
+  viewed.viewer->opened(1);
+  viewed.take(1, 0, 0.03, 0.03);
+  REQUIRE(viewed.holds(1, 1));
+  viewed.pause(1);
+  viewed.ask(1, {{"do", "export"}, {"to", "hands"}});
+  viewed.record("hands.lobe");
+  const Recording recording = read_recording(viewed.folder.path / "hands.lobe");
+  CHECK(played(viewed.folder.path / "hands.json") == recording.commands.back().digest);
+}
+
 TEST_CASE("what a page has cut with a scalpel is told, and its scene is played to the same bits") {
   Viewed viewed;
   viewed.viewer->opened(1);

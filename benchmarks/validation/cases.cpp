@@ -16,6 +16,7 @@ std::span<const Family> all_families() {
       {"long run", long_runs},
       {"natural frequency", natural_frequencies},
       {"fibres", fibre_benchmarks},
+      {"quadratic tetrahedra", quadratic_tetrahedra},
   };
   return list;
 }

@@ -156,4 +156,5 @@
 #include "lobe/skin/skin.h"
 #include "lobe/snapshot/snapshot.h"
 #include "lobe/snapshot/triple_buffer.h"
+#include "lobe/solve/quadratic_solver.h"
 #include "lobe/solve/static_solver.h"

@@ -117,7 +117,8 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
   {
     std::optional<ProgressBar> condensing("condensing");
     ProgressBar bar(what);
-    RunOptions run_options{options.output, options.threads, options.record, linked_solver.make, {}};
+    RunOptions run_options{options.output,     options.threads,   options.record,
+                           linked_solver.make, options.quadratic, {}};
     run_options.condensing = [&](double fraction) { condensing->show(fraction); };
     run_options.progress = [&](double fraction) {
       condensing.reset();

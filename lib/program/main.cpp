@@ -96,6 +96,14 @@ CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, S
   return command;
 }
 
+void add_solver(CLI::App* command, SceneOptions& options, const std::vector<std::string>& solvers) {
+  command
+      ->add_option("--solver", options.solver,
+                   "sparse solver: eigen, or a program of its own: cholmod (GPL), petsc (under mpirun)")
+      ->check(CLI::IsMember(solvers))
+      ->capture_default_str();
+}
+
 // CLI11 would only say that a command is missing, and not that there is none of this name.
 void refuse_unknown_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string> known;
@@ -143,11 +151,8 @@ int main(int argc, char** argv) {
       add_scene_command(app, "solve", "Static equilibrium of a scene", options, action, solve);
   solve_command->add_option("-o,--output", options.output, "directory for the results")->required();
   solve_command->add_flag("--json", options.json, "print only the report");
-  solve_command
-      ->add_option("--solver", options.solver,
-                   "sparse solver: eigen, or a program of its own: cholmod (GPL), petsc (under mpirun)")
-      ->check(CLI::IsMember({"eigen", "cholmod", "petsc"}))
-      ->capture_default_str();
+  solve_command->add_flag("--quadratic", options.quadratic, "with 10-node tetrahedra on the same mesh");
+  add_solver(solve_command, options, {"eigen", "cholmod", "petsc"});
   CompareOptions compare_options;
   add_compare(app, compare_options, action);
   RefineOptions refine_options;

@@ -1,31 +1,13 @@
 #include "lobe/mesh/refine.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "lobe/error.h"
+#include "lobe/mesh/edges.h"
 #include "lobe/numerics/symmetric_eigen.h"
-#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
-
-using Edge = std::array<Index, 2>;
-
-Edge edge_of(const TetMesh& mesh, Index tet, int e) {
-  const auto [low, high] =
-      std::minmax({mesh.tets(edge_corners[e][0], tet), mesh.tets(edge_corners[e][1], tet)});
-  return {low, high};
-}
-
-std::vector<Edge> all_edges(const TetMesh& mesh) {
-  std::vector<Edge> edges;
-  edges.reserve(6 * std::size_t(mesh.tet_count()));
-  for (Index t = 0; t < mesh.tet_count(); ++t)
-    for (int e = 0; e < 6; ++e) edges.push_back(edge_of(mesh, t, e));
-  sort_unique(edges);
-  return edges;
-}
 
 // The octahedron's diagonals join the middles of opposite edges e and 5 − e. The ring of the four other
 // middles around each diagonal is ordered so that (first, last, ring[i], ring[i+1]) is positively oriented.
@@ -116,7 +98,7 @@ RefinedMesh refine(const TetMesh& mesh) {
   if (!mesh.labels.empty() && mesh.labels.size() != std::size_t(mesh.tet_count()))
     throw InputError("refine", "needs one label per tetrahedron, or none");
   RefinedMesh refined;
-  refined.ends = all_edges(mesh);
+  refined.ends = mesh_edges(mesh);
   const auto& ends = refined.ends;
   TetMesh& fine = refined.mesh;
   const Index old = mesh.vertex_count();
@@ -125,8 +107,7 @@ RefinedMesh refine(const TetMesh& mesh) {
   fine.tets.resize(4, 8 * mesh.tet_count());
   for (Index t = 0; t < mesh.tet_count(); ++t) {
     std::array<Index, 6> middle;
-    for (int e = 0; e < 6; ++e)
-      middle[e] = old + Index(std::lower_bound(ends.begin(), ends.end(), edge_of(mesh, t, e)) - ends.begin());
+    for (int e = 0; e < 6; ++e) middle[e] = old + edge_number(ends, mesh_edge(mesh, t, e));
     add_children(mesh.tets.col(t), middle, 8 * t, fine);
     refined.parent_of.insert(refined.parent_of.end(), 8, t);
     fine.labels.insert(fine.labels.end(), 8, mesh.labels.empty() ? 0 : mesh.labels[std::size_t(t)]);

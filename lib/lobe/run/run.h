@@ -16,6 +16,7 @@ struct RunOptions {
   int threads = 1;
   std::filesystem::path record;          // a file for the recording of the run (recording.h), if not empty
   SparseFactorMaker factor = make_ldlt;  // of the static solver
+  bool quadratic = false;                // whether a static solution is with 10-node tetrahedra
   std::function<void(double fraction)> progress;         // called once per frame, 0 … 1
   std::function<void(double fraction)> condensing = {};  // the same while pre-computed regions are condensed
 };

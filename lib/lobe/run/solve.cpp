@@ -6,17 +6,47 @@
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
+#include "lobe/fem/refined_body.h"
 #include "lobe/file/atomic_file.h"
-#include "lobe/solve/static_solver.h"
+#include "lobe/solve/quadratic_solver.h"
 
 namespace lobe {
+namespace {
+
+// What the displacements of a solution are of: the mesh, or the nodes of its quadratic tetrahedra.
+Elements elements_of(const Setup& setup, bool is_quadratic) {
+  return is_quadratic ? Elements(refined_body(setup, refine(setup.mesh))) : Elements(setup);
+}
+
+nlohmann::ordered_json report_of(const Scene& scene, const StaticResult& solution, const Elements& elements,
+                                 const RunOptions& options) {
+  return {{"ok", solution.converged},
+          {"scene", scene.file.string()},
+          {"elements", options.quadratic ? "quadratic" : "linear"},
+          {"load_fraction", solution.load_fraction},
+          {"relative_residual", solution.residual},
+          {"newton_iterations", solution.iterations},
+          {"load_steps", solution.load_steps},
+          {"unknowns", solution.unknowns},
+          {"factor", solution.factor},
+          {"factor_nonzeros", solution.factor_nonzeros},
+          {"damped_iterations", solution.damped},
+          {"elastic_energy", solution.energy},
+          {"volume", current_volume(elements, solution.u)},
+          {"largest_displacement", solution.u.colwise().norm().maxCoeff()},
+          {"smallest_volume_ratio", solution.smallest_volume_ratio},
+          {"worst_tetrahedron", solution.worst_tet}};
+}
+
+}  // namespace
 
 RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   StaticOptions solver;
   solver.factor = options.factor;
   solver.progress = options.progress;
-  const StaticResult solution = solve_static(resolved.setup, solver);
+  const StaticResult solution = options.quadratic ? solve_static_quadratic(resolved.setup, solver)
+                                                  : solve_static(resolved.setup, solver);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   RunResult result;
@@ -28,27 +58,12 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
   std::filesystem::create_directories(options.directory, error);
   if (!std::filesystem::is_directory(options.directory, error))
     throw InputError(options.directory.string(), "cannot be made a directory for the results");
-  const Elements elements(resolved.setup);
+  const Elements elements = elements_of(resolved.setup, options.quadratic);
   write_frame(options.directory / "solution.vtu", elements, solution.u,
               Mat3X<double>::Zero(3, solution.u.cols()));
-
-  const nlohmann::ordered_json report{{"ok", solution.converged},
-                                      {"scene", scene.file.string()},
-                                      {"load_fraction", solution.load_fraction},
-                                      {"relative_residual", solution.residual},
-                                      {"newton_iterations", solution.iterations},
-                                      {"load_steps", solution.load_steps},
-                                      {"unknowns", solution.unknowns},
-                                      {"factor", solution.factor},
-                                      {"factor_nonzeros", solution.factor_nonzeros},
-                                      {"damped_iterations", solution.damped},
-                                      {"elastic_energy", solution.energy},
-                                      {"volume", current_volume(elements, solution.u)},
-                                      {"largest_displacement", solution.u.colwise().norm().maxCoeff()},
-                                      {"smallest_volume_ratio", solution.smallest_volume_ratio},
-                                      {"worst_tetrahedron", solution.worst_tet},
-                                      {"wall_s", seconds},
-                                      {"warnings", result.warnings}};
+  nlohmann::ordered_json report = report_of(scene, solution, elements, options);
+  report["wall_s"] = seconds;
+  report["warnings"] = result.warnings;
   result.report = options.directory / "report.json";
   io::write_file(result.report,
                  report.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');

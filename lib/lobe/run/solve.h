@@ -6,8 +6,8 @@
 namespace lobe {
 
 // Writes DIR/solution.vtu (the last equilibrium found, also if it is not at full load) and DIR/report.json.
-// Tools are ignored, and a warning says so. Throws InputError for bad input and for files that cannot be
-// written.
+// A quadratic solution is written on the refined mesh, whose vertices are its nodes. Tools are ignored, and a
+// warning says so. Throws InputError for bad input and for files that cannot be written.
 RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options);
 
 }  // namespace lobe

@@ -1,14 +1,9 @@
 #include "lobe/solve/static_solver.h"
 
-#include <algorithm>
-
-#include "lobe/error.h"
 #include "lobe/setup/boundary_conditions.h"
 #include "lobe/setup/check_setup.h"
+#include "lobe/solve/equilibrium.h"
 #include "lobe/solve/floating.h"
-#include "lobe/solve/newton.h"
-#include "lobe/solve/tangent.h"
-#include "lobe/text.h"
 
 namespace lobe {
 namespace {
@@ -21,156 +16,53 @@ Mat3X<double> prescribed_displacements(const HeldVertices& held, Index vertices)
   return u;
 }
 
-std::string most_compressed(Index tet) {  // for messages; −1: none is known
-  return tet < 0 ? "" : "tetrahedron " + std::to_string(tet) + " is the most compressed, and ";
+StaticEquations equations_of(const Setup& setup, const Elements& elements) {
+  const HeldVertices held = held_by(setup.prescribed);
+  StaticEquations equations{free_components(elements, held),
+                            prescribed_displacements(held, elements.topology.vertex_count()),
+                            dead_loads(elements, setup.face_loads, setup.vertex_loads)};
+  for (Index v = 0; v < equations.loads.cols(); ++v)
+    equations.loads.col(v) += lumped_mass(elements, v) * setup.gravity;
+  return equations;
 }
 
-// The equations of one setup: which displacements are unknown, what loads them.
-class Equations {
+// The tetrahedra with four nodes that everything else in lobe has.
+class LinearTets : public Discretisation {
  public:
-  explicit Equations(const Setup& setup)
-      : elements((check_setup(setup, {Option::static_solution}), setup)),
-        unknowns(free_components(elements, held_by(setup.prescribed))),
-        prescribed(prescribed_displacements(held_by(setup.prescribed), elements.topology.vertex_count())) {
-    refuse_floating_pieces(elements, unknowns);
-    loads = dead_loads(elements, setup.face_loads, setup.vertex_loads);
-    for (Index v = 0; v < loads.cols(); ++v) loads.col(v) += lumped_mass(elements, v) * setup.gravity;
+  LinearTets(const Elements& elements, const Unknowns& unknowns)
+      : elements_(elements), tangent_(elements, unknowns) {}
+
+  EnergyAndForces energy_and_forces(const Mat3X<double>& u) const override {
+    return lobe::energy_and_forces(elements_, tangent_.nodes(), u);
   }
-
-  Elements elements;
-  Unknowns unknowns;
-  Mat3X<double> prescribed, loads;  // at full load [m], [N]
-};
-
-// Equilibrium at one share of the loads and prescribed displacements.
-class Equilibrium : public NewtonProblem {
- public:
-  Equilibrium(const Equations& equations, const StaticOptions& options, StaticResult& result)
-      : eq_(equations),
-        options_(options),
-        result_(result),
-        tangent_(equations.elements, equations.unknowns),
-        factor_(tangent_.make_factor(options.factor)) {
-    result.factor = factor_->name();
+  void update(const Mat3X<double>& u) override { tangent_.update(u); }
+  void add_diagonal(const Mat3X<double>& k) override { tangent_.add_diagonal(k); }
+  std::unique_ptr<SparseFactor> make_factor(const SparseFactorMaker& wanted) const override {
+    return tangent_.make_factor(wanted);
   }
-
-  // Goes on from result.u, the equilibrium at another fraction. The result changes only on success.
-  bool find(double fraction);
-  const char* reason() const { return reason_; }  // of the last equilibrium that was not found
-
-  NewtonPoint at(const Mat3X<double>& u) const override;
-  bool direction(const NewtonPoint& at, Mat3X<double>& direction) override;
+  bool factorise(SparseFactor& factor, bool& damped) override { return tangent_.factorise(factor, damped); }
+  Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const override {
+    return tangent_.solve(factor, forces);
+  }
+  Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces, const Mat3X<double>& u,
+                        const Mat3X<double>& w) const override {
+    return tangent_.solve(factor, forces, u, w);
+  }
 
  private:
-  bool factorise(const Mat3X<double>& u);
-  bool follow_boundary(NewtonPoint& point);
-
-  const Equations& eq_;
-  const StaticOptions& options_;
-  StaticResult& result_;
+  const Elements& elements_;
   Tangent tangent_;
-  std::unique_ptr<SparseFactor> factor_;
-  double fraction_ = 0;
-  const char* reason_ = "";
 };
-
-NewtonPoint Equilibrium::at(const Mat3X<double>& u) const {
-  EnergyAndForces e = energy_and_forces(eq_.elements, tangent_.nodes(), u);
-  NewtonPoint point;
-  point.u = u;
-  point.potential = e.energy - fraction_ * eq_.loads.cwiseProduct(u).sum();
-  point.residual = fraction_ * eq_.loads + e.forces;
-  point.scale =
-      std::max(fraction_ * eq_.loads.norm(), point.residual.norm());  // loads, or the reactions where held
-  eq_.unknowns.clear_prescribed(point.residual);
-  point.smallest_volume_ratio = e.smallest_volume_ratio;
-  point.smallest_tet = e.smallest_tet;
-  return point;
-}
-
-bool Equilibrium::factorise(const Mat3X<double>& u) {
-  bool damped = false;
-  tangent_.update(u);
-  const bool positive = tangent_.factorise(*factor_, damped);
-  result_.damped += damped;
-  result_.factor_nonzeros = factor_->nonzeros();
-  return positive;
-}
-
-bool Equilibrium::direction(const NewtonPoint& at, Mat3X<double>& direction) {
-  if (!factorise(at.u)) return false;
-  direction = eq_.unknowns.scatter(tangent_.solve(*factor_, eq_.unknowns.gather(at.residual)));
-  return true;
-}
-
-// Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at
-// first.
-bool Equilibrium::follow_boundary(NewtonPoint& point) {
-  Mat3X<double> move = fraction_ * eq_.prescribed - point.u;
-  for (Eigen::Index i = 0; i < move.size(); ++i)
-    if (eq_.unknowns.number.data()[i] >= 0) move.data()[i] = 0;
-  if (move.isZero(0)) return true;
-  reason_ = "the tangent is singular there (a mechanism, or a collapsed tetrahedron)";
-  if (!factorise(point.u)) return false;
-  const Eigen::VectorXd residual = eq_.unknowns.gather(point.residual);
-  point = at(point.u + move + eq_.unknowns.scatter(tangent_.solve(*factor_, residual, point.u, move)));
-  reason_ = "the prescribed displacements invert it";
-  return point.smallest_volume_ratio > 0;
-}
-
-bool Equilibrium::find(double fraction) {
-  fraction_ = fraction;
-  NewtonPoint point = at(result_.u);
-  if (!follow_boundary(point)) {
-    result_.worst_tet = point.smallest_tet;
-    return false;
-  }
-  const NewtonResult newton = minimise(*this, point, options_.tolerance, options_.most_iterations);
-  result_.iterations += newton.iterations;
-  result_.worst_tet = point.smallest_tet;
-  reason_ = newton.reason;
-  if (!newton.converged) return false;
-  result_.u = point.u;
-  result_.residual = point.scale > 0 ? point.residual.norm() / point.scale : 0;
-  result_.energy = point.potential + fraction * eq_.loads.cwiseProduct(point.u).sum();
-  result_.smallest_volume_ratio = point.smallest_volume_ratio;
-  return true;
-}
 
 }  // namespace
 
 StaticResult solve_static(const Setup& setup, const StaticOptions& options) {
-  const Equations equations(setup);
-  StaticResult result;
-  result.unknowns = equations.unknowns.count;
-  result.u.setZero(3, equations.elements.topology.vertex_count());
-  Equilibrium equilibrium(equations, options, result);
-  if (options.start) {
-    result.u = *options.start;
-    if (equilibrium.find(1))
-      result.load_fraction = result.load_steps = 1;
-    else
-      result.u.setZero();
-  }
-  double step = 1;
-  while (result.load_fraction < 1) {
-    const double fraction = std::min(1.0, result.load_fraction + step);
-    if (equilibrium.find(fraction)) {
-      result.load_fraction = fraction;
-      ++result.load_steps;
-      step *= 2;
-      if (options.progress) options.progress(fraction);
-      continue;
-    }
-    step = std::min(step, 1 - result.load_fraction) / 2;
-    if (step >= options.smallest_load_step) continue;
-    result.reason = "no equilibrium beyond " + rounded(100 * result.load_fraction) + " % of the load; " +
-                    most_compressed(result.worst_tet) + equilibrium.reason() +
-                    ": a volume_penalty, smaller loads or a finer mesh there may help";
-    return result;
-  }
-  result.converged = true;
-  return result;
+  check_setup(setup, {Option::static_solution});
+  const Elements elements(setup);
+  const StaticEquations equations = equations_of(setup, elements);
+  refuse_floating_pieces(elements, equations.unknowns);
+  LinearTets body(elements, equations.unknowns);
+  return find_equilibrium(equations, body, options);
 }
 
 }  // namespace lobe

@@ -26,10 +26,12 @@ struct StaticOptions {
 
 struct StaticResult {
   bool converged = false;
-  std::string reason;                // why not, in one line, with the remedy
-  double load_fraction = 0;          // reached in equilibrium, 1 = all of it
-  double residual = 0;               // relative, at that fraction
-  Mat3X<double> u;                   // 3 × #vertices, displacement in equilibrium at load_fraction [m]
+  std::string reason;        // why not, in one line, with the remedy
+  double load_fraction = 0;  // reached in equilibrium, 1 = all of it
+  double residual = 0;       // relative, at that fraction
+  Mat3X<double> u;           // 3 × #vertices, displacement in equilibrium at load_fraction [m]
+  // Of what holds the body: forces on it where displacements are given, 3 × #vertices [N].
+  Mat3X<double> reactions;
   double energy = 0;                 // elastic [J]
   double smallest_volume_ratio = 1;  // det F, over the non-linear region
   Index worst_tet = -1;              // where that is, or where the solver was stopped

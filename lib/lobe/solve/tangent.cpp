@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lobe/region/energy_density.h"
+#include "lobe/solve/tangent_factor.h"
 
 namespace lobe {
 namespace {
@@ -132,6 +133,12 @@ void Tangent::update(const Mat3X<double>& u) {
       values[matrix_.outerIndexPtr()[row]] = -nodes_.volume(n) / nodes_.lambda(n);
 }
 
+void Tangent::add_diagonal(const Mat3X<double>& k) {
+  for (Eigen::Index i = 0; i < unknowns_.number.size(); ++i)
+    if (const Index row = unknowns_.number.data()[i]; row >= 0)
+      matrix_.valuePtr()[matrix_.outerIndexPtr()[row]] += k.data()[i];
+}
+
 void Tangent::scale_and_add_mass(double scale, double weight, const std::vector<double>& mass) {
   matrix_.coeffs() *= scale;
   for (Eigen::Index i = 0; i < unknowns_.number.size(); ++i)
@@ -139,40 +146,12 @@ void Tangent::scale_and_add_mass(double scale, double weight, const std::vector<
       matrix_.valuePtr()[matrix_.outerIndexPtr()[row]] += weight * mass[std::size_t(i / 3)];
 }
 
-namespace {
-
-// A factor for a problem without unknowns, because orderings do not take a graph without vertices.
-class NothingUnknown : public SparseFactor {
- public:
-  const char* name() const override { return "none"; }
-  bool takes_indefinite() const override { return true; }
-  void analyse(const Matrix&) override {}
-  bool factorise(const Matrix&, Eigen::Index) override { return true; }
-  Eigen::Index size() const override { return 0; }
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return b; }
-  long long nonzeros() const override { return 0; }
-};
-
-}  // namespace
-
 std::unique_ptr<SparseFactor> Tangent::make_factor(const SparseFactorMaker& wanted) const {
-  if (matrix_.rows() == 0) return std::make_unique<NothingUnknown>();
-  std::unique_ptr<SparseFactor> factor = wanted();
-  if (pressures_ > 0 && !factor->takes_indefinite()) factor = make_ldlt();
-  factor->analyse(matrix_);
-  return factor;
+  return make_tangent_factor(wanted, matrix_, pressures_ > 0);
 }
 
 bool Tangent::factorise(SparseFactor& factor, bool& damped) {
-  bool positive = factor.factorise(matrix_, pressures_);
-  damped = !positive;
-  const Eigen::VectorXd diagonal = matrix_.diagonal().head(unknowns_.count);
-  for (double shift = 1e-3; !positive && shift < 1e6; shift *= 4) {
-    for (Index i = 0; i < unknowns_.count; ++i)
-      matrix_.valuePtr()[matrix_.outerIndexPtr()[i]] = diagonal[i] + shift * std::abs(diagonal[i]);
-    positive = factor.factorise(matrix_, pressures_);
-  }
-  return positive;
+  return factorise_damped(factor, matrix_, unknowns_.count, pressures_, damped);
 }
 
 Eigen::VectorXd Tangent::solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const {

@@ -46,7 +46,8 @@ class Tangent {
   const PressureNodes& nodes() const { return nodes_; }
   const SparseFactor::Matrix& matrix() const { return matrix_; }  // lower triangle
 
-  void update(const Mat3X<double>& u);  // 3 × #vertices [m]
+  void update(const Mat3X<double>& u);        // 3 × #vertices [m]
+  void add_diagonal(const Mat3X<double>& k);  // of springs, 3 × #vertices [N/m]
   // scale × the tangent + weight × the lumped masses [kg], per vertex.
   void scale_and_add_mass(double scale, double weight, const std::vector<double>& mass);
 

@@ -127,6 +127,7 @@
 #include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/proposal.h"
 #include "lobe/linearity/reduced_watch.h"
+#include "lobe/linearity/total_error.h"
 #include "lobe/linearity/trials.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/live/pick.h"

@@ -12,6 +12,7 @@
 #include "lobe/diagnostics/compare.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/linearity/total_error.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/run.h"
@@ -52,6 +53,24 @@ void print_proposal(const Proposal& proposal) {
     std::printf("  %-24s error %.2f %% (predicted %.2f %%)\n", gesture.name.c_str(), 100 * gesture.measured,
                 100 * gesture.predicted);
   std::fflush(stdout);
+}
+
+Json total_error_json(const std::vector<TotalError>& errors) {
+  Json list = Json::array();
+  for (const TotalError& error : errors) {
+    Json& entry = list.emplace_back(Json{{"gesture", error.name}});
+    if (!error.trouble.empty()) {
+      entry["trouble"] = error.trouble;
+      continue;
+    }
+    entry["relative_l2"] = error.l2;
+    entry["largest_displacement_m"] = error.largest;
+    entry["largest_displacement_excess"] = error.of_largest;
+    if (error.force == 0) continue;
+    entry["force_N"] = error.force;
+    entry["force_excess"] = error.of_force;
+  }
+  return list;
 }
 
 Json info_json(const MeshFile& file, const InfoOptions& options) {
@@ -160,10 +179,20 @@ int info(const InfoOptions& options) {
 
 int check(const SceneOptions& options) {
   const Loaded loaded = load(options, false);
-  if (options.json)
-    std::cout << describe_json(loaded.scene, loaded.resolved) << '\n';
-  else
-    std::cout << describe(loaded.scene, loaded.resolved);
+  std::vector<TotalError> errors;
+  if (options.total_error) {
+    ProgressBar bar("solving");
+    errors = total_errors(loaded.resolved.setup,
+                          {linked_solver.make, [&](double fraction) { bar.show(fraction); }});
+  }
+  if (options.json) {
+    Json description = Json::parse(describe_json(loaded.scene, loaded.resolved));
+    if (options.total_error) description["total_error"] = total_error_json(errors);
+    std::cout << description.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    return done;
+  }
+  std::cout << describe(loaded.scene, loaded.resolved);
+  if (options.total_error) std::cout << total_error_table(errors);
   return done;
 }
 

@@ -28,6 +28,7 @@ struct SceneOptions {
   std::filesystem::path record;   // of `run`: a file for the recording; of `replay`: the recording
   std::string solver = "eigen";   // of `solve`: the one that is linked, or that of a sibling program
   bool quadratic = false;         // of `solve`: with 10-node tetrahedra
+  bool total_error = false;       // of `check`: also how far the mesh is from the truth
 };
 
 // The sparse solver that this program is linked to.

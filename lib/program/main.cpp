@@ -132,6 +132,9 @@ int main(int argc, char** argv) {
   CLI::App* check_command =
       add_scene_command(app, "check", "Validate a scene and print what will be run", options, action, check);
   check_command->add_flag("--json", options.json, "print only JSON");
+  check_command->add_flag("--total-error", options.total_error,
+                          "also how far this mesh is from quadratic tetrahedra on it, for its gestures");
+  add_solver(check_command, options, {"eigen", "cholmod"});
   CLI::App* run_command =
       add_scene_command(app, "run", "Play a scene: frames, pictures, report", options, action, run);
   run_command->add_option("-o,--output", options.output, "directory for the results")->required();

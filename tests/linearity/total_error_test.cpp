@@ -1,0 +1,74 @@
+#include "lobe/linearity/total_error.h"
+
+#include <doctest/doctest.h>
+
+#include "lobe/error.h"
+#include "near.h"
+#include "support.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+// A bar along x that is held at one end, and grasped at the other and pulled by so much.
+Setup pulled_bar(int cells, const Vec3d& pull) {
+  Setup setup = setup_of(box_mesh({0.08, 0.02, 0.02}, 4 * cells, cells, cells));
+  GraspSetup grasp{"pull", {}, {{0, Vec3d::Zero()}, {1, pull}}};
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) {
+    if (setup.mesh.points(0, v) == 0) setup.prescribed.push_back({v});
+    if (setup.mesh.points(0, v) > 0.08 - 1e-9) grasp.vertices.push_back(v);
+  }
+  setup.grasps.push_back(grasp);
+  return setup;
+}
+
+}  // namespace
+
+TEST_CASE("plain tetrahedra bend too little and resist too much, and a finer mesh less so") {
+  double before = 1;
+  for (int cells : {1, 2}) {
+    const std::vector<TotalError> errors = total_errors(pulled_bar(cells, {0, 0, 0.01}));
+    REQUIRE(errors.size() == 2);
+    CHECK(errors[0].name == "weight, 9.81 m/s² along −z");
+    CHECK(errors[0].force == 0);
+    CHECK(errors[0].of_largest < -0.2);
+    CHECK(errors[0].l2 == near(-errors[0].of_largest, 0.2));
+    CHECK(errors[1].name == "pull");
+    CHECK(errors[1].largest == near(0.01, 0.1));
+    CHECK(errors[1].of_force > 0.15);
+    CHECK(errors[0].l2 < before);
+    before = errors[0].l2;
+  }
+}
+
+TEST_CASE("a gesture that every tetrahedron follows exactly has no total error") {
+  Setup setup = pulled_bar(2, {0.004, 0, 0});
+  setup.materials[0].lambda = 0;  // so that the bar keeps its width
+  const TotalError error = total_errors(setup)[1];
+  CHECK(error.l2 < 1e-9);
+  CHECK(std::abs(error.of_force) < 1e-9);
+  const double E = 0.004 / 0.08 + 0.05 * 0.05 / 2;  // Green's strain: P = F S, S = 2μE
+  CHECK(error.force == near(1.05 * 2 * 1e4 * E * 0.02 * 0.02, 1e-9));
+}
+
+TEST_CASE("the error of linear regions is part of the total error") {
+  Setup setup = pulled_bar(1, {0, 0, 0.01});
+  setup.gravity = {0, 0, -20};
+  const double nonlinear = total_errors(setup)[0].of_largest;
+  std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::tensor_mass);
+  CHECK(std::abs(total_errors(setup)[0].of_largest - nonlinear) > 0.05);
+}
+
+TEST_CASE("the table of total errors names each gesture, and why one has no figure") {
+  Setup setup = pulled_bar(1, {0, 0, 0.01});
+  const std::string table = total_error_table(total_errors(setup));
+  CHECK(table.find("pull ") != std::string::npos);
+  CHECK(table.find("N") != std::string::npos);
+  setup.gravity = {0, 0, 1e308};
+  const std::vector<TotalError> errors = total_errors(setup);
+  CHECK(errors[0].trouble.find("too large") != std::string::npos);
+  CHECK(total_error_table(errors).find("too large") != std::string::npos);
+  setup.prescribed.clear();
+  CHECK_THROWS_WITH_AS(total_errors(setup), doctest::Contains("is not held"), InputError);
+}

@@ -17,6 +17,7 @@ std::span<const Family> all_families() {
       {"natural frequency", natural_frequencies},
       {"fibres", fibre_benchmarks},
       {"quadratic tetrahedra", quadratic_tetrahedra},
+      {"silicone beam", silicone_beam},
   };
   return list;
 }

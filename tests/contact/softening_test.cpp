@@ -103,3 +103,17 @@ TEST_CASE("contact is as soft while a pre-computed region is expanded as before 
   world.advance(0.005);
   CHECK(softening_of(world) == softening);
 }
+
+TEST_CASE("a world that is restored after a change of the degree is pressed as the one that was saved") {
+  const Setup setup = block();
+  World<double> world(setup), other(setup);
+  world.apply(ball());
+  world.advance(0.005);
+  world.apply(SetMassDegree{3});
+  other.restore(world.save());
+  for (World<double>* each : {&world, &other}) {
+    each->apply(SetForces{{{30, {0, 0, 0.01}}}});
+    each->advance(0.005);
+  }
+  CHECK(same_bits(world, other));
+}

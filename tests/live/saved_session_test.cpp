@@ -45,9 +45,14 @@ TEST_CASE("another session goes on from a saved one to the same bits, and its re
 
   step(first, 10);  // what is done after saving is undone by going back there
   first.restore(file);
-  for (auto [session, hand] : {std::pair(&first, &a), std::pair(&second, &b)})
+  Session<float> straight(setup);  // goes on without ever being restored; its hand lets go, as all do then
+  Controller c = straight.connect("c");
+  pull_and_cut(straight, c);
+  c.send(ask(Kind::let_go));
+  for (auto [session, hand] : {std::pair(&first, &a), std::pair(&second, &b), std::pair(&straight, &c)})
     pull_otherwise(*session, *hand);
-  CHECK(same_bits(first.world(), second.world()));
+  CHECK(same_bits(first.world(), straight.world()));
+  CHECK(same_bits(second.world(), straight.world()));
   CHECK(replays(second, setup));
   CHECK(replays(second, setup, 2));
 

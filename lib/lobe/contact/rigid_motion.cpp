@@ -6,7 +6,7 @@
 namespace lobe {
 namespace {
 
-constexpr double moment = 1e-6;  // of which velocities are differences [s]
+constexpr double moment = velocity_moment;
 
 double angle_between(const Eigen::Vector4d& a, const Eigen::Vector4d& b) {
   return Eigen::Quaterniond(a).angularDistance(Eigen::Quaterniond(b));

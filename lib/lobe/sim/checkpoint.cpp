@@ -62,6 +62,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.unravelling = unravelling_.state();
   c.ratios = limit_.ratios();
   c.limit = limit_.frame_limit();
+  c.limit.is_new = c.limit.is_new || !limit_.holds(body_);
   c.nodes = body_.regions.state(body_.motion);
   c.mass_degree = body_.inertia.degree();
   if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
@@ -96,8 +97,9 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   take(c);
 }
 
-// The terms are in the order of the checkpoint, in which their forces are added. Terms that an application
-// has added belong to it. Those that are not in the checkpoint come last and keep their state.
+// Terms that an application has added belong to it. They are in the order of the checkpoint, in which their
+// forces are added. Those that are not in it come last and keep their state. Tools are shown from the moment
+// before on, as they have the speed with which they came.
 template <class Real>
 void World<Real>::load_terms(const Checkpoint<Real>& c) {
   auto former = std::exchange(body_.terms, {});
@@ -105,16 +107,15 @@ void World<Real>::load_terms(const Checkpoint<Real>& c) {
   for (const auto& entry : c.terms) {
     const auto added = std::find_if(former.begin(), former.end(),
                                     [&](const auto& term) { return term->name() == entry.name; });
-    if (added == former.end()) {
-      own_term(entry.name);
-    } else {
+    if (added != former.end()) {
       body_.terms.push_back(std::move(*added));
       former.erase(added);
     }
-    body_.terms.back()->load(entry.saved, elements().topology.vertex_count());
+    ForceTerm<Real>& term = find_kind_of_term<Real>(entry.name) ? own_term(entry.name) : *body_.terms.back();
+    term.load(entry.saved, elements().topology.vertex_count());
   }
   std::move(former.begin(), former.end(), std::back_inserter(body_.terms));
-  show_tools(time());
+  show_tools(time() - 2 * velocity_moment, time());
 }
 
 template <class Real>
@@ -134,8 +135,8 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   touch_expansion_ = c.touch_expansion;
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.update_inverse(body_.model, v);
-  for (const auto& term : body_.terms)  // whose stiffness the step limit has to do with
-    if (term->needs_body()) show_body_to(*term);
+  shown_ = {};
+  refresh_terms();  // the step limit has to do with their stiffness
   limit_.set_ratios(c.ratios);
   limit_.set_frame_limit(c.limit, body_);
   if (implicit_) implicit_->set_acceleration(body_.model, c.acceleration);

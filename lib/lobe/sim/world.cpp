@@ -187,7 +187,9 @@ bool World<Real>::implicit_step(double dt) {
 
 template <class Real>
 void World<Real>::synchronise_velocities() {
-  if (!implicit_) body_.synchronise_velocities();
+  if (implicit_ || body_.motion.velocity_lag == 0) return;
+  refresh_terms();
+  body_.synchronise_velocities();
 }
 
 // ---- State
@@ -207,6 +209,7 @@ Eigen::Map<const Mat3X<Real>> World<Real>::displacements() {
 
 template <class Real>
 Eigen::Map<const Mat3X<Real>> World<Real>::forces() {
+  refresh_terms();
   body_.find_forces();
   return std::as_const(body_.motion.forces).view();
 }

@@ -101,10 +101,16 @@ class World {
   // The longest stable step 2/ω_max at the current state [s]; infinite if nothing is free. After cuts only
   // their neighbourhood is computed again, if nothing has moved since the last call and there is no nodal
   // pressure.
-  double time_step_limit() { return limit_.find(body_); }
+  double time_step_limit() {
+    refresh_terms();
+    return limit_.find(body_);
+  }
   StepLimit<Real>& step_limit() { return limit_; }  // how it is found
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
-  Energies energies() { return body_.energies(); }
+  Energies energies() {
+    refresh_terms();
+    return body_.energies();
+  }
 
   // ---- Checkpoints and journal
 
@@ -185,7 +191,7 @@ class World {
   }
 
   void begin_frame(double duration);
-  void show_tools(double until);
+  void show_tools(double from, double until);
   void show_body();
   void prepare_frame(double duration, Report& report);
   void condense_anew();
@@ -218,9 +224,19 @@ class World {
   void take_nodes(const Checkpoint<Real>& checkpoint);
   void load_terms(const Checkpoint<Real>& checkpoint);
 
+  struct Shown {
+    std::uint64_t structure = 0, inertia = 0;
+    int mass_degree = 0;
+    bool operator==(const Shown&) const = default;
+  };
+  Shown now_shown() const {
+    const Revisions& now = body_.model.revisions;
+    return {now.structure, now.inertia, body_.inertia.degree_now()};
+  }
   ForceTerm<Real>& own_term(std::string_view name);
   AppliedForces<Real>& applied();
   void show_body_to(ForceTerm<Real>& term);
+  void refresh_terms();
   double softening();
   bool follow_touch(const std::vector<Index>& touched);
   void terms_have_changed(const std::vector<Index>& woken_before);
@@ -239,6 +255,7 @@ class World {
   TouchExpansion touch_expansion_;
   NextReport next_report_;
   Display<Real> display_;
+  Shown shown_;                      // of the body, when force terms saw it last
   std::map<int, double> softening_;  // of contact, per degree of selective masses; those that were found
 };
 

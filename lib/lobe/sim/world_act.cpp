@@ -33,13 +33,22 @@ void World<Real>::perform(const Hold& command) {
 
 // ---- Forces
 
-// A term of a kind that the world makes by itself. It exists from the first call on.
+// A term of a kind that the world makes by itself. It exists from the first call on. Forces of terms are
+// added in one order, whichever exist: those of these kinds first, in the order of the kinds.
 template <class Real>
 ForceTerm<Real>& World<Real>::own_term(std::string_view name) {
-  for (const auto& term : body_.terms)
-    if (term->name() == name) return *term;
-  ++body_.model.revisions.terms;
-  return *body_.terms.emplace_back(find_kind_of_term<Real>(name)->make(setup_));
+  auto place = body_.terms.begin();
+  for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>()) {
+    const bool is_there = place != body_.terms.end() && (*place)->name() == kind.name;
+    if (kind.name == name && !is_there) {
+      ++body_.model.revisions.terms;
+      place = body_.terms.insert(place, kind.make(setup_));
+      shown_ = {};
+    }
+    if (kind.name == name) break;
+    if (is_there) ++place;
+  }
+  return **place;
 }
 
 template <class Real>
@@ -47,10 +56,10 @@ AppliedForces<Real>& World<Real>::applied() {
   return static_cast<AppliedForces<Real>&>(own_term(AppliedForces<Real>::term_name));
 }
 
-// Shows force terms the tools that exist until a time.
+// Shows force terms the tools that exist between two times.
 template <class Real>
-void World<Real>::show_tools(double until) {
-  const std::vector<ToolBody>& bodies = tools_.bodies(time(), until);
+void World<Real>::show_tools(double from, double until) {
+  const std::vector<ToolBody>& bodies = tools_.bodies(from, until);
   for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>())
     if (kind.is_needed(setup_, bodies)) own_term(kind.name);
   bool others = false;
@@ -81,6 +90,16 @@ void World<Real>::show_body_to(ForceTerm<Real>& term) {
                 .mass_degree = body_.inertia.degree_now()};
   if (body_.inertia.is_selective()) body.softening = [this] { return softening(); };
   term.see_body(body, body_.here());
+  shown_ = now_shown();
+}
+
+// Before terms are asked for forces or stiffness: they see the body that edits have left since they saw it,
+// as those of a restored world do.
+template <class Real>
+void World<Real>::refresh_terms() {
+  if (shown_ == now_shown()) return;
+  for (const auto& term : body_.terms)
+    if (term->needs_body()) show_body_to(*term);
 }
 
 // Of contact, at the present degree of selective masses.
@@ -127,6 +146,7 @@ void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
   if (is_known || find_kind_of_term<Real>(term->name()))
     throw InputError("force term", "there is one of the name \"" + term->name() + "\" already");
   body_.terms.push_back(std::move(term));
+  shown_ = {};
   terms_have_changed({});
 }
 

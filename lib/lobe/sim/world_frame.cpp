@@ -178,13 +178,14 @@ template <class Real>
 void World<Real>::begin_frame(double duration) {
   tools_.begin_frame(time(), duration);
   for (const auto& term : body_.terms) term->begin_frame(time(), duration);
-  show_tools(time() + duration);
+  show_tools(time(), time() + duration);
 }
 
 // Performs edits, tools and cuts at the start of a frame, and finds the step limit that follows from them.
 template <class Real>
 void World<Real>::prepare_frame(double duration, Report& report) {
   condense_anew();
+  refresh_terms();
   if (!implicit_ && limit_.is_due(body_)) {
     const Timed timed(report, Phase::time_step);
     limit_.find_anew(body_);

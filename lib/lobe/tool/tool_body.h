@@ -8,6 +8,8 @@
 
 namespace lobe {
 
+inline constexpr double velocity_moment = 1e-6;  // of which velocities of tools are differences [s]
+
 struct ToolBody {
   int tool = 0;  // ToolId
   const RigidShape* shape = nullptr;

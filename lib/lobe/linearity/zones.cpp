@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "lobe/error.h"
+#include "lobe/numerics/metis_lock.h"
 
 namespace lobe {
 
@@ -23,6 +24,7 @@ Zones::Zones(const Elements& elements, Index count) : of(std::size_t(elements.to
     for (Index t = 0; t < tet_count; ++t)
       for (Index v : elements.topology.corners(t)) corners.push_back(v);
     idx_t size = tet_count, vertices = elements.topology.vertex_count(), shared = 3, parts = count, cut = 0;
+    const auto metis = lock_metis();
     METIS_PartMeshDual(&size, &vertices, start.data(), corners.data(), nullptr, nullptr, &shared, &parts,
                        nullptr, nullptr, &cut, part.data(), vertex_part.data());
     std::copy(part.begin(), part.end(), of.begin());

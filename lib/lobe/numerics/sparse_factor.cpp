@@ -7,6 +7,8 @@
 
 #include <Eigen/MetisSupport>
 
+#include "lobe/numerics/metis_lock.h"
+
 namespace lobe {
 namespace {
 
@@ -18,7 +20,10 @@ class EigenLdlt : public Simplicial {
   void set(SparseFactor::Matrix L, Eigen::VectorXd D, const Eigen::VectorXi& places) {
     SparseFactor::Matrix any(4, 4);
     any.setIdentity();
-    compute(any);  // Eigen is ready by its own work only
+    {
+      const auto metis = lock_metis();
+      compute(any);  // Eigen is ready by its own work only
+    }
     m_matrix = std::move(L);
     m_diag = std::move(D);
     m_P.indices() = places;
@@ -30,7 +35,10 @@ class Ldlt : public SparseFactor {
  public:
   const char* name() const override { return "Eigen simplicial LDLT, METIS nested dissection"; }
   bool takes_indefinite() const override { return true; }
-  void analyse(const Matrix& A) override { factor_.analyzePattern(A); }
+  void analyse(const Matrix& A) override {
+    const auto metis = lock_metis();
+    factor_.analyzePattern(A);
+  }
 
   // By Sylvester's law D has as many negative entries as A has negative eigenvalues.
   bool factorise(const Matrix& A, Eigen::Index negative) override {

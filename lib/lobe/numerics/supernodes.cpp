@@ -6,6 +6,7 @@
 
 #include <Eigen/MetisSupport>
 
+#include "lobe/numerics/metis_lock.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -61,7 +62,10 @@ std::vector<int> nested_dissection(const Lists& neighbours) {  // the groups in 
   Eigen::SparseMatrix<double> pattern(count, count);
   pattern.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> places;
-  Eigen::MetisOrdering<int>()(pattern, places);
+  {
+    const auto metis = lock_metis();
+    Eigen::MetisOrdering<int>()(pattern, places);
+  }
   std::copy_n(places.indices().data(), count, order.begin());
   return order;
 }

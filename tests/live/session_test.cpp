@@ -16,7 +16,7 @@ using namespace lobe::test;
 namespace {
 
 void wait_for_frames(const Session<float>& session, std::int64_t frames) {
-  for (int i = 0; i < 10000 && session.status()->frames < frames; ++i)
+  for (int i = 0; i < 60000 && session.status()->frames < frames; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   REQUIRE(session.status()->frames >= frames);
 }
@@ -179,7 +179,8 @@ TEST_CASE("a session with a thread of its own follows the clock, obeys while it 
   mouse.send(turn_on(Kind::run, true));
   wait_for_frames(session, 60);
   CHECK(session.status()->real_time_factor > 0);
-  CHECK(session.status()->real_time_factor < 1.2);
+  // In the half second that is looked at, 0.1 s that were lost before and a frame may be made up for.
+  CHECK(session.status()->real_time_factor < 1.22);
   mouse.send(ask_for(Kind::speed, 0.001));  // 8 s per frame, which nobody has to wait for
   double time = 0;
   session.between_frames([&] { time = session.world().time(); });

@@ -103,15 +103,15 @@ def test_the_page_of_a_world_is_served(scene, monkeypatch, capfd, tmp_path):
     server = lobe.view(lobe.World(scene), port=0)
     try:
         address = ""
-        for _ in range(200):
+        for _ in range(1200):
             address += capfd.readouterr().out
             if "token" in address and "\n" in address:
                 break
             assert server.poll() is None
             time.sleep(0.05)
         assert list(tmp_path.iterdir()) == []  # it has read what view() has written
-        with urllib.request.urlopen(address.split()[0], timeout=20) as page:
+        with urllib.request.urlopen(address.split()[0], timeout=60) as page:
             assert b"<html" in page.read()
     finally:
         server.terminate()
-        assert server.wait(timeout=20) == 0
+        assert server.wait(timeout=60) == 0

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "folder.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
@@ -74,12 +75,12 @@ TEST_CASE("a scene's fibres are unit vectors of the field that it names") {
 
 TEST_CASE(
     "fibres in a mesh file survive writing and reading, and refinement; without a material none are kept") {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "lobe_fibre_test.vtu";
+  const Folder folder;
+  const std::filesystem::path file = folder.path / "mesh.vtu";
   TetMesh mesh = bar();
   mesh.fibres = Vec3d(0.6, 0, 0.8).replicate(1, mesh.tet_count());
   write_vtu(file, mesh);
   CHECK(read_mesh(file).mesh.fibres == mesh.fibres);
-  std::filesystem::remove(file);
   CHECK(all_along(refine(mesh).mesh.fibres, {0.6, 0, 0.8}));
   const Scene isotropic = scene_of({{"lame_lambda", 4e4}, {"lame_mu", 1e4}});
   CHECK(resolve(isotropic, mesh).setup.mesh.fibres.cols() == 0);

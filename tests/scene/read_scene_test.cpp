@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "folder.h"
 #include "lobe/error.h"
 #include "lobe/scene/write_scene.h"
 #include "near.h"
@@ -151,7 +152,8 @@ TEST_CASE("with absolute paths a scene names the same files in any folder") {
 }
 
 TEST_CASE("a scene is read from its file") {
-  const auto file = std::filesystem::temp_directory_path() / "lobe_read_scene_test.json";
+  const Folder folder;
+  const auto file = folder.path / "scene.json";
   std::ofstream(file) << full_scene;
   const Scene scene = read_scene(file);
   CHECK(scene.file == file);

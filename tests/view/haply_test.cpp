@@ -15,10 +15,10 @@ using namespace lobe::view;
 
 namespace {
 
-// Ticks of 1 ms until it is so, for some seconds.
+// Ticks of 1 ms until it is so, for a minute.
 template <class Until>
 bool ticks_until(HaplyDevice& device, DeviceState& state, Until&& until) {
-  for (int i = 0; i < 8000; ++i) {
+  for (int i = 0; i < 60000; ++i) {
     const bool is_there = device.read(state);
     device.write({0, 1.5, 0}, Vec3d::Zero());
     if (until(is_there)) return true;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "folder.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
@@ -14,6 +15,7 @@
 
 using namespace lobe;
 using namespace lobe::view;
+using lobe::test::Folder;
 using lobe::test::near;
 
 namespace {
@@ -197,13 +199,11 @@ TEST_CASE("a scene is saved beside its mesh, and read back comes to what was pai
   const Painted painted;
   Painting painting(painted.scene, painted.resolved);
   painting.paint({0.05, 0.05, 0}, 0.04, RegionModel::precomputed);
-  const auto folder = std::filesystem::temp_directory_path() / "lobe_painting_test";
-  std::filesystem::create_directories(folder);
-  const Scene scene = read_scene(painting.save(folder, "painted"));
+  const Folder folder;
+  const Scene scene = read_scene(painting.save(folder.path, "painted"));
   const Resolved again = resolve(scene, read_mesh(mesh_path(scene)).mesh);
   CHECK(again.setup.region_of == painting.regions());
   CHECK(again.setup.material_of == painted.resolved.setup.material_of);
-  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("a name that leads to another folder is refused") {

@@ -46,9 +46,9 @@ class Noting final : public Service {
     const std::lock_guard lock(mutex);
     return std::find(notes.begin(), notes.end(), what) != notes.end();
   }
-  // Within some seconds.
+  // Within half a minute: on a busy machine a thread may wait for seconds.
   bool has(const std::string& what) {
-    for (int i = 0; i < 500 && !knows(what); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (int i = 0; i < 3000 && !knows(what); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return knows(what);
   }
 

@@ -74,10 +74,10 @@ struct Viewed {
 
   void ask(view::ClientId page, const Json& request) { viewer->received(page, request.dump()); }
 
-  // The next frame that the page is sent, within some seconds.
+  // The next frame that the page is sent, within a minute.
   std::string message(view::ClientId page) {
     std::string message;
-    for (int i = 0; i < 2000 && message.empty(); ++i) {
+    for (int i = 0; i < 12000 && message.empty(); ++i) {
       message = viewer->next_frame(page);
       if (message.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

@@ -64,8 +64,9 @@ void time_frames(const Setup& setup, LiveRow& row) {
     }
   };
   const auto play_alone = [&] {
-    for (; next < session.recording().commands.size(); ++next)
-      world.apply(std::get<Command>(session.recording().commands[next].command));
+    const CommandLog& commands = session.recording().commands;
+    for (CommandLog::Iterator entry(commands, next); next < commands.size(); ++next, ++entry)
+      world.apply(std::get<Command>(entry->command));
   };
   for (int i = 0; i < row.frames; i += block) {
     in_session.push_back(timed_us(play_session) / block);
@@ -142,7 +143,7 @@ RandomPlay play_random_hands(const Setup& setup, double minutes) {
   played.frames = session.frames;
   played.minutes = double(session.frames) / 120 / 60;
   played.commands = long(session.recording.commands.size());
-  played.recording_mb = 1e-6 * double(session.recording.commands.capacity() * sizeof(RecordedCommand));
+  played.recording_mb = 1e-6 * double(session.recording.commands.bytes());
   for (const RecordedCommand& one : session.recording.commands)
     played.returns += std::holds_alternative<GoBack>(one.command);
   const Stopwatch replaying(true);

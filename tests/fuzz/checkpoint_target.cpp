@@ -25,10 +25,12 @@ void restore(const std::string& bytes) {
 // The first commands, in short frames.
 void play(const std::string& bytes) {
   constexpr std::size_t most = 30;
-  Recording recording = parse_recording("recording", bytes);
+  const Recording recording = parse_recording("recording", bytes);
   World<float> world(fuzz::small_setup());
-  for (std::size_t i = 0; i < std::min(most, recording.commands.size()); ++i) {
-    auto* command = std::get_if<Command>(&recording.commands[i].command);
+  std::size_t played = 0;
+  for (RecordedCommand entry : recording.commands) {
+    if (played++ == most) return;
+    auto* command = std::get_if<Command>(&entry.command);
     if (!command) continue;
     if (auto* advance = std::get_if<Advance>(command)) advance->duration = 1e-6;
     const std::uint64_t before = digest(world), blades_before = io::digest_of_fields(world.save().blades);

@@ -38,7 +38,9 @@ Member member_type(Member Class::*);  // not defined
 // What io::put() writes of a type, in words.
 template <class T>
 std::string layout() {
-  if constexpr (io::Fielded<T>) {
+  if constexpr (std::is_same_v<T, CommandLog>) {  // packed by itself
+    return layout<CommandLog::Saved>() + layout<std::variant<Command, GoBack>>();
+  } else if constexpr (io::Fielded<T>) {
     return std::apply(
         [](auto... member) {
           return (std::string("{") + ... + (layout<decltype(member_type(member))>() + ",")) + "}";
@@ -107,7 +109,7 @@ TEST_CASE("a file of another layout has another format number") {
   write_checkpoint(file, world.save());
   check<Checkpoint<float>>(file, {23, 9634131502553439065u});
   write_recording(file, {});
-  check<Recording>(file, {11, 17288874152434981170u});
+  check<Recording>(file, {12, 5598557377977672559u});
   write_session(file, SavedSession<float>{world.save(), {}});
-  check<SavedSession<float>>(file, {4, 7781280319386154826u});
+  check<SavedSession<float>>(file, {5, 3568707245157889129u});
 }

@@ -35,6 +35,13 @@ Recording played() {
   return recorded.recording();
 }
 
+Recording changed(Recording recording, const std::function<void(std::vector<RecordedCommand>&)>& change) {
+  std::vector<RecordedCommand> entries = recording.commands.all();
+  change(entries);
+  recording.commands = CommandLog(entries);
+  return recording;
+}
+
 template <class Real>
 ReplayResult replayed_on(int threads, const Recording& recording) {
   World<Real> world(gesture(), threads);
@@ -90,8 +97,9 @@ TEST_CASE("a recording keeps the degrees of selective masses, also in its file")
   const ReplayResult replayed = replay(read_recording(folder.path / "calls"), again);
   CHECK(replayed.same);
   CHECK(replayed.commands == 8);
-  Recording wrong = recorded.recording();
-  std::get<SetMassDegree>(std::get<Command>(wrong.commands[0].command)).degree = 4;
+  const Recording wrong = changed(recorded.recording(), [](std::vector<RecordedCommand>& entries) {
+    std::get<SetMassDegree>(std::get<Command>(entries[0].command)).degree = 4;
+  });
   World<float> third(setup);
   CHECK_THROWS_WITH_AS(replay(wrong, third), doctest::Contains("no degree 4"), InputError);
 }
@@ -117,9 +125,10 @@ TEST_CASE(
 }
 
 TEST_CASE("a replay stops where the bits begin to differ") {
-  Recording recording = played<float>();
-  std::get<SetRegion>(std::get<Command>(recording.commands[2].command)).tets = {50};
-  std::get<RemoveTets>(std::get<Command>(recording.commands[1].command)).tets.pop_back();
+  const Recording recording = changed(played<float>(), [](std::vector<RecordedCommand>& entries) {
+    std::get<SetRegion>(std::get<Command>(entries[2].command)).tets = {50};
+    std::get<RemoveTets>(std::get<Command>(entries[1].command)).tets.pop_back();
+  });
   const ReplayResult replayed = replayed_on<float>(1, recording);
   CHECK_FALSE(replayed.same);
   CHECK(replayed.commands <= 3);

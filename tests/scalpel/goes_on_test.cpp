@@ -76,11 +76,12 @@ std::vector<BladeCut> apply(World<Real>& world, const Command& command) {
 template <class Real = float>
 void check_that_it_goes_on(const Recording& recording, const Setup& setup, std::size_t replayed) {
   World<Real> world(setup), simply(setup);
-  const Recording live = without_cuts(recording);
-  for (std::size_t i = 0; i < recording.commands.size(); ++i) {
-    const auto cuts = apply(world, command_of((i < replayed ? recording : live).commands[i]));
-    REQUIRE(cuts == apply(simply, command_of(live.commands[i])));
-    REQUIRE(digest(world) == recording.commands[i].digest);
+  const std::vector<RecordedCommand> entries = recording.commands.all(),
+                                     live = without_cuts(recording).commands.all();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const auto cuts = apply(world, command_of((i < replayed ? entries : live)[i]));
+    REQUIRE(cuts == apply(simply, command_of(live[i])));
+    REQUIRE(digest(world) == entries[i].digest);
     REQUIRE(digest_of_blades(world) == digest_of_blades(simply));
   }
   CHECK(io::digest_of_fields(world.save()) == io::digest_of_fields(simply.save()));
@@ -94,17 +95,18 @@ void check_that_it_goes_on(const Recording& recording, const Setup& setup) {
     check_that_it_goes_on<Real>(recording, setup, replayed);
 }
 
-std::vector<BladeCut::Step> steps_of(Recording recording) {
+std::vector<BladeCut::Step> steps_of(const Recording& recording) {
   std::vector<BladeCut::Step> steps;
-  for (const Advance* advance : frames_with_cuts(recording))
-    for (const BladeCut& cut : advance->cuts) steps.insert(steps.end(), cut.steps.begin(), cut.steps.end());
+  for (const RecordedCommand& entry : recording.commands)
+    if (const Advance* frame = part<const Advance>(entry))
+      for (const BladeCut& cut : frame->cuts) steps.insert(steps.end(), cut.steps.begin(), cut.steps.end());
   return steps;
 }
 
-Recording changed(Recording recording, const std::function<void(BladeCut&)>& change) {
-  for (Advance* advance : frames_with_cuts(recording))
-    for (BladeCut& cut : advance->cuts) change(cut);
-  return recording;
+Recording changed(const Recording& recording, const std::function<void(BladeCut&)>& change) {
+  return with_changed_cuts(recording, [&](Advance& frame) {
+    for (BladeCut& cut : frame.cuts) change(cut);
+  });
 }
 
 Recording without_ahead(const Recording& recording) {
@@ -300,11 +302,11 @@ TEST_CASE("what is said to be done ahead of a blade is refused by its name if it
   const Setup setup = sinking_block();
   const Recording recording = recording_of(setup, across, times(8, {0, 1}));
   World<float> world(setup);
+  const std::vector<RecordedCommand> entries = recording.commands.all();
   std::size_t at = 0;
-  while (part<const Advance>(recording.commands[at]) == nullptr)
-    world.apply(command_of(recording.commands[at++]));
+  while (part<const Advance>(entries[at]) == nullptr) world.apply(command_of(entries[at++]));
   const std::uint64_t before = digest(world);
-  Advance freed = *part<const Advance>(recording.commands[at]), expanded = freed;
+  Advance freed = *part<const Advance>(entries[at]), expanded = freed;
   REQUIRE(freed.cuts.size() == 2);
   freed.cuts[1].ahead.freed = {1000000};
   CHECK_THROWS_WITH_AS(
@@ -317,8 +319,8 @@ TEST_CASE("what is said to be done ahead of a blade is refused by its name if it
   CHECK_THROWS_WITH_AS(world.apply(expanded), "region: the setup does not say that it may be expanded",
                        InputError);
   CHECK(digest(world) == before);
-  for (; at < recording.commands.size(); ++at) {
-    world.apply(command_of(recording.commands[at]));
-    REQUIRE(digest(world) == recording.commands[at].digest);
+  for (; at < entries.size(); ++at) {
+    world.apply(command_of(entries[at]));
+    REQUIRE(digest(world) == entries[at].digest);
   }
 }

@@ -30,23 +30,32 @@ T* part(Recorded& recorded) {
   return command ? std::get_if<std::remove_const_t<T>>(command) : nullptr;
 }
 
-inline std::vector<Advance*> frames_with_cuts(Recording& recording) {
-  std::vector<Advance*> frames;
-  for (RecordedCommand& recorded : recording.commands)
-    if (auto* advance = part<Advance>(recorded); advance && !advance->cuts.empty()) frames.push_back(advance);
-  return frames;
+// change(entry) for each entry.
+template <class Change>
+Recording with_changed_entries(Recording recording, Change&& change) {
+  std::vector<RecordedCommand> entries = recording.commands.all();
+  for (RecordedCommand& entry : entries) change(entry);
+  recording.commands = CommandLog(entries);
+  return recording;
+}
+
+// change(frame) for each frame with cuts.
+template <class Change>
+Recording with_changed_cuts(const Recording& recording, Change&& change) {
+  return with_changed_entries(recording, [&](RecordedCommand& entry) {
+    if (auto* advance = part<Advance>(entry); advance && !advance->cuts.empty()) change(*advance);
+  });
 }
 
 // Takes all blades elsewhere.
-inline Recording displaced(Recording recording, const Vec3d& by) {
-  for (RecordedCommand& recorded : recording.commands)
-    if (auto* lead = part<Lead>(recorded)) lead->target.position += by;
-  return recording;
+inline Recording displaced(const Recording& recording, const Vec3d& by) {
+  return with_changed_entries(recording, [&](RecordedCommand& entry) {
+    if (auto* lead = part<Lead>(entry)) lead->target.position += by;
+  });
 }
 
-inline Recording without_cuts(Recording recording) {
-  for (Advance* advance : frames_with_cuts(recording)) advance->cuts.clear();
-  return recording;
+inline Recording without_cuts(const Recording& recording) {
+  return with_changed_cuts(recording, [](Advance& frame) { frame.cuts.clear(); });
 }
 
 }  // namespace lobe::test

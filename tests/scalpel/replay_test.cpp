@@ -48,8 +48,9 @@ void check_that_it_replays(const Recording& recording, const Setup& setup, int t
 
 // The first frame of a recording in which a blade has divided edges and opened faces, as a place in its list.
 std::size_t first_cut(const Recording& recording) {
-  for (std::size_t i = 0; i < recording.commands.size(); ++i) {
-    const Advance* advance = part<const Advance>(recording.commands[i]);
+  const std::vector<RecordedCommand> entries = recording.commands.all();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Advance* advance = part<const Advance>(entries[i]);
     if (!advance || advance->cuts.empty()) continue;
     const Incision& incision = advance->cuts[0].steps.back().incision;
     if (!incision.bisections.empty() && !incision.opened.empty()) return i;
@@ -60,15 +61,18 @@ std::size_t first_cut(const Recording& recording) {
 
 World<float> world_before(std::size_t entry, Recording recording, const Setup& setup) {
   World<float> world(setup);
-  recording.commands.resize(entry);
+  std::vector<RecordedCommand> entries = recording.commands.all();
+  entries.resize(entry);
+  recording.commands = CommandLog(entries);
   REQUIRE(replay(recording, world).same);
   return world;
 }
 
 void check_the_rest(World<float>& world, const Recording& recording, std::size_t from) {
-  for (std::size_t i = from; i < recording.commands.size(); ++i) {
-    world.apply(std::get<Command>(recording.commands[i].command));
-    REQUIRE(digest(world) == recording.commands[i].digest);
+  const std::vector<RecordedCommand> entries = recording.commands.all();
+  for (std::size_t i = from; i < entries.size(); ++i) {
+    world.apply(std::get<Command>(entries[i].command));
+    REQUIRE(digest(world) == entries[i].digest);
   }
 }
 
@@ -115,10 +119,10 @@ TEST_CASE("a recording's file has the cuts, and one of the version before them i
   write_recording(folder.path / "strokes", displaced(two_strokes(setup), {1, 0, 0}));
   check_that_it_replays(read_recording(folder.path / "strokes"), setup);
   const std::string contents(io::unseal("strokes", io::read_file(folder.path / "strokes"),
-                                        {"loberec ", 11, "recording of a world"}));
+                                        {"loberec ", 12, "recording of a world"}));
   CHECK_THROWS_WITH_AS(
-      parse_recording("strokes", io::seal({"loberec ", 10, "recording of a world"}, contents)),
-      "strokes: is the recording of a world in version 10; this program knows version 11", InputError);
+      parse_recording("strokes", io::seal({"loberec ", 11, "recording of a world"}, contents)),
+      "strokes: is the recording of a world in version 11; this program knows version 12", InputError);
 }
 
 TEST_CASE("cuts that do not fit are refused by their name, and the world is as before the frame") {
@@ -126,7 +130,8 @@ TEST_CASE("cuts that do not fit are refused by their name, and the world is as b
   const Recording recording = two_strokes(setup);
   const std::size_t at = first_cut(recording);
   World<float> world = world_before(at, recording, setup);
-  const Advance good = *part<const Advance>(recording.commands[at]);
+  const RecordedCommand cut = recording.commands[at];
+  const Advance good = *part<const Advance>(cut);
   std::vector<std::pair<Advance, const char*>> bad(
       5, {good, "incision: names a point that there is not, or divides an edge at its end"});
   const auto incision = [&](std::size_t i) -> Incision& {

@@ -33,15 +33,13 @@ const char* edit_name(const Command& command) {
 // The number of frames up to now, all of the same length.
 template <class Real>
 int frames_of(const Session<Real>& session) {
-  const Recording& recording = session.recording();
   int frames = 0;
-  for (std::size_t i : entries_to_the_end(recording)) {
-    const Command& command = std::get<Command>(recording.commands[i].command);
+  visit_to_the_end(session.recording(), [&](const Command& command, std::size_t times) {
     const std::string at = " at " + rounded(frames * session.frame()) + " s";
     if (const char* edit = edit_name(command))
       refuse(edit + at + ", which a scene cannot describe; a recording can");
-    frames += std::holds_alternative<Advance>(command);
-  }
+    if (std::holds_alternative<Advance>(command)) frames += int(times);
+  });
   if (frames == 0) refuse("nothing was simulated yet");
   if (frames * session.frame() != session.world().time())
     refuse("a frame failed, after which no scene gets here; go back to before it");

@@ -10,14 +10,17 @@ namespace {
 
 template <class Real>
 constexpr io::Format format{
-    std::is_same_v<Real, float> ? "lobesesf" : "lobesesd", 4,
+    std::is_same_v<Real, float> ? "lobesesf" : "lobesesd", 5,
     std::is_same_v<Real, float> ? "saved session in single precision" : "saved session in double precision"};
 
 }  // namespace
 
 template <class Real>
 Timeline<Real>::Timeline(World<Real>& world, double apart, std::size_t most_bytes)
-    : world_(world), recorder_(world), first_(world.save()), checkpoints_(SIZE_MAX, apart, most_bytes) {
+    : world_(world),
+      recorder_(world, NotedFrames::some),
+      first_(world.save()),
+      checkpoints_(SIZE_MAX, apart, most_bytes) {
   checkpoints_.keep(world);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 #include <map>
 #include <span>
@@ -15,7 +16,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 11, "recording of a world"};
+constexpr io::Format format{"loberec ", 12, "recording of a world"};
 
 // Whether a command only says what tools do in the next frame. Such a command does not change the state.
 bool is_about_tools(const Command& command) {
@@ -63,12 +64,12 @@ template <class Real>
 class Returns {
  public:
   explicit Returns(const Recording& recording) {
-    for (std::size_t i = 0; i < recording.commands.size(); ++i) {
-      const auto* back = std::get_if<GoBack>(&recording.commands[i].command);
-      if (!back) continue;
+    recording.commands.for_each_run([&](std::size_t i, const RecordedCommand& entry, std::size_t) {
+      const auto* back = std::get_if<GoBack>(&entry.command);
+      if (!back) return;
       if (back->entries > i) throw InputError("recording", "goes back to what comes later");
       checkpoints_[back->entries] = {};
-    }
+    });
   }
   void keep(std::size_t entries, const World<Real>& world) {
     if (const auto at = checkpoints_.find(entries); at != checkpoints_.end()) at->second = world.save();
@@ -81,14 +82,29 @@ class Returns {
 
 }  // namespace
 
-std::vector<std::size_t> entries_to_the_end(const Recording& recording) {
-  std::vector<std::size_t> line;
-  for (std::size_t i = 0; i < recording.commands.size(); ++i) {
-    const auto* back = std::get_if<GoBack>(&recording.commands[i].command);
-    if (!back) line.push_back(i);
-    while (back && !line.empty() && line.back() >= back->entries) line.pop_back();
-  }
-  return line;
+void visit_to_the_end(const Recording& recording,
+                      const std::function<void(const Command&, std::size_t)>& visit) {
+  struct Range {
+    std::size_t begin, end;
+  };
+  std::vector<Range> ranges{{0, 0}};  // of entries, what was undone left out
+  recording.commands.for_each_run([&](std::size_t first, const RecordedCommand& entry, std::size_t count) {
+    const auto* back = std::get_if<GoBack>(&entry.command);
+    ranges.back().end = first + (back ? 0 : count);
+    if (!back) return;
+    while (ranges.size() > 1 && ranges.back().begin >= back->entries) ranges.pop_back();
+    ranges.back().end = std::min<std::size_t>(ranges.back().end, back->entries);
+    ranges.push_back({first + 1, first + 1});
+  });
+  auto range = ranges.begin();
+  recording.commands.for_each_run([&](std::size_t first, const RecordedCommand& entry, std::size_t count) {
+    const auto* command = std::get_if<Command>(&entry.command);
+    for (; range != ranges.end() && range->begin < first + count; ++range) {
+      const std::size_t from = std::max(range->begin, first), to = std::min(range->end, first + count);
+      if (command && from < to) visit(*command, to - from);
+      if (range->end > first + count) break;
+    }
+  });
 }
 
 template <class Real>
@@ -98,7 +114,7 @@ std::uint64_t digest(World<Real>& world) {
 }
 
 template <class Real>
-CommandRecorder<Real>::CommandRecorder(World<Real>& world) : world_(world) {
+CommandRecorder<Real>::CommandRecorder(World<Real>& world, NotedFrames noted) : world_(world), noted_(noted) {
   recording_.setup = world.journal().setup;
   recording_.in_double = std::is_same_v<Real, double>;
 }
@@ -111,32 +127,45 @@ void CommandRecorder<Real>::apply(const Command& command) {
     return;
   }
   world_.apply(command);
+  frames_idle_ = 0;
+  if (!std::holds_alternative<Lead>(command)) frames_ = 0;
   const bool is_same = is_about_tools(command) && !recording_.commands.empty();
-  recording_.commands.push_back({command, is_same ? recording_.commands.back().digest : digest(world_)});
+  recording_.commands.push_back(command, is_same ? recording_.commands.last_digest() : digest(world_));
 }
 
 template <class Real>
 Report CommandRecorder<Real>::advance(double duration) {
   Report report = world_.advance(duration);
-  recording_.commands.push_back({Advance{duration, report.cuts}, digest(world_)});
+  const bool is_noted = notes_next_frame() || !report.cuts.empty();
+  recording_.commands.push_back(Command(Advance{duration, report.cuts}), digest(world_), is_noted);
   return report;
+}
+
+template <class Real>
+bool CommandRecorder<Real>::notes_next_frame() {
+  ++frames_;
+  ++frames_idle_;
+  const std::uint32_t longest = frames_idle_ < frames_ ? 16 : 1024;
+  return noted_ == NotedFrames::all || std::has_single_bit(frames_) || frames_ % longest == 0;
 }
 
 template <class Real>
 void CommandRecorder<Real>::go_back(const Checkpoint<Real>& checkpoint, std::size_t entries) {
   world_.restore(checkpoint);
-  recording_.commands.push_back({GoBack{entries}, digest(world_)});
+  frames_ = frames_idle_ = 0;
+  recording_.commands.push_back(GoBack{entries}, digest(world_));
 }
 
 template <class Real>
 void CommandRecorder<Real>::go_on(const Checkpoint<Real>& checkpoint, Recording recording) {
   const State<Real>& state = checkpoint.state;
   const bool is_its_end = recording.commands.empty() ||
-                          digest_of<Real>(state.u, state.v, state.time) == recording.commands.back().digest;
+                          digest_of<Real>(state.u, state.v, state.time) == recording.commands.last_digest();
   if (recording.setup != checkpoint.setup || recording.in_double != recording_.in_double || !is_its_end)
     throw InputError("recording", "does not lead to the state that was saved with it");
   world_.restore(checkpoint);
   recording_ = std::move(recording);
+  frames_ = frames_idle_ = 0;
 }
 
 template <class Real>
@@ -153,7 +182,7 @@ ReplayResult replay(const Recording& recording, World<Real>& world) {
       returns.go_back(*back, world);
     else
       world.apply(std::get<Command>(recorded.command));
-    replayed.same = digest(world) == recorded.digest;
+    replayed.same = !recorded.digest || digest(world) == recorded.digest;
     if (!replayed.same) break;
     ++replayed.commands;
   }

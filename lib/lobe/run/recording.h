@@ -6,46 +6,39 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string_view>
-#include <variant>
-#include <vector>
 
+#include "lobe/run/command_log.h"
 #include "lobe/sim/checkpoint.h"
 
 namespace lobe {
 
-// An entry: the world went back to its state after the first `entries` entries of the recording; 0: to its
-// start.
-struct GoBack {
-  std::uint64_t entries = 0;
-  static constexpr auto fields = std::tuple(&GoBack::entries);
-};
-
-struct RecordedCommand {
-  std::variant<Command, GoBack> command;
-  std::uint64_t digest = 0;  // of displacements, velocities and time after it
-  static constexpr auto fields = std::tuple(&RecordedCommand::command, &RecordedCommand::digest);
-};
-
 struct Recording {
   std::uint64_t setup = 0;  // fingerprint() of the world's
   bool in_double = false;
-  std::vector<RecordedCommand> commands;
+  CommandLog commands;
   static constexpr auto fields = std::tuple(&Recording::setup, &Recording::in_double, &Recording::commands);
 };
 
-// The entries that led to the state of the world at the end, without what was undone by going back, and
-// without GoBack.
-std::vector<std::size_t> entries_to_the_end(const Recording& recording);
+// Visits the commands that led to the state of the world at the end, without what was undone by going back
+// and without GoBack: visit(command, times), where equal frames are one.
+void visit_to_the_end(const Recording& recording,
+                      const std::function<void(const Command&, std::size_t)>& visit);
 
 template <class Real>
 std::uint64_t digest(World<Real>& world);
+
+// Whose digest is noted: that of each frame; or, of frames between which there are only poses of tools, that
+// of the 1st, 2nd, 4th … and of each 16th; where there is nothing between them, of each 1024th. A replay
+// compares where a digest is noted.
+enum class NotedFrames { all, some };
 
 // Passes commands on to a world and records them.
 template <class Real>
 class CommandRecorder {
  public:
-  explicit CommandRecorder(World<Real>& world);
+  explicit CommandRecorder(World<Real>& world, NotedFrames noted = NotedFrames::all);
 
   void apply(const Command& command);
   Report advance(double duration);
@@ -57,12 +50,17 @@ class CommandRecorder {
   const Recording& recording() const { return recording_; }
 
  private:
+  bool notes_next_frame();
+
   World<Real>& world_;
   Recording recording_;
+  NotedFrames noted_;
+  std::uint32_t frames_ = 0;       // since something else than poses
+  std::uint32_t frames_idle_ = 0;  // since anything
 };
 
 struct ReplayResult {
-  std::size_t commands = 0;  // that gave the recorded bits
+  std::size_t commands = 0;  // up to the first one after which the bits differ
   bool same = true;          // false: the next one did not
   double time = 0;           // of the world, where it ended [s]
 };

@@ -16,9 +16,9 @@
 namespace lobe::validation {
 namespace {
 
-constexpr double beam_length = 0.1, beam_side = 0.03, marker_height = 0.024;  // [m]
-constexpr double silicone_density = 1070, silicone_poisson = 0.45;            // [kg/m³]
-constexpr double seen_load = 0.51012, unseen_load = 1.00062;                  // [N]
+constexpr double silicone_length = 0.1, beam_side = 0.03, marker_height = 0.024;  // [m]
+constexpr double silicone_density = 1070, silicone_poisson = 0.45;                // [kg/m³]
+constexpr double seen_load = 0.51012, unseen_load = 1.00062;                      // [N]
 
 struct BeamMesh {
   int along = 13, across = 4, up = 6;
@@ -36,7 +36,7 @@ class SiliconeBeam {
  public:
   explicit SiliconeBeam(const BeamMesh& size)
       : size_(size),
-        mesh_(box_mesh({beam_length, beam_side, beam_side}, size.along, size.across, size.up)),
+        mesh_(box_mesh({silicone_length, beam_side, beam_side}, size.along, size.across, size.up)),
         nodes_(mesh_) {}
 
   // Displacement of the marker [m] with a modulus [Pa] and a load on the upper edge of the free end [N].
@@ -80,7 +80,7 @@ class SiliconeBeam {
   template <class Add>
   void hang(double load, const Mat3X<double>& X, const Add& add) const {
     for (Index n = 0; n < X.cols(); ++n) {
-      const bool on_edge = std::abs(X(0, n) - beam_length) < 1e-9 && std::abs(X(2, n) - beam_side) < 1e-9;
+      const bool on_edge = std::abs(X(0, n) - silicone_length) < 1e-9 && std::abs(X(2, n) - beam_side) < 1e-9;
       const bool is_end = X(1, n) < 1e-9 || X(1, n) > beam_side - 1e-9;
       if (on_edge && (size_.is_quadratic || n < mesh_.vertex_count()))
         add(n, -load * share_of_node(n < mesh_.vertex_count(), is_end, size_.across, size_.is_quadratic));
@@ -94,7 +94,7 @@ class SiliconeBeam {
     for (Index v = 0; v < mesh_.vertex_count(); ++v) {
       const Vec3d X = mesh_.points.col(v);
       const double away = std::abs(X.z() - marker_height) / h;
-      if (std::abs(X.x() - beam_length) < 1e-9 && X.y() < 1e-9 && away < 1) sum += (1 - away) * u.col(v);
+      if (std::abs(X.x() - silicone_length) < 1e-9 && X.y() < 1e-9 && away < 1) sum += (1 - away) * u.col(v);
     }
     return sum.norm();
   }

@@ -9,8 +9,8 @@
 namespace lobe {
 
 // The equations of a setup on the nodes of its quadratic mesh. The same body is held as on the mesh itself:
-// an edge whose ends are given moves with them. Gravity and tractions are integrated with the functions of the
-// nodes. Forces on vertices act there.
+// an edge whose ends are given moves with them. Gravity and tractions are integrated with the functions of
+// the nodes. Forces on vertices act there.
 StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh);
 
 // Everything in the result is of the nodes, of which the first are the vertices; volume ratios are those at

@@ -58,7 +58,8 @@ void ToolContact::search(const ContactSurface& surface, const Mat3X<double>& x, 
                          double body_moved, double ahead) {
   const RigidMotion now = motion_at(path_, time);
   const double margin = 0.5 * surface.mean_edge() + 1.1 * ahead + memory_.held().most();
-  std::vector<int> place_of(surface.points().size(), -1);  // in points_
+  std::vector<int>& place_of = scratch_.place_in_search;
+  place_of.assign(surface.points().size(), -1);
   points_.clear();
   candidates_.clear();
   scratch_.near.clear();

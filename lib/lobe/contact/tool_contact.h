@@ -126,7 +126,8 @@ class ToolContact {
     const Anchor* anchor;  // or null
     Vec3d gradient, place;
   };
-  struct Scratch {                         // of an evaluation of forces, stiffness or energy
+  struct Scratch {                         // of a search, or an evaluation of forces, stiffness or energy
+    std::vector<int> place_in_search;      // per point of the surface: its place in points_, or −1
     std::vector<int> near;                 // candidates that may touch
     std::vector<int> points;               // their points, as those of the surface
     std::vector<int> place_of;             // per point of points_: its place there

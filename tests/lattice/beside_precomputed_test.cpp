@@ -13,11 +13,11 @@ using namespace lobe::test;
 
 namespace {
 
-constexpr int length = 15, width = 5;  // cells
+constexpr int cells_along = 15, cells_across = 5;  // cells
 
 // A bar along x, pre-computed between two places [m], the rest of another model.
 Setup part_precomputed(double from, double to, RegionModel rest, RegionFrame frame = RegionFrame::corotated) {
-  Setup setup = bar(length, width, true, rest);
+  Setup setup = bar(cells_along, cells_across, true, rest);
   setup.precomputed_frame = frame;
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     if (const double x = barycentre(setup.mesh, t).x(); x > from && x < to)
@@ -58,13 +58,13 @@ std::vector<double> masses_while_edited(const Setup& setup) {
   std::vector<double> masses{mass_of_body(world)};
   const auto then = [&](const Command& command) {
     world.apply(command);
-    CHECK(fault_of(world) == "");
+    CHECK(test::fault_of(world) == "");
     world.advance(0.005);
-    CHECK(fault_of(world) == "");
+    CHECK(test::fault_of(world) == "");
     masses.push_back(mass_of_body(world));
     World<double> other(setup);
     other.restore(world.save());
-    CHECK(fault_of(other) == "");
+    CHECK(test::fault_of(other) == "");
     CHECK(moving_mass(other) == near(moving_mass(world), 1e-12));
   };
   const Index last = setup.mesh.tet_count() - 1;
@@ -80,7 +80,7 @@ std::vector<double> masses_while_edited(const Setup& setup) {
 // When a bar that was bent slightly and let go passes through rest [s].
 std::vector<double> first_crossings(const Setup& setup, int count) {
   World<double> world(setup);
-  const Eigen::RowVectorXd shape = (setup.mesh.points.row(0) / (length * edge)).cwiseAbs2();
+  const Eigen::RowVectorXd shape = (setup.mesh.points.row(0) / (cells_along * edge)).cwiseAbs2();
   State<double> state = world.state();
   state.u.row(2) = 5e-4 * shape;
   world.set_state(state);
@@ -135,7 +135,7 @@ TEST_CASE("beside a pre-computed region a reduced bar swings as a non-linear one
 
 // What falls freely has the momentum of its weight, whichever regions carry it.
 TEST_CASE("reduced tetrahedra that become pre-computed keep their momentum, and their weight acts once") {
-  Setup setup = bar(length, width, false);
+  Setup setup = bar(cells_along, cells_across, false);
   setup.precomputed_frame = RegionFrame::corotated;
   setup.gravity = {0, 0, -9.81};
   World<double> world(setup);
@@ -143,7 +143,7 @@ TEST_CASE("reduced tetrahedra that become pre-computed keep their momentum, and 
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     if (barycentre(setup.mesh, t).x() > 0.1) tets.push_back(t);
   const auto check_momentum = [&] {
-    CHECK(fault_of(world) == "");
+    CHECK(test::fault_of(world) == "");
     const double expected = -9.81 * mass_of_tets(setup) * (world.time() - world.state().velocity_lag);
     CHECK(momentum_of(world).linear.z() == near(expected, 0.002));
   };

@@ -134,7 +134,7 @@ TEST_CASE("selective masses take the place of corrected regions, and the report 
   REQUIRE(resolved.warnings.size() == 1);
   CHECK(resolved.warnings[0] ==
         "/regions/auto: nothing is linear: time/selective_mass takes its place, and is corrected");
-  CHECK(run_scene(scene, resolved, {folder.path / "out", 1, {}, make_ldlt, {}}).ok);
+  CHECK(run_scene(scene, resolved, {folder.path / "out", 1, {}, make_ldlt, false, {}}).ok);
   const Json report = report_in(folder.path / "out");
   CHECK(report["regions"]["nonlinear"] == beam_mesh().tet_count());
   int frames = 0;

@@ -57,7 +57,7 @@ inline RunResult play(const std::filesystem::path& scene_file, const std::filesy
                       int threads = 1) {
   const Scene scene = read_scene(scene_file);
   return run_scene(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh),
-                   {directory, threads, {}, make_ldlt, {}});
+                   {directory, threads, {}, make_ldlt, false, {}});
 }
 
 inline Json report_in(const std::filesystem::path& directory) {

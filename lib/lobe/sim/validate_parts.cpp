@@ -153,13 +153,12 @@ void validate_grains(const Grains& grains, const Elements& elements) {
 
 template <class Real>
 void validate_parts(const World<Real>& world) {
-  if (world.body().regions.are_up_to_date()) {
-    validate_lattice(world.body());
-    validate_total_mass(world.body());
-  }
+  const bool are_up_to_date = world.body().regions.are_up_to_date();
+  if (are_up_to_date) validate_lattice(world.body());
   validate_tools(world.tools(), world.elements().topology.vertex_count());
   validate_sleep(world.body());
   if (world.grains()) validate_grains(*world.grains(), world.elements());
+  if (are_up_to_date) validate_total_mass(world.body());  // last, as faults of parts change it, too
 }
 
 template void validate_parts(const World<float>&);

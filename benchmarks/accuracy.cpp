@@ -15,7 +15,6 @@ void show(const AccuracyRow& r) {
               r.safety);
   if (r.to_the_end) {
     std::printf("%10.3e %10.4g %11.3e ", r.dt, r.wall_per_s, r.error_model);
-    std::printf("%11.3e ", r.error_same_held);
     if (r.has_total) std::printf("%11.3e ", r.error_total);
   }
   std::printf(" %s\n", r.status.c_str());
@@ -23,8 +22,8 @@ void show(const AccuracyRow& r) {
 }
 
 void print_heading() {
-  std::printf("\n%-12s %-18s %-6s %7s %6s %10s %10s %11s %11s %11s  %s\n", "scene", "model", "prec.", "tets",
-              "safety", "dt [s]", "wall/s", "error_model", "same held", "error_total", "status");
+  std::printf("\n%-12s %-18s %-6s %7s %6s %10s %10s %11s %11s  %s\n", "scene", "model", "prec.", "tets",
+              "safety", "dt [s]", "wall/s", "error_model", "error_total", "status");
 }
 
 void print_pareto(std::vector<AccuracyRow> rows) {
@@ -42,7 +41,6 @@ void print_references(const std::vector<AccuracyRow>& rows) {
     if (std::exchange(tets, row.tets) == row.tets) continue;
     std::printf("halving its time steps changed the reference on %d tetrahedra by %.1e", row.tets,
                 row.model_reference_change);
-    std::printf(", that on its refinement with the same body held by %.1e", row.same_held_reference_change);
     if (row.has_total) std::printf(", that on the fine mesh by %.1e", row.total_reference_change);
     std::printf("\n");
   }

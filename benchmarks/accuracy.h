@@ -19,11 +19,9 @@ struct AccuracyRow {
       0;  // against all non-linear, in double precision, with small steps, on the same mesh; 3 digits
   double error_total = 0;  // against that on the largest mesh, refined once
   bool has_total = false;
-  double error_same_held = 0;         // against that on the same mesh, refined once, with the same body held
   bool pareto = false;                // of its scene: no other row is both faster and closer to the reference
   double model_reference_change = 0;  // when the reference's steps were halved last
   double total_reference_change = 0;
-  double same_held_reference_change = 0;
 };
 
 struct Accuracy {
@@ -31,7 +29,7 @@ struct Accuracy {
   std::vector<std::string> warnings;  // one line each
 };
 
-// Plays one scene in all ways, after four references per mesh and two on the fine one. `show` is called with
+// Plays one scene in all ways, after two references per mesh and two on the fine one. `show` is called with
 // each row as soon as it is there. Without `in_double` only single precision is played. Throws InputError;
 // WrongResult if a reference does not run to its end.
 Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const AccuracyRow&) = nullptr,

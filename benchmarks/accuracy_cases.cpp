@@ -175,16 +175,6 @@ bool selects_by_number(const Scene& scene) {
   return found;
 }
 
-Scene with_same_held(Scene scene, const TetMesh& old, const RefinedMesh& refined) {
-  const auto keep = [&](Selector& selector) {
-    selector.value = prolongated_vertices(select_vertices(selector, old), old, refined);
-  };
-  for (Boundary& boundary : scene.boundary) keep(boundary.where);
-  for (Tool& tool : scene.tools)
-    if (tool.where) keep(*tool.where);
-  return prolongated(std::move(scene), old, refined);
-}
-
 Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined) {
   for_each_selector(scene,
                     [&](Selector& selector, bool of_tets) { prolongate(selector, of_tets, old, refined); });

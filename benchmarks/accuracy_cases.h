@@ -31,8 +31,4 @@ bool selects_by_number(const Scene& scene);
 // tetrahedra, that they select on the old one. All others are geometric, and stay.
 Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined);
 
-// The same of all that the scene holds, grasps and loads, by number or not: on the refined mesh they take the
-// same part of the body as on the old one.
-Scene with_same_held(Scene scene, const TetMesh& old, const RefinedMesh& refined);
-
 }  // namespace lobe::bench

@@ -53,13 +53,6 @@ Setup fine_setup(const Case& scene) {
   return reference_setup(setup_on(fine, std::move(refined.mesh)));
 }
 
-// The scene on a mesh refined once, with what it holds as on the mesh itself.
-Setup same_held_setup(const Scene& scene, const TetMesh& mesh) {
-  RefinedMesh refined = refine(mesh);
-  const Scene fine = with_same_held(scene, mesh, refined);
-  return reference_setup(setup_on(fine, std::move(refined.mesh)));
-}
-
 std::vector<std::string> warnings_of(const Case& scene) {
   std::vector<std::string> warnings;
   for (const Tool& tool : scene.scene.tools)
@@ -82,12 +75,6 @@ double three_digits(double value) {
 void set_errors(const ErrorNorm& norm, const Reference& model, const Played& played, AccuracyRow& row) {
   row.model_reference_change = model.change;
   if (played.to_the_end) row.error_model = three_digits(norm.relative(played.samples, model.samples));
-}
-
-void set_same_held_error(const ErrorNorm& norm, const Reference& same_held, const Played& played,
-                         AccuracyRow& row) {
-  row.same_held_reference_change = same_held.change;
-  if (played.to_the_end) row.error_same_held = three_digits(norm.relative(played.samples, same_held.samples));
 }
 
 void set_total_error(const ErrorNorm& norm, const Reference& total, const Played& played, AccuracyRow& row) {
@@ -136,16 +123,12 @@ Accuracy measure_accuracy(const Case& scene, int threads, void (*show)(const Acc
   for (std::size_t i = 0; i < setups.size(); ++i) {
     const Reference same_mesh = make_reference(reference_setup(setups[i]), schedule, model_safety);
     const ErrorNorm model_norm(same_mesh.setup);
-    const Reference same_held =
-        make_reference(same_held_setup(scene.scene, setups[i].mesh), schedule, total_safety);
-    const ErrorNorm same_held_norm(same_held.setup, setups[i].mesh);
     for (const Model& model : make_models(setups[i], accuracy.warnings))
       for (const Way& way : ways(threads, in_double)) {
         const Played played = play(model.setup, schedule, way, model.is_corrected);
         AccuracyRow row = row_of(model, way, played);
         row.scene = scene.name;
         set_errors(model_norm, same_mesh, played, row);
-        set_same_held_error(same_held_norm, same_held, played, row);
         if (!only_largest || i + 1 == setups.size()) set_total_error(total_norms[i], total, played, row);
         if (show) show(row);
         accuracy.rows.push_back(std::move(row));

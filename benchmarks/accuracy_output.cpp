@@ -68,8 +68,7 @@ std::string unique_words(const std::vector<AccuracyRow>& rows, std::string Accur
 std::string accuracy_csv(const std::vector<AccuracyRow>& rows) {
   std::ostringstream out;
   out << "model,precision,tets,dt_s,wall_s_per_s,error_model,error_total,scene,safety,pareto,threads,"
-         "linear_fraction,model_reference_change,total_reference_change,error_same_held,"
-         "same_held_reference_change,status\n"
+         "linear_fraction,model_reference_change,total_reference_change,status\n"
       << std::setprecision(4);
   const auto number = [&](bool known, double value) {
     if (known) out << value;
@@ -84,8 +83,6 @@ std::string accuracy_csv(const std::vector<AccuracyRow>& rows) {
     out << r.scene << ',' << r.safety << ',' << r.pareto << ',' << r.threads << ',' << r.linear_fraction
         << ',' << r.model_reference_change << ',';
     number(r.has_total, r.total_reference_change);
-    number(r.to_the_end, r.error_same_held);
-    out << r.same_held_reference_change << ',';
     out << r.status << '\n';
   }
   return out.str();
